@@ -1,0 +1,294 @@
+"""The canonical events: frozen values in SI with the source span that caused them.
+
+`end` is the controlled point in the machine frame M, tool length offset not
+included: x, y, z [m], a, b, c [rad]. Axes stand at ``end + tool_offset``. The
+kinds and fields are those of LinuxCNC's canonical machining functions
+(Kramer, Proctor and Messina 2000, section 4), so listings can be compared.
+Acts happen in time; states hold from where they stand until changed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from gcodesim.diagnostics import Span
+
+__all__ = [
+    "Action",
+    "ArcFeed",
+    "Axes",
+    "Coolant",
+    "Dwell",
+    "End",
+    "EndOfFile",
+    "Event",
+    "FeedUnit",
+    "LinearFeed",
+    "Log",
+    "Message",
+    "Motion",
+    "OptionalStop",
+    "Orient",
+    "Output",
+    "Override",
+    "PalletShuttle",
+    "PathMode",
+    "Point",
+    "Print",
+    "Probe",
+    "Rapid",
+    "Spindle",
+    "SplineFeed",
+    "Stop",
+    "Tap",
+    "ToolChange",
+    "ToolNumber",
+    "ToolOffset",
+    "ToolSelect",
+    "WorkSystem",
+]
+
+Axes = tuple[float, float, float, float, float, float]
+Point = tuple[float, float, float]
+
+# speed of the XYZ path [m/s] or [m/rev]; of the rotary axes [rad/s] or [rad/rev] when only those move
+FeedUnit = Literal["m/s", "m/rev", "rad/s", "rad/rev"]
+
+ZERO_AXES: Axes = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Event:
+    """Anything a program causes; `span` is the place that caused it."""
+
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Motion(Event):
+    """A move of the controlled point to `end`. `block` counts executed blocks; `word` is the motion word, as G1."""
+
+    end: Axes
+    block: int = 0
+    word: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rapid(Motion):
+    """Move at full speed. `home` names the stored position (G28, G30) when the target is one that was never stored."""
+
+    home: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LinearFeed(Motion):
+    """Straight cut at `feed` in `feed_unit`; in threading `pitch` [m/rev] rules instead and `feed` is 0."""
+
+    feed: float
+    feed_unit: FeedUnit = "m/s"
+    pitch: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ArcFeed(Motion):
+    """Arc or helix about `center` (at the height of the end along `normal`).
+
+    `sweep` [rad] is signed, counterclockwise about `normal` positive, full
+    turns included; `turns` counts full circles begun, 1 for less than one.
+    """
+
+    center: Point
+    normal: Point
+    ccw: bool
+    turns: int
+    sweep: float
+    feed: float
+    feed_unit: FeedUnit = "m/s"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SplineFeed(Motion):
+    """A spline as control points and as a polyline `points` that stays within 2 um of it."""
+
+    points: tuple[Point, ...]
+    control_points: tuple[Point, ...]
+    feed: float
+    feed_unit: FeedUnit = "m/s"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Probe(Motion):
+    """Straight move until the probe trips: G38.2 to G38.5."""
+
+    feed: float
+    feed_unit: FeedUnit = "m/s"
+    towards: bool = True
+    must_trip: bool = True
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tap(Motion):
+    """Rigid tap: synchronous to `end` and back to where it began; `pitch` [m/rev]."""
+
+    pitch: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Dwell(Event):
+    """Wait [s]."""
+
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ToolSelect(Event):
+    """T word: the tool that the next change brings."""
+
+    tool: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ToolChange(Event):
+    """M6; tool 0 empties the spindle."""
+
+    tool: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ToolNumber(Event):
+    """M61: the tool in the spindle is called by this number from now on."""
+
+    tool: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ToolOffset(Event):
+    """State: the length offset in force, added to `end` to give axes."""
+
+    offset: Axes
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Spindle(Event):
+    """State: speed [rad/s], or cutting speed [m/s] under G96 with the cap `max_speed` [rad/s]."""
+
+    direction: Literal["off", "cw", "ccw"]
+    speed: float
+    unit: Literal["rad/s", "m/s"] = "rad/s"
+    max_speed: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Coolant(Event):
+    """State."""
+
+    flood: bool
+    mist: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PathMode(Event):
+    """State: G61, G61.1 or G64 with `tolerance` P [m] and merge tolerance `naive` Q [m] (0: none given)."""
+
+    mode: Literal["exact_path", "exact_stop", "blend"]
+    tolerance: float = 0.0
+    naive: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Override(Event):
+    """State: which overrides are allowed (M48 to M53)."""
+
+    feed: bool
+    speed: bool
+    adaptive: bool
+    hold: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WorkSystem(Event):
+    """State: the work system in force; `index` 1 (G54) to 9 (G59.3).
+
+    ``end = R(rotation) (program + g92) + offset``, R about Z [rad].
+    """
+
+    index: int
+    offset: Axes
+    g92: Axes
+    rotation: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Orient(Event):
+    """M19: spindle angle [rad]; direction 0 shortest, 1 clockwise, 2 counterclockwise."""
+
+    angle: float
+    direction: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Output(Event):
+    """M62 to M65, M67, M68. `with_motion`: takes effect where the next move begins."""
+
+    type: Literal["digital", "analog"]
+    index: int
+    value: float
+    with_motion: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Action(Event):
+    """An M-code that the cell maps to a tool or gripper: `verb` on `target`."""
+
+    m: int
+    p: float | None
+    q: float | None
+    target: str
+    verb: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Message(Event):
+    """(MSG, ...) and (DEBUG, ...): shown to the operator."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Print(Event):
+    """(PRINT, ...)"""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Log(Event):
+    """(LOG, ...)"""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Stop(Event):
+    """M0, and M60 after its shuttle."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OptionalStop(Event):
+    """M1."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PalletShuttle(Event):
+    """M30 and M60."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class End(Event):
+    """M2 or M30."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EndOfFile(Event):
+    """The closing % of a program without M2."""

@@ -1,0 +1,5 @@
+"""Findings GS3xx."""
+
+from gcodesim.diagnostics.catalogue.code import Code
+
+CODES: tuple[Code, ...] = ()

@@ -1,0 +1,73 @@
+"""Findings as people and as programs read them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from gcodesim.diagnostics.finding import Diagnostic, Span
+from gcodesim.diagnostics.text import SourceText
+
+_LONGEST_EXCERPT = 120
+
+
+def place(span: Span) -> str:
+    """`file:line:column`, or the file alone when the finding is about all of it."""
+    return f"{span.file}:{span.line}:{span.column}" if span.line else span.file
+
+
+def excerpt(span: Span, text: str) -> list[str]:
+    """The guilty line and a caret line below it; long lines are cut around the place."""
+    if not text.strip():
+        return []
+    first = max(span.column - 1, 0)
+    last = span.end_column - 1 if span.end_line == span.line and span.end_column > span.column else first + 1
+    shown = "".join(c if c == "\t" or c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
+    cut = max(0, first - _LONGEST_EXCERPT // 2) if len(shown) > _LONGEST_EXCERPT else 0
+    window = shown[cut : cut + _LONGEST_EXCERPT]
+    lead = "".join("\t" if c == "\t" else " " for c in window[: first - cut])
+    width = max(1, min(last, cut + _LONGEST_EXCERPT, len(text)) - first)
+    number = str(span.line)
+    before, after = ("…" if cut else ""), ("…" if cut + _LONGEST_EXCERPT < len(shown) else "")
+    return [
+        f"  {number} | {before}{window}{after}",
+        f"  {' ' * len(number)} | {' ' * len(before)}{lead}{'^' * width}",
+    ]
+
+
+def as_text(finding: Diagnostic, sources: Mapping[str, SourceText]) -> str:
+    """A finding for people: headline, excerpt with caret, callers, hint."""
+    times = f" ({finding.count} times)" if finding.count > 1 else ""
+    at = f" at {finding.time:.3f} s" if finding.time is not None else ""
+    lines = [f"{place(finding.span)}: {finding.level.word} {finding.code}: {finding.message}{times}{at}"]
+    source = sources.get(finding.span.file)
+    if source is not None and finding.span.line:
+        lines += excerpt(finding.span, source.line(finding.span.line))
+    lines += [f"  called from {c.file}:{c.line} ({c.name})" for c in reversed(finding.span.callers)]
+    if finding.related is not None:
+        lines.append(f"  see {place(finding.related)}")
+    if finding.hint:
+        lines.append(f"  hint: {finding.hint}")
+    return "\n".join(lines)
+
+
+def as_json(finding: Diagnostic) -> dict[str, Any]:
+    """A finding as it stands in `results.json`."""
+    span = finding.span
+    return {
+        "code": finding.code,
+        "severity": finding.level.word,
+        "message": finding.message,
+        "hint": finding.hint,
+        "file": span.file,
+        "line": span.line,
+        "column": span.column,
+        "end_line": span.end_line or span.line,
+        "end_column": span.end_column,
+        "callers": [{"file": c.file, "line": c.line, "name": c.name} for c in span.callers],
+        "count": finding.count,
+        "time_s": finding.time,
+        "value": finding.value,
+        "limit": finding.limit,
+        "unit": finding.unit,
+    }

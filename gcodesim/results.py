@@ -1,0 +1,1 @@
+"""Metrics of a run: times, distances, volumes, forces and margins, in the form of `results.json`."""

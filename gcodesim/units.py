@@ -1,0 +1,22 @@
+"""Factors from shop-floor units to SI; the only place where they are written.
+
+Inside gcodesim everything is SI. A value in another unit carries the unit in
+its name and is converted here, at the border: program text, cell file, command
+line, report.
+"""
+
+from math import pi
+from typing import Final
+
+MM: Final = 1e-3
+INCH: Final = 25.4e-3
+FOOT: Final = 0.3048
+UM: Final = 1e-6
+MINUTE: Final = 60.0
+DEG: Final = pi / 180.0
+RPM: Final = 2.0 * pi / 60.0
+MM_PER_MINUTE: Final = MM / MINUTE
+N_PER_MM2: Final = 1e6
+N_PER_MM: Final = 1e3
+KW: Final = 1e3
+MM3: Final = 1e-9
