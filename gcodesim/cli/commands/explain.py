@@ -1,0 +1,36 @@
+"""`gcodesim explain CODE`: what a finding means, why it matters, what to do."""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+import textwrap
+from typing import Any
+
+from gcodesim.cli.exits import OK, UsageError
+
+
+def add_parser(commands: Any) -> None:
+    parser = commands.add_parser("explain", help="what a finding means, why it matters, what to do")
+    parser.add_argument("code", metavar="CODE", help="a code such as GS203")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    from gcodesim.diagnostics import code_of, codes
+
+    wanted = arguments.code.upper()
+    try:
+        code = code_of(wanted)
+    except KeyError:
+        near = difflib.get_close_matches(wanted, [c.code for c in codes()], n=3)
+        guess = f"; did you mean {' or '.join(near)}?" if near else ""
+        raise UsageError(f"there is no finding {arguments.code}{guess} (`gcodesim list codes` names all)") from None
+    print(f"{code.code}: {code.title} ({code.severity.word})")
+    for head, text in (("", code.what), ("Why it matters", code.why), ("What to do", code.remedy)):
+        if text:
+            print()
+            if head:
+                print(f"{head}:")
+            print(textwrap.fill(" ".join(text.split()), 88, initial_indent="  ", subsequent_indent="  "))
+    return OK

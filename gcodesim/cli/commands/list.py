@@ -1,0 +1,47 @@
+"""`gcodesim list FAMILY`: what there is to choose from."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from gcodesim.cli.exits import OK
+from gcodesim.cli.output import print_table
+
+WHAT = ("codes", "dialects", "kinematics", "machines", "materials", "processes", "tools", "worlds")
+
+
+def add_parser(commands: Any) -> None:
+    parser = commands.add_parser("list", help="codes, dialects, kinematics, machines, materials, processes, tools, worlds")
+    parser.add_argument("what", choices=WHAT, metavar="WHAT", help=", ".join(WHAT))
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    print_table(_rows(arguments.what), indent="")
+    return OK
+
+
+def _rows(what: str) -> list[list[str]]:
+    if what == "codes":
+        from gcodesim.diagnostics import codes
+
+        return [[code.code, code.severity.word.ljust(7), code.title] for code in codes()]
+    if what == "materials":
+        from gcodesim.processes.materials import LIBRARY
+
+        return [[name, material.name] for name, material in sorted(LIBRARY.items())]
+    if what == "machines":
+        from gcodesim.kinematics.models import MODELS
+
+        return [[name] for name in sorted(MODELS)]
+    from importlib import import_module
+
+    place = {
+        "dialects": ("gcodesim.rs274.dialects", "DIALECTS"),
+        "kinematics": ("gcodesim.kinematics", "KINEMATICS"),
+        "processes": ("gcodesim.processes", "PROCESSES"),
+        "tools": ("gcodesim.tools", "TOOLS"),
+        "worlds": ("gcodesim.world", "WORLDS"),
+    }[what]
+    return [[name] for name in getattr(import_module(place[0]), place[1])]

@@ -1,0 +1,73 @@
+"""Options that several commands share, each declared once."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from gcodesim.cli.exits import FAIL_ON, UsageError
+from gcodesim.diagnostics import SourceText
+
+
+def add_format(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--format", choices=("text", "json"), default="text", help="text for people, JSON for programs")
+
+
+def add_fail_on(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--fail-on", choices=FAIL_ON, default="error", help="exit with status 1 from this severity on (default: error)"
+    )
+
+
+def add_program(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("program", type=Path, metavar="PROGRAM", help="the RS274 program")
+
+
+def add_cell(parser: argparse.ArgumentParser, *, required: bool) -> None:
+    parser.add_argument("--cell", type=Path, metavar="CELL", required=required, help="the cell file (YAML)")
+    parser.add_argument(
+        "--allow-path",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="DIR",
+        help="a folder outside the cell's own from which it may take files; may be given several times",
+    )
+
+
+def add_language(parser: argparse.ArgumentParser) -> None:
+    """What the language reader may be told on the command line; a cell's own keys come second."""
+    group = parser.add_argument_group("language")
+    group.add_argument("--dialect", help="linuxcnc (default), rs274 …; see `gcodesim list dialects`")
+    group.add_argument("--tools", type=Path, metavar="FILE", help="tool table (tool.tbl)")
+    group.add_argument("--subs", type=Path, action="append", default=[], metavar="DIR", help="folder of subroutine files")
+    group.add_argument("--parameters", type=Path, metavar="FILE", help="parameter file (.var)")
+    group.add_argument(
+        "--block-delete",
+        nargs="?",
+        const=True,
+        default=None,
+        type=_switch,
+        metavar="0|1",
+        help="skip blocks that begin with /",
+    )
+    group.add_argument("--max-blocks", type=int, metavar="N", help="stop a program after N executed blocks")
+    group.add_argument("--time-limit", type=float, metavar="S", help="stop reading a program after S seconds")
+
+
+def _switch(text: str) -> bool:
+    if text not in ("0", "1"):
+        raise argparse.ArgumentTypeError("0 or 1 is expected")
+    return text == "1"
+
+
+def read_source(path: Path, what: str) -> SourceText:
+    """The bytes of a file named on the command line; UsageError when it cannot be read."""
+    if path.is_dir():
+        raise UsageError(f"{what} {path} is a folder, not a file")
+    try:
+        return SourceText.read(path)
+    except FileNotFoundError:
+        raise UsageError(f"{what} {path} is not there") from None
+    except OSError as error:
+        raise UsageError(f"{what} {path} cannot be read: {error.strerror}") from None

@@ -1,0 +1,36 @@
+"""The argument parser: one subparser a command, each in its own file under `commands`."""
+
+from __future__ import annotations
+
+import argparse
+from importlib import import_module
+
+from gcodesim import __version__
+
+COMMANDS = ("run", "check", "lint", "canon", "cell", "init", "info", "explain", "list", "warm_up")
+
+_EXAMPLES = """examples:
+  gcodesim init demo                            a commented program and cell to start from
+  gcodesim run part.nc --cell cell.yaml         simulate: material, forces, log, results
+  gcodesim check part.nc --cell cell.yaml       limits, reach, time; no material
+  gcodesim lint part.nc                         the program alone
+  gcodesim explain GS203                        what a finding means and what to do
+
+exit status: 0 clean, 1 findings (see --fail-on), 2 wrong usage, 70 fault of gcodesim, 130 interrupted
+"""
+
+
+def build_parser() -> argparse.ArgumentParser:
+    """The whole command line; building it imports no heavy package."""
+    parser = argparse.ArgumentParser(
+        prog="gcodesim",
+        description="Simulate G-code programs in cells of robots and machine tools: "
+        "motion, material, process forces, findings by line.",
+        epilog=_EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--version", action="version", version=f"gcodesim {__version__}")
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    for name in COMMANDS:
+        import_module(f"gcodesim.cli.commands.{name}").add_parser(commands)
+    return parser

@@ -1,0 +1,250 @@
+"""Write the generated programs of this folder: `python programs/make_programs.py [FOLDER]`.
+
+Each function yields the lines of one program, in the style of a CAM post of
+the kind named in its comment. Programs that are not listed here were written
+by hand.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+Lines = Iterator[str]
+
+
+def word(letter: str, value: float, digits: int = 3) -> str:
+    """A word as posts write it: fixed point, no trailing zeros, never -0."""
+    text = f"{value:.{digits}f}".rstrip("0").rstrip(".")
+    return letter + ("0" if text in ("-0", "") else text)
+
+
+def at(digits: int = 3, **words: float) -> str:
+    """`X1.5 Y2` of `x=1.5, y=2`."""
+    return " ".join(word(letter.upper(), value, digits) for letter, value in words.items())
+
+
+# --- bracket: face, pocket, bores, drill pattern; four tools ------------------
+
+
+def bracket() -> Lines:
+    """A plate 120 x 80 x 25 mm, zero at the front left of its top."""
+    yield "%"
+    yield "(bracket: face, pocket, two bores, four holes)"
+    yield "(stock 120 x 80 x 25, zero top front left, AlMgSi1)"
+    yield "(T1 end mill 32, T2 end mill 10, T3 drill 6, T4 end mill 8)"
+    yield "G21 G90 G17 G40 G49 G80 G94"
+    yield "G54 G64 P0.02"
+    yield from _tool(1, "face", 6000)
+    yield "G0 X-20 Y12"
+    yield "G0 Z5"
+    yield "G1 Z-1 F800"
+    yield "F1500"
+    for row in range(4):
+        y = 12.0 + 18.0 * row
+        if row:
+            yield f"G1 {at(y=y)}"
+        yield f"G1 X{140 if row % 2 == 0 else -20}"
+    yield "G0 Z50"
+    yield from _tool(2, "pocket 60 x 36, 8 deep", 9000)
+    yield "G0 X60 Y40"
+    yield "G0 Z2"
+    for level in range(1, 5):
+        z = -1.0 - 2.0 * level
+        yield f"(level {level})"
+        if level == 1:
+            yield "G1 Z-1 F600"
+        yield "G1 X68 Y40 F900"
+        yield f"G3 X68 Y40 I-8 J0 {at(z=z)} F700"
+        yield "G3 X68 Y40 I-8 J0 F1200"
+        for ring in range(1, 3):
+            half_y, half_x = 8.0 + 2.5 * ring, 20.0 + 2.5 * ring
+            yield f"G1 {at(x=60 + half_x, y=40 - half_y)} F1200"
+            yield f"G1 {at(y=40 + half_y)}"
+            yield f"G1 {at(x=60 - half_x)}"
+            yield f"G1 {at(y=40 - half_y)}"
+            yield f"G1 {at(x=60 + half_x)}"
+        yield "G1 X60 Y40"
+    yield "G0 Z50"
+    yield from _tool(4, "bores 16, through", 9500)
+    for x in (16.0, 104.0):
+        yield f"G0 {at(x=x + 4.0, y=40.0)}"
+        yield "G0 Z1"
+        yield "G1 Z-1 F500"
+        yield f"G3 {at(x=x + 4.0)} Y40 Z-26 I-4 J0 P10 F700"
+        yield f"G3 {at(x=x + 4.0)} Y40 I-4 J0 F900"
+        yield f"G1 {at(x=x)}"
+        yield "G0 Z20"
+    yield "G0 Z50"
+    yield from _tool(3, "holes 6, through, pecking", 4200)
+    yield "G98 G83 X10 Y10 Z-28 R1 Q5 F420"
+    yield "X110"
+    yield "Y70"
+    yield "X10"
+    yield "G80"
+    yield "G0 Z50"
+    yield "M9"
+    yield "M5"
+    yield "G49"
+    yield "M30"
+    yield "%"
+
+
+def _tool(number: int, what: str, speed: int) -> Lines:
+    yield f"({what})"
+    yield f"T{number} M6"
+    yield f"S{speed} M3"
+    yield f"G43 H{number} Z50"
+    yield "M8"
+
+
+# --- engraving: a single-line font --------------------------------------------
+
+# strokes on a 4 x 6 grid, by us
+_GLYPHS: dict[str, list[list[tuple[float, float]]]] = {
+    "G": [[(4, 5), (3, 6), (1, 6), (0, 5), (0, 1), (1, 0), (3, 0), (4, 1), (4, 3), (2.5, 3)]],
+    "C": [[(4, 5), (3, 6), (1, 6), (0, 5), (0, 1), (1, 0), (3, 0), (4, 1)]],
+    "O": [[(1, 0), (0, 1), (0, 5), (1, 6), (3, 6), (4, 5), (4, 1), (3, 0), (1, 0)]],
+    "D": [[(0, 0), (0, 6), (2.5, 6), (4, 4.5), (4, 1.5), (2.5, 0), (0, 0)]],
+    "E": [[(4, 6), (0, 6), (0, 0), (4, 0)], [(0, 3), (3, 3)]],
+    "S": [[(4, 5), (3, 6), (1, 6), (0, 5), (0, 4), (1, 3), (3, 3), (4, 2), (4, 1), (3, 0), (1, 0), (0, 1)]],
+    "I": [[(2, 0), (2, 6)], [(1, 0), (3, 0)], [(1, 6), (3, 6)]],
+    "M": [[(0, 0), (0, 6), (2, 3), (4, 6), (4, 0)]],
+    "2": [[(0, 5), (1, 6), (3, 6), (4, 5), (4, 4), (0, 0), (4, 0)]],
+    "7": [[(0, 6), (4, 6), (1.5, 0)]],
+    "4": [[(3, 0), (3, 6), (0, 2), (4, 2)]],
+    "-": [[(1, 3), (3, 3)]],
+}
+
+
+def engraving() -> Lines:
+    """Two lines of text in a name plate 120 x 50 x 8 mm, inside a frame with round corners."""
+    yield "(engraving: name plate, ball end mill 2 mm)"
+    yield "G21 G90 G17 G94 G64 P0.01"
+    yield "T1 M6"
+    yield "G43 H1"
+    yield "S18000 M3"
+    yield "G0 Z5"
+    for text, x0, y0, scale in (("GCODESIM", 10.0, 26.0, 2.4), ("42-7", 40.0, 10.0, 1.8)):
+        yield f"({text})"
+        for index, letter in enumerate(text):
+            left = x0 + index * 5.2 * scale
+            for stroke in _GLYPHS[letter]:
+                points = [(left + scale * u, y0 + scale * v) for u, v in stroke]
+                yield f"G0 {at(x=points[0][0], y=points[0][1])}"
+                yield "G0 Z1"
+                yield "G1 Z-0.3 F200"
+                yield f"G1 {at(x=points[1][0], y=points[1][1])} F900"
+                for x, y in points[2:]:
+                    yield f"G1 {at(x=x, y=y)}"
+                yield "G0 Z2"
+    yield "(frame)"
+    yield "G0 X9 Y4"
+    yield "G0 Z1"
+    yield "G1 Z-0.5 F200"
+    yield "G1 X111 F1200"
+    yield "G3 X116 Y9 I0 J5"
+    yield "G1 Y41"
+    yield "G3 X111 Y46 I-5 J0"
+    yield "G1 X9"
+    yield "G3 X4 Y41 I0 J-5"
+    yield "G1 Y9"
+    yield "G3 X9 Y4 I5 J0"
+    yield "G0 Z50"
+    yield "M5"
+    yield "M2"
+
+
+# --- finishing: a raster over a curved surface --------------------------------
+
+
+def _dune(x: float, y: float) -> float:
+    """Height of the finished surface [mm] at x, y [mm]."""
+    ripple = 0.8 * math.sin(0.11 * x + 0.03 * y) * math.cos(0.07 * y)
+    hill = 3.0 * math.exp(-((x - 55.0) ** 2 + (y - 35.0) ** 2) / 700.0)
+    return -5.5 + ripple + hill
+
+
+def finishing() -> Lines:
+    """Rows of 110 mm in 0.7 mm chords, 0.5 mm apart, ball end mill 8 mm; 22,000 blocks."""
+    radius = 4.0
+    yield "%"
+    yield "(finishing: raster over a curved surface, ball end mill 8 mm)"
+    yield "G21 G90 G17 G40 G94"
+    yield "G64 P0.005"
+    yield "T1 M6"
+    yield "G43 H1"
+    yield "S16000 M3"
+    yield "G0 Z10"
+    number = 0
+    for row in range(139):
+        y = 0.5 + 0.5 * row
+        steps = [0.7 * i for i in range(158)]
+        for i, x in enumerate(steps if row % 2 == 0 else reversed(steps)):
+            # tip of a ball that touches the surface: the centre lies one radius along the normal
+            slope_x = (_dune(x + 1e-3, y) - _dune(x - 1e-3, y)) / 2e-3
+            slope_y = (_dune(x, y + 1e-3) - _dune(x, y - 1e-3)) / 2e-3
+            length = math.sqrt(1.0 + slope_x**2 + slope_y**2)
+            tip_x, tip_y = x - radius * slope_x / length, y - radius * slope_y / length
+            tip_z = _dune(x, y) + radius / length - radius
+            number += 10
+            if row == 0 and i == 0:
+                yield f"N{number} G0 {at(x=tip_x, y=tip_y)}"
+                yield "G0 Z1"
+                yield f"G1 {at(z=tip_z)} F500"
+                yield "F2400"
+            else:
+                yield f"N{number} G1 {at(x=tip_x, y=tip_y, z=tip_z)}"
+    yield "G0 Z20"
+    yield "M5"
+    yield "M30"
+    yield "%"
+
+
+# --- wall: a printed rectangle with round corners -----------------------------
+
+
+def wall() -> Lines:
+    """Eight layers, 3 mm each; M10 and M11 switch the extruder (see the cell's m_codes)."""
+    yield "(wall: closed loop 160 x 90 mm with corners of 20 mm radius, bead 6 x 3 mm)"
+    yield "G21 G90 G17 G94 G64 P0.2"
+    yield "T1 M6"
+    yield "G43 H1"
+    yield "G0 Z40"
+    for layer in range(1, 9):
+        z = 3.0 * layer
+        yield f"(layer {layer})"
+        yield "G0 X20 Y0"
+        yield f"G0 {at(z=z)}"
+        yield "M10"
+        yield "G1 X140 F3000"
+        yield "G3 X160 Y20 I0 J20"
+        yield "G1 Y70"
+        yield "G3 X140 Y90 I-20 J0"
+        yield "G1 X20"
+        yield "G3 X0 Y70 I0 J-20"
+        yield "G1 Y20"
+        yield "G3 X20 Y0 I20 J0"
+        yield "M11"
+    yield "G0 Z60"
+    yield "M2"
+
+
+PROGRAMS: dict[str, Callable[[], Lines]] = {
+    "bracket.nc": bracket,
+    "engraving.ngc": engraving,
+    "finishing.nc": finishing,
+    "wall.nc": wall,
+}
+
+
+def main() -> None:
+    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent
+    for name, lines in PROGRAMS.items():
+        (folder / name).write_text("\n".join(lines()) + "\n", encoding="ascii")
+
+
+if __name__ == "__main__":
+    main()
