@@ -1,0 +1,15 @@
+"""Tools: one file a kind, its parameters on top; `TOOLS[kind]` is the dataclass."""
+
+from gcodesim.family import Family
+from gcodesim.tools.parameter import Parameter, parameters
+
+TOOLS = Family(
+    "tools",
+    flat_end_mill="gcodesim.tools.flat_end_mill:FlatEndMill",
+    ball_end_mill="gcodesim.tools.ball_end_mill:BallEndMill",
+    bull_nose_end_mill="gcodesim.tools.bull_nose_end_mill:BullNoseEndMill",
+    drill="gcodesim.tools.drill:Drill",
+    extruder="gcodesim.tools.extruder:Extruder",
+)
+
+__all__ = ["TOOLS", "Parameter", "parameters"]

@@ -1,0 +1,34 @@
+"""Ball end mill: a half ball below a cylinder."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+from typing import ClassVar
+
+from gcodesim.tools.body import Primitive, sphere
+from gcodesim.tools.cutter import Array, Cutter, arc_piece, line_piece
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BallEndMill(Cutter):
+    """A ball end mill; kappa runs from 0 at the tip to 90 degrees at the equator."""
+
+    kind: ClassVar[str] = "ball_end_mill"
+
+    def _edge_pieces(self) -> list[tuple[float, ...]]:
+        R = self.radius
+        return [arc_piece(0.0, R, R, 0.0, 0.5 * pi), line_piece(R, R, R, self.flute_length)]
+
+    @property
+    def cutting_shape(self) -> Array:
+        from gcodesim.material.shape import ball_shape
+
+        return ball_shape(self.radius, self.flute_length)
+
+    def _tip_bodies(self) -> tuple[list[Primitive], float]:
+        return [sphere("cutting", self.radius, 0.0)], self.radius
+
+    @property
+    def tip_height(self) -> float:
+        return self.radius

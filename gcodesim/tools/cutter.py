@@ -1,0 +1,141 @@
+"""Rotating cutters: what end mills and drills have in common."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.tools.body import Primitive, cylinder
+from gcodesim.tools.parameter import parameter
+from gcodesim.tools.tool import Tool
+from gcodesim.units import DEG, MM
+
+Array = NDArray[np.float64]
+
+
+def line_piece(r0: float, z0: float, r1: float, z1: float) -> tuple[float, ...]:
+    """Row of `Cutter.edge` for a straight piece of the edge's outline from (r0, z0) to (r1, z1) [m]."""
+    length = float(np.hypot(r1 - r0, z1 - z0))
+    kappa = float(np.arctan2(z1 - z0, r1 - r0))
+    return (0.0, r0, z0, kappa, kappa, length, z0, z1)
+
+
+def arc_piece(rc: float, zc: float, radius: float, kappa0: float, kappa1: float) -> tuple[float, ...]:
+    """Row of `Cutter.edge` for an arc about (rc, zc) [m]: r = rc + radius sin kappa, z = zc - radius cos kappa."""
+    z0, z1 = zc - radius * np.cos(kappa0), zc - radius * np.cos(kappa1)
+    return (radius, rc, zc, kappa0, kappa1, radius * (kappa1 - kappa0), float(z0), float(z1))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cutter(Tool):
+    """A cutter of revolution with `flutes` equal teeth; lengths [m], angles [rad]."""
+
+    process: ClassVar[str] = "milling"
+    center_cutting: ClassVar[bool] = True
+
+    diameter: float = parameter("length", "cutting diameter")
+    flutes: int = parameter("count", "number of teeth", default=2)
+    helix: float = parameter("angle", "helix angle; positive is right-hand", default=30.0 * DEG, rule="30 deg")
+    length: float = parameter(
+        "length",
+        "from the tip to the holder",
+        derive=lambda cutter: max(4.0 * cutter.diameter, 40.0 * MM),
+        rule="4 times the diameter, at least 40 mm",
+    )
+    flute_length: float = parameter(
+        "length", "length of the cutting edges from the tip", derive=lambda cutter: cutter.length, rule="as `length`"
+    )
+
+    @property
+    def radius(self) -> float:
+        """Half the cutting diameter [m]."""
+        return 0.5 * self.diameter
+
+    @property
+    def edge(self) -> Array:
+        """The outline of a cutting edge (k, 8), from the axis outwards and up.
+
+        A row is one piece: radius of the arc (0: straight), r and z of its centre (straight: of its start),
+        kappa at start and end [rad], arc length, z at start and end [m]. kappa is the angle between the edge and
+        the plane across the axis: 0 on a flat bottom, 90 degrees on the cylinder.
+        """
+        return np.array(self._edge_pieces(), dtype=np.float64)
+
+    def _edge_pieces(self) -> list[tuple[float, ...]]:
+        raise NotImplementedError
+
+    @property
+    def edge_height(self) -> float:
+        """Height above the tip up to which edges cut [m]."""
+        return self.flute_length
+
+    @property
+    def cutting_shape(self) -> Array:
+        """The cutting part as a shape array (8,) of the material kernels; it ends at `flute_length`."""
+        raise NotImplementedError
+
+    @property
+    def shank_shape(self) -> Array | None:
+        """The part between flutes and holder (8,), None when there is none."""
+        if self.length <= self.flute_length:
+            return None
+        from gcodesim.material.shape import cylinder_shape
+
+        return cylinder_shape(self.radius, self.flute_length, self.length)
+
+    @property
+    def holder_shape(self) -> Array | None:
+        """The holder (8,), None when the cell gives none."""
+        if self.holder is None:
+            return None
+        from gcodesim.material.shape import cylinder_shape
+
+        return cylinder_shape(0.5 * self.holder.diameter, self.length, self.true_length)
+
+    @property
+    def primitives(self) -> tuple[Primitive, ...]:
+        """Tip bodies of the kind, then cutting cylinder, shank and holder."""
+        tip, start = self._tip_bodies()
+        bodies = [*tip, cylinder("cutting", self.radius, start, self.flute_length)]
+        if self.length > self.flute_length:
+            bodies.append(cylinder("shank", self.radius, self.flute_length, self.length))
+        return (*bodies, *self._holder_bodies())
+
+    def _tip_bodies(self) -> tuple[list[Primitive], float]:
+        """Bodies below the cutting cylinder, and the height where the cylinder begins [m]."""
+        return [], 0.0
+
+    def problems(self) -> list[tuple[str, str]]:
+        found = Tool.problems(self)
+        if self.flutes < 1:
+            found.append(("flutes", f"`flutes` is {self.flutes}; a cutter has at least one"))
+        if not -89.0 * DEG < self.helix < 89.0 * DEG:
+            found.append(("helix", f"`helix` of {self.helix / DEG:g} deg is no helix; it lies between -89 and 89 deg"))
+        if self.flute_length > self.length:
+            found.append(
+                (
+                    "flute_length",
+                    f"`flute_length` {self.flute_length / MM:g} mm is more than `length` {self.length / MM:g} mm: "
+                    "the flutes would be inside the holder",
+                )
+            )
+        if 0.0 < self.flute_length < self.tip_height:
+            found.append(
+                (
+                    "flute_length",
+                    f"`flute_length` {self.flute_length / MM:g} mm is less than the height of the tip, "
+                    f"{self.tip_height / MM:g} mm",
+                )
+            )
+        return found
+
+    @property
+    def tip_height(self) -> float:
+        """Height above the tip at which the full diameter is reached [m]."""
+        return 0.0
+
+    def _positive(self) -> dict[str, float]:
+        return {"diameter": self.diameter, "flute_length": self.flute_length, **Tool._positive(self)}

@@ -1,0 +1,55 @@
+"""Twist drill: a cone below a cylinder."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import tan
+from typing import ClassVar
+
+from gcodesim.tools.body import Primitive, cone
+from gcodesim.tools.cutter import Array, Cutter, line_piece
+from gcodesim.tools.parameter import parameter
+from gcodesim.units import DEG
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Drill(Cutter):
+    """A drill whose straight lips reach the axis; only they cut, the margins of the cylinder guide.
+
+    The chisel edge is not modelled: thrust of a real drill with a thick web is higher by a third and more.
+    """
+
+    kind: ClassVar[str] = "drill"
+
+    point_angle: float = parameter("angle", "angle of the point, lip to lip", default=118.0 * DEG, rule="118 deg")
+
+    def _edge_pieces(self) -> list[tuple[float, ...]]:
+        return [line_piece(0.0, 0.0, self.radius, self.tip_height)]
+
+    @property
+    def edge_height(self) -> float:
+        return self.tip_height
+
+    @property
+    def cutting_shape(self) -> Array:
+        from gcodesim.material.shape import cone_shape
+
+        return cone_shape(self.radius, 0.5 * self.point_angle, self.flute_length)
+
+    def _tip_bodies(self) -> tuple[list[Primitive], float]:
+        return [cone("cutting", 0.0, self.radius, 0.0, self.tip_height)], self.tip_height
+
+    @property
+    def tip_height(self) -> float:
+        return self.radius / tan(0.5 * self.point_angle)
+
+    def problems(self) -> list[tuple[str, str]]:
+        found = Cutter.problems(self)
+        if not 10.0 * DEG <= self.point_angle <= 180.0 * DEG:
+            found.append(
+                (
+                    "point_angle",
+                    f"`point_angle` of {self.point_angle / DEG:g} deg is no drill point; it is 10 to 180 deg",
+                )
+            )
+        return found

@@ -1,0 +1,54 @@
+"""Extruder: a nozzle that lays a bead."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+from typing import ClassVar
+
+from gcodesim.tools.body import Primitive, cone, cylinder
+from gcodesim.tools.parameter import parameter
+from gcodesim.tools.tool import Tool
+from gcodesim.units import MM
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Extruder(Tool):
+    """A nozzle with its bead: a rectangle with round ends, `bead_width` wide and `bead_height` high [m]."""
+
+    kind: ClassVar[str] = "extruder"
+    process: ClassVar[str] = "extrusion"
+
+    bead_width: float = parameter("length", "width of a laid bead")
+    bead_height: float = parameter("length", "height of a laid bead, from the layer below to the nozzle")
+    filament_diameter: float | None = parameter("length", "diameter of filament, where E words count it", default=None)
+
+    @property
+    def bead_area(self) -> float:
+        """Cross-section of the bead [m²]: (w - h) h + pi h²/4."""
+        return (self.bead_width - self.bead_height) * self.bead_height + 0.25 * pi * self.bead_height**2
+
+    @property
+    def primitives(self) -> tuple[Primitive, ...]:
+        """A nozzle cone of the bead's width below a barrel; the sizes above the tip are for drawing only."""
+        mouth, barrel = 0.5 * self.bead_width, max(2.0 * self.bead_width, 10.0 * MM)
+        height = min(0.3 * self.length, 2.0 * barrel)
+        bodies = (cone("nozzle", mouth, barrel, 0.0, height), cylinder("nozzle", barrel, height, self.length))
+        return (*bodies, *self._holder_bodies())
+
+    def problems(self) -> list[tuple[str, str]]:
+        found = Tool.problems(self)
+        if self.bead_height > self.bead_width:
+            found.append(
+                (
+                    "bead_height",
+                    f"`bead_height` {self.bead_height / MM:g} mm is more than `bead_width` "
+                    f"{self.bead_width / MM:g} mm: a bead is at least as wide as high",
+                )
+            )
+        if self.filament_diameter is not None and not self.filament_diameter > 0.0:
+            found.append(("filament_diameter", "`filament_diameter` must be greater than 0"))
+        return found
+
+    def _positive(self) -> dict[str, float]:
+        return {"bead_width": self.bead_width, "bead_height": self.bead_height, **Tool._positive(self)}

@@ -1,0 +1,25 @@
+"""Flat end mill: a cylinder with a flat bottom."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from gcodesim.tools.cutter import Array, Cutter, line_piece
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FlatEndMill(Cutter):
+    """A cylindrical end mill; its bottom edges reach the axis, so that it may plunge."""
+
+    kind: ClassVar[str] = "flat_end_mill"
+
+    def _edge_pieces(self) -> list[tuple[float, ...]]:
+        R = self.radius
+        return [line_piece(0.0, 0.0, R, 0.0), line_piece(R, 0.0, R, self.flute_length)]
+
+    @property
+    def cutting_shape(self) -> Array:
+        from gcodesim.material.shape import flat_shape
+
+        return flat_shape(self.radius, self.flute_length)

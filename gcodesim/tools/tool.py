@@ -1,0 +1,89 @@
+"""What every tool has: a number, a length, a body, a mass."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from gcodesim.frames import Pose
+from gcodesim.tools.body import MassProperties, Primitive, cylinder, mass_properties
+from gcodesim.tools.parameter import fill_derived, parameter
+from gcodesim.units import MM
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Holder:
+    """The cylinder that grips a tool; lengths [m]."""
+
+    diameter: float = parameter("length", "diameter of the holder")
+    length: float = parameter("length", "height of the holder, from the spindle nose or flange to the tool")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tool:
+    """A tool on a spindle or flange; all lengths [m], angles [rad].
+
+    Tool frame T: origin at the tip, Z from the holder to the tip; so the body lies on the negative Z axis. Heights
+    (`bottom`, `top`, `length`) count from the tip towards the holder.
+    """
+
+    kind: ClassVar[str] = ""
+    process: ClassVar[str] = ""
+    """Name of the process in the PROCESSES family that this tool carries out."""
+
+    number: int = 0
+    name: str = parameter("text", "name in messages", derive=lambda tool: f"T{tool.number}", rule="T and the number")
+    length: float = parameter("length", "from the tip to the holder", default=100.0 * MM)
+    holder: Holder | None = parameter("group", "the holder; none: only the tool itself", default=None, kind=Holder)  # noqa: RUF009
+    mass: float | None = parameter(
+        "mass", "mass of tool and holder", default=None, rule="that of steel bodies of this size"
+    )
+
+    def __post_init__(self) -> None:
+        fill_derived(self)
+
+    @property
+    def true_length(self) -> float:
+        """From the spindle nose or flange to the tip [m]: `length` and the holder's."""
+        return self.length + (self.holder.length if self.holder else 0.0)
+
+    @property
+    def X_FT(self) -> Pose:
+        """Tip frame seen from the flange: straight out by the true length."""
+        return Pose(np.array([0.0, 0.0, self.true_length]), np.eye(3))
+
+    @property
+    def primitives(self) -> tuple[Primitive, ...]:
+        """Bodies for drawing and collision, from the tip up; kinds extend this by what is below the holder."""
+        return self._holder_bodies()
+
+    def _holder_bodies(self) -> tuple[Primitive, ...]:
+        if self.holder is None:
+            return ()
+        return (cylinder("holder", 0.5 * self.holder.diameter, self.length, self.true_length),)
+
+    @property
+    def inertia(self) -> MassProperties:
+        """Mass, centre of mass and inertia; an estimate from steel bodies unless `mass` is given."""
+        return mass_properties(self.primitives, self.mass)
+
+    def problems(self) -> list[tuple[str, str]]:
+        """What makes this tool impossible: (key, message) each; empty for a sound tool."""
+        found = [
+            (name, f"`{name}` must be greater than 0")
+            for name, value in self._positive().items()
+            if not (np.isfinite(value) and value > 0.0)
+        ]
+        if self.mass is not None and not self.mass > 0.0:
+            found.append(("mass", "`mass` must be greater than 0"))
+        return found
+
+    def _positive(self) -> dict[str, float]:
+        """Values that only make sense above zero."""
+        values: dict[str, Any] = {"length": self.length}
+        if self.holder is not None:
+            values["holder.diameter"] = self.holder.diameter
+            values["holder.length"] = self.holder.length
+        return values
