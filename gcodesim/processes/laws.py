@@ -1,0 +1,136 @@
+"""Cutting-force laws: force on a piece of edge from its chip thickness h and width b.
+
+Both laws give three components on each piece of edge: tangential (against the
+cutting velocity), normal (into the tool along the edge's normal) and axial
+(along the edge, towards the tip).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.units import MM, N_PER_MM, N_PER_MM2
+
+Array = NDArray[np.float64]
+
+DEFAULT_NORMAL_RATIO: Final = 0.3
+"""Normal over tangential force where a table gives none: the usual share with a sharp edge at small positive rake."""
+
+DEFAULT_AXIAL_RATIO: Final = 0.0
+"""Axial over tangential force where a table gives none."""
+
+
+class Law(Protocol):
+    """What the force kernels ask of a law."""
+
+    @property
+    def packed(self) -> Array:
+        """(3, 3) rows tangential, normal, axial; columns K, p, E [SI]: force per width = K h**p + E, h in m."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Kienzle:
+    """Kienzle 1952: kc = kc11 (h / 1 mm)**-mc, force = kc h b; no edge (ploughing) force.
+
+    `kc11`, `kn11`, `ka11` [Pa] are the specific forces at 1 mm chip thickness, tangential, normal and axial, with
+    exponents `mc`, `mn`, `ma` [-]. Valid in the range of chip thickness that its table was measured in, mostly
+    0.05 to 1 mm; thinner chips come out too easy.
+    """
+
+    kc11: float
+    mc: float
+    kn11: float
+    mn: float
+    ka11: float
+    ma: float
+
+    @staticmethod
+    def from_ratios(
+        *,
+        kc11: float,
+        mc: float,
+        normal_ratio: float = DEFAULT_NORMAL_RATIO,
+        axial_ratio: float = DEFAULT_AXIAL_RATIO,
+    ) -> Kienzle:
+        """The usual table row: `kc11` [Pa], `mc`, and the other two components as shares of the tangential one [-]."""
+        return Kienzle(kc11=kc11, mc=mc, kn11=normal_ratio * kc11, mn=mc, ka11=axial_ratio * kc11, ma=mc)
+
+    @staticmethod
+    def from_table(
+        kc11_n_mm2: float,
+        mc: float,
+        normal_ratio: float = DEFAULT_NORMAL_RATIO,
+        axial_ratio: float = DEFAULT_AXIAL_RATIO,
+    ) -> Kienzle:
+        """As `from_ratios`, with `kc11_n_mm2` [N/mm²] as tables print it."""
+        return Kienzle.from_ratios(
+            kc11=kc11_n_mm2 * N_PER_MM2, mc=mc, normal_ratio=normal_ratio, axial_ratio=axial_ratio
+        )
+
+    @property
+    def packed(self) -> Array:
+        rows = ((self.kc11, self.mc), (self.kn11, self.mn), (self.ka11, self.ma))
+        return np.array([[k * MM**m, 1.0 - m, 0.0] for k, m in rows])
+
+    def specific_force(self, chip: float) -> float:
+        """Tangential specific cutting force kc [Pa] at chip thickness `chip` [m] > 0."""
+        return float(self.kc11 * (chip / MM) ** -self.mc)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LinearEdge:
+    """Linear-edge law (Altintas 2012, eq. 2.72): force per width = Kc h + Ke.
+
+    `ktc`, `krc`, `kac` [Pa] for cutting, `kte`, `kre`, `kae` [N/m] for the edge that rubs; tangential, radial
+    (along the normal) and axial. The constants are fits for one tool and one range of feed.
+    """
+
+    ktc: float
+    kte: float
+    krc: float
+    kre: float
+    kac: float = 0.0
+    kae: float = 0.0
+
+    @staticmethod
+    def from_table(
+        ktc_n_mm2: float,
+        kte_n_mm: float,
+        krc_n_mm2: float,
+        kre_n_mm: float,
+        kac_n_mm2: float = 0.0,
+        kae_n_mm: float = 0.0,
+    ) -> LinearEdge:
+        """From table units: cutting coefficients [N/mm²], edge coefficients [N/mm]."""
+        return LinearEdge(
+            ktc=ktc_n_mm2 * N_PER_MM2,
+            kte=kte_n_mm * N_PER_MM,
+            krc=krc_n_mm2 * N_PER_MM2,
+            kre=kre_n_mm * N_PER_MM,
+            kac=kac_n_mm2 * N_PER_MM2,
+            kae=kae_n_mm * N_PER_MM,
+        )
+
+    @property
+    def packed(self) -> Array:
+        return np.array([[self.ktc, 1.0, self.kte], [self.krc, 1.0, self.kre], [self.kac, 1.0, self.kae]])
+
+    def specific_force(self, chip: float) -> float:
+        """Tangential force over chip section [Pa] at chip thickness `chip` [m] > 0."""
+        return self.ktc + self.kte / chip
+
+
+def chip_force(law: Law, *, width: float, chip: float) -> tuple[float, float, float]:
+    """Tangential, normal and axial force [N] on one edge `width` [m] wide at chip thickness `chip` [m].
+
+    A chip of zero thickness leaves the edge force alone; a negative one is no contact.
+    """
+    if chip < 0.0 or width <= 0.0:
+        return 0.0, 0.0, 0.0
+    force = [float(width * ((k * chip**p if chip > 0.0 else 0.0) + e)) for k, p, e in law.packed]
+    return force[0], force[1], force[2]
