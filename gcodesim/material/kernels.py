@@ -1,0 +1,39 @@
+"""All compiled kernels of the stock that other packages call from their own compiled loops.
+
+Common arguments: `lo`, `hi` (nx, ny, k) [m] and `count` (nx, ny) are the columns, `grid` (4,) is the outer corner
+x, y and the cell size dx, dy [m], `dirty` (patches) u1 marks patches of 16 x 16 columns that changed, `tops` (patches)
+[m] bounds their height from above. Everything is in the stock frame S.
+"""
+
+from gcodesim.material.query_kernels import (
+    difference,
+    fill_slices,
+    highest,
+    highest_under,
+    is_material,
+    occupancy,
+    patch_tops,
+    surrounding,
+    volume_of,
+)
+from gcodesim.material.removal_kernels import PATCH_SHIFT, overlap, patch_top, remove, remove_piece, touch_piece
+from gcodesim.material.sweep_kernels import underside
+
+__all__ = [
+    "PATCH_SHIFT",
+    "difference",
+    "fill_slices",
+    "highest",
+    "highest_under",
+    "is_material",
+    "occupancy",
+    "overlap",
+    "patch_top",
+    "patch_tops",
+    "remove",
+    "remove_piece",
+    "surrounding",
+    "touch_piece",
+    "underside",
+    "volume_of",
+]

@@ -1,0 +1,255 @@
+"""Cutting material away: subtract what an upright tool sweeps from the columns under it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.compiled import kernel
+from gcodesim.material.sweep_kernels import (
+    NUDGE_X,
+    NUDGE_Y,
+    piece_line,
+    row_range,
+    strip_range,
+    swept_interval,
+    underside,
+)
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int32]
+Bytes = NDArray[np.uint8]
+
+PATCH_SHIFT = 4  # columns are watched in patches of 16 x 16
+
+
+@kernel
+def subtract(lo: Array, hi: Array, count: Ints, i: int, j: int, bottom: float, top: float) -> float:
+    """Take [bottom, top] out of column (i, j); returns the removed length [m], or -1 when there is no room to split.
+
+    On -1 the column is as it was.
+    """
+    n = count[i, j]
+    if n == 0 or bottom >= top:
+        return 0.0
+    if n == lo.shape[2]:  # is there an interval that would be cut in two?
+        for k in range(n):
+            if lo[i, j, k] < bottom and top < hi[i, j, k]:
+                return -1.0
+    removed = 0.0
+    kept = 0
+    k = 0
+    while k < n:
+        low, high = lo[i, j, k], hi[i, j, k]
+        if high <= bottom or low >= top:
+            lo[i, j, kept], hi[i, j, kept] = low, high
+            kept += 1
+        elif low < bottom and top < high:
+            for later in range(n, k + 1, -1):
+                lo[i, j, later], hi[i, j, later] = lo[i, j, later - 1], hi[i, j, later - 1]
+            hi[i, j, k] = bottom
+            lo[i, j, k + 1], hi[i, j, k + 1] = top, high
+            count[i, j] = n + 1
+            return top - bottom
+        else:
+            removed += min(high, top) - max(low, bottom)
+            if low < bottom:
+                lo[i, j, kept], hi[i, j, kept] = low, bottom
+                kept += 1
+            elif top < high:
+                lo[i, j, kept], hi[i, j, kept] = top, high
+                kept += 1
+        k += 1
+    count[i, j] = kept
+    return removed
+
+
+@kernel
+def overlap(lo: Array, hi: Array, count: Ints, i: int, j: int, bottom: float, top: float) -> float:
+    """Length [m] of material of column (i, j) inside [bottom, top]."""
+    total = 0.0
+    for k in range(count[i, j]):
+        low, high = max(lo[i, j, k], bottom), min(hi[i, j, k], top)
+        if high > low:
+            total += high - low
+    return total
+
+
+@kernel
+def remove_piece(
+    lo: Array, hi: Array, count: Ints, grid: Array, dirty: Bytes, start: Array, end: Array, shape: Array
+) -> tuple[float, bool]:
+    """Remove what `shape` sweeps from tip `start` to `end` (3,) [m]; (volume [m^3], ok).
+
+    ok is False when a column had no room for one more interval: what was done stays done, and doing the piece
+    again after growing the arrays removes the rest.
+    """
+    nx, ny = count.shape
+    x0, y0, z0, ux, uy, length, slope = piece_line(start, end)
+    low_z, high_z = min(start[2], end[2]), max(start[2], end[2])
+    radius = shape[1]
+    radius2 = radius * radius
+    bottom_least = low_z + shape[5]
+    ball = shape[0] == 1.0
+    profile = underside(shape, radius)
+    tilt = np.sqrt(1.0 + slope * slope)
+    total = 0.0
+    first_i, last_i = row_range(
+        grid[0], grid[2], NUDGE_X, nx, min(x0, x0 + ux * length) - radius, max(x0, x0 + ux * length) + radius
+    )
+    for i in range(first_i, last_i):
+        x = grid[0] + (i + 0.5 + NUDGE_X) * grid[2]
+        least, most = strip_range(x, radius, x0, y0, ux, uy, length)
+        if least > most:
+            continue
+        first_j, last_j = row_range(grid[1], grid[3], NUDGE_Y, ny, least, most)
+        for j in range(first_j, last_j):
+            n = count[i, j]
+            if n == 0:
+                continue
+            high = hi[i, j, n - 1]
+            if high <= bottom_least:
+                continue
+            y = grid[1] + (j + 0.5 + NUDGE_Y) * grid[3]
+            along = (x - x0) * ux + (y - y0) * uy
+            across = (y - y0) * ux - (x - x0) * uy
+            c2 = across * across
+            if ball:
+                # the commonest case, decided without a root: is the floor of the sweep below the material's top?
+                room2 = radius2 - c2
+                if room2 <= 0.0:
+                    continue
+                u_first, u_last = -along, length - along
+                line_z = z0 + slope * along + shape[5] + radius
+                free = -slope * np.sqrt(room2) / tilt if slope != 0.0 else 0.0
+                u = min(max(free, u_first), u_last)
+                depth2 = room2 - u * u
+                if depth2 < 0.0:
+                    continue
+                need = line_z + slope * u - high
+                if need > 0.0 and depth2 <= need * need:
+                    continue
+            elif high - bottom_least < profile:
+                # no deeper than the underside straight above the nearest point, with the piece's lowest tip
+                near = min(max(0.0, -along), length - along)
+                rho2 = c2 + near * near
+                if rho2 > radius2 or bottom_least + underside(shape, np.sqrt(rho2)) >= high:
+                    continue
+            bottom, top = swept_interval(shape, c2, along, low_z, high_z, z0, length, slope)
+            if bottom > top or bottom >= high:
+                continue
+            if n == 1 and high <= top:
+                low = lo[i, j, 0]
+                if bottom > low:
+                    hi[i, j, 0] = bottom
+                    total += high - bottom
+                else:
+                    count[i, j] = 0
+                    total += high - low
+            else:
+                gone = subtract(lo, hi, count, i, j, bottom, top)
+                if gone < 0.0:
+                    return total * grid[2] * grid[3], False
+                if gone == 0.0:
+                    continue
+                total += gone
+            dirty[i >> PATCH_SHIFT, j >> PATCH_SHIFT] = 1
+    return total * grid[2] * grid[3], True
+
+
+@kernel
+def touch_piece(
+    lo: Array, hi: Array, count: Ints, grid: Array, tops: Array, start: Array, end: Array, shape: Array
+) -> tuple[float, float]:
+    """Material that `shape` would run through from tip `start` to `end`: (volume [m^3], depth [m]); none is removed.
+
+    depth: the greatest of the columns' depths, each the lesser of overlap in height and distance inside the radius.
+    `tops` (patches) are upper bounds of the material's height; they are tightened where they are in the way.
+    """
+    nx, ny = count.shape
+    x0, y0, z0, ux, uy, length, slope = piece_line(start, end)
+    low_z, high_z = min(start[2], end[2]), max(start[2], end[2])
+    radius = shape[1]
+    x1, y1 = x0 + ux * length, y0 + uy * length
+    first_i, last_i = row_range(grid[0], grid[2], NUDGE_X, nx, min(x0, x1) - radius, max(x0, x1) + radius)
+    first_j, last_j = row_range(grid[1], grid[3], NUDGE_Y, ny, min(y0, y1) - radius, max(y0, y1) + radius)
+    volume, depth = 0.0, 0.0
+    if first_i >= last_i or first_j >= last_j:
+        return volume, depth
+    least = low_z + shape[5]
+    for pi in range(first_i >> PATCH_SHIFT, ((last_i - 1) >> PATCH_SHIFT) + 1):
+        for pj in range(first_j >> PATCH_SHIFT, ((last_j - 1) >> PATCH_SHIFT) + 1):
+            if tops[pi, pj] <= least:
+                continue
+            tops[pi, pj] = patch_top(hi, count, pi, pj)
+            if tops[pi, pj] <= least:
+                continue
+            for i in range(max(first_i, pi << PATCH_SHIFT), min(last_i, (pi + 1) << PATCH_SHIFT)):
+                x = grid[0] + (i + 0.5 + NUDGE_X) * grid[2]
+                for j in range(max(first_j, pj << PATCH_SHIFT), min(last_j, (pj + 1) << PATCH_SHIFT)):
+                    n = count[i, j]
+                    if n == 0 or hi[i, j, n - 1] <= least:
+                        continue
+                    y = grid[1] + (j + 0.5 + NUDGE_Y) * grid[3]
+                    along = (x - x0) * ux + (y - y0) * uy
+                    across = (y - y0) * ux - (x - x0) * uy
+                    c2 = across * across
+                    bottom, top = swept_interval(shape, c2, along, low_z, high_z, z0, length, slope)
+                    if bottom >= top:
+                        continue
+                    shared = overlap(lo, hi, count, i, j, bottom, top)
+                    if shared > 0.0:
+                        volume += shared
+                        near = min(max(0.0, -along), length - along)
+                        depth = max(depth, min(shared, radius - np.sqrt(c2 + near * near)))
+    return volume * grid[2] * grid[3], depth
+
+
+@kernel
+def patch_top(hi: Array, count: Ints, pi: int, pj: int) -> float:
+    """Height [m] of the highest material in patch (pi, pj); -inf when it is empty."""
+    nx, ny = count.shape
+    top = -np.inf
+    for i in range(pi << PATCH_SHIFT, min(nx, (pi + 1) << PATCH_SHIFT)):
+        for j in range(pj << PATCH_SHIFT, min(ny, (pj + 1) << PATCH_SHIFT)):
+            n = count[i, j]
+            if n > 0 and hi[i, j, n - 1] > top:
+                top = hi[i, j, n - 1]
+    return top
+
+
+@kernel
+def remove(
+    lo: Array,
+    hi: Array,
+    count: Ints,
+    grid: Array,
+    dirty: Bytes,
+    tops: Array,
+    starts: Array,
+    ends: Array,
+    cutter: Array,
+    bodies: Array,
+    first: int,
+    volume: Array,
+    body_volume: Array,
+    body_depth: Array,
+) -> int:
+    """Remove pieces `first`... in order; returns the index of the piece that found no room, or their number.
+
+    starts, ends (c, 3): tip positions in S [m]; cutter (8,): the part that cuts; bodies (b, 8): what must stay out
+    of the material (shank, holder), looked at after each piece. Outputs, all (c,), are added to or raised: `volume`
+    removed [m^3], `body_volume` and `body_depth` of the material that the bodies ran through [m^3], [m].
+    To go on after a stop, grow `lo` and `hi` and call again with `first` set to the returned index.
+    """
+    pieces = starts.shape[0]
+    for p in range(first, pieces):
+        gone, ok = remove_piece(lo, hi, count, grid, dirty, starts[p], ends[p], cutter)
+        volume[p] += gone
+        if not ok:
+            return p
+        for b in range(bodies.shape[0]):
+            shared, depth = touch_piece(lo, hi, count, grid, tops, starts[p], ends[p], bodies[b])
+            body_volume[p] += shared
+            body_depth[p] = max(body_depth[p], depth)
+    return pieces

@@ -1,0 +1,282 @@
+"""Stock: material as columns of exact height on a regular grid ("dexels"), and what tools do to it.
+
+Each column of the grid in x, y holds a short sorted list of intervals [lo, hi]
+along Z of the stock frame S. Heights are exact; x and y are asked at the
+centres of the cells. So floors and heights come out to rounding error, and
+walls to half a cell.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import ceil, sqrt
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.material.shape import no_bodies
+
+if TYPE_CHECKING:
+    pass
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int32]
+Bytes = NDArray[np.uint8]
+Vector = Sequence[float] | Array
+
+BYTES_PER_COLUMN = 8 + 8 + 4
+"""Memory of a column with one interval; each further interval costs 16 bytes in every column."""
+
+PATCH = 16
+"""Columns along one side of a patch, the unit in which changes are watched (2 ** PATCH_SHIFT of the kernels)."""
+
+GAP_CLOSED = 1.0e-9
+"""Gaps [m] up to which added material fuses with what lies above or below: rounding of layer heights."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Removal:
+    """What happened along c pieces: volumes [m^3] and depth [m], each (c,)."""
+
+    volume: Array
+    body_volume: Array
+    body_depth: Array
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Deposition:
+    """What was added along c pieces [m^3], each (c,); `nominal` is bead area times length, whatever was in the way."""
+
+    volume: Array
+    nominal: Array
+
+
+def cells_along(length: float, resolution: float) -> int:
+    """Number of cells, at most `resolution` wide, that divide `length` exactly [m]."""
+    return max(1, ceil(length / resolution * (1.0 - 1e-9)))
+
+
+def memory_needed(size: Vector, resolution: float) -> int:
+    """Bytes that a fresh stock of `size` (x, y, z) takes at `resolution` [m]; cutting undercuts may multiply it."""
+    return cells_along(size[0], resolution) * cells_along(size[1], resolution) * BYTES_PER_COLUMN
+
+
+def finest_resolution(size: Vector, budget: int) -> float:
+    """The finest resolution [m], two digits, at which a stock of `size` (x, y, z) fits into `budget` bytes."""
+    fit = sqrt(size[0] * size[1] * BYTES_PER_COLUMN / budget)
+    step = 10.0 ** np.floor(np.log10(fit) - 1.0)
+    wanted = float(np.ceil(fit / step) * step)
+    while memory_needed(size, wanted) > budget:
+        wanted += step
+    return float(wanted)
+
+
+class Stock:
+    """A workpiece in its frame S. Arrays change in place; everything else stays."""
+
+    __slots__ = ("count", "dirty", "grid", "hi", "lo", "material", "original", "resolution", "tops", "z_range")
+
+    def __init__(
+        self,
+        *,
+        lo: Array,
+        hi: Array,
+        count: Ints,
+        grid: Array,
+        z_range: tuple[float, float],
+        resolution: float,
+        material: str = "",
+        original: tuple[Array, Array, Ints] | None = None,
+    ) -> None:
+        """From columns lo, hi (nx, ny, k) [m], count (nx, ny) and grid (x, y of the outer corner, dx, dy) [m].
+
+        `z_range` is the height of the stock as it came; `original` its columns then (default: as they are now).
+        """
+        from gcodesim.material.kernels import patch_tops
+
+        self.lo, self.hi, self.count, self.grid = lo, hi, count, grid
+        self.z_range, self.resolution, self.material = z_range, resolution, material
+        self.original = original if original is not None else (lo.copy(), hi.copy(), count.copy())
+        patches = (-(-count.shape[0] // PATCH), -(-count.shape[1] // PATCH))
+        self.dirty: Bytes = np.zeros(patches, dtype=np.uint8)
+        self.tops: Array = np.zeros(patches)
+        patch_tops(hi, count, self.tops)
+
+    @classmethod
+    def box(cls, minimum: Vector, maximum: Vector, resolution: float, material: str = "") -> Stock:
+        """A box between two corners of S [m]; cells divide it exactly and are at most `resolution` wide."""
+        grid, shape = _grid(minimum, maximum, resolution)
+        low, high = float(minimum[2]), float(maximum[2])
+        return cls(
+            lo=np.full((*shape, 1), low),
+            hi=np.full((*shape, 1), high),
+            count=np.ones(shape, dtype=np.int32),
+            grid=grid,
+            z_range=(low, high),
+            resolution=resolution,
+            material=material,
+            # all columns of a box begin alike, so one stands for all
+            original=(np.full((1, 1, 1), low), np.full((1, 1, 1), high), np.ones((1, 1), dtype=np.int32)),
+        )
+
+    @classmethod
+    def cylinder(
+        cls, center: Vector, diameter: float, length: float, resolution: float, material: str = "", axis: str = "z"
+    ) -> Stock:
+        """A round bar [m] whose axis (x, y or z) begins at `center`, the middle of its lower (or first) end face."""
+        radius = diameter / 2.0
+        begin = np.asarray(center, dtype=float)
+        along = "xyz".index(axis)
+        minimum, maximum = begin - radius, begin + radius
+        minimum[along], maximum[along] = begin[along], begin[along] + length
+        grid, shape = _grid(minimum, maximum, resolution)
+        x = (grid[0] + (np.arange(shape[0]) + 0.5) * grid[2])[:, None] - begin[0]
+        y = (grid[1] + (np.arange(shape[1]) + 0.5) * grid[3])[None, :] - begin[1]
+        if axis == "z":
+            half = np.where(x**2 + y**2 <= radius**2, length / 2.0, 0.0)
+            middle = begin[2] + length / 2.0
+        else:
+            across = y if axis == "x" else x
+            half = np.broadcast_to(np.sqrt(np.maximum(radius**2 - across**2, 0.0)), shape)
+            middle = begin[2]
+        return cls(
+            lo=np.ascontiguousarray(middle - half)[:, :, None],
+            hi=np.ascontiguousarray(middle + half)[:, :, None],
+            count=(half > 0.0).astype(np.int32),
+            grid=grid,
+            z_range=(float(minimum[2]), float(maximum[2])),
+            resolution=resolution,
+            material=material,
+        )
+
+    @classmethod
+    def empty(cls, minimum: Vector, maximum: Vector, resolution: float, material: str = "") -> Stock:
+        """Room without material, to be printed into [m]."""
+        stock = cls.box(minimum, maximum, resolution, material)
+        stock.count[:] = 0
+        stock.original[2][:] = 0
+        stock.tops[:] = -np.inf
+        return stock
+
+    @property
+    def origin(self) -> Array:
+        """Outer corner (x, y) of the grid [m]."""
+        return self.grid[:2].copy()
+
+    @property
+    def spacing(self) -> Array:
+        """Cell size (dx, dy) [m]."""
+        return self.grid[2:].copy()
+
+    @property
+    def volume(self) -> float:
+        """All material [m^3]."""
+        from gcodesim.material.kernels import volume_of
+
+        return float(volume_of(self.lo, self.hi, self.count, self.grid))
+
+    @property
+    def changed(self) -> bool:
+        """Whether any column differs from the stock as it came."""
+        return self.error_bound() > 0.0 or self.volume != self._original_volume()
+
+    def _original_volume(self) -> float:
+        from gcodesim.material.kernels import volume_of
+
+        lo, hi, count = self.original
+        shape = self.count.shape
+        if count.shape == shape:
+            return float(volume_of(lo, hi, count, self.grid))
+        return float(volume_of(lo, hi, count, self.grid) * shape[0] * shape[1])
+
+    def copy(self) -> Stock:
+        """An independent stock in the same state."""
+        twin = Stock(
+            lo=self.lo.copy(),
+            hi=self.hi.copy(),
+            count=self.count.copy(),
+            grid=self.grid.copy(),
+            z_range=self.z_range,
+            resolution=self.resolution,
+            material=self.material,
+            original=self.original,
+        )
+        twin.dirty[:] = self.dirty
+        return twin
+
+    def grow(self) -> None:
+        """Double the intervals that a column can hold."""
+        empty = np.zeros_like(self.lo)
+        self.lo = np.concatenate((self.lo, empty), axis=2)
+        self.hi = np.concatenate((self.hi, empty), axis=2)
+
+    def remove(self, starts: Array, ends: Array, shape: Array, bodies: Array | None = None) -> Removal:
+        """Cut along c straight pieces, tool upright: tips from `starts` to `ends` (c, 3) in S [m].
+
+        `shape` (8,) is the cutting part, `bodies` (b, 8) shank and holder: what they run through, after each piece,
+        is reported and not removed.
+        """
+        from gcodesim.material.kernels import remove
+
+        starts, ends = _pieces(starts), _pieces(ends)
+        bodies = no_bodies() if bodies is None else np.ascontiguousarray(bodies, dtype=float)
+        result = Removal(
+            volume=np.zeros(len(starts)), body_volume=np.zeros(len(starts)), body_depth=np.zeros(len(starts))
+        )
+        done = 0
+        while True:
+            done = remove(
+                self.lo, self.hi, self.count, self.grid, self.dirty, self.tops, starts, ends, shape, bodies, done,
+                result.volume, result.body_volume, result.body_depth,
+            )  # fmt: skip
+            if done == len(starts):
+                return result
+            self.grow()
+
+    def touch(self, starts: Array, ends: Array, shape: Array) -> tuple[Array, Array]:
+        """Material that `shape` would run through along c pieces, each against the stock as it is now.
+
+        Volume (c,) [m^3] and depth (c,) [m]; nothing is removed.
+        """
+        from gcodesim.material.kernels import touch_piece
+
+        starts, ends = _pieces(starts), _pieces(ends)
+        found = [
+            touch_piece(self.lo, self.hi, self.count, self.grid, self.tops, a, b, shape)
+            for a, b in zip(starts, ends, strict=True)
+        ]
+        pairs = np.array(found, dtype=float).reshape(-1, 2)
+        return pairs[:, 0], pairs[:, 1]
+
+    def inside(self, tip: Vector, shape: Array) -> bool:
+        """Whether a tool of this shape, standing with its tip there [m], is in material."""
+        point = np.array([tip], dtype=float)
+        return bool(self.touch(point, point, shape)[0][0] > 0.0)
+
+    def occupancy(self, x: float, y: float, z0: float, z1: float) -> float:
+        """Share [-] of the height z0 < z1 [m] that is material at (x, y), bilinear between column centres."""
+        from gcodesim.material.kernels import occupancy
+
+        return float(occupancy(self.lo, self.hi, self.count, self.grid, x, y, z0, z1))
+
+    def height_at(self, x: float, y: float) -> float:
+        """Height [m] of the highest material in the column of (x, y); -inf where there is none."""
+        from gcodesim.material.kernels import highest
+
+        return float(highest(self.hi, self.count, self.grid, x, y))
+
+
+def _pieces(points: Array) -> Array:
+    """Points as a contiguous (c, 3) array."""
+    return np.ascontiguousarray(points, dtype=float).reshape(-1, 3)
+
+
+def _grid(minimum: Vector, maximum: Vector, resolution: float) -> tuple[Array, tuple[int, int]]:
+    """Grid (4,) and number of columns of a box; ValueError when it has no volume."""
+    size = [float(b) - float(a) for a, b in zip(minimum, maximum, strict=True)]
+    if min(size) <= 0.0 or not resolution > 0.0:
+        raise ValueError(f"a stock of size {size} m at resolution {resolution} m")
+    nx, ny = cells_along(size[0], resolution), cells_along(size[1], resolution)
+    return np.array([float(minimum[0]), float(minimum[1]), size[0] / nx, size[1] / ny]), (nx, ny)

@@ -1,0 +1,178 @@
+"""What a cutter sweeps: the lowest and highest point over one column while the tip moves along a straight piece.
+
+The tool stands upright (axis +Z of S). Along the piece, u is the horizontal
+distance of the tip from the point nearest to the column's line, c the
+horizontal distance between column and that line, m the slope dz/du. The tool's
+underside is b(rho), rho = sqrt(u^2 + c^2); it is convex and rises with rho, so
+m u + b(rho) has one minimum over the interval of u in which the tool stands
+over the column, and that minimum is the floor of the swept volume there.
+Every shape is convex, so what it sweeps over a column is one interval.
+
+A shape is an array of eight numbers, see `shape.py`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.compiled import kernel
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int32]
+Bytes = NDArray[np.uint8]
+
+# Columns are asked this far (in cells) beside their centre, differently in x and y: a wall that runs exactly
+# through centres then owns them on one side only, whatever rounding does, as if walls were half open.
+NUDGE_X = 1.0e-7
+NUDGE_Y = 0.63e-7
+
+
+@kernel
+def piece_line(start: Array, end: Array) -> tuple[float, float, float, float, float, float, float]:
+    """Straight piece as (x, y, z of its start, unit direction ux, uy, horizontal length [m], slope dz/du [-]).
+
+    A piece without horizontal length has direction (1, 0), length 0 and slope 0; its heights are then
+    `start[2]` and `end[2]` alone.
+    """
+    dx, dy = end[0] - start[0], end[1] - start[1]
+    length = np.sqrt(dx * dx + dy * dy)
+    if length < 1.0e-12:
+        return start[0], start[1], start[2], 1.0, 0.0, 0.0, 0.0
+    return start[0], start[1], start[2], dx / length, dy / length, length, (end[2] - start[2]) / length
+
+
+@kernel
+def underside(shape: Array, rho: float) -> float:
+    """Height b(rho) [m] of the tool's underside above the lowest point of the shape, at radius rho <= shape[1]."""
+    beyond = rho - shape[3]
+    if beyond <= 0.0:
+        return 0.0
+    if shape[0] == 3.0:
+        return beyond * shape[4]
+    corner = shape[2]
+    if corner <= 0.0:
+        return 0.0
+    return corner - np.sqrt(max(corner * corner - beyond * beyond, 0.0))
+
+
+@kernel
+def bull_nose_reach(flat: float, corner: float, c: int, slope: float) -> float:
+    """Distance |u| [m] at which a corner of radius `corner` around a flat of radius `flat` is lowest over a column.
+
+    Solves b'(rho) u / rho = slope for rho = flat + corner sin(t); written as
+    sin(t) u - slope rho cos(t) = 0 it has no poles. Newton inside a shrinking bracket.
+    """
+    least = 0.0
+    if c > flat:
+        least = np.arcsin(min((c - flat) / corner, 1.0))
+    low, high = least, 0.5 * np.pi
+    t = min(max(np.arctan(slope), low), high)
+    u = 0.0
+    for _ in range(40):
+        sine, cosine = np.sin(t), np.cos(t)
+        rho = flat + corner * sine
+        u = np.sqrt(max(rho * rho - c * c, 0.0))
+        value = sine * u - slope * rho * cosine
+        if value > 0.0:
+            high = t
+        else:
+            low = t
+        gain = cosine * u + slope * (rho * sine - corner * cosine * cosine)
+        if u > 0.0:
+            gain += sine * rho * corner * cosine / u
+        following = t - value / gain if gain > 0.0 else low - 1.0
+        if not (low < following < high):
+            following = 0.5 * (low + high)
+        if abs(following - t) < 1.0e-10:
+            break
+        t = following
+    return u
+
+
+@kernel
+def lowest_at(shape: Array, c2: float, slope: float, first: float, last: float) -> float:
+    """The u [m] at which slope * u + b(rho) is least; first <= u <= last, all of it over the column; c2 = c^2."""
+    if slope == 0.0:
+        return min(max(0.0, first), last)
+    steep = abs(slope)
+    kind = shape[0]
+    if kind == 1.0:
+        reach = steep * np.sqrt(max(shape[1] * shape[1] - c2, 0.0)) / np.sqrt(1.0 + slope * slope)
+    elif kind == 2.0:
+        reach = bull_nose_reach(shape[3], shape[2], np.sqrt(c2), steep)
+    elif kind == 3.0:
+        reach = np.sqrt(max(shape[3] * shape[3] - c2, 0.0))
+        if shape[4] > steep:
+            reach = max(reach, steep * np.sqrt(c2 / (shape[4] * shape[4] - steep * steep)))
+        else:
+            reach = shape[1]
+    else:
+        reach = shape[1]
+    u = -reach if slope > 0.0 else reach
+    return min(max(u, first), last)
+
+
+@kernel
+def swept_interval(
+    shape: Array, c2: float, along: float, low_z: float, high_z: float, z: float, length: float, slope: float
+) -> tuple[float, float]:
+    """Swept interval (bottom, top) [m] over a column, or (1, 0) when the tool never stands over it.
+
+    c2: squared distance [m^2] between column and the line of the piece; along: position [m] of the column along it;
+    z: tip height at the piece's start; low_z, high_z: lowest and highest tip height of the piece.
+    """
+    radius2 = shape[1] * shape[1]
+    first, last = -along, length - along
+    near = min(max(0.0, first), last)
+    if c2 + near * near > radius2:
+        return 1.0, 0.0
+    if slope == 0.0:
+        return low_z + shape[5] + underside(shape, np.sqrt(c2 + near * near)), high_z + shape[6]
+    half = np.sqrt(radius2 - c2)
+    first, last = max(first, -half), min(last, half)
+    u = lowest_at(shape, c2, slope, first, last)
+    line_z = z + slope * along
+    bottom = line_z + slope * u + shape[5] + underside(shape, np.sqrt(u * u + c2))
+    top = line_z + (slope * last if slope > 0.0 else slope * first) + shape[6]
+    return bottom, top
+
+
+@kernel
+def row_range(origin: float, step: float, nudge: float, count: int, least: float, most: float) -> tuple[int, int]:
+    """First and last + 1 index of the columns whose (nudged) centres lie in [least, most], widened by one."""
+    first = int(np.floor((least - origin) / step - 0.5 - nudge)) - 1
+    last = int(np.ceil((most - origin) / step - 0.5 - nudge)) + 2
+    return max(first, 0), min(last, count)
+
+
+@kernel
+def strip_range(
+    x: float, radius: float, x0: float, y0: float, ux: float, uy: float, length: float
+) -> tuple[float, float]:
+    """Range (least, most) of y [m] in which the sweep of a disc can cover points of the line x = const.
+
+    (1, 0) when there is none. Never too small; up to a few cells too large.
+    """
+    # positions along the piece at which the disc reaches this x
+    first, last = 0.0, length
+    offset = x - x0
+    if ux != 0.0:
+        a, b = (offset - radius) / ux, (offset + radius) / ux
+        first, last = max(first, min(a, b)), min(last, max(a, b))
+        if first > last:
+            return 1.0, 0.0
+        near = min(max(offset / ux, first), last)
+    else:
+        near = first
+    miss = offset - ux * near
+    if miss * miss > radius * radius:
+        return 1.0, 0.0
+    half = np.sqrt(radius * radius - miss * miss)
+    ya, yb = y0 + uy * first, y0 + uy * last
+    least, most = min(ya, yb) - half, max(ya, yb) + half
+    if abs(ux) > 1.0e-9:
+        middle = y0 + offset * uy / ux
+        wide = radius / abs(ux)
+        least, most = max(least, middle - wide), min(most, middle + wide)
+    return least, most
