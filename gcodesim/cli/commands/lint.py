@@ -1,0 +1,37 @@
+"""`gcodesim lint PROGRAM`: every fault of a program, without a cell."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from gcodesim.cli.exits import FINDINGS, status_of
+from gcodesim.cli.options import add_cell, add_fail_on, add_format, add_language, add_program, read_source
+
+
+def add_parser(commands: Any) -> None:
+    parser = commands.add_parser("lint", help="find what is wrong with a program, without a cell")
+    add_program(parser)
+    add_cell(parser, required=False)
+    add_language(parser)
+    add_format(parser)
+    add_fail_on(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    from gcodesim.cli.language import settings_of
+    from gcodesim.cli.output import findings_as_json, print_findings, print_json, verdict
+    from gcodesim.rs274 import lint
+
+    program = read_source(arguments.program, "program")
+    settings = settings_of(arguments)
+    if settings is None:
+        return FINDINGS
+    findings = lint(program, settings)
+    if arguments.format == "json":
+        print_json({"findings": findings_as_json(findings)})
+    else:
+        print_findings(findings, {program.name: program})
+        print(f"{program.name}: {verdict(findings)}")
+    return status_of(findings, arguments.fail_on)

@@ -1,0 +1,21 @@
+"""`gcodesim warm-up`: compile the kernels once, with a progress line instead of a silent first run."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from gcodesim.cli.exits import OK
+from gcodesim.cli.output import note
+
+
+def add_parser(commands: Any) -> None:
+    parser = commands.add_parser("warm-up", help="compile the kernels now, so that the first run does not wait")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    from gcodesim.warm_up import warm_up
+
+    warm_up(note)
+    return OK

@@ -1,0 +1,30 @@
+"""Numbers as files show them: no NaN, no infinity, no -0, shortest text that reads back the same."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+
+def clean(value: Any) -> Any:
+    """`value` ready for JSON: numpy scalars become Python's, NaN and infinities null, -0 becomes 0; nested values too."""
+    if isinstance(value, dict):
+        return {key: clean(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [clean(item) for item in value]
+    if hasattr(value, "item") and not isinstance(value, (str, bytes)):
+        value = value.item()
+    if isinstance(value, float):
+        if not math.isfinite(value):
+            return None
+        if value == 0.0:
+            return 0
+        return int(value) if value.is_integer() and abs(value) < 1e15 else value
+    return value
+
+
+def rounded(value: float, digits: int = 9) -> float:
+    """`value` to `digits` significant digits, so that files do not carry the last bits of a sum."""
+    if value == 0.0 or not math.isfinite(value):
+        return value
+    return round(value, digits - 1 - math.floor(math.log10(abs(value))))
