@@ -22,9 +22,9 @@ class BallEndMill(Cutter):
 
     @property
     def cutting_shape(self) -> Array:
-        from gcodesim.material.shape import ball_shape
+        from gcodesim.material.shape import ball
 
-        return ball_shape(self.radius, self.flute_length)
+        return ball(self.diameter, self.flute_length)
 
     def _tip_bodies(self) -> tuple[list[Primitive], float]:
         return [sphere("cutting", self.radius, 0.0)], self.radius

@@ -30,9 +30,9 @@ class BullNoseEndMill(Cutter):
 
     @property
     def cutting_shape(self) -> Array:
-        from gcodesim.material.shape import bull_nose_shape
+        from gcodesim.material.shape import bull_nose
 
-        return bull_nose_shape(self.radius, self.corner_radius, self.flute_length)
+        return bull_nose(self.diameter, self.corner_radius, self.flute_length)
 
     def _tip_bodies(self) -> tuple[list[Primitive], float]:
         inner = self.radius - 0.3 * self.corner_radius  # cylinder of nearly the same volume as the rounded part

@@ -82,18 +82,18 @@ class Cutter(Tool):
         """The part between flutes and holder (8,), None when there is none."""
         if self.length <= self.flute_length:
             return None
-        from gcodesim.material.shape import cylinder_shape
+        from gcodesim.material.shape import cylinder as section
 
-        return cylinder_shape(self.radius, self.flute_length, self.length)
+        return section(self.diameter, self.flute_length, self.length)
 
     @property
     def holder_shape(self) -> Array | None:
         """The holder (8,), None when the cell gives none."""
         if self.holder is None:
             return None
-        from gcodesim.material.shape import cylinder_shape
+        from gcodesim.material.shape import cylinder as section
 
-        return cylinder_shape(0.5 * self.holder.diameter, self.length, self.true_length)
+        return section(self.holder.diameter, self.length, self.true_length)
 
     @property
     def primitives(self) -> tuple[Primitive, ...]:

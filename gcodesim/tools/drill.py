@@ -32,9 +32,9 @@ class Drill(Cutter):
 
     @property
     def cutting_shape(self) -> Array:
-        from gcodesim.material.shape import cone_shape
+        from gcodesim.material.shape import cone as cone_shape
 
-        return cone_shape(self.radius, 0.5 * self.point_angle, self.flute_length)
+        return cone_shape(self.diameter, self.point_angle, self.flute_length)
 
     def _tip_bodies(self) -> tuple[list[Primitive], float]:
         return [cone("cutting", 0.0, self.radius, 0.0, self.tip_height)], self.tip_height

@@ -20,6 +20,6 @@ class FlatEndMill(Cutter):
 
     @property
     def cutting_shape(self) -> Array:
-        from gcodesim.material.shape import flat_shape
+        from gcodesim.material.shape import flat
 
-        return flat_shape(self.radius, self.flute_length)
+        return flat(self.diameter, self.flute_length)
