@@ -1,0 +1,24 @@
+"""The log of a run: one MCAP file that opens in Foxglove or Lichtblick. Takes columns; knows nobody who made them."""
+
+from gcodesim.log.container import LogWriteError
+from gcodesim.log.description import LogDescription, MotionColumns, ProcessColumns, StaticFrame
+from gcodesim.log.scene import Box, Capsule, Cone, Cylinder, Entity, Mesh, Polylines, Shape, Sphere
+from gcodesim.log.writer import LogWriter
+
+__all__ = [
+    "Box",
+    "Capsule",
+    "Cone",
+    "Cylinder",
+    "Entity",
+    "LogDescription",
+    "LogWriteError",
+    "LogWriter",
+    "Mesh",
+    "MotionColumns",
+    "Polylines",
+    "ProcessColumns",
+    "Shape",
+    "Sphere",
+    "StaticFrame",
+]

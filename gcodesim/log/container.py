@@ -1,0 +1,290 @@
+"""The MCAP container, written so that a file cut off anywhere is readable up to its last whole record.
+
+Chunks are built here from rows and single messages, because a library call for
+each message would cost more than making the message. The rare records are
+those of the `mcap` package.
+"""
+
+from __future__ import annotations
+
+import os
+import struct
+import zlib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import zstandard
+from mcap.data_stream import RecordBuilder
+from mcap.opcode import Opcode
+from mcap.records import (
+    Attachment,
+    AttachmentIndex,
+    Channel,
+    ChunkIndex,
+    DataEnd,
+    Footer,
+    Header,
+    Metadata,
+    MetadataIndex,
+    Schema,
+    Statistics,
+    SummaryOffset,
+)
+
+from gcodesim.log.rows import MESSAGE_HEAD, MESSAGE_OPCODE, RECORD_HEAD, Rows
+from gcodesim.log.topics import Topic
+
+MAGIC: Final = b"\x89MCAP0\r\n"
+CHUNK_SIZE: Final = 1 << 20
+LEVEL: Final = 1  # of zstd: higher levels gain a few per cent on doubles and cost several times as much
+_RECORD: Final = struct.Struct("<BQ")
+_MESSAGE: Final = struct.Struct("<BQHIQQ")
+_INDEX_ENTRY: Final = struct.Struct("<QQ")
+_INDEX_HEAD: Final = struct.Struct("<BQHI")
+_CHUNK_HEAD: Final = struct.Struct("<QQQI")
+
+
+class LogWriteError(OSError):
+    """The log cannot be written: disk full, folder gone, no permission. What was written so far stays readable."""
+
+
+class ChunkBuilder:
+    """Message records of one chunk and their index."""
+
+    def __init__(self) -> None:
+        self.size = 0
+        self.count = 0
+        self.first_ns = 0
+        self.last_ns = 0
+        self._parts: list[bytes | memoryview] = []
+        self._index: dict[int, list[bytes]] = {}
+
+    def _take(self, first_ns: int, last_ns: int, part: bytes | memoryview, size: int, count: int) -> None:
+        if self.count == 0:
+            self.first_ns = first_ns
+        self.last_ns = last_ns
+        self._parts.append(part)
+        self.size += size
+        self.count += count
+
+    def add_message(self, channel: int, sequence: int, t_ns: int, data: bytes) -> None:
+        """One message record; times must not decrease."""
+        self._index.setdefault(channel, []).append(_INDEX_ENTRY.pack(t_ns, self.size))
+        head = _MESSAGE.pack(MESSAGE_OPCODE, MESSAGE_HEAD + len(data), channel, sequence, t_ns, t_ns)
+        self._take(t_ns, t_ns, head + data, len(head) + len(data), 1)
+
+    def add_rows(self, rows: Rows, channels: Sequence[int]) -> None:
+        """The records of several instants, one for each of `channels` an instant."""
+        n = len(rows)
+        entries = np.empty((n, 2), dtype="<u8")
+        entries[:, 0] = rows.t_ns
+        offsets = self.size + rows.width * np.arange(n, dtype=np.uint64)
+        for channel, start in zip(channels, rows.starts, strict=True):
+            entries[:, 1] = offsets + np.uint64(start)
+            self._index.setdefault(channel, []).append(entries.tobytes())
+        data = np.ascontiguousarray(rows.data).data.cast("B")
+        self._take(int(rows.t_ns[0]), int(rows.t_ns[-1]), data, n * rows.width, n * len(channels))
+
+    def records(self) -> bytes:
+        return b"".join(self._parts)
+
+    def index_records(self) -> dict[int, bytes]:
+        """A message index record for each channel of this chunk, channels in order."""
+        found = {}
+        for channel in sorted(self._index):
+            entries = b"".join(self._index[channel])
+            found[channel] = _INDEX_HEAD.pack(Opcode.MESSAGE_INDEX, 6 + len(entries), channel, len(entries)) + entries
+        return found
+
+
+class Container:
+    """An MCAP file under construction: `NAME.part` until it is complete.
+
+    Every record goes to the system in one unbuffered write, so that a killed
+    process loses only what was not yet handed over here.
+    """
+
+    def __init__(self, path: Path, library: str, topics: Sequence[tuple[Topic, bytes]]) -> None:
+        """Open `path` + `.part` and write header, schemas and channels (ids from 1 in the order of `topics`).
+
+        A former log under the final name is removed: it would be taken for the
+        result of this run. LogWriteError when the folder does not take it.
+        """
+        self.path = path
+        self.part_path = path.with_name(path.name + ".part")
+        self._offset = 0
+        self._crc = 0
+        self._compressor = zstandard.ZstdCompressor(level=LEVEL)
+        self._chunk = ChunkBuilder()
+        self._schemas: dict[str, Schema] = {}
+        self._channels: list[Channel] = []
+        self._chunks: list[ChunkIndex] = []
+        self._attachments: list[AttachmentIndex] = []
+        self._metadata: list[MetadataIndex] = []
+        self._counts: list[int] = [0] * (len(topics) + 1)
+        self._start_ns: int | None = None
+        self._end_ns = 0
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self._file = open(self.part_path, "wb", buffering=0)  # noqa: SIM115  (lives as long as this object)
+            path.unlink(missing_ok=True)
+        except OSError as error:
+            raise self._failure(error) from error
+        self._write(MAGIC + _bytes_of(Header("", library)))
+        for topic, data in topics:
+            self._open_channel(topic, data)
+
+    def _open_channel(self, topic: Topic, data: bytes) -> None:
+        schema = self._schemas.get(topic.schema)
+        if schema is None:
+            schema = Schema(id=len(self._schemas) + 1, data=data, encoding="protobuf", name=topic.schema)
+            self._schemas[topic.schema] = schema
+            self._write(_bytes_of(schema))
+        channel = Channel(len(self._channels) + 1, topic.name, "protobuf", {}, schema.id)
+        self._channels.append(channel)
+        self._write(_bytes_of(channel))
+
+    def add_message(self, channel: int, t_ns: int, data: bytes) -> None:
+        """One message; times must not decrease. The sequence counts from 0 for each channel."""
+        self._chunk.add_message(channel, self._counts[channel], t_ns, data)
+        self._counts[channel] += 1
+        if self._chunk.size > CHUNK_SIZE:
+            self.flush()
+
+    def add_rows(self, rows: Rows, channels: Sequence[int]) -> None:
+        """Messages of many instants; chunks are closed as they fill."""
+        for channel in channels:
+            self._counts[channel] += len(rows)
+        first = 0
+        while first < len(rows):
+            room = max(1, (CHUNK_SIZE - self._chunk.size) // rows.width + 1)
+            last = min(len(rows), first + room)
+            self._chunk.add_rows(rows.part(first, last), channels)
+            first = last
+            if self._chunk.size > CHUNK_SIZE:
+                self.flush()
+
+    def flush(self) -> None:
+        """Close the chunk, so that all messages so far are on disk."""
+        chunk = self._chunk
+        if not chunk.count:
+            return
+        self._chunk = ChunkBuilder()
+        records = chunk.records()
+        packed = self._compressor.compress(records)
+        head = _CHUNK_HEAD.pack(chunk.first_ns, chunk.last_ns, len(records), zlib.crc32(records))
+        head += struct.pack("<I4sQ", 4, b"zstd", len(packed))
+        start = self._offset
+        length = RECORD_HEAD + len(head) + len(packed)
+        offsets, indexes = {}, []
+        at = start + length
+        for channel, record in chunk.index_records().items():
+            offsets[channel] = at
+            indexes.append(record)
+            at += len(record)
+        self._write(b"".join([_RECORD.pack(Opcode.CHUNK, length - RECORD_HEAD), head, packed, *indexes]))
+        self._chunks.append(
+            ChunkIndex(
+                chunk_length=length,
+                chunk_start_offset=start,
+                compression="zstd",
+                compressed_size=len(packed),
+                message_end_time=chunk.last_ns,
+                message_index_length=at - start - length,
+                message_index_offsets=offsets,
+                message_start_time=chunk.first_ns,
+                uncompressed_size=len(records),
+            )
+        )
+        if self._start_ns is None:
+            self._start_ns = chunk.first_ns
+        self._end_ns = chunk.last_ns
+
+    def add_attachment(self, name: str, t_ns: int, media_type: str, data: bytes) -> None:
+        """A file inside the log; both its times are simulated time."""
+        start = self._offset
+        record = Attachment(create_time=t_ns, log_time=t_ns, name=name, media_type=media_type, data=data)
+        self._write(_bytes_of(record))
+        self._attachments.append(AttachmentIndex(start, self._offset - start, t_ns, t_ns, len(data), name, media_type))
+
+    def add_metadata(self, name: str, values: Mapping[str, str]) -> None:
+        """A record of names and texts, sorted by name."""
+        start = self._offset
+        self._write(_bytes_of(Metadata(name, dict(sorted(values.items())))))
+        self._metadata.append(MetadataIndex(start, self._offset - start, name))
+
+    def finish(self) -> None:
+        """Write the rest and the summary, close, and give the file its final name."""
+        self.flush()
+        self._write(_bytes_of(DataEnd(self._crc)))
+        start = self._offset
+        groups = (
+            (Opcode.SCHEMA, list(self._schemas.values())),
+            (Opcode.CHANNEL, self._channels),
+            (Opcode.STATISTICS, [self._statistics()]),
+            (Opcode.CHUNK_INDEX, self._chunks),
+            (Opcode.ATTACHMENT_INDEX, self._attachments),
+            (Opcode.METADATA_INDEX, self._metadata),
+        )
+        summary, offsets = b"", []
+        for opcode, records in groups:
+            data = b"".join(_bytes_of(record) for record in records)
+            if data:
+                offsets.append(SummaryOffset(opcode, start + len(summary), len(data)))
+            summary += data
+        offset_start = start + len(summary)
+        summary += b"".join(_bytes_of(record) for record in offsets)
+        # the summary's checksum covers the footer up to the checksum itself
+        crc = zlib.crc32(_RECORD.pack(Opcode.FOOTER, 20) + struct.pack("<QQ", start, offset_start), zlib.crc32(summary))
+        self._write(summary + _bytes_of(Footer(start, offset_start, crc)) + MAGIC)
+        try:
+            self._file.close()
+            os.replace(self.part_path, self.path)
+        except OSError as error:
+            raise self._failure(error) from error
+
+    def abandon(self) -> None:
+        """Close as it is: the `.part` file keeps every record that was written."""
+        self._file.close()
+
+    def _statistics(self) -> Statistics:
+        return Statistics(
+            attachment_count=len(self._attachments),
+            channel_count=len(self._channels),
+            channel_message_counts={i: n for i, n in enumerate(self._counts) if n},
+            chunk_count=len(self._chunks),
+            message_count=sum(self._counts),
+            message_end_time=self._end_ns,
+            message_start_time=self._start_ns or 0,
+            metadata_count=len(self._metadata),
+            schema_count=len(self._schemas),
+        )
+
+    def _write(self, data: bytes) -> None:
+        """Hand one or more whole records to the system; on failure cut the file back to whole records."""
+        if self._file.closed:
+            raise LogWriteError(None, "the log was closed after an error", str(self.part_path))
+        rest = memoryview(data)
+        try:
+            while rest:
+                rest = rest[self._file.write(rest) or 0 :]
+        except OSError as error:
+            try:
+                self._file.truncate(self._offset)
+            finally:
+                self._file.close()
+            raise self._failure(error) from error
+        self._crc = zlib.crc32(data, self._crc)
+        self._offset += len(data)
+
+    def _failure(self, error: OSError) -> LogWriteError:
+        return LogWriteError(error.errno, f"the log cannot be written: {error.strerror}", str(self.part_path))
+
+
+def _bytes_of(record: Any) -> bytes:
+    builder = RecordBuilder()
+    record.write(builder)
+    data: bytes = builder.end()
+    return data

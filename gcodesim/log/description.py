@@ -1,0 +1,88 @@
+"""What a log is about and what comes in at each log instant: plain values and columns, no objects of the simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.log.scene import Entity, Polylines
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StaticFrame:
+    """A frame that never moves: pose of `child` seen from `parent`; `p` (3,) [m], `q` (4,) x y z w."""
+
+    parent: str
+    child: str
+    p: Array
+    q: Array
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LogDescription:
+    """All that is fixed for a whole log.
+
+    `run` is the metadata record: program, program_sha256, cell, cell_sha256,
+    seed, step_ns, log_period_ns, versions; `log_format` and `gcodesim` are
+    added. `moving_frames` are (parent, child) in the order of the columns given
+    to `LogWriter.window`. `wrench_frame` names the frame whose axes the wrench
+    follows. `process_kinds` is the list into which the column `kind` points.
+    `cell` are the robot links and fixtures, `feed_path` and `rapid_path` the
+    planned path in `path_frame`. `attachments` are the inputs by name:
+    program.nc, subprograms, cell.yaml, URDFs; layout.json is added when missing.
+    """
+
+    run: Mapping[str, str]
+    static_frames: tuple[StaticFrame, ...]
+    moving_frames: tuple[tuple[str, str], ...]
+    joint_names: tuple[str, ...]
+    cell: tuple[Entity, ...] = ()
+    feed_path: Polylines = field(default_factory=Polylines.none)
+    rapid_path: Polylines = field(default_factory=Polylines.none)
+    path_frame: str = "world"
+    wrench_frame: str = "world"
+    process_kinds: tuple[str, ...] = ("", "milling", "extrusion")
+    stock_tiles: int = 1
+    added_tiles: int = 0
+    attachments: Mapping[str, bytes] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MotionColumns:
+    """How the machine follows, at n log instants. Shapes (n,), `position` (n, 3).
+
+    Tip speeds [m/s], errors against the target [m], [rad], part of the block
+    that is done, tip in the active work coordinates [m], held by a limit.
+    """
+
+    feed: Array
+    feed_command: Array
+    position_error: Array
+    orientation_error: Array
+    block_fraction: Array
+    position: Array
+    limit: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProcessColumns:
+    """What the tool does to the part, at n log instants. Shapes (n,).
+
+    `kind` points into `LogDescription.process_kinds`; spindle [rad/s, + = M3],
+    force [N], torque about the tool axis [N·m], power [W], removal rate [m³/s]
+    and net removed volume since the start [m³], negative for added material.
+    """
+
+    kind: NDArray[np.integer]
+    engaged: NDArray[np.bool_]
+    spindle: Array
+    force: Array
+    torque: Array
+    power: Array
+    removal: Array
+    removed: Array

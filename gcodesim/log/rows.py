@@ -1,0 +1,188 @@
+"""The messages that come every log period, built for many instants at once.
+
+All seven periodic messages of one instant, with their record headers, have a
+fixed length, so a log window is a byte matrix: a template repeated n times
+into which numpy writes whole columns. Only the word for the kind of process
+varies in length; there is one template for each kind.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.log.description import LogDescription
+from gcodesim.log.topics import PERIODIC
+from gcodesim.log.wire import Piece, Slot, bool_slot, double_slot, nested, padded_stamps, stamp_slot, text_piece
+
+MESSAGE_OPCODE: Final = 5
+RECORD_HEAD: Final = 9  # opcode and length, in front of every record
+MESSAGE_HEAD: Final = 22  # channel, sequence, log time, publish time
+_STRIP: Final = 128  # rows filled at a time: a strip of about 300 kB stays in the processor's cache
+_DTYPES: Final = {"f8": "<f8", "bool": "u1", "stamp": "V12", "u4": "<u4", "u8": "<u8"}
+
+
+def _vector(number: int, array: str, first: int, names: int = 3) -> Piece:
+    return nested(number, *(double_slot(i + 1, array, first + i) for i in range(names)))
+
+
+def _pose_parts(array: str, first: int) -> tuple[Piece, Piece]:
+    """Position and orientation as fields 1 and 2."""
+    return _vector(1, array, first), _vector(2, array, first + 3, 4)
+
+
+def _messages(description: LogDescription, kind: str) -> tuple[Piece, ...]:
+    """The periodic messages in the order of `PERIODIC`; field numbers are those of the schemas."""
+    transforms = Piece(b"")
+    for i, (parent, child) in enumerate(description.moving_frames):
+        position, rotation = _vector(4, "tf", 7 * i), _vector(5, "tf", 7 * i + 3, 4)
+        transforms += nested(1, stamp_slot(1), text_piece(2, parent), text_piece(3, child), position, rotation)
+    states = stamp_slot(1)
+    for i, name in enumerate(description.joint_names):
+        numbers = ((2, "joint_position"), (3, "joint_velocity"), (5, "joint_effort"))
+        states += nested(2, text_piece(1, name), *(double_slot(number, array, i) for number, array in numbers))
+    poses = [stamp_slot(1) + text_piece(2, "world") + nested(3, *_pose_parts(array, 0)) for array in ("target", "tcp")]
+    motion = stamp_slot(1)
+    for number, array, column in (
+        (2, "feed", 0),
+        (3, "feed_command", 0),
+        (4, "position_error", 0),
+        (5, "orientation_error", 0),
+        (6, "block_fraction", 0),
+        (7, "position", 0),
+        (8, "position", 1),
+        (9, "position", 2),
+    ):
+        motion += double_slot(number, array, column)
+    motion += bool_slot(10, "limit")
+    process = stamp_slot(1) + text_piece(2, kind) + bool_slot(3, "engaged")
+    for number, array in enumerate(("spindle", "force", "torque", "power", "removal", "removed"), start=4):
+        process += double_slot(number, array)
+    wrench = stamp_slot(1) + text_piece(2, description.wrench_frame)
+    wrench += _vector(3, "wrench", 0) + _vector(4, "wrench", 3)
+    return transforms, states, *poses, motion, process, wrench
+
+
+@dataclass(frozen=True, slots=True)
+class Rows:
+    """Records of n instants: row i is `data[i]`, message m of it starts at `starts[m]`."""
+
+    t_ns: NDArray[np.int64]
+    data: NDArray[np.uint8]
+    starts: tuple[int, ...]
+
+    def __len__(self) -> int:
+        return len(self.t_ns)
+
+    @property
+    def width(self) -> int:
+        return int(self.data.shape[1])
+
+    def part(self, first: int, last: int) -> Rows:
+        """Rows first ≤ i < last, sharing memory."""
+        return Rows(self.t_ns[first:last], self.data[first:last], self.starts)
+
+
+class RowTemplate:
+    """The records of one instant for one kind of process, with the slots that change."""
+
+    def __init__(self, description: LogDescription, kind: str, channel_ids: tuple[int, ...]) -> None:
+        row, starts = Piece(b""), []
+        for channel, message in zip(channel_ids, _messages(description, kind), strict=True):
+            starts.append(len(row.data))
+            length = MESSAGE_HEAD + len(message.data)
+            head = bytes((MESSAGE_OPCODE,)) + length.to_bytes(8, "little") + channel.to_bytes(2, "little")
+            row += Piece(head)
+            row += Piece(bytes(20), (Slot(0, "u4", "sequence"), Slot(4, "u8", "time"), Slot(12, "u8", "time")))
+            row += message
+        self.starts = tuple(starts)
+        self._template = np.frombuffer(row.data, dtype=np.uint8)
+        self._fills = tuple(_runs(row.slots))
+
+    def fill(self, t_ns: NDArray[np.int64], first_sequence: NDArray[np.int64], arrays: Mapping[str, Any]) -> Rows:
+        """Rows of the instants `t_ns` (n,) from `arrays` of shape (n, columns)."""
+        n, width = len(t_ns), len(self._template)
+        columns = dict(arrays)
+        columns["time"] = t_ns[:, None]
+        columns["sequence"] = first_sequence[:, None]
+        columns[""] = padded_stamps(t_ns).view("V12")
+        data = np.empty((n, width), dtype=np.uint8)
+        for first in range(0, n, _STRIP):
+            strip = data[first : first + _STRIP]
+            strip[:] = self._template
+            rows = len(strip)
+            for fill in self._fills:
+                target = np.ndarray((rows, fill.count), fill.dtype, strip, fill.offset, (width, fill.step))
+                target[:] = columns[fill.array][first : first + rows, fill.column : fill.column + fill.count]
+        return Rows(t_ns, data, self.starts)
+
+
+@dataclass(frozen=True, slots=True)
+class _Fill:
+    """Neighbouring slots that are filled from neighbouring columns in one assignment."""
+
+    offset: int
+    step: int
+    dtype: str
+    array: str
+    column: int
+    count: int
+
+
+def _runs(slots: tuple[Slot, ...]) -> Iterator[_Fill]:
+    """Slots joined where columns and distances go on evenly."""
+    run: list[Slot] = []
+    for slot in slots:
+        joins = bool(run) and slot.kind == "f8" == run[-1].kind and slot.array == run[-1].array
+        joins = joins and slot.column == run[-1].column + 1
+        joins = joins and (len(run) == 1 or slot.offset - run[-1].offset == run[1].offset - run[0].offset)
+        if not joins and run:
+            yield _fill_of(run)
+            run = []
+        run.append(slot)
+    if run:
+        yield _fill_of(run)
+
+
+def _fill_of(run: list[Slot]) -> _Fill:
+    step = run[1].offset - run[0].offset if len(run) > 1 else 0
+    return _Fill(run[0].offset, step, _DTYPES[run[0].kind], run[0].array, run[0].column, len(run))
+
+
+class RowBuilder:
+    """Rows for all kinds of process; counts the sequence, which is the same for all periodic topics."""
+
+    def __init__(self, description: LogDescription, channel_ids: tuple[int, ...]) -> None:
+        if len(channel_ids) != len(PERIODIC):
+            raise ValueError("one channel for each periodic topic")
+        self._templates = [RowTemplate(description, kind, channel_ids) for kind in description.process_kinds]
+        self.count = 0
+
+    def build(
+        self, t_ns: NDArray[np.int64], kind: NDArray[np.integer], arrays: Mapping[str, NDArray[Any]]
+    ) -> list[Rows]:
+        """Rows in time order, split where the kind changes."""
+        n = len(t_ns)
+        sequence = self.count + np.arange(n, dtype=np.int64)
+        self.count += n
+        borders = np.concatenate([[0], np.flatnonzero(np.diff(kind)) + 1, [n]])
+        kinds = np.unique(kind)
+        if len(kinds) == 1:
+            return [self._templates[int(kinds[0])].fill(t_ns, sequence, arrays)]
+        rank = np.empty(n, dtype=np.int64)
+        by_kind = {}
+        for k in kinds:  # fill all rows of a kind at once, then hand out their runs
+            chosen = np.flatnonzero(kind == k)
+            rank[chosen] = np.arange(len(chosen))
+            some = {name: array[chosen] for name, array in arrays.items()}
+            by_kind[int(k)] = self._templates[int(k)].fill(t_ns[chosen], sequence[chosen], some)
+        runs = []
+        for first, last in pairwise(borders):
+            start = int(rank[first])
+            runs.append(by_kind[int(kind[first])].part(start, start + int(last - first)))
+        return runs

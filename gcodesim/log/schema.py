@@ -1,0 +1,110 @@
+"""Schemas of the log: message descriptors, and the bytes that a log stores of them.
+
+`foxglove.*` messages come from their package. `gcodesim.*` messages are defined
+once, in `data/log/gcodesim.proto`, which is read here; no compiler is needed.
+"""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from importlib import import_module
+from importlib.resources import files
+from typing import Any, Final
+
+from google.protobuf import descriptor_pool, message_factory, timestamp_pb2
+from google.protobuf.descriptor import FileDescriptor
+from google.protobuf.descriptor_pb2 import FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet
+
+_FIELD = re.compile(r"(repeated +)?([\w.]+) +(\w+) *= *(\d+);")
+_TYPES: Final = {
+    "double": FieldDescriptorProto.TYPE_DOUBLE,
+    "uint32": FieldDescriptorProto.TYPE_UINT32,
+    "bool": FieldDescriptorProto.TYPE_BOOL,
+    "string": FieldDescriptorProto.TYPE_STRING,
+}
+
+
+def read_proto(text: str) -> FileDescriptorProto:
+    """The descriptor of a plain proto3 file: messages of scalar and message fields, one field a line.
+
+    ValueError on a line that is none of these.
+    """
+    file = FileDescriptorProto(name="gcodesim/gcodesim.proto", syntax="proto3")
+    message = None
+    for line in text.splitlines():
+        line = line.split("//")[0].strip()
+        word, _, rest = line.partition(" ")
+        if not line or word == "syntax":
+            continue
+        if word == "package":
+            file.package = rest.rstrip(";")
+        elif word == "import":
+            file.dependency.append(rest.strip('";'))
+        elif word == "message":
+            message = file.message_type.add(name=rest.rstrip("{ "))
+        elif line == "}":
+            message = None
+        else:
+            found = _FIELD.fullmatch(line)
+            if found is None or message is None:
+                raise ValueError(f"not a plain proto3 line: {line!r}")
+            repeated, kind, name, number = found.groups()
+            field = message.field.add(name=name, number=int(number), json_name=_json_name(name))
+            field.label = FieldDescriptorProto.LABEL_REPEATED if repeated else FieldDescriptorProto.LABEL_OPTIONAL
+            if kind in _TYPES:
+                field.type = _TYPES[kind]
+            else:
+                field.type = FieldDescriptorProto.TYPE_MESSAGE
+                field.type_name = f".{kind}" if "." in kind else f".{file.package}.{kind}"
+    return file
+
+
+def _json_name(name: str) -> str:
+    first, *others = name.split("_")
+    return first + "".join(word.capitalize() for word in others)
+
+
+def proto_text() -> str:
+    """The definition of the `gcodesim.*` messages, as shipped."""
+    return (files("gcodesim") / "data" / "log" / "gcodesim.proto").read_text(encoding="utf-8")
+
+
+@cache
+def _own_file() -> FileDescriptor:
+    pool = descriptor_pool.DescriptorPool()
+    stamp = FileDescriptorProto.FromString(timestamp_pb2.DESCRIPTOR.serialized_pb)
+    pool.Add(stamp)
+    pool.Add(read_proto(proto_text()))
+    return pool.FindFileByName("gcodesim/gcodesim.proto")
+
+
+@cache
+def message_class(schema: str) -> Any:
+    """The message class of a schema such as `foxglove.Log` or `gcodesim.Event`."""
+    package, name = schema.split(".")
+    if package == "gcodesim":
+        return message_factory.GetMessageClass(_own_file().message_types_by_name[name])
+    return getattr(import_module(f"foxglove_schemas_protobuf.{name}_pb2"), name)
+
+
+def schema_data(schema: str) -> bytes:
+    """A serialized FileDescriptorSet of the schema's file and all it needs, dependencies first."""
+    collected: dict[str, FileDescriptorProto] = {}
+
+    def collect(file: FileDescriptor) -> None:
+        for needed in file.dependencies:
+            collect(needed)
+        if file.name not in collected:
+            collected[file.name] = FileDescriptorProto.FromString(file.serialized_pb)
+
+    collect(message_class(schema).DESCRIPTOR.file)
+    return FileDescriptorSet(file=collected.values()).SerializeToString(deterministic=True)
+
+
+def decoder(schema: str, data: bytes) -> Any:
+    """A message class for `schema` made from the descriptors that a log stores, which may be of another version."""
+    pool = descriptor_pool.DescriptorPool()
+    for file in FileDescriptorSet.FromString(data).file:
+        pool.Add(file)
+    return message_factory.GetMessageClass(pool.FindMessageTypeByName(schema))

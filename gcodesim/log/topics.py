@@ -1,0 +1,54 @@
+"""The topics of a log, in the order in which messages of one time are written."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+MOST_TILES: Final = 16  # the layout names every tile topic, and a topic that it does not name stays hidden
+
+
+@dataclass(frozen=True, slots=True)
+class Topic:
+    """`often`: once (at time 0), period (each log period) or change (at time 0 and when the content changes)."""
+
+    name: str
+    schema: str
+    often: str
+
+
+PERIODIC: Final = (
+    Topic("/tf", "foxglove.FrameTransforms", "period"),
+    Topic("/joint_states", "foxglove.JointStates", "period"),
+    Topic("/target", "foxglove.PoseInFrame", "period"),
+    Topic("/tcp", "foxglove.PoseInFrame", "period"),
+    Topic("/motion", "gcodesim.Motion", "period"),
+    Topic("/process", "gcodesim.Process", "period"),
+    Topic("/wrench", "gcodesim.Wrench", "period"),
+)
+
+
+def tile_topic(family: str, index: int) -> str:
+    """The topic of tile `index` of `stock` or `added`."""
+    return f"/scene/{family}/{index:02d}"
+
+
+def topic_table(stock_tiles: int, added_tiles: int) -> tuple[Topic, ...]:
+    """All topics of a log with that many tiles, in writing order. ValueError unless 1..16 and 0..16."""
+    if not (1 <= stock_tiles <= MOST_TILES and 0 <= added_tiles <= MOST_TILES):
+        raise ValueError(f"{stock_tiles} stock tiles and {added_tiles} added tiles; 1 to 16 and 0 to 16 are possible")
+    scene = "foxglove.SceneUpdate"
+    return (
+        Topic("/tf_static", "foxglove.FrameTransforms", "once"),
+        *PERIODIC,
+        Topic("/program", "gcodesim.Program", "change"),
+        Topic("/event", "gcodesim.Event", "change"),
+        Topic("/log", "foxglove.Log", "change"),
+        Topic("/scene/cell", scene, "once"),
+        Topic("/scene/path", scene, "once"),
+        Topic("/scene/block", scene, "change"),
+        Topic("/scene/tool", scene, "change"),
+        Topic("/scene/force", scene, "change"),
+        *(Topic(tile_topic("stock", i), scene, "change") for i in range(stock_tiles)),
+        *(Topic(tile_topic("added", i), scene, "change") for i in range(added_tiles)),
+    )

@@ -1,0 +1,385 @@
+"""Writes the log of one run: columns in, an MCAP file out.
+
+Messages of a window may come in any order. Everything older than the window
+before last is final and goes to the file in the order of time, then of the
+topic table; so whole chunks are on disk while the run goes on. The same input
+gives the same bytes: times are simulated, nothing else enters.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from collections import deque
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
+from importlib.metadata import version
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Final, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.frames import canonical_quaternion
+from gcodesim.log.container import Container
+from gcodesim.log.description import Array, LogDescription, MotionColumns, ProcessColumns
+from gcodesim.log.layout import default_layout
+from gcodesim.log.messages import (
+    SEVERITIES,
+    STATES,
+    ProgramState,
+    event_message,
+    frames_message,
+    log_message,
+    program_message,
+)
+from gcodesim.log.rows import RowBuilder, Rows
+from gcodesim.log.scene import Entity, Mesh, Shape, entities_update, force_update, path_update, polyline_update
+from gcodesim.log.schema import schema_data
+from gcodesim.log.topics import PERIODIC, tile_topic, topic_table
+
+LOG_FORMAT: Final = "1"
+MOST_MESSAGE_BYTES: Final = 4 << 20  # the viewer decodes whole messages
+ROOT: Final = "world"
+_BLOCK_FIELDS: Final = frozenset({"file", "line", "text", "block"})
+_MEDIA_TYPES: Final = {
+    ".json": "application/json",
+    ".yaml": "application/yaml",
+    ".urdf": "application/xml",
+    ".stl": "model/stl",
+    ".csv": "text/csv",
+}
+
+
+class LogWriter:
+    """The log of one run at `path`; it is `path` + `.part` until `close`.
+
+    All times are simulated nanoseconds from 0. The log starts at time 0: the
+    first instant given to `window` is 0. Change messages may be given before
+    or after the window in which they fall, but not after the one that follows.
+    Every method raises LogWriteError (an OSError) when the disk does not take
+    the data; ValueError tells of a fault of the caller.
+    """
+
+    def __init__(self, path: Path, description: LogDescription) -> None:
+        self._description = description
+        self._frames = _checked_frames(description)
+        topics = topic_table(description.stock_tiles, description.added_tiles)
+        library = f"gcodesim {version('gcodesim')}"
+        data = {schema: schema_data(schema) for schema in dict.fromkeys(topic.schema for topic in topics)}
+        self._container = Container(Path(path), library, [(topic, data[topic.schema]) for topic in topics])
+        self._channels = {topic.name: i for i, topic in enumerate(topics, start=1)}
+        self._periodic = tuple(self._channels[topic.name] for topic in PERIODIC)
+        self._builder = RowBuilder(description, self._periodic)
+        self._rows: deque[Rows] = deque()
+        self._messages: list[tuple[int, int, int, bytes]] = []  # time, channel (its order), arrival, data
+        self._arrivals = 0
+        self._written_ns = 0  # everything before is on its way to disk
+        self._last_ns = -1  # the last instant of the last window
+        self._last_columns: dict[str, NDArray[Any]] = {}
+        self._program = ProgramState()
+        self._at_start: set[int] = set()  # channels that have their message at time 0
+        self._begin()
+
+    def _begin(self) -> None:
+        d = self._description
+        run = {"log_format": LOG_FORMAT, "gcodesim": version("gcodesim"), **d.run}
+        self._container.add_metadata("gcodesim.run", run)
+        inputs = dict(d.attachments)
+        inputs.setdefault("layout.json", default_layout(d.joint_names))
+        for name, data in inputs.items():
+            self._container.add_attachment(name, 0, _media_type(name), data)
+        self._add("/tf_static", 0, frames_message(0, d.static_frames))
+        self._add("/scene/cell", 0, entities_update(0, d.cell))
+        self._add("/scene/path", 0, path_update(0, d.path_frame, d.feed_path, d.rapid_path))
+        self.event(0, "start", f"{d.run.get('program', 'program')} starts")
+
+    # ---- every log period
+
+    def window(
+        self,
+        t_ns: NDArray[np.int64],
+        *,
+        tf: Array,
+        joint_position: Array,
+        joint_velocity: Array,
+        joint_effort: Array,
+        target: Array,
+        tcp: Array,
+        motion: MotionColumns,
+        process: ProcessColumns,
+        wrench: Array,
+    ) -> None:
+        """The state at n log instants, later than all before. n may be 0.
+
+        `t_ns` (n,) increasing; `tf` (n, F, 7) poses x y z qx qy qz qw [m] of
+        the moving frames in their parents; joints (n, j) [rad or m, per s, N·m
+        or N]; `target` and `tcp` (n, 7) in world; `wrench` (n, 6) [N, N·m] on
+        the tool at the tip, in the axes of `wrench_frame`.
+        """
+        times = np.ascontiguousarray(t_ns, dtype=np.int64)
+        columns = {
+            "tf": _with_quaternions(tf, (len(times), len(self._description.moving_frames), 7)),
+            "joint_position": joint_position,
+            "joint_velocity": joint_velocity,
+            "joint_effort": joint_effort,
+            "target": _with_quaternions(target, (len(times), 1, 7)),
+            "tcp": _with_quaternions(tcp, (len(times), 1, 7)),
+            "wrench": wrench,
+            **{f.name: getattr(motion, f.name) for f in fields(motion)},
+            **{f.name: getattr(process, f.name) for f in fields(process)},
+        }
+        before = self._last_ns
+        self._take(times, self._checked(times, columns))
+        if len(times):
+            self.flush_before(before)
+
+    def _checked(self, times: NDArray[np.int64], columns: dict[str, Any]) -> dict[str, NDArray[Any]]:
+        n, j = len(times), len(self._description.joint_names)
+        widths = {"tf": 7 * len(self._description.moving_frames), "target": 7, "tcp": 7, "wrench": 6, "position": 3}
+        widths |= dict.fromkeys(("joint_position", "joint_velocity", "joint_effort"), j)
+        checked: dict[str, NDArray[Any]] = {}
+        for name, column in columns.items():
+            kind = {"kind": np.int64, "limit": np.bool_, "engaged": np.bool_}.get(name, np.float64)
+            array: NDArray[Any] = np.asarray(column, dtype=kind)
+            width = widths.get(name, 1)
+            if array.size != n * width or len(array) != n:
+                raise ValueError(f"log column '{name}' has shape {array.shape}; wanted {n} rows of {width}")
+            checked[name] = array.reshape(n, width)
+            if kind is np.float64 and not np.isfinite(array).all():
+                row = int(np.flatnonzero(~np.isfinite(checked[name]).all(axis=1))[0])
+                raise ValueError(f"log column '{name}' is not finite at {times[row] / 1e9:.6f} s")
+        kinds = len(self._description.process_kinds)
+        if n and not (checked["kind"].min() >= 0 and checked["kind"].max() < kinds):
+            raise ValueError(f"a process kind is outside 0 … {kinds - 1}")
+        return checked
+
+    def _take(self, times: NDArray[np.int64], columns: dict[str, NDArray[Any]]) -> None:
+        if not len(times):
+            return
+        if self._last_ns < 0 and times[0] != 0:
+            raise ValueError(f"the log starts at {times[0]} ns, not at 0")
+        if times[0] <= self._last_ns or (np.diff(times) <= 0).any():
+            raise ValueError(f"log instants do not increase after {self._last_ns} ns")
+        kind = columns["kind"][:, 0]
+        self._rows.extend(self._builder.build(times, kind, columns))
+        self._last_ns = int(times[-1])
+        self._last_columns = {name: column[-1:].copy() for name, column in columns.items()}
+
+    # ---- when something changes
+
+    def program(self, t_ns: int, **changes: Any) -> None:
+        """The block in execution from `t_ns` on: fields of `ProgramState` that change, the others stay.
+
+        Writes nothing when nothing changes; a new block also gives a line for `/log`.
+        """
+        known = self._program
+        changed = [name for name, value in changes.items() if getattr(known, name) != value]
+        for name in changed:
+            setattr(known, name, changes[name])
+        if known.state not in STATES:
+            raise ValueError(f"no such program state: '{known.state}'")
+        if changed or self._channels["/program"] not in self._at_start:
+            self._add("/program", t_ns, program_message(t_ns, known))
+        if not _BLOCK_FIELDS.isdisjoint(changed):
+            self._add("/log", t_ns, log_message(t_ns, SEVERITIES["note"], known.text, known.file, known.line))
+
+    def event(
+        self,
+        t_ns: int,
+        code: str,
+        message: str,
+        *,
+        severity: str = "note",
+        file: str = "",
+        line: int = 0,
+        bodies: Sequence[str] = (),
+        value: float = 0.0,
+    ) -> None:
+        """Something a test may ask for, also as a line of `/log`: a finding's code, or start, toolchange, collision,
+        limit, interrupted, end. `severity` is note, warning or error; `value` is SI, as the code says."""
+        data = event_message(t_ns, code, severity, file, line, message, bodies, value)
+        self._add("/event", t_ns, data)
+        self.log(t_ns, f"{code}: {message}", severity=severity, file=file, line=line)
+
+    def log(self, t_ns: int, message: str, *, severity: str = "note", file: str = "", line: int = 0) -> None:
+        """A line for people."""
+        self._add("/log", t_ns, log_message(t_ns, SEVERITIES[severity], message, file, line))
+
+    def block_polyline(self, t_ns: int, points: Array, frame: str = ROOT) -> None:
+        """The way (n, 3) [m] of the block that begins; arcs in pieces. No points: nothing is shown."""
+        self._add("/scene/block", t_ns, polyline_update(t_ns, "block", self._frame(frame), points))
+
+    def tool(self, t_ns: int, shapes: Sequence[Shape], frame: str = "tool") -> None:
+        """The tool that is in the spindle from now on; no shapes: the spindle is empty."""
+        entities = [Entity(id="tool", frame=self._frame(frame), shapes=tuple(shapes))] if shapes else []
+        self._add("/scene/tool", t_ns, entities_update(t_ns, entities))
+
+    def force(self, t_ns: int, tip: Array, force: Array, frame: str = ROOT) -> None:
+        """The arrow of the process force (3,) [N] at `tip` (3,) [m], both in `frame`; call it at 10 Hz."""
+        self._add("/scene/force", t_ns, force_update(t_ns, self._frame(frame), tip, force))
+
+    def stock_tile(self, t_ns: int, index: int, meshes: Sequence[Mesh], frame: str = "stock") -> None:
+        """All of one tile of the part: original and cut surface as meshes of one colour each."""
+        self._tile("stock", t_ns, index, meshes, frame)
+
+    def added_tile(self, t_ns: int, index: int, meshes: Sequence[Mesh], frame: str = "stock") -> None:
+        """All added material of one tile."""
+        self._tile("added", t_ns, index, meshes, frame)
+
+    def _tile(self, family: str, t_ns: int, index: int, meshes: Sequence[Mesh], frame: str) -> None:
+        shown = tuple(mesh for mesh in meshes if len(mesh.triangles))
+        entities = [Entity(id=f"{family}/{index:02d}", frame=self._frame(frame), shapes=shown)] if shown else []
+        self._add(tile_topic(family, index), t_ns, entities_update(t_ns, entities))
+
+    # ---- into the file
+
+    def flush_before(self, t_ns: int) -> None:
+        """Everything earlier than `t_ns` is final; nothing earlier may come afterwards."""
+        if t_ns <= self._written_ns:
+            return
+        self._fill_start()
+        self._messages.sort()
+        due = bisect_left(self._messages, (t_ns,))
+        for at, channel, _, data in self._messages[:due]:
+            # /tf_static stands before the rows in the table, all other changing topics after them
+            self._write_rows(at if channel > self._periodic[0] else at - 1)
+            self._container.add_message(channel, at, data)
+        del self._messages[:due]
+        self._write_rows(t_ns - 1)
+        self._written_ns = t_ns
+
+    def sync(self) -> None:
+        """Put all that is final on disk now instead of when its chunk is full."""
+        self._container.flush()
+
+    def close(
+        self,
+        end_ns: int,
+        state: str,
+        result: Mapping[str, str] | None = None,
+        attachments: Mapping[str, bytes] | None = None,
+    ) -> None:
+        """Finish the log at `end_ns` with `state` finished or failed, and give it its final name.
+
+        The last state is repeated at `end_ns` when that is no log instant, and
+        the last program line with the final state. `result` becomes the result
+        record; state, duration, blocks and removed volume are added where they
+        are missing. `attachments` are outputs such as results.json.
+        """
+        if state not in ("finished", "failed"):
+            raise ValueError(f"a run ends finished or failed, not '{state}'")
+        if end_ns < self._last_ns:
+            raise ValueError(f"the run ends at {end_ns} ns, but {self._last_ns} ns is logged")
+        if self._last_ns < 0:
+            self._take(np.zeros(1, dtype=np.int64), self._nothing())
+        if end_ns > self._last_ns:
+            self._take(np.array([end_ns], dtype=np.int64), self._last_columns)
+        self.program(end_ns, state=state)
+        self.event(end_ns, "end", state, severity="note" if state == "finished" else "error")
+        self.flush_before(end_ns + 1)
+        if self._messages:
+            raise ValueError(f"a message at {self._messages[0][0]} ns comes after the end at {end_ns} ns")
+        self._container.flush()
+        for name, data in (attachments or {}).items():
+            self._container.add_attachment(name, end_ns, _media_type(name), data)
+        record = {"blocks": str(self._program.block), "removed_m3": repr(float(self._last_columns["removed"][0, 0]))}
+        record |= {**(result or {}), "state": state, "duration_ns": str(end_ns)}
+        self._container.add_metadata("gcodesim.result", record)
+        self._container.finish()
+
+    def abandon(self) -> None:
+        """Stop without an end: the `.part` file keeps what was written."""
+        self._container.abandon()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._container.abandon()
+
+    def _write_rows(self, until_ns: int) -> None:
+        """Rows up to and including `until_ns`."""
+        while self._rows and self._rows[0].t_ns[0] <= until_ns:
+            rows = self._rows.popleft()
+            count = int(np.searchsorted(rows.t_ns, until_ns, side="right"))
+            self._container.add_rows(rows.part(0, count), self._periodic)
+            if count < len(rows):
+                self._rows.appendleft(rows.part(count, len(rows)))
+
+    def _add(self, topic: str, t_ns: int, data: bytes) -> None:
+        t_ns = int(t_ns)
+        if t_ns < self._written_ns:
+            raise ValueError(f"{topic} at {t_ns} ns comes late: everything before {self._written_ns} ns is written")
+        if len(data) > MOST_MESSAGE_BYTES:
+            raise ValueError(f"{topic} at {t_ns} ns has {len(data)} bytes; draw a coarser mesh")
+        channel = self._channels[topic]
+        if t_ns == 0:
+            self._at_start.add(channel)
+        self._arrivals += 1
+        self._messages.append((t_ns, channel, self._arrivals, data))
+
+    def _fill_start(self) -> None:
+        """Every topic has a message at time 0, or a jump to the start would show nothing of it."""
+        if self._written_ns > 0:
+            return
+        for topic, channel in self._channels.items():
+            if channel in self._periodic or channel in self._at_start:
+                continue
+            if topic == "/program":
+                self._add(topic, 0, program_message(0, ProgramState()))
+            else:  # /event and /log have their start already; what is left are scenes
+                self._add(topic, 0, entities_update(0, ()))
+
+    def _frame(self, frame: str) -> str:
+        if frame not in self._frames:
+            raise ValueError(f"frame '{frame}' is not in the tree of the log")
+        return frame
+
+    def _nothing(self) -> dict[str, NDArray[Any]]:
+        """The row of a run that failed before its first instant: all frames at their parents, everything else 0."""
+        rest = np.tile([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], max(1, len(self._description.moving_frames)))
+        zero = np.zeros(1)
+        joints = np.zeros((1, len(self._description.joint_names)))
+        columns: dict[str, Any] = {f.name: zero for f in (*fields(MotionColumns), *fields(ProcessColumns))}
+        columns |= dict.fromkeys(("joint_position", "joint_velocity", "joint_effort"), joints)
+        columns |= {"tf": rest[None, : 7 * len(self._description.moving_frames)]}
+        columns |= {"target": rest[None, :7], "tcp": rest[None, :7], "wrench": np.zeros((1, 6))}
+        columns["position"] = np.zeros((1, 3))
+        return self._checked(np.zeros(1, dtype=np.int64), columns)
+
+
+def _with_quaternions(poses: Array, shape: tuple[int, int, int]) -> Array:
+    """Poses with canonical quaternions; ValueError when one is not of unit length."""
+    poses = np.array(poses, dtype=float).reshape(shape)
+    q = poses[..., 3:]
+    if not (np.abs(np.einsum("...i,...i->...", q, q) - 1.0) < 1e-6).all():
+        raise ValueError("a quaternion in the log is not of unit length")
+    poses[..., 3:] = canonical_quaternion(q)
+    return poses.reshape(shape[0], shape[1] * 7)
+
+
+def _checked_frames(d: LogDescription) -> frozenset[str]:
+    """Names of all frames; ValueError unless they make one tree with the root `world`."""
+    pairs = [(frame.parent, frame.child) for frame in d.static_frames] + list(d.moving_frames)
+    parents = {child: parent for parent, child in pairs}
+    if len(parents) < len(pairs):
+        raise ValueError("a frame of the log has two parents")
+    for child in parents:
+        seen, at = {child}, parents[child]
+        while at != ROOT:
+            if at not in parents or at in seen:
+                raise ValueError(f"frame '{child}' does not hang on '{ROOT}'")
+            seen.add(at)
+            at = parents[at]
+    frames = frozenset((*parents, ROOT))
+    for frame in (*(entity.frame for entity in d.cell), d.path_frame, d.wrench_frame):
+        if frame not in frames:
+            raise ValueError(f"frame '{frame}' is not in the tree of the log")
+    return frames
+
+
+def _media_type(name: str) -> str:
+    return _MEDIA_TYPES.get(Path(name).suffix, "text/plain")
