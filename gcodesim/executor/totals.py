@@ -1,0 +1,99 @@
+"""Sums and extremes of a run, by path row and by joint; all that results need of the steps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.frames import Array
+
+Rows = NDArray[np.int64]
+
+
+@dataclass(slots=True, eq=False)
+class RowTotals:
+    """What happened while each of the n path rows was run.
+
+    removed, added [m³]; engaged [s]; force [N], torque [N·m], power [W] are the
+    greatest of any step; `stopped_cut` and `reversed_cut` [m³] were removed in
+    feed with the spindle off or turning backwards; `shank` and `holder` [m] are
+    the greatest depths at which these parts stood in stock.
+    """
+
+    removed: Array
+    added: Array
+    engaged: Array
+    force: Array
+    torque: Array
+    power: Array
+    stopped_cut: Array
+    reversed_cut: Array
+    shank: Array
+    holder: Array
+
+    @staticmethod
+    def zeros(count: int) -> RowTotals:
+        return RowTotals(*(np.zeros(count) for _ in range(10)))
+
+    def add(self, column: str, rows: Rows, values: Array) -> None:
+        """Add `values` to `column` at `rows`, which may repeat."""
+        np.add.at(getattr(self, column), rows, values)
+
+    def raise_to(self, column: str, rows: Rows, values: Array) -> None:
+        """Raise `column` at `rows` to `values` where those are greater."""
+        np.maximum.at(getattr(self, column), rows, values)
+
+
+@dataclass(slots=True, eq=False)
+class JointTotals:
+    """Extremes of each of j joints over the run, and the rows at which they came; SI."""
+
+    least: Array
+    most: Array
+    least_row: Rows
+    most_row: Rows
+    speed: Array
+    acceleration: Array
+    effort: Array
+    effort_row: Rows
+    saturated_row: Rows = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    saturated_steps: Rows = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+
+    @staticmethod
+    def start(q: Array) -> JointTotals:
+        """Before the first step: the robot stands at `q` (j,)."""
+        count = len(q)
+        zero, none = np.zeros(count), np.full(count, -1, dtype=np.int64)
+        return JointTotals(
+            least=q.copy(),
+            most=q.copy(),
+            least_row=none.copy(),
+            most_row=none.copy(),
+            speed=zero.copy(),
+            acceleration=zero.copy(),
+            effort=zero.copy(),
+            effort_row=none.copy(),
+            saturated_row=none.copy(),
+            saturated_steps=np.zeros(count, dtype=np.int64),
+        )
+
+    def add(self, q: Array, qd: Array, qdd: Array, effort: Array, saturated: NDArray[np.bool_], rows: Rows) -> None:
+        """Take in n steps: columns (n, j) and the row (n,) of each step."""
+        if not len(q):
+            return
+        index = np.arange(q.shape[1])
+        low, high = q.argmin(axis=0), q.argmax(axis=0)
+        lower, higher = q[low, index] < self.least, q[high, index] > self.most
+        self.least_row[lower], self.most_row[higher] = rows[low][lower], rows[high][higher]
+        self.least, self.most = np.minimum(self.least, q[low, index]), np.maximum(self.most, q[high, index])
+        self.speed = np.maximum(self.speed, np.abs(qd).max(axis=0))
+        self.acceleration = np.maximum(self.acceleration, np.abs(qdd).max(axis=0))
+        top = np.abs(effort).argmax(axis=0)
+        stronger = np.abs(effort[top, index]) > self.effort
+        self.effort_row[stronger] = rows[top][stronger]
+        self.effort = np.maximum(self.effort, np.abs(effort[top, index]))
+        fresh = saturated.any(axis=0) & (self.saturated_row < 0)
+        self.saturated_row[fresh] = rows[saturated.argmax(axis=0)][fresh]
+        self.saturated_steps += saturated.sum(axis=0)
