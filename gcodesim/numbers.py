@@ -7,7 +7,7 @@ from typing import Any
 
 
 def clean(value: Any) -> Any:
-    """`value` ready for JSON: numpy scalars become Python's, NaN and infinities null, -0 becomes 0; nested values too."""
+    """`value` ready for JSON, inside too: numpy scalars become Python's, NaN and infinities null, -0 becomes 0."""
     if isinstance(value, dict):
         return {key: clean(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):

@@ -1,1 +1,225 @@
 """Metrics of a run: times, distances, volumes, forces and margins, in the form of `results.json`."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Final, Literal
+
+import numpy as np
+
+from gcodesim.diagnostics import Diagnostic, Span
+from gcodesim.diagnostics.show import as_json
+from gcodesim.executor.totals import JointTotals, RowTotals
+from gcodesim.frames import Array
+from gcodesim.kinematics.chain import Joints
+from gcodesim.motion.tool_path import HOME, RAPID, ToolPath
+from gcodesim.numbers import clean, rounded
+from gcodesim.units import DEG, MM, MM3, MM_PER_MINUTE
+
+SCHEMA: Final = "gcodesim-results/1"
+Status = Literal["ok", "findings", "failed"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StockResult:
+    """One stock at the end; volumes [m³], resolution [m]."""
+
+    material: str
+    initial: float
+    removed: float
+    deposited: float
+    remaining: float
+    resolution: float
+    error_bound: float
+
+    def as_json(self) -> dict[str, Any]:
+        return {
+            "material": self.material,
+            "initial_mm3": rounded(self.initial / MM3),
+            "removed_mm3": rounded(self.removed / MM3),
+            "deposited_mm3": rounded(self.deposited / MM3),
+            "remaining_mm3": rounded(self.remaining / MM3),
+            "resolution_mm": rounded(self.resolution / MM),
+            "error_bound_mm3": rounded(self.error_bound / MM3),
+        }
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Times:
+    """Where the time goes [s]; total = feed + rapid + dwell + tool_change, engaged is a part of feed."""
+
+    feed: float = 0.0
+    engaged: float = 0.0
+    rapid: float = 0.0
+    dwell: float = 0.0
+    tool_change: float = 0.0
+
+    @property
+    def total(self) -> float:
+        return self.feed + self.rapid + self.dwell + self.tool_change
+
+    def as_json(self) -> dict[str, Any]:
+        return {
+            "total_s": rounded(self.total),
+            "feed_s": rounded(self.feed),
+            "engaged_s": rounded(self.engaged),
+            "rapid_s": rounded(self.rapid),
+            "dwell_s": rounded(self.dwell),
+            "tool_change_s": rounded(self.tool_change),
+        }
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Results:
+    """What a run or a check came to. `as_json` is the content of `results.json`."""
+
+    status: Status
+    stopped_at: Span | None
+    inputs: Mapping[str, Any]
+    findings: Sequence[Diagnostic]
+    times: Times
+    feed_distance: float
+    rapid_distance: float
+    stocks: Mapping[str, StockResult] = field(default_factory=dict)
+    tools: Sequence[Mapping[str, Any]] = ()
+    joints: Sequence[Mapping[str, Any]] = ()
+    not_simulated: Sequence[Mapping[str, Any]] = ()
+    lines: Sequence[Sequence[Any]] = ()
+
+    def as_json(self) -> dict[str, Any]:
+        stopped = self.stopped_at
+        value = {
+            "schema": SCHEMA,
+            "status": self.status,
+            "stopped_at": None if stopped is None else {"file": stopped.file, "line": stopped.line},
+            "inputs": dict(self.inputs),
+            "findings": [as_json(finding) for finding in self.findings],
+            "time": self.times.as_json(),
+            "distance": {
+                "feed_mm": rounded(self.feed_distance / MM),
+                "rapid_mm": rounded(self.rapid_distance / MM),
+            },
+            "stocks": {name: stock.as_json() for name, stock in self.stocks.items()},
+            "tools": list(self.tools),
+            "joints": list(self.joints),
+            "not_simulated": list(self.not_simulated),
+        }
+        cleaned: dict[str, Any] = clean(value)
+        return cleaned
+
+    def text(self) -> str:
+        """The file `results.json`: one value a line as far as people read it."""
+        return json.dumps(self.as_json(), ensure_ascii=False, allow_nan=False, indent=1) + "\n"
+
+    def lines_csv(self) -> str:
+        """The file `lines.csv`: one program line a row."""
+        head = "file,line,time_s,distance_mm,feed_mm_min,removed_mm3,max_force_N"
+        rows = [",".join(_field(value) for value in row) for row in self.lines]
+        return "\n".join([head, *rows]) + "\n"
+
+
+def _field(value: Any) -> str:
+    text = str(clean(value))
+    return '"' + text.replace('"', '""') + '"' if any(c in text for c in ',"\n\r') else text
+
+
+def line_rows(path: ToolPath, time: Array, distance: Array, totals: RowTotals | None) -> list[list[Any]]:
+    """One row a program line: file, line, time, distance, mean feed, removed volume, greatest force.
+
+    `time` [s] and `distance` [m] are those of each path row; a loop's passes are
+    added up.
+    """
+    if not len(path):
+        return []
+    index, places = _lines_of(path)
+    count = len(places)
+    seconds = np.bincount(index, weights=time, minlength=count)
+    metres = np.bincount(index, weights=distance, minlength=count)
+    removed, force = np.zeros(count), np.zeros(count)
+    if totals is not None:
+        removed = np.bincount(index, weights=totals.removed - totals.added, minlength=count)
+        np.maximum.at(force, index, totals.force)
+    speed = np.divide(metres, seconds, out=np.zeros(count), where=seconds > 0.0)
+    return [
+        [
+            file,
+            line,
+            rounded(float(seconds[i]), 6),
+            rounded(float(metres[i] / MM), 6),
+            rounded(float(speed[i] / MM_PER_MINUTE), 6),
+            rounded(float(removed[i] / MM3), 6),
+            rounded(float(force[i]), 6),
+        ]
+        for i, (file, line) in enumerate(places)
+    ]
+
+
+def _lines_of(path: ToolPath) -> tuple[np.ndarray[Any, np.dtype[np.int64]], list[tuple[str, int]]]:
+    """Index of each row's program line, and those lines in the order in which they first ran."""
+    known: dict[tuple[str, int], int] = {}
+    of_span = [known.setdefault((span.file, span.line), len(known)) for span in path.spans]
+    used = np.array(of_span, dtype=np.int64)[path.source]
+    order, first = np.unique(used, return_index=True)
+    order = order[np.argsort(first)]
+    rank = np.zeros(len(known), dtype=np.int64)
+    rank[order] = np.arange(len(order), dtype=np.int64)
+    names = list(known)
+    return rank[used], [names[i] for i in order]
+
+
+def tool_rows(path: ToolPath, names: Mapping[int, str], time: Array, totals: RowTotals | None) -> list[dict[str, Any]]:
+    """One entry a tool that was in the spindle while something moved."""
+    if not len(path):
+        return []
+    numbers = np.array([state.tool for state in path.states], dtype=np.int64)[path.state]
+    feeds = (path.kind != RAPID) & (path.kind != HOME)
+    length = path.length
+    entries = []
+    for number in sorted(set(numbers.tolist())):
+        mine = numbers == number
+        if number == 0 and not (mine & feeds).any():
+            continue
+        entry: dict[str, Any] = {
+            "number": int(number),
+            "name": names.get(int(number), f"T{number}"),
+            "time_s": rounded(float(time[mine].sum())),
+            "feed_mm": rounded(float(length[mine & feeds].sum() / MM)),
+        }
+        force = np.zeros(1) if totals is None else totals.force[mine]
+        removed = 0.0 if totals is None else float(totals.removed[mine].sum())
+        entry["removed_mm3"] = rounded(removed / MM3)
+        entry["max_force_N"] = rounded(float(force.max(initial=0.0)))
+        entry["max_torque_Nm"] = rounded(0.0 if totals is None else float(totals.torque[mine].max(initial=0.0)))
+        entry["max_power_W"] = rounded(0.0 if totals is None else float(totals.power[mine].max(initial=0.0)))
+        strongest = np.flatnonzero(mine)[int(force.argmax())] if force.max(initial=0.0) > 0.0 else None
+        entry["line_of_max_force"] = None if strongest is None else path.span(int(strongest)).line
+        entries.append(entry)
+    return entries
+
+
+def joint_rows(names: Iterable[str], joints: Joints, totals: JointTotals, path: ToolPath) -> list[dict[str, Any]]:
+    """One entry a joint: travel, least margin and its line, greatest speed, acceleration and effort."""
+    entries = []
+    for i, name in enumerate(names):
+        revolute = joints.kinds[i] == "revolute"
+        unit = DEG if revolute else MM
+        below, above = totals.least[i] - joints.lower[i], joints.upper[i] - totals.most[i]
+        margin = min(below, above)
+        row = int(totals.least_row[i] if below <= above else totals.most_row[i])
+        line = path.span(row).line if 0 <= row < len(path) else None
+        entries.append(
+            {
+                "name": name,
+                "unit": "deg" if revolute else "mm",
+                "least": rounded(float(totals.least[i] / unit)),
+                "most": rounded(float(totals.most[i] / unit)),
+                "margin": rounded(float(margin / unit)) if np.isfinite(margin) else None,
+                "line_of_margin": line if np.isfinite(margin) else None,
+                "max_speed": rounded(float(totals.speed[i] / unit)),
+                "max_acceleration": rounded(float(totals.acceleration[i] / unit)),
+                "max_effort": rounded(float(totals.effort[i])),
+            }
+        )
+    return entries

@@ -40,7 +40,7 @@ def add_language(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("language")
     group.add_argument("--dialect", help="linuxcnc (default), rs274 …; see `gcodesim list dialects`")
     group.add_argument("--tools", type=Path, metavar="FILE", help="tool table (tool.tbl)")
-    group.add_argument("--subs", type=Path, action="append", default=[], metavar="DIR", help="folder of subroutine files")
+    group.add_argument("--subs", type=Path, action="append", default=[], metavar="DIR", help="folder of subroutines")
     group.add_argument("--parameters", type=Path, metavar="FILE", help="parameter file (.var)")
     group.add_argument(
         "--block-delete",

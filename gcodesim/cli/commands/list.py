@@ -12,7 +12,7 @@ WHAT = ("codes", "dialects", "kinematics", "machines", "materials", "processes",
 
 
 def add_parser(commands: Any) -> None:
-    parser = commands.add_parser("list", help="codes, dialects, kinematics, machines, materials, processes, tools, worlds")
+    parser = commands.add_parser("list", help="what there is to choose from: tools, materials …")
     parser.add_argument("what", choices=WHAT, metavar="WHAT", help=", ".join(WHAT))
     parser.set_defaults(run=run)
 
