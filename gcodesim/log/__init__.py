@@ -1,11 +1,14 @@
 """The log of a run: one MCAP file that opens in Foxglove or Lichtblick. Takes columns; knows nobody who made them."""
 
+from gcodesim.log.blocks import BlockColumns
 from gcodesim.log.container import LogWriteError
 from gcodesim.log.description import LogDescription, MotionColumns, ProcessColumns, StaticFrame
+from gcodesim.log.messages import ProgramState
 from gcodesim.log.scene import Box, Capsule, Cone, Cylinder, Entity, Mesh, Polylines, Shape, Sphere
 from gcodesim.log.writer import LogWriter
 
 __all__ = [
+    "BlockColumns",
     "Box",
     "Capsule",
     "Cone",
@@ -18,6 +21,7 @@ __all__ = [
     "MotionColumns",
     "Polylines",
     "ProcessColumns",
+    "ProgramState",
     "Shape",
     "Sphere",
     "StaticFrame",

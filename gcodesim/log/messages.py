@@ -17,7 +17,6 @@ from gcodesim.log.wire import FIXED32, chunk, double, stamp, tag, text, unsigned
 SEVERITIES: Final = {"note": 2, "warning": 3, "error": 4}  # as levels of foxglove.Log: info, warning, error
 STATES: Final = ("running", "paused", "toolchange", "finished", "failed")
 _LOG_LINE: Final = tag(6, FIXED32)
-_short_text = lru_cache(maxsize=1024)(text)
 
 
 @dataclass(slots=True)
@@ -37,23 +36,28 @@ class ProgramState:
     block: int = 0
 
 
-@lru_cache(maxsize=64)
-def _program_tail(tool: int, tool_name: str, wcs: str, feed: float, spindle: float, state: str) -> bytes:
-    names = unsigned(6, tool) + text(7, tool_name) + text(8, wcs)
-    return names + double(9, feed) + double(10, spindle) + text(11, state)
+def program_frame(s: ProgramState) -> tuple[bytes, bytes]:
+    """The parts of a `gcodesim.Program` that many blocks share: before its line and after its text."""
+    names = text(5, s.motion) + unsigned(6, s.tool) + text(7, s.tool_name) + text(8, s.wcs)
+    return text(2, s.file), names + double(9, s.feed) + double(10, s.spindle) + text(11, s.state)
 
 
 def program_message(t_ns: int, s: ProgramState) -> bytes:
     """A `gcodesim.Program`."""
-    block = _short_text(2, s.file) + unsigned(3, s.line) + text(4, s.text) + _short_text(5, s.motion)
-    tail = _program_tail(s.tool, s.tool_name, s.wcs, s.feed, s.spindle, s.state)
-    return stamp(1, t_ns) + block + tail + unsigned(12, s.block)
+    before, after = program_frame(s)
+    return stamp(1, t_ns) + before + unsigned(3, s.line) + text(4, s.text) + after + unsigned(12, s.block)
+
+
+@lru_cache(maxsize=64)
+def log_frame(level: int, file: str) -> tuple[bytes, bytes]:
+    """The parts of a `foxglove.Log` that many lines share: before its text, and between text and line number."""
+    return unsigned(2, level), text(4, "gcodesim") + text(5, file)
 
 
 def log_message(t_ns: int, level: int, message: str, file: str, line: int) -> bytes:
     """A `foxglove.Log` under the name of the program."""
-    place = _short_text(5, file) + _LOG_LINE + line.to_bytes(4, "little")
-    return stamp(1, t_ns) + unsigned(2, level) + text(3, message) + _short_text(4, "gcodesim") + place
+    before, place = log_frame(level, file)
+    return stamp(1, t_ns) + before + text(3, message) + place + _LOG_LINE + line.to_bytes(4, "little")
 
 
 def event_message(

@@ -8,7 +8,7 @@ varies in length; there is one template for each kind.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Final
@@ -17,14 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.log.description import LogDescription
+from gcodesim.log.template import Piece, Slot, Template, bool_slot, double_slot, nested, stamp_slot, text_piece
 from gcodesim.log.topics import PERIODIC
-from gcodesim.log.wire import Piece, Slot, bool_slot, double_slot, nested, padded_stamps, stamp_slot, text_piece
 
 MESSAGE_OPCODE: Final = 5
 RECORD_HEAD: Final = 9  # opcode and length, in front of every record
 MESSAGE_HEAD: Final = 22  # channel, sequence, log time, publish time
-_STRIP: Final = 128  # rows filled at a time: a strip of about 300 kB stays in the processor's cache
-_DTYPES: Final = {"f8": "<f8", "bool": "u1", "stamp": "V12", "u4": "<u4", "u8": "<u8"}
 
 
 def _vector(number: int, array: str, first: int, names: int = 3) -> Piece:
@@ -89,7 +87,7 @@ class Rows:
 
 
 class RowTemplate:
-    """The records of one instant for one kind of process, with the slots that change."""
+    """The records of one instant for one kind of process."""
 
     def __init__(self, description: LogDescription, kind: str, channel_ids: tuple[int, ...]) -> None:
         row, starts = Piece(b""), []
@@ -100,58 +98,13 @@ class RowTemplate:
             row += Piece(head)
             row += Piece(bytes(20), (Slot(0, "u4", "sequence"), Slot(4, "u8", "time"), Slot(12, "u8", "time")))
             row += message
-        self.starts = tuple(starts)
-        self._template = np.frombuffer(row.data, dtype=np.uint8)
-        self._fills = tuple(_runs(row.slots))
+        self._starts = tuple(starts)
+        self._template = Template(row)
 
-    def fill(self, t_ns: NDArray[np.int64], first_sequence: NDArray[np.int64], arrays: Mapping[str, Any]) -> Rows:
+    def fill(self, t_ns: NDArray[np.int64], sequence: NDArray[np.int64], arrays: Mapping[str, NDArray[Any]]) -> Rows:
         """Rows of the instants `t_ns` (n,) from `arrays` of shape (n, columns)."""
-        n, width = len(t_ns), len(self._template)
-        columns = dict(arrays)
-        columns["time"] = t_ns[:, None]
-        columns["sequence"] = first_sequence[:, None]
-        columns[""] = padded_stamps(t_ns).view("V12")
-        data = np.empty((n, width), dtype=np.uint8)
-        for first in range(0, n, _STRIP):
-            strip = data[first : first + _STRIP]
-            strip[:] = self._template
-            rows = len(strip)
-            for fill in self._fills:
-                target = np.ndarray((rows, fill.count), fill.dtype, strip, fill.offset, (width, fill.step))
-                target[:] = columns[fill.array][first : first + rows, fill.column : fill.column + fill.count]
-        return Rows(t_ns, data, self.starts)
-
-
-@dataclass(frozen=True, slots=True)
-class _Fill:
-    """Neighbouring slots that are filled from neighbouring columns in one assignment."""
-
-    offset: int
-    step: int
-    dtype: str
-    array: str
-    column: int
-    count: int
-
-
-def _runs(slots: tuple[Slot, ...]) -> Iterator[_Fill]:
-    """Slots joined where columns and distances go on evenly."""
-    run: list[Slot] = []
-    for slot in slots:
-        joins = bool(run) and slot.kind == "f8" == run[-1].kind and slot.array == run[-1].array
-        joins = joins and slot.column == run[-1].column + 1
-        joins = joins and (len(run) == 1 or slot.offset - run[-1].offset == run[1].offset - run[0].offset)
-        if not joins and run:
-            yield _fill_of(run)
-            run = []
-        run.append(slot)
-    if run:
-        yield _fill_of(run)
-
-
-def _fill_of(run: list[Slot]) -> _Fill:
-    step = run[1].offset - run[0].offset if len(run) > 1 else 0
-    return _Fill(run[0].offset, step, _DTYPES[run[0].kind], run[0].array, run[0].column, len(run))
+        data = self._template.fill(t_ns, {**arrays, "time": t_ns[:, None], "sequence": sequence[:, None]})
+        return Rows(t_ns, data, self._starts)
 
 
 class RowBuilder:

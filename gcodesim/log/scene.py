@@ -16,6 +16,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.log.template import Piece, double_slot, nested, stamp_slot
 from gcodesim.log.wire import chunk, double, packed_fixed32, stamp, text, unsigned, vectors
 
 Array = NDArray[np.float64]
@@ -27,6 +28,7 @@ STEEL: Final[Color] = (0.62, 0.64, 0.67, 1.0)
 FEED_COLOR: Final[Color] = (0.10, 0.55, 0.85, 0.75)
 RAPID_COLOR: Final[Color] = (0.90, 0.45, 0.10, 0.40)
 BLOCK_COLOR: Final[Color] = (1.00, 0.85, 0.10, 1.0)
+BLOCK_PIXELS: Final = 4.0
 FORCE_COLOR: Final[Color] = (0.90, 0.10, 0.15, 1.0)
 FORCE_SCALE: Final = 1e-3  # [m/N]
 
@@ -277,7 +279,17 @@ def polyline_update(t_ns: int, id: str, frame: str, points: Array, color: Color 
     """One polyline (n, 3) in `frame`; nothing is shown of fewer than two points."""
     if len(points) < 2:
         return _delete_all(t_ns)
-    return _delete_all(t_ns) + _entity(t_ns, id, frame, _line(LINE_STRIP, points, color, 4.0))
+    return _delete_all(t_ns) + _entity(t_ns, id, frame, _line(LINE_STRIP, points, color, BLOCK_PIXELS))
+
+
+def block_piece(count: int, frame: str) -> Piece:
+    """What `polyline_update` makes for a block of `count` points, with slots for time and `points` (n, 3 count)."""
+    points = [nested(5, *(double_slot(k + 1, "points", 3 * i + k) for k in range(3))) for i in range(count)]
+    head = Piece(unsigned(1, LINE_STRIP) + _IDENTITY + double(3, BLOCK_PIXELS) + unsigned(4, 1))
+    line = nested(_LINES, head, *points, Piece(_color(6, BLOCK_COLOR)))
+    deletion = nested(1, stamp_slot(1), Piece(unsigned(2, _DELETE_ALL)))
+    names = Piece(text(2, frame) + text(3, "block") + unsigned(5, 1))
+    return deletion + nested(2, stamp_slot(1), names, line)
 
 
 def force_update(t_ns: int, frame: str, tip: Array, force: Array) -> bytes:

@@ -12,7 +12,11 @@ from importlib import import_module
 from importlib.resources import files
 from typing import Any, Final
 
-from google.protobuf import descriptor_pool, message_factory, timestamp_pb2
+from google.protobuf import (
+    descriptor_pool,
+    message_factory,
+    timestamp_pb2,  # noqa: F401  (registers the file that ours imports)
+)
 from google.protobuf.descriptor import FileDescriptor
 from google.protobuf.descriptor_pb2 import FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet
 
@@ -72,9 +76,7 @@ def proto_text() -> str:
 
 @cache
 def _own_file() -> FileDescriptor:
-    pool = descriptor_pool.DescriptorPool()
-    stamp = FileDescriptorProto.FromString(timestamp_pb2.DESCRIPTOR.serialized_pb)
-    pool.Add(stamp)
+    pool = descriptor_pool.Default()  # where Timestamp is, so that its objects fit into our messages
     pool.Add(read_proto(proto_text()))
     return pool.FindFileByName("gcodesim/gcodesim.proto")
 

@@ -1,0 +1,95 @@
+"""Collects the columns of log windows, whatever their length, into batches worth building."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.frames import canonical_quaternion
+from gcodesim.log.description import LogDescription, MotionColumns, ProcessColumns
+
+BATCH: Final = 512  # instants: about 1 MB of records, a chunk
+_JOINTS: Final = ("joint_position", "joint_velocity", "joint_effort")
+_POSES: Final = ("tf", "target", "tcp")
+_AT_PARENT: Final = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+
+
+class ColumnBatch:
+    """Up to `BATCH` log instants as arrays (BATCH, columns) by name.
+
+    It starts as if one instant had been there in which all frames are at their
+    parents and everything else is 0: that is what a run shows that fails
+    before its first instant.
+    """
+
+    def __init__(self, description: LogDescription) -> None:
+        widths = {field.name: 1 for kind in (MotionColumns, ProcessColumns) for field in fields(kind)}
+        widths |= {"position": 3, "wrench": 6, "tf": 7 * len(description.moving_frames), "target": 7, "tcp": 7}
+        widths |= dict.fromkeys(_JOINTS, len(description.joint_names))
+        types = {"kind": np.int64, "limit": np.bool_, "engaged": np.bool_}
+        self._arrays: dict[str, NDArray[Any]] = {
+            name: np.zeros((BATCH, width), dtype=types.get(name, np.float64)) for name, width in widths.items()
+        }
+        for name in _POSES:
+            self._arrays[name].reshape(BATCH, -1, 7)[0] = _AT_PARENT
+        self._kinds = len(description.process_kinds)
+        self._times = np.zeros(BATCH, dtype=np.int64)
+        self._newest = 0  # row of the newest instant
+        self.count = 0
+
+    @property
+    def full(self) -> bool:
+        return self.count == BATCH
+
+    @property
+    def first_ns(self) -> int | None:
+        """The oldest instant in the batch, if any."""
+        return int(self._times[0]) if self.count else None
+
+    @property
+    def newest(self) -> dict[str, NDArray[Any]]:
+        """The newest instant there was, as columns of one row."""
+        return {name: array[self._newest : self._newest + 1].copy() for name, array in self._arrays.items()}
+
+    def put(self, times: NDArray[np.int64], columns: Mapping[str, Any], start: int) -> int:
+        """Take instants from row `start` on as far as there is room; how many were taken."""
+        n = len(times)
+        taken = min(BATCH - self.count, n - start)
+        into, out = slice(self.count, self.count + taken), slice(start, start + taken)
+        for name, array in self._arrays.items():
+            column = np.asarray(columns[name])
+            if column.size != n * array.shape[1] or len(column) != n:
+                raise ValueError(f"log column '{name}' has shape {column.shape}; wanted {n} rows of {array.shape[1]}")
+            array[into] = column.reshape(n, array.shape[1])[out]
+        self._times[into] = times[out]
+        self.count += taken
+        self._newest = self.count - 1
+        return taken
+
+    def take(self) -> tuple[NDArray[np.int64], dict[str, NDArray[Any]]]:
+        """The times and the checked columns; the batch is empty afterwards.
+
+        ValueError for a number that is not finite, a quaternion that is not of
+        unit length or an unknown kind of process.
+        """
+        times = self._times[: self.count].copy()
+        columns = {name: array[: self.count] for name, array in self._arrays.items()}
+        self.count = 0
+        for name, column in columns.items():
+            if column.dtype == np.float64 and not np.isfinite(column).all():
+                row = int(np.flatnonzero(~np.isfinite(column).all(axis=1))[0])
+                raise ValueError(f"log column '{name}' is not finite at {times[row] * 1e-9:.6f} s")
+        for name in _POSES:
+            q = columns[name].reshape(len(times), -1, 7)[..., 3:]
+            if not (np.abs(np.einsum("...i,...i->...", q, q) - 1.0) < 1e-6).all():
+                raise ValueError(f"log column '{name}' has a quaternion that is not of unit length")
+            if not (q[..., 3] > 0.0).all():
+                q[:] = canonical_quaternion(q)
+        kind = columns["kind"]
+        if not (kind.min() >= 0 and kind.max() < self._kinds):
+            raise ValueError(f"a process kind is outside 0 … {self._kinds - 1}")
+        return times, columns
