@@ -1,0 +1,11 @@
+"""Processes: what a tool does to material and which wrench that costs; `PROCESSES[name]` is the class."""
+
+from gcodesim.family import Family
+
+PROCESSES = Family(
+    "processes",
+    milling="gcodesim.processes.milling:Milling",
+    extrusion="gcodesim.processes.extrusion:Extrusion",
+)
+
+__all__ = ["PROCESSES"]

@@ -1,0 +1,293 @@
+"""Force on an upright cutter from the stock around it, averaged over a revolution and at its worst angle.
+
+Which part of the edge is in material is asked where the edge will be next: a
+point of the cutter's surface at height z and angle phi is moved ahead by about
+one cell, onto a circle that is one cell larger, and kept one cell inside the
+width that the tool sweeps. So a slot counts as full from wall to wall, and a
+tool that follows its own finished wall touches nothing.
+
+Frame K: X (u) along the horizontal feed, Y (l) to its left, Z up to the holder; phi runs clockwise from Y
+(spindle M3). On an element of edge of width b with chip thickness h = c (v . n):
+dF = -dFt t - dFr n - dFa e, with t along the cutting velocity, n the outward normal of the edge, e along the edge
+away from the tip; each of Ft, Fr, Fa = b (K h**p + E) (see `laws`). b has no 1/cos(helix) (Altintas 2012, sec. 2.8).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gcodesim.compiled import kernel
+from gcodesim.material.kernels import fill_slices, occupancy
+
+ANGLES = 64
+SLICES = 16  # elements along the engaged part of one piece of the edge
+ROWS = 4 * SLICES  # room for four pieces
+TABLE = 1025  # points of x**p on 0..1
+
+# An edge that moves into material at less than this share of its speed slides on it and does not cut: the flat bottom
+# of an end mill in a horizontal cut, whose commanded height is never exactly constant.
+LEAST_ADVANCE = 1.0e-4
+
+# columns of the result of `cutting_force`
+FORCE, TORQUE, CHIP, DEPTH, WIDTH, ENTRY, EXIT, CONTACT = 0, 6, 7, 8, 9, 10, 11, 12
+RESULT = 13
+
+
+@kernel
+def power_table(laws, table):
+    """Fill `table` (3, TABLE) with x**p on 0..1 for the exponents laws[:, 1]: a power costs more than all the rest."""
+    for component in range(3):
+        for i in range(table.shape[1]):
+            table[component, i] = (i / (table.shape[1] - 1.0)) ** laws[component, 1]
+
+
+@kernel
+def probe(r, sine, cosine, cell, level):
+    """Where to ask for material ahead of the point at radius r and angle phi: (x, y) along u and l [m].
+
+    level: share of the feed that is horizontal; without any the point stays where it is.
+    """
+    x, y = r * sine, r * cosine
+    if sine <= 0.0:
+        return x + level * cell, y
+    inside = max(r - cell, 0.0)
+    wide = min(max(y, -inside), inside)
+    ahead = np.sqrt((r + cell) * (r + cell) - wide * wide)
+    return x + level * (ahead - x), y + level * (wide - y)
+
+
+@kernel
+def locate_edge(number, weights, first, k, fraction):
+    """Move the limit between angles k-1 and k of the rows from `first` on: it lies `fraction` (0..1) of the way."""
+    shift = fraction - 0.5
+    for i in range(first, first + number):
+        before, here = weights[i, k - 1], weights[i, k]
+        if shift > 0.0:
+            weights[i, k] = (1.0 - shift) * here + shift * before
+        else:
+            weights[i, k - 1] = (1.0 + shift) * before - shift * here
+
+
+@kernel
+def ask_rows(lo, hi, count, grid, tip, ux, uy, level, drop, cell, rows, first, number, upright, sine, cosine, line):
+    """Material at one angle for rows first..first+number; shares [-] into `line` (number,); returns their sum.
+
+    rows (ROWS, 8): r, z, sin kappa, cos kappa, width b, lower and upper z above the tip, height.
+    """
+    if upright:
+        px, py = probe(rows[first, 0], sine, cosine, cell, level)
+        x, y = tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py
+        return fill_slices(lo, hi, count, grid, x, y, tip[2] + rows[first, 5], rows[first, 7], line[:number])
+    total = 0.0
+    for i in range(number):
+        px, py = probe(rows[first + i, 0], sine, cosine, cell, level)
+        x, y = tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py
+        low, high = tip[2] + rows[first + i, 5], tip[2] + rows[first + i, 6]
+        # downwards a thin element asks for all that lies between it and the place ahead: contact grows gradually
+        high = max(high + drop, low) if drop < 0.0 else high + drop
+        low += drop
+        line[i] = occupancy(lo, hi, count, grid, x, y, low, max(high, low + 1.0e-7))
+        total += line[i]
+    return total
+
+
+@kernel
+def lay_rows(edge, height, rows, piece):
+    """Cut the part of piece `piece` of the edge (k, 8) below `height` [m] into rows; returns their number.
+
+    See `Cutter.edge` for the columns of a piece and `ask_rows` for those of a row.
+    """
+    radius, kappa0, kappa1 = edge[piece, 0], edge[piece, 3], edge[piece, 4]
+    length, z0, z1 = edge[piece, 5], edge[piece, 6], edge[piece, 7]
+    if z0 >= height or length <= 0.0:
+        return 0
+    if radius > 0.0:
+        if z1 > height:
+            kappa1 = np.arccos(max((edge[piece, 2] - height) / radius, -1.0))
+        step = (kappa1 - kappa0) / SLICES
+        for i in range(SLICES):
+            a = kappa0 + i * step
+            kappa = a + 0.5 * step
+            rows[i, 0] = edge[piece, 1] + radius * np.sin(kappa)
+            rows[i, 1] = edge[piece, 2] - radius * np.cos(kappa)
+            rows[i, 2], rows[i, 3] = np.sin(kappa), np.cos(kappa)
+            rows[i, 4] = radius * step
+            rows[i, 5] = edge[piece, 2] - radius * np.cos(a)
+            rows[i, 6] = edge[piece, 2] - radius * np.cos(a + step)
+            rows[i, 7] = rows[i, 6] - rows[i, 5]
+        return SLICES
+    sine, cosine = np.sin(kappa0), np.cos(kappa0)
+    if z1 > height:
+        length = (height - z0) / sine
+    step = length / SLICES
+    for i in range(SLICES):
+        s = (i + 0.5) * step
+        rows[i, 0], rows[i, 1] = edge[piece, 1] + s * cosine, z0 + s * sine
+        rows[i, 2], rows[i, 3] = sine, cosine
+        rows[i, 4] = step
+        rows[i, 5], rows[i, 6] = z0 + i * step * sine, z0 + (i + 1) * step * sine
+        rows[i, 7] = step * sine
+    return SLICES
+
+
+@kernel
+def cutting_force(
+    lo, hi, count, grid, tool, edge, laws, table, circle, tip, ux, uy, level, climb, chip, top, rows, weights, force,
+    result,
+):  # fmt: skip
+    """Mean force over a revolution with the tip at `tip` [m]; returns the number of rows filled in `rows`, `force`.
+
+    tool (4,): radius, flutes, tan(helix), height of the edge; circle (2, ANGLES): sine, cosine of phi;
+    ux, uy: horizontal direction of the feed; level, climb: its horizontal and vertical share (unit vector);
+    chip [m]: feed per tooth; top [m]: no material is higher near the tool.
+    force (3, ROWS, ANGLES) [N]: what one tooth feels per row and angle, along u, l, z.
+    result (RESULT,): wrench about the tip in S (6), torque, greatest chip thickness, axial depth, radial width,
+    entry and exit angle, and the sum of engaged elements (0: no contact).
+    """
+    result[:] = 0.0
+    cell = max(grid[2], grid[3])
+    drop = 0.5 * cell * climb
+    height = min(tool[3], top - tip[2])
+    if height <= min(drop, 0.0):
+        return 0
+    flutes = tool[1]
+    share = flutes / ANGLES
+    scale_t, scale_r, scale_a = chip ** laws[0, 1] * laws[0, 0], chip ** laws[1, 1] * laws[1, 0], 0.0
+    if laws[2, 0] != 0.0:
+        scale_a = chip ** laws[2, 1] * laws[2, 0]
+    f_u, f_l, f_z, m_u, m_l, torque = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    delta = 2.0 * np.pi / ANGLES
+    entry, leave = 2.0 * np.pi, 0.0
+    line = np.empty(SLICES)
+    used = 0
+    reach = max(height, 1.0e-9)  # downwards the lowest rows ask for what is still below the tip
+    for piece in range(edge.shape[0]):
+        number = lay_rows(edge, reach, rows[used:], piece)
+        if number == 0:
+            continue
+        first = used
+        upright = rows[first, 3] < 1.0e-12 and edge[piece, 0] == 0.0
+        widest = 0.0
+        earlier = -1.0
+        touched = False
+        for k in range(ANGLES):
+            sine, cosine = circle[0, k], circle[1, k]
+            total = 0.0
+            # cuts anywhere along this piece? the advance is monotonic in kappa
+            low = level * sine * rows[first, 2] - climb * rows[first, 3]
+            high = level * sine * rows[first + number - 1, 2] - climb * rows[first + number - 1, 3]
+            if max(low, high) > LEAST_ADVANCE:
+                total = ask_rows(
+                    lo, hi, count, grid, tip, ux, uy, level, drop, cell, rows, first, number, upright, sine, cosine,
+                    line,
+                )  # fmt: skip
+                for i in range(number):
+                    weights[first + i, k] = line[i]
+                if earlier >= 0.0 and abs(total - earlier) > 0.5 * max(total, earlier):
+                    # the limit of the cut lies between two angles: halve the gap four times
+                    a, b = 0.0, 1.0
+                    for _ in range(4):
+                        middle = 0.5 * (a + b)
+                        angle = (k - 0.5 + middle) * delta
+                        between = ask_rows(
+                            lo, hi, count, grid, tip, ux, uy, level, drop, cell, rows, first, number, upright,
+                            np.sin(angle), np.cos(angle), line,
+                        )  # fmt: skip
+                        if (between > 0.5 * (total + earlier)) == (total > earlier):
+                            b = middle
+                        else:
+                            a = middle
+                    locate_edge(number, weights, first, k, 0.5 * (a + b))
+                earlier = total
+                touched = touched or total > 0.0
+            else:
+                for i in range(number):
+                    weights[first + i, k] = 0.0
+                earlier = -1.0
+        if not touched:
+            continue
+        used += number
+        for i in range(first, used):
+            r, z, sin_kappa, cos_kappa, width = rows[i, 0], rows[i, 1], rows[i, 2], rows[i, 3], rows[i, 4]
+            radial_width, deepest = 0.0, 0.0
+            for k in range(ANGLES):
+                w = weights[i, k]
+                advance = level * circle[0, k] * sin_kappa - climb * cos_kappa
+                if w <= 0.0 or advance <= LEAST_ADVANCE:
+                    force[0, i, k], force[1, i, k], force[2, i, k] = 0.0, 0.0, 0.0
+                    continue
+                sine, cosine = circle[0, k], circle[1, k]
+                place = min(advance, 1.0) * (TABLE - 1)
+                left = min(int(place), TABLE - 2)
+                part = place - left
+                b = w * width
+                tangential = b * (
+                    scale_t * (table[0, left] + part * (table[0, left + 1] - table[0, left])) + laws[0, 2]
+                )
+                normal = b * (scale_r * (table[1, left] + part * (table[1, left + 1] - table[1, left])) + laws[1, 2])
+                axial = b * laws[2, 2]
+                if scale_a != 0.0:
+                    axial += b * scale_a * (table[2, left] + part * (table[2, left + 1] - table[2, left]))
+                inward = normal * sin_kappa + axial * cos_kappa
+                a_u = -tangential * cosine - inward * sine
+                a_l = tangential * sine - inward * cosine
+                a_z = normal * cos_kappa - axial * sin_kappa
+                force[0, i, k], force[1, i, k], force[2, i, k] = a_u, a_l, a_z
+                f_u += a_u
+                f_l += a_l
+                f_z += a_z
+                m_u += r * cosine * a_z - z * a_l
+                m_l += z * a_u - r * sine * a_z
+                torque += r * tangential
+                result[CONTACT] += w
+                result[CHIP] = max(result[CHIP], chip * advance if w > 0.05 else 0.0)
+                if sine > 0.0:
+                    radial_width += w * r * sine * delta
+                deepest = max(deepest, w)
+                if w > 0.05:
+                    entry = min(entry, (k + 1.0 - w) * delta)
+                    leave = max(leave, (k + w) * delta)
+            result[DEPTH] += deepest * rows[i, 7]
+            widest = max(widest, radial_width)
+        result[WIDTH] = max(result[WIDTH], widest)
+    if result[CONTACT] <= 0.0:
+        return 0
+    result[0] = share * (ux * f_u - uy * f_l)
+    result[1] = share * (uy * f_u + ux * f_l)
+    result[2] = share * f_z
+    result[3] = share * (ux * m_u - uy * m_l)
+    result[4] = share * (uy * m_u + ux * m_l)
+    result[5] = share * torque
+    result[TORQUE] = share * torque
+    if leave > entry:
+        result[ENTRY], result[EXIT] = entry, leave
+    return used
+
+
+@kernel
+def peak_force(tool, rows, force, used, turning):
+    """Greatest force [N] within a revolution: all teeth and heights at once, each height late by its helix lag.
+
+    Rows lag by z tan(helix) / radius; forces between the angles are interpolated. turning (3, 3 ANGLES): scratch.
+    """
+    delta = 2.0 * np.pi / ANGLES
+    teeth = int(tool[1])
+    turning[:] = 0.0
+    for i in range(used):
+        lag = rows[i, 1] * tool[2] / tool[0] / delta
+        for tooth in range(teeth):
+            place = (lag + tooth * ANGLES / teeth) % ANGLES
+            whole = int(place)
+            part = place - whole
+            for axis in range(3):
+                for k in range(ANGLES):
+                    turning[axis, k + whole] += (1.0 - part) * force[axis, i, k]
+                    turning[axis, k + whole + 1] += part * force[axis, i, k]
+    greatest = 0.0
+    for k in range(ANGLES):
+        square = 0.0
+        for axis in range(3):
+            f = turning[axis, k] + turning[axis, k + ANGLES] + turning[axis, k + 2 * ANGLES]
+            square += f * f
+        greatest = max(greatest, square)
+    return np.sqrt(greatest)

@@ -1,0 +1,59 @@
+"""Extrusion: a nozzle lays a bead along its path while it is switched on.
+
+The bead is a rectangle with round ends; its volume is section times length, whatever the pump could give. Where
+material is already in the way the bead loses that part, so that what was added may be less than nominal. No force.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import pi
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from gcodesim.processes.window import ProcessState, ProcessStep, Window
+from gcodesim.tools.extruder import Extruder
+
+if TYPE_CHECKING:
+    from gcodesim.material.stock import Stock
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Extrusion:
+    """The printing process of one extruder: adds its bead to the stock on feed moves while active."""
+
+    kind: ClassVar[str] = "extrusion"
+
+    extruder: Extruder
+
+    def begin(self) -> ProcessState:
+        """A nozzle carries nothing from window to window."""
+        return ProcessState()
+
+    def run(self, stock: Stock | None, window: Window, state: ProcessState) -> ProcessStep:
+        """Add to `stock` (in place) along the active pieces of `window`; `removed` is negative, `nominal` positive."""
+        n = window.steps
+        laid = window.active[window.piece_step]
+        lengths = np.linalg.norm(window.piece_end - window.piece_start, axis=1) * laid
+        nominal = np.bincount(window.piece_step, self.extruder.bead_area * lengths, minlength=n)
+        added = np.zeros(n)
+        if stock is not None and laid.any():
+            found = stock.add_bead(
+                window.piece_start[laid],
+                window.piece_end[laid],
+                self.extruder.bead_width,
+                self.extruder.bead_height,
+            )
+            added = np.bincount(window.piece_step[laid], found.volume, minlength=n)
+        return replace(ProcessStep.idle(n), removed=-added, nominal=nominal, engaged=nominal > 0.0)
+
+
+def bead_area(width: float, height: float) -> float:
+    """Section [m²] of a bead `width` wide and `height` high [m]: a rectangle between two half circles."""
+    return (width - height) * height + 0.25 * pi * height**2
+
+
+def filament_length(volume: float, diameter: float) -> float:
+    """Length [m] of filament of `diameter` [m] that holds `volume` [m³]; what an E word counts."""
+    return volume / (0.25 * pi * diameter**2)

@@ -1,0 +1,148 @@
+"""Milling and drilling: cutting forces, deflection and removal of a rotating cutter.
+
+Mean wrench over a revolution by the mechanistic model (Altintas 2012, ch. 2) with the engagement read from the
+stock. Simplified: runout, tooth-to-tooth differences, chatter and tool bending are not modelled; chip thickness is
+that of a circular tooth path; edges below the tip centre of a plunging flat end mill count as edges of any other
+place (kappa = 0, h = feed per tooth); the chisel edge of a drill is left out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.processes.laws import Law
+from gcodesim.processes.window import ProcessState, ProcessStep, Window
+from gcodesim.tools.cutter import Cutter
+
+if TYPE_CHECKING:
+    from gcodesim.material.stock import Stock
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Milling:
+    """The cutting process of one cutter; without a law (stock of unknown material) it removes but feels no force."""
+
+    kind: ClassVar[str] = "milling"
+
+    cutter: Cutter
+    law: Law | None = None
+
+    def begin(self) -> ProcessState:
+        """State of a tool that was just put in; standing in material, it cuts nothing until it has left it."""
+        from gcodesim.processes.milling_kernels import STATE
+
+        return ProcessState(values=np.zeros(STATE))
+
+    def run(self, stock: Stock | None, window: Window, state: ProcessState) -> ProcessStep:
+        """Cut `stock` (in place) along `window`; without stock nothing happens. `state` is carried on."""
+        if stock is None:
+            return ProcessStep.idle(window.steps)
+        n = window.steps
+        motion = np.empty((n, 9))
+        motion[:, 0:3], motion[:, 3:6] = window.axis, window.velocity
+        motion[:, 6], motion[:, 7], motion[:, 8] = window.spindle, window.rapid, window.active
+        first = np.searchsorted(window.piece_step, np.arange(n + 1)).astype(np.int64)
+        compliance = np.zeros((0, 3, 6)) if window.compliance is None else np.array(window.compliance[:, :3, :])
+        out = self.run_packed(
+            stock,
+            np.ascontiguousarray(window.piece_start, dtype=float).reshape(-1, 3),
+            np.ascontiguousarray(window.piece_end, dtype=float).reshape(-1, 3),
+            first,
+            motion,
+            compliance,
+            window.dt,
+            state,
+        )
+        return unpack(out)
+
+    def run_packed(
+        self,
+        stock: Stock,
+        starts: Array,
+        ends: Array,
+        first: NDArray[np.int64],
+        motion: Array,
+        compliance: Array,
+        dt: float,
+        state: ProcessState,
+    ) -> Array:
+        """The same on arrays as the kernel takes them (see `milling_kernels.mill`), for loops of single steps.
+
+        motion (n, 9): axis, velocity, spindle, rapid, active; compliance (n or 0, 3, 6). Returns out (n, OUTPUTS).
+        """
+        from gcodesim.processes.milling_kernels import OUTPUTS, mill
+
+        packed = self._packed
+        out = np.zeros((len(motion), OUTPUTS))
+        while True:
+            done = mill(
+                stock.lo, stock.hi, stock.count, stock.grid, stock.dirty, stock.tops, starts, ends, first, motion,
+                compliance, *packed[:6], dt, *packed[6:], state.values, out,
+            )  # fmt: skip
+            if done == len(motion):
+                return out
+            stock.grow()
+
+    @cached_property
+    def _packed(self) -> tuple[Array, ...]:
+        """Constants and scratch arrays of the kernel, in its order."""
+        from gcodesim.processes.engagement_kernels import ANGLES, ROWS, TABLE, power_table
+        from gcodesim.processes.milling_kernels import CLEARANCE
+
+        cutter = self.cutter
+        tool = np.array([cutter.radius, float(cutter.flutes), np.tan(cutter.helix), cutter.edge_height])
+        laws = np.zeros((3, 3)) if self.law is None else np.ascontiguousarray(self.law.packed, dtype=float)
+        if self.law is None:
+            laws[:, 1] = 1.0
+        table = np.empty((3, TABLE))
+        power_table(laws, table)
+        phi = (np.arange(ANGLES) + 0.5) * (2.0 * np.pi / ANGLES)
+        circle = np.array([np.sin(phi), np.cos(phi)])
+        shapes = np.zeros((3, 8))
+        shapes[0] = cutter.cutting_shape
+        for row, shape in ((1, cutter.shank_shape), (2, cutter.holder_shape)):
+            if shape is not None:
+                shapes[row] = shape
+                shapes[row, 1] -= CLEARANCE
+                shapes[row, 3] -= CLEARANCE
+        scratch = (
+            np.zeros((ROWS, 8)),
+            np.zeros((ROWS, ANGLES)),
+            np.zeros((3, ROWS, ANGLES)),
+            np.zeros((3, 3 * ANGLES)),
+        )
+        return (tool, cutter.edge, laws, table, circle, shapes, *scratch)
+
+
+def unpack(out: Array) -> ProcessStep:
+    """Columns of the kernel's output as a ProcessStep (views, nothing is copied but flags)."""
+    from gcodesim.processes import milling_kernels as m
+
+    return ProcessStep(
+        wrench=out[:, m.WRENCH : m.WRENCH + 6],
+        peak_force=out[:, m.PEAK],
+        torque=out[:, m.OUT_TORQUE],
+        power=out[:, m.POWER],
+        removed=out[:, m.REMOVED],
+        engaged=out[:, m.ENGAGED] > 0.0,
+        deflection=out[:, m.DEFLECTION : m.DEFLECTION + 3],
+        axial_depth=out[:, m.OUT_DEPTH],
+        radial_width=out[:, m.OUT_WIDTH],
+        entry=out[:, m.OUT_ENTRY],
+        exit=out[:, m.OUT_EXIT],
+        chip=out[:, m.OUT_CHIP],
+        shank_depth=out[:, m.SHANK],
+        holder_depth=out[:, m.HOLDER],
+        stopped=out[:, m.STOPPED] > 0.0,
+        reversed=out[:, m.REVERSED] > 0.0,
+        inside=out[:, m.INSIDE] > 0.0,
+        tilted=out[:, m.TILTED] > 0.0,
+        nominal=np.zeros(len(out)),
+    )

@@ -1,0 +1,304 @@
+"""Milling over a window of steps in one compiled call: force, deflection, removal, misuse.
+
+A step: ask the stock, as the steps before left it, where the displaced cutter is in material; solve wrench and
+deflection together; remove what the displaced cutter sweeps; look whether shank or holder touch.
+
+Deflection. delta = C F(p + delta) is solved from the last step's delta by relaxation, with the factor taken from
+the last two residuals (Aitken 1937; for vectors Irons and Tuck 1969). With constant engagement the first residual is
+already small: then one more relaxed step follows without asking again, so delta goes to C F without overshoot,
+however soft the machine. `F/C` one step late would ring as soon as the cut is stiffer than the machine.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gcodesim.compiled import kernel
+from gcodesim.material.kernels import PATCH_SHIFT, patch_top, remove_piece, touch_piece
+from gcodesim.processes.engagement_kernels import (
+    CHIP,
+    DEPTH,
+    ENTRY,
+    EXIT,
+    RESULT,
+    TORQUE,
+    WIDTH,
+    cutting_force,
+    peak_force,
+)
+
+# columns of `motion` (n, 9)
+AXIS, VELOCITY, SPINDLE, RAPID, ACTIVE = 0, 3, 6, 7, 8
+# columns of `out` (n, OUTPUTS)
+(
+    WRENCH, PEAK, OUT_TORQUE, POWER, REMOVED, ENGAGED, DEFLECTION, OUT_DEPTH, OUT_WIDTH, OUT_ENTRY, OUT_EXIT, OUT_CHIP,
+    SHANK, HOLDER, STOPPED, REVERSED, INSIDE, TILTED,
+) = (0, 6, 7, 8, 9, 10, 11, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24)  # fmt: skip
+OUTPUTS = 25
+# places in `state` (STATE,)
+DELTA, RELAXATION, FEED_X, FEED_Y, FREEDOM, CUTTING, TIP, HAS_TIP, STEP, PIECE, BEFORE, PATCH_X, PATCH_Y = (
+    0, 3, 4, 5, 6, 7, 8, 11, 12, 13, 14, 17, 18,
+)  # fmt: skip
+STATE = 20
+PLACED, BLOCKED, FREE = 0.0, 1.0, 2.0  # values of FREEDOM
+
+LEAST_SPEED = 1.0e-7  # [m/s]; slower is a dwell
+LEAST_TOUCH = 1.0e-6  # [m] of depth below which a tool only touches the surface
+LARGEST_TILT = 1.0e-3  # [-] horizontal part of the axis from which on a tool is not upright
+CLEARANCE = 1.0e-6  # [m] by which a shank is taken to be thinner, so that it does not rub in its own cut
+
+EVALUATIONS = 10  # looks at the stock for one step, at most
+CLOSE_RELATIVE = 0.01  # residual, as a share of the deflection, up to which the stock is not asked again
+CLOSE_ABSOLUTE = 0.2e-6  # [m] the same, absolute
+RELAX_LEAST, RELAX_MOST = 0.01, 1.0
+
+
+@kernel
+def top_nearby(tops, grid, x, y, radius):
+    """Height [m] that no material within `radius` of (x, y) surpasses; -inf where there is no stock."""
+    size = 1 << PATCH_SHIFT
+    first_i = int(np.floor((x - radius - grid[0]) / (grid[2] * size)))
+    last_i = int(np.floor((x + radius - grid[0]) / (grid[2] * size)))
+    first_j = int(np.floor((y - radius - grid[1]) / (grid[3] * size)))
+    last_j = int(np.floor((y + radius - grid[1]) / (grid[3] * size)))
+    top = -np.inf
+    for i in range(max(first_i, 0), min(last_i + 1, tops.shape[0])):
+        for j in range(max(first_j, 0), min(last_j + 1, tops.shape[1])):
+            top = max(top, tops[i, j])
+    return top
+
+
+@kernel
+def tighten_tops(hi, count, tops, grid, state, x, y, radius):
+    """Renew the patches under the tool whenever it has come to another patch: cutting has lowered them."""
+    size = 1 << PATCH_SHIFT
+    pi = int(np.floor((x - grid[0]) / (grid[2] * size)))
+    pj = int(np.floor((y - grid[1]) / (grid[3] * size)))
+    if state[PATCH_X] == pi + 1.0 and state[PATCH_Y] == pj + 1.0:
+        return
+    state[PATCH_X], state[PATCH_Y] = pi + 1.0, pj + 1.0
+    reach_i = int(np.ceil(radius / (grid[2] * size)))
+    reach_j = int(np.ceil(radius / (grid[3] * size)))
+    for i in range(max(pi - reach_i, 0), min(pi + reach_i + 1, tops.shape[0])):
+        for j in range(max(pj - reach_j, 0), min(pj + reach_j + 1, tops.shape[1])):
+            tops[i, j] = patch_top(hi, count, i, j)
+
+
+@kernel
+def displacement(compliance, wrench, delta):
+    """delta (3,) [m] of the tip under `wrench` (6,); compliance (3, 6): its translation rows."""
+    for axis in range(3):
+        total = 0.0
+        for component in range(6):
+            total += compliance[axis, component] * wrench[component]
+        delta[axis] = total
+
+
+@kernel
+def solve_step(
+    lo, hi, count, grid, tool, edge, laws, table, circle, compliance, rigid, tip, ux, uy, level, climb, chip, top,
+    rows, weights, force, state, result,
+):  # fmt: skip
+    """Wrench and deflection of one step together; `state` holds the deflection before and after.
+
+    Returns the number of rows that are filled for `peak_force`.
+    """
+    place = np.empty(3)
+    if rigid:
+        for axis in range(3):
+            state[DELTA + axis] = 0.0
+        return cutting_force(
+            lo, hi, count, grid, tool, edge, laws, table, circle, tip, ux, uy, level, climb, chip, top,
+            rows, weights, force, result,
+        )  # fmt: skip
+    delta, residual, earlier, best = np.empty(3), np.zeros(3), np.zeros(3), np.empty(3)
+    for axis in range(3):
+        delta[axis] = state[DELTA + axis]
+    relaxation = state[RELAXATION] if state[RELAXATION] > 0.0 else 0.5
+    least = np.inf
+    used = 0
+    for turn in range(EVALUATIONS):
+        for axis in range(3):
+            place[axis] = tip[axis] + delta[axis]
+        used = cutting_force(
+            lo, hi, count, grid, tool, edge, laws, table, circle, place, ux, uy, level, climb, chip, top,
+            rows, weights, force, result,
+        )  # fmt: skip
+        displacement(compliance, result, residual)
+        size, bent = 0.0, 0.0
+        for axis in range(3):
+            bent += residual[axis] * residual[axis]
+            residual[axis] -= delta[axis]
+            size += residual[axis] * residual[axis]
+        if turn > 0:
+            along, change = 0.0, 0.0
+            for axis in range(3):
+                difference = residual[axis] - earlier[axis]
+                along += earlier[axis] * difference
+                change += difference * difference
+            if change > 0.0:
+                relaxation = min(max(-relaxation * along / change, RELAX_LEAST), RELAX_MOST)
+        if size < least:
+            least = size
+            best[:] = delta
+        limit = CLOSE_RELATIVE * np.sqrt(bent) + CLOSE_ABSOLUTE
+        if size <= limit * limit:
+            for axis in range(3):
+                delta[axis] += relaxation * residual[axis]
+            break
+        if turn == EVALUATIONS - 1:
+            if least < size:  # no fixed point found: take the best place seen
+                delta[:] = best
+                for axis in range(3):
+                    place[axis] = tip[axis] + delta[axis]
+                used = cutting_force(
+                    lo, hi, count, grid, tool, edge, laws, table, circle, place, ux, uy, level, climb, chip, top,
+                    rows, weights, force, result,
+                )  # fmt: skip
+            break
+        earlier[:] = residual
+        for axis in range(3):
+            delta[axis] += relaxation * residual[axis]
+    state[RELAXATION] = relaxation
+    for axis in range(3):
+        state[DELTA + axis] = delta[axis]
+    return used
+
+
+@kernel
+def mill(
+    lo, hi, count, grid, dirty, tops, starts, ends, first_piece, motion, compliance, tool, edge, laws, table, circle,
+    shapes, dt, rows, weights, force, turning, state, out,
+):  # fmt: skip
+    """Run n steps; returns n, or the step in which a column had no room (grow `lo`, `hi` and call again).
+
+    starts, ends (c, 3): pieces of the undeflected tip; first_piece (n + 1,): pieces of step k are
+    first_piece[k]..first_piece[k+1]; motion (n, 9); compliance (n or 0, 3, 6); shapes (3, 8): cutter, shank, holder,
+    of which a missing one has radius 0; the rest as in `cutting_force`. All in S.
+    """
+    n = motion.shape[0]
+    result = np.zeros(RESULT)
+    before, after, p, q = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
+    rigid_machine = compliance.shape[0] == 0
+    no_compliance = np.zeros((3, 6))
+    widest = max(shapes[0, 1], max(shapes[1, 1], shapes[2, 1]))
+    cell = max(grid[2], grid[3])
+    k = 0
+    resumed = False
+    if state[STEP] > 0.0:
+        k = int(state[STEP]) - 1
+        resumed = True
+    while k < n:
+        pieces_from, pieces_to = first_piece[k], first_piece[k + 1]
+        if pieces_to > pieces_from:
+            before[:] = starts[pieces_from]
+            after[:] = ends[pieces_to - 1]
+        elif state[HAS_TIP] > 0.0:
+            before[:] = state[TIP : TIP + 3]
+            after[:] = before
+        else:
+            k += 1
+            continue
+        state[TIP : TIP + 3] = after
+        state[HAS_TIP] = 1.0
+
+        # nothing near: idle
+        travel = np.sqrt((after[0] - before[0]) ** 2 + (after[1] - before[1]) ** 2)
+        reach = widest + cell + travel
+        top = top_nearby(tops, grid, after[0] + state[DELTA], after[1] + state[DELTA + 1], reach)
+        lowest = min(before[2], after[2])
+        if lowest + min(state[DELTA + 2], 0.0) - cell >= top:
+            state[DELTA : DELTA + 3] = 0.0
+            state[CUTTING] = 0.0
+            state[FREEDOM] = FREE
+            k += 1
+            continue
+        tilt = motion[k, AXIS] ** 2 + motion[k, AXIS + 1] ** 2
+        if tilt > LARGEST_TILT * LARGEST_TILT or motion[k, AXIS + 2] <= 0.0:
+            out[k, TILTED] = 1.0
+            state[DELTA : DELTA + 3] = 0.0
+            state[CUTTING] = 0.0
+            k += 1
+            continue
+        if not resumed and state[FREEDOM] != FREE:
+            _, depth = touch_piece(lo, hi, count, grid, tops, before, before, shapes[0])
+            state[FREEDOM] = BLOCKED if depth > LEAST_TOUCH else FREE
+        if state[FREEDOM] == BLOCKED:
+            out[k, INSIDE] = 1.0
+            k += 1
+            continue
+        tighten_tops(hi, count, tops, grid, state, after[0], after[1], reach)
+        top = top_nearby(tops, grid, after[0] + state[DELTA], after[1] + state[DELTA + 1], reach)
+
+        spindle = motion[k, SPINDLE]
+        rapid = motion[k, RAPID] > 0.0
+        if not resumed:
+            state[BEFORE : BEFORE + 3] = state[DELTA : DELTA + 3]
+            vx, vy, vz = motion[k, VELOCITY], motion[k, VELOCITY + 1], motion[k, VELOCITY + 2]
+            speed = np.sqrt(vx * vx + vy * vy + vz * vz)
+            flat = np.sqrt(vx * vx + vy * vy)
+            level, climb, chip = 1.0, 0.0, 0.0
+            if speed > LEAST_SPEED:
+                level, climb = flat / speed, vz / speed
+                if flat > 1.0e-6 * speed:
+                    state[FEED_X], state[FEED_Y] = vx / flat, vy / flat
+                else:
+                    level = 0.0
+            if state[FEED_X] == 0.0 and state[FEED_Y] == 0.0:
+                state[FEED_X] = 1.0
+            used = 0
+            result[:] = 0.0
+            if spindle > 0.0 and not rapid and (speed > LEAST_SPEED or state[CUTTING] > 0.0):
+                chip = speed * 2.0 * np.pi / (spindle * tool[1]) if speed > LEAST_SPEED else 0.0
+                used = solve_step(
+                    lo, hi, count, grid, tool, edge, laws, table, circle,
+                    no_compliance if rigid_machine else compliance[k], rigid_machine, before,
+                    state[FEED_X], state[FEED_Y], level, climb, chip, top, rows, weights, force, state, result,
+                )  # fmt: skip
+            else:
+                state[DELTA : DELTA + 3] = 0.0
+            state[CUTTING] = 1.0 if used > 0 else 0.0
+            if used > 0:
+                out[k, WRENCH : WRENCH + 6] = result[:6]
+                out[k, PEAK] = peak_force(tool, rows, force, used, turning)
+                out[k, OUT_TORQUE] = result[TORQUE]
+                out[k, POWER] = result[TORQUE] * spindle
+                out[k, ENGAGED] = 1.0
+                out[k, OUT_DEPTH], out[k, OUT_WIDTH] = result[DEPTH], result[WIDTH]
+                out[k, OUT_ENTRY], out[k, OUT_EXIT] = result[ENTRY], result[EXIT]
+                out[k, OUT_CHIP] = result[CHIP]
+            out[k, DEFLECTION : DEFLECTION + 3] = state[DELTA : DELTA + 3]
+
+        # removal along the displaced pieces
+        piece = pieces_from
+        if resumed:
+            piece = int(state[PIECE])
+            resumed = False
+            state[STEP] = 0.0
+        pieces = pieces_to - pieces_from
+        while piece < pieces_to:
+            a, b = (piece - pieces_from) / pieces, (piece - pieces_from + 1.0) / pieces
+            for axis in range(3):
+                old, new = state[BEFORE + axis], state[DELTA + axis]
+                p[axis] = starts[piece, axis] + old + a * (new - old)
+                q[axis] = ends[piece, axis] + old + b * (new - old)
+            volume, ok = remove_piece(lo, hi, count, grid, dirty, p, q, shapes[0])
+            out[k, REMOVED] += volume
+            if not ok:
+                state[STEP], state[PIECE] = k + 1.0, float(piece)
+                return k
+            for body in range(1, 3):
+                if shapes[body, 1] > 0.0 and min(p[2], q[2]) + shapes[body, 5] < top:
+                    _, depth = touch_piece(lo, hi, count, grid, tops, p, q, shapes[body])
+                    column = SHANK if body == 1 else HOLDER
+                    out[k, column] = max(out[k, column], depth)
+            piece += 1
+        if out[k, REMOVED] > 0.0:
+            out[k, ENGAGED] = 1.0
+            if not rapid:
+                if spindle == 0.0:
+                    out[k, STOPPED] = 1.0
+                elif spindle < 0.0:
+                    out[k, REVERSED] = 1.0
+        k += 1
+    return n
