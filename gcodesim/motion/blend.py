@@ -1,0 +1,307 @@
+"""How rows of a path are joined: exact stops, exact paths, corner arcs, overlaps, merged chords.
+
+The rules are those of LinuxCNC's planner: G61.1 stands at every end point; G61
+passes joints that are tangent or nearly so; G64 P puts an arc into corners of
+lines, and where none fits (a reversal, rotary axes, arcs) the end of one block
+overlaps with the start of the next. With P or Q, chords within that distance
+of one line become one line.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.frames import Array
+from gcodesim.motion.blend_kernels import (
+    NORMAL_SHARE,
+    OPEN_END_SHARE,
+    OVERLAPPED,
+    ROUNDED,
+    TANGENTIAL_SHARE,
+    corners,
+    merge_chords,
+    overlaps,
+)
+from gcodesim.motion.curve_kernels import ROUND, STRAIGHT, TIMED
+from gcodesim.motion.curves import Curves
+from gcodesim.motion.pieces import OVERLAP, PART, AxisLimits, Pieces
+from gcodesim.motion.tool_path import BLEND, LINE, RAPID, ToolPath
+
+
+def blend(path: ToolPath, limits: AxisLimits, *, independent_rapids: bool = False) -> Pieces:
+    """Join the rows of `path` under the speed and acceleration `limits` of the axes.
+
+    `independent_rapids`: in G0 every axis runs at its own speed from rest to
+    rest, so the path is not straight and rapids are joined to nothing. Rows
+    that do not move are left out; their events keep their places.
+    """
+    curves = Curves.of(path)
+    kept = np.flatnonzero(curves.length > 0.0)
+    chains = _chains(path, kept)
+    row_first, row_last = kept[chains], kept[np.append(chains[1:], len(kept))[: len(chains)] - 1]
+    curves = _merged(curves, path, row_first, row_last)
+    stop = _stops(path, row_last)
+    if independent_rapids:
+        _make_independent(curves, path.kind[row_first] == RAPID, limits)
+    # rapids are not joined to feeds, nor lines to what runs by time; the queue does not run empty there
+    apart = np.zeros(len(stop), dtype=bool)
+    feeding, timed = np.isfinite(path.feed[row_first]), curves.kind == TIMED
+    apart[:-1] = (feeding[1:] != feeding[:-1]) | timed[1:] | timed[:-1]
+    return _join(path, limits, curves, stop, apart, row_first.astype(np.int32), row_last.astype(np.int32))
+
+
+def _chains(path: ToolPath, kept: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Positions within `kept` where a new curve begins; rows between belong to the one before (merged chords)."""
+    n = len(kept)
+    if n == 0:
+        return np.zeros(0, dtype=np.intp)
+    rows, before = kept[1:], kept[:-1]
+    same = (
+        (path.kind[rows] == LINE)
+        & (path.kind[before] == LINE)
+        & (path.mode[rows] == BLEND)
+        & (path.mode[before] == BLEND)
+        & (path.naive[rows] > 0.0)
+        & (path.naive[before] > 0.0)
+        & (path.feed[rows] == path.feed[before])
+        & (path.state[rows] == path.state[before])
+        & (path.active[rows] == path.active[before])
+        & ~_stops_between(path, before, rows)
+        & np.all(path.end[rows, 3:] == path.start[rows, 3:], axis=1)
+        & np.all(path.end[before, 3:] == path.start[before, 3:], axis=1)
+        & np.all(path.start[rows] == path.end[before], axis=1)
+    )
+    if not same.any():
+        return np.arange(n)
+    joined = np.concatenate([[False], same])
+    first = merge_chords(path.start[kept], path.end[kept], joined, path.naive[kept])
+    heads: NDArray[np.intp] = np.flatnonzero(first == np.arange(n))
+    return heads
+
+
+def _stops_between(path: ToolPath, before: NDArray[np.intp], after: NDArray[np.intp]) -> NDArray[np.bool_]:
+    """Whether any row from `before` up to the one ahead of `after` ends at rest."""
+    count = np.concatenate([[0], np.cumsum(path.stop)])
+    between: NDArray[np.bool_] = count[after] - count[before] > 0
+    return between
+
+
+def _stops(path: ToolPath, row_last: NDArray[np.intp]) -> NDArray[np.bool_]:
+    """Which curves end at rest; a jump of the controlled point (another offset) is a stop, too."""
+    if not len(row_last):
+        return np.zeros(0, dtype=bool)
+    following = np.append(row_last[1:], len(path))
+    stop = _stops_between(path, row_last, following)
+    stop[-1] = True
+    return stop
+
+
+def _merged(curves: Curves, path: ToolPath, first: NDArray[np.intp], last: NDArray[np.intp]) -> Curves:
+    out = curves.take(first)
+    many = np.flatnonzero(first != last)
+    out.end[many] = path.end[last[many]]
+    out.length[many] = np.linalg.norm(out.end[many, :3] - out.start[many, :3], axis=1)
+    return out
+
+
+def _make_independent(curves: Curves, rapid: NDArray[np.bool_], limits: AxisLimits) -> None:
+    """Turn rapids into curves run by time: the slowest axis decides, every other one waits at its end."""
+    rows = np.flatnonzero(rapid)
+    speed, acceleration = limits.arrays
+    distance = np.abs(curves.end[rows] - curves.start[rows])
+    full = distance / speed + speed / acceleration
+    peaked = 2.0 * np.sqrt(distance / acceleration)
+    time = np.where(distance >= speed**2 / acceleration, full, peaked)
+    curves.kind[rows] = TIMED
+    curves.length[rows] = time.max(axis=1, initial=0.0)
+
+
+def along_limits(curves: Curves, limits: AxisLimits) -> tuple[Array, Array]:
+    """Speed and acceleration (c,) that the axes allow along each curve.
+
+    A line of direction u: the least of limit_i / |u_i|. An arc: the inscribed
+    circle of its plane; it bends with `NORMAL_SHARE` of the acceleration, and
+    along itself has what that leaves at the top speed of its axes, or
+    `TANGENTIAL_SHARE`.
+    """
+    table = limits.arrays
+    length = np.where(curves.length > 0.0, curves.length, 1.0)[:, None]
+    direction = np.abs(curves.end - curves.start) / length
+    arc = np.flatnonzero(curves.kind == ROUND)
+    if len(arc):
+        direction[arc, :3] = np.abs(curves.lift[arc]) / length[arc]
+    with np.errstate(divide="ignore"):
+        speed: Array = np.min(np.where(direction > 1e-12, table[0] / direction, np.inf), axis=1, initial=np.inf)
+        acceleration: Array = np.min(
+            np.where(direction > 1e-12, table[1] / direction, np.inf), axis=1, initial=np.inf
+        )
+        radius = np.linalg.norm(curves.radial[arc], axis=1) * np.minimum(1.0, 1.0 + curves.growth[arc])
+        n = np.cross(curves.radial[arc], curves.sideways[arc])
+        n /= np.maximum(np.linalg.norm(n, axis=1, keepdims=True), 1e-300)
+        top, most = _in_plane(n, table[0]), _in_plane(n, table[1])
+        share = np.maximum(np.abs(curves.sweep[arc]) * radius / curves.length[arc], 1e-12)
+        a = np.minimum(acceleration[arc], most / share)
+        bent = np.maximum(radius / share**2, 1e-12)  # radius of curvature of the helix
+        speed[arc] = np.minimum(np.minimum(speed[arc], top / share), np.sqrt(NORMAL_SHARE * a * bent))
+        need = np.minimum(top * top / bent / a, 1.0)
+        acceleration[arc] = a * np.where(need > NORMAL_SHARE, TANGENTIAL_SHARE, np.sqrt(1.0 - need**2))
+    return speed, acceleration
+
+
+def _in_plane(normal: Array, limits: Array) -> Array:
+    """`blend_kernels.in_plane` for unit normals (n, 3)."""
+    share = np.sqrt(np.maximum(1.0 - normal**2, 0.0))
+    least: Array = np.min(np.where(share > 1e-6, limits[:3] / np.maximum(share, 1e-6), np.inf), axis=1)
+    return least
+
+
+def _join(
+    path: ToolPath,
+    limits: AxisLimits,
+    curves: Curves,
+    open_end: NDArray[np.bool_],
+    apart: NDArray[np.bool_],
+    row_first: NDArray[np.int32],
+    row_last: NDArray[np.int32],
+) -> Pieces:
+    n = len(curves)
+    first, last = curves.end_tangents()
+    table = limits.arrays
+    speed, acceleration = along_limits(curves, limits)
+    speed = np.minimum(speed, path.feed[row_first])
+    step = curves.end - curves.start
+    turning = np.any(step[:, 3:] != 0.0, axis=1)
+    blended = path.mode[row_last] == BLEND
+    kind = np.zeros(n, dtype=np.uint8)
+    trim_end, trim_start, cap, reduction = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
+    corner_acceleration, ratio, duration = np.zeros(n), np.ones(n), np.zeros(n)
+    tolerance = path.tolerance[row_last]
+    corners(
+        open_end | apart, blended, first, last, curves.length, curves.kind == STRAIGHT, turning, speed, tolerance, table,
+        kind, trim_end, trim_start, cap, corner_acceleration, reduction,
+    )  # fmt: skip
+    overlapped = kind == OVERLAPPED
+    shared = open_end & blended
+    shared |= overlapped
+    shared[1:] |= overlapped[:-1]
+    acceleration = acceleration * (1.0 - reduction) * np.where(shared, OPEN_END_SHARE, 1.0)
+    if overlapped.any():
+        left = curves.length - trim_start - trim_end
+        overlaps(
+            kind, first, last, left, speed, acceleration, tolerance, trim_end, trim_start, cap, ratio, duration
+        )
+    return _assemble(
+        path, limits, curves, kind, first, last, trim_start, trim_end, cap, corner_acceleration, ratio, duration,
+        speed, acceleration, row_first, row_last,
+    )  # fmt: skip
+
+
+def _assemble(
+    path: ToolPath,
+    limits: AxisLimits,
+    curves: Curves,
+    kind: NDArray[np.uint8],
+    first: Array,
+    last: Array,
+    trim_start: Array,
+    trim_end: Array,
+    cap: Array,
+    corner_acceleration: Array,
+    ratio: Array,
+    duration: Array,
+    speed: Array,
+    acceleration: Array,
+    row_first: NDArray[np.int32],
+    row_last: NDArray[np.int32],
+) -> Pieces:
+    """Lay pieces of curves and of joints in one line: curve i stands at 2 i, the joint behind it at 2 i + 1."""
+    n = len(curves)
+    rounded, lapped = np.flatnonzero(kind == ROUNDED), np.flatnonzero(kind == OVERLAPPED)
+    bends = _corner_arcs(curves, rounded, first, last, trim_end)
+    slots = 2 * n
+    columns: dict[str, NDArray[np.float64]] = {
+        name: np.zeros(slots) for name in ("begin", "length", "speed", "acceleration", "junction")
+    }
+    columns["ratio"] = np.ones(slots)
+    whole = {name: np.full(slots, -1, dtype=np.int32) for name in ("curve", "second", "row_first", "row_last")}
+    piece_kind = np.full(slots, PART, dtype=np.uint8)
+
+    main = slice(0, slots, 2)
+    columns["begin"][main] = trim_start
+    columns["length"][main] = curves.length - trim_start - trim_end
+    columns["speed"][main], columns["acceleration"][main] = speed, acceleration
+    columns["junction"][main] = np.where(kind <= 1, cap, np.inf)
+    whole["curve"][main] = np.arange(n)
+    whole["row_first"][main], whole["row_last"][main] = row_first, row_last
+
+    for joints, lap in ((rounded, False), (lapped, True)):
+        at = 2 * joints + 1
+        whole["row_first"][at] = row_last[joints]
+        whole["row_last"][at] = row_first[joints + 1]
+        columns["speed"][at] = cap[joints]
+        columns["junction"][at] = np.inf
+        if lap:
+            piece_kind[at] = OVERLAP
+            whole["curve"][at], whole["second"][at] = joints, joints + 1
+            columns["begin"][at] = curves.length[joints] - trim_end[joints]
+            columns["length"][at] = cap[joints] * duration[joints]
+            columns["ratio"][at] = ratio[joints]
+        else:
+            whole["curve"][at] = n + np.arange(len(joints))
+            columns["length"][at] = bends.length
+            columns["acceleration"][at] = TANGENTIAL_SHARE * corner_acceleration[joints]
+
+    joint = np.zeros(slots, dtype=bool)
+    joint[1::2] = True
+    timed = np.zeros(slots, dtype=bool)
+    timed[main] = curves.kind == TIMED
+    columns["speed"][timed] = 1.0
+    keep = columns["length"] > 0.0
+    everything = Curves(
+        **{
+            name: np.concatenate([getattr(curves, name), getattr(bends, name)])
+            for name in Curves.__dataclass_fields__
+        }
+    )
+    return Pieces(
+        path=path,
+        limits=limits,
+        curves=everything,
+        kind=piece_kind[keep],
+        fixed=timed[keep],
+        joint=joint[keep],
+        **{name: column[keep] for name, column in columns.items()},
+        **{name: column[keep] for name, column in whole.items()},
+    )
+
+
+def _corner_arcs(
+    curves: Curves, at: NDArray[np.intp], first: Array, last: Array, trim_end: Array
+) -> Curves:
+    """Arcs that touch line i before its end and line i + 1 behind its start."""
+    t1, t2 = last[at, :3], first[at + 1, :3]
+    d = trim_end[at][:, None]
+    corner = curves.end[at]
+    start, end = corner.copy(), corner.copy()
+    start[:, :3] -= d * t1
+    end[:, :3] += d * t2
+    turn = np.arctan2(np.linalg.norm(np.cross(t1, t2), axis=1), np.einsum("ij,ij->i", t1, t2))
+    radius = trim_end[at] / np.tan(0.5 * turn)
+    inward = t2 - t1 * np.cos(turn)[:, None]
+    inward /= np.maximum(np.linalg.norm(inward, axis=1), 1e-300)[:, None]
+    radial = -radius[:, None] * inward
+    zeros = np.zeros((len(at), 3))
+    return Curves(
+        kind=np.full(len(at), ROUND, dtype=np.uint8),
+        start=start,
+        end=end,
+        center=start[:, :3] - radial,
+        radial=radial,
+        sideways=radius[:, None] * t1,
+        lift=zeros,
+        sweep=turn,
+        growth=np.zeros(len(at)),
+        length=radius * turn,
+    )
+

@@ -1,0 +1,294 @@
+"""From canonical events to a `ToolPath`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from math import pi
+
+import numpy as np
+
+from gcodesim.canon import (
+    Action,
+    ArcFeed,
+    Axes,
+    Coolant,
+    Dwell,
+    Event,
+    LinearFeed,
+    Log,
+    Message,
+    Motion,
+    Output,
+    Override,
+    PathMode,
+    Print,
+    Probe,
+    Rapid,
+    Spindle,
+    SplineFeed,
+    Tap,
+    ToolChange,
+    ToolNumber,
+    ToolOffset,
+    ToolSelect,
+    WorkSystem,
+)
+from gcodesim.diagnostics import Span
+from gcodesim.frames import Pose
+from gcodesim.motion.tool_path import (
+    ARC,
+    BLEND,
+    EXACT_PATH,
+    EXACT_STOP,
+    HOME,
+    LINE,
+    RAPID,
+    ZERO,
+    PathEvent,
+    ToolPath,
+    ToolState,
+)
+
+_MODES = {"exact_stop": EXACT_STOP, "exact_path": EXACT_PATH, "blend": BLEND}
+
+# Events between which the machine does not stand still; all others wait for the end of motion, as LinuxCNC's task does.
+_PASSED = (Message, Print, Log, Override, PathMode, ToolSelect)
+
+
+def build_tool_path(
+    events: Iterable[Event],
+    start: Axes = ZERO,
+    *,
+    path_control: PathMode | None = None,
+    tilts: Mapping[int, Pose] | None = None,
+) -> ToolPath:
+    """The moves of `events` as columns.
+
+    `start` is where the controlled point stands first [m, rad]; `path_control`
+    holds until the program's own (default: blend without tolerance). `tilts`
+    maps a work system to a pose whose R tilts it about its p: a point q of that
+    system becomes p + R (q - p), as on an arm whose G54 is not upright. Moves
+    in machine coordinates (G53, G28, G30) are not tilted.
+    """
+    builder = _Builder(start, path_control, tilts or {})
+    for event in events:
+        builder.add(event)
+    return builder.finish()
+
+
+class _Builder:
+    """Collects columns; one instance builds one path."""
+
+    def __init__(self, start: Axes, path_control: PathMode | None, tilts: Mapping[int, Pose]) -> None:
+        self.at: Axes = start
+        self.first = start
+        self.tilts = tilts
+        self.mode, self.tolerance, self.naive = BLEND, 0.0, 0.0
+        if path_control is not None:
+            self._path_mode(path_control)
+        self.active = False
+        self.spindle_speed = 0.0  # |S| [rad/s], kept while the spindle stands
+        self.current = ToolState()
+        self.states: dict[ToolState, int] = {}
+        self.state = -1  # -1: not yet in `states`
+        self.spans: list[Span] = []
+        self.last_span: Span | None = None
+        self.events: list[PathEvent] = []
+        self.kind: list[int] = []
+        self.ends: list[Axes] = []
+        self.feed: list[float] = []
+        self.rotary: list[bool] = []
+        # mode, tolerance, naive, state, source, block, active of each row
+        self.tags: list[tuple[int, float, float, int, int, int, bool]] = []
+        self.stops: list[int] = []
+        self.arcs: list[tuple[int, float, float, float, float, float, float, float]] = []
+        self.jumps: list[tuple[int, Axes]] = []  # rows that begin elsewhere than the last one ended: offsets changed
+
+    def add(self, event: Event) -> None:
+        kind = type(event)
+        if kind is LinearFeed:
+            self._linear(event)  # type: ignore[arg-type]
+        elif isinstance(event, Motion):
+            self._motion(event)
+        else:
+            self._other(event)
+
+    def _linear(self, event: LinearFeed) -> None:
+        if event.pitch is not None:
+            self._stand()  # waits for the spindle's angle
+            self._row(LINE, event, event.end, event.pitch * self._revolutions(), False)
+        else:
+            self._row(LINE, event, event.end, self._speed(event.feed, event.feed_unit), event.feed_unit[0] == "r")
+
+    def _motion(self, event: Motion) -> None:
+        if isinstance(event, Rapid):
+            self._row(HOME if event.home else RAPID, event, event.end, np.inf, False)
+        elif isinstance(event, ArcFeed):
+            center, normal = event.center, event.normal
+            tilt = self._tilt(event)
+            if tilt is not None:
+                center = tuple(tilt.p + tilt.R @ (np.array(center) - tilt.p))
+                normal = tuple(tilt.R @ np.array(normal))
+            self.arcs.append((len(self.kind), *center, *normal, event.sweep))
+            self._row(ARC, event, event.end, self._speed(event.feed, event.feed_unit), event.feed_unit[0] == "r")
+        elif isinstance(event, SplineFeed):
+            feed = self._speed(event.feed, event.feed_unit)
+            for point in event.points:
+                if point != self.at[:3]:
+                    self._row(LINE, event, (*point, *event.end[3:]), feed, False)
+        elif isinstance(event, Probe):
+            self._stand()
+            self.events.append(PathEvent(len(self.kind), event))
+            self._row(LINE, event, event.end, self._speed(event.feed, event.feed_unit), event.feed_unit[0] == "r")
+            self._stand()
+        elif isinstance(event, Tap):
+            self._tap(event)
+
+    def _tap(self, event: Tap) -> None:
+        top, feed, cutting = self._untilted, event.pitch * self._revolutions(), self.current
+        self._stand()
+        self._row(LINE, event, event.end, feed, False)
+        self._stand()
+        self._set(replace(cutting, spindle=-cutting.spindle))
+        self._row(LINE, event, top, feed, False)
+        self._stand()
+        self._set(cutting)
+
+    def _other(self, event: Event) -> None:
+        now = self.current
+        if isinstance(event, PathMode):
+            self._path_mode(event)
+        elif isinstance(event, Spindle):
+            sign = {"cw": 1.0, "ccw": -1.0, "off": 0.0}[event.direction]
+            surface = event.unit == "m/s"
+            self.spindle_speed = (event.max_speed or 0.0) if surface else event.speed
+            surface_speed = event.speed if surface and sign else 0.0
+            self._set(replace(now, spindle=sign * self.spindle_speed, surface_speed=surface_speed))
+        elif isinstance(event, Coolant):
+            self._set(replace(now, flood=event.flood, mist=event.mist))
+        elif isinstance(event, ToolChange | ToolNumber):
+            self._set(replace(now, tool=event.tool))
+        elif isinstance(event, ToolOffset):
+            self._offset(event.offset)
+        elif isinstance(event, WorkSystem):
+            self._set(
+                replace(
+                    now, system=event.index, system_offset=event.offset, g92=event.g92, rotation=event.rotation
+                )
+            )
+        elif isinstance(event, Action) and event.verb in ("activate", "deactivate"):
+            self.active = event.verb == "activate"
+        passed = isinstance(event, _PASSED) or (isinstance(event, Output) and event.with_motion)
+        if not passed and not (isinstance(event, Dwell) and event.seconds <= 0.0):
+            self._stand()
+        self.events.append(PathEvent(len(self.kind), event))
+
+    def _path_mode(self, event: PathMode) -> None:
+        self.mode, self.tolerance = _MODES[event.mode], event.tolerance
+        # P alone merges too; without P nothing is merged unless Q says so
+        self.naive = event.naive or event.tolerance
+
+    def _offset(self, offset: Axes) -> None:
+        """The axes stay where they are, so the controlled point jumps against the change of offset."""
+        old = self.current.offset
+        step = np.array(old) - np.array(offset)
+        self._set(replace(self.current, offset=offset))
+        if not step.any():
+            return
+        tilt = self.tilts.get(self.current.system)
+        if tilt is not None:
+            step[:3] = tilt.R @ step[:3]
+        self.at = tuple(float(v) for v in np.array(self.at) + step)  # type: ignore[assignment]
+        self.jumps.append((len(self.kind), self.at))
+
+    def _set(self, state: ToolState) -> None:
+        if state != self.current:
+            self.current, self.state = state, -1
+
+    def _stand(self) -> None:
+        if self.kind:
+            self.stops.append(len(self.kind) - 1)
+
+    def _revolutions(self) -> float:
+        """Spindle speed [rev/s]; 0 when it stands."""
+        return abs(self.current.spindle) / (2.0 * pi)
+
+    def _speed(self, feed: float, unit: str) -> float:
+        return feed * self._revolutions() if unit.endswith("rev") else feed
+
+    def _tilt(self, event: Motion) -> Pose | None:
+        if not self.tilts or event.word.startswith(("G53", "G28", "G30")):
+            return None
+        return self.tilts.get(self.current.system)
+
+    @property
+    def _untilted(self) -> Axes:
+        """The present point in coordinates of M before the tilt of the active system."""
+        tilt = self.tilts.get(self.current.system)
+        if tilt is None:
+            return self.at
+        p = tilt.p + tilt.R.T @ (np.array(self.at[:3]) - tilt.p)
+        return (float(p[0]), float(p[1]), float(p[2]), *self.at[3:])
+
+    def _row(self, kind: int, event: Motion, end: Axes, feed: float, rotary: bool) -> None:
+        if self.tilts:
+            tilt = self._tilt(event)
+            if tilt is not None and kind != HOME:
+                p = tilt.p + tilt.R @ (np.array(end[:3]) - tilt.p)
+                end = (float(p[0]), float(p[1]), float(p[2]), *end[3:])
+        if event.word != self.current.word:
+            self._set(replace(self.current, word=event.word))
+        if self.state < 0:
+            self.state = self.states.setdefault(self.current, len(self.states))
+        if event.span is not self.last_span:
+            self.last_span = event.span
+            self.spans.append(event.span)
+        self.kind.append(kind)
+        self.ends.append(end)
+        self.feed.append(feed)
+        self.rotary.append(rotary)
+        self.tags.append(
+            (self.mode, self.tolerance, self.naive, self.state, len(self.spans) - 1, event.block, self.active)
+        )
+        self.at = end
+
+    def finish(self) -> ToolPath:
+        n = len(self.kind)
+        end = np.array(self.ends, dtype=float).reshape(n, 6)
+        start = np.concatenate([np.array([self.first], dtype=float), end[:-1]])[:n]
+        for row, at in self.jumps:
+            if row < n:
+                start[row] = at
+        center, normal, sweep = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(n)
+        if self.arcs:
+            table = np.array(self.arcs)
+            rows = table[:, 0].astype(int)
+            center[rows], normal[rows], sweep[rows] = table[:, 1:4], table[:, 4:7], table[:, 7]
+        tags = list(zip(*self.tags, strict=True)) if n else [()] * 7
+        mode = np.array(tags[0], dtype=np.uint8)
+        stop = mode == EXACT_STOP
+        stop[self.stops] = True
+        if n:
+            stop[-1] = True
+        return ToolPath(
+            kind=np.array(self.kind, dtype=np.uint8),
+            start=start,
+            end=end,
+            center=center,
+            normal=normal,
+            sweep=sweep,
+            feed=np.array(self.feed, dtype=float),
+            rotary_feed=np.array(self.rotary, dtype=bool),
+            mode=mode,
+            tolerance=np.array(tags[1], dtype=float),
+            naive=np.array(tags[2], dtype=float),
+            state=np.array(tags[3], dtype=np.int32),
+            source=np.array(tags[4], dtype=np.int32),
+            block=np.array(tags[5], dtype=np.int32),
+            active=np.array(tags[6], dtype=bool),
+            stop=stop,
+            states=tuple(self.states) or (ToolState(),),
+            spans=tuple(self.spans) or (Span(""),),
+            events=tuple(self.events),
+        )

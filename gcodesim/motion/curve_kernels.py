@@ -1,0 +1,78 @@
+"""Points and tangents of curves; arrays and scalars in and out. Column meanings: `curves.Curves`."""
+
+from __future__ import annotations
+
+import math
+
+from gcodesim.compiled import kernel
+from gcodesim.frames import Array
+
+STRAIGHT = 0
+ROUND = 1
+TIMED = 2  # every axis runs its own trapezoid from rest to rest; the parameter is time [s]
+
+
+@kernel
+def axis_travel(distance: float, speed: float, acceleration: float, t: float) -> tuple[float, float]:
+    """Distance and speed at time `t` of the shortest move from rest to rest over `distance` >= 0."""
+    if distance <= 0.0:
+        return 0.0, 0.0
+    ramp = speed / acceleration
+    if speed * ramp >= distance:  # never reaches full speed
+        ramp = math.sqrt(distance / acceleration)
+        total = 2.0 * ramp
+    else:
+        total = distance / speed + ramp
+    if t >= total:
+        return distance, 0.0
+    if t < ramp:
+        return 0.5 * acceleration * t * t, acceleration * t
+    left = total - t
+    if left < ramp:
+        return distance - 0.5 * acceleration * left * left, acceleration * left
+    return acceleration * ramp * (t - 0.5 * ramp), acceleration * ramp
+
+
+@kernel
+def curve_point(
+    i: int,
+    s: float,
+    kind: Array,
+    start: Array,
+    end: Array,
+    center: Array,
+    radial: Array,
+    sideways: Array,
+    lift: Array,
+    sweep: Array,
+    growth: Array,
+    length: Array,
+    axis_limits: Array,
+    position: Array,
+    tangent: Array,
+) -> None:
+    """Write position (6,) and derivative by s (6,) of curve `i` at `s` into the last two arguments."""
+    if kind[i] == TIMED:
+        for k in range(6):
+            step = end[i, k] - start[i, k]
+            done, speed = axis_travel(abs(step), axis_limits[0, k], axis_limits[1, k], s)
+            sign = 1.0 if step >= 0.0 else -1.0
+            position[k] = start[i, k] + sign * done
+            tangent[k] = sign * speed
+        return
+    u = s / length[i]
+    per = 1.0 / length[i]
+    first = 0
+    if kind[i] == ROUND:
+        first = 3
+        angle = sweep[i] * u
+        c, sn = math.cos(angle), math.sin(angle)
+        size = 1.0 + growth[i] * u
+        for k in range(3):
+            out = c * radial[i, k] + sn * sideways[i, k]
+            along = -sn * radial[i, k] + c * sideways[i, k]
+            position[k] = center[i, k] + size * out + u * lift[i, k]
+            tangent[k] = per * (sweep[i] * size * along + growth[i] * out + lift[i, k])
+    for k in range(first, 6):
+        position[k] = start[i, k] + u * (end[i, k] - start[i, k])
+        tangent[k] = per * (end[i, k] - start[i, k])

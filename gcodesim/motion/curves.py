@@ -1,0 +1,126 @@
+"""The geometry of moves: straight lines, arcs and helices with a length along which they are run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.frames import Array
+from gcodesim.motion.curve_kernels import ROUND, STRAIGHT
+from gcodesim.motion.tool_path import ARC, ToolPath
+
+
+@dataclass(frozen=True, eq=False)
+class Curves:
+    """c curves in M, run by s from 0 to `length`.
+
+    `kind` STRAIGHT, ROUND or TIMED; `start`, `end` (c, 6) [m, rad]. Of a round
+    one ``center + (1 + growth u) (cos(sweep u) radial + sin(sweep u) sideways)
+    + u lift`` with u = s / length; its rotary axes run evenly. `length` is [m];
+    [rad] when only rotary axes move, [s] of a TIMED one.
+    """
+
+    kind: NDArray[np.uint8]
+    start: Array
+    end: Array
+    center: Array
+    radial: Array
+    sideways: Array
+    lift: Array
+    sweep: Array
+    growth: Array
+    length: Array
+
+    @staticmethod
+    def of(path: ToolPath) -> Curves:
+        """One curve a row, as programmed."""
+        n = len(path)
+        kind = np.full(n, STRAIGHT, dtype=np.uint8)
+        step = path.end - path.start
+        length: Array = np.linalg.norm(step[:, :3], axis=1)
+        rotary = length <= 1e-12
+        length[rotary] = np.linalg.norm(step[rotary, 3:], axis=1)
+        center, radial, sideways, lift = (np.zeros((n, 3)) for _ in range(4))
+        sweep, growth = np.zeros(n), np.zeros(n)
+        arc = np.flatnonzero(path.kind == ARC)
+        if len(arc):
+            kind[arc] = ROUND
+            normal = path.normal[arc]
+            start, end, middle = path.start[arc, :3], path.end[arc, :3], path.center[arc]
+            height = np.einsum("ij,ij->i", start - middle, normal)
+            rise = np.einsum("ij,ij->i", end - start, normal)
+            middle = middle + height[:, None] * normal
+            r0 = start - middle
+            r1 = end - middle - rise[:, None] * normal
+            size0, size1 = np.linalg.norm(r0, axis=1), np.linalg.norm(r1, axis=1)
+            center[arc], radial[arc], sideways[arc] = middle, r0, np.cross(normal, r0)
+            lift[arc] = rise[:, None] * normal
+            sweep[arc] = path.sweep[arc]
+            growth[arc] = np.divide(size1, size0, out=np.ones_like(size0), where=size0 > 0.0) - 1.0
+            length[arc] = np.hypot(0.5 * (size0 + size1) * np.abs(sweep[arc]), rise)
+        return Curves(
+            kind, path.start.copy(), path.end.copy(), center, radial, sideways, lift, sweep, growth, length
+        )
+
+    def __len__(self) -> int:
+        return len(self.kind)
+
+    @property
+    def arrays(self) -> tuple[NDArray[np.uint8], Array, Array, Array, Array, Array, Array, Array, Array, Array]:
+        """The columns in the order the kernels take them."""
+        return (
+            self.kind,
+            self.start,
+            self.end,
+            self.center,
+            self.radial,
+            self.sideways,
+            self.lift,
+            self.sweep,
+            self.growth,
+            self.length,
+        )
+
+    def take(self, rows: NDArray[np.intp]) -> Curves:
+        """Copies of some of the curves."""
+        return Curves(**{f.name: getattr(self, f.name)[rows] for f in fields(self)})
+
+    def end_tangents(self) -> tuple[Array, Array]:
+        """Derivatives of position by s at start and end: two arrays (c, 6)."""
+        length = np.where(self.length > 0.0, self.length, 1.0)[:, None]
+        first = (self.end - self.start) / length
+        last = first.copy()
+        arc = np.flatnonzero(self.kind == ROUND)
+        if len(arc):
+            sweep, growth = self.sweep[arc, None], self.growth[arc, None]
+            radial, sideways, lift = self.radial[arc], self.sideways[arc], self.lift[arc]
+            c, s = np.cos(sweep), np.sin(sweep)
+            first[arc, :3] = (sweep * sideways + growth * radial + lift) / length[arc]
+            out, along = c * radial + s * sideways, -s * radial + c * sideways
+            last[arc, :3] = (sweep * (1.0 + growth) * along + growth * out + lift) / length[arc]
+        return first, last
+
+    def polyline(self, chord: float) -> Array:
+        """Points (m, 3) along all curves one after the other; arcs as chords within `chord` [m]."""
+        if not len(self):
+            return np.zeros((0, 3))
+        radius = np.linalg.norm(self.radial, axis=1) * np.maximum(1.0, 1.0 + self.growth)
+        bend = 2.0 * np.arccos(np.clip(1.0 - chord / np.maximum(radius, 1e-12), -1.0, 1.0))
+        count = np.where(
+            self.kind == ROUND, np.ceil(np.abs(self.sweep) / np.clip(bend, 1e-3, 0.5)), 1.0
+        ).astype(int)
+        count = np.maximum(count, 1)
+        row = np.repeat(np.arange(len(self)), count)
+        step = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count) + 1
+        u = (step / count[row])[:, None]
+        points = self.start[row, :3] + u * (self.end[row, :3] - self.start[row, :3])
+        arc = self.kind[row] == ROUND
+        angle = self.sweep[row, None] * u
+        bent = self.center[row] + u * self.lift[row]
+        bent += (1.0 + self.growth[row, None] * u) * (
+            np.cos(angle) * self.radial[row] + np.sin(angle) * self.sideways[row]
+        )
+        points[arc] = bent[arc]
+        return np.concatenate([self.start[:1, :3], points])

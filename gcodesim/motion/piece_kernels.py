@@ -1,0 +1,98 @@
+"""Points of pieces; arrays in and out. Column meanings: `pieces.Pieces` and `curves.Curves`."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gcodesim.compiled import kernel
+from gcodesim.frames import Array
+from gcodesim.motion.curve_kernels import curve_point
+
+OVERLAP = 1
+
+
+@kernel
+def piece_point(
+    i: int,
+    s: float,
+    kind: Array,
+    curve: Array,
+    second: Array,
+    begin: Array,
+    length: Array,
+    ratio: Array,
+    axis_limits: Array,
+    c_kind: Array,
+    c_start: Array,
+    c_end: Array,
+    c_center: Array,
+    c_radial: Array,
+    c_sideways: Array,
+    c_lift: Array,
+    c_sweep: Array,
+    c_growth: Array,
+    c_length: Array,
+    position: Array,
+    tangent: Array,
+    spare: Array,
+) -> None:
+    """Write position (6,) and derivative by s (6,) of piece `i` at `s`; `spare` (2, 6) is overwritten."""
+    a = curve[i]
+    if kind[i] != OVERLAP:
+        curve_point(
+            a, begin[i] + s, c_kind, c_start, c_end, c_center, c_radial, c_sideways, c_lift, c_sweep, c_growth,
+            c_length, axis_limits, position, tangent,
+        )  # fmt: skip
+        return
+    b = second[i]
+    u = s / length[i]
+    # tau = u T; first curve: v1 (tau - tau²/2T), second: ratio v1 tau²/2T; length = v1 T
+    s1 = begin[i] + length[i] * u * (1.0 - 0.5 * u)
+    s2 = 0.5 * ratio[i] * length[i] * u * u
+    curve_point(
+        a, s1, c_kind, c_start, c_end, c_center, c_radial, c_sideways, c_lift, c_sweep, c_growth,
+        c_length, axis_limits, position, tangent,
+    )  # fmt: skip
+    curve_point(
+        b, s2, c_kind, c_start, c_end, c_center, c_radial, c_sideways, c_lift, c_sweep, c_growth,
+        c_length, axis_limits, spare[0], spare[1],
+    )  # fmt: skip
+    for k in range(6):
+        position[k] += spare[0, k] - c_start[b, k]
+        tangent[k] = tangent[k] * (1.0 - u) + spare[1, k] * ratio[i] * u
+
+
+@kernel
+def points(
+    piece: Array,
+    s: Array,
+    kind: Array,
+    curve: Array,
+    second: Array,
+    begin: Array,
+    length: Array,
+    ratio: Array,
+    axis_limits: Array,
+    c_kind: Array,
+    c_start: Array,
+    c_end: Array,
+    c_center: Array,
+    c_radial: Array,
+    c_sideways: Array,
+    c_lift: Array,
+    c_sweep: Array,
+    c_growth: Array,
+    c_length: Array,
+) -> tuple[Array, Array]:
+    """Positions (k, 6) and derivatives by s (k, 6) at `s` (k,) on pieces `piece` (k,)."""
+    n = len(s)
+    position = np.empty((n, 6))
+    tangent = np.empty((n, 6))
+    spare = np.empty((2, 6))
+    for j in range(n):
+        piece_point(
+            piece[j], s[j], kind, curve, second, begin, length, ratio, axis_limits,
+            c_kind, c_start, c_end, c_center, c_radial, c_sideways, c_lift, c_sweep, c_growth, c_length,
+            position[j], tangent[j], spare,
+        )  # fmt: skip
+    return position, tangent

@@ -1,0 +1,114 @@
+"""What blending makes of a path: pieces that are run one after the other without a step in direction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.frames import Array
+from gcodesim.motion.curves import Curves
+from gcodesim.motion.piece_kernels import points
+from gcodesim.motion.tool_path import ToolPath
+
+# kinds of pieces
+PART: Final = 0  # a part of one curve
+OVERLAP: Final = 1  # the end of one curve added to the start of the next
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class AxisLimits:
+    """Greatest speed (6,) [m/s, rad/s] and acceleration (6,) [m/s², rad/s²] of x y z a b c; inf: none."""
+
+    speed: Array
+    acceleration: Array
+
+    @property
+    def arrays(self) -> Array:
+        """(2, 6): speeds, accelerations; "none" as a number that is finite and out of reach."""
+        return np.minimum(np.array([self.speed, self.acceleration], dtype=float), 1e6)
+
+
+@dataclass(frozen=True, eq=False)
+class Pieces:
+    """m pieces in the order of motion, each with a parameter s from 0 to `length`.
+
+    A PART runs curve `curve` from `begin` to ``begin + length``. In an
+    OVERLAP `curve` slows evenly from speed v1 = `speed` to rest while `second`
+    starts evenly up to speed `ratio` v1; its s is v1 t, and it is run at
+    constant ds/dt. `speed`, `acceleration` are the caps along the piece,
+    `junction` the cap on its end speed; the next piece starts with `ratio`
+    times the end speed of this one. Where `fixed`, s is time itself. Rows
+    `row_first` to `row_last` are what the piece stands for; a `joint` (corner
+    arc or overlap) stands half for each of its two.
+    """
+
+    path: ToolPath
+    limits: AxisLimits
+    curves: Curves
+    kind: NDArray[np.uint8]
+    curve: NDArray[np.int32]
+    second: NDArray[np.int32]
+    begin: Array
+    length: Array
+    speed: Array
+    acceleration: Array
+    junction: Array
+    ratio: Array
+    fixed: NDArray[np.bool_]
+    joint: NDArray[np.bool_]
+    row_first: NDArray[np.int32]
+    row_last: NDArray[np.int32]
+
+    def __len__(self) -> int:
+        return len(self.curve)
+
+    def points(self, piece: NDArray[np.intp] | NDArray[np.int32], s: Array) -> tuple[Array, Array]:
+        """Positions (k, 6) and their derivatives by s (k, 6) at `s` (k,) on pieces `piece` (k,)."""
+        return points(
+            np.ascontiguousarray(piece, dtype=np.int64), np.ascontiguousarray(s, dtype=float), *self.arrays
+        )
+
+    @property
+    def arrays(self) -> tuple[object, ...]:
+        """What the piece kernels take after their own arguments."""
+        return (
+            self.kind,
+            self.curve,
+            self.second,
+            self.begin,
+            self.length,
+            self.ratio,
+            self.limits.arrays,
+            *self.curves.arrays,
+        )
+
+    def inner_ends(self) -> tuple[NDArray[np.int64], Array, NDArray[np.int64]]:
+        """Where rows end inside merged chords: piece, s and row, in proportion to the programmed lengths."""
+        many = np.flatnonzero((self.row_first < self.row_last) & ~self.joint)
+        first = self.row_first[many].astype(np.int64)
+        count = self.row_last[many].astype(np.int64) - first
+        index = np.repeat(np.arange(len(many)), count)
+        row = first[index] + np.arange(len(index)) - np.repeat(np.cumsum(count) - count, count)
+        way = np.concatenate([[0.0], np.cumsum(self.path.length)])
+        piece = many[index]
+        whole = way[self.row_last[piece] + 1] - way[first[index]]
+        s = (way[row + 1] - way[first[index]]) / np.where(whole > 0.0, whole, 1.0) * self.curves.length[
+            self.curve[piece]
+        ]
+        return piece, np.clip(s - self.begin[piece], 0.0, self.length[piece]), row
+
+    def resting(self) -> Pieces:
+        """One piece of no length at the start of the path, for a path on which nothing moves."""
+        start = self.path.start[:1] if len(self.path) else np.zeros((1, 6))
+        flat, none, one = np.zeros((1, 3)), np.zeros(1), np.zeros(1, dtype=np.int32)
+        curves = Curves(
+            np.zeros(1, dtype=np.uint8), start, start.copy(), flat, flat, flat, flat, none, none, np.ones(1)
+        )
+        no = np.zeros(1, dtype=bool)
+        kind = np.zeros(1, dtype=np.uint8)
+        return Pieces(
+            self.path, self.limits, curves, kind, one, one - 1, none, none, none, none, none, none + 1.0, no, no, one, one
+        )

@@ -1,0 +1,176 @@
+"""The time law: how fast the pieces of a path are run under caps on speed and acceleration."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.canon import Dwell, Event, ToolChange
+from gcodesim.frames import Array
+from gcodesim.motion.pieces import Pieces
+from gcodesim.motion.timing_kernels import end_speeds, times_at, trapezoids
+from gcodesim.motion.trajectory import Phases, TimedEvent, Trajectory
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Caps:
+    """Caps on k segments of pieces, in the order of motion.
+
+    A segment runs `piece` from `begin` over `length`; `speed` and
+    `acceleration` hold all along it, `junction` at its end. A piece may be cut
+    into many segments, as where joints of an arm have limits that change along it.
+    """
+
+    piece: NDArray[np.int64]
+    begin: Array
+    length: Array
+    speed: Array
+    acceleration: Array
+    junction: Array
+
+    @staticmethod
+    def of(pieces: Pieces) -> Caps:
+        """One segment a piece, with the caps that blending found."""
+        n = len(pieces)
+        return Caps(
+            np.arange(n), np.zeros(n), pieces.length, pieces.speed, pieces.acceleration, pieces.junction
+        )
+
+
+def event_durations(tool_change_time: float) -> Callable[[Event], float]:
+    """How long an event takes [s]: dwells their time, tool changes `tool_change_time`, all others nothing."""
+
+    def duration(event: Event) -> float:
+        if isinstance(event, Dwell):
+            return max(event.seconds, 0.0)
+        return tool_change_time if isinstance(event, ToolChange) else 0.0
+
+    return duration
+
+
+def time_law(pieces: Pieces, caps: Caps | None = None, duration_of: Callable[[Event], float] | None = None) -> Trajectory:
+    """The fastest run of `pieces` under `caps` (default: those of the pieces), from rest to rest.
+
+    Speeds change along trapezoids: one backward and one forward pass over all
+    segments, without a horizon. Events that last (`duration_of` [s]; default:
+    dwells only) make the machine stand between rows.
+    """
+    caps = caps or Caps.of(pieces)
+    duration_of = duration_of or event_durations(0.0)
+    count = len(caps.piece)
+    last = np.append(caps.piece[1:] != caps.piece[:-1], True)[:count]
+    ratio = np.where(last, pieces.ratio[caps.piece], 1.0)
+    fixed = pieces.fixed[caps.piece]
+    start, end = end_speeds(caps.length, caps.speed, caps.acceleration, caps.junction, ratio, fixed)
+    segment, duration, place, speed, acceleration = trapezoids(
+        caps.length, caps.speed, caps.acceleration, start, end, fixed
+    )
+    moving = Phases(
+        time=np.zeros(len(segment)),
+        duration=duration,
+        piece=caps.piece[segment],
+        s=caps.begin[segment] + place,
+        speed=speed,
+        acceleration=acceleration,
+        event=np.full(len(segment), -1, dtype=np.int64),
+    )
+    rests = [(e.row, duration_of(e.event)) for e in pieces.path.events]
+    phases, rest_start = _with_rests(moving, pieces, rests)
+    row_start, row_end = _row_times(phases, pieces)
+    times = _event_times(pieces, rest_start, row_start)
+    events = tuple(
+        TimedEvent(time=time, duration=seconds, row=e.row, event=e.event)
+        for e, time, (_, seconds) in zip(pieces.path.events, times, rests, strict=True)
+    )
+    return Trajectory(pieces, phases, events, row_start[:-1], row_end)
+
+
+def _event_times(pieces: Pieces, rest_start: list[float], row_start: Array) -> list[float]:
+    """When each event happens: at its rest, at the next rest of the same row, or when its row starts."""
+    times = [0.0] * len(rest_start)
+    row, next_rest = -1, -1.0
+    for i in range(len(rest_start) - 1, -1, -1):
+        if pieces.path.events[i].row != row:
+            row, next_rest = pieces.path.events[i].row, -1.0
+        if rest_start[i] >= 0.0:
+            next_rest = rest_start[i]
+        times[i] = next_rest if next_rest >= 0.0 else float(row_start[row])
+    return times
+
+
+def _with_rests(moving: Phases, pieces: Pieces, rests: list[tuple[int, float]]) -> tuple[Phases, list[float]]:
+    """Put phases of rest where events last, and run the clock; also the start of each rest, -1 where there is none."""
+    lasting = [i for i, (_, seconds) in enumerate(rests) if seconds > 0.0]
+    before_piece = np.searchsorted(pieces.row_first, [rests[i][0] for i in lasting])
+    before = np.searchsorted(moving.piece, before_piece)
+    held = np.maximum(before_piece - 1, 0)
+    s_held = np.where(before_piece > 0, pieces.length[held], 0.0) if len(pieces) else np.zeros(len(lasting))
+    count = len(lasting)
+    still = Phases(
+        time=np.zeros(count),
+        duration=np.array([rests[i][1] for i in lasting], dtype=float),
+        piece=held.astype(np.int64),
+        s=s_held,
+        speed=np.zeros(count),
+        acceleration=np.zeros(count),
+        event=np.array(lasting, dtype=np.int64),
+    )
+    phases = moving.insert(before, still)
+    clock = np.cumsum(phases.duration)
+    phases.time[:] = clock - phases.duration
+    phases.time[1:] = clock[:-1]  # telescopes without rounding
+    starts = [-1.0] * len(rests)
+    for p in np.flatnonzero(phases.event >= 0):
+        starts[phases.event[p]] = float(phases.time[p])
+    return phases, starts
+
+
+def _row_times(phases: Phases, pieces: Pieces) -> tuple[Array, Array]:
+    """When each row starts (n + 1: then the end of all) and ends (n,); joints count half to each of their rows."""
+    n = len(pieces.path)
+    piece, s, row = _row_ends(pieces)
+    moving = phases.event < 0
+    ends = np.full(n, -1.0)
+    if len(piece) and moving.any():
+        ends[row] = times_at(
+            piece,
+            s,
+            phases.piece[moving],
+            phases.time[moving],
+            phases.duration[moving],
+            phases.s[moving],
+            phases.speed[moving],
+            phases.acceleration[moving],
+        )
+    # a row that does not move ends when the one before it does
+    ends = np.maximum.accumulate(np.concatenate([[0.0], ends]))[1:]
+    starts = np.concatenate([[0.0], ends])
+    for p in np.flatnonzero(~moving):  # rests stand between the end of one row and the start of the next that moves
+        row = pieces.path.events[int(phases.event[p])].row
+        piece_after = int(np.searchsorted(pieces.row_first, row))
+        row_after = int(pieces.row_first[piece_after]) if piece_after < len(pieces) else n
+        until = phases.time[p] + phases.duration[p]
+        starts[row : row_after + 1] = np.maximum(starts[row : row_after + 1], until)
+        ends[row:row_after] = np.maximum(ends[row:row_after], until)
+    return starts, ends
+
+
+def _row_ends(pieces: Pieces) -> tuple[NDArray[np.int64], Array, NDArray[np.int64]]:
+    """Where rows end: piece, s and row, in the order of motion."""
+    count = len(pieces)
+    if not count:
+        return np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0, dtype=np.int64)
+    first, last = pieces.row_first.astype(np.int64), pieces.row_last.astype(np.int64)
+    # ends within merged chords, in proportion to the programmed lengths
+    inner_piece, inner_s, inner_row = pieces.inner_ends()
+    joints = np.flatnonzero(pieces.joint)
+    # pieces that end with their row: no joint piece follows
+    plain = np.flatnonzero(~pieces.joint & np.append(~pieces.joint[1:], True))
+    piece = np.concatenate([inner_piece, joints, plain])
+    s = np.concatenate([inner_s, 0.5 * pieces.length[joints], pieces.length[plain]])
+    row = np.concatenate([inner_row, first[joints], last[plain]])
+    order = np.argsort(row, kind="stable")
+    return piece[order], s[order], row[order]

@@ -1,0 +1,259 @@
+"""`ToolPath`: the moves of a program as columns, with the state of the tool in which each one happens."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, fields, replace
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.canon import Axes, Event
+from gcodesim.diagnostics import Span
+from gcodesim.frames import Array, Pose, quaternion_from_rotation, rotation_from_quaternion
+
+# kinds of rows
+RAPID: Final = 0
+LINE: Final = 1
+ARC: Final = 2
+HOME: Final = 3  # to the machine's own home (G28, G30 without a stored position); joint space on an arm
+
+# path modes
+EXACT_STOP: Final = 0
+EXACT_PATH: Final = 1
+BLEND: Final = 2
+
+ZERO: Final[Axes] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+_NOWHERE: Final = Span("")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ToolState:
+    """What holds while a row is run.
+
+    `offset` is the active length offset (axes stand at end + offset), `spindle`
+    [rad/s] is positive for M3 and 0 when stopped, `surface_speed` [m/s] is set
+    under G96 (then `spindle` is its cap). `system` 1 (G54) to 9 (G59.3) with
+    its offset, G92 and rotation [rad]. `word` is the motion word, as G1.
+    """
+
+    tool: int = 0
+    offset: Axes = ZERO
+    spindle: float = 0.0
+    surface_speed: float = 0.0
+    flood: bool = False
+    mist: bool = False
+    system: int = 1
+    system_offset: Axes = ZERO
+    g92: Axes = ZERO
+    rotation: float = 0.0
+    word: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class PathEvent:
+    """`event` happens before row `row` begins (row n: after the last one)."""
+
+    row: int
+    event: Event
+
+
+@dataclass(frozen=True, eq=False)
+class ToolPath:
+    """n moves of the controlled point in the machine frame M, tool length offset not included.
+
+    Columns: `kind` (n,) RAPID, LINE, ARC, HOME; `start`, `end` (n, 6) [m, rad];
+    `center`, `normal` (n, 3) and `sweep` (n,) [rad], signed about the normal, of
+    arcs; `feed` (n,) [m/s; rad/s where `rotary_feed`; inf for rapids]; `mode`
+    EXACT_STOP, EXACT_PATH, BLEND with `tolerance` and merge tolerance `naive`
+    [m]; `state`, `source` index `states` and `spans`; `block` counts program
+    blocks; `active` tells whether a process tool is switched on; where `stop`
+    the row ends at rest.
+    """
+
+    kind: NDArray[np.uint8]
+    start: Array
+    end: Array
+    center: Array
+    normal: Array
+    sweep: Array
+    feed: Array
+    rotary_feed: NDArray[np.bool_]
+    mode: NDArray[np.uint8]
+    tolerance: Array
+    naive: Array
+    state: NDArray[np.int32]
+    source: NDArray[np.int32]
+    block: NDArray[np.int32]
+    active: NDArray[np.bool_]
+    stop: NDArray[np.bool_]
+    states: tuple[ToolState, ...] = (ToolState(),)
+    spans: tuple[Span, ...] = (_NOWHERE,)
+    events: tuple[PathEvent, ...] = ()
+
+    @staticmethod
+    def from_points(
+        positions: Array, orientations: Array | None = None, active: Iterable[bool] | bool = False, feed: float = np.inf
+    ) -> ToolPath:
+        """Lines through `positions` (n + 1, 3) [m].
+
+        `orientations` (n + 1, 4), x y z w, are kept as rotations about A, B, C:
+        extrinsic X, Y, Z angles [rad]. `feed` [m/s]; inf makes rapids.
+        """
+        positions = np.atleast_2d(np.asarray(positions, dtype=float))
+        points = np.zeros((len(positions), 6))
+        points[:, :3] = positions
+        if orientations is not None:
+            points[:, 3:] = angles_of_quaternions(np.asarray(orientations, dtype=float))
+        n = max(len(points) - 1, 0)
+        on = np.broadcast_to(np.asarray(active, dtype=bool), (n,)).copy()
+        return ToolPath(
+            kind=np.full(n, LINE if np.isfinite(feed) else RAPID, dtype=np.uint8),
+            start=points[:-1].copy(),
+            end=points[1:].copy(),
+            center=np.zeros((n, 3)),
+            normal=np.zeros((n, 3)),
+            sweep=np.zeros(n),
+            feed=np.full(n, feed),
+            rotary_feed=np.zeros(n, dtype=bool),
+            mode=np.full(n, BLEND, dtype=np.uint8),
+            tolerance=np.zeros(n),
+            naive=np.zeros(n),
+            state=np.zeros(n, dtype=np.int32),
+            source=np.zeros(n, dtype=np.int32),
+            block=np.arange(n, dtype=np.int32),
+            active=on,
+            stop=np.zeros(n, dtype=bool),
+        )
+
+    def __len__(self) -> int:
+        return len(self.kind)
+
+    def __iter__(self) -> Iterator[tuple[Array, Array, bool]]:
+        """The start of the path, then the end of every row: position (3,), orientation (4,) x y z w, active."""
+        if not len(self):
+            return
+        points = np.concatenate([self.start[:1], self.end])
+        quaternions = quaternions_of_angles(points[:, 3:])
+        yield points[0, :3], quaternions[0], False
+        for point, quaternion, on in zip(points[1:], quaternions[1:], self.active, strict=True):
+            yield point[:3], quaternion, bool(on)
+
+    @property
+    def positions(self) -> Array:
+        """Start of the path and end of every row (n + 1, 3) [m]."""
+        return np.concatenate([self.start[:1, :3], self.end[:, :3]])
+
+    @property
+    def length(self) -> Array:
+        """Programmed length of each row (n,) in XYZ [m]."""
+        straight = self.end[:, :3] - self.start[:, :3]
+        length: Array = np.linalg.norm(straight, axis=1)
+        arc = self.kind == ARC
+        if arc.any():
+            n = self.normal[arc]
+            lift = np.einsum("ij,ij->i", straight[arc], n)
+            radius0 = np.linalg.norm(_across(self.start[arc, :3] - self.center[arc], n), axis=1)
+            radius1 = np.linalg.norm(_across(self.end[arc, :3] - self.center[arc], n), axis=1)
+            length[arc] = np.hypot(0.5 * (radius0 + radius1) * np.abs(self.sweep[arc]), lift)
+        return length
+
+    def span(self, row: int) -> Span:
+        """Where row `row` stands in the program."""
+        return self.spans[self.source[row]]
+
+    def state_of(self, row: int) -> ToolState:
+        """The tool state of row `row`."""
+        return self.states[self.state[row]]
+
+    def __add__(self, other: ToolPath) -> ToolPath:
+        """`self`, then `other`; each keeps its own coordinates, and the first one ends at rest where they do not meet."""
+        if not len(self) and not self.events:
+            return other
+        columns: dict[str, Any] = {}
+        for column in _columns():
+            columns[column] = np.concatenate([getattr(self, column), getattr(other, column)])
+        columns["state"][len(self) :] += len(self.states)
+        columns["source"][len(self) :] += len(self.spans)
+        if len(self) and len(other):
+            columns["block"][len(self) :] += self.block[-1] + 1 - min(other.block[0], 0)
+            if not np.array_equal(self.end[-1], other.start[0]):
+                columns["stop"][len(self) - 1] = True
+        moved = tuple(PathEvent(e.row + len(self), e.event) for e in other.events)
+        return ToolPath(
+            **columns,
+            states=self.states + other.states,
+            spans=self.spans + other.spans,
+            events=self.events + moved,
+        )
+
+    def translate(self, vector: Iterable[float]) -> ToolPath:
+        """A copy shifted by `vector` (3,) [m]."""
+        return self.transform(Pose(np.asarray(list(vector), dtype=float), np.eye(3)))
+
+    def rotate(self, quaternion: Iterable[float]) -> ToolPath:
+        """A copy turned about the origin by a quaternion x y z w."""
+        return self.transform(Pose(np.zeros(3), rotation_from_quaternion(np.asarray(list(quaternion), dtype=float))))
+
+    def transform(self, X: Pose) -> ToolPath:
+        """A copy whose points are moved by `X`; angles of A, B, C turn along when any is used."""
+        start, end = self.start.copy(), self.end.copy()
+        for points in (start, end):
+            points[:, :3] = X.apply(points[:, :3])
+            if np.any(points[:, 3:]) or (np.any(self.end[:, 3:]) and not np.allclose(X.R, np.eye(3))):
+                R = X.R @ rotation_from_quaternion(quaternions_of_angles(points[:, 3:]))
+                points[:, 3:] = angles_of_quaternions(quaternion_from_rotation(R))
+        return replace(self, start=start, end=end, center=X.apply(self.center), normal=X.rotate(self.normal))
+
+    def polyline(self, chord: float = 1e-5) -> Array:
+        """Points (m, 3) [m] along the programmed path; arcs as chords not more than `chord` [m] off."""
+        from gcodesim.motion.curves import Curves
+
+        return Curves.of(self).polyline(chord)
+
+    def draw(self, axes: Any = None, chord: float = 1e-5, **style: Any) -> Array:
+        """The polyline (m, 3) [m]; with a 3D axes object of a plotting library (anything with `plot(x, y, z)`) also drawn."""
+        points = self.polyline(chord)
+        if axes is not None:
+            axes.plot(points[:, 0], points[:, 1], points[:, 2], **style)
+        return points
+
+
+def _columns() -> list[str]:
+    return [f.name for f in fields(ToolPath) if f.name not in ("states", "spans", "events")]
+
+
+def _across(vectors: Array, n: Array) -> Array:
+    across: Array = vectors - np.einsum("ij,ij->i", vectors, n)[:, None] * n
+    return across
+
+
+def quaternions_of_angles(angles: Array) -> Array:
+    """Quaternions (n, 4), x y z w, of rotations by angles (n, 3) [rad] about the fixed X, then Y, then Z axis."""
+    half = 0.5 * np.asarray(angles, dtype=float)
+    cx, cy, cz = np.cos(half).T
+    sx, sy, sz = np.sin(half).T
+    from gcodesim.frames import canonical_quaternion
+
+    return canonical_quaternion(
+        np.stack(
+            [
+                sx * cy * cz - cx * sy * sz,
+                cx * sy * cz + sx * cy * sz,
+                cx * cy * sz - sx * sy * cz,
+                cx * cy * cz + sx * sy * sz,
+            ],
+            axis=-1,
+        )
+    )
+
+
+def angles_of_quaternions(quaternions: Array) -> Array:
+    """Inverse of `quaternions_of_angles`, pitch within a quarter turn; (n, 3) [rad]."""
+    R = rotation_from_quaternion(quaternions)
+    pitch = np.arcsin(np.clip(-R[..., 2, 0], -1.0, 1.0))
+    upright = np.abs(R[..., 2, 0]) < 1.0 - 1e-12
+    roll = np.where(upright, np.arctan2(R[..., 2, 1], R[..., 2, 2]), 0.0)
+    yaw = np.where(upright, np.arctan2(R[..., 1, 0], R[..., 0, 0]), np.arctan2(-R[..., 0, 1], R[..., 1, 1]))
+    return np.stack([roll, pitch, yaw], axis=-1)

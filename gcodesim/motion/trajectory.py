@@ -1,0 +1,181 @@
+"""`Trajectory`: pieces with a time law, and the events that happen between them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.canon import Event
+from gcodesim.frames import Array
+from gcodesim.motion.pieces import Pieces
+from gcodesim.motion.tool_path import ToolPath
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Phases:
+    """p stretches of constant acceleration, one after the other.
+
+    From `time` on for `duration` [s], at place `s` of `piece`, ds/dt starts at
+    `speed` and changes by `acceleration`. `event` is -1 while the machine moves,
+    else the index of the event for which it stands.
+    """
+
+    time: Array
+    duration: Array
+    piece: NDArray[np.int64]
+    s: Array
+    speed: Array
+    acceleration: Array
+    event: NDArray[np.int64]
+
+    def insert(self, before: NDArray[np.intp], other: Phases) -> Phases:
+        """A copy with rows of `other` put in front of rows `before`."""
+        return Phases(
+            *(np.insert(getattr(self, name), before, getattr(other, name)) for name in Phases.__slots__)
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TimedEvent:
+    """`event` happens at `time` [s], before row `row` begins, and takes `duration` [s]."""
+
+    time: float
+    duration: float
+    row: int
+    event: Event
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Samples:
+    """The trajectory at n times.
+
+    `position`, `velocity` (n, 6) of the controlled point in M [m, rad, and per
+    s]; `piece`, and `s` and `fraction` in 0…1 along it; `row` of the path that
+    is run; `speed` ds/dt [m/s, of pieces of rotary axes alone rad/s]; `event`
+    for which the machine stands, -1 while it moves.
+    """
+
+    time: Array
+    position: Array
+    velocity: Array
+    piece: NDArray[np.int64]
+    s: Array
+    fraction: Array
+    row: NDArray[np.int64]
+    speed: Array
+    event: NDArray[np.int64]
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """When the control point is where; `row_start`, `row_end` (n,) [s] tell it for every row of the path.
+
+    Between the end of a row and the start of the next one the machine stands
+    for events. Rows and rests together make up the duration.
+    """
+
+    pieces: Pieces
+    phases: Phases
+    events: tuple[TimedEvent, ...]
+    row_start: Array
+    row_end: Array
+
+    @property
+    def path(self) -> ToolPath:
+        return self.pieces.path
+
+    @cached_property
+    def duration(self) -> float:
+        """Seconds from the start to the end of the last move or event."""
+        return float(self.phases.time[-1] + self.phases.duration[-1]) if len(self.phases.time) else 0.0
+
+    @property
+    def duration_ns(self) -> int:
+        """Duration in whole nanoseconds."""
+        return round(self.duration * 1e9)
+
+    @cached_property
+    def row_ns(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Start and end of every row in whole nanoseconds: durations of rows and rests add up exactly."""
+        return np.rint(self.row_start * 1e9).astype(np.int64), np.rint(self.row_end * 1e9).astype(np.int64)
+
+    @property
+    def row_time(self) -> Array:
+        """Seconds that each row takes (n,)."""
+        return self.row_end - self.row_start
+
+    def sample(self, t: Array) -> Samples:
+        """The trajectory at times `t` (n,) [s], in any order; times outside are held at the ends."""
+        t = np.ascontiguousarray(t, dtype=float)
+        if not len(self.phases.time):
+            return self._nothing(t)
+        from gcodesim.motion.trajectory_kernels import sample
+
+        p = self.phases
+        phase = np.clip(np.searchsorted(p.time, t, side="right") - 1, 0, len(p.time) - 1)
+        position, velocity, s, speed = sample(
+            t, phase, p.time, p.duration, p.piece, p.s, p.speed, p.acceleration, *self._pieces_or_rest.arrays
+        )
+        piece = p.piece[phase]
+        outside = (t < 0.0) | (t > self.duration)
+        velocity[outside] = 0.0
+        speed[outside] = 0.0
+        event = p.event[phase]
+        return Samples(
+            time=t,
+            position=position,
+            velocity=velocity,
+            piece=piece,
+            s=s,
+            fraction=s / np.maximum(self._pieces_or_rest.length[piece], 1e-300),
+            row=self.rows_at(t, event),
+            speed=speed,
+            event=event,
+        )
+
+    def rows_at(self, t: Array, event: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Rows run at times `t` (n,); while the machine stands, the row that the event comes before."""
+        last = max(len(self.row_end) - 1, 0)
+        row = np.minimum(np.searchsorted(self.row_end, t, side="right"), last)
+        if self.events and (event >= 0).any():
+            event_row = np.array([e.row for e in self.events])
+            row = np.where(event >= 0, np.minimum(event_row[event], last), row)
+        return row.astype(np.int64)
+
+    def boundaries(self, t0: float, t1: float) -> Array:
+        """Times strictly between `t0` and `t1` at which a piece ends or a rest begins or ends."""
+        times = self._piece_ends
+        return times[np.searchsorted(times, t0, side="right") : np.searchsorted(times, t1, side="left")]
+
+    @cached_property
+    def _piece_ends(self) -> Array:
+        p = self.phases
+        change = (p.piece[1:] != p.piece[:-1]) | (p.event[1:] != p.event[:-1])
+        return p.time[1:][change]
+
+    @cached_property
+    def _pieces_or_rest(self) -> Pieces:
+        """The pieces; for a path that only waits, one piece at its start."""
+        return self.pieces if len(self.pieces) else self.pieces.resting()
+
+    def _nothing(self, t: Array) -> Samples:
+        n = len(t)
+        start = self.path.start[0] if len(self.path) else np.zeros(6)
+        zeros, none = np.zeros(n), np.zeros(n, dtype=np.int64)
+        return Samples(
+            time=t,
+            position=np.tile(start, (n, 1)),
+            velocity=np.zeros((n, 6)),
+            piece=none,
+            s=zeros,
+            fraction=zeros,
+            row=none,
+            speed=zeros,
+            event=none - 1,
+        )

@@ -1,0 +1,63 @@
+"""Sampling a trajectory; arrays in and out."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gcodesim.compiled import kernel
+from gcodesim.frames import Array
+from gcodesim.motion.piece_kernels import piece_point
+
+
+@kernel
+def sample(
+    t: Array,
+    phase: Array,
+    phase_time: Array,
+    phase_duration: Array,
+    phase_piece: Array,
+    phase_s: Array,
+    phase_speed: Array,
+    phase_acceleration: Array,
+    kind: Array,
+    curve: Array,
+    second: Array,
+    begin: Array,
+    length: Array,
+    ratio: Array,
+    axis_limits: Array,
+    c_kind: Array,
+    c_start: Array,
+    c_end: Array,
+    c_center: Array,
+    c_radial: Array,
+    c_sideways: Array,
+    c_lift: Array,
+    c_sweep: Array,
+    c_growth: Array,
+    c_length: Array,
+) -> tuple[Array, Array, Array, Array]:
+    """Position (n, 6), velocity (n, 6), place in the piece (n,) and ds/dt (n,) at times `t` in phases `phase`."""
+    n = len(t)
+    position = np.empty((n, 6))
+    velocity = np.empty((n, 6))
+    place = np.empty(n)
+    rate = np.empty(n)
+    spare = np.empty((2, 6))
+    for j in range(n):
+        p = phase[j]
+        i = phase_piece[p]
+        tau = min(max(t[j] - phase_time[p], 0.0), phase_duration[p])
+        v, a = phase_speed[p], phase_acceleration[p]
+        s = min(max(phase_s[p] + tau * (v + 0.5 * a * tau), 0.0), length[i])
+        v = max(v + a * tau, 0.0)
+        piece_point(
+            i, s, kind, curve, second, begin, length, ratio, axis_limits,
+            c_kind, c_start, c_end, c_center, c_radial, c_sideways, c_lift, c_sweep, c_growth, c_length,
+            position[j], velocity[j], spare,
+        )  # fmt: skip
+        for k in range(6):
+            velocity[j, k] *= v
+        place[j] = s
+        rate[j] = v
+    return position, velocity, place, rate
