@@ -7,6 +7,7 @@ those of the `mcap` package.
 
 from __future__ import annotations
 
+import errno
 import os
 import struct
 import zlib
@@ -204,6 +205,8 @@ class Container:
 
     def add_attachment(self, name: str, t_ns: int, media_type: str, data: bytes) -> None:
         """A file inside the log; both its times are simulated time."""
+        if any(index.name == name for index in self._attachments):
+            raise ValueError(f"the log has an attachment '{name}' already")
         start = self._offset
         record = Attachment(create_time=t_ns, log_time=t_ns, name=name, media_type=media_type, data=data)
         self._write(_bytes_of(record))
@@ -245,6 +248,10 @@ class Container:
         except OSError as error:
             raise self._failure(error) from error
 
+    @property
+    def closed(self) -> bool:
+        return self._file.closed
+
     def abandon(self) -> None:
         """Close as it is: the `.part` file keeps every record that was written."""
         self._file.close()
@@ -265,7 +272,7 @@ class Container:
     def _write(self, data: bytes) -> None:
         """Hand one or more whole records to the system; on failure cut the file back to whole records."""
         if self._file.closed:
-            raise LogWriteError(None, "the log was closed after an error", str(self.part_path))
+            raise LogWriteError(errno.EBADF, "the log was closed after an error", str(self.part_path))
         rest = memoryview(data)
         try:
             while rest:

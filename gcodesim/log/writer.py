@@ -8,9 +8,9 @@ gives the same bytes: times are simulated, nothing else enters.
 
 from __future__ import annotations
 
-from bisect import bisect_left
 from collections import deque
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import fields, replace
 from importlib.metadata import version
 from pathlib import Path
@@ -20,6 +20,7 @@ from typing import Any, Final, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.log.backlog import Backlog
 from gcodesim.log.blocks import BlockColumns, program_messages, way_messages
 from gcodesim.log.columns import ColumnBatch
 from gcodesim.log.container import Container
@@ -76,8 +77,7 @@ class LogWriter:
         self._builder = RowBuilder(description, self._periodic)
         self._batch = ColumnBatch(description)
         self._rows: deque[Rows] = deque()
-        self._messages: list[tuple[int, int, int, bytes]] = []  # time, channel (its order), arrival, data
-        self._arrivals = 0
+        self._backlog = Backlog()
         self._written_ns = 0  # everything before is on its way to disk
         self._last_ns = -1  # the last instant of the last window
         self._program = ProgramState()
@@ -92,9 +92,9 @@ class LogWriter:
         inputs.setdefault("layout.json", default_layout(d.joint_names))
         for name, data in inputs.items():
             self._container.add_attachment(name, 0, _media_type(name), data)
-        self._add("/tf_static", 0, frames_message(0, d.static_frames))
-        self._add("/scene/cell", 0, entities_update(0, d.cell))
-        self._add("/scene/path", 0, path_update(0, d.path_frame, d.feed_path, d.rapid_path))
+        self._add_one("/tf_static", 0, frames_message(0, d.static_frames))
+        self._add_one("/scene/cell", 0, entities_update(0, d.cell))
+        self._add_one("/scene/path", 0, path_update(0, d.path_frame, d.feed_path, d.rapid_path))
         self.event(0, "start", f"{d.run.get('program', 'program')} starts")
 
     # ---- every log period
@@ -170,9 +170,9 @@ class LogWriter:
         if known.state not in STATES:
             raise ValueError(f"no such program state: '{known.state}'")
         if changed or self._channels["/program"] not in self._at_start:
-            self._add("/program", t_ns, program_message(t_ns, known))
+            self._add_one("/program", t_ns, program_message(t_ns, known))
         if not _BLOCK_FIELDS.isdisjoint(changed):
-            self._add("/log", t_ns, log_message(t_ns, SEVERITIES["note"], known.text, known.file, known.line))
+            self._add_one("/log", t_ns, log_message(t_ns, SEVERITIES["note"], known.text, known.file, known.line))
 
     def blocks(self, blocks: BlockColumns) -> None:
         """Many blocks at once: what `program` and `block_polyline` write for each, several times faster."""
@@ -184,7 +184,7 @@ class LogWriter:
         self._frame(blocks.frame)
         programs, logs = program_messages(blocks)
         for topic, messages in (("/program", programs), ("/log", logs), ("/scene/block", way_messages(blocks))):
-            self._add_many(topic, times, messages)
+            self._add(topic, times, messages)
         self._program = replace(
             blocks.modals[int(blocks.modal[-1])],
             line=int(blocks.line[-1]),
@@ -207,25 +207,25 @@ class LogWriter:
         """Something a test may ask for, also as a line of `/log`: a finding's code, or start, toolchange, collision,
         limit, interrupted, end. `severity` is note, warning or error; `value` is SI, as the code says."""
         data = event_message(t_ns, code, severity, file, line, message, bodies, value)
-        self._add("/event", t_ns, data)
+        self._add_one("/event", t_ns, data)
         self.log(t_ns, f"{code}: {message}", severity=severity, file=file, line=line)
 
     def log(self, t_ns: int, message: str, *, severity: str = "note", file: str = "", line: int = 0) -> None:
         """A line for people."""
-        self._add("/log", t_ns, log_message(t_ns, SEVERITIES[severity], message, file, line))
+        self._add_one("/log", t_ns, log_message(t_ns, SEVERITIES[severity], message, file, line))
 
     def block_polyline(self, t_ns: int, points: Array, frame: str = ROOT) -> None:
         """The way (n, 3) [m] of the block that begins; arcs in pieces. No points: nothing is shown."""
-        self._add("/scene/block", t_ns, polyline_update(t_ns, "block", self._frame(frame), points))
+        self._add_one("/scene/block", t_ns, polyline_update(t_ns, "block", self._frame(frame), points))
 
     def tool(self, t_ns: int, shapes: Sequence[Shape], frame: str = "tool") -> None:
         """The tool that is in the spindle from now on; no shapes: the spindle is empty."""
         entities = [Entity(id="tool", frame=self._frame(frame), shapes=tuple(shapes))] if shapes else []
-        self._add("/scene/tool", t_ns, entities_update(t_ns, entities))
+        self._add_one("/scene/tool", t_ns, entities_update(t_ns, entities))
 
     def force(self, t_ns: int, tip: Array, force: Array, frame: str = ROOT) -> None:
         """The arrow of the process force (3,) [N] at `tip` (3,) [m], both in `frame`; call it at 10 Hz."""
-        self._add("/scene/force", t_ns, force_update(t_ns, self._frame(frame), tip, force))
+        self._add_one("/scene/force", t_ns, force_update(t_ns, self._frame(frame), tip, force))
 
     def stock_tile(self, t_ns: int, index: int, meshes: Sequence[Mesh], frame: str = "stock") -> None:
         """All of one tile of the part: original and cut surface as meshes of one colour each."""
@@ -238,7 +238,7 @@ class LogWriter:
     def _tile(self, family: str, t_ns: int, index: int, meshes: Sequence[Mesh], frame: str) -> None:
         shown = tuple(mesh for mesh in meshes if len(mesh.triangles))
         entities = [Entity(id=f"{family}/{index:02d}", frame=self._frame(frame), shapes=shown)] if shown else []
-        self._add(tile_topic(family, index), t_ns, entities_update(t_ns, entities))
+        self._add_one(tile_topic(family, index), t_ns, entities_update(t_ns, entities))
 
     # ---- into the file
 
@@ -253,13 +253,11 @@ class LogWriter:
         if t_ns <= self._written_ns:
             return
         self._fill_start()
-        self._messages.sort()
-        due = bisect_left(self._messages, (t_ns,))
-        for at, channel, _, data in self._messages[:due]:
-            # /tf_static stands before the rows in the table, all other changing topics after them
-            self._write_rows(at if channel > self._periodic[0] else at - 1)
-            self._container.add_message(channel, at, data)
-        del self._messages[:due]
+        for message in self._backlog.due(t_ns):
+            # /tf_static stands before the rows in the table, everything else after them
+            after_rows = message.channel > self._periodic[0]
+            self._write_rows(message.t_ns if after_rows else message.t_ns - 1)
+            self._container.add_message(message.channel, message.t_ns, message.data)
         self._write_rows(t_ns - 1)
         self._written_ns = t_ns
 
@@ -288,8 +286,8 @@ class LogWriter:
         self.program(end_ns, state=state)
         self.event(end_ns, "end", state, severity="note" if state == "finished" else "error")
         self.flush_before(end_ns + 1)
-        if self._messages:
-            raise ValueError(f"a message at {self._messages[0][0]} ns comes after the end at {end_ns} ns")
+        if self._backlog:
+            raise ValueError(f"the log has a message after its end at {end_ns} ns")
         for name, data in (attachments or {}).items():
             self._container.add_attachment(name, end_ns, _media_type(name), data)
         record = {"blocks": str(self._program.block), "removed_m3": repr(float(newest["removed"][0, 0]))}
@@ -298,7 +296,11 @@ class LogWriter:
         self._container.finish()
 
     def abandon(self) -> None:
-        """Stop without an end: the `.part` file keeps what was written."""
+        """Stop without an end: the `.part` file keeps what was given so far, as far as it can be written."""
+        if self._container.closed:
+            return
+        with suppress(OSError, ValueError):
+            self.flush_before(self._last_ns + 1)
         self._container.abandon()
 
     def __enter__(self) -> Self:
@@ -307,7 +309,7 @@ class LogWriter:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._container.abandon()
+        self.abandon()
 
     def _write_rows(self, until_ns: int) -> None:
         """Rows up to and including `until_ns`."""
@@ -318,24 +320,20 @@ class LogWriter:
             if count < len(rows):
                 self._rows.appendleft(rows.part(count, len(rows)))
 
-    def _add(self, topic: str, t_ns: int, data: bytes) -> None:
-        t_ns = int(t_ns)
-        if t_ns < self._written_ns:
-            raise ValueError(f"{topic} at {t_ns} ns comes late: everything before {self._written_ns} ns is written")
-        if len(data) > MOST_MESSAGE_BYTES:
-            raise ValueError(f"{topic} at {t_ns} ns has {len(data)} bytes; draw a coarser mesh")
-        channel = self._channels[topic]
-        if t_ns == 0:
-            self._at_start.add(channel)
-        self._arrivals += 1
-        self._messages.append((t_ns, channel, self._arrivals, data))
+    def _add_one(self, topic: str, t_ns: int, data: bytes) -> None:
+        self._add(topic, (int(t_ns),), (data,))
 
-    def _add_many(self, topic: str, times: Sequence[int], messages: Sequence[bytes]) -> None:
-        """Like `_add` for times that do not decrease."""
-        self._add(topic, times[0], messages[0])
-        channel, arrivals = self._channels[topic], range(self._arrivals + 1, self._arrivals + len(times))
-        self._arrivals += len(times)
-        self._messages.extend(zip(times[1:], [channel] * len(arrivals), arrivals, messages[1:], strict=True))
+    def _add(self, topic: str, times: Sequence[int], messages: Sequence[bytes]) -> None:
+        """Messages at times that do not decrease."""
+        if times[0] < self._written_ns:
+            raise ValueError(f"{topic} at {times[0]} ns comes late: all before {self._written_ns} ns is written")
+        longest = max(map(len, messages))
+        if longest > MOST_MESSAGE_BYTES:
+            raise ValueError(f"{topic} at {times[0]} ns has {longest} bytes; draw a coarser mesh")
+        channel = self._channels[topic]
+        if times[0] == 0:
+            self._at_start.add(channel)
+        self._backlog.add(channel, times, messages)
 
     def _fill_start(self) -> None:
         """Every topic has a message at time 0, or a jump to the start would show nothing of it."""
@@ -345,9 +343,9 @@ class LogWriter:
             if channel in self._periodic or channel in self._at_start:
                 continue
             if topic == "/program":
-                self._add(topic, 0, program_message(0, ProgramState()))
+                self._add_one(topic, 0, program_message(0, ProgramState()))
             else:  # /event and /log have their start already; what is left are scenes
-                self._add(topic, 0, entities_update(0, ()))
+                self._add_one(topic, 0, entities_update(0, ()))
 
     def _frame(self, frame: str) -> str:
         if frame not in self._frames:
