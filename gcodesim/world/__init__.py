@@ -1,0 +1,59 @@
+"""Worlds: what moves the robot and what it takes to move it; `kinematic` and `bullet` behind one protocol."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from gcodesim.family import Family
+from gcodesim.world.body import Box, Cylinder, Mesh, RobotBody, Shape, Sphere, StaticBody, ToolBody, tool_body
+from gcodesim.world.protocol import STANDARD_GRAVITY, Couple, World, WorldSteps, WorldUnavailable
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+WORLDS = Family(
+    "worlds",
+    kinematic="gcodesim.world.kinematic:KinematicWorld",
+    bullet="gcodesim.world.bullet:BulletWorld",
+)
+
+
+def open_world(
+    name: str,
+    robot: RobotBody,
+    step_ns: int,
+    *,
+    gravity: tuple[float, float, float] = STANDARD_GRAVITY,
+    bodies: Sequence[StaticBody] = (),
+) -> World:
+    """Open the world `name` of WORLDS around one robot or machine; the caller closes it.
+
+    `step_ns` is the fixed step in whole nanoseconds, `gravity` [m/s²] in W,
+    `bodies` what stands around it. Raises `WorldUnavailable` when the world
+    needs something that is not installed, KeyError for an unknown name.
+    """
+    if step_ns <= 0:
+        raise ValueError(f"the step is {step_ns} ns; it has to be positive")
+    kind: Any = WORLDS[name]
+    world: World = kind(robot, step_ns, gravity=gravity, bodies=tuple(bodies))
+    return world
+
+
+__all__ = [
+    "STANDARD_GRAVITY",
+    "WORLDS",
+    "Box",
+    "Couple",
+    "Cylinder",
+    "Mesh",
+    "RobotBody",
+    "Shape",
+    "Sphere",
+    "StaticBody",
+    "ToolBody",
+    "World",
+    "WorldSteps",
+    "WorldUnavailable",
+    "open_world",
+    "tool_body",
+]

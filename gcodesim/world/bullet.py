@@ -1,0 +1,364 @@
+"""The world with dynamics: PyBullet without a window, one client a world.
+
+Robot and tool are one multibody, rebuilt at a tool change with the joints where
+they were. Motors hold the joints: Bullet's position motor asks for the velocity
+``positionGain (q_command - q) / dt + (1 - velocityGain) qd``, so with both
+gains 1 a step ends on its command, whatever gravity and process do, as long as
+the effort limit allows. What gives way in a real arm, its gears, is not in here:
+the elastic gears are laid over these motor-side joints by the process.
+
+Bullet's solver stops at a residual of 1e-7 (rad/s)² by default, which leaves
+1 µm at the tip of a small arm; here it goes on to 1e-16, at no cost that shows.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+from collections.abc import Callable
+from itertools import chain
+from typing import Any, Final
+
+import numpy as np
+
+from gcodesim.frames import Array, Pose, rotation_from_quaternion
+from gcodesim.world.body import Box, Cylinder, Mesh, RobotBody, Shape, Sphere, StaticBody, ToolBody
+from gcodesim.world.model import Model, joint_name, merged_model
+from gcodesim.world.protocol import STANDARD_GRAVITY, Couple, WorldSteps, WorldUnavailable
+from gcodesim.world.reaction import tool_reaction
+from gcodesim.world.state import WorldBase, wrench_rows
+
+# what a motor without limit may give [N·m, N]: far above any machine, and still an ordinary number for the solver
+UNLIMITED: Final = 1e9
+# a motor that gives this share of its limit is at its limit; the rest is rounding
+SATURATED: Final = 1.0 - 1e-6
+SOLVER_ITERATIONS: Final = 500
+SOLVER_RESIDUAL: Final = 1e-16
+# joint states are turned into arrays so many steps at a time: as tuples they are 20 times as big
+CHUNK: Final = 1024
+UPRIGHT: Final = (0.0, 0.0, 0.0, 1.0)
+
+# one entry a joint: position, velocity, sensor reading, motor effort
+JointStates = tuple[tuple[float, float, tuple[float, ...], float], ...]
+# push(k, joint states after the step before): let the process act during step k of a chunk
+Push = Callable[[int, JointStates | None], None]
+
+
+def import_pybullet() -> Any:
+    """The module pybullet, without the build date that it writes to stderr; `WorldUnavailable` when it is missing."""
+    if "pybullet" in sys.modules:
+        return sys.modules["pybullet"]
+    sys.stderr.flush()
+    kept = os.dup(2)
+    null = os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(null, 2)
+        import pybullet
+    except ImportError as error:
+        raise WorldUnavailable(
+            "the bullet world needs pybullet, which is not installed here; `pip install pybullet` works for Python "
+            "up to 3.11 on x86-64 Linux; elsewhere choose `simulation: {world: kinematic}`"
+        ) from error
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+        os.close(null)
+    return pybullet
+
+
+class BulletWorld(WorldBase):
+    """A robot with masses, motors and gravity in PyBullet; see `gcodesim.world.protocol.World`."""
+
+    def __init__(
+        self,
+        robot: RobotBody,
+        step_ns: int,
+        *,
+        gravity: tuple[float, float, float] = STANDARD_GRAVITY,
+        bodies: tuple[StaticBody, ...] = (),
+    ) -> None:
+        super().__init__(robot, step_ns, gravity=gravity, bodies=bodies)
+        self._bullet = import_pybullet()
+        self._limit = robot.effort_limit
+        self._body = -1
+        self._pockets: dict[str, int] = {}
+        self._q = self._qd = self._commanded = np.zeros(self.joint_count)
+        self._client = self._bullet.connect(self._bullet.DIRECT)
+        if self._client < 0:
+            raise WorldUnavailable("pybullet gives no further world in this process; close one first")
+        p, client = self._bullet, self._client
+        p.setPhysicsEngineParameter(
+            fixedTimeStep=self.dt,
+            numSubSteps=0,
+            numSolverIterations=SOLVER_ITERATIONS,
+            solverResidualThreshold=SOLVER_RESIDUAL,
+            deterministicOverlappingPairs=1,
+            enableFileCaching=0,
+            physicsClientId=client,
+        )
+        p.setGravity(*self.gravity.tolist(), physicsClientId=client)
+        for body in bodies:
+            self._add_static(body)
+        self._load(None)
+
+    # building
+
+    def _load(self, tool: ToolBody | None) -> None:
+        """Put robot and `tool` into the world as one multibody, joints at the present state."""
+        p, client = self._bullet, self._client
+        model = merged_model(self.robot.chain, tool, solids=bool(self.bodies))
+        if self._body >= 0:
+            p.removeBody(self._body, physicsClientId=client)
+        self._body = self._load_text(model.text)
+        names = {
+            p.getJointInfo(self._body, i, physicsClientId=client)[1].decode(): i
+            for i in range(p.getNumJoints(self._body, physicsClientId=client))
+        }
+        self._joints = [names[joint_name(i)] for i in range(self.joint_count)]
+        # Bullet damps every link by default; motors should only give what gravity, inertia and process ask for
+        for index in range(-1, len(names)):
+            p.changeDynamics(
+                self._body, index, linearDamping=0.0, angularDamping=0.0, jointDamping=0.0, physicsClientId=client
+            )
+        self._find_tip(model)
+        self._write_state()
+
+    def _load_text(self, text: str) -> int:
+        """Body number of a URDF; Bullet only reads files, so the text goes through one that is gone afterwards."""
+        p = self._bullet
+        base = self.robot.X_WB
+        with tempfile.TemporaryDirectory(prefix="gcodesim-") as folder:
+            path = os.path.join(folder, "machine.urdf")
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(text)
+            body: int = p.loadURDF(
+                path,
+                base.p.tolist(),
+                base.q.tolist(),
+                useFixedBase=True,
+                flags=p.URDF_USE_INERTIA_FROM_FILE,
+                physicsClientId=self._client,
+            )
+        return body
+
+    def _find_tip(self, model: Model) -> None:
+        """The tip as a point of the inertial frame of the link that is pushed, which is what link states give."""
+        self._tip_link = None if model.carrier < 0 else self._joints[model.carrier]
+        self._p_tip: list[float] = [0.0, 0.0, 0.0]
+        if self._tip_link is not None:
+            info = self._bullet.getDynamicsInfo(self._body, self._tip_link, physicsClientId=self._client)
+            X_LI = Pose(np.array(info[3]), rotation_from_quaternion(np.array(info[4])))
+            self._p_tip = X_LI.inverse().apply(model.p_LT).tolist()
+
+    def _add_static(self, body: StaticBody) -> None:
+        p, client = self._bullet, self._client
+        for shape in body.shapes:
+            X_WS = body.X_WS @ shape.X
+            number = p.createCollisionShape(**_collision(p, shape), physicsClientId=client)
+            p.createMultiBody(
+                baseMass=0.0,
+                baseCollisionShapeIndex=number,
+                basePosition=X_WS.p.tolist(),
+                baseOrientation=X_WS.q.tolist(),
+                physicsClientId=client,
+            )
+
+    # state
+
+    def _write_state(self) -> None:
+        for joint, position, velocity in zip(self._joints, self._q.tolist(), self._qd.tolist(), strict=True):
+            self._bullet.resetJointState(self._body, joint, position, velocity, physicsClientId=self._client)
+
+    def reset(self, q: Array) -> None:
+        """Stand still at joint vector `q` (j,)."""
+        self._q = self._commanded = self._joint_vector(q)
+        self._qd = np.zeros(self.joint_count)
+        self._write_state()
+
+    def attach(self, tool: ToolBody | None, pocket: Pose | None = None) -> None:
+        """Change the tool; the multibody is built anew with the joints where they are and as fast as they are."""
+        old = self.tool
+        self._exchange(tool, pocket)
+        if tool is not None and tool.name in self._pockets:
+            self._bullet.removeBody(self._pockets.pop(tool.name), physicsClientId=self._client)
+        if old is not None and old.name in self.parked and old.name not in self._pockets:
+            self._pockets[old.name] = self._add_parked(*self.parked[old.name])
+        self._load(tool)
+
+    def _add_parked(self, tool: ToolBody, X_WF: Pose) -> int:
+        """A tool in its pocket: a body that stands there and is seen, but cannot be run into."""
+        p, client = self._bullet, self._client
+        visual = -1
+        if tool.shapes:
+            solids = [_visual(p, shape) for shape in tool.shapes]
+            columns = {key: [solid[key] for solid in solids] for key in solids[0]}
+            visual = p.createVisualShapeArray(**columns, physicsClientId=client)
+        number: int = p.createMultiBody(
+            baseMass=0.0,
+            baseVisualShapeIndex=visual,
+            basePosition=X_WF.p.tolist(),
+            baseOrientation=X_WF.q.tolist(),
+            physicsClientId=client,
+        )
+        return number
+
+    def pocket_pose(self, name: str) -> Pose:
+        """Where the body of the parked tool `name` stands: its flange side in W; KeyError when it is not parked."""
+        p, q = self._bullet.getBasePositionAndOrientation(self._pockets[name], physicsClientId=self._client)
+        return Pose(np.array(p), rotation_from_quaternion(np.array(q)))
+
+    # stepping
+
+    def run(self, q_command: Array, couple: Couple | Array | None = None) -> WorldSteps:
+        """Move through `q_command` (n, j); see `World.run`."""
+        commands = self._commands(q_command)
+        n, count = commands.shape
+        q, qd, effort = np.empty((n + 1, count)), np.empty((n + 1, count)), np.empty((n, count))
+        q[0], qd[0] = self._q, self._qd
+        wrench, contact = np.zeros((n, 6)), np.zeros((n, 6))
+        if couple is not None and not callable(couple):
+            wrench[:] = wrench_rows(couple, 0, commands)
+        for first in range(0, n, CHUNK):
+            rows = slice(first, min(first + CHUNK, n))
+            push: Push | None = None
+            if callable(couple):
+                push = self._push_coupled(couple, first, commands[rows], wrench[rows])
+            elif couple is not None:
+                push = self._push_known(wrench[rows])
+            states = self._lean_loop(commands[rows], push, contact[rows] if self.bodies else None)
+            position, velocity, _, torque = zip(*chain.from_iterable(states), strict=True)
+            after = slice(first + 1, rows.stop + 1)
+            q[after] = np.array(position).reshape(-1, count)
+            qd[after] = np.array(velocity).reshape(-1, count)
+            effort[rows] = np.array(torque).reshape(-1, count)
+            self._q, self._qd, self._commanded = q[rows.stop].copy(), qd[rows.stop].copy(), commands[rows.stop - 1]
+        return WorldSteps(
+            q=q[1:],
+            qd=qd[1:],
+            qdd=np.diff(qd, axis=0) / self.dt,
+            effort=effort,
+            saturated=np.abs(effort) >= self._limit * SATURATED,
+            reaction=tool_reaction(self.machine, self.tool, q, qd, wrench + contact, self.gravity_B, self.dt),
+        )
+
+    def _lean_loop(self, commands: Array, push: Push | None, contact: Array | None) -> list[JointStates]:
+        """Joint states after each step; the only Python that runs once a step."""
+        p, client, body, joints = self._bullet, self._client, self._body, self._joints
+        command, step, read, mode = p.setJointMotorControlArray, p.stepSimulation, p.getJointStates, p.POSITION_CONTROL
+        gains = [1.0] * len(joints)
+        forces = np.where(np.isinf(self._limit), UNLIMITED, self._limit).tolist()
+        states: list[JointStates] = []
+        keep = states.append
+        state = None
+        for k, target in enumerate(commands.tolist()):
+            if push is not None:
+                push(k, state)
+            command(
+                body,
+                joints,
+                mode,
+                targetPositions=target,
+                positionGains=gains,
+                velocityGains=gains,
+                forces=forces,
+                physicsClientId=client,
+            )
+            step(client)
+            state = read(body, joints, client)
+            keep(state)
+            if contact is not None:
+                self._read_contacts(contact[k])
+        return states
+
+    def _push_known(self, wrench: Array) -> Push:
+        """Push the tool by `wrench` (m, 6), known for every step."""
+        turned = np.hstack([self.robot.X_WB.rotate(wrench[:, :3]), self.robot.X_WB.rotate(wrench[:, 3:])]).tolist()
+        acts: list[bool] = np.any(wrench != 0.0, axis=1).tolist()
+
+        def push(k: int, _state: JointStates | None) -> None:
+            if acts[k]:
+                self._apply(turned[k])
+
+        return push
+
+    def _push_coupled(self, couple: Couple, first: int, commands: Array, wrench: Array) -> Push:
+        """Push the tool by what the process answers to where the step will end; the answers go into `wrench` (m, 6)."""
+        start, R_WB = self._q - self._commanded, self.robot.X_WB.R
+
+        def push(k: int, state: JointStates | None) -> None:
+            # a step ends on its command, or short of it by what the step before fell short
+            missed = start if state is None else np.array([joint[0] for joint in state]) - commands[k - 1]
+            row = wrench_rows(couple, first + k, (commands[k] + missed)[None])[0]
+            wrench[k] = row
+            if row.any():
+                self._apply([*(R_WB @ row[:3]).tolist(), *(R_WB @ row[3:]).tolist()])
+
+        return push
+
+    def _apply(self, wrench: list[float]) -> None:
+        """Let `wrench`, in axes of W, act on the tool at the tip during the next step."""
+        if self._tip_link is None:
+            return
+        p, client, body, link = self._bullet, self._client, self._body, self._tip_link
+        # without the forward kinematics the answer is one step old
+        centre = p.getLinkState(body, link, computeForwardKinematics=1, physicsClientId=client)
+        tip = p.multiplyTransforms(centre[0], centre[1], self._p_tip, UPRIGHT)[0]
+        p.applyExternalForce(body, link, wrench[:3], tip, p.WORLD_FRAME, client)
+        p.applyExternalTorque(body, link, wrench[3:], p.WORLD_FRAME, client)
+
+    def _read_contacts(self, row: Array) -> None:
+        """Add up what touches the flange's link in `row` (6,): wrench on the tool at the tip, base axes."""
+        if self._tip_link is None:
+            return
+        p, client, body, link = self._bullet, self._client, self._body, self._tip_link
+        touches = p.getContactPoints(bodyA=body, linkIndexA=link, physicsClientId=client)
+        if not touches:
+            return
+        centre = p.getLinkState(body, link, computeForwardKinematics=1, physicsClientId=client)
+        tip = np.array(p.multiplyTransforms(centre[0], centre[1], self._p_tip, UPRIGHT)[0])
+        force, torque = np.zeros(3), np.zeros(3)
+        for touch in touches:
+            # position on the tool, normal towards it, then normal force and two of friction with their directions
+            pull = sum(
+                size * np.array(way)
+                for size, way in ((touch[9], touch[7]), (touch[10], touch[11]), (touch[12], touch[13]))
+            )
+            force += pull
+            torque += np.cross(np.array(touch[5]) - tip, pull)
+        row[:3], row[3:] = self.robot.X_WB.R.T @ force, self.robot.X_WB.R.T @ torque
+
+    def close(self) -> None:
+        """Disconnect from Bullet."""
+        if self._client >= 0:
+            self._bullet.disconnect(self._client)
+            self._client = -1
+
+
+def _visual(p: Any, shape: Box | Cylinder | Sphere) -> dict[str, Any]:
+    """One entry of createVisualShapeArray, which wants every key for every shape."""
+    return {
+        "shapeTypes": {Box: p.GEOM_BOX, Cylinder: p.GEOM_CYLINDER, Sphere: p.GEOM_SPHERE}[type(shape)],
+        "halfExtents": [0.5 * edge for edge in shape.size] if isinstance(shape, Box) else [0.0, 0.0, 0.0],
+        "radii": 0.0 if isinstance(shape, Box) else shape.radius,
+        "lengths": shape.length if isinstance(shape, Cylinder) else 0.0,
+        "visualFramePositions": shape.X.p.tolist(),
+        "visualFrameOrientations": shape.X.q.tolist(),
+    }
+
+
+def _collision(p: Any, shape: Shape) -> dict[str, Any]:
+    """Arguments of createCollisionShape; a mesh stays the triangles it is, never their hull."""
+    if isinstance(shape, Box):
+        return {"shapeType": p.GEOM_BOX, "halfExtents": [0.5 * edge for edge in shape.size]}
+    if isinstance(shape, Cylinder):
+        return {"shapeType": p.GEOM_CYLINDER, "radius": shape.radius, "height": shape.length}
+    if isinstance(shape, Sphere):
+        return {"shapeType": p.GEOM_SPHERE, "radius": shape.radius}
+    assert isinstance(shape, Mesh)
+    return {
+        "shapeType": p.GEOM_MESH,
+        "vertices": np.asarray(shape.vertices, dtype=float).tolist(),
+        "indices": np.asarray(shape.faces, dtype=int).ravel().tolist(),
+        "flags": p.GEOM_FORCE_CONCAVE_TRIMESH,
+    }

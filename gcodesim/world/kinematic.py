@@ -1,0 +1,54 @@
+"""The world without dynamics of its own: joints are where they are commanded, efforts follow from Newton and Euler."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gcodesim.frames import Array, Pose
+from gcodesim.world.body import RobotBody, StaticBody, ToolBody
+from gcodesim.world.effort import motor_efforts
+from gcodesim.world.protocol import STANDARD_GRAVITY, Couple, WorldSteps
+from gcodesim.world.reaction import tool_reaction
+from gcodesim.world.state import WorldBase, wrench_rows
+
+
+class KinematicWorld(WorldBase):
+    """Follows every command exactly and says what effort that takes; see `gcodesim.world.protocol.World`."""
+
+    def __init__(
+        self,
+        robot: RobotBody,
+        step_ns: int,
+        *,
+        gravity: tuple[float, float, float] = STANDARD_GRAVITY,
+        bodies: tuple[StaticBody, ...] = (),
+    ) -> None:
+        super().__init__(robot, step_ns, gravity=gravity, bodies=bodies)
+        self._limit = robot.effort_limit
+        self._q = np.zeros(self.joint_count)
+        self._qd = np.zeros(self.joint_count)
+
+    def reset(self, q: Array) -> None:
+        """Stand still at joint vector `q` (j,)."""
+        self._q, self._qd = self._joint_vector(q), np.zeros(self.joint_count)
+
+    def attach(self, tool: ToolBody | None, pocket: Pose | None = None) -> None:
+        """Change the tool; see `World.attach`."""
+        self._exchange(tool, pocket)
+
+    def run(self, q_command: Array, couple: Couple | Array | None = None) -> WorldSteps:
+        """Move through `q_command` (n, j); see `World.run`. `couple` is called once, with all rows."""
+        q = self._commands(q_command).copy()
+        n = len(q)
+        path = np.vstack([self._q, q])
+        speed = np.vstack([self._qd, np.diff(path, axis=0) / self.dt])
+        qd, qdd = speed[1:], np.diff(speed, axis=0) / self.dt
+        wrench = np.zeros((n, 6)) if couple is None else wrench_rows(couple, 0, q)
+        effort = motor_efforts(self.machine, self.tool, q, qd, qdd, wrench, self.gravity_B)
+        reaction = tool_reaction(self.machine, self.tool, path, speed, wrench, self.gravity_B, self.dt)
+        if n:
+            self._q, self._qd = q[-1].copy(), qd[-1].copy()
+        return WorldSteps(q=q, qd=qd, qdd=qdd, effort=effort, saturated=np.abs(effort) > self._limit, reaction=reaction)
+
+    def close(self) -> None:
+        """Nothing to free."""

@@ -1,0 +1,196 @@
+"""The one multibody that Bullet gets: robot and tool merged, fixed joints folded away.
+
+A link of the model is everything that one driven joint carries, the tool
+included; its mass properties are the sum of what rides on it. So a robot of j
+joints has j links with any tool, there is nothing between flange and tool that
+could give, and Bullet walks no link more than it needs. Inertias are written
+about their principal axes, because Bullet only keeps those.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from gcodesim.frames import Array, Pose
+from gcodesim.kinematics.chain import Chain
+from gcodesim.world.body import Box, Cylinder, Sphere, ToolBody
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+# a joint that carries no mass has no equation of motion; this much is no burden to any motor [kg], [kg·m²]
+LEAST_MASS: Final = 1e-4
+LEAST_INERTIA: Final = 1e-8
+
+Solid = Box | Cylinder | Sphere
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class MassSum:
+    """Mass [kg], centre of mass (3,) [m] and inertia about it (3, 3) [kg·m²] of a rigid body."""
+
+    mass: float
+    com: Array
+    inertia: Array
+
+    @staticmethod
+    def of(parts: Iterable[MassSum]) -> MassSum:
+        """All `parts` as one body (parallel axes, Steiner 1840)."""
+        rows = [part for part in parts if part.mass > 0.0]
+        mass = sum(part.mass for part in rows)
+        if mass <= 0.0:
+            return MassSum(mass=0.0, com=np.zeros(3), inertia=np.zeros((3, 3)))
+        com = np.sum([part.mass * part.com for part in rows], axis=0) / mass
+        inertia = np.zeros((3, 3))
+        for part in rows:
+            d = part.com - com
+            inertia += part.inertia + part.mass * (d @ d * np.eye(3) - np.outer(d, d))
+        return MassSum(mass=mass, com=com, inertia=inertia)
+
+    def seen_from(self, X: Array) -> MassSum:
+        """The same body when its axes stand at `X` (4, 4) of the new ones."""
+        R = X[:3, :3]
+        return MassSum(mass=self.mass, com=X[:3, 3] + R @ self.com, inertia=R @ self.inertia @ R.T)
+
+    def principal(self) -> tuple[Array, Array]:
+        """Moments (3,) and the rotation matrix whose columns are the principal axes."""
+        moments, axes = np.linalg.eigh(self.inertia)
+        if np.linalg.det(axes) < 0.0:
+            axes[:, 2] = -axes[:, 2]
+        return moments, axes
+
+
+def tool_mass(tool: ToolBody) -> MassSum:
+    """Mass properties of a tool in axes of F."""
+    xx, yy, zz, xy, xz, yz = tool.inertia
+    inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    return MassSum(mass=tool.mass, com=np.array(tool.com), inertia=inertia)
+
+
+def carried_masses(chain: Chain) -> list[MassSum]:
+    """What each driven joint carries, in axes of the moved joint frame; index -1 (the last) is the base."""
+    tree = chain.tree
+    riders: list[list[MassSum]] = [[] for _ in range(len(chain.driven) + 1)]
+    for link, carrier, offset in zip(chain.links, tree.carrier.tolist(), tree.offset, strict=True):
+        if link.inertial is not None:
+            own = MassSum(mass=link.inertial.mass, com=link.inertial.com, inertia=link.inertial.inertia)
+            riders[carrier].append(own.seen_from(offset))
+    return [MassSum.of(parts) for parts in riders]
+
+
+def carried_solids(chain: Chain) -> list[list[Solid]]:
+    """Collision solids on each driven joint, ordered as `carried_masses`; mesh files are left out."""
+    tree = chain.tree
+    solids: list[list[Solid]] = [[] for _ in range(len(chain.driven) + 1)]
+    for link, carrier, offset in zip(chain.links, tree.carrier.tolist(), tree.offset, strict=True):
+        for shape in link.collisions:
+            X = Pose.from_matrix(offset @ shape.X)
+            if shape.kind == "box":
+                solids[carrier].append(Box(size=(shape.size[0], shape.size[1], shape.size[2]), X=X))
+            elif shape.kind == "cylinder":
+                solids[carrier].append(Cylinder(radius=shape.size[0], length=shape.size[1], X=X))
+            elif shape.kind == "sphere":
+                solids[carrier].append(Sphere(radius=shape.size[0], X=X))
+    return solids
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Model:
+    """A URDF for Bullet, with links and joints named by place in the joint vector.
+
+    `carrier` is the joint whose link has the flange, and the tip at `p_LT` (3,)
+    [m] of that link; -1 when the flange is on the base, where no motor feels it.
+    """
+
+    text: str
+    carrier: int
+    p_LT: Array
+
+
+def merged_model(chain: Chain, tool: ToolBody | None, *, solids: bool) -> Model:
+    """Robot and tool as one multibody; `solids` says whether collision bodies are wanted."""
+    tree = chain.tree
+    masses = carried_masses(chain)
+    bodies = carried_solids(chain) if solids else [[] for _ in masses]
+    carrier, X_LF = tree.flange_carrier, tree.flange_offset
+    X_LT = X_LF
+    if tool is not None:
+        X_LT = X_LF @ tool.X_FT.matrix
+        masses[carrier] = MassSum.of([masses[carrier], tool_mass(tool).seen_from(X_LF)])
+        if solids:
+            X = Pose.from_matrix(X_LF)
+            bodies[carrier] += [replace(solid, X=X @ solid.X) for solid in tool.shapes]
+    root = ET.Element("robot", name="machine")
+    _add_link(root, "base", masses[-1], bodies[-1])
+    for i in range(len(chain.driven)):
+        _add_link(root, f"link{i}", masses[i], bodies[i])
+        parent = "base" if tree.parent[i] < 0 else f"link{tree.parent[i]}"
+        kind = "prismatic" if tree.prismatic[i] else "continuous"
+        _add_joint(root, joint_name(i), kind, parent, f"link{i}", tree.before[i], tree.axis[i])
+    return Model(text=ET.tostring(root, encoding="unicode"), carrier=carrier, p_LT=X_LT[:3, 3].copy())
+
+
+def joint_name(index: int) -> str:
+    """How the model calls the joint at `index` of a joint vector."""
+    return f"joint{index}"
+
+
+def _at_least(body: MassSum) -> MassSum:
+    """The body with the mass that the equations of motion need."""
+    if body.mass > 0.0:
+        return body
+    return MassSum(mass=LEAST_MASS, com=body.com, inertia=LEAST_INERTIA * np.eye(3))
+
+
+def _numbers(values: Iterable[float]) -> str:
+    return " ".join(repr(float(v)) for v in values)
+
+
+def _rpy(R: Array) -> tuple[float, float, float]:
+    """Fixed-axis roll, pitch, yaw [rad] of a rotation matrix; at pitch ±90° the yaw is 0."""
+    sine = -R[2, 0]
+    cosine = float(np.hypot(R[0, 0], R[1, 0]))
+    pitch = float(np.arctan2(sine, cosine))
+    if cosine < 1e-9:
+        return float(np.arctan2(-R[1, 2], R[1, 1])), pitch, 0.0
+    return float(np.arctan2(R[2, 1], R[2, 2])), pitch, float(np.arctan2(R[1, 0], R[0, 0]))
+
+
+def _add_origin(parent: ET.Element, p: Array, R: Array) -> None:
+    ET.SubElement(parent, "origin", xyz=_numbers(p), rpy=_numbers(_rpy(R)))
+
+
+def _add_link(root: ET.Element, name: str, mass: MassSum, solids: list[Solid]) -> None:
+    link = ET.SubElement(root, "link", name=name)
+    inertial = ET.SubElement(link, "inertial")
+    body = _at_least(mass)
+    moments, axes = body.principal()
+    _add_origin(inertial, body.com, axes)
+    ET.SubElement(inertial, "mass", value=repr(float(body.mass)))
+    xx, yy, zz = (repr(max(float(m), 0.0)) for m in moments)
+    ET.SubElement(inertial, "inertia", ixx=xx, iyy=yy, izz=zz, ixy="0", ixz="0", iyz="0")
+    for solid in solids:
+        collision = ET.SubElement(link, "collision")
+        _add_origin(collision, solid.X.p, solid.X.R)
+        geometry = ET.SubElement(collision, "geometry")
+        if isinstance(solid, Box):
+            ET.SubElement(geometry, "box", size=_numbers(solid.size))
+        elif isinstance(solid, Cylinder):
+            ET.SubElement(geometry, "cylinder", radius=repr(float(solid.radius)), length=repr(float(solid.length)))
+        else:
+            ET.SubElement(geometry, "sphere", radius=repr(float(solid.radius)))
+
+
+def _add_joint(root: ET.Element, name: str, kind: str, parent: str, child: str, X: Array, axis: Array) -> None:
+    """A joint without limits of its own: where the robot may go is judged by the checks, not by stops in the world."""
+    joint = ET.SubElement(root, "joint", name=name, type=kind)
+    ET.SubElement(joint, "parent", link=parent)
+    ET.SubElement(joint, "child", link=child)
+    _add_origin(joint, X[:3, 3], X[:3, :3])
+    ET.SubElement(joint, "axis", xyz=_numbers(axis))
+    # Bullet makes a stop of every pair lower <= upper, so free travel is written the other way round
+    ET.SubElement(joint, "limit", lower="1", upper="-1", effort="0", velocity="0")

@@ -1,0 +1,90 @@
+"""What every world offers.
+
+A world moves one robot (or machine tool) along commanded joint vectors with a
+fixed step. Row k of a run is the state at the end of step k, so a world
+without dynamics answers `q = q_command`. Velocity and acceleration are those
+of the integrator, ``qd_k = (q_k - q_{k-1}) / dt`` and
+``qdd_k = (qd_k - qd_{k-1}) / dt``: both worlds agree on them, they need no
+look into the next window, and no split of a run into windows moves a number.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Final, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.frames import Array, Pose
+from gcodesim.world.body import ToolBody
+
+# acceleration of free fall [m/s²] in W; the conventional value (CGPM 1901)
+STANDARD_GRAVITY: Final = (0.0, 0.0, -9.80665)
+
+# couple(first, q (m, j)) -> wrench (m, 6) on the tool at the tip in base axes, force then torque
+Couple = Callable[[int, Array], Array]
+
+
+class WorldUnavailable(RuntimeError):  # noqa: N818  (it is no error of ours: something is not installed here)
+    """This world cannot be opened on this machine; the text says what would help."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class WorldSteps:
+    """What happened in n steps of a robot with j joints; row k is the end of step k.
+
+    q        (n, j) joint positions, motor side [rad, m]
+    qd       (n, j) joint velocities [rad/s, m/s]
+    qdd      (n, j) joint accelerations [rad/s², m/s²]
+    effort   (n, j) what the motors give [N·m, N]
+    saturated (n, j) the motor is at its effort limit, or the motion would need more
+    reaction (n, 6) wrench of the flange on the tool at the flange F, base axes, force then torque [N, N·m];
+             zero without a tool
+    """
+
+    q: Array
+    qd: Array
+    qdd: Array
+    effort: Array
+    saturated: NDArray[np.bool_]
+    reaction: Array
+
+
+class World(Protocol):
+    """A robot that obeys joint commands; one of WORLDS."""
+
+    step_ns: int
+
+    @property
+    def tool(self) -> ToolBody | None:
+        """The tool on the flange."""
+
+    @property
+    def parked(self) -> Mapping[str, tuple[ToolBody, Pose]]:
+        """Tools that were taken off, by name, with the pose of their flange side (F) in W."""
+
+    def reset(self, q: Array) -> None:
+        """Stand still at joint vector `q` (j,)."""
+
+    def attach(self, tool: ToolBody | None, pocket: Pose | None = None) -> None:
+        """Change the tool; positions and velocities of the joints stay as they are.
+
+        The old tool stays at `pocket`, the pose of its flange side in W, as a
+        body of its own; None: it leaves the scene. A parked tool of the new
+        tool's name is taken out of its pocket.
+        """
+
+    def run(self, q_command: Array, couple: Couple | Array | None = None) -> WorldSteps:
+        """Move through `q_command` (n, j), one row a step.
+
+        `couple` gives the wrench on the tool at the tip in base axes: a
+        function `couple(first, q)` of the rows `first` to `first + len(q)`, an
+        array (n, 6) when it is known beforehand, or None for no wrench. The
+        kinematic world calls the function once with all rows, `bullet` once a
+        step, in order, with the position that the step is expected to reach.
+        """
+
+    def close(self) -> None:
+        """Free what the world holds; a second call does nothing."""

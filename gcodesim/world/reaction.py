@@ -1,0 +1,47 @@
+"""The wrench between flange and tool, from how the tool moves and what acts on it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gcodesim.frames import Array
+from gcodesim.world.body import ToolBody
+
+if TYPE_CHECKING:
+    from gcodesim.kinematics.machine import Machine
+
+
+def tool_reaction(
+    machine: Machine, tool: ToolBody | None, q: Array, qd: Array, wrench: Array, gravity_B: Array, dt: float
+) -> Array:
+    """Wrench (n, 6) of the flange on `tool` at F, base axes, force then torque; zero without a tool.
+
+    Newton and Euler for one rigid body: ``f = m (a - g) - F`` and the balance of
+    moments about F. `q`, `qd` (n + 1, j) start with the state before the first
+    step; `wrench` (n, 6) acts on the tool at the tip, base axes; `gravity_B`
+    (3,) in base axes. Accelerations are differences over one step `dt` [s].
+
+    Bullet has a force sensor for this, but its reading carries a term in
+    (qdd_free dt)², the velocity that joints would have without motors, which
+    is 0.5 % of a wrench on a small arm at 4 ms.
+    """
+    n = len(wrench)
+    if tool is None or n == 0:
+        return np.zeros((n, 6))
+    R_BF = machine.forward(q)[:, :3, :3]
+    twist = np.einsum("nij,nj->ni", machine.jacobian(q), qd)
+    omega = twist[:, 3:]
+    lever = R_BF @ np.array(tool.com)
+    v_com = twist[:, :3] + np.cross(omega, lever)
+    xx, yy, zz, xy, xz, yz = tool.inertia
+    inertia = R_BF @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ R_BF.transpose(0, 2, 1)
+    momentum = np.einsum("nij,nj->ni", inertia, omega)
+    weighted = tool.mass * (np.diff(v_com, axis=0) / dt - gravity_B)
+    force = weighted - wrench[:, :3]
+    tip = R_BF[1:] @ tool.X_FT.p
+    torque = (
+        np.diff(momentum, axis=0) / dt + np.cross(lever[1:], weighted) - np.cross(tip, wrench[:, :3]) - wrench[:, 3:]
+    )
+    return np.hstack([force, torque])
