@@ -5,6 +5,279 @@ from gcodesim.diagnostics.finding import Severity
 
 CODES: tuple[Code, ...] = ()
 
+# the cell file itself
+CODES += (
+    Code(
+        code="GS701",
+        severity=Severity.ERROR,
+        title="The cell is not YAML",
+        what="The text breaks a rule of YAML, so nothing behind this place could be read.",
+        why="A cell that is read half would be another cell.",
+        remedy=(
+            "Look at the line named here and at the one above: brackets and quotes closed, spaces instead of "
+            "tabs, one column for the keys of one mapping, quotes around a text that contains `: ` or begins with"
+            " a sign."
+        ),
+    ),
+    Code(
+        code="GS702",
+        severity=Severity.ERROR,
+        title="A key stands twice",
+        what="Two lines of one mapping have the same key; `01` and `1`, or `m62p1` and `M62 P1`, are the same key too.",
+        why="Other readers take the last one silently, and nobody sees which value holds.",
+        remedy="Delete or rename one of them.",
+    ),
+    Code(
+        code="GS703",
+        severity=Severity.ERROR,
+        title="A feature of YAML that cells do not use",
+        what=(
+            "Merge keys (`<<`), tags (`!!float`), a second document, keys that are lists, aliases that contain "
+            "themselves or multiply the file."
+        ),
+        why="What a cell says should be visible where it stands.",
+        remedy="Write the values out. Plain aliases (`&name`, `*name`) are allowed.",
+    ),
+    Code(
+        code="GS704",
+        severity=Severity.ERROR,
+        title="Unknown key",
+        what="A key that gcodesim does not read here, mostly a slip of spelling or a wrong indentation.",
+        why="A misspelled key that is skipped would leave its default in force.",
+        remedy=(
+            "Take the suggestion, or see `gcodesim cell schema`. Keys that begin with `x-` are free for notes of "
+            "your own."
+        ),
+    ),
+    Code(
+        code="GS705",
+        severity=Severity.ERROR,
+        title="Something is missing",
+        what="A key that is needed is absent, or a key has no value.",
+        why="There is no sensible default for it.",
+        remedy="Write the key; the message says what it expects.",
+    ),
+    Code(
+        code="GS706",
+        severity=Severity.ERROR,
+        title="A value of the wrong form",
+        what=(
+            "A list where a text is expected, a mapping where a number is, a list with too few or too many "
+            "entries, or no `true` or `false`."
+        ),
+        why="The value cannot be understood.",
+        remedy="Write it as the message shows. YAML 1.2 knows `true` and `false`, not `on` and `yes`.",
+    ),
+    Code(
+        code="GS707",
+        severity=Severity.ERROR,
+        title="Not a number",
+        what=(
+            "A number is expected. Numbers are decimal, with a point, without grouping: `10`, `0.25`, `9e5`; "
+            "never infinite."
+        ),
+        why="`1_0`, `1,5` or `0x10` mean different things to different readers.",
+        remedy="Write the number plainly, its unit behind it.",
+    ),
+    Code(
+        code="GS708",
+        severity=Severity.ERROR,
+        title="A unit is missing",
+        what=(
+            "Only lengths, angles, counts and ratios may be plain numbers; every other quantity but 0 carries its"
+            " unit."
+        ),
+        why="3000 may be W or rpm, mm/min or mm/s, and the wrong guess is off by a factor of sixty.",
+        remedy="Write the unit behind the number; in a list, that of the last entry holds for those without one.",
+    ),
+    Code(
+        code="GS709",
+        severity=Severity.ERROR,
+        title="A wrong or unknown unit",
+        what="The unit measures something else than the key does, or is none.",
+        why="A length of 10 deg has no meaning.",
+        remedy="Take a unit that the message names; `gcodesim cell schema` prints the table.",
+    ),
+    Code(
+        code="GS710",
+        severity=Severity.ERROR,
+        title="A value out of range",
+        what="The number is outside what the key can mean, such as a negative length.",
+        why="No machine, tool or stock has such a value.",
+        remedy="Correct the number or its unit.",
+    ),
+    Code(
+        code="GS711",
+        severity=Severity.ERROR,
+        title="A word that is none of the choices",
+        what="The key expects one of a few words, or a text of a certain form.",
+        why="The value cannot be understood.",
+        remedy="Take one of the words in the message.",
+    ),
+    Code(
+        code="GS712",
+        severity=Severity.ERROR,
+        title="A name that nothing has",
+        what="The cell refers to a frame, robot, axis, material or model that does not exist.",
+        why="What is meant cannot be found.",
+        remedy="Correct the name, or define it; the message names similar ones.",
+    ),
+    Code(
+        code="GS713",
+        severity=Severity.ERROR,
+        title="Frames stand in a circle",
+        what="Each of these frames stands in the next one, and the last in the first.",
+        why="None of them has a place in the world.",
+        remedy="Let one of them stand in `world`.",
+    ),
+    Code(
+        code="GS714",
+        severity=Severity.ERROR,
+        title="A file is missing",
+        what="A file or folder that the cell names is not there or cannot be read.",
+        why="The run would go on without a part of the cell.",
+        remedy="Names are relative to the cell file; the message shows the path that was tried.",
+    ),
+    Code(
+        code="GS715",
+        severity=Severity.ERROR,
+        title="A file outside the allowed folders",
+        what=(
+            "A cell may read files in its own folder, in the folders of `packages:`, and in those allowed by "
+            "--allow-path."
+        ),
+        why="A cell from elsewhere must not be able to read any file of this machine.",
+        remedy="Move the file beside the cell, or run with `--allow-path DIR`.",
+    ),
+    Code(
+        code="GS716",
+        severity=Severity.ERROR,
+        title="Not a mesh",
+        what="The file is no mesh format that is read, is cut off, or holds no triangle.",
+        why="The body would be missing.",
+        remedy="Export it as STL (binary or ASCII) or OBJ.",
+    ),
+    Code(
+        code="GS717",
+        severity=Severity.WARNING,
+        title="A mesh without a unit",
+        what="Mesh files do not say whether a number is a millimetre, a metre or an inch; `mm` was assumed.",
+        why="A vise a thousand times too large or small collides with everything or nothing.",
+        remedy="Write `unit: mm` (or `m`, `in`) beside the mesh; the message shows its size.",
+    ),
+    Code(
+        code="GS718",
+        severity=Severity.WARNING,
+        title="A mesh of a strange size",
+        what="The mesh is a hundred times larger or smaller than the rest of the cell.",
+        why="Mostly its unit is wrong.",
+        remedy="Compare the size in the message with the real one and correct `unit`.",
+    ),
+    Code(
+        code="GS719",
+        severity=Severity.ERROR,
+        title="Two keys contradict each other",
+        what=(
+            "Two keys of one mapping say the same thing in different ways, such as `box` and `mesh`, or `model` "
+            "and `urdf`."
+        ),
+        why="It is not clear which one holds.",
+        remedy="Delete one of them.",
+    ),
+    Code(
+        code="GS720",
+        severity=Severity.ERROR,
+        title="An impossible tool",
+        what=(
+            "The tool's values contradict each other or geometry: a corner radius greater than the tool, flutes "
+            "longer than the tool, a point angle that is none."
+        ),
+        why="Such a tool cannot be made; a simulation with another one in its place would be worth nothing.",
+        remedy="Correct the value; `gcodesim cell show` prints what follows from the others.",
+    ),
+    Code(
+        code="GS721",
+        severity=Severity.ERROR,
+        title="The step does not divide the log period",
+        what=(
+            "The simulation step is a whole number of nanoseconds and fits a whole number of times into the log "
+            "period."
+        ),
+        why="Times would drift, and two runs would not be equal.",
+        remedy="Take one of the rates in the message, or another log period.",
+    ),
+    Code(
+        code="GS722",
+        severity=Severity.ERROR,
+        title="Nobody runs the program",
+        what="The cell has neither a machine nor a robot, or several and does not say which one runs the program.",
+        why="A program needs axes to move.",
+        remedy="Write `machine:` or `robots:`; with several, `channels:` says which robot runs which program.",
+    ),
+    Code(
+        code="GS723",
+        severity=Severity.ERROR,
+        title="Home outside the travel",
+        what="An axis or joint starts outside its own limits.",
+        why="The first move would already be a fault.",
+        remedy="Correct `home`, or the travel.",
+    ),
+    Code(
+        code="GS724",
+        severity=Severity.ERROR,
+        title="Stock without a place",
+        what="On an arm, stock needs a frame (`in:`), or the channel `work_offsets`.",
+        why="A machine tool has a travel in whose middle a part can be put; for an arm there is no such place.",
+        remedy="Write `in:` with a frame of the cell, and `work_offsets: {G54: {in: …}}`.",
+    ),
+    Code(
+        code="GS725",
+        severity=Severity.NOTE,
+        title="A work system was placed by a rule",
+        what=(
+            "The cell does not say where G54 is. With stock that has no place either, it is put in the middle of "
+            "the travel; else it is at machine zero."
+        ),
+        why="On the real machine you touch off the part; limits and rapids depend on where it lies.",
+        remedy="Nothing, if only the part matters. Else give `work_offsets: {G54: {xyz: […]}}`.",
+    ),
+    Code(
+        code="GS726",
+        severity=Severity.ERROR,
+        title="A tilted work system",
+        what=(
+            "Work offsets may be shifted and turned about Z of the machine, not tilted; on an arm all systems of "
+            "a channel share one Z direction."
+        ),
+        why="G-code has no word for a tilted work offset, so the program would run somewhere else.",
+        remedy="Tilt the frame of the whole work instead, or split the program into channels.",
+    ),
+    Code(
+        code="GS727",
+        severity=Severity.NOTE,
+        title="A code that no finding has",
+        what="`checks` or `suppress` names a code that this version does not know.",
+        why="A slip here would leave a severity unchanged without a word.",
+        remedy="Compare with `gcodesim list codes`.",
+    ),
+    Code(
+        code="GS728",
+        severity=Severity.ERROR,
+        title="The bullet world is not available",
+        what="The cell asks for `world: bullet`, and pybullet is not installed.",
+        why="Gravity, inertia and contacts come from pybullet.",
+        remedy="Install pybullet (there are wheels for Python 3.11 on x86-64 Linux), or write `world: kinematic`.",
+    ),
+    Code(
+        code="GS729",
+        severity=Severity.WARNING,
+        title="A material whose source is in doubt",
+        what="The constants of this material are listed, but their source is doubtful.",
+        why="Forces may be wrong by a factor.",
+        remedy="Take another material, or give constants of your own under `materials:`.",
+    ),
+)
+
 # robot descriptions (URDF)
 CODES += (
     Code(

@@ -1,0 +1,136 @@
+"""The cell: everything that stands in it and every setting of a run, frozen, in SI."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Final
+
+from gcodesim.cell.channel import Channel
+from gcodesim.cell.files import InputFile
+from gcodesim.cell.kinds import FileValue, ListOf, PackageFolder, Whole
+from gcodesim.cell.machine import MachineKind, MachineTool
+from gcodesim.cell.material import MaterialForm
+from gcodesim.cell.placing import Place, names_of
+from gcodesim.cell.reading import Default, Path
+from gcodesim.cell.records import MapOf, Name, Record, inline, key
+from gcodesim.cell.robot import Robot, RobotKind
+from gcodesim.cell.settings import (
+    CODE_PATTERNS,
+    Limits,
+    LogSettings,
+    Magazine,
+    SeverityKind,
+    Simulation,
+    Suppression,
+    Units,
+    matches,
+)
+from gcodesim.cell.stock import Fixture, FixtureKind, StockKind, StockSpec, Target
+from gcodesim.cell.tooling import TOOL_NUMBERS, ToolKind
+from gcodesim.diagnostics import Findings, Severity, SourceText, Span
+from gcodesim.frames import Pose
+
+if TYPE_CHECKING:
+    from gcodesim.processes.materials import Material
+    from gcodesim.tools.tool import Tool
+
+FORMAT: Final = 1
+MAIN: Final = "main"
+MACHINE: Final = "machine"
+
+_ANY_NAME: Final = Name(what="name", pattern=".+", canonical=lambda text: text.strip() or None)
+_CHANNELS: Final = MapOf(names_of("channel"), Record(Channel, "the channel"), "channels by name")
+_FRAMES: Final = MapOf(
+    names_of("frame"), Record(Place, "the frame"), "frames by name, such as `table: {in: world, xyz: [650, 0, 400]}`"
+)
+_ROBOTS: Final = MapOf(names_of("robot"), RobotKind(), "robots by name, such as `arm: {model: kuka_kr10_r1100_2}`")
+_TOOLS: Final = MapOf(TOOL_NUMBERS, ToolKind(), "tools by number, such as `1: {type: flat_end_mill, diameter: 10 mm}`")
+_MATERIALS: Final = MapOf(_ANY_NAME, Record(MaterialForm, "the material"), "materials by name")
+_PACKAGES: Final = MapOf(_ANY_NAME, PackageFolder(), "folders by package name")
+_CHECKS: Final = MapOf(CODE_PATTERNS, SeverityKind(), "severities by code, such as `GS9xx: error`")
+_MAGAZINE: Final = Record(Magazine, "the magazine")
+_SIMULATION: Final = Record(Simulation, "`simulation`")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cell:
+    """A cell as a YAML file describes it.
+
+    Fields declared by `key` are keys of the file; those below are derived. `frames` gives X_W of every frame that
+    stands still (`world`, those of `frames:`, `machine`, `<robot>/base`). In `robots` and `machine` the bases are
+    resolved. Places of stock and target, which may depend on work offsets, are the business of `placement.place`.
+    """
+
+    gcodesim: int = key(Whole(), "version of the cell format", default=FORMAT)
+    units: Units = key(Record(Units, "`units`"), "what plain numbers mean", default=Units(), quiet=True)
+    placed_frames: Mapping[str, Place] = key(_FRAMES, "frames that stand still", name="frames", default={}, quiet=True)
+    machine: MachineTool | None = key(MachineKind(), "a machine tool", default=None)
+    robots: Mapping[str, Robot] = key(_ROBOTS, "robots", default={}, quiet=True)
+    channels: Mapping[str, Channel] = key(_CHANNELS, "one program each", default={}, quiet=True)
+    only_channel: Channel | None = inline(Channel, always=False)
+    tools: Mapping[int, Tool] = key(_TOOLS, "tools by number", default={}, quiet=True)
+    magazine: Magazine = key(
+        _MAGAZINE, "where tools wait, and how long a change takes", default=Magazine(place=Place())
+    )
+    stocks: Mapping[str, StockSpec] = key(StockKind(), "material to work on", name="stock", default={}, quiet=True)
+    materials: Mapping[str, Material] = key(_MATERIALS, "materials of one's own", default={}, quiet=True)
+    target: Target | None = key(Record(Target, "the target"), "the part as it should become", default=None)
+    fixtures: Mapping[str, Fixture] = key(FixtureKind(), "bodies that must not be touched", default={}, quiet=True)
+    limits: Limits = key(Record(Limits, "`limits`"), "what may be asked at most", default=Limits(), quiet=True)
+    checks: Mapping[str, Severity] = key(_CHECKS, "severities changed for this cell", default={}, quiet=True)
+    suppress: tuple[Suppression, ...] = key(
+        ListOf(Record(Suppression, "the entry")), "findings that were looked at", default=(), quiet=True
+    )
+    packages: Mapping[str, FileValue] = key(_PACKAGES, "folders of package:// names", default={}, quiet=True)
+    simulation: Simulation = key(_SIMULATION, "world and step", default=Simulation())
+    log: LogSettings = key(Record(LogSettings, "`log`"), "how densely the run is written down", default=LogSettings())
+    name: str = ""
+    frames: Mapping[str, Pose] = field(default_factory=dict, compare=False)
+    spans: Mapping[Path, Span] = field(default_factory=dict, compare=False, repr=False)
+    defaults_used: tuple[Default, ...] = field(default=(), compare=False, repr=False)
+
+    def span(self, *path: str | int) -> Span:
+        """Where `path` stands in the file, such as ``span("tools", 7, "diameter")``; else what is around it."""
+        for length in range(len(path), 0, -1):
+            if path[:length] in self.spans:
+                return self.spans[path[:length]]
+        return Span(self.name)
+
+    def severity(self, code: str) -> Severity | None:
+        """What `checks` says for a code; the most exact pattern counts. None: what the catalogue says."""
+        found = [pattern for pattern in self.checks if matches(pattern, code)]
+        return self.checks[max(found, key=lambda p: len(p.rstrip("x")))] if found else None
+
+    def material(self, stock: StockSpec) -> Material | None:
+        """The material of a stock: one of `materials`, else of the library; None when it names none."""
+        if stock.material is None:
+            return None
+        from gcodesim.processes.materials import LIBRARY
+
+        return self.materials.get(stock.material) or LIBRARY[stock.material]
+
+    def machine_of(self, channel: str = MAIN) -> MachineTool | Robot:
+        """What the channel's program moves."""
+        name = self.channels[channel].robot
+        if name is None or name == MACHINE:
+            assert self.machine is not None
+            return self.machine
+        return self.robots[name]
+
+    def channel_span(self, channel: str, *path: str | int) -> Span:
+        """Where a key of a channel stands: under `channels`, or at top level in a cell with one robot."""
+        nested = ("channels", channel, *path)
+        return self.span(*nested) if nested[:2] in self.spans else self.span(*path)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LoadedCell:
+    """What came of reading a cell: None when a finding is an error. `files` are all inputs with hashes, the cell first."""
+
+    cell: Cell | None
+    findings: Findings
+    sources: Mapping[str, SourceText]
+    files: tuple[InputFile, ...]
+    path: FilePath

@@ -1,0 +1,237 @@
+"""A channel: one program, the robot or machine that it moves, and how its words are read."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Final, Literal
+
+from gcodesim.cell.kinds import Choice, File, FileValue, Json, Kind, ListOf, Quantity, Switch, Text, scalar, short
+from gcodesim.cell.nodes import Mapping as MappingNode
+from gcodesim.cell.nodes import Node
+from gcodesim.cell.placing import SYSTEM_NAMES, Place, system_name
+from gcodesim.cell.reading import FAULT, Fault, Path, Reading, suggestion
+from gcodesim.cell.records import MapOf, Name, Record, key, not_a_mapping
+from gcodesim.cell.scalars import measured
+
+DIALECTS: Final = ("linuxcnc", "rs274", "fanuc", "grbl", "marlin")
+DEFAULT_PATH_CONTROL: Final = "G64"
+
+_AXIS = re.compile(r"\s*([+-]?)\s*([XYZxyz])(?:\s+of\s+(\S+))?\s*")
+_M_CODE = re.compile(r"\s*[Mm]\s*0*([0-9]{1,3})\s*(?:[Pp]\s*([0-9.]+))?\s*(?:[Qq]\s*([0-9.]+))?\s*")
+_PATH_CONTROL = re.compile(r"\s*[Gg]\s*(61\.1|61|64)\s*(?:[Pp]\s*([0-9.]+))?\s*(?:[Qq]\s*([0-9.]+))?\s*")
+
+# what an M-code may do to what
+VERBS: Final[dict[str, tuple[str, ...]]] = {"tool": ("activate", "deactivate"), "gripper": ("open", "close")}
+
+
+@dataclass(frozen=True, slots=True)
+class _AxisOf(Kind):
+    """`-Z of G54`."""
+
+    @property
+    def expected(self) -> str:
+        return "an axis of a frame such as `-Z of G54`"
+
+    def read(self, node: Node, to: Reading, path: Path) -> ToolAxis | Fault:
+        text = scalar(self, node, to, path)
+        if isinstance(text, Fault):
+            return FAULT
+        match = _AXIS.fullmatch(text.text)
+        if match is None:
+            return to.fault("GS711", text.span, f"`{path[-1]}` is `{short(text.text)}`; {self.expected} is expected")
+        sign = -1.0 if match[1] == "-" else 1.0
+        axis = tuple(sign if match[2].upper() == letter else 0.0 for letter in "XYZ")
+        frame = None if match[3] is None else system_name(match[3]) or match[3]
+        return ToolAxis(axis=(axis[0], axis[1], axis[2]), frame=frame)
+
+    def schema(self, definitions: dict[str, Json]) -> Json:
+        return {"type": "string", "pattern": r"^\s*[+-]?\s*[XYZxyz](\s+of\s+\S+)?\s*$", "examples": ["-Z of G54"]}
+
+    def show(self, value: Any) -> Any:
+        index = next(i for i, part in enumerate(value.axis) if part)
+        return f"{'-' if value.axis[index] < 0 else ''}{'XYZ'[index]}" + (f" of {value.frame}" if value.frame else "")
+
+    def plain(self, value: Any) -> tuple[str, Any]:
+        return "", self.show(value)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ToolAxis:
+    """The direction of T's Z: unit vector `axis` in `frame`; None is the work system in force."""
+
+    axis: tuple[float, float, float]
+    frame: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class _Spin(Kind):
+    """`free`, or an angle."""
+
+    @property
+    def expected(self) -> str:
+        return "`free` or an angle"
+
+    def read(self, node: Node, to: Reading, path: Path) -> float | Fault | None:
+        text = scalar(self, node, to, path)
+        if isinstance(text, Fault):
+            return FAULT
+        if text.text == "free":
+            return None
+        if measured(text.text) is None:
+            return to.fault("GS711", text.span, f"`spin` is `{short(text.text)}`; {self.expected} is expected")
+        return Quantity("angle").read(node, to, path)
+
+    def schema(self, definitions: dict[str, Json]) -> Json:
+        return {"anyOf": [{"const": "free"}, Quantity("angle").schema(definitions)]}
+
+    def show(self, value: Any) -> Any:
+        return Quantity("angle").show(value)
+
+    def plain(self, value: Any) -> tuple[str, Any]:
+        return Quantity("angle").plain(value)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Orientation:
+    """How an arm holds the tool in a program that has no angles. `spin` None: free, chosen near the previous joints."""
+
+    tool_axis: ToolAxis = key(
+        _AxisOf(), "direction of the tool's Z, from holder to tip", default=ToolAxis(axis=(0.0, 0.0, -1.0), frame=None)
+    )
+    spin: float | None = key(_Spin(), "angle about the tool axis, or `free`", default=None)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MCode:
+    """What an M-code does: `verb` on `target`."""
+
+    target: str
+    verb: str
+
+
+@dataclass(frozen=True, slots=True)
+class _ActionKind(Kind):
+    """`{tool: activate}`."""
+
+    @property
+    def expected(self) -> str:
+        return "a target and what it does, such as `{tool: activate}`"
+
+    def read(self, node: Node, to: Reading, path: Path) -> MCode | Fault:
+        if not isinstance(node, MappingNode):
+            return not_a_mapping(node, self.expected, to, path)
+        if len(node.entries) != 1:
+            return to.fault(
+                "GS706", node.span, f"`{path[-1]}` has {len(node.entries)} targets; {self.expected} is expected"
+            )
+        target, value = node.entries[0]
+        if target.text not in VERBS:
+            return to.fault(
+                "GS711",
+                target.span,
+                f"an M-code cannot act on `{short(target.text)}`",
+                suggestion(target.text, list(VERBS)),
+            )
+        verb = Choice(VERBS[target.text]).read(value, to, (*path, target.text))
+        return FAULT if isinstance(verb, Fault) else MCode(target=target.text, verb=verb)
+
+    def schema(self, definitions: dict[str, Json]) -> Json:
+        properties = {target: {"enum": list(verbs)} for target, verbs in VERBS.items()}
+        return {
+            "type": "object",
+            "properties": properties,
+            "minProperties": 1,
+            "maxProperties": 1,
+            "additionalProperties": False,
+        }
+
+    def show(self, value: Any) -> Any:
+        return {value.target: value.verb}
+
+    def plain(self, value: Any) -> tuple[str, Any]:
+        return "", self.show(value)
+
+
+def m_code(text: str) -> str | None:
+    """`m62p1` → `M62 P1`; None when it is no M-code."""
+    match = _M_CODE.fullmatch(text)
+    if match is None:
+        return None
+    words = [f"M{int(match[1])}"]
+    for letter, number in (("P", match[2]), ("Q", match[3])):
+        if number is not None:
+            value = measured(number)
+            if value is None:
+                return None
+            words.append(f"{letter}{value.value:g}")
+    return " ".join(words)
+
+
+M_CODES: Final = Name(
+    what="M-code such as `M10` or `M62 P1`",
+    pattern=r"[Mm]\s*[0-9]{1,3}\s*([Pp]\s*[0-9.]+)?\s*([Qq]\s*[0-9.]+)?",
+    canonical=m_code,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class _PathControl(Kind):
+    """`G64 P0.02`."""
+
+    @property
+    def expected(self) -> str:
+        return "`G61`, `G61.1` or `G64` with P and Q, such as `G64 P0.02`"
+
+    def read(self, node: Node, to: Reading, path: Path) -> str | Fault:
+        text = scalar(self, node, to, path)
+        if isinstance(text, Fault):
+            return FAULT
+        match = _PATH_CONTROL.fullmatch(text.text)
+        numbers = [] if match is None else [n for n in match.groups()[1:] if n is not None]
+        if match is None or any(measured(n) is None for n in numbers) or (match[1] != "64" and numbers):
+            return to.fault("GS711", text.span, f"`{path[-1]}` is `{short(text.text)}`; {self.expected} is expected")
+        words = [f"G{match[1]}"]
+        words += [
+            f"{letter}{float(number):.10g}"
+            for letter, number in zip("PQ", match.groups()[1:], strict=True)
+            if number is not None
+        ]
+        return " ".join(words)
+
+    def schema(self, definitions: dict[str, Json]) -> Json:
+        return {"type": "string", "pattern": f"^{_PATH_CONTROL.pattern}$", "examples": ["G64 P0.02"]}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Channel:
+    """One program's surroundings. Lengths P and Q of `path_control` are in mm, as on the control."""
+
+    robot: str | None = key(Text(form="the name of a robot, or `machine`"), "who runs the program", default=None)
+    dialect: str = key(Choice(DIALECTS), "which control's language", default="linuxcnc")
+    work_offsets: Mapping[str, Place] = key(
+        MapOf(SYSTEM_NAMES, Record(Place, "a work offset"), "work systems and where they are"),
+        "where G54 to G59.3 are",
+        default={},
+        quiet=True,
+    )
+    orientation: Orientation | None = key(
+        Record(Orientation, "an orientation"), "how an arm holds the tool", default=None
+    )
+    path_control: str = key(_PathControl(), "path control until the program's own", default=DEFAULT_PATH_CONTROL)
+    tool_table: FileValue | None = key(File("a tool table"), "tool lengths as the control believes them", default=None)
+    parameters: FileValue | None = key(File("a parameter file"), "values of # parameters at the start", default=None)
+    subroutines: tuple[FileValue, ...] = key(
+        ListOf(File("a folder of subroutines", is_folder=True), single=True),
+        "folders searched for subroutines",
+        default=(),
+    )
+    block_delete: bool = key(Switch(), "blocks that begin with `/` are skipped", default=False)
+    optional_stop: bool = key(Switch(), "M1 stops", default=False)
+    m_codes: Mapping[str, MCode] = key(
+        MapOf(M_CODES, _ActionKind(), "M-codes and what they do"), "M-codes of this cell", default={}, quiet=True
+    )
+    tool_length: Literal["auto", "strict"] = key(
+        Choice(("auto", "strict")), "`auto`: in a program without G43 and G49, M6 acts like M6 G43", default="auto"
+    )

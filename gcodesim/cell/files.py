@@ -1,0 +1,92 @@
+"""Files that a cell names: where they may lie, and what was read, with hashes."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path, PurePosixPath
+
+from gcodesim.diagnostics import SourceText
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InputFile:
+    """A file that the cell reads: `name` as the cell writes it, never a folder of this machine."""
+
+    name: str
+    path: Path
+    sha256: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Refused:
+    """Why a file cannot be had: `outside` the allowed folders, `absent`, or not a `file` or `folder` as wanted."""
+
+    reason: str
+    tried: str
+
+
+@dataclass(slots=True, kw_only=True)
+class Shelf:
+    """Finds the files of one cell and remembers what was read.
+
+    A name is looked up beside the cell. It may leave that folder only into a
+    folder of `packages` or `allowed`; symbolic links are followed first.
+    """
+
+    folder: Path
+    allowed: Sequence[Path] = ()
+    packages: dict[str, Path] = field(default_factory=dict)
+    read: dict[str, InputFile] = field(default_factory=dict)
+    sources: dict[str, SourceText] = field(default_factory=dict)
+
+    def may_read(self, path: Path) -> bool:
+        """Whether `path` lies in an allowed folder."""
+        real = Path(os.path.realpath(path))
+        return any(
+            real.is_relative_to(os.path.realpath(root))
+            for root in (self.folder, *self.packages.values(), *self.allowed)
+        )
+
+    def locate(self, name: str, *, is_folder: bool = False) -> Path | Refused:
+        """The path that `name` means, or why there is none. `package://NAME/…` looks into `packages`."""
+        path = self._spelled(name)
+        if path is None:
+            return Refused(reason="package", tried=name)
+        if "\0" in name:
+            return Refused(reason="absent", tried=name.replace("\0", "?"))
+        tried = self._shown(path, name)
+        if not self.may_read(path):
+            return Refused(reason="outside", tried=tried)
+        if not path.exists():
+            return Refused(reason="absent", tried=tried)
+        if is_folder != path.is_dir():
+            return Refused(reason="folder" if is_folder else "file", tried=tried)
+        return path
+
+    def open(self, name: str, path: Path) -> SourceText:
+        """Read and hash the file at `path`, which the cell calls `name`; OSError when that fails."""
+        source = SourceText.read(path, name)
+        self.note(name, path, source)
+        return source
+
+    def note(self, name: str, path: Path, source: SourceText) -> None:
+        self.sources.setdefault(name, source)
+        self.read.setdefault(name, InputFile(name=name, path=path, sha256=source.sha256))
+
+    def files(self) -> tuple[InputFile, ...]:
+        return tuple(self.read[name] for name in sorted(self.read))
+
+    def _spelled(self, name: str) -> Path | None:
+        if name.startswith("package://"):
+            package, _, rest = name.removeprefix("package://").partition("/")
+            root = self.packages.get(package)
+            return None if root is None else root / rest
+        return self.folder / name
+
+    def _shown(self, path: Path, name: str) -> str:
+        """Where it was looked for, seen from the cell's folder, so that no message depends on the machine."""
+        if os.path.isabs(name):
+            return name
+        return PurePosixPath(os.path.relpath(path, self.folder)).as_posix()

@@ -1,0 +1,97 @@
+"""Values of joints and axes in one list or mapping, where each may be a length or an angle."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from gcodesim.cell.kinds import Json, Kind, Quantity, last_unit, listing, scalar
+from gcodesim.cell.nodes import Mapping, Node, Scalar
+from gcodesim.cell.reading import FAULT, Fault, Path, Reading, suggestion
+from gcodesim.cell.records import FREE
+from gcodesim.cell.scalars import Measured
+from gcodesim.cell.units import shown
+
+Measure = Literal["length", "angle"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JointValue:
+    """A number as written; what it measures is known when the machine is."""
+
+    node: Scalar
+    number: Measured
+    path: Path
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JointList(Kind):
+    """One value a joint, `[0, -90, 90, 0, 90, 0]`; with `letters` also `{X: 0, Z: -10}`."""
+
+    letters: bool = False
+
+    @property
+    def expected(self) -> str:
+        return "one value a joint, such as `[0, -90, 90, 0, 90, 0]`"
+
+    def read(self, node: Node, to: Reading, path: Path) -> Any:
+        if self.letters and isinstance(node, Mapping):
+            return self._by_letter(node, to, path)
+        items = listing(self, node, to, path)
+        if isinstance(items, Fault):
+            return FAULT
+        values = [self._value(item, to, (*path, index)) for index, item in enumerate(items)]
+        good = tuple(value for value in values if not isinstance(value, Fault))
+        return good if len(good) == len(values) else FAULT
+
+    def _value(self, node: Node, to: Reading, path: Path) -> JointValue | Fault:
+        angle = Quantity("angle")
+        text = scalar(angle, node, to, path)
+        if isinstance(text, Fault):
+            return FAULT
+        number = angle.number(text, to, path)
+        return FAULT if isinstance(number, Fault) else JointValue(node=text, number=number, path=path)
+
+    def _by_letter(self, node: Mapping, to: Reading, path: Path) -> Any:
+        values: dict[str, JointValue | Fault] = {}
+        for name, value in node.entries:
+            if name.text.startswith(FREE):
+                continue
+            letter = name.text.upper()
+            to.spans[(*path, letter)] = name.span
+            values[letter] = self._value(value, to, (*path, letter))
+        return FAULT if any(value is FAULT for value in values.values()) else values
+
+    def schema(self, definitions: dict[str, Json]) -> Json:
+        value = {"anyOf": [Quantity("angle").schema(definitions), Quantity("length").schema(definitions)]}
+        many = {"type": "array", "items": value, "minItems": 1}
+        return {"anyOf": [many, {"type": "object", "additionalProperties": value}]} if self.letters else many
+
+
+def in_si(values: Sequence[JointValue], measures: Sequence[Measure], to: Reading) -> tuple[float, ...] | Fault:
+    """SI values of joints that measure lengths or angles; a unit of the last entry holds for those it fits."""
+    parts: list[tuple[Scalar, Measured | Fault, Path]] = [(v.node, v.number, v.path) for v in values]
+    inherited = last_unit(parts, ("length", "angle"))
+    result = []
+    for value, measure in zip(values, measures, strict=True):
+        unit = inherited if inherited is not None and inherited.dimension == measure else None
+        result.append(Quantity(measure).in_si(value.number, unit, value.node, to, value.path))
+    good = tuple(v for v in result if not isinstance(v, Fault))
+    return good if len(good) == len(values) else FAULT
+
+
+def check_within(
+    value: float, lower: float, upper: float, measure: Measure, what: str, to: Reading, path: Path
+) -> bool:
+    """Whether a home position is within its travel; a finding when it is not."""
+    slack = 1e-9
+    if lower - slack <= value <= upper + slack:
+        return True
+    bounds = f"{shown(lower, measure)} to {shown(upper, measure)}"
+    to.fault("GS723", to.span(path), f"home of {what} is {shown(value, measure)}, outside its travel {bounds}")
+    return False
+
+
+def unknown_letter(letter: str, known: Sequence[str], path: Path, to: Reading) -> Fault:
+    return to.fault("GS712", to.span(path), f"the machine has no axis `{letter}`", suggestion(letter, known))

@@ -1,0 +1,55 @@
+"""A cell file → `Cell`, with all findings at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from gcodesim.cell.cell import Cell, LoadedCell
+from gcodesim.cell.files import InputFile, Shelf
+from gcodesim.cell.nodes import Mapping, compose
+from gcodesim.cell.reading import Fault, Reading
+from gcodesim.cell.records import Record
+from gcodesim.cell.resolve import resolve
+from gcodesim.diagnostics import Findings, SourceText
+
+# what other keys are read with
+_FIRST = ("units", "packages")
+
+ROOT = Record(Cell, "the cell")
+
+
+def load_cell(path: Path | str, allow_paths: Sequence[Path] = (), *, name: str | None = None) -> LoadedCell:
+    """Read the cell at `path`; OSError when the file itself cannot be read.
+
+    Files that the cell names may lie in its folder, in those of its `packages:`
+    and in `allow_paths`. `name` is how findings call the cell (default: the file's name).
+    """
+    path = Path(path)
+    return read_cell(SourceText.read(path, name), path, allow_paths)
+
+
+def read_cell(source: SourceText, path: Path, allow_paths: Sequence[Path] = ()) -> LoadedCell:
+    """As `load_cell`, from a text that stands at `path`."""
+    findings = Findings()
+    shelf = Shelf(folder=path.parent, allowed=tuple(allow_paths))
+    to = Reading(file=source.name, findings=findings, shelf=shelf)
+    root = compose(source, findings)
+    cell = None if root is None else _cell(root, to)
+    own = InputFile(name=source.name, path=path, sha256=source.sha256)
+    return LoadedCell(
+        cell=None if findings.has_errors() else cell,
+        findings=findings,
+        sources={source.name: source, **shelf.sources},
+        files=(own, *shelf.files()),
+        path=path,
+    )
+
+
+def _cell(root: Mapping, to: Reading) -> Cell | None:
+    entries = sorted(root.entries, key=lambda entry: entry[0].text not in _FIRST)
+    cell = ROOT.read(replace(root, entries=tuple(entries)), to, ())
+    if isinstance(cell, Fault):
+        return None
+    return resolve(replace(cell, name=to.file), to)

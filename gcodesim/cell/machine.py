@@ -1,0 +1,447 @@
+"""A machine tool: a shipped model, or one's own described by its axes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, Final, Literal
+
+from gcodesim.cell.joints import JointList, JointValue, Measure, check_within, in_si, unknown_letter
+from gcodesim.cell.kinds import POSITIVE, Choice, Either, Json, Kind, Quantity, Text, Vector
+from gcodesim.cell.models import shipped, shipped_chain
+from gcodesim.cell.nodes import Mapping as MappingNode
+from gcodesim.cell.nodes import Node
+from gcodesim.cell.placing import POINT, Place
+from gcodesim.cell.reading import FAULT, Fault, Path, Reading
+from gcodesim.cell.records import FREE, Name, Record, key, not_a_mapping, object_schema, read_name
+from gcodesim.cell.records import keys as keys_of
+from gcodesim.cell.units import shown
+from gcodesim.frames import Pose
+
+if TYPE_CHECKING:
+    from gcodesim.kinematics.chain import Chain
+
+LINEAR: Final = ("X", "Y", "Z")
+ROTARY: Final = ("A", "B", "C")
+LETTERS: Final = LINEAR + ROTARY
+SPIN_UP: Final = 0.25  # s to full speed, where nobody names an acceleration
+UNLIMITED: Final = (-math.inf, math.inf)
+
+Side = Literal["tool", "table"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LinearAxis:
+    """An axis X, Y or Z as the cell writes it."""
+
+    travel: tuple[float, float] | None = key(Vector(Quantity("length"), 2), "least and greatest position", default=None)
+    speed: float | None = key(Quantity("speed", POSITIVE), "greatest speed", default=None)
+    acceleration: float | None = key(
+        Quantity("acceleration", POSITIVE), "acceleration (assumed: full speed in 0.25 s)", default=None
+    )
+    home: float | None = key(Quantity("length"), "position at the start (default 0, else the nearer end)", default=None)
+    side: Side | None = key(Choice(("tool", "table")), "what the axis moves", default=None)
+    moving_mass: float | None = key(Quantity("mass", POSITIVE), "mass that the axis moves", default=None)
+    effort: float | None = key(
+        Either((("none", math.inf),), Quantity("force", POSITIVE)), "greatest force, `none`: unlimited", default=None
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RotaryAxis:
+    """An axis A, B or C as the cell writes it."""
+
+    travel: tuple[float, float] | None = key(
+        Either((("unlimited", UNLIMITED),), Vector(Quantity("angle"), 2)),
+        "least and greatest position, or `unlimited`",
+        default=None,
+    )
+    speed: float | None = key(Quantity("angular speed", POSITIVE), "greatest speed", default=None)
+    acceleration: float | None = key(
+        Quantity("angular acceleration", POSITIVE), "acceleration (assumed: full speed in 0.25 s)", default=None
+    )
+    home: float | None = key(Quantity("angle"), "position at the start (default 0, else the nearer end)", default=None)
+    side: Side | None = key(Choice(("tool", "table")), "what the axis moves", default=None)
+    at: tuple[float, float, float] | None = key(
+        POINT, "a point on the axis; without it the axis gives time only", default=None
+    )
+    moving_mass: float | None = key(Quantity("mass", POSITIVE), "mass that the axis moves", default=None)
+    effort: float | None = key(
+        Either((("none", math.inf),), Quantity("torque", POSITIVE)), "greatest torque, `none`: unlimited", default=None
+    )
+
+
+AxisForm = LinearAxis | RotaryAxis
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Axis:
+    """One axis of a machine, complete. [m] or [rad], per s and s²; `effort` [N] or [N·m], infinite: unlimited.
+
+    `at` is a point on a rotary axis in M [m]; None: its place is not known (the axis gives time only).
+    """
+
+    letter: str
+    rotary: bool
+    lower: float
+    upper: float
+    speed: float
+    acceleration: float
+    assumed_acceleration: bool
+    home: float
+    side: Side
+    at: tuple[float, float, float] | None = None
+    moving_mass: float | None = None
+    effort: float = math.inf
+
+    @property
+    def measure(self) -> Measure:
+        return "angle" if self.rotary else "length"
+
+    @property
+    def middle(self) -> float:
+        """Mid-travel; infinite travel has none."""
+        return 0.5 * (self.lower + self.upper)
+
+
+def _letter(text: str) -> str | None:
+    return text.upper() if text.upper() in LETTERS else None
+
+
+_AXIS_NAMES: Final = Name(
+    what=f"axis ({', '.join(LETTERS)})", pattern="[XYZABCxyzabc]", canonical=_letter, known=LETTERS
+)
+_RECORDS: Final = {
+    letter: Record(LinearAxis if letter in LINEAR else RotaryAxis, f"axis {letter}") for letter in LETTERS
+}
+
+
+@dataclass(frozen=True, slots=True)
+class _AxesKind(Kind):
+    """Axes by letter, in chain order."""
+
+    @property
+    def expected(self) -> str:
+        return "axes by letter, such as `X: {travel: [0, 500 mm], speed: 20 m/min}`"
+
+    def read(self, node: Node, to: Reading, path: Path) -> Any:
+        if not isinstance(node, MappingNode):
+            return not_a_mapping(node, self.expected, to, path)
+        axes: dict[str, Any] = {}
+        for name, value in node.entries:
+            if name.text.startswith(FREE):
+                continue
+            letter = read_name(_AXIS_NAMES, name, [(*path, known) for known in axes], to)
+            if isinstance(letter, Fault):
+                axes[name.text] = FAULT
+                continue
+            to.spans[(*path, letter)] = name.span
+            axes[letter] = _RECORDS[letter].read(value, to, (*path, letter))
+        return FAULT if any(value is FAULT for value in axes.values()) else axes
+
+    def schema(self, definitions: dict[str, Json]) -> Json:
+        linear, rotary = (
+            object_schema(list(keys_of(cls).values()), definitions, cls.__doc__ or "")
+            for cls in (LinearAxis, RotaryAxis)
+        )
+        definitions |= {"LinearAxis": linear, "RotaryAxis": rotary}
+        patterns = {
+            "^[XYZxyz]$": {"$ref": "#/$defs/LinearAxis"},
+            "^[ABCabc]$": {"$ref": "#/$defs/RotaryAxis"},
+            f"^{FREE}": {},
+        }
+        return {"type": "object", "patternProperties": patterns, "additionalProperties": False}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MachineForm:
+    """A machine tool as the cell writes it: `model`, or all its `axes`."""
+
+    model: str | None = key(
+        Text(form="the name of a shipped machine"), "a machine that ships with gcodesim", default=None
+    )
+    axes: Mapping[str, AxisForm] = key(
+        _AxesKind(), "axes in chain order; with a model, what differs from it", default={}, quiet=True
+    )
+    rapids: Literal["linear", "independent"] = key(
+        Choice(("linear", "independent")), "G0 in a straight line, or each axis for itself", default="linear"
+    )
+    home: Any = key(JointList(letters=True), "axes at the start", default=None)
+    base: Place = key(Record(Place, "a place"), "where machine zero is", default=Place(), quiet=True)
+
+    def checked(self, to: Reading, path: Path) -> MachineTool | Fault:
+        if self.model is not None:
+            model = shipped(self.model, "machine", to, (*path, "model"))
+            if isinstance(model, Fault):
+                return FAULT
+            chain = shipped_chain(model.name)
+            axes = _model_axes(chain, model.home, self.axes, to, (*path, "axes"))
+        elif self.axes:
+            chain = None
+            axes = _own_axes(self.axes, to, (*path, "axes"))
+        else:
+            return to.fault("GS705", to.span(path), "the machine has neither `model` nor `axes`", "give one of them")
+        if isinstance(axes, Fault):
+            return FAULT
+        axes = self._with_home(axes, to, (*path, "home"))
+        if isinstance(axes, Fault):
+            return FAULT
+        within = [
+            check_within(
+                axis.home,
+                axis.lower,
+                axis.upper,
+                axis.measure,
+                f"axis {axis.letter}",
+                to,
+                self._home_path(axis.letter, i, path),
+            )
+            for i, axis in enumerate(axes)
+        ]
+        if not all(within):
+            return FAULT
+        return MachineTool(model=self.model, chain=chain, axes=axes, rapids=self.rapids, base=self.base)
+
+    def _home_path(self, letter: str, index: int, path: Path) -> Path:
+        if self.home is None:
+            return (*path, "axes", letter, "home")
+        return (*path, "home", letter if isinstance(self.home, dict) else index)
+
+    def _with_home(self, axes: tuple[Axis, ...], to: Reading, path: Path) -> tuple[Axis, ...] | Fault:
+        """The axes with the machine's own `home` in them."""
+        if self.home is None:
+            return axes
+        values: dict[str, JointValue]
+        if isinstance(self.home, dict):
+            values = self.home
+            strangers = [letter for letter in values if letter not in [axis.letter for axis in axes]]
+            for letter in strangers:
+                unknown_letter(letter, [axis.letter for axis in axes], (*path, letter), to)
+            if strangers:
+                return FAULT
+        elif len(self.home) == len(axes):
+            values = {axis.letter: value for axis, value in zip(axes, self.home, strict=True)}
+        else:
+            return to.fault(
+                "GS706", to.span(path), f"`home` has {len(self.home)} entries; the machine has {len(axes)} axes"
+            )
+        chosen = [axis for axis in axes if axis.letter in values]
+        home = in_si([values[axis.letter] for axis in chosen], [axis.measure for axis in chosen], to)
+        if isinstance(home, Fault):
+            return FAULT
+        by_letter = {axis.letter: value for axis, value in zip(chosen, home, strict=True)}
+        return tuple(replace(axis, home=by_letter.get(axis.letter, axis.home)) for axis in axes)
+
+
+def _bounds(form: AxisForm, letter: str, to: Reading, path: Path) -> tuple[float, float] | Fault | None:
+    if form.travel is None:
+        return None
+    lower, upper = form.travel
+    if lower < upper:
+        return lower, upper
+    measure: Measure = "length" if letter in LINEAR else "angle"
+    message = f"travel of axis {letter} goes from {shown(lower, measure)} to {shown(upper, measure)}; the second must be greater"
+    return to.fault("GS710", to.span((*path, letter, "travel")), message)
+
+
+def _home_default(lower: float, upper: float) -> float:
+    """0 when that is within the travel, else the nearer end."""
+    return min(max(0.0, lower), upper)
+
+
+def _own_axes(forms: Mapping[str, AxisForm], to: Reading, path: Path) -> tuple[Axis, ...] | Fault:
+    """Complete axes of a machine that is described in the cell."""
+    axes: list[Axis | Fault] = []
+    for letter, form in forms.items():
+        at = (*path, letter)
+        travel = _bounds(form, letter, to, path)
+        missing = [name for name in ("travel", "speed") if getattr(form, name) is None]
+        for name in missing:
+            to.fault(
+                "GS705",
+                to.span(at),
+                f"axis {letter} lacks `{name}`: {keys_of(RotaryAxis if letter in ROTARY else LinearAxis)[name].kind.expected}",
+            )
+        if missing or isinstance(travel, Fault) or travel is None or form.speed is None:
+            axes.append(FAULT)
+            continue
+        if form.acceleration is None:
+            to.default((*at, "acceleration"), form.speed / SPIN_UP, f"assumed: full speed in {SPIN_UP:g} s")
+        home = _home_default(*travel) if form.home is None else form.home
+        if form.home is None:
+            to.default((*at, "home"), home)
+        rotary = letter in ROTARY
+        side: Side = form.side or ("table" if rotary else "tool")
+        if form.side is None:
+            to.default((*at, "side"), side)
+        axes.append(
+            Axis(
+                letter=letter,
+                rotary=rotary,
+                lower=travel[0],
+                upper=travel[1],
+                speed=form.speed,
+                acceleration=form.acceleration or form.speed / SPIN_UP,
+                assumed_acceleration=form.acceleration is None,
+                home=home,
+                side=side,
+                at=form.at if isinstance(form, RotaryAxis) else None,
+                moving_mass=form.moving_mass,
+                effort=math.inf if form.effort is None else form.effort,
+            )
+        )
+    good = tuple(axis for axis in axes if not isinstance(axis, Fault))
+    return good if len(good) == len(axes) else FAULT
+
+
+def _model_axes(
+    chain: Chain, home: tuple[float, ...], forms: Mapping[str, AxisForm], to: Reading, path: Path
+) -> tuple[Axis, ...] | Fault:
+    """Axes of a shipped machine, with what the cell changes."""
+    joints = chain.driven_joints
+    strangers = [letter for letter in forms if letter not in joints.names]
+    for letter in strangers:
+        unknown_letter(letter, joints.names, (*path, letter), to)
+    if strangers:
+        return FAULT
+    on_tool_side = _ancestors(chain, chain.flange)
+    axes: list[Axis] = []
+    good = True
+    for i, letter in enumerate(joints.names):
+        rotary = joints.kinds[i] != "prismatic"
+        form = forms.get(letter) or (RotaryAxis() if rotary else LinearAxis())
+        travel = _bounds(form, letter, to, path)
+        good &= not isinstance(travel, Fault)
+        lower, upper = travel if isinstance(travel, tuple) else (float(joints.lower[i]), float(joints.upper[i]))
+        start = form.home if form.home is not None else min(max(home[i], lower), upper)
+        speed = form.speed or float(joints.speed[i])
+        assumed = form.acceleration is None and bool(joints.assumed_acceleration[i])
+        named = speed / SPIN_UP if assumed else float(joints.acceleration[i])
+        joint = chain.joints[chain.driven[i]]
+        point = chain_point(chain, i) if rotary else None
+        axes.append(
+            Axis(
+                letter=letter,
+                rotary=rotary,
+                lower=lower,
+                upper=upper,
+                speed=speed,
+                acceleration=form.acceleration or named,
+                assumed_acceleration=assumed,
+                home=start,
+                side="tool" if joint.child in on_tool_side else "table",
+                at=point,
+                moving_mass=form.moving_mass,
+                effort=float(joints.effort[i]) if form.effort is None else form.effort,
+            )
+        )
+    return tuple(axes) if good else FAULT
+
+
+def _ancestors(chain: Chain, link: str) -> set[str]:
+    """`link` and all links between it and the root."""
+    parents = {joint.child: joint.parent for joint in chain.joints}
+    found = {link}
+    while link in parents:
+        link = parents[link]
+        found.add(link)
+    return found
+
+
+def chain_point(chain: Chain, driven: int) -> tuple[float, float, float]:
+    """The origin of a driven joint in the root frame, all joints at zero [m]."""
+    above = {joint.child: joint for joint in chain.joints}
+    joint = chain.joints[chain.driven[driven]]
+    X = joint.X
+    while joint.parent in above:
+        joint = above[joint.parent]
+        X = joint.X @ X
+    return float(X[0, 3]), float(X[1, 3]), float(X[2, 3])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MachineTool:
+    """A machine tool that stands in the cell. `chain` is that of the shipped `model`, None for one's own machine."""
+
+    model: str | None
+    axes: tuple[Axis, ...]
+    rapids: Literal["linear", "independent"]
+    base: Place
+    chain: Chain | None = field(compare=False, repr=False, default=None)
+    X_WM: Pose = field(default_factory=Pose.identity)
+
+    @property
+    def home(self) -> tuple[float, ...]:
+        """Axes at the start, in chain order."""
+        return tuple(axis.home for axis in self.axes)
+
+    def axis(self, letter: str) -> Axis | None:
+        return next((axis for axis in self.axes if axis.letter == letter), None)
+
+    def at(self, X_WM: Pose) -> MachineTool:
+        return replace(self, X_WM=X_WM)
+
+
+_FORM: Final = Record(MachineForm, "the machine", "model")
+
+
+@dataclass(frozen=True, slots=True)
+class MachineKind(Kind):
+    """A machine tool."""
+
+    @property
+    def expected(self) -> str:
+        return "a machine such as `gantry_xyz`, or `{axes: …}`"
+
+    def read(self, node: Node, to: Reading, path: Path) -> Any:
+        return _FORM.read(node, to, path)
+
+    def schema(self, definitions: dict[str, Json]) -> Json:
+        return _FORM.schema(definitions)
+
+    def show(self, value: Any) -> Any:
+        shown_machine: Json = {"model": value.model} if value.model else {}
+        shown_machine |= {"rapids": value.rapids, "axes": {axis.letter: _show_axis(axis) for axis in value.axes}}
+        return shown_machine | {"base": Record(Place, "a place").show(value.base)}
+
+    def plain(self, value: Any) -> tuple[str, Any]:
+        machine: Json = {"model": value.model} if value.model else {}
+        machine |= {"rapids": value.rapids, "axes": {axis.letter: _plain_axis(axis) for axis in value.axes}}
+        return "", machine | {"base": Record(Place, "a place").plain(value.base)[1]}
+
+
+def _axis_kinds(axis: Axis) -> dict[str, tuple[Quantity, Any]]:
+    place, speed, push, effort = (
+        ("angle", "angular speed", "angular acceleration", "torque")
+        if axis.rotary
+        else ("length", "speed", "acceleration", "force")
+    )
+    return {
+        "speed": (Quantity(speed), axis.speed),
+        "acceleration": (Quantity(push), axis.acceleration),
+        "home": (Quantity(place), axis.home),
+        "moving_mass": (Quantity("mass"), axis.moving_mass),
+        "effort": (Quantity(effort), axis.effort),
+    }
+
+
+def _show_axis(axis: Axis) -> Json:
+    place = Quantity(axis.measure)
+    unlimited = math.isinf(axis.lower)
+    row: Json = {"travel": "unlimited" if unlimited else [place.show(axis.lower), place.show(axis.upper)]}
+    row |= {name: kind.show(value) for name, (kind, value) in _axis_kinds(axis).items() if value is not None}
+    row["side"] = axis.side
+    return row | ({"at": POINT.show(axis.at)} if axis.at is not None else {})
+
+
+def _plain_axis(axis: Axis) -> Json:
+    place = Quantity(axis.measure)
+    suffix = place.plain(0.0)[0]
+    row: Json = {"travel" + suffix: [place.plain(axis.lower)[1], place.plain(axis.upper)[1]]}
+    for name, (kind, value) in _axis_kinds(axis).items():
+        if value is not None:
+            unit, number = kind.plain(value)
+            row[name + unit] = number
+    row |= {"side": axis.side, "assumed_acceleration": axis.assumed_acceleration}
+    return row | ({"at_mm": POINT.plain(axis.at)[1]} if axis.at is not None else {})

@@ -1,0 +1,54 @@
+"""How large a mesh file is, found without a mesh library: enough to say a wrong unit before the run."""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+import numpy as np
+
+Point = tuple[float, float, float]
+
+MESH_SUFFIXES: Final = (".stl", ".obj", ".ply", ".off", ".glb", ".3mf")
+_STL_HEADER: Final = 84
+_STL_FACET: Final = 50
+_NUMBER = rb"([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)"
+_STL_VERTEX = re.compile(rb"\bvertex\s+" + _NUMBER + rb"\s+" + _NUMBER + rb"\s+" + _NUMBER)
+_OBJ_VERTEX = re.compile(rb"^v\s+" + _NUMBER + rb"\s+" + _NUMBER + rb"\s+" + _NUMBER, re.MULTILINE)
+
+
+def bounds(name: str, raw: bytes) -> tuple[Point, Point] | str | None:
+    """Least and greatest corner in units of the file; a text says why there are none, None: not looked at."""
+    suffix = name.lower().rpartition(".")[2]
+    if suffix == "stl":
+        points = _stl(raw)
+    elif suffix == "obj":
+        points = _ascii(_OBJ_VERTEX, raw)
+    else:
+        return None
+    if points is None:
+        return "the file is cut off"
+    if len(points) == 0:
+        return "it holds no triangle"
+    if not np.isfinite(points).all():
+        return "a corner is not a finite number"
+    low, high = points.min(axis=0), points.max(axis=0)
+    return (float(low[0]), float(low[1]), float(low[2])), (float(high[0]), float(high[1]), float(high[2]))
+
+
+def _stl(raw: bytes) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]] | None:
+    """Corners (n, 3) of a binary or ASCII STL; None when a binary one is shorter than it says."""
+    count = int.from_bytes(raw[80:_STL_HEADER], "little") if len(raw) >= _STL_HEADER else 0
+    size = _STL_HEADER + _STL_FACET * count
+    if raw.lstrip()[:5].lower() == b"solid" and b"facet" in raw[:4096] and len(raw) != size:
+        return _ascii(_STL_VERTEX, raw)
+    if len(raw) < size or len(raw) < _STL_HEADER:
+        return None
+    facets = np.frombuffer(
+        raw, dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("flags", "<u2")], count=count, offset=_STL_HEADER
+    )
+    return facets["corners"].reshape(-1, 3).astype(np.float64)
+
+
+def _ascii(pattern: re.Pattern[bytes], raw: bytes) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+    return np.array(pattern.findall(raw), dtype=np.float64).reshape(-1, 3)

@@ -1,0 +1,67 @@
+"""Shipped machines and users' URDFs as the cell sees them: chains with limits, and what a URDF cannot say."""
+
+from __future__ import annotations
+
+import os
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from gcodesim.cell.kinds import FileValue
+from gcodesim.cell.reading import FAULT, Fault, Reading, suggestion
+from gcodesim.cell.reading import Path as KeyPath
+from gcodesim.diagnostics import SourceText
+
+if TYPE_CHECKING:
+    from gcodesim.kinematics.chain import Chain
+    from gcodesim.kinematics.models import Model
+
+
+def shipped(name: str, kind: Literal["arm", "machine"], to: Reading, path: KeyPath) -> Model | Fault:
+    """The shipped model of that name, or a finding that names similar ones."""
+    from gcodesim.kinematics.models import MODELS
+
+    model = MODELS.get(name)
+    if model is not None and model.kind == kind:
+        return model
+    span = to.span(path)
+    if model is not None:
+        right = (
+            f"write `machine: {name}`"
+            if model.kind == "machine"
+            else f"write it under `robots:`, as `arm: {{model: {name}}}`"
+        )
+        what = "a machine tool" if model.kind == "machine" else "a robot arm"
+        return to.fault("GS712", span, f"`{name}` is {what}", right)
+    known = [m.name for m in MODELS.values() if m.kind == kind]
+    what = "machine" if kind == "machine" else "robot"
+    return to.fault("GS712", span, f"no {what} model `{name}` ships with gcodesim", suggestion(name, known))
+
+
+@cache
+def shipped_chain(name: str) -> Chain:
+    """The chain of a shipped model."""
+    from gcodesim.kinematics.models import model_path
+    from gcodesim.kinematics.urdf import load_urdf
+
+    chain, findings = load_urdf(model_path(name))
+    if chain is None:
+        raise RuntimeError(f"the shipped model {name} is broken: {findings}")
+    return chain
+
+
+def user_chain(file: FileValue, to: Reading, path: KeyPath) -> Chain | Fault:
+    """The chain of a user's URDF; its findings stand in its own lines. The meshes it names are hashed too."""
+    from gcodesim.kinematics.urdf import load_urdf
+
+    chain, findings = load_urdf(file.path, name=file.name, packages=to.shelf.packages, may_read=to.shelf.may_read)
+    to.findings.extend(findings)
+    if chain is None:
+        return FAULT
+    for mesh in chain.files:
+        name = Path(os.path.relpath(mesh, to.shelf.folder)).as_posix()
+        try:
+            to.shelf.note(name, mesh, SourceText.read(mesh, name))
+        except OSError as error:
+            return to.fault("GS714", to.span(path), f"mesh `{name}` of `{file.name}` cannot be read: {error.strerror}")
+    return chain

@@ -1,0 +1,214 @@
+"""Where the work stands: work systems in the machine, stock, fixtures and target in the world.
+
+On a machine tool M is machine zero. On an arm M is the base frame B, except that
+M is turned about B's origin when the work systems are tilted in B: G-code knows
+only a shift and a turn about Z of M, so Z of M has to be parallel to theirs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from itertools import product
+from math import atan2
+from typing import Final
+
+import numpy as np
+
+from gcodesim.cell.cell import MAIN, Cell
+from gcodesim.cell.channel import Channel, Orientation
+from gcodesim.cell.machine import MachineTool
+from gcodesim.cell.placing import SYSTEMS, system_index
+from gcodesim.cell.placing import Place as Standing
+from gcodesim.cell.robot import Robot
+from gcodesim.cell.stock import Box, Cylinder, Leftover, Mesh, Shape
+from gcodesim.diagnostics import Diagnostic
+from gcodesim.frames import Array, Pose
+from gcodesim.units import DEG, MM
+
+Corners = tuple[tuple[float, float, float], tuple[float, float, float]]
+
+CLEARANCE: Final = 0.1  # m that the longest tool clears the stock's top by, at the top of Z
+_UPRIGHT: Final = 1e-9  # Z axes whose dot product is nearer to 1 than this count as parallel
+_FIRST_PARAMETER: Final = 5221
+_PARAMETER_STEP: Final = 20
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Placement:
+    """Where everything stands that depends on the work systems.
+
+    `X_WM` is M of the channel in the world; `work_offsets` X_MP of systems 1 (G54) to 9 (G59.3), which turn about Z
+    of M only. `stocks`, `fixtures` and `target` are X_W of the bodies' own frames. `given` are the systems that
+    the cell names, `automatic` says that G54 was chosen by the rule for stock without a place.
+    """
+
+    X_WM: Pose
+    work_offsets: Mapping[int, Pose]
+    given: tuple[int, ...]
+    automatic: bool
+    stocks: Mapping[str, Pose]
+    fixtures: Mapping[str, Pose]
+    target: Pose | None
+    frames: Mapping[str, Pose] = field(default_factory=dict)
+    findings: tuple[Diagnostic, ...] = ()
+
+    def X_W(self, name: str) -> Pose:
+        """The pose of a frame or work system (`table`, `G54`) in the world; KeyError when there is none."""
+        if name in self.frames:
+            return self.frames[name]
+        return self.X_WM @ self.work_offsets[system_index(name)]
+
+    def parameters(self) -> dict[int, float]:
+        """Work offsets as the control keeps them: 5221 X, 5222 Y, 5223 Z [mm], 5230 turn about Z [deg]; +20 a system."""
+        values: dict[int, float] = {}
+        for index, X_MP in self.work_offsets.items():
+            first = _FIRST_PARAMETER + _PARAMETER_STEP * (index - 1)
+            for axis in range(3):
+                values[first + axis] = float(X_MP.p[axis]) / MM
+            values[first + 9] = atan2(float(X_MP.R[1, 0]), float(X_MP.R[0, 0])) / DEG
+        return values
+
+    def tool_axis(self, orientation: Orientation | None, system: int = 1) -> Array:
+        """Direction of the tool's Z in the world (3,), as an arm's `orientation` asks; default −Z of `system`."""
+        wanted = (orientation or Orientation()).tool_axis
+        X_WA = self.X_WM @ self.work_offsets[system] if wanted.frame is None else self.X_W(wanted.frame)
+        return X_WA.rotate(np.array(wanted.axis))
+
+
+def place(cell: Cell, channel: str = MAIN, stock_bounds: Mapping[str, Corners] | None = None) -> Placement:
+    """Where the work of `channel` stands, by the rules of the cell file; pure.
+
+    `stock_bounds` gives least and greatest corner [m] of stocks whose size the cell does not know (what an earlier
+    run left, some mesh formats). Findings: GS725 (a note on what was chosen), GS726 (a tilted system on a machine).
+    """
+    if channel == MAIN and channel not in cell.channels:
+        channel = next(iter(cell.channels))
+    own = cell.channels[channel]
+    mover = cell.machine_of(channel)
+    findings: list[Diagnostic] = []
+    X_WM = mover.X_WM if isinstance(mover, MachineTool) else _upright_base(cell, own, mover)
+    offsets = {index: Pose.identity() for index in range(1, len(SYSTEMS) + 1)}
+    for name, standing in own.work_offsets.items():
+        X_MP = _offset(cell, X_WM, mover, standing)
+        span = cell.channel_span(channel, "work_offsets", name)
+        offsets[system_index(name)] = X_MP
+        if X_MP.R[2, 2] < 1.0 - _UPRIGHT:
+            message = f"{name} is tilted by {np.degrees(np.arccos(np.clip(X_MP.R[2, 2], -1, 1))):.6g} deg"
+            findings.append(
+                Diagnostic(
+                    code="GS726",
+                    span=span,
+                    message=f"{message} against the Z axis of the {'machine' if isinstance(mover, MachineTool) else 'first work system'}",
+                    hint="a work system may only be shifted and turned about Z",
+                )
+            )
+    waiting = {name: stock for name, stock in cell.stocks.items() if stock.place.frame is None}
+    automatic = isinstance(mover, MachineTool) and not own.work_offsets and bool(waiting)
+    if automatic and isinstance(mover, MachineTool):
+        offsets[1], note = _automatic(cell, mover, stock_bounds or {})
+        findings.append(note)
+    elif not own.work_offsets and isinstance(mover, MachineTool):
+        findings += _at_machine_zero(cell)
+    result = Placement(
+        X_WM=X_WM,
+        work_offsets=offsets,
+        given=tuple(sorted(system_index(name) for name in own.work_offsets)),
+        automatic=automatic,
+        stocks={},
+        fixtures={},
+        target=None,
+        frames=cell.frames,
+        findings=tuple(findings),
+    )
+    return replace(
+        result,
+        stocks={name: _standing(result, stock.place, "G54") for name, stock in cell.stocks.items()},
+        fixtures={name: _standing(result, fixture.place, "world") for name, fixture in cell.fixtures.items()},
+        target=None if cell.target is None else _standing(result, cell.target.place, "G54"),
+    )
+
+
+def _standing(placement: Placement, standing: Standing, default: str) -> Pose:
+    return placement.X_W(standing.frame or default) @ standing.X
+
+
+def _offset(cell: Cell, X_WM: Pose, mover: MachineTool | Robot, standing: Standing) -> Pose:
+    """X_MP of a work offset; without `in:` it is seen from machine zero, on an arm from the base."""
+    if standing.frame is None:
+        X_WP = (mover.X_WM if isinstance(mover, MachineTool) else mover.X_WB) @ standing.X
+    else:
+        X_WP = cell.frames[standing.frame] @ standing.X
+    return _cleaned(X_WM.inverse() @ X_WP)
+
+
+def _cleaned(X: Pose) -> Pose:
+    """A rotation that differs from an axis by rounding alone, as that axis."""
+    whole = np.round(X.R)
+    return Pose(X.p, whole + 0.0) if np.abs(X.R - whole).max() < 1e-12 else X
+
+
+def _upright_base(cell: Cell, channel: Channel, robot: Robot) -> Pose:
+    """M of an arm: B, or B turned so that its Z is that of the first work system named."""
+    if not channel.work_offsets:
+        return robot.X_WB
+    first = channel.work_offsets[min(channel.work_offsets, key=system_index)]
+    R_BP = _offset(cell, robot.X_WB, robot, first).R
+    if R_BP[2, 2] >= 1.0 - _UPRIGHT:
+        return robot.X_WB
+    return Pose(robot.X_WB.p, robot.X_WB.R @ R_BP)
+
+
+def bounds_of(shape: Shape) -> Corners | None:
+    """Least and greatest corner [m] of a shape in its own frame; None when the cell does not know."""
+    if isinstance(shape, Box):
+        return shape.lower, shape.upper
+    if isinstance(shape, Cylinder):
+        r = shape.radius
+        return (-r, -r, shape.bottom), (r, r, shape.top)
+    if isinstance(shape, Mesh) and shape.lower is not None and shape.upper is not None:
+        return shape.lower, shape.upper
+    assert isinstance(shape, (Mesh, Leftover))
+    return None
+
+
+def _automatic(cell: Cell, machine: MachineTool, known: Mapping[str, Corners]) -> tuple[Pose, Diagnostic]:
+    """G54 for stock without a place: its middle at mid-travel in X and Y, its top in reach of the longest tool."""
+    points = []
+    for name, stock in cell.stocks.items():
+        if stock.place.frame is None:
+            corners = known.get(name) or bounds_of(stock.shape) or ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+            points.append(stock.place.X.apply(np.array(list(product(*zip(*corners, strict=True))))))
+    cloud = np.concatenate(points)
+    low, high = cloud.min(axis=0), cloud.max(axis=0)
+    x, y, z = (machine.axis(letter) for letter in "XYZ")
+    longest = max((tool.true_length for tool in cell.tools.values()), default=0.0)
+    above = CLEARANCE if z is None else min(CLEARANCE, 0.5 * (z.upper - z.lower))
+    top = (0.0 if z is None else z.upper) - longest - above
+    p = np.array(
+        [
+            (0.0 if x is None else x.middle) - 0.5 * (low[0] + high[0]),
+            (0.0 if y is None else y.middle) - 0.5 * (low[1] + high[1]),
+            top - high[2],
+        ]
+    )
+    p = np.round(p, 9) + 0.0  # whole nanometres, so that programs and messages show round numbers
+    where = " ".join(f"{letter}{value / MM:.10g}" for letter, value in zip("XYZ", p, strict=True))
+    note = Diagnostic(
+        code="GS725",
+        span=cell.span("stock"),
+        message=f"G54 was placed at {where} mm of the machine: stock in mid-travel, its top {above / MM:.10g} mm below the longest tool",
+        hint="`work_offsets: {G54: {xyz: [x, y, z]}}` places it yourself",
+    )
+    return Pose(p, np.eye(3)), note
+
+
+def _at_machine_zero(cell: Cell) -> list[Diagnostic]:
+    """A note when stock stands in a work system that nobody has placed."""
+    for name, stock in cell.stocks.items():
+        if stock.place.frame in SYSTEMS:
+            path = ("stock", name, "in") if ("stock", name, "in") in cell.spans else ("stock", "in")
+            message = f"{stock.place.frame} is at machine zero, because no `work_offsets` place it"
+            hint = "leave out `in:` to have it placed in the middle of the travel, or give `work_offsets`"
+            return [Diagnostic(code="GS725", span=cell.span(*path), message=message, hint=hint)]
+    return []

@@ -1,0 +1,132 @@
+"""Where things stand: a pose in a named frame, and how chains of frames resolve to the world."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Final
+
+from gcodesim.cell.kinds import Quantity, Text, Vector
+from gcodesim.cell.reading import Path, Reading, suggestion
+from gcodesim.cell.records import Name, key
+from gcodesim.frames import Pose
+
+WORLD: Final = "world"
+MACHINE: Final = "machine"
+RESERVED: Final = (WORLD, MACHINE, "tool", "tcp", "part", "camera", "flange", "base")
+SYSTEMS: Final = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
+
+_NAME = r"[A-Za-z_][A-Za-z0-9_-]*"
+
+
+def system_name(text: str) -> str | None:
+    """`g54` → `G54`; None when it is no work system."""
+    return text.upper() if text.upper() in SYSTEMS else None
+
+
+def system_index(name: str) -> int:
+    """1 for G54 … 9 for G59.3."""
+    return SYSTEMS.index(name) + 1
+
+
+def _plain_name(text: str) -> str | None:
+    return text if re.fullmatch(_NAME, text) and text not in RESERVED and system_name(text) is None else None
+
+
+def _frame_name(text: str) -> str | None:
+    return system_name(text) or text
+
+
+def names_of(what: str) -> Name:
+    """Names that a user chooses: letters, digits, `_` and `-`; the words that frames of ours have are taken."""
+    return Name(
+        what=f"{what} name (letters, digits, `_`, `-`; not {', '.join(RESERVED[:2])} …)",
+        pattern=_NAME,
+        canonical=_plain_name,
+    )
+
+
+SYSTEM_NAMES: Final = Name(
+    what="work system", pattern=r"[Gg]5(4|5|6|7|8|9(\.[123])?)", canonical=system_name, known=SYSTEMS
+)
+
+FRAME = Text(form="the name of a frame")
+POINT = Vector(Quantity("length"), 3)
+_ANGLES = Vector(Quantity("angle"), 3)
+_ZERO = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Place:
+    """A pose in a frame: `xyz`, then `rpy` about the fixed axes X, Y, Z of that frame.
+
+    `frame` None: what that means depends on the owner (the world; for stock G54).
+    """
+
+    frame: str | None = key(FRAME, "the frame it stands in", name="in", default=None)
+    xyz: tuple[float, float, float] = key(POINT, "position in that frame", default=_ZERO, quiet=True)
+    rpy: tuple[float, float, float] = key(_ANGLES, "roll, pitch, yaw about the fixed axes", default=_ZERO, quiet=True)
+
+    @property
+    def X(self) -> Pose:
+        """The pose seen from its frame."""
+        return Pose.from_xyz_rpy(self.xyz, self.rpy)
+
+    def checked(self, to: Reading, path: Path) -> Place:
+        if self.frame is None:
+            return self
+        return Place(frame=_frame_name(self.frame), xyz=self.xyz, rpy=self.rpy)
+
+
+@dataclass(slots=True)
+class FrameTree:
+    """All frames that stand still, by name, each placed in another one; poses are resolved on demand."""
+
+    placed: Mapping[str, tuple[Place, Path]]
+    to: Reading
+    poses: dict[str, Pose] = field(default_factory=dict)
+
+    def resolve(self) -> dict[str, Pose]:
+        """X_W of every frame, `world` first; unknown names and cycles become findings."""
+        self.poses[WORLD] = Pose.identity()
+        for name in self.placed:
+            self._pose(name, ())
+        return self.poses
+
+    def _pose(self, name: str, below: tuple[str, ...]) -> Pose:
+        if name in self.poses:
+            return self.poses[name]
+        placement, path = self.placed[name]
+        X_WP = self._parent(placement, path, (*below, name))
+        self.poses[name] = X_WP @ placement.X
+        return self.poses[name]
+
+    def _parent(self, placement: Place, path: Path, chain: tuple[str, ...]) -> Pose:
+        parent = placement.frame or WORLD
+        if parent in chain:
+            circle = " in ".join(f"`{name}`" for name in (*chain[chain.index(parent) :], parent))
+            self.to.fault(
+                "GS713",
+                self.to.span((*path, "in")),
+                f"frames stand in a circle: {circle}",
+                "one of them has to stand in `world`",
+            )
+            return Pose.identity()
+        if parent in self.poses:
+            return self.poses[parent]
+        if parent in self.placed:
+            return self._pose(parent, chain)
+        unknown_frame(parent, path, [WORLD, *self.placed], self.to)
+        return Pose.identity()
+
+
+def unknown_frame(name: str, path: Path, known: list[str], to: Reading) -> None:
+    """The finding for `in:` with a name that is no frame."""
+    span = to.span((*path, "in"))
+    if name in SYSTEMS:
+        to.fault(
+            "GS712", span, f"`{name}` is no fixed frame: nothing else may stand in it but stock, fixtures and target"
+        )
+    else:
+        to.fault("GS712", span, f"there is no frame `{name}`", suggestion(name, known))

@@ -1,0 +1,106 @@
+"""What a cell file is read with: findings, places of values, defaults taken, files opened."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Any, Final
+
+from gcodesim.cell.files import Shelf
+from gcodesim.cell.units import Unit, find
+from gcodesim.diagnostics import Diagnostic, Findings, Span
+
+Path = tuple[str | int, ...]
+"""Where a value stands: `("tools", 7, "diameter")`."""
+
+
+class Fault(Enum):
+    """Read in place of a value that could not be read; the reason is among the findings."""
+
+    FAULT = "fault"
+
+
+FAULT: Final = Fault.FAULT
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Default:
+    """A value that nobody wrote; `why` is the rule that gave it, empty for a constant."""
+
+    path: Path
+    value: Any
+    why: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlainUnits:
+    """What a number without unit means."""
+
+    length: Unit
+    angle: Unit
+
+    def of(self, dimension: str) -> Unit | None:
+        return {"length": self.length, "angle": self.angle}.get(dimension)
+
+
+def _unit(name: str, dimension: str) -> Unit:
+    unit = find(name, dimension)
+    assert unit is not None
+    return unit
+
+
+@dataclass(slots=True, kw_only=True)
+class Reading:
+    """The one mutable thing while a cell is read; every kind writes into it."""
+
+    file: str
+    findings: Findings
+    shelf: Shelf
+    spans: dict[Path, Span] = field(default_factory=dict)
+    defaults: list[Default] = field(default_factory=list)
+    plain: PlainUnits = field(
+        default_factory=lambda: PlainUnits(length=_unit("mm", "length"), angle=_unit("deg", "angle"))
+    )
+
+    def fault(self, code: str, span: Span, message: str, hint: str = "", *, related: Span | None = None) -> Fault:
+        """Add a finding; returns FAULT, so that a kind can `return to.fault(…)`."""
+        self.findings.add(Diagnostic(code=code, span=span, message=message, hint=hint, related=related))
+        return FAULT
+
+    def span(self, path: Path) -> Span:
+        """The place of `path`, else of what is around it."""
+        for length in range(len(path), 0, -1):
+            if path[:length] in self.spans:
+                return self.spans[path[:length]]
+        return Span(self.file, 1, 1, 1, 2)
+
+    def default(self, path: Path, value: Any, why: str = "") -> None:
+        self.defaults.append(Default(path=path, value=value, why=why))
+
+
+def dotted(path: Iterable[str | int]) -> str:
+    """A path as people read it: `tools.7.diameter`, `home[2]`."""
+    text = ""
+    for part in path:
+        text += (
+            f"[{part}]"
+            if isinstance(part, int) and text.endswith(("home", "axes"))
+            else f".{part}"
+            if text
+            else str(part)
+        )
+    return text
+
+
+def suggestion(word: str, known: Sequence[str]) -> str:
+    """`did you mean …` when a known word is near, else the known words when they are few."""
+    by_lower = {k.lower(): k for k in reversed(known)}
+    close = difflib.get_close_matches(word.lower(), by_lower, n=1, cutoff=0.6)
+    if close:
+        return f"did you mean `{by_lower[close[0]]}`?"
+    if not known:
+        return ""
+    listed = ", ".join(f"`{k}`" for k in known[:16])
+    return f"known are {listed}{' …' if len(known) > 16 else ''}"

@@ -1,0 +1,317 @@
+"""Mappings of the cell as dataclasses: a field declared by `key` is a key of the YAML file.
+
+The YAML format is a tree of frozen dataclasses. `Record` reads one, `MapOf`
+reads named ones, `inline` lays the keys of one class among those of another
+(`in`, `xyz`, `rpy` of everything that stands somewhere).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import MISSING, Field, dataclass, field, fields
+from functools import cache
+from typing import Any, Final
+
+from gcodesim.cell.kinds import Json, Kind, article_of, key_name
+from gcodesim.cell.nodes import Mapping, Node, Scalar
+from gcodesim.cell.reading import FAULT, Fault, Path, Reading, suggestion
+from gcodesim.diagnostics import Span
+
+_META: Final = "gcodesim.cell"
+FREE: Final = "x-"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Key:
+    """What a field tells the reader. `name` is the key in the file; `quiet` defaults are not worth a line of `cell show`."""
+
+    name: str
+    field: str
+    kind: Kind
+    doc: str
+    required: bool
+    default: Any
+    quiet: bool
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
+class _Declared:
+    kind: Kind | None
+    doc: str
+    name: str
+    quiet: bool
+    why: str
+    inline: type | None = None
+    always: bool = False
+
+
+def key(kind: Kind, doc: str, *, name: str = "", default: Any = MISSING, quiet: bool = False, why: str = "") -> Any:
+    """A dataclass field that is a key of the cell file; required when there is no `default`."""
+    return _field(default, _Declared(kind, doc, name, quiet, why))
+
+
+def inline(cls: type, *, always: bool = True) -> Any:
+    """A field that holds a `cls` whose keys stand among ours; None unless `always` or one of them is written."""
+    return _field(None, _Declared(None, "", "", False, "", cls, always))
+
+
+def _field(default: Any, declared: _Declared) -> Any:
+    if isinstance(default, (dict, list)):
+        return field(default_factory=lambda: type(default)(default), metadata={_META: declared})
+    return field(default=default, metadata={_META: declared})
+
+
+def _default(item: Field[Any]) -> Any:
+    return item.default if item.default_factory is MISSING else item.default_factory()
+
+
+@cache
+def keys(cls: type[Any]) -> dict[str, Key]:
+    """The keys that `cls` itself declares, by their names in the file."""
+    found: dict[str, Key] = {}
+    for item in fields(cls):
+        declared: _Declared | None = item.metadata.get(_META)
+        if declared is None or declared.kind is None:
+            continue
+        default = _default(item)
+        name = declared.name or item.name
+        found[name] = Key(
+            name=name,
+            field=item.name,
+            kind=declared.kind,
+            doc=declared.doc,
+            required=default is MISSING,
+            default=default,
+            quiet=declared.quiet,
+            why=declared.why,
+        )
+    return found
+
+
+@cache
+def inlined(cls: type) -> dict[str, tuple[type, bool]]:
+    """Fields of `cls` that hold another class whose keys stand among ours: class, and whether always built."""
+    metas = ((item.name, item.metadata.get(_META)) for item in fields(cls))
+    return {name: (meta.inline, meta.always) for name, meta in metas if meta is not None and meta.inline is not None}
+
+
+@cache
+def all_keys(cls: type) -> dict[str, Key]:
+    """Own and inlined keys of `cls`."""
+    found = dict(keys(cls))
+    for inner, _ in inlined(cls).values():
+        found |= keys(inner)
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class Record(Kind):
+    """A mapping that becomes a `cls`.
+
+    `shorthand` names the key that a lone scalar stands for (`machine: gantry_xyz`). A class may have
+    a method `checked(to, path)` that returns itself, a changed copy, or FAULT after adding findings.
+    """
+
+    cls: type
+    what: str
+    shorthand: str = ""
+
+    @property
+    def expected(self) -> str:
+        return self.what
+
+    def read(self, node: Node, to: Reading, path: Path) -> Any:
+        entries = self._entries(node, to, path)
+        if isinstance(entries, Fault):
+            return FAULT
+        known = all_keys(self.cls)
+        values: dict[str, Any] = {}
+        for name, value in entries:
+            if name.text.startswith(FREE):
+                continue
+            if name.text not in known:
+                unknown_key(name, list(known), self.what, to)
+                continue
+            at = (*path, name.text)
+            to.spans[at] = name.span
+            values[name.text] = known[name.text].kind.read(value, to, at)
+        return self._build(values, to, path)
+
+    def _entries(self, node: Node, to: Reading, path: Path) -> tuple[tuple[Scalar, Node], ...] | Fault:
+        if isinstance(node, Mapping):
+            to.spans.setdefault(path, node.span)
+            return node.entries
+        if isinstance(node, Scalar) and self.shorthand and not node.empty:
+            return ((Scalar(span=node.span, text=self.shorthand), node),)
+        return not_a_mapping(node, self.what, to, path)
+
+    def _build(self, values: dict[str, Any], to: Reading, path: Path) -> Any:
+        arguments = _arguments(self.cls, values, self.what, to, path)
+        for name, (inner, always) in inlined(self.cls).items():
+            if always or any(k in values for k in keys(inner)):
+                inner_arguments = _arguments(inner, values, self.what, to, path)
+                faulty = any(value is FAULT for value in inner_arguments.values())
+                arguments[name] = FAULT if faulty else _checked(inner(**inner_arguments), to, path)
+        if any(value is FAULT for value in arguments.values()):
+            return FAULT
+        return _checked(self.cls(**arguments), to, path)
+
+    def schema(self, definitions: dict[str, Json]) -> Json:
+        name = self.cls.__name__
+        if name not in definitions:
+            definitions[name] = {}  # a class may contain itself
+            definitions[name] = object_schema(list(all_keys(self.cls).values()), definitions, self.cls.__doc__ or "")
+        reference = {"$ref": f"#/$defs/{name}"}
+        if not self.shorthand:
+            return reference
+        return {"anyOf": [all_keys(self.cls)[self.shorthand].kind.schema(definitions), reference]}
+
+    def show(self, value: Any) -> Any:
+        return {name: kind.show(entry) for name, kind, entry in written(value)}
+
+    def plain(self, value: Any) -> tuple[str, Any]:
+        shown: Json = {}
+        for name, kind, entry in written(value):
+            suffix, content = kind.plain(entry)
+            shown[name + suffix] = content
+        return "", shown
+
+
+def _arguments(cls: type, values: dict[str, Any], what: str, to: Reading, path: Path) -> dict[str, Any]:
+    """Constructor arguments of `cls` out of what was read, with defaults; FAULT for what is missing."""
+    arguments: dict[str, Any] = {}
+    for name, declared in keys(cls).items():
+        if name in values:
+            arguments[declared.field] = values[name]
+        elif declared.required:
+            arguments[declared.field] = to.fault(
+                "GS705", to.span(path), f"{what} lacks `{name}`: {declared.kind.expected}", declared.doc
+            )
+        else:
+            arguments[declared.field] = declared.default
+            if declared.default is not None and not declared.quiet:
+                to.default((*path, name), declared.default, declared.why)
+    return arguments
+
+
+def _checked(value: Any, to: Reading, path: Path) -> Any:
+    check: Callable[[Reading, Path], Any] | None = getattr(value, "checked", None)
+    return value if check is None else check(to, path)
+
+
+def written(value: Any) -> Iterator[tuple[str, Kind, Any]]:
+    """Name, kind and content of all keys of a record that have something in them."""
+    for item in fields(value):
+        declared: _Declared | None = item.metadata.get(_META)
+        if declared is None:
+            continue
+        content = getattr(value, item.name)
+        if declared.inline is not None:
+            if content is not None:
+                yield from written(content)
+        elif declared.kind is not None and content is not None and content != {} and content != ():
+            yield declared.name or item.name, declared.kind, content
+
+
+def unknown_key(name: Scalar, known: list[str], what: str, to: Reading) -> Fault:
+    """The finding for a key that nothing reads."""
+    return to.fault("GS704", name.span, f"{what} has no key `{name.text}`", suggestion(name.text, known))
+
+
+def not_a_mapping(node: Node, what: str, to: Reading, path: Path) -> Fault:
+    """The finding for a value that should have been `key: value` lines."""
+    if isinstance(node, Scalar) and node.empty:
+        return to.fault(
+            "GS705",
+            to.span(path),
+            f"`{key_name(path)}` has no value; {what} is expected",
+            "delete the key, or write `{}`",
+        )
+    return to.fault("GS706", node.span, f"`{key_name(path)}` is {article_of(node)}; {what} is expected")
+
+
+def object_schema(members: list[Key], definitions: dict[str, Json], doc: str = "") -> Json:
+    """JSON Schema of a mapping with these keys."""
+    properties = {}
+    for member in members:
+        described = dict(member.kind.schema(definitions))
+        properties[member.name] = {**described, "description": member.doc} if member.doc else described
+    schema: Json = {"type": "object"}
+    if doc:
+        schema["description"] = doc.strip().splitlines()[0]
+    schema["properties"] = properties
+    required = [member.name for member in members if member.required]
+    if required:
+        schema["required"] = required
+    return schema | {"patternProperties": {f"^{FREE}": {}}, "additionalProperties": False}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Name:
+    """What the keys of a `MapOf` look like; `canonical` gives the one spelling, or None."""
+
+    what: str
+    pattern: str
+    canonical: Callable[[str], Any]
+    known: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class MapOf(Kind):
+    """A mapping of names to values of one kind. `hidden` values are not shown."""
+
+    name: Name
+    of: Kind
+    what: str
+
+    @property
+    def expected(self) -> str:
+        return self.what
+
+    def read(self, node: Node, to: Reading, path: Path) -> Any:
+        if not isinstance(node, Mapping):
+            return not_a_mapping(node, self.what, to, path)
+        values: dict[Any, Any] = {}
+        for name, value in node.entries:
+            if name.text.startswith(FREE):
+                continue
+            canonical = read_name(self.name, name, [(*path, known) for known in values], to)
+            if isinstance(canonical, Fault):
+                values[name.text] = FAULT
+                continue
+            at = (*path, canonical)
+            to.spans[at] = name.span
+            values[canonical] = self.of.read(value, to, at)
+        return FAULT if any(value is FAULT for value in values.values()) else values
+
+    def schema(self, definitions: dict[str, Json]) -> Json:
+        return {
+            "type": "object",
+            "patternProperties": {f"^({self.name.pattern})$": self.of.schema(definitions), f"^{FREE}": {}},
+            "additionalProperties": False,
+        }
+
+    def show(self, value: Any) -> Any:
+        return {name: self.of.show(entry) for name, entry in value.items()}
+
+    def plain(self, value: Any) -> tuple[str, Any]:
+        return "", {str(name): self.of.plain(entry)[1] for name, entry in value.items()}
+
+
+def read_name(name: Name, node: Scalar, taken: list[Path], to: Reading) -> Any:
+    """The canonical form of a key, or FAULT when it is none or taken."""
+    canonical = name.canonical(node.text)
+    if canonical is None:
+        return to.fault("GS711", node.span, f"`{node.text}` is no {name.what}", suggestion(node.text, name.known))
+    for path in taken:
+        if path[-1] == canonical:
+            first: Span = to.spans[path]
+            return to.fault(
+                "GS702",
+                node.span,
+                f"`{node.text}` is {canonical}, which stands a second time",
+                f"the first is in line {first.line}",
+                related=first,
+            )
+    return canonical

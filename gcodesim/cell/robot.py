@@ -1,0 +1,202 @@
+"""A robot of the cell: a shipped model or a URDF, where it stands, where it starts, how it gives way."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from gcodesim.cell.joints import JointList, Measure, check_within, in_si
+from gcodesim.cell.kinds import NOT_NEGATIVE, POSITIVE, Either, File, FileValue, Json, Kind, Quantity, Text, Vector
+from gcodesim.cell.models import shipped, shipped_chain, user_chain
+from gcodesim.cell.nodes import Node
+from gcodesim.cell.placing import POINT, Place
+from gcodesim.cell.reading import FAULT, Fault, Path, Reading
+from gcodesim.cell.records import Record, key
+from gcodesim.frames import Pose
+
+if TYPE_CHECKING:
+    from gcodesim.kinematics.chain import Chain
+
+RIGID: Final = "rigid"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Payload:
+    """A mass at the flange besides the tool, such as a spindle; `xyz` is its centre of mass in F."""
+
+    mass: float = key(Quantity("mass", NOT_NEGATIVE), "mass of what hangs at the flange besides the tool")
+    xyz: tuple[float, float, float] = key(
+        POINT, "its centre of mass, seen from the flange", default=(0.0, 0.0, 0.0), quiet=True
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobotForm:
+    """A robot as the cell writes it."""
+
+    model: str | None = key(Text(form="the name of a shipped model"), "a model that ships with gcodesim", default=None)
+    urdf: FileValue | None = key(File("a URDF file"), "a robot description of one's own", default=None)
+    base: Place = key(Record(Place, "a place"), "where the base stands", default=Place(), quiet=True)
+    home: Any = key(JointList(), "joints at the start", default=None)
+    stiffness: Any = key(
+        Either(((RIGID, RIGID),), Vector(Quantity("torsional stiffness", POSITIVE))),
+        "stiffness of each gear, or `rigid`",
+        default=None,
+    )
+    payload: Payload | None = key(
+        Record(Payload, "a payload", "mass"), "what hangs at the flange besides the tool", default=None
+    )
+
+    def checked(self, to: Reading, path: Path) -> Robot | Fault:
+        if (self.model is None) == (self.urdf is None):
+            if self.model is None:
+                return to.fault("GS705", to.span(path), "the robot has neither `model` nor `urdf`", "give one of them")
+            return to.fault(
+                "GS719", to.span((*path, "urdf")), "the robot has a `model` and a `urdf`", "give one of them"
+            )
+        if self.model is not None:
+            model = shipped(self.model, "arm", to, (*path, "model"))
+            if isinstance(model, Fault):
+                return FAULT
+            return self._robot(shipped_chain(model.name), model.path, model.home, model.stiffness, to, path)
+        assert self.urdf is not None
+        chain = user_chain(self.urdf, to, (*path, "urdf"))
+        if isinstance(chain, Fault):
+            return FAULT
+        joints = chain.driven_joints
+        resting = tuple(float(v) for v in np.clip(np.zeros(len(joints)), joints.lower, joints.upper))
+        return self._robot(chain, self.urdf.path, resting, None, to, path)
+
+    def _robot(
+        self,
+        chain: Chain,
+        description: FilePath,
+        home: tuple[float, ...],
+        stiffness: tuple[float, ...] | None,
+        to: Reading,
+        path: Path,
+    ) -> Robot | Fault:
+        measures = measures_of(chain)
+        if self.home is None:
+            to.default((*path, "home"), home)
+        else:
+            read = self._home(chain, measures, to, (*path, "home"))
+            if isinstance(read, Fault):
+                return FAULT
+            home = read
+        if self.stiffness is None:
+            to.default((*path, "stiffness"), stiffness, "" if stiffness is not None else "no stiffness is known")
+        elif self.stiffness == RIGID:
+            stiffness = None
+        elif len(self.stiffness) != len(measures):
+            span = to.span((*path, "stiffness"))
+            return to.fault(
+                "GS706", span, f"`stiffness` has {len(self.stiffness)} entries; the robot has {len(measures)} joints"
+            )
+        else:
+            stiffness = self.stiffness
+        if self.base.frame is None:
+            to.default((*path, "base", "in"), "world")
+        return Robot(
+            name=str(path[-1]),
+            model=self.model,
+            description=description,
+            chain=chain,
+            base=self.base,
+            home=home,
+            stiffness=stiffness,
+            payload=self.payload,
+        )
+
+    def _home(self, chain: Chain, measures: tuple[Measure, ...], to: Reading, path: Path) -> tuple[float, ...] | Fault:
+        if len(self.home) != len(measures):
+            return to.fault(
+                "GS706", to.span(path), f"`home` has {len(self.home)} entries; the robot has {len(measures)} joints"
+            )
+        values = in_si(self.home, measures, to)
+        if isinstance(values, Fault):
+            return FAULT
+        joints = chain.driven_joints
+        within = [
+            check_within(
+                value,
+                float(joints.lower[i]),
+                float(joints.upper[i]),
+                measures[i],
+                f"joint `{joints.names[i]}`",
+                to,
+                (*path, i),
+            )
+            for i, value in enumerate(values)
+        ]
+        return values if all(within) else FAULT
+
+
+def measures_of(chain: Chain) -> tuple[Measure, ...]:
+    """What each joint's value measures."""
+    return tuple("length" if kind == "prismatic" else "angle" for kind in chain.driven_joints.kinds)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Robot:
+    """A robot that stands in the cell.
+
+    `model` names a shipped one, else None; `description` is its URDF and `chain` what that says. `home` [rad] or [m],
+    `stiffness` of the gears [N·m/rad] or None for rigid ones; `X_WB` is its base in the world.
+    """
+
+    name: str
+    model: str | None
+    description: FilePath
+    chain: Chain = field(compare=False, repr=False)
+    base: Place
+    home: tuple[float, ...]
+    stiffness: tuple[float, ...] | None
+    payload: Payload | None
+    X_WB: Pose = field(default_factory=Pose.identity)
+
+    def at(self, X_WB: Pose) -> Robot:
+        return replace(self, X_WB=X_WB)
+
+
+_FORM: Final = Record(RobotForm, "the robot", "model")
+
+
+@dataclass(frozen=True, slots=True)
+class RobotKind(Kind):
+    """A robot."""
+
+    @property
+    def expected(self) -> str:
+        return "a robot such as `{model: kuka_kr10_r1100_2}`"
+
+    def read(self, node: Node, to: Reading, path: Path) -> Any:
+        return _FORM.read(node, to, path)
+
+    def schema(self, definitions: dict[str, Json]) -> Json:
+        return _FORM.schema(definitions)
+
+    def show(self, value: Any) -> Any:
+        shown: Json = {"model": value.model} if value.model else {"urdf": value.description.name}
+        shown["base"] = Record(Place, "a place").show(value.base)
+        shown["home"] = [Quantity(m).show(v) for m, v in zip(measures_of(value.chain), value.home, strict=True)]
+        shown["stiffness"] = (
+            RIGID if value.stiffness is None else [Quantity("torsional stiffness").show(k) for k in value.stiffness]
+        )
+        if value.payload is not None:
+            shown["payload"] = Record(Payload, "a payload").show(value.payload)
+        return shown
+
+    def plain(self, value: Any) -> tuple[str, Any]:
+        measures = measures_of(value.chain)
+        shown: Json = {"model": value.model} if value.model else {"urdf": value.description.name}
+        shown["base"] = Record(Place, "a place").plain(value.base)[1]
+        shown["joint_units"] = ["mm" if m == "length" else "deg" for m in measures]
+        shown["home"] = [Quantity(m).plain(v)[1] for m, v in zip(measures, value.home, strict=True)]
+        shown["stiffness_Nm_rad"] = None if value.stiffness is None else list(value.stiffness)
+        if value.payload is not None:
+            shown["payload"] = Record(Payload, "a payload").plain(value.payload)[1]
+        return "", shown

@@ -1,0 +1,240 @@
+"""The cell's settings that are no bodies: limits, severities, time steps, tool magazine."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from datetime import date
+from typing import Any, Final, Literal
+
+from gcodesim.cell.kinds import NOT_NEGATIVE, POSITIVE, Choice, Json, Kind, Quantity, Range, Text, Whole, scalar, short
+from gcodesim.cell.nodes import Node
+from gcodesim.cell.placing import Place
+from gcodesim.cell.reading import FAULT, Fault, Path, PlainUnits, Reading
+from gcodesim.cell.records import Name, inline, key
+from gcodesim.cell.units import find, names
+from gcodesim.diagnostics import Severity
+
+NS: Final = 1_000_000_000
+DEFAULT_RATE: Final = 250.0  # Hz
+DEFAULT_PERIOD_NS: Final = 20_000_000
+_SHORTEST_STEP_NS: Final = 1_000
+_LONGEST_PERIOD: Final = 10.0  # s
+
+
+@dataclass(frozen=True, slots=True)
+class _UnitOf(Kind):
+    """The unit that plain numbers have."""
+
+    dimension: str
+
+    @property
+    def expected(self) -> str:
+        return f"one of {', '.join(names(self.dimension))}"
+
+    def read(self, node: Node, to: Reading, path: Path) -> str | Fault:
+        text = scalar(self, node, to, path)
+        if isinstance(text, Fault):
+            return FAULT
+        unit = find(text.text, self.dimension)
+        if unit is None:
+            return to.fault("GS709", text.span, f"`{path[-1]}` is `{short(text.text)}`; {self.expected} is expected")
+        return unit.name
+
+    def schema(self, definitions: dict[str, Json]) -> Json:
+        return {"enum": list(names(self.dimension))}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Units:
+    """What a number without unit means."""
+
+    length: str = key(_UnitOf("length"), "unit of plain lengths", default="mm", quiet=True)
+    angle: str = key(_UnitOf("angle"), "unit of plain angles", default="deg", quiet=True)
+
+    def checked(self, to: Reading, path: Path) -> Units:
+        length, angle = find(self.length, "length"), find(self.angle, "angle")
+        assert length is not None and angle is not None
+        to.plain = PlainUnits(length=length, angle=angle)
+        return self
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Limits:
+    """What the spindle and the process may ask at most; None: unlimited."""
+
+    spindle_power: float | None = key(Quantity("power", POSITIVE), "greatest spindle power", default=None)
+    spindle_speed: float | None = key(Quantity("rotational speed", POSITIVE), "greatest spindle speed", default=None)
+    spindle_torque: float | None = key(Quantity("torque", POSITIVE), "greatest spindle torque", default=None)
+    force: float | None = key(Quantity("force", POSITIVE), "greatest force on the tool", default=None)
+
+
+def code_pattern(text: str) -> str | None:
+    """`GS304`, `GS30x` or `GS9xx`; None when it is neither."""
+    upper = text.strip()
+    match = re.fullmatch(r"[Gg][Ss]([0-9](?:[0-9]{2}|[0-9][xX]|[xX]{2}))", upper)
+    return f"GS{match[1].lower()}" if match else None
+
+
+CODE_PATTERNS: Final = Name(
+    what="code such as `GS304` or `GS9xx`", pattern="[Gg][Ss][0-9]([0-9]{2}|[0-9][xX]|[xX]{2})", canonical=code_pattern
+)
+
+
+def matches(pattern: str, code: str) -> bool:
+    """Whether `code` (GSnnn) falls under `pattern` (GS304, GS30x, GS9xx)."""
+    return code.startswith(pattern.rstrip("x"))
+
+
+@dataclass(frozen=True, slots=True)
+class SeverityKind(Kind):
+    """`error`, `warning` or `note`."""
+
+    @property
+    def expected(self) -> str:
+        return "`error`, `warning` or `note`"
+
+    def read(self, node: Node, to: Reading, path: Path) -> Severity | Fault:
+        word = Choice(("error", "warning", "note")).read(node, to, path)
+        return FAULT if isinstance(word, Fault) else Severity[word.upper()]
+
+    def schema(self, definitions: dict[str, Json]) -> Json:
+        return {"enum": ["error", "warning", "note"]}
+
+    def show(self, value: Any) -> Any:
+        return value.word
+
+    def plain(self, value: Any) -> tuple[str, Any]:
+        return "", value.word
+
+
+@dataclass(frozen=True, slots=True)
+class _Date(Kind):
+    """A day, `2027-03-01`."""
+
+    @property
+    def expected(self) -> str:
+        return "a day such as `2027-03-01`"
+
+    def read(self, node: Node, to: Reading, path: Path) -> date | Fault:
+        text = scalar(self, node, to, path)
+        if isinstance(text, Fault):
+            return FAULT
+        try:
+            if not re.fullmatch(r"[0-9]{4}-[0-9]{2}-[0-9]{2}", text.text):
+                raise ValueError
+            return date.fromisoformat(text.text)
+        except ValueError:
+            return to.fault("GS711", text.span, f"`{path[-1]}` is `{short(text.text)}`; {self.expected} is expected")
+
+    def schema(self, definitions: dict[str, Json]) -> Json:
+        return {"type": "string", "format": "date"}
+
+    def show(self, value: Any) -> Any:
+        return value.isoformat()
+
+    def plain(self, value: Any) -> tuple[str, Any]:
+        return "", value.isoformat()
+
+
+_CODE = Text(pattern=CODE_PATTERNS.pattern, form="a code such as `GS212`")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Suppression:
+    """A finding that somebody has looked at: code, program, and the block by its text, N number or line."""
+
+    code: str = key(_CODE, "the finding's code")
+    program: str | None = key(Text(), "file name of the program", default=None)
+    block: str | None = key(Text(), "text of the block", default=None)
+    n: int | None = key(Whole(NOT_NEGATIVE), "N number of the block", default=None)
+    line: int | None = key(Whole(Range(least=1.0)), "line of the program", default=None)
+    reason: str = key(Text(), "why it is no fault")
+    until: date | None = key(_Date(), "last day on which this holds", default=None)
+
+    def checked(self, to: Reading, path: Path) -> Suppression | Fault:
+        ways = [name for name in ("block", "n", "line") if getattr(self, name) is not None]
+        if len(ways) > 1:
+            return to.fault(
+                "GS719",
+                to.span((*path, ways[1])),
+                f"the block is named twice, by `{ways[0]}` and `{ways[1]}`",
+                "give one",
+            )
+        return replace(self, code=code_pattern(self.code) or self.code)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Simulation:
+    """World and step. `step_ns` is derived: a whole number of ns."""
+
+    world: Literal["bullet", "kinematic"] | None = key(
+        Choice(("bullet", "kinematic")), "where the robot moves", default=None
+    )
+    rate: float = key(Quantity("frequency", POSITIVE), "steps a second", default=DEFAULT_RATE)
+    seed: int = key(Whole(Range(least=0.0, most=2.0**63 - 1)), "start of all random numbers", default=1)
+    step_ns: int = field(default=round(NS / DEFAULT_RATE))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LogSettings:
+    """How densely the run is written down."""
+
+    period: float = key(
+        Quantity("time", Range(above=0.0, most=_LONGEST_PERIOD)),
+        "time between two records",
+        default=DEFAULT_PERIOD_NS / NS,
+    )
+    period_ns: int = field(default=DEFAULT_PERIOD_NS)
+
+
+def with_step(simulation: Simulation, log: LogSettings, to: Reading) -> tuple[Simulation, LogSettings]:
+    """Both with whole nanoseconds; a finding when the step is none or does not divide the log period."""
+    period_ns = round(log.period * NS)
+    span = to.span(("log", "period")) if ("log", "period") in to.spans else to.span(("simulation", "rate"))
+    if period_ns < _SHORTEST_STEP_NS or abs(log.period * NS - period_ns) > 1e-3:
+        to.fault(
+            "GS721",
+            span,
+            f"the log period of {log.period * 1e3:.9g} ms is no whole number of ns",
+            "write for example `period: 20 ms`",
+        )
+        return simulation, log
+    step_ns = round(NS / simulation.rate)
+    whole = step_ns >= 1 and abs(step_ns * simulation.rate / NS - 1.0) < 1e-12
+    if not whole or period_ns % step_ns:
+        span = to.span(("simulation", "rate")) if ("simulation", "rate") in to.spans else span
+        nearest = " or ".join(f"`{rate:.10g} Hz`" for rate in sorted(nearest_rates(simulation.rate, period_ns)))
+        why = "no whole number of ns" if not whole else f"no whole part of the log period of {log.period * 1e3:.9g} ms"
+        to.fault("GS721", span, f"at {simulation.rate:.10g} Hz a step is {why}", f"nearest is {nearest}")
+        return simulation, log
+    return replace(simulation, step_ns=step_ns), replace(log, period_ns=period_ns)
+
+
+def nearest_rates(rate: float, period_ns: int) -> tuple[float, ...]:
+    """Rates [Hz] just below and above `rate` whose step is a whole number of ns that divides `period_ns`."""
+    parts = [n for n in _divisors(period_ns) if period_ns // n >= _SHORTEST_STEP_NS]
+    rates = sorted(n * NS / period_ns for n in parts)
+    below = [r for r in rates if r <= rate]
+    above = [r for r in rates if r > rate]
+    return (*below[-1:], *above[:1])
+
+
+def _divisors(number: int) -> Iterator[int]:
+    small = [n for n in range(1, int(number**0.5) + 1) if number % n == 0]
+    yield from small
+    yield from (number // n for n in reversed(small) if n * n != number)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Magazine:
+    """Where tools wait, and how long a change takes. `place.frame` None and no `xyz`: no place was given."""
+
+    place: Place = inline(Place)
+    pitch: float = key(Quantity("length", POSITIVE), "distance of two pockets along X", default=0.12)
+    change_time: float = key(Quantity("time", NOT_NEGATIVE), "time of one tool change", default=0.0)
+    placed: bool = False
+
+    def checked(self, to: Reading, path: Path) -> Magazine:
+        return replace(self, placed=any((*path, name) in to.spans for name in ("in", "xyz", "rpy")))

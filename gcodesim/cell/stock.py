@@ -1,0 +1,458 @@
+"""Bodies of the cell that have a shape and a place: stock, fixtures, target."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path as FilePath
+from typing import Any, Final
+
+from gcodesim.cell.kinds import POSITIVE, File, FileValue, Json, Kind, Quantity, Text, Vector, scalar, short
+from gcodesim.cell.mesh_size import MESH_SUFFIXES, bounds
+from gcodesim.cell.nodes import Listing, Node
+from gcodesim.cell.nodes import Mapping as MappingNode
+from gcodesim.cell.placing import POINT, Place, names_of
+from gcodesim.cell.reading import FAULT, Fault, Path, Reading, suggestion
+from gcodesim.cell.records import MapOf, Record, all_keys, inline, key
+from gcodesim.cell.units import find, names, shown
+from gcodesim.diagnostics import Diagnostic
+
+Point = tuple[float, float, float]
+
+_WORDS: Final = {
+    "bottom": (2, 0.0),
+    "top": (2, 1.0),
+    "front": (1, 0.0),
+    "back": (1, 1.0),
+    "left": (0, 0.0),
+    "right": (0, 1.0),
+}
+_CENTRES: Final = ("center", "centre", "middle")
+_LEAST_SIDE: Final = 1e-6  # m; below a micrometre it is a slip of units
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Box:
+    """A box between two corners in its own frame [m]."""
+
+    lower: Point
+    upper: Point
+
+    @property
+    def size(self) -> Point:
+        return (self.upper[0] - self.lower[0], self.upper[1] - self.lower[1], self.upper[2] - self.lower[2])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cylinder:
+    """A cylinder about Z of its own frame, from height `bottom` to `top` [m]."""
+
+    radius: float
+    bottom: float
+    top: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mesh:
+    """A triangle mesh: points of the file times `scale` [m]; `lower` and `upper` are its corners [m], None if unknown."""
+
+    name: str
+    path: FilePath
+    scale: float
+    lower: Point | None
+    upper: Point | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Leftover:
+    """What an earlier run left of its stock in `folder`."""
+
+    name: str
+    folder: FilePath
+
+
+Shape = Box | Cylinder | Mesh | Leftover
+
+
+def zero_fractions(text: str) -> Point | None:
+    """`top-front-left` → where that point of a box lies, as parts of its edges: (0, 0, 1)."""
+    parts: dict[int, float] = {}
+    words = text.lower().replace("_", "-").split("-")
+    centres = 0
+    for word in words:
+        if word in _CENTRES:
+            centres += 1
+        elif word in _WORDS and _WORDS[word][0] not in parts:
+            axis, fraction = _WORDS[word]
+            parts[axis] = fraction
+        else:
+            return None
+    free = 3 - len(parts)
+    if (free and not centres) or centres > free:
+        return None
+    return (parts.get(0, 0.5), parts.get(1, 0.5), parts.get(2, 0.5))
+
+
+@dataclass(frozen=True, slots=True)
+class _Corner(Kind):
+    """The point of a box that stands at its place."""
+
+    @property
+    def expected(self) -> str:
+        return "a point of the box such as `top-front-left` or `bottom-center`"
+
+    def read(self, node: Node, to: Reading, path: Path) -> str | Fault:
+        text = scalar(self, node, to, path)
+        if isinstance(text, Fault):
+            return FAULT
+        if zero_fractions(text.text) is None:
+            return to.fault(
+                "GS711",
+                text.span,
+                f"`zero` is `{short(text.text)}`; {self.expected} is expected",
+                suggestion(text.text, CORNERS),
+            )
+        return text.text
+
+    def schema(self, definitions: dict[str, Json]) -> Json:
+        return {"type": "string", "examples": ["top-front-left", "top-center"]}
+
+
+CORNERS: Final = (
+    "top-front-left",
+    "top-front-right",
+    "top-back-left",
+    "top-back-right",
+    "top-center",
+    "center",
+    "bottom-front-left",
+    "bottom-front-right",
+    "bottom-back-left",
+    "bottom-back-right",
+    "bottom-center",
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CylinderSize:
+    """A cylinder whose axis is Z."""
+
+    diameter: float = key(Quantity("length", POSITIVE), "diameter")
+    height: float = key(Quantity("length", POSITIVE), "height")
+
+
+@dataclass(frozen=True, slots=True)
+class _CylinderKind(Kind):
+    """`{diameter: 80, height: 40}` or `[80, 40]`."""
+
+    @property
+    def expected(self) -> str:
+        return "`{diameter: 80, height: 40}` or `[diameter, height]`"
+
+    def read(self, node: Node, to: Reading, path: Path) -> CylinderSize | Fault:
+        if isinstance(node, Listing):
+            pair = Vector(Quantity("length", POSITIVE), 2).read(node, to, path)
+            return FAULT if isinstance(pair, Fault) else CylinderSize(diameter=pair[0], height=pair[1])
+        value: CylinderSize | Fault = Record(CylinderSize, "a cylinder").read(node, to, path)
+        return value
+
+    def schema(self, definitions: dict[str, Json]) -> Json:
+        pair = Vector(Quantity("length"), 2).schema(definitions)
+        return {"anyOf": [Record(CylinderSize, "a cylinder").schema(definitions), pair]}
+
+    def show(self, value: Any) -> Any:
+        return Record(CylinderSize, "a cylinder").show(value)
+
+    def plain(self, value: Any) -> tuple[str, Any]:
+        return Record(CylinderSize, "a cylinder").plain(value)
+
+
+@dataclass(frozen=True, slots=True)
+class _LengthUnit(Kind):
+    """The unit of a mesh file, as its factor."""
+
+    @property
+    def expected(self) -> str:
+        return f"a unit of length ({', '.join(names('length'))})"
+
+    def read(self, node: Node, to: Reading, path: Path) -> str | Fault:
+        text = scalar(self, node, to, path)
+        if isinstance(text, Fault):
+            return FAULT
+        unit = find(text.text, "length")
+        if unit is None:
+            return to.fault("GS709", text.span, f"`{path[-1]}` is `{short(text.text)}`; {self.expected} is expected")
+        return unit.name
+
+    def schema(self, definitions: dict[str, Json]) -> Json:
+        return {"enum": list(names("length"))}
+
+
+LENGTH_UNIT = _LengthUnit()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Body:
+    """A shape by one of `box`, `min` with `max`, `cylinder`, `mesh`; the derived `shape` is in the body's own frame.
+
+    `zero` is the point of a box (or of a cylinder) that stands at `xyz`.
+    """
+
+    box: Point | None = key(Vector(Quantity("length", POSITIVE), 3), "edge lengths", default=None)
+    zero: str | None = key(_Corner(), "the point that stands at `xyz` (default bottom-front-left)", default=None)
+    min: Point | None = key(POINT, "least corner of a box", default=None)
+    max: Point | None = key(POINT, "greatest corner of a box", default=None)
+    cylinder: CylinderSize | None = key(_CylinderKind(), "a cylinder about Z", default=None)
+    mesh: FileValue | None = key(File("a mesh file"), "a triangle mesh", default=None)
+    unit: str | None = key(LENGTH_UNIT, "unit of the mesh file", default=None)
+
+
+def _shape_of(body: Body, what: str, extra: tuple[str, ...], to: Reading, path: Path) -> Shape | Fault | None:
+    """The one shape that a body names; None when it is one of `extra`."""
+    corner = ("min", "max")
+    given = [name for name in ("box", "cylinder", "mesh", *corner) if getattr(body, name) is not None] + list(extra)
+    shapes = list(dict.fromkeys("min/max" if name in corner else name for name in given))
+    if not shapes:
+        return to.fault(
+            "GS705",
+            to.span(path),
+            f"{what} has no shape",
+            "give one of `box`, `min` with `max`, `cylinder`, `mesh`" + (", `from`" if what == "stock" else ""),
+        )
+    if len(shapes) > 1:
+        named = [name for name in given if to.spans.get((*path, name))]
+        last = max(named, key=lambda name: (to.spans[(*path, name)].line, to.spans[(*path, name)].column))
+        return to.fault(
+            "GS719",
+            to.span((*path, last)),
+            f"{what} has {len(shapes)} shapes: {', '.join(f'`{s}`' for s in shapes)}",
+            "give one",
+        )
+    if body.unit is not None and body.mesh is None:
+        return to.fault(
+            "GS719", to.span((*path, "unit")), "`unit` belongs to a `mesh`", "write units behind the numbers"
+        )
+    if body.zero is not None and body.box is None and body.cylinder is None:
+        return to.fault(
+            "GS719", to.span((*path, "zero")), "`zero` belongs to a `box` or `cylinder`", "place it by `xyz`"
+        )
+    if extra:
+        return None
+    return _single_shape(body, to, path)
+
+
+def _single_shape(body: Body, to: Reading, path: Path) -> Shape | Fault:
+    default_zero = "bottom-front-left" if body.box is not None else "bottom-center"
+    if body.zero is None and (body.box is not None or body.cylinder is not None):
+        to.default((*path, "zero"), default_zero)
+    fractions = zero_fractions(body.zero or default_zero)
+    assert fractions is not None
+    if body.box is not None:
+        return _sound_box(box_about_zero(body.box, fractions), "box", to, path)
+    if body.cylinder is not None:
+        if fractions[:2] != (0.5, 0.5):
+            return to.fault(
+                "GS711",
+                to.span((*path, "zero")),
+                f"the zero of a cylinder lies on its axis, not at `{body.zero}`",
+                "`top-center`, `center` or `bottom-center`",
+            )
+        height = body.cylinder.height
+        return Cylinder(
+            radius=0.5 * body.cylinder.diameter, bottom=-fractions[2] * height, top=(1.0 - fractions[2]) * height
+        )
+    if body.mesh is not None:
+        return _mesh(body.mesh, body.unit, to, path)
+    return _box_between(body, to, path)
+
+
+def box_about_zero(size: Point, fractions: Point) -> Box:
+    """The box of `size` whose point at `fractions` of its edges is the origin."""
+    lower = tuple(-f * s + 0.0 for f, s in zip(fractions, size, strict=True))
+    upper = tuple((1.0 - f) * s for f, s in zip(fractions, size, strict=True))
+    return Box(lower=(lower[0], lower[1], lower[2]), upper=(upper[0], upper[1], upper[2]))
+
+
+def _sound_box(box: Box, name: str, to: Reading, path: Path) -> Box | Fault:
+    thin = [axis for axis, side in zip("XYZ", box.size, strict=True) if side < _LEAST_SIDE]
+    if not thin:
+        return box
+    return to.fault(
+        "GS710", to.span((*path, name)), f"the box is thinner than {shown(_LEAST_SIDE, 'length')} in {', '.join(thin)}"
+    )
+
+
+def _box_between(body: Body, to: Reading, path: Path) -> Shape | Fault:
+    for name, other in (("min", "max"), ("max", "min")):
+        if getattr(body, name) is None:
+            return to.fault(
+                "GS705", to.span((*path, other)), f"`{other}` stands without `{name}`", "a box needs both corners"
+            )
+    assert body.min is not None and body.max is not None
+    for index, axis in enumerate("XYZ"):
+        low, high = body.min[index], body.max[index]
+        if not high - low >= _LEAST_SIDE:
+            span = to.span((*path, "max", index))
+            return to.fault(
+                "GS710",
+                span,
+                f"`max` is {shown(high, 'length')} in {axis}; it must be greater than `min`, {shown(low, 'length')}",
+            )
+    return Box(lower=body.min, upper=body.max)
+
+
+def _mesh(file: FileValue, unit: str | None, to: Reading, path: Path) -> Mesh | Fault:
+    span = to.span((*path, "mesh"))
+    if FilePath(file.name).suffix.lower() not in MESH_SUFFIXES:
+        return to.fault(
+            "GS716",
+            span,
+            f"`{short(file.name)}` is no mesh file that is read",
+            f"these are: {', '.join(MESH_SUFFIXES)}",
+        )
+    corners = bounds(file.name, to.shelf.sources[file.name].raw)
+    if isinstance(corners, str):
+        return to.fault("GS716", span, f"`{short(file.name)}` is no sound mesh: {corners}")
+    scale = find(unit or "mm", "length")
+    assert scale is not None
+    lower = upper = None
+    size = ""
+    if corners is not None:
+        lower = (corners[0][0] * scale.factor, corners[0][1] * scale.factor, corners[0][2] * scale.factor)
+        upper = (corners[1][0] * scale.factor, corners[1][1] * scale.factor, corners[1][2] * scale.factor)
+        size = " x ".join(f"{(high - low) / 1e-3:.6g}" for low, high in zip(lower, upper, strict=True)) + " mm"
+    if unit is None:
+        to.findings.add(
+            Diagnostic(
+                code="GS717",
+                span=span,
+                message=f"`{short(file.name)}` has no `unit`; in mm it is {size or 'of unknown size'}",
+                hint="write `unit: mm` (or `m`, `in`) beside it",
+            )
+        )
+        to.default((*path, "unit"), "mm", "assumed")
+    return Mesh(name=file.name, path=file.path, scale=scale.factor, lower=lower, upper=upper)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StockSpec(Body):
+    """Material to work on. `place.frame` None: placed by the rules of `placement.py`."""
+
+    name: str = "stock"
+    leftover: FileValue | None = key(
+        File("the folder of an earlier run", is_folder=True), "what an earlier run left", name="from", default=None
+    )
+    place: Place = inline(Place)
+    material: str | None = key(Text(), "id or alias of a material; without one it is cut without force", default=None)
+    resolution: float | None = key(Quantity("length", POSITIVE), "grid of the stock", default=None)
+    shape: Shape = field(default=Box(lower=(0.0, 0.0, 0.0), upper=(0.0, 0.0, 0.0)))
+
+    def checked(self, to: Reading, path: Path) -> StockSpec | Fault:
+        shape = _shape_of(self, "stock", ("from",) if self.leftover is not None else (), to, path)
+        if isinstance(shape, Fault):
+            return FAULT
+        if shape is None:
+            assert self.leftover is not None
+            shape = Leftover(name=self.leftover.name, folder=self.leftover.path)
+        return replace(self, shape=shape)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Fixture(Body):
+    """A body that must not be touched: vise, clamp, table."""
+
+    name: str = ""
+    place: Place = inline(Place)
+    shape: Shape = field(default=Box(lower=(0.0, 0.0, 0.0), upper=(0.0, 0.0, 0.0)))
+
+    def checked(self, to: Reading, path: Path) -> Fixture | Fault:
+        shape = _shape_of(self, "the fixture", (), to, path)
+        if isinstance(shape, Fault) or shape is None:
+            return FAULT
+        if self.place.frame is None:
+            to.default((*path, "in"), "world")
+        return replace(self, name=str(path[-1]), shape=shape)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Target:
+    """The part as it should become."""
+
+    mesh: FileValue = key(File("a mesh file"), "the finished part")
+    unit: str | None = key(LENGTH_UNIT, "unit of the mesh file", default=None)
+    place: Place = inline(Place)
+    tolerance: float = key(Quantity("length", POSITIVE), "largest deviation that is no finding", default=1e-4)
+    shape: Mesh | None = None
+
+    def checked(self, to: Reading, path: Path) -> Target | Fault:
+        shape = _mesh(self.mesh, self.unit, to, path)
+        return FAULT if isinstance(shape, Fault) else replace(self, shape=shape)
+
+
+_STOCK: Final = Record(StockSpec, "stock")
+_SHAPE_KEYS: Final = ("box", "cylinder", "mesh", "min", "max", "from")
+
+
+@dataclass(frozen=True, slots=True)
+class StockKind(Kind):
+    """One stock, when a shape key stands in the mapping, else stock by name."""
+
+    @property
+    def expected(self) -> str:
+        return "stock such as `{box: [100, 60, 20], zero: top-front-left}`"
+
+    def read(self, node: Node, to: Reading, path: Path) -> Mapping[str, StockSpec] | Fault:
+        if isinstance(node, MappingNode) and self._is_one(node):
+            one = _STOCK.read(node, to, path)
+            return FAULT if isinstance(one, Fault) else {"stock": one}
+        named = MapOf(names_of("stock"), _STOCK, "stock by name, or one with a shape key such as `box`").read(
+            node, to, path
+        )
+        if isinstance(named, Fault):
+            return FAULT
+        return {name: replace(stock, name=name) for name, stock in named.items()}
+
+    @staticmethod
+    def _is_one(node: MappingNode) -> bool:
+        own = [name.text for name, _ in node.entries]
+        if any(name in _SHAPE_KEYS for name in own):
+            return True
+        # no shape key, but nothing that could be a stock of its own either: one stock whose shape is missing or misspelled
+        return bool(own) and not any(
+            isinstance(value, MappingNode) for name, value in node.entries if name.text not in all_keys(StockSpec)
+        )
+
+    def schema(self, definitions: dict[str, Json]) -> Json:
+        one = _STOCK.schema(definitions)
+        many = MapOf(names_of("stock"), _STOCK, "stock").schema(definitions)
+        return {"anyOf": [one, many]}
+
+    def show(self, value: Any) -> Any:
+        return {name: _STOCK.show(stock) for name, stock in value.items()}
+
+    def plain(self, value: Any) -> tuple[str, Any]:
+        return "", {name: _STOCK.plain(stock)[1] for name, stock in value.items()}
+
+
+@dataclass(frozen=True, slots=True)
+class FixtureKind(Kind):
+    """Fixtures by name."""
+
+    @property
+    def expected(self) -> str:
+        return "fixtures by name, such as `clamp: {box: [20, 20, 15], in: table}`"
+
+    def _map(self) -> MapOf:
+        return MapOf(names_of("fixture"), Record(Fixture, "the fixture"), self.expected)
+
+    def read(self, node: Node, to: Reading, path: Path) -> Any:
+        return self._map().read(node, to, path)
+
+    def schema(self, definitions: dict[str, Json]) -> Json:
+        return self._map().schema(definitions)
+
+    def show(self, value: Any) -> Any:
+        return self._map().show(value)
+
+    def plain(self, value: Any) -> tuple[str, Any]:
+        return self._map().plain(value)

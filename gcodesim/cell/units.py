@@ -1,0 +1,206 @@
+"""The units that a cell may write, in one table, and what a plain number means.
+
+A unit belongs to a dimension. `N/mm` is both a stiffness and a force per
+length of edge, so the key decides which dimension is meant and only its rows
+are looked at.
+"""
+
+from __future__ import annotations
+
+import difflib
+from dataclasses import dataclass
+from functools import cache
+from math import pi
+from typing import Final
+
+from gcodesim import units as si
+
+INCH_POUND: Final = 0.45359237  # kg
+STANDARD_GRAVITY: Final = 9.80665
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Dimension:
+    """What is measured. `shown` is the unit of listings, `suffix` how it is written in names of JSON keys.
+
+    `plain` says that a number without unit is allowed (lengths, angles, ratios); all others carry their unit.
+    """
+
+    name: str
+    article: str
+    shown: str
+    suffix: str
+    example: str
+    plain: bool = False
+
+    def __str__(self) -> str:
+        return f"{self.article} {self.name}"
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """A unit: `factor` turns it into SI; `aliases` are other spellings."""
+
+    name: str
+    dimension: str
+    factor: float
+    aliases: tuple[str, ...] = ()
+
+
+def _dimension(name: str, shown: str, suffix: str, example: str, *, plain: bool = False) -> Dimension:
+    article = "an" if name[0] in "aeiou" else "a"
+    return Dimension(name=name, article=article, shown=shown, suffix=suffix, example=example, plain=plain)
+
+
+DIMENSIONS: Final[dict[str, Dimension]] = {
+    d.name: d
+    for d in (
+        _dimension("length", "mm", "mm", "10 mm", plain=True),
+        _dimension("angle", "deg", "deg", "30 deg", plain=True),
+        _dimension("ratio", "", "", "0.3", plain=True),
+        _dimension("time", "s", "s", "6 s"),
+        _dimension("frequency", "Hz", "Hz", "250 Hz"),
+        _dimension("speed", "mm/min", "mm_min", "30 m/min"),
+        _dimension("angular speed", "deg/s", "deg_s", "180 deg/s"),
+        _dimension("rotational speed", "rpm", "rpm", "24000 rpm"),
+        _dimension("acceleration", "m/s^2", "m_s2", "3 m/s^2"),
+        _dimension("angular acceleration", "deg/s^2", "deg_s2", "600 deg/s^2"),
+        _dimension("mass", "kg", "kg", "50 kg"),
+        _dimension("force", "N", "N", "400 N"),
+        _dimension("torque", "N·m", "Nm", "20 N·m"),
+        _dimension("power", "W", "W", "3 kW"),
+        _dimension("pressure", "N/mm^2", "N_mm2", "1700 N/mm^2"),
+        _dimension("force per length", "N/mm", "N_mm", "13 N/mm"),
+        _dimension("stiffness", "N/mm", "N_mm", "1e5 N/mm"),
+        _dimension("torsional stiffness", "N·m/rad", "Nm_rad", "1.5e5 N·m/rad"),
+        _dimension("volume flow", "mm^3/s", "mm3_s", "12 mm^3/s"),
+        _dimension("density", "kg/m^3", "kg_m3", "2700 kg/m^3"),
+    )
+}
+
+UNITS: Final[tuple[Unit, ...]] = (
+    Unit("mm", "length", si.MM),
+    Unit("m", "length", 1.0),
+    Unit("cm", "length", 1e-2),
+    Unit("um", "length", si.UM),
+    Unit("in", "length", si.INCH, ("inch", '"')),
+    Unit("ft", "length", si.FOOT, ("foot",)),
+    Unit("deg", "angle", si.DEG, ("degree", "degrees")),
+    Unit("rad", "angle", 1.0),
+    Unit("rev", "angle", 2.0 * pi, ("turn",)),
+    Unit("%", "ratio", 0.01, ("percent",)),
+    Unit("s", "time", 1.0, ("sec",)),
+    Unit("ms", "time", 1e-3),
+    Unit("us", "time", 1e-6),
+    Unit("min", "time", si.MINUTE),
+    Unit("h", "time", 3600.0),
+    Unit("Hz", "frequency", 1.0, ("1/s",)),
+    Unit("kHz", "frequency", 1e3),
+    Unit("mm/min", "speed", si.MM_PER_MINUTE),
+    Unit("m/min", "speed", 1.0 / si.MINUTE),
+    Unit("mm/s", "speed", si.MM),
+    Unit("m/s", "speed", 1.0),
+    Unit("in/min", "speed", si.INCH / si.MINUTE, ("ipm",)),
+    Unit("in/s", "speed", si.INCH),
+    Unit("deg/s", "angular speed", si.DEG),
+    Unit("rad/s", "angular speed", 1.0),
+    Unit("deg/min", "angular speed", si.DEG / si.MINUTE),
+    Unit("rpm", "angular speed", si.RPM, ("rev/min", "1/min", "r/min")),
+    Unit("rpm", "rotational speed", si.RPM, ("rev/min", "1/min", "r/min", "min^-1")),
+    Unit("rad/s", "rotational speed", 1.0),
+    Unit("Hz", "rotational speed", 2.0 * pi, ("1/s", "rev/s")),
+    Unit("m/s^2", "acceleration", 1.0),
+    Unit("mm/s^2", "acceleration", si.MM),
+    Unit("in/s^2", "acceleration", si.INCH),
+    Unit("g", "acceleration", STANDARD_GRAVITY),
+    Unit("deg/s^2", "angular acceleration", si.DEG),
+    Unit("rad/s^2", "angular acceleration", 1.0),
+    Unit("kg", "mass", 1.0),
+    Unit("g", "mass", 1e-3),
+    Unit("lb", "mass", INCH_POUND),
+    Unit("N", "force", 1.0),
+    Unit("kN", "force", 1e3),
+    Unit("lbf", "force", INCH_POUND * STANDARD_GRAVITY),
+    Unit("N·m", "torque", 1.0, ("Nm",)),
+    Unit("N·mm", "torque", si.MM, ("Nmm",)),
+    Unit("kN·m", "torque", 1e3, ("kNm",)),
+    Unit("W", "power", 1.0),
+    Unit("kW", "power", si.KW),
+    Unit("N/mm^2", "pressure", si.N_PER_MM2, ("MPa",)),
+    Unit("Pa", "pressure", 1.0, ("N/m^2",)),
+    Unit("kPa", "pressure", 1e3),
+    Unit("bar", "pressure", 1e5),
+    Unit("GPa", "pressure", 1e9, ("kN/mm^2",)),
+    Unit("N/mm", "force per length", si.N_PER_MM, ("kN/m",)),
+    Unit("N/m", "force per length", 1.0),
+    Unit("N/mm", "stiffness", si.N_PER_MM, ("kN/m",)),
+    Unit("N/m", "stiffness", 1.0),
+    Unit("N/um", "stiffness", 1e6, ("kN/mm",)),
+    Unit("N·m/rad", "torsional stiffness", 1.0, ("Nm/rad",)),
+    Unit("kN·m/rad", "torsional stiffness", 1e3, ("kNm/rad",)),
+    Unit("N·m/deg", "torsional stiffness", 1.0 / si.DEG, ("Nm/deg",)),
+    Unit("mm^3/s", "volume flow", si.MM3),
+    Unit("cm^3/min", "volume flow", 1e-6 / si.MINUTE),
+    Unit("l/min", "volume flow", 1e-3 / si.MINUTE),
+    Unit("m^3/s", "volume flow", 1.0),
+    Unit("kg/m^3", "density", 1.0),
+    Unit("g/cm^3", "density", 1e3),
+)
+
+# one way of writing for every sign that keyboards and documents offer
+_SPELLING = str.maketrans(
+    {"⋅": "·", "∙": "·", "*": "·", "µ": "u", "μ": "u", "²": "^2", "³": "^3", "°": "deg", "″": '"'}
+)
+
+
+def normal(text: str) -> str:
+    """A unit as the table writes it: no blanks, one middle dot, `^2` for ², `u` for µ, `deg` for °."""
+    text = text.strip().translate(_SPELLING)
+    text = text.replace(" / ", "/").replace("/ ", "/").replace(" /", "/").replace(" · ", "·")
+    return "·".join(text.split()).replace("s2", "s^2").replace("mm2", "mm^2").replace("^^", "^")
+
+
+@cache
+def _by_spelling() -> dict[str, tuple[Unit, ...]]:
+    table: dict[str, list[Unit]] = {}
+    for unit in UNITS:
+        for spelling in (unit.name, *unit.aliases):
+            table.setdefault(normal(spelling), []).append(unit)
+    return {spelling: tuple(units) for spelling, units in table.items()}
+
+
+def find(text: str, dimension: str) -> Unit | None:
+    """The unit of `dimension` that is spelled `text`."""
+    return next((u for u in _by_spelling().get(normal(text), ()) if u.dimension == dimension), None)
+
+
+def measures(text: str) -> tuple[str, ...]:
+    """What a unit spelled `text` measures; empty when there is no such unit."""
+    return tuple(u.dimension for u in _by_spelling().get(normal(text), ()))
+
+
+def names(dimension: str) -> tuple[str, ...]:
+    """The units of a dimension, the usual ones first."""
+    return tuple(u.name for u in UNITS if u.dimension == dimension)
+
+
+def nearest(text: str, dimension: str) -> str | None:
+    """The unit of `dimension` that a misspelled `text` may mean."""
+    own = {s.lower(): u.name for s, us in _by_spelling().items() for u in us if u.dimension == dimension}
+    close = difflib.get_close_matches(normal(text).lower(), own, n=1, cutoff=0.6)
+    return own[close[0]] if close else None
+
+
+def in_unit(value: float, unit: Unit) -> float:
+    """An SI value in `unit`, without the last-digit noise of the division."""
+    return float(f"{value / unit.factor:.12g}")
+
+
+def shown(value: float, dimension: str) -> str:
+    """An SI value as people read it: `10 mm`."""
+    d = DIMENSIONS[dimension]
+    if not d.shown:
+        return f"{value:.10g}"
+    unit = find(d.shown, dimension)
+    assert unit is not None
+    return f"{in_unit(value, unit):.10g} {d.shown}"
