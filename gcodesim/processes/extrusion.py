@@ -11,12 +11,15 @@ from math import pi
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gcodesim.processes.window import ProcessState, ProcessStep, Window
 from gcodesim.tools.extruder import Extruder
 
 if TYPE_CHECKING:
     from gcodesim.material.stock import Stock
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -36,7 +39,7 @@ class Extrusion:
         n = window.steps
         laid = window.active[window.piece_step]
         lengths = np.linalg.norm(window.piece_end - window.piece_start, axis=1) * laid
-        nominal = np.bincount(window.piece_step, self.extruder.bead_area * lengths, minlength=n)
+        nominal = _sums(window.piece_step, self.extruder.bead_area * lengths, n)
         added = np.zeros(n)
         if stock is not None and laid.any():
             found = stock.add_bead(
@@ -45,8 +48,15 @@ class Extrusion:
                 self.extruder.bead_width,
                 self.extruder.bead_height,
             )
-            added = np.bincount(window.piece_step[laid], found.volume, minlength=n)
+            added = _sums(window.piece_step[laid], found.volume, n)
         return replace(ProcessStep.idle(n), removed=-added, nominal=nominal, engaged=nominal > 0.0)
+
+
+def _sums(step: NDArray[np.int64], value: Array, steps: int) -> Array:
+    """Sums (steps,) of `value` (c,) over the pieces of each step."""
+    totals = np.zeros(steps)
+    np.add.at(totals, step, value)
+    return totals
 
 
 def bead_area(width: float, height: float) -> float:

@@ -7,25 +7,26 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS401",
         severity=Severity.ERROR,
-        title="rapid move through stock",
+        title="Rapid move through stock",
         what="A G0 move took away more material than the error bound of the simulated stock can explain.",
-        why="At rapid speed a chip is many times thicker than a cutter stands: it breaks, or pulls the part out of the vise.",
+        why="At rapid speed a chip is many times thicker than a cutter stands: it breaks, or pulls the part "
+        "out of the vise.",
         remedy="Retract higher before the move, or make it a feed move (G1). Check work offset and tool length if the "
         "height looks right; on machines that move rapids axis by axis, the path is not the straight line.",
     ),
     Code(
         code="GS402",
         severity=Severity.ERROR,
-        title="tool inside stock at the start",
+        title="Tool inside stock at the start",
         what="When the program begins, the tool already stands in the stock. It cuts nothing until it has left it.",
-        why="On the machine this would be a crash before the first block; here it usually means that stock, work offset "
-        "or home position of the cell do not belong together.",
+        why="On the machine this would be a crash before the first block; here it usually means that stock, work "
+        "offset or home position of the cell do not belong together.",
         remedy="Check `stock`, `work_offsets` and `home` in the cell; the message says where the tip stands.",
     ),
     Code(
         code="GS403",
         severity=Severity.ERROR,
-        title="tool inside stock after a tool change",
+        title="Tool inside stock after a tool change",
         what="A tool was changed, or its length offset became true, where the new tool stands in the stock.",
         why="The new tool would have to be pushed into solid material. It cuts nothing until it has left the stock.",
         remedy="Retract before M6, far enough for the longest tool.",
@@ -33,7 +34,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS404",
         severity=Severity.ERROR,
-        title="shank in stock",
+        title="Shank in stock",
         what="The part of the tool above its flutes ran into material.",
         why="A shank rubs, burns and pushes the tool aside; it does not cut.",
         remedy="Use a longer flute or take the depth in steps that clear the walls; check `flute_length` of the tool.",
@@ -41,7 +42,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS405",
         severity=Severity.ERROR,
-        title="holder in stock",
+        title="Holder in stock",
         what="The tool holder ran into material.",
         why="The holder collides with full force of the drives; tool, spindle or part are damaged.",
         remedy="Use a longer tool or a slimmer holder, or cut less deep beside a wall; check `length` and `holder`.",
@@ -49,7 +50,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS406",
         severity=Severity.ERROR,
-        title="tool is not upright in the stock",
+        title="Tool is not upright in the stock",
         what="The tool axis leans against the Z axis of the stock frame while it is near material. Cutting with a "
         "leaning tool is not computed: from here on the stock keeps material that a machine would take away.",
         why="Forces and removal for this piece of the program are missing from all results.",

@@ -7,7 +7,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS501",
         severity=Severity.ERROR,
-        title="feed into stock with the spindle stopped",
+        title="Feed into stock with the spindle stopped",
         what="A feed move took material away while the spindle stood still. No force is computed for it.",
         why="A cutter that does not turn is pushed through the material and breaks.",
         remedy="Start the spindle with S and M3 before the first cut; look for an M5, M6 or M0 in between.",
@@ -15,24 +15,25 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS502",
         severity=Severity.ERROR,
-        title="feed into stock with the spindle reversed",
-        what="A feed move took material away while the spindle ran counter-clockwise (M4). No force is computed for it.",
+        title="Feed into stock with the spindle reversed",
+        what="A feed move took material away while the spindle ran counter-clockwise (M4). No force is "
+        "computed for it.",
         why="Right-hand cutters turning backwards rub with the back of their teeth and burn.",
         remedy="Use M3. Left-hand cutters cannot be described yet.",
     ),
     Code(
         code="GS503",
         severity=Severity.WARNING,
-        title="program ends with the spindle on",
+        title="Program ends with the spindle on",
         what="The program ends while the spindle is running.",
-        why="M2 and M30 stop the spindle on most controls, but not on all of them, and the next tool change or a hand in "
-        "the machine may come before somebody notices.",
+        why="M2 and M30 stop the spindle on most controls, but not on all of them, and the next tool change or a hand "
+        "in the machine may come before somebody notices.",
         remedy="Put M5 before the end of the program.",
     ),
     Code(
         code="GS504",
         severity=Severity.WARNING,
-        title="program ends with a process on",
+        title="Program ends with a process on",
         what="The program ends while a process tool that an M-code switched on is still active.",
         why="An extruder, jet or gun that is left on goes on spending material at the last point.",
         remedy="Switch it off before the end; the cell's `m_codes` say which word does it.",
@@ -40,7 +41,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS505",
         severity=Severity.WARNING,
-        title="program ends with coolant on",
+        title="Program ends with coolant on",
         what="The program ends while flood or mist coolant is on.",
         why="M2 and M30 stop coolant on most controls, but not on all of them.",
         remedy="Put M9 before the end of the program.",
@@ -48,7 +49,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS510",
         severity=Severity.ERROR,
-        title="spindle power exceeded",
+        title="Spindle power exceeded",
         what="The mean cutting power of a revolution is above the limit of the cell.",
         why="The spindle slows down or stalls in the cut.",
         remedy="Reduce feed, depth or width of the cut on this line; power grows with the removal rate.",
@@ -56,7 +57,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS511",
         severity=Severity.ERROR,
-        title="spindle torque exceeded",
+        title="Spindle torque exceeded",
         what="The mean cutting torque of a revolution is above the limit of the cell.",
         why="The spindle slows down or stalls in the cut, the more so at low speed.",
         remedy="Reduce feed per tooth or depth, or use a cutter of smaller diameter.",
@@ -64,7 +65,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS512",
         severity=Severity.ERROR,
-        title="process force exceeded",
+        title="Process force exceeded",
         what="The mean force on the tool is above the limit of the cell.",
         why="Forces of this size overload the tool, the clamping or the robot.",
         remedy="Reduce feed per tooth, depth or width of the cut on this line.",
@@ -72,7 +73,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS513",
         severity=Severity.ERROR,
-        title="spindle speed outside its range",
+        title="Spindle speed outside its range",
         what="S asks for a speed that the spindle of the cell does not reach.",
         why="The control refuses the program, or turns at its limit and changes chip load and cutting speed.",
         remedy="Change S, or the limits of the spindle in the cell if they are wrong.",
@@ -80,9 +81,10 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS520",
         severity=Severity.WARNING,
-        title="cutting constants in doubt",
+        title="Cutting constants in doubt",
         what="The cell uses a material of the library whose source contradicts itself.",
         why="Forces may be wrong by a multiple.",
-        remedy="Choose another entry (the note of the entry says what is wrong), or give own constants under `materials`.",
+        remedy="Choose another entry (the note of the entry says what is wrong), or give own constants under "
+        "`materials`.",
     ),
 )
