@@ -10,6 +10,7 @@ from __future__ import annotations
 import struct
 import zlib
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from io import BytesIO
 from pathlib import Path
@@ -17,6 +18,7 @@ from typing import Any, BinaryIO, Final, NamedTuple
 
 import zstandard
 from mcap.data_stream import ReadDataStream
+from mcap.exceptions import EndOfFile
 from mcap.opcode import Opcode
 from mcap.records import (
     Attachment,
@@ -37,6 +39,7 @@ from gcodesim.log.rows import MESSAGE_OPCODE, RECORD_HEAD
 _RECORD: Final = struct.Struct("<BQ")
 _MESSAGE: Final = struct.Struct("<HIQQ")
 _CHUNK: Final = struct.Struct("<QQQII")
+_DAMAGE: Final = (struct.error, UnicodeDecodeError, EndOfFile)  # what reading a damaged record may raise
 _FOOTER_SIZE: Final = RECORD_HEAD + 20 + len(MAGIC)
 
 
@@ -75,9 +78,7 @@ class LogFile:
     channels: dict[int, Any] = field(default_factory=dict)
     chunks: list[ChunkPlace] = field(default_factory=list)
     metadata: dict[str, Mapping[str, str]] = field(default_factory=dict)
-    attachments: dict[str, tuple[int, int]] = field(
-        default_factory=dict
-    )  # name: offset of the record, size of the data
+    attachments: dict[str, tuple[int, int]] = field(default_factory=dict)  # name: offset of the record, data size
     counts: dict[int, int] = field(default_factory=dict)  # messages by channel
 
     @staticmethod
@@ -92,7 +93,13 @@ class LogFile:
             head = stream.read(len(MAGIC))
             if head != MAGIC:
                 raise LogReadError(f"{log.path.name} is no log: it does not begin like an MCAP file")
-            if not log._read_summary(stream):
+            try:
+                if log._read_summary(stream):
+                    return log
+            except _DAMAGE:
+                log.problem = "the index at the end of the file is damaged"
+            log = LogFile(log.path, problem=log.problem or "the file ends before its index")
+            with suppress(*_DAMAGE):
                 log._walk(stream)
         return log
 
@@ -175,7 +182,6 @@ class LogFile:
 
     def _walk(self, stream: BinaryIO) -> None:
         """Fill in record by record up to the first that is not whole."""
-        self.problem = self.problem or "the file ends before its index"
         size = stream.seek(0, 2)
         at = len(MAGIC)
         while at + RECORD_HEAD <= size:

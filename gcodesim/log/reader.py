@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.log.logfile import LogFile, LogReadError
 from gcodesim.log.schema import decoder
-
-_DURATION: Final = "duration_ns"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,10 +84,10 @@ def summary(path: Path) -> LogSummary:
     )
     problem, events, interrupted, stopped_at = log.problem, {"note": 0, "warning": 0, "error": 0}, False, None
     try:
-        for _, event in _decoded(log, "/event"):
+        for _, event in _decoded(log, "/event", "gcodesim.Event"):
             events[event.severity] = events.get(event.severity, 0) + 1
             interrupted |= event.code == "interrupted"
-        last = next(_decoded(log, "/program", backwards=True), None)
+        last = next(_decoded(log, "/program", "gcodesim.Program", backwards=True), None)
         if last is not None and last[1].line:
             stopped_at = Place(file=last[1].file, line=last[1].line, text=last[1].text)
     except LogReadError as error:
@@ -149,11 +147,16 @@ def read_columns(path: Path, topic: str, fields: Sequence[str]) -> dict[str, NDA
     return columns
 
 
-def _decoded(log: LogFile, topic: str, *, backwards: bool = False) -> Iterator[tuple[int, Any]]:
+def _decoded(log: LogFile, topic: str, wanted: str = "", *, backwards: bool = False) -> Iterator[tuple[int, Any]]:
+    """Messages of a topic; none when it is not there or not of the `wanted` schema."""
     channel = log.channel_id(topic)
     if channel is None:
         return
-    schema = log.schemas[log.channels[channel].schema_id]
+    schema = log.schemas.get(log.channels[channel].schema_id)
+    if schema is None or (wanted and schema.name != wanted):
+        return
+    if schema.encoding != "protobuf":
+        raise LogReadError(f"{topic} is coded as '{schema.encoding or 'nothing known'}', not as protobuf")
     kind = decoder(schema.name, schema.data)
     for message in log.messages(channel, backwards=backwards):
         yield message.t_ns, kind.FromString(message.data)
@@ -174,7 +177,7 @@ def _value(message: Any, parts: list[tuple[str, int | None]]) -> Any:
     if not hasattr(message, "DESCRIPTOR") or name not in message.DESCRIPTOR.fields_by_name:
         raise ValueError(f"no field '{name}'")
     value = getattr(message, name)
-    repeated = message.DESCRIPTOR.fields_by_name[name].is_repeated
+    repeated = not hasattr(value, "DESCRIPTOR") and not isinstance(value, (str, bytes, bool, int, float))
     if repeated and index is None:
         return [_value(item, rest) for item in value] if rest else list(value)
     if repeated:
