@@ -1,0 +1,88 @@
+"""Machines: pose to joints and back, one file per family. Knows no time and no material.
+
+Names load on first use: reading a URDF needs no compiler.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from gcodesim.family import Family
+
+if TYPE_CHECKING:
+    from gcodesim.kinematics.cartesian import Axis, Cartesian, chain_of_axes
+    from gcodesim.kinematics.chain import Chain, Inertial, Joint, Joints, Link, LinkShape, Shape
+    from gcodesim.kinematics.choice import kinematics_of
+    from gcodesim.kinematics.compliance import compliance, shift_jacobian
+    from gcodesim.kinematics.models import MODELS, Model, model_path
+    from gcodesim.kinematics.protocol import Kinematics, Reason, Status
+    from gcodesim.kinematics.serial import SerialArm
+    from gcodesim.kinematics.spherical_wrist import SphericalWrist
+    from gcodesim.kinematics.urdf import load_urdf
+
+# `kinematics_of` asks each whether a chain is its own
+KINEMATICS = Family(
+    "kinematics",
+    cartesian="gcodesim.kinematics.cartesian:Cartesian",
+    spherical_wrist="gcodesim.kinematics.spherical_wrist:SphericalWrist",
+    serial="gcodesim.kinematics.serial:SerialArm",
+)
+
+_PLACES = {
+    "Axis": "cartesian",
+    "Cartesian": "cartesian",
+    "Chain": "chain",
+    "Inertial": "chain",
+    "Joint": "chain",
+    "Joints": "chain",
+    "Kinematics": "protocol",
+    "Link": "chain",
+    "LinkShape": "chain",
+    "MODELS": "models",
+    "Model": "models",
+    "Reason": "protocol",
+    "SerialArm": "serial",
+    "Shape": "chain",
+    "SphericalWrist": "spherical_wrist",
+    "Status": "protocol",
+    "chain_of_axes": "cartesian",
+    "compliance": "compliance",
+    "kinematics_of": "choice",
+    "load_urdf": "urdf",
+    "model_path": "models",
+    "shift_jacobian": "compliance",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _PLACES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"gcodesim.kinematics.{_PLACES[name]}"), name)
+
+
+__all__ = [
+    "KINEMATICS",
+    "MODELS",
+    "Axis",
+    "Cartesian",
+    "Chain",
+    "Inertial",
+    "Joint",
+    "Joints",
+    "Kinematics",
+    "Link",
+    "LinkShape",
+    "Model",
+    "Reason",
+    "SerialArm",
+    "Shape",
+    "SphericalWrist",
+    "Status",
+    "chain_of_axes",
+    "compliance",
+    "kinematics_of",
+    "load_urdf",
+    "model_path",
+    "shift_jacobian",
+]

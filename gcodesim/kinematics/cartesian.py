@@ -1,0 +1,202 @@
+"""Machine tools: linear axes X, Y, Z and rotary axes A, B, C, each on the tool's or on the work's side."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final, Literal
+
+import numpy as np
+
+from gcodesim.frames import Array, Pose, rotation_from_rpy
+from gcodesim.kinematics.chain import Chain, Inertial, Joint, Link
+from gcodesim.kinematics.machine import Machine, poses, rows
+from gcodesim.kinematics.protocol import Reason, Status, Statuses
+from gcodesim.kinematics.reasons import limit_reason
+from gcodesim.kinematics.serial import SerialArm
+
+LETTERS: Final = "XYZABC"
+_REACHED: Final = 1e-9  # [m], [rad] between the pose asked for and the pose of the axes found
+_VECTORS: Final = dict(zip(LETTERS, np.vstack([np.eye(3), np.eye(3)]), strict=True))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Axis:
+    """One axis of a machine tool. Travel, speed, acceleration, effort in m, rad, s, N, N·m; `point` [m] in M.
+
+    `vector` is the direction of positive motion of what the axis carries (default:
+    the letter's own axis of M). A rotary axis on the table side turns the work
+    right-handed about `vector`; give −`vector` for a machine whose letter means
+    the tool's motion as seen from the work. `point` None: somewhere, only time is
+    known; it counts as machine zero. `side` default: X, Y, Z tool, A, B, C table.
+    """
+
+    letter: str
+    lower: float = -np.inf
+    upper: float = np.inf
+    speed: float = np.inf
+    acceleration: float | None = None
+    effort: float = np.inf
+    vector: tuple[float, float, float] | None = None
+    side: Literal["tool", "table"] | None = None
+    point: tuple[float, float, float] | None = None
+    moving_mass: float | None = None
+
+
+def chain_of_axes(axes: Sequence[Axis], name: str = "machine") -> Chain:
+    """The chain of a machine tool from its axes in chain order; ValueError on a letter that is unknown or used twice.
+
+    At machine zero the spindle nose F is at the origin of M with its Z along −Z.
+    """
+    letters = [axis.letter for axis in axes]
+    if len(set(letters)) < len(letters) or any(letter not in LETTERS for letter in letters):
+        raise ValueError(f"axes {letters}: each of X, Y, Z, A, B, C at most once")
+    nose = Pose(np.zeros(3), rotation_from_rpy(np.pi, 0.0, 0.0)).matrix
+    links = [Link(name="base")]
+    joints: list[Joint] = []
+    driven: list[int] = []
+    ends: dict[str, tuple[str, Array]] = {"tool": ("base", np.zeros(3)), "table": ("base", np.zeros(3))}
+    for side in ("tool", "table"):
+        for axis in axes:
+            rotary = axis.letter in "ABC"
+            if side != (axis.side or ("table" if rotary else "tool")):
+                continue
+            parent, at = ends[side]
+            point = np.array(axis.point if rotary and axis.point is not None else at, dtype=float)
+            vector = np.array(axis.vector or _VECTORS[axis.letter], dtype=float)
+            child = f"link_{axis.letter}"
+            mass = (
+                None
+                if axis.moving_mass is None
+                else Inertial(mass=axis.moving_mass, com=np.zeros(3), inertia=np.zeros((3, 3)))
+            )
+            links.append(Link(name=child, inertial=mass))
+            driven.append(len(joints))
+            joints.append(
+                Joint(
+                    name=axis.letter,
+                    kind="revolute" if rotary else "prismatic",
+                    parent=parent,
+                    child=child,
+                    X=Pose(point - at, np.eye(3)).matrix,
+                    axis=vector / np.linalg.norm(vector),
+                    lower=axis.lower,
+                    upper=axis.upper,
+                    speed=axis.speed,
+                    acceleration=axis.acceleration,
+                    effort=axis.effort,
+                )
+            )
+            ends[side] = child, point
+    for link, (parent, at), X in (("flange", ends["tool"], nose), ("table", ends["table"], np.eye(4))):
+        back = Pose(-at, np.eye(3)).matrix
+        links.append(Link(name=link))
+        joints.append(Joint(name=link, kind="fixed", parent=parent, child=link, X=back @ X))
+    return Chain(
+        name=name, links=tuple(links), joints=tuple(joints), driven=tuple(driven), flange="flange", table="table"
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Cartesian(Machine):
+    """A machine tool. Its base frame is M; q is in the order of its joints, whose names are the axis letters."""
+
+    @staticmethod
+    def of(chain: Chain) -> Cartesian | None:
+        """The machine tool that `chain` is, or None: its joints are named by axis letters, X, Y, Z are linear."""
+        joints = chain.driven_joints
+        named = all(name in LETTERS for name in joints.names)
+        linear = all(
+            (kind == "prismatic") == (name in "XYZ") for name, kind in zip(joints.names, joints.kinds, strict=True)
+        )
+        return Cartesian(chain=chain) if named and linear else None
+
+    @staticmethod
+    def of_axes(axes: Sequence[Axis], name: str = "machine") -> Cartesian:
+        """A machine tool from plain axis data, in chain order."""
+        return Cartesian(chain=chain_of_axes(axes, name))
+
+    @cached_property
+    def columns(self) -> tuple[int, ...]:
+        """For each joint its column in an array of program axes X Y Z A B C."""
+        return tuple(LETTERS.index(name) for name in self.joints.names)
+
+    def joints_of(self, axes: Array) -> Array:
+        """Joint values (n, j) of program axes (n, 6), x y z a b c [m], [rad]; axes that the machine lacks drop out."""
+        return np.ascontiguousarray(np.atleast_2d(axes)[:, self.columns])
+
+    def axes_of(self, q: Array) -> Array:
+        """Program axes (n, 6) of joint values (n, j); 0 where the machine has no such axis."""
+        out = np.zeros((len(np.atleast_2d(q)), 6))
+        out[:, self.columns] = q
+        return out
+
+    def table(self, q: Array) -> Array:
+        """X_MC (n, 4, 4): the table frame C, which coincides with M while the table's axes stand at zero."""
+        q = rows(q)
+        if self.chain.table is None:
+            return np.tile(np.eye(4), (len(q), 1, 1))
+        index = self.link_names.index(self.chain.table)
+        return self._link(q, index) @ np.linalg.inv(self._link(np.zeros((1, q.shape[1])), index))
+
+    def forward_from_table(self, q: Array) -> Array:
+        """X_CF (n, 4, 4): the spindle nose as the work sees it."""
+        X: Array = np.linalg.inv(self.table(q)) @ self.forward(q)
+        return X
+
+    def _link(self, q: Array, index: int) -> Array:
+        tree = self.chain.tree
+        poses_: Array = self._poses(
+            q, tree.carrier[index : index + 1], np.ascontiguousarray(tree.offset[index : index + 1])
+        )
+        return poses_[:, 0]
+
+    @cached_property
+    def _rotary_head(self) -> bool:
+        tree = self.chain.tree
+        return bool(np.any((tree.path == 1) & (tree.prismatic == 0)))
+
+    def inverse(self, X_BF: Array, seed: Array) -> tuple[Array, Statuses]:
+        """Joints (n, j) and status (n,) of spindle nose poses (n, 4, 4) in M; table axes stay at `seed` (j,).
+
+        Linear axes are solved at once; with rotary axes in the head the numeric
+        way of any serial arm is taken.
+        """
+        X = poses(X_BF)
+        if self._rotary_head:
+            return SerialArm(chain=self.chain).inverse(X, seed)
+        seed = np.array(seed, dtype=np.float64)
+        tree = self.chain.tree
+        on = np.flatnonzero(tree.path)
+        J = self.jacobian(seed)[0][:3, on]
+        here = self.forward(seed)[0]
+        q = np.tile(seed, (len(X), 1))
+        q[:, on] += (X[:, :3, 3] - here[:3, 3]) @ np.linalg.pinv(J).T
+        missed = np.abs(self.forward(q) - X).max(axis=(1, 2)) > _REACHED
+        outside = ((q > self.joints.upper + _REACHED) | (q < self.joints.lower - _REACHED)).any(axis=1)
+        status = np.where(missed, Status.REACH, np.where(outside, Status.LIMIT, Status.OK)).astype(np.uint8)
+        for row in np.flatnonzero(missed):  # rare: such a path is refused anyway
+            q[row] = q[row - 1] if row else seed
+        return q, status
+
+    def branches(self, X_BF: Array) -> Array:
+        """The joint vectors (b, j) of one pose (4, 4): one, or none when the head cannot turn so."""
+        if self._rotary_head:
+            return SerialArm(chain=self.chain).branches(X_BF)
+        q, status = self.inverse(X_BF, np.zeros(len(self.joints)))
+        reached: Array = q[status != Status.REACH]
+        return reached
+
+    def reason(self, X_BF: Array, previous: Array, status: int) -> Reason:
+        """The facts behind a status: the axis over its travel, or by how much the head cannot turn."""
+        if self._rotary_head:
+            return SerialArm(chain=self.chain).reason(X_BF, previous, status)
+        if status == Status.LIMIT:
+            return limit_reason(self.joints, self.inverse(X_BF, previous)[0][0])
+        X, here = poses(X_BF)[0], self.forward(previous)[0]
+        cosine = 0.5 * (np.trace(here[:3, :3].T @ X[:3, :3]) - 1.0)
+        angle = float(np.arccos(np.clip(cosine, -1.0, 1.0)))
+        return Reason(
+            status=Status.REACH, what="turn of the spindle from its own direction", value=angle, limit=0.0, unit="rad"
+        )

@@ -1,0 +1,135 @@
+"""The machines that ship: what a URDF cannot say about them, and where their URDFs are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, Literal
+
+from gcodesim.units import DEG
+
+_FOLDER: Final = Path(__file__).resolve().parent.parent / "models"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Model:
+    """A shipped machine: `stiffness` [N·m/rad] a joint or None for a rigid machine, `home` [rad, m], `payload` [kg].
+
+    Travel, speed, effort and, where a source names it, acceleration stand in
+    the URDF; `stiffness_source` says where the stiffness comes from.
+    """
+
+    name: str
+    title: str
+    kind: Literal["arm", "machine"]
+    home: tuple[float, ...]
+    payload: float | None = None
+    stiffness: tuple[float, ...] | None = None
+    stiffness_source: str = ""
+
+    @property
+    def path(self) -> Path:
+        """The URDF file."""
+        return _FOLDER / f"{self.name}.urdf"
+
+
+def _degrees(*values: float) -> tuple[float, ...]:
+    return tuple(v * DEG for v in values)
+
+
+_SCALED = (
+    "own estimate: 200 kg class arms lie between 2e5 (wrist) and 4e6 N·m/rad (shoulder), "
+    "10 kg class arms are 10 to 30 times softer"
+)
+_STIFF_10_KG = (1.5e5, 1.4e5, 9e4, 3e4, 2.5e4, 1.5e4)
+_STIFF_200_KG = (3.5e6, 3.8e6, 2.5e6, 6e5, 4e5, 2.5e5)
+
+MODELS: Final[dict[str, Model]] = {
+    model.name: model
+    for model in (
+        Model(
+            name="abb_irb1200_5_90",
+            title="ABB IRB 1200-5/0.9",
+            kind="arm",
+            home=_degrees(0, 0, 0, 0, 90, 0),
+            payload=5.0,
+            stiffness=(1.2e5, 1.1e5, 7e4, 2.5e4, 2e4, 1.2e4),
+            stiffness_source=_SCALED,
+        ),
+        Model(
+            name="abb_irb6700_200_260",
+            title="ABB IRB 6700-200/2.60",
+            kind="arm",
+            home=_degrees(0, 0, 0, 0, 90, 0),
+            payload=200.0,
+            stiffness=_STIFF_200_KG,
+            stiffness_source=_SCALED,
+        ),
+        Model(
+            name="fanuc_m20ia",
+            title="FANUC M-20iA",
+            kind="arm",
+            home=_degrees(0, 0, 0, 0, -90, 0),
+            payload=20.0,
+            stiffness=(4e5, 4e5, 2.5e5, 8e4, 6e4, 3e4),
+            stiffness_source=_SCALED,
+        ),
+        Model(name="gantry_xyz", title="three-axis gantry router", kind="machine", home=(0.0, 0.0, 0.0)),
+        Model(
+            name="kuka_kr10_r1100_2",
+            title="KUKA KR 10 R1100-2",
+            kind="arm",
+            home=_degrees(0, -90, 90, 0, 90, 0),
+            payload=10.0,
+            stiffness=_STIFF_10_KG,
+            stiffness_source=_SCALED,
+        ),
+        Model(
+            name="kuka_kr10_r1100_sixx",
+            title="KUKA KR 10 R1100 sixx",
+            kind="arm",
+            home=_degrees(0, -90, 90, 0, 90, 0),
+            payload=10.0,
+            stiffness=_STIFF_10_KG,
+            stiffness_source=_SCALED,
+        ),
+        Model(
+            name="kuka_kr210_r2700_2",
+            title="KUKA KR 210 R2700-2",
+            kind="arm",
+            home=_degrees(0, -90, 90, 0, 90, 0),
+            payload=210.0,
+            stiffness=_STIFF_200_KG,
+            stiffness_source=_SCALED,
+        ),
+        Model(
+            name="mill_xyzac_trunnion",
+            title="five-axis mill with tilting rotary table",
+            kind="machine",
+            home=(0.0, 0.0, 0.4, 0.0, 0.0),
+        ),
+        Model(
+            name="staubli_tx2_90",
+            title="Staubli TX2-90",
+            kind="arm",
+            home=_degrees(0, 0, 90, 0, 90, 0),
+            payload=14.0,
+            stiffness=(2.5e5, 2.2e5, 1.3e5, 4e4, 3.5e4, 2e4),
+            stiffness_source=_SCALED,
+        ),
+        Model(
+            name="ur10e",
+            title="Universal Robots UR10e",
+            kind="arm",
+            home=_degrees(0, -90, 90, -90, -90, 0),
+            payload=12.5,
+            stiffness=(5e4, 5e4, 3e4, 1e4, 1e4, 1e4),
+            stiffness_source="own estimate: strain wave gears of the joints' size classes",
+        ),
+    )
+}
+
+
+def model_path(name: str) -> Path:
+    """The URDF of a shipped model; KeyError when there is none of that name."""
+    return MODELS[name].path

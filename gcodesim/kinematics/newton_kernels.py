@@ -1,0 +1,156 @@
+"""One numeric solution: damped Newton steps from a start to a pose, compiled."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from gcodesim.compiled import kernel
+from gcodesim.frames import Array
+from gcodesim.kinematics.chain import Indices
+from gcodesim.kinematics.tree_kernels import fill_jacobian, joint_frames, place
+
+DONE = 1e-11  # [m], [rad] of residual at which the steps end: one more would only stir rounding
+STEPS = 50  # steps before a start is given up
+LONGEST = 0.5  # [rad], [m] of the longest step of one joint: keeps a far start from leaping over branches
+DAMPING = 1e-2  # times the squared residual: Newton at the end, careful far away
+PATIENCE = 6  # steps without the residual falling by a hundredth, after which the pose counts as out of reach
+LEAST_DAMPING = 1e-14  # of the trace: keeps the factor alive where the arm is singular
+
+
+@kernel
+def pose_error(X: Array, target: Array, free: int, e: Array) -> float:
+    """Displacement `e` (6,) from X to target (4, 4), position then rotation vector, base axes; returns the largest.
+
+    With `free` = 1 only the Z axes have to agree. The rotation vector comes from
+    the skew part and the trace of R_target R_Xᵀ and is exact below half a turn.
+    """
+    for r in range(3):
+        e[r] = target[r, 3] - X[r, 3]
+    wx, wy, wz, trace = 0.0, 0.0, 0.0, 0.0
+    for k in range(2 if free == 1 else 0, 3):
+        a0, a1, a2 = X[0, k], X[1, k], X[2, k]
+        b0, b1, b2 = target[0, k], target[1, k], target[2, k]
+        wx += a1 * b2 - a2 * b1
+        wy += a2 * b0 - a0 * b2
+        wz += a0 * b1 - a1 * b0
+        trace += a0 * b0 + a1 * b1 + a2 * b2
+    if free == 1:
+        wx, wy, wz, trace = 2.0 * wx, 2.0 * wy, 2.0 * wz, 2.0 * trace + 1.0
+    sine, cosine = 0.5 * math.sqrt(wx * wx + wy * wy + wz * wz), 0.5 * (trace - 1.0)
+    if sine > 1e-9:
+        scale = 0.5 * math.atan2(sine, cosine) / sine
+        e[3], e[4], e[5] = wx * scale, wy * scale, wz * scale
+    elif cosine > 0.0:
+        e[3], e[4], e[5] = 0.5 * wx, 0.5 * wy, 0.5 * wz
+    else:  # half a turn: the skew part is gone; a turn about X's own first axis leads away from there
+        e[3], e[4], e[5] = X[0, 0] * math.pi, X[1, 0] * math.pi, X[2, 0] * math.pi
+    most = 0.0
+    for r in range(6):
+        most = max(most, abs(e[r]))
+    return most
+
+
+@kernel
+def solve_square(A: Array, x: Array) -> float:
+    """Solve A y = x in place, A (6, 6) symmetric positive, by Cholesky; returns the least pivot over its diagonal."""
+    least = 1.0
+    for i in range(6):
+        own = A[i, i]
+        for k in range(i):
+            total = A[i, k]
+            for m in range(k):
+                total -= A[i, m] * A[k, m]
+            A[i, k] = total / A[k, k]
+        total = own
+        for m in range(i):
+            total -= A[i, m] * A[i, m]
+        ratio = total / own
+        if ratio < least:
+            least = ratio
+        A[i, i] = math.sqrt(max(total, 1e-16 * own))
+    for i in range(6):
+        total = x[i]
+        for m in range(i):
+            total -= A[i, m] * x[m]
+        x[i] = total / A[i, i]
+    for i in range(5, -1, -1):
+        total = x[i]
+        for m in range(i + 1, 6):
+            total -= A[m, i] * x[m]
+        x[i] = total / A[i, i]
+    return least
+
+
+@kernel
+def newton(
+    target: Array,
+    free: int,
+    q: Array,
+    parent: Indices,
+    before: Array,
+    axis: Array,
+    prismatic: Indices,
+    path: Indices,
+    carrier: int,
+    offset: Array,
+    frames: Array,
+    J: Array,
+    A: Array,
+    X: Array,
+    e: Array,
+) -> tuple[float, float]:
+    """Drive q (j,), in place, to the pose `target` (4, 4) of the rider at `offset` on joint `carrier`.
+
+    Returns the residual and the smallest pivot of J Jᵀ (0: singular). Steps are
+    Jᵀ (J Jᵀ + λ)⁻¹ e (Wampler 1986), the shortest ones where there are more
+    joints than needed. With `free` = 1 the turn about the rider's Z is left open.
+    `frames` (j, 4, 4), J (6, j), A (6, 6), X (4, 4), e (6,) are room to work in.
+    """
+    count = q.shape[0]
+    pivot = 1.0
+    residual, least_residual, waited = np.inf, np.inf, 0
+    for _ in range(STEPS):
+        joint_frames(q, parent, before, axis, prismatic, frames)
+        place(frames, carrier, offset, X)
+        residual = pose_error(X, target, free, e)
+        if residual < DONE:
+            break
+        if residual < 0.99 * least_residual:
+            least_residual, waited = residual, 0
+        else:
+            waited += 1
+            if waited > PATIENCE:
+                break
+        fill_jacobian(frames, axis, prismatic, path, X[0, 3], X[1, 3], X[2, 3], J)
+        if free == 1:
+            for i in range(count):
+                along = X[0, 2] * J[3, i] + X[1, 2] * J[4, i] + X[2, 2] * J[5, i]
+                for r in range(3):
+                    J[3 + r, i] -= along * X[r, 2]
+        trace = 0.0
+        for r in range(6):
+            for k in range(r + 1):
+                total = 0.0
+                for i in range(count):
+                    total += J[r, i] * J[k, i]
+                if free == 1 and k >= 3:
+                    total += X[r - 3, 2] * X[k - 3, 2]
+                A[r, k] = total
+            trace += A[r, r]
+        damping = DAMPING * residual * residual + LEAST_DAMPING * trace
+        for r in range(6):
+            A[r, r] += damping
+        pivot = solve_square(A, e)
+        longest = 0.0
+        for i in range(count):
+            step = 0.0
+            for r in range(6):
+                step += J[r, i] * e[r]
+            J[0, i] = step
+            longest = max(longest, abs(step))
+        scale = min(1.0, LONGEST / (longest + 1e-300))
+        for i in range(count):
+            q[i] += scale * J[0, i]
+    return residual, pivot

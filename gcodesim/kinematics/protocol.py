@@ -1,0 +1,84 @@
+"""What every machine family offers, and how it says that a pose cannot be had."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.frames import Array
+from gcodesim.kinematics.chain import Chain, Joints, LinkShape
+
+Statuses = NDArray[np.uint8]
+
+
+class Status(IntEnum):
+    """What became of one pose of a path.
+
+    OK: joints found. REACH: no joint vector has this pose; the row repeats the
+    joints before. LIMIT: the row holds the solution nearest to the row before,
+    and it breaks a joint limit. SINGULAR: joints found, but here some joint
+    speeds are unbounded. FLIP: joints found within limits, but only on another
+    branch or turn than the row before, so the path cannot be driven through.
+    """
+
+    OK = 0
+    REACH = 1
+    LIMIT = 2
+    SINGULAR = 3
+    FLIP = 4
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reason:
+    """Why a pose has its status: `what` in words, `value` against `limit` in `unit`, the guilty joint or None."""
+
+    status: Status
+    what: str
+    value: float
+    limit: float
+    unit: str
+    joint: int | None = None
+
+
+class Kinematics(Protocol):
+    """A machine: joints to poses and back. A row a step; q (n, j) [rad] or [m], poses (n, 4, 4) in B (or M)."""
+
+    @property
+    def chain(self) -> Chain: ...
+
+    @property
+    def joints(self) -> Joints: ...
+
+    @property
+    def link_names(self) -> tuple[str, ...]: ...
+
+    @property
+    def link_shapes(self) -> tuple[LinkShape, ...]: ...
+
+    def links(self, q: Array) -> Array:
+        """Poses of all links, (n, L, 4, 4), in the order of `link_names`."""
+        ...
+
+    def forward(self, q: Array) -> Array:
+        """X_BF (n, 4, 4)."""
+        ...
+
+    def jacobian(self, q: Array) -> Array:
+        """Jacobian (n, 6, j) at the flange in base axes: velocity [m/s], then angular velocity [rad/s]."""
+        ...
+
+    def inverse(self, X_BF: Array, seed: Array) -> tuple[Array, Statuses]:
+        """Joints (n, j) and `Status` (n,) along a path, continuous from `seed` (j,) on."""
+        ...
+
+    def branches(self, X_BF: Array) -> Array:
+        """All joint vectors (b, j) of one pose (4, 4), in branch order, limits not asked."""
+        ...
+
+    def reason(self, X_BF: Array, previous: Array, status: int) -> Reason:
+        """The facts behind the `status` that `inverse` gave the pose (4, 4), coming from joints `previous` (j,)."""
+        ...
