@@ -8,8 +8,9 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
 from gcodesim.cell.channel import Channel
+from gcodesim.cell.file_kinds import FileValue, PackageFolder
 from gcodesim.cell.files import InputFile
-from gcodesim.cell.kinds import FileValue, ListOf, PackageFolder, Whole
+from gcodesim.cell.kinds import ListOf, Whole
 from gcodesim.cell.machine import MachineKind, MachineTool
 from gcodesim.cell.material import MaterialForm
 from gcodesim.cell.placing import Place, names_of
@@ -127,7 +128,10 @@ class Cell:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LoadedCell:
-    """What came of reading a cell: None when a finding is an error. `files` are all inputs with hashes, the cell first."""
+    """What came of reading a cell.
+
+    `cell` is None when a finding is an error; `files` are all inputs with hashes, the cell first.
+    """
 
     cell: Cell | None
     findings: Findings

@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final, Literal
 
-from gcodesim.cell.kinds import Choice, File, FileValue, Json, Kind, ListOf, Quantity, Switch, Text, scalar, short
+from gcodesim.cell.file_kinds import File, FileValue
+from gcodesim.cell.kinds import Choice, Json, Kind, ListOf, Quantity, Switch, Text, scalar, short
 from gcodesim.cell.nodes import Mapping as MappingNode
 from gcodesim.cell.nodes import Node
 from gcodesim.cell.placing import SYSTEM_NAMES, Place, system_name

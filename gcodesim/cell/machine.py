@@ -241,8 +241,12 @@ def _bounds(form: AxisForm, letter: str, to: Reading, path: Path) -> tuple[float
     if lower < upper:
         return lower, upper
     measure: Measure = "length" if letter in LINEAR else "angle"
-    message = f"travel of axis {letter} goes from {shown(lower, measure)} to {shown(upper, measure)}; the second must be greater"
-    return to.fault("GS710", to.span((*path, letter, "travel")), message)
+    return to.fault(
+        "GS710",
+        to.span((*path, letter, "travel")),
+        f"travel of axis {letter} goes from {shown(lower, measure)} to {shown(upper, measure)}",
+        "the second must be greater",
+    )
 
 
 def _home_default(lower: float, upper: float) -> float:
@@ -257,12 +261,9 @@ def _own_axes(forms: Mapping[str, AxisForm], to: Reading, path: Path) -> tuple[A
         at = (*path, letter)
         travel = _bounds(form, letter, to, path)
         missing = [name for name in ("travel", "speed") if getattr(form, name) is None]
+        declared = keys_of(RotaryAxis if letter in ROTARY else LinearAxis)
         for name in missing:
-            to.fault(
-                "GS705",
-                to.span(at),
-                f"axis {letter} lacks `{name}`: {keys_of(RotaryAxis if letter in ROTARY else LinearAxis)[name].kind.expected}",
-            )
+            to.fault("GS705", to.span(at), f"axis {letter} lacks `{name}`: {declared[name].kind.expected}")
         if missing or isinstance(travel, Fault) or travel is None or form.speed is None:
             axes.append(FAULT)
             continue

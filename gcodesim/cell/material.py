@@ -19,7 +19,7 @@ _LINEAR = ("Ktc", "Kte", "Krc", "Kre")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MaterialForm:
-    """A material by Kienzle's constants (`kc11`, `mc`) or by those of the linear-edge law (`Ktc`, `Kte`, `Krc`, `Kre` …)."""
+    """A material by Kienzle's constants (`kc11`, `mc`) or the linear-edge law (`Ktc`, `Kte`, `Krc`, `Kre` …)."""
 
     kc11: float | None = key(
         Quantity("pressure", POSITIVE), "specific cutting force at 1 mm chip thickness", default=None

@@ -7,7 +7,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from gcodesim.cell.kinds import FileValue
+from gcodesim.cell.file_kinds import FileValue
 from gcodesim.cell.reading import FAULT, Fault, Reading, suggestion
 from gcodesim.cell.reading import Path as KeyPath
 from gcodesim.diagnostics import SourceText

@@ -141,8 +141,7 @@ def _events(text: str, places: Places, findings: Findings) -> Iterator[Any]:
     from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
     try:
-        for event in YAML(typ="safe", pure=True).parse(text):
-            yield event
+        yield from YAML(typ="safe", pure=True).parse(text)
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         index = mark.index if mark is not None else 0

@@ -60,7 +60,7 @@ class Placement:
         return self.X_WM @ self.work_offsets[system_index(name)]
 
     def parameters(self) -> dict[int, float]:
-        """Work offsets as the control keeps them: 5221 X, 5222 Y, 5223 Z [mm], 5230 turn about Z [deg]; +20 a system."""
+        """Work offsets as the control keeps them: 5221 X, 5222 Y, 5223 Z [mm], 5230 turn about Z [deg]; next +20."""
         values: dict[int, float] = {}
         for index, X_MP in self.work_offsets.items():
             first = _FIRST_PARAMETER + _PARAMETER_STEP * (index - 1)
@@ -94,12 +94,13 @@ def place(cell: Cell, channel: str = MAIN, stock_bounds: Mapping[str, Corners] |
         span = cell.channel_span(channel, "work_offsets", name)
         offsets[system_index(name)] = X_MP
         if X_MP.R[2, 2] < 1.0 - _UPRIGHT:
+            against = "machine" if isinstance(mover, MachineTool) else "first work system"
             message = f"{name} is tilted by {np.degrees(np.arccos(np.clip(X_MP.R[2, 2], -1, 1))):.6g} deg"
             findings.append(
                 Diagnostic(
                     code="GS726",
                     span=span,
-                    message=f"{message} against the Z axis of the {'machine' if isinstance(mover, MachineTool) else 'first work system'}",
+                    message=f"{message} against the Z axis of the {against}",
                     hint="a work system may only be shifted and turned about Z",
                 )
             )
@@ -197,7 +198,8 @@ def _automatic(cell: Cell, machine: MachineTool, known: Mapping[str, Corners]) -
     note = Diagnostic(
         code="GS725",
         span=cell.span("stock"),
-        message=f"G54 was placed at {where} mm of the machine: stock in mid-travel, its top {above / MM:.10g} mm below the longest tool",
+        message=f"G54 was placed at {where} mm of the machine: "
+        f"stock in mid-travel, its top {above / MM:.10g} mm below the longest tool",
         hint="`work_offsets: {G54: {xyz: [x, y, z]}}` places it yourself",
     )
     return Pose(p, np.eye(3)), note

@@ -23,7 +23,7 @@ FREE: Final = "x-"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Key:
-    """What a field tells the reader. `name` is the key in the file; `quiet` defaults are not worth a line of `cell show`."""
+    """What a field tells the reader. `name` is the key in the file; `quiet` defaults are not listed."""
 
     name: str
     field: str

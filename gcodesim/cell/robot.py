@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from gcodesim.cell.file_kinds import File, FileValue
 from gcodesim.cell.joints import JointList, Measure, check_within, in_si
-from gcodesim.cell.kinds import NOT_NEGATIVE, POSITIVE, Either, File, FileValue, Json, Kind, Quantity, Text, Vector
+from gcodesim.cell.kinds import NOT_NEGATIVE, POSITIVE, Either, Json, Kind, Quantity, Text, Vector
 from gcodesim.cell.models import shipped, shipped_chain, user_chain
 from gcodesim.cell.nodes import Node
 from gcodesim.cell.placing import POINT, Place

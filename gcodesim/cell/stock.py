@@ -7,7 +7,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
 from typing import Any, Final
 
-from gcodesim.cell.kinds import POSITIVE, File, FileValue, Json, Kind, Quantity, Text, Vector, scalar, short
+from gcodesim.cell.file_kinds import File, FileValue
+from gcodesim.cell.kinds import POSITIVE, Json, Kind, Quantity, Text, Vector, scalar, short
 from gcodesim.cell.mesh_size import MESH_SUFFIXES, bounds
 from gcodesim.cell.nodes import Listing, Node
 from gcodesim.cell.nodes import Mapping as MappingNode
@@ -54,7 +55,7 @@ class Cylinder:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mesh:
-    """A triangle mesh: points of the file times `scale` [m]; `lower` and `upper` are its corners [m], None if unknown."""
+    """A triangle mesh: points of the file times `scale` [m]; `lower` and `upper` are its corners [m] if known."""
 
     name: str
     path: FilePath
@@ -417,7 +418,7 @@ class StockKind(Kind):
         own = [name.text for name, _ in node.entries]
         if any(name in _SHAPE_KEYS for name in own):
             return True
-        # no shape key, but nothing that could be a stock of its own either: one stock whose shape is missing or misspelled
+        # no shape, but nothing that could be a stock of its own either: one stock whose shape is missing or misspelled
         return bool(own) and not any(
             isinstance(value, MappingNode) for name, value in node.entries if name.text not in all_keys(StockSpec)
         )

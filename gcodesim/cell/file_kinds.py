@@ -1,0 +1,107 @@
+"""Kinds of values that name files and folders: found in allowed places only, and hashed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+from typing import Any
+
+from gcodesim.cell.files import Refused
+from gcodesim.cell.kinds import Json, Kind, key_name, scalar, short
+from gcodesim.cell.nodes import Node
+from gcodesim.cell.reading import FAULT, Fault, Path, Reading, suggestion
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FileValue:
+    """A file of the cell: `name` as written, `path` where it lies."""
+
+    name: str
+    path: FilePath
+
+
+@dataclass(frozen=True, slots=True)
+class File(Kind):
+    """The name of a file (or folder) that the cell reads."""
+
+    what: str
+    is_folder: bool = False
+    hashed: bool = True
+
+    @property
+    def expected(self) -> str:
+        return f"the name of {self.what}"
+
+    def read(self, node: Node, to: Reading, path: Path) -> FileValue | Fault:
+        text = scalar(self, node, to, path)
+        if isinstance(text, Fault):
+            return FAULT
+        found = to.shelf.locate(text.text, is_folder=self.is_folder)
+        if not isinstance(found, Refused):
+            if self.hashed and not self.is_folder:
+                try:
+                    to.shelf.open(text.text, found)
+                except OSError as error:
+                    return to.fault("GS714", text.span, f"`{short(text.text)}` cannot be read: {error.strerror}")
+            return FileValue(name=text.text, path=found)
+        name = key_name(path)
+        if found.reason == "outside":
+            return to.fault(
+                "GS715",
+                text.span,
+                f"`{name}` names `{short(text.text)}`, which lies outside the cell's folder (tried `{found.tried}`)",
+                "move it beside the cell, name its folder under `packages:`, or allow it by `--allow-path DIR`",
+            )
+        if found.reason == "package":
+            package = text.text.removeprefix("package://").partition("/")[0]
+            return to.fault(
+                "GS714",
+                text.span,
+                f"the folder of package `{short(package)}` is not known",
+                suggestion(package, sorted(to.shelf.packages)) or f"add `packages: {{{package}: folder}}`",
+            )
+        wrong = {"folder": "is no folder", "file": "is a folder"}.get(found.reason, "is not there")
+        return to.fault(
+            "GS714",
+            text.span,
+            f"`{name}`: {self.what} `{short(text.text)}` {wrong}; tried `{found.tried}` in the folder of the cell",
+            "names are relative to the cell file",
+        )
+
+    def schema(self, definitions: dict[str, Json]) -> Json:
+        return {"type": "string", "description": f"{self.what}, relative to the cell"}
+
+    def show(self, value: Any) -> Any:
+        return value.name
+
+    def plain(self, value: Any) -> tuple[str, Any]:
+        return "", value.name
+
+
+@dataclass(frozen=True, slots=True)
+class PackageFolder(Kind):
+    """The folder of a package; it may lie outside the cell's own, because naming it here allows it."""
+
+    @property
+    def expected(self) -> str:
+        return "the folder of a package"
+
+    def read(self, node: Node, to: Reading, path: Path) -> FileValue | Fault:
+        text = scalar(self, node, to, path)
+        if isinstance(text, Fault):
+            return FAULT
+        folder = to.shelf.folder / text.text
+        if "\0" in text.text or not folder.is_dir():
+            message = f"the folder of package `{path[-1]}` is not there; tried `{short(text.text)}` beside the cell"
+            return to.fault("GS714", text.span, message)
+        to.shelf.packages[str(path[-1])] = folder
+        return FileValue(name=text.text, path=folder)
+
+    def schema(self, definitions: dict[str, Json]) -> Json:
+        return {"type": "string", "description": "a folder, relative to the cell"}
+
+    def show(self, value: Any) -> Any:
+        return value.name
+
+    def plain(self, value: Any) -> tuple[str, Any]:
+        return "", value.name
