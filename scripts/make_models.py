@@ -179,7 +179,10 @@ def urdf(model: Model) -> str:
         lines += joint_lines(axis, name, parent, child)
         parent = child
     lines += [
-        '  <link name="flange"/>',
+        "  <!-- a mass of 0 is written because some readers take 1 kg where nothing is said -->",
+        '  <link name="flange">',
+        '    <inertial><mass value="0"/><inertia ixx="0" iyy="0" izz="0" ixy="0" ixz="0" iyz="0"/></inertial>',
+        "  </link>",
         '  <joint name="flange" type="fixed">',
         f'    <parent link="{parent}"/><child link="flange"/>',
         f'    <origin xyz="{vector(model.flange)}" rpy="{vector(model.flange_rpy)}"/>',

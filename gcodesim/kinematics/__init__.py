@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from gcodesim.kinematics.chain import Chain, Inertial, Joint, Joints, Link, LinkShape, Shape
     from gcodesim.kinematics.choice import kinematics_of
     from gcodesim.kinematics.compliance import compliance, shift_jacobian
+    from gcodesim.kinematics.dynamics import inverse_dynamics
     from gcodesim.kinematics.models import MODELS, Model, model_path
     from gcodesim.kinematics.protocol import Kinematics, Reason, Status
     from gcodesim.kinematics.serial import SerialArm
@@ -48,6 +49,7 @@ _PLACES = {
     "Status": "protocol",
     "chain_of_axes": "cartesian",
     "compliance": "compliance",
+    "inverse_dynamics": "dynamics",
     "kinematics_of": "choice",
     "load_urdf": "urdf",
     "model_path": "models",
@@ -81,6 +83,7 @@ __all__ = [
     "Status",
     "chain_of_axes",
     "compliance",
+    "inverse_dynamics",
     "kinematics_of",
     "load_urdf",
     "model_path",

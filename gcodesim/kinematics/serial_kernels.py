@@ -89,7 +89,7 @@ def inverse_path(
             q[:] = best
         if state == OK and k > 0 and (most > WINDING or (search and most > JUMP)):
             state = FLIP
-        elif state == OK and pivot < PIVOT:
+        elif state == OK and count >= 6 and pivot < PIVOT:  # with fewer joints J Jᵀ never is regular
             state = SINGULAR
         if state == REACH:
             q[:] = previous

@@ -1,0 +1,88 @@
+"""Which efforts a motion takes: inverse dynamics with gravity, payload and process wrench."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from gcodesim.frames import Array
+from gcodesim.kinematics.chain import Chain, Inertial
+from gcodesim.kinematics.machine import rows
+
+GRAVITY: Final = (0.0, 0.0, -9.80665)  # [m/s²] in base axes of an upright robot (CGPM 1901)
+
+
+def merge(parts: list[tuple[Inertial, Array]]) -> Inertial:
+    """One body from parts, each posed by a matrix (4, 4) in the common frame (Steiner's theorem)."""
+    mass = sum(part.mass for part, _ in parts)
+    centres = [X[:3, :3] @ part.com + X[:3, 3] for part, X in parts]
+    if mass <= 0.0:
+        return Inertial(mass=0.0, com=np.zeros(3), inertia=np.zeros((3, 3)))
+    com = sum((part.mass * c for (part, _), c in zip(parts, centres, strict=True)), start=np.zeros(3)) / mass
+    inertia = np.zeros((3, 3))
+    for (part, X), centre in zip(parts, centres, strict=True):
+        d = centre - com
+        inertia += X[:3, :3] @ part.inertia @ X[:3, :3].T + part.mass * (d @ d * np.eye(3) - np.outer(d, d))
+    return Inertial(mass=mass, com=com, inertia=inertia)
+
+
+def bodies(chain: Chain, payload: Inertial | None = None) -> list[Inertial]:
+    """What each driven joint moves by itself, in its own axes: its links, and `payload` (in axes of F) on the last one."""
+    tree = chain.tree
+    parts: list[list[tuple[Inertial, Array]]] = [[] for _ in tree.parent]
+    for link, carrier, offset in zip(chain.links, tree.carrier, tree.offset, strict=True):
+        if carrier >= 0 and link.inertial is not None:
+            parts[carrier].append((link.inertial, offset))
+    if payload is not None and tree.flange_carrier >= 0:
+        parts[tree.flange_carrier].append((payload, tree.flange_offset))
+    return [merge(part) for part in parts]
+
+
+def inverse_dynamics(
+    chain: Chain,
+    q: Array,
+    qd: Array,
+    qdd: Array,
+    payload: Inertial | None = None,
+    wrench: Array | None = None,
+    *,
+    p_FT: Array | tuple[float, float, float] = (0.0, 0.0, 0.0),
+    gravity: Array | tuple[float, float, float] = GRAVITY,
+) -> Array:
+    """Efforts (n, j) [N·m], [N] that the drives give along q, qd, qdd (n, j).
+
+    `payload` is the tool: mass, centre of mass and inertia about it in axes of F.
+    `wrench` (n, 6) acts on the tool at the tip `p_FT` (3,) [m] in F, force [N]
+    then torque [N·m], base axes; `gravity` (3,) [m/s²] in base axes. Recursive
+    Newton–Euler (Luh, Walker, Paul 1980). Friction and the rotors' own inertia
+    are left out, and so are links without <inertial>.
+    """
+    from gcodesim.kinematics.dynamics_kernels import efforts_along
+
+    q, tree = rows(q), chain.tree
+    qd, qdd = (np.ascontiguousarray(np.broadcast_to(v, q.shape), dtype=np.float64) for v in (qd, qdd))
+    w = np.zeros((len(q), 6)) if wrench is None else wrench
+    w = np.ascontiguousarray(np.broadcast_to(w, (len(q), 6)), dtype=np.float64)
+    moved = bodies(chain, payload)
+    X_FT = np.eye(4)
+    X_FT[:3, 3] = p_FT
+    out = np.empty_like(q)
+    efforts_along(
+        q,
+        qd,
+        qdd,
+        w,
+        np.array(gravity, dtype=np.float64),
+        np.array([b.mass for b in moved], dtype=np.float64),
+        np.array([b.com for b in moved]),
+        np.array([b.inertia for b in moved]),
+        tree.parent,
+        tree.before,
+        tree.axis,
+        tree.prismatic,
+        tree.flange_carrier,
+        np.ascontiguousarray(tree.flange_offset @ X_FT),
+        out,
+    )
+    return out
