@@ -5,6 +5,7 @@ x, y and the cell size dx, dy [m], `dirty` (patches) u1 marks patches of 16 x 16
 [m] bounds their height from above. Everything is in the stock frame S.
 """
 
+from gcodesim.material.bead_kernels import add_bead
 from gcodesim.material.query_kernels import (
     difference,
     fill_slices,
@@ -18,9 +19,11 @@ from gcodesim.material.query_kernels import (
 )
 from gcodesim.material.removal_kernels import PATCH_SHIFT, overlap, patch_top, remove, remove_piece, touch_piece
 from gcodesim.material.sweep_kernels import underside
+from gcodesim.material.tilted_kernels import remove_tilted
 
 __all__ = [
     "PATCH_SHIFT",
+    "add_bead",
     "difference",
     "fill_slices",
     "highest",
@@ -32,6 +35,7 @@ __all__ = [
     "patch_tops",
     "remove",
     "remove_piece",
+    "remove_tilted",
     "surrounding",
     "touch_piece",
     "underside",

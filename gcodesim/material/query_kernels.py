@@ -93,7 +93,7 @@ def highest(hi: Array, count: Ints, grid: Array, x: float, y: float) -> float:
     i, j = int(np.floor((x - grid[0]) / grid[2])), int(np.floor((y - grid[1]) / grid[3]))
     if not (0 <= i < nx and 0 <= j < ny) or count[i, j] == 0:
         return -np.inf
-    return hi[i, j, count[i, j] - 1]
+    return float(hi[i, j, count[i, j] - 1])
 
 
 @kernel
@@ -139,7 +139,7 @@ def volume_of(lo: Array, hi: Array, count: Ints, grid: Array) -> float:
             for k in range(count[i, j]):
                 row += hi[i, j, k] - lo[i, j, k]
         total += row
-    return total * grid[2] * grid[3]
+    return total * float(grid[2] * grid[3])
 
 
 @kernel

@@ -242,7 +242,7 @@ def remove(
     removed [m^3], `body_volume` and `body_depth` of the material that the bodies ran through [m^3], [m].
     To go on after a stop, grow `lo` and `hi` and call again with `first` set to the returned index.
     """
-    pieces = starts.shape[0]
+    pieces = len(starts)
     for p in range(first, pieces):
         gone, ok = remove_piece(lo, hi, count, grid, dirty, starts[p], ends[p], cutter)
         volume[p] += gone

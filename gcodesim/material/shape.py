@@ -25,6 +25,8 @@ Array = NDArray[np.float64]
 
 SHAPE_SIZE = 8
 
+_FACETS = 24
+
 
 def _shape(*values: float) -> Array:
     return np.array([*values, *[0.0] * (SHAPE_SIZE - len(values))])
@@ -85,3 +87,21 @@ def section_volume(shape: Array) -> float:
         frustum = pi * point / 3 * (radius**2 + radius * flat_radius + flat_radius**2)
         return float(pi * radius**2 * (height - point) + frustum)
     return float(pi * radius**2 * height)
+
+
+def profile(shape: Array) -> tuple[Array, Array]:
+    """Radii (m,) and heights (m,) above the tip [m] of the body from its lowest point up; rounded corners as facets."""
+    radius, corner, flat_radius, rise = (float(shape[k]) for k in (1, 2, 3, 4))
+    bottom, top = float(shape[5]), float(shape[6])
+    radii, heights = [flat_radius], [bottom]
+    if shape[0] in (1.0, 2.0):
+        angles = np.arange(1, _FACETS + 1) * (pi / 2.0 / _FACETS)
+        radii += [flat_radius + corner * float(np.sin(t)) for t in angles]
+        heights += [bottom + corner * (1.0 - float(np.cos(t))) for t in angles]
+    elif shape[0] == 3.0:
+        radii.append(radius)
+        heights.append(bottom + (radius - flat_radius) * rise)
+    if top > heights[-1]:
+        radii.append(radius)
+        heights.append(top)
+    return np.array(radii), np.array(heights)

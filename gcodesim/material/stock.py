@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from gcodesim.material.shape import no_bodies
 
 if TYPE_CHECKING:
-    pass
+    from gcodesim.material.surface import Surface, Tiles
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -107,7 +107,7 @@ class Stock:
     @classmethod
     def box(cls, minimum: Vector, maximum: Vector, resolution: float, material: str = "") -> Stock:
         """A box between two corners of S [m]; cells divide it exactly and are at most `resolution` wide."""
-        grid, shape = _grid(minimum, maximum, resolution)
+        grid, shape = grid_of(minimum, maximum, resolution)
         low, high = float(minimum[2]), float(maximum[2])
         return cls(
             lo=np.full((*shape, 1), low),
@@ -131,7 +131,7 @@ class Stock:
         along = "xyz".index(axis)
         minimum, maximum = begin - radius, begin + radius
         minimum[along], maximum[along] = begin[along], begin[along] + length
-        grid, shape = _grid(minimum, maximum, resolution)
+        grid, shape = grid_of(minimum, maximum, resolution)
         x = (grid[0] + (np.arange(shape[0]) + 0.5) * grid[2])[:, None] - begin[0]
         y = (grid[1] + (np.arange(shape[1]) + 0.5) * grid[3])[None, :] - begin[1]
         if axis == "z":
@@ -177,19 +177,18 @@ class Stock:
 
         return float(volume_of(self.lo, self.hi, self.count, self.grid))
 
-    @property
-    def changed(self) -> bool:
-        """Whether any column differs from the stock as it came."""
-        return self.error_bound() > 0.0 or self.volume != self._original_volume()
+    def error_bound(self) -> float:
+        """How far [m^3] the volume cut or added may be off on this grid; 0 when nothing changed.
 
-    def _original_volume(self) -> float:
-        from gcodesim.material.kernels import volume_of
+        Half a cell at every wall that was made, and the bend of slopes; it shrinks with the cell. Cuts narrower than
+        a cell can slip between the columns and are not in it.
+        """
+        from gcodesim.material.error_kernels import changes, error_bound
 
-        lo, hi, count = self.original
-        shape = self.count.shape
-        if count.shape == shape:
-            return float(volume_of(lo, hi, count, self.grid))
-        return float(volume_of(lo, hi, count, self.grid) * shape[0] * shape[1])
+        change = np.zeros(self.count.shape)
+        if changes(self.lo, self.hi, self.count, *self.original, change) == 0.0:
+            return 0.0
+        return float(error_bound(self.lo, self.hi, self.count, change, self.grid))
 
     def copy(self) -> Stock:
         """An independent stock in the same state."""
@@ -235,6 +234,51 @@ class Stock:
                 return result
             self.grow()
 
+    def remove_tilted(self, starts: Array, ends: Array, axes_start: Array, axes_end: Array, shape: Array) -> Array:
+        """Cut along c pieces with an axis that turns: unit vectors (c, 3) from tip to holder at both ends, in S.
+
+        Volume (c,) [m^3]. The body is asked at poses half a cell apart; rounded corners are 24 facets, the facets
+        staying inside by less than a thousandth of the corner radius.
+        """
+        from gcodesim.material.shape import profile
+        from gcodesim.material.tilted_kernels import remove_tilted
+
+        starts, ends, axes_start, axes_end = (_pieces(a) for a in (starts, ends, axes_start, axes_end))
+        radii, heights = profile(shape)
+        volume = np.zeros(len(starts))
+        done = 0
+        while True:
+            done = remove_tilted(
+                self.lo, self.hi, self.count, self.grid, self.dirty, starts, ends, axes_start, axes_end,
+                radii, heights, done, volume,
+            )  # fmt: skip
+            if done == len(starts):
+                return volume
+            self.grow()
+
+    def add_bead(self, starts: Array, ends: Array, width: float, height: float) -> Deposition:
+        """Lay a bead of `width` >= `height` [m] along c pieces of the nozzle tip (c, 3) in S; it hangs below the tip.
+
+        Pieces that follow each other make one strand with flat ends and round corners. The part outside the grid
+        is not kept: `volume` then stays below `nominal`.
+        """
+        from gcodesim.material.kernels import add_bead
+
+        if not 0.0 < height <= width:
+            raise ValueError(f"a bead {width} m wide and {height} m high")
+        starts, ends = _pieces(starts), _pieces(ends)
+        area = (width - height) * height + np.pi * height**2 / 4.0
+        result = Deposition(volume=np.zeros(len(starts)), nominal=area * np.linalg.norm(ends - starts, axis=1))
+        done = 0
+        while True:
+            done = add_bead(
+                self.lo, self.hi, self.count, self.grid, self.dirty, self.tops, starts, ends, width, height,
+                GAP_CLOSED, done, result.volume,
+            )  # fmt: skip
+            if done == len(starts):
+                return result
+            self.grow()
+
     def touch(self, starts: Array, ends: Array, shape: Array) -> tuple[Array, Array]:
         """Material that `shape` would run through along c pieces, each against the stock as it is now.
 
@@ -267,13 +311,25 @@ class Stock:
 
         return float(highest(self.hi, self.count, self.grid, x, y))
 
+    def surface(self) -> Surface:
+        """The closed surface at the stock's own resolution."""
+        from gcodesim.material.surface import build_surface
+
+        return build_surface(self)
+
+    def tiles(self, across: int = 4, spacing: float | None = None) -> Tiles:
+        """The surface in `across` x `across` tiles for the log, which can be asked again for what changed."""
+        from gcodesim.material.surface import Tiles
+
+        return Tiles(self, across=across, spacing=spacing)
+
 
 def _pieces(points: Array) -> Array:
     """Points as a contiguous (c, 3) array."""
     return np.ascontiguousarray(points, dtype=float).reshape(-1, 3)
 
 
-def _grid(minimum: Vector, maximum: Vector, resolution: float) -> tuple[Array, tuple[int, int]]:
+def grid_of(minimum: Vector, maximum: Vector, resolution: float) -> tuple[Array, tuple[int, int]]:
     """Grid (4,) and number of columns of a box; ValueError when it has no volume."""
     size = [float(b) - float(a) for a, b in zip(minimum, maximum, strict=True)]
     if min(size) <= 0.0 or not resolution > 0.0:

@@ -45,19 +45,19 @@ def piece_line(start: Array, end: Array) -> tuple[float, float, float, float, fl
 @kernel
 def underside(shape: Array, rho: float) -> float:
     """Height b(rho) [m] of the tool's underside above the lowest point of the shape, at radius rho <= shape[1]."""
-    beyond = rho - shape[3]
+    beyond = rho - float(shape[3])
     if beyond <= 0.0:
         return 0.0
     if shape[0] == 3.0:
-        return beyond * shape[4]
-    corner = shape[2]
+        return beyond * float(shape[4])
+    corner = float(shape[2])
     if corner <= 0.0:
         return 0.0
-    return corner - np.sqrt(max(corner * corner - beyond * beyond, 0.0))
+    return corner - float(np.sqrt(max(corner * corner - beyond * beyond, 0.0)))
 
 
 @kernel
-def bull_nose_reach(flat: float, corner: float, c: int, slope: float) -> float:
+def bull_nose_reach(flat: float, corner: float, c: float, slope: float) -> float:
     """Distance |u| [m] at which a corner of radius `corner` around a flat of radius `flat` is lowest over a column.
 
     Solves b'(rho) u / rho = slope for rho = flat + corner sin(t); written as
@@ -109,8 +109,8 @@ def lowest_at(shape: Array, c2: float, slope: float, first: float, last: float) 
             reach = shape[1]
     else:
         reach = shape[1]
-    u = -reach if slope > 0.0 else reach
-    return min(max(u, first), last)
+    free = float(-reach if slope > 0.0 else reach)
+    return min(max(free, first), last)
 
 
 @kernel

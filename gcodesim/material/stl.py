@@ -1,0 +1,28 @@
+"""Binary STL, the file that every program reads; the same surface gives the same bytes."""
+
+from __future__ import annotations
+
+from typing import BinaryIO
+
+import numpy as np
+
+from gcodesim.material.surface import Surface
+from gcodesim.units import MM
+
+HEADER = b"gcodesim binary STL, unit mm"
+"""Must not begin with 'solid', or readers take the file for text."""
+
+_RECORD = np.dtype([("normal", "<f4", 3), ("points", "<f4", (3, 3)), ("attribute", "<u2")])
+
+
+def write_stl(surface: Surface, file: BinaryIO) -> None:
+    """Write the surface in mm, the unit that readers of STL assume."""
+    triangles = surface.vertices[surface.faces] / MM
+    records = np.zeros(len(triangles), dtype=_RECORD)
+    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    records["normal"] = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0.0)
+    records["points"] = triangles
+    file.write(HEADER.ljust(80, b"\0"))
+    file.write(np.uint32(len(records)).astype("<u4").tobytes())
+    file.write(records.tobytes())

@@ -1,0 +1,72 @@
+"""The file in which a run leaves a stock, and from which a later run goes on.
+
+A line of text, a line of JSON with sorted keys, then the arrays as
+little-endian bytes, compressed by zlib: count, then the intervals of all
+columns one after the other. Only what is used is stored, and equal stocks give
+equal bytes.
+"""
+
+from __future__ import annotations
+
+import json
+import zlib
+from pathlib import Path
+
+import numpy as np
+
+from gcodesim.material.stock import Stock
+
+SUFFIX = ".stock"
+_MAGIC = b"gcodesim-stock/1\n"
+
+
+class StockFileError(ValueError):
+    """The file is not a stock, or a damaged one; the text says which."""
+
+
+def save_stock(stock: Stock, path: Path) -> None:
+    """Write the stock as it is now; `original` becomes this state when it is loaded."""
+    nx, ny, k = stock.lo.shape
+    used = np.arange(k)[None, None, :] < stock.count[:, :, None]
+    head = {
+        "grid_m": [float(v) for v in stock.grid],
+        "columns": [nx, ny],
+        "material": stock.material,
+        "resolution_m": float(stock.resolution),
+        "z_range_m": [float(v) for v in stock.z_range],
+    }
+    arrays = (stock.count.astype("<i4"), stock.lo[used].astype("<f8"), stock.hi[used].astype("<f8"))
+    body = b"".join(array.tobytes() for array in arrays)
+    text = json.dumps(head, sort_keys=True, ensure_ascii=False).encode() + b"\n"
+    path.write_bytes(_MAGIC + text + zlib.compress(body, 1))
+
+
+def load_stock(path: Path) -> Stock:
+    """The stock that `save_stock` wrote. OSError when there is no such file, StockFileError when it holds no stock."""
+    return stock_from_bytes(path.read_bytes(), path.name)
+
+
+def stock_from_bytes(raw: bytes, name: str) -> Stock:
+    """The stock in the bytes of a file called `name`; StockFileError when it is none."""
+    if not raw.startswith(_MAGIC):
+        raise StockFileError(f"{name} is not a stock that gcodesim wrote")
+    try:
+        text, _, packed = raw[len(_MAGIC) :].partition(b"\n")
+        head = json.loads(text)
+        body = zlib.decompress(packed)
+        nx, ny = (int(v) for v in head["columns"])
+        grid = np.array(head["grid_m"], dtype=np.float64)
+        z_range = (float(head["z_range_m"][0]), float(head["z_range_m"][1]))
+        resolution, material = float(head["resolution_m"]), str(head["material"])
+        count = np.frombuffer(body, "<i4", nx * ny).astype(np.int32).reshape(nx, ny)
+        total = int(count.sum())
+        ends = np.frombuffer(body, "<f8", 2 * total, 4 * nx * ny).astype(np.float64)
+    except (ValueError, KeyError, TypeError, IndexError, zlib.error) as fault:
+        raise StockFileError(f"{name} is damaged: {fault}") from fault
+    if grid.shape != (4,) or min(nx, ny) < 1 or (count < 0).any() or len(body) != 4 * nx * ny + 16 * total:
+        raise StockFileError(f"{name} is damaged: its parts do not fit together")
+    k = max(1, int(count.max()))
+    used = np.arange(k)[None, None, :] < count[:, :, None]
+    lo, hi = np.zeros((nx, ny, k)), np.zeros((nx, ny, k))
+    lo[used], hi[used] = ends[:total], ends[total:]
+    return Stock(lo=lo, hi=hi, count=count, grid=grid, z_range=z_range, resolution=resolution, material=material)

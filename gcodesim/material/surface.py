@@ -1,0 +1,162 @@
+"""The surface of a stock as triangles: whole, for a file, or in tiles, for the log."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil, sqrt
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from gcodesim.material.stock import Stock
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int32]
+Bytes = NDArray[np.uint8]
+
+STEP_JOINED = 1.5
+"""Steps up to so many cells become a slope through one vertex, higher ones a wall. Less shows terraces on gentle
+curves, more bevels the edges of shallow pockets."""
+
+DRAWN_COLUMNS = 160_000
+"""Columns of the whole stock that the log draws: keeps each of 16 tiles near 1 MB, well below the viewer's 4 MB."""
+
+ROUNDING = 2.0**20
+"""Points of tiles are whole multiples of 1 / ROUNDING metres: the zero bits that follow compress well."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Surface:
+    """Closed triangle mesh, outside counter-clockwise: vertices (v, 3) [m] in S, faces (f, 3), cut (f,) 0 or 1."""
+
+    vertices: Array
+    faces: Ints
+    cut: Bytes
+
+    @property
+    def volume(self) -> float:
+        """Enclosed volume [m^3] (divergence theorem)."""
+        if len(self.faces) == 0:
+            return 0.0
+        base = self.vertices[0]
+        a, b, c = (self.vertices[self.faces[:, k]] - base for k in range(3))
+        return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tile:
+    """One tile as the log draws it: points (v, 3) [m] in S, triangles (f, 3) of original and of changed surface."""
+
+    number: int
+    points: Array
+    original: Ints
+    changed: Ints
+
+
+def build_surface(stock: Stock) -> Surface:
+    """The whole surface at the stock's own resolution."""
+    nx, ny = stock.count.shape
+    lattice = _Lattice.full(stock)
+    points, faces, cut = _mesh(stock, lattice, 0, nx, 0, ny)
+    return Surface(vertices=points, faces=faces, cut=cut)
+
+
+@dataclass(frozen=True, slots=True)
+class _Lattice:
+    """Which columns are drawn (ix, iy) and the corners between them (xs, ys) [m]."""
+
+    ix: Ints
+    iy: Ints
+    xs: Array
+    ys: Array
+
+    @staticmethod
+    def full(stock: Stock) -> _Lattice:
+        return _Lattice.spaced(stock, 0.0)
+
+    @staticmethod
+    def spaced(stock: Stock, spacing: float) -> _Lattice:
+        """Columns about `spacing` [m] apart, at least all of them; the outer corners stay the stock's own."""
+        picks, corners = [], []
+        for cells, origin, step in zip(stock.count.shape, stock.grid[:2], stock.grid[2:], strict=True):
+            drawn = min(cells, max(1, ceil(cells * step / spacing - 1e-9))) if spacing > 0.0 else cells
+            picks.append(((np.arange(drawn) + 0.5) * cells / drawn).astype(np.int32))
+            corners.append(origin + np.arange(drawn + 1) * (cells * step / drawn))
+        return _Lattice(picks[0], picks[1], corners[0], corners[1])
+
+
+def _mesh(stock: Stock, lattice: _Lattice, i0: int, i1: int, j0: int, j1: int) -> tuple[Array, Ints, Bytes]:
+    """Points, faces and their class of the drawn columns [i0, i1) x [j0, j1)."""
+    from gcodesim.material.surface_kernels import build_chains, build_faces
+
+    ix, iy, xs, ys = lattice.ix, lattice.iy, lattice.xs, lattice.ys
+    limit = STEP_JOINED * max(xs[1] - xs[0], ys[1] - ys[0])
+    start, bits, rising, below, vertex, extra, points = build_chains(
+        stock.lo, stock.hi, stock.count, ix, iy, xs, ys, i0, i1, j0, j1, limit
+    )
+    faces, cut = build_faces(
+        stock.lo, stock.hi, stock.count, *stock.original, ix, iy, i0, i1, j0, j1,
+        start, bits, rising, below, vertex, extra, points,
+    )  # fmt: skip
+    return points, faces, cut
+
+
+class Tiles:
+    """The surface of one stock in at most `across` x `across` tiles, drawn again only where the stock changed."""
+
+    def __init__(self, stock: Stock, *, across: int = 4, spacing: float | None = None) -> None:
+        """`spacing` [m] between drawn columns; default: the stock's own, or coarser to keep tiles small."""
+        if not 1 <= across <= 4:
+            raise ValueError("the log has room for 16 tiles")
+        nx, ny = stock.count.shape
+        area = nx * ny * stock.grid[2] * stock.grid[3]
+        self._stock = stock
+        self._lattice = _Lattice.spaced(stock, sqrt(area / DRAWN_COLUMNS) if spacing is None else spacing)
+        self._edges_i = _edges(len(self._lattice.ix), across)
+        self._edges_j = _edges(len(self._lattice.iy), across)
+
+    def __len__(self) -> int:
+        return (len(self._edges_i) - 1) * (len(self._edges_j) - 1)
+
+    def all(self) -> list[Tile]:
+        """Every tile as it is now; the stock's marks of change are cleared."""
+        self._stock.dirty[:] = 0
+        return [self._draw(number) for number in range(len(self))]
+
+    def changed(self) -> list[Tile]:
+        """The tiles of which any point may have moved since the last call; the marks are cleared."""
+        tiles = [self._draw(number) for number in range(len(self)) if self._is_dirty(number)]
+        self._stock.dirty[:] = 0
+        return tiles
+
+    def _range(self, number: int) -> tuple[int, int, int, int]:
+        row, column = divmod(number, len(self._edges_j) - 1)
+        return self._edges_i[row], self._edges_i[row + 1], self._edges_j[column], self._edges_j[column + 1]
+
+    def _is_dirty(self, number: int) -> bool:
+        """Whether a column that the tile draws, or one next to it, lies in a changed patch."""
+        from gcodesim.material.stock import PATCH
+
+        i0, i1, j0, j1 = self._range(number)
+        ix, iy = self._lattice.ix, self._lattice.iy
+        first_i, last_i = ix[max(i0 - 1, 0)], ix[min(i1, len(ix) - 1)]
+        first_j, last_j = iy[max(j0 - 1, 0)], iy[min(j1, len(iy) - 1)]
+        near = self._stock.dirty[first_i // PATCH : last_i // PATCH + 1, first_j // PATCH : last_j // PATCH + 1]
+        return bool(near.any())
+
+    def _draw(self, number: int) -> Tile:
+        points, faces, cut = _mesh(self._stock, self._lattice, *self._range(number))
+        return Tile(
+            number=number,
+            points=np.round(points * ROUNDING) / ROUNDING + 0.0,
+            original=faces[cut == 0],
+            changed=faces[cut == 1],
+        )
+
+
+def _edges(cells: int, across: int) -> list[int]:
+    """Borders of up to `across` nearly equal runs of cells."""
+    runs = min(across, cells)
+    return [cells * k // runs for k in range(runs + 1)]
