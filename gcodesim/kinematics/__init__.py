@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from gcodesim.kinematics.cartesian import Axis, Cartesian, chain_of_axes
     from gcodesim.kinematics.chain import Chain, Inertial, Joint, Joints, Link, LinkShape, Shape
     from gcodesim.kinematics.choice import kinematics_of
-    from gcodesim.kinematics.compliance import compliance, shift_jacobian
     from gcodesim.kinematics.dynamics import inverse_dynamics
+    from gcodesim.kinematics.elasticity import compliance, shift_jacobian
     from gcodesim.kinematics.models import MODELS, Model, model_path
     from gcodesim.kinematics.protocol import Kinematics, Reason, Status
     from gcodesim.kinematics.serial import SerialArm
@@ -48,12 +48,12 @@ _PLACES = {
     "SphericalWrist": "spherical_wrist",
     "Status": "protocol",
     "chain_of_axes": "cartesian",
-    "compliance": "compliance",
+    "compliance": "elasticity",
     "inverse_dynamics": "dynamics",
     "kinematics_of": "choice",
     "load_urdf": "urdf",
     "model_path": "models",
-    "shift_jacobian": "compliance",
+    "shift_jacobian": "elasticity",
 }
 
 

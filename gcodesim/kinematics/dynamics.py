@@ -28,7 +28,7 @@ def merge(parts: list[tuple[Inertial, Array]]) -> Inertial:
 
 
 def bodies(chain: Chain, payload: Inertial | None = None) -> list[Inertial]:
-    """What each driven joint moves by itself, in its own axes: its links, and `payload` (in axes of F) on the last one."""
+    """What each driven joint moves by itself, in its axes: its links, and `payload` (axes of F) on the last one."""
     tree = chain.tree
     parts: list[list[tuple[Inertial, Array]]] = [[] for _ in tree.parent]
     for link, carrier, offset in zip(chain.links, tree.carrier, tree.offset, strict=True):
