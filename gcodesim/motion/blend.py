@@ -23,6 +23,7 @@ from gcodesim.motion.blend_kernels import (
     merge_chords,
     overlaps,
 )
+from gcodesim.motion.columns import Column
 from gcodesim.motion.curve_kernels import ROUND, STRAIGHT, TIMED
 from gcodesim.motion.curves import Curves
 from gcodesim.motion.pieces import OVERLAP, PART, AxisLimits, Pieces
@@ -178,8 +179,8 @@ def _join(
     corner_acceleration, ratio, duration = np.zeros(n), np.ones(n), np.zeros(n)
     tolerance = path.tolerance[row_last]
     corners(
-        open_end | apart, blended, first, last, curves.length, curves.kind == STRAIGHT, turning, speed, tolerance, table,
-        kind, trim_end, trim_start, cap, corner_acceleration, reduction,
+        open_end | apart, blended, first, last, curves.length, curves.kind == STRAIGHT, turning, speed, tolerance,
+        table, kind, trim_end, trim_start, cap, corner_acceleration, reduction,
     )  # fmt: skip
     overlapped = kind == OVERLAPPED
     shared = open_end & blended
@@ -220,11 +221,12 @@ def _assemble(
     rounded, lapped = np.flatnonzero(kind == ROUNDED), np.flatnonzero(kind == OVERLAPPED)
     bends = _corner_arcs(curves, rounded, first, last, trim_end)
     slots = 2 * n
-    columns: dict[str, NDArray[np.float64]] = {
+    columns: dict[str, Column] = {
         name: np.zeros(slots) for name in ("begin", "length", "speed", "acceleration", "junction")
     }
     columns["ratio"] = np.ones(slots)
-    whole = {name: np.full(slots, -1, dtype=np.int32) for name in ("curve", "second", "row_first", "row_last")}
+    names = ("curve", "second", "row_first", "row_last")
+    whole: dict[str, Column] = {name: np.full(slots, -1, dtype=np.int32) for name in names}
     piece_kind = np.full(slots, PART, dtype=np.uint8)
 
     main = slice(0, slots, 2)

@@ -8,12 +8,13 @@ from typing import Final
 import numpy as np
 
 from gcodesim.compiled import kernel
-from gcodesim.frames import Array
-# Habits of the motion planner, as numbers with names. They are those of LinuxCNC 2.9, measured on its own planner. The
-# two shares on arcs belong to any planner that keeps acceleration back in bends; the others are this one's own and decide
-# between 5 % and 1 % of time.
+from gcodesim.motion.columns import Column
 
-# Share of the acceleration that bends the path on arcs and corner arcs: sqrt(3)/2, so half of it is left along the path.
+# Habits of the motion planner, as numbers with names. They are those of LinuxCNC 2.9, measured on its own planner.
+# The two shares on arcs belong to any planner that keeps acceleration back in bends; the others are this one's own
+# and decide between 5 % and 1 % of time.
+
+# Share of the acceleration that bends the path on arcs and corner arcs: sqrt(3)/2, so half of it is left along it.
 NORMAL_SHARE: Final = 3.0**0.5 / 2.0
 # Share along the path where the normal share is used up.
 TANGENTIAL_SHARE: Final = 0.5
@@ -38,7 +39,7 @@ OVERLAPPED = 3
 
 
 @kernel
-def merge_chords(start: Array, end: Array, joined: Array, tolerance: Array) -> Array:
+def merge_chords(start: Column, end: Column, joined: Column, tolerance: Column) -> Column:
     """For each row (n,) the first row of the chain it belongs to.
 
     Row i may continue the chain when `joined[i]`; it does while all points
@@ -74,7 +75,7 @@ def merge_chords(start: Array, end: Array, joined: Array, tolerance: Array) -> A
 
 
 @kernel
-def in_plane(n0: float, n1: float, n2: float, limits: Array) -> float:
+def in_plane(n0: float, n1: float, n2: float, limits: Column) -> float:
     """The greatest length that a vector of any direction in the plane with unit normal n may have.
 
     The circle inscribed in the box of `limits` cut by the plane: a direction in
@@ -89,8 +90,8 @@ def in_plane(n0: float, n1: float, n2: float, limits: Array) -> float:
 
 
 @kernel
-def turned_speed(first: Array, turned: Array, angle: float, limits: Array) -> float:
-    """The greatest speed in all directions cos(w) first + sin(w) turned, w from 0 to `angle`, both (3,) unit vectors."""
+def turned_speed(first: Column, turned: Column, angle: float, limits: Column) -> float:
+    """The greatest speed in all directions cos(w) first + sin(w) turned (3,), unit vectors, w from 0 to `angle`."""
     best = 1e30
     for k in range(3):
         share = max(abs(first[k]), abs(math.cos(angle) * first[k] + math.sin(angle) * turned[k]))
@@ -106,22 +107,22 @@ def turned_speed(first: Array, turned: Array, angle: float, limits: Array) -> fl
 
 @kernel
 def corners(
-    stop: Array,
-    blended: Array,
-    first: Array,
-    last: Array,
-    length: Array,
-    straight: Array,
-    turning: Array,
-    speed: Array,
-    tolerance: Array,
-    axis_limits: Array,
-    kind: Array,
-    trim_end: Array,
-    trim_start: Array,
-    cap: Array,
-    acceleration: Array,
-    reduction: Array,
+    stop: Column,
+    blended: Column,
+    first: Column,
+    last: Column,
+    length: Column,
+    straight: Column,
+    turning: Column,
+    speed: Column,
+    tolerance: Column,
+    axis_limits: Column,
+    kind: Column,
+    trim_end: Column,
+    trim_start: Column,
+    cap: Column,
+    acceleration: Column,
+    reduction: Column,
 ) -> None:
     """Decide what happens at the end of every curve but the last; results go into the last six arguments.
 
@@ -195,18 +196,18 @@ def corners(
 
 @kernel
 def overlaps(
-    kind: Array,
-    first: Array,
-    last: Array,
-    left: Array,
-    speed: Array,
-    acceleration: Array,
-    tolerance: Array,
-    trim_end: Array,
-    trim_start: Array,
-    cap: Array,
-    ratio: Array,
-    duration: Array,
+    kind: Column,
+    first: Column,
+    last: Column,
+    left: Column,
+    speed: Column,
+    acceleration: Column,
+    tolerance: Column,
+    trim_end: Column,
+    trim_start: Column,
+    cap: Column,
+    ratio: Column,
+    duration: Column,
 ) -> None:
     """Fill the last five columns where the end of a curve overlaps with the start of the next.
 

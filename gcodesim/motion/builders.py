@@ -109,7 +109,7 @@ def build_box_path(
     orientation: ArrayLike,
     samples: int,
 ) -> ToolPath:
-    """A closed rectangle of `dimensions` (2,) [m] about `center_position` (3,) [m] with corners rounded by `radius` [m].
+    """A closed rectangle of `dimensions` (2,) [m] about `center_position` (3,) [m], corners rounded by `radius` [m].
 
     `angles` (4,) is the quaternion x y z w that turns the rectangle out of the
     XY plane, `orientation` (4,) that of the tool. Points are spread evenly over

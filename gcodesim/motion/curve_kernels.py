@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from gcodesim.compiled import kernel
-from gcodesim.frames import Array
+from gcodesim.motion.columns import Column
 
 STRAIGHT = 0
 ROUND = 1
@@ -37,19 +37,19 @@ def axis_travel(distance: float, speed: float, acceleration: float, t: float) ->
 def curve_point(
     i: int,
     s: float,
-    kind: Array,
-    start: Array,
-    end: Array,
-    center: Array,
-    radial: Array,
-    sideways: Array,
-    lift: Array,
-    sweep: Array,
-    growth: Array,
-    length: Array,
-    axis_limits: Array,
-    position: Array,
-    tangent: Array,
+    kind: Column,
+    start: Column,
+    end: Column,
+    center: Column,
+    radial: Column,
+    sideways: Column,
+    lift: Column,
+    sweep: Column,
+    growth: Column,
+    length: Column,
+    axis_limits: Column,
+    position: Column,
+    tangent: Column,
 ) -> None:
     """Write position (6,) and derivative by s (6,) of curve `i` at `s` into the last two arguments."""
     if kind[i] == TIMED:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from gcodesim.compiled import kernel
-from gcodesim.frames import Array
+from gcodesim.motion.columns import Column
 from gcodesim.motion.curve_kernels import curve_point
 
 OVERLAP = 1
@@ -15,26 +15,26 @@ OVERLAP = 1
 def piece_point(
     i: int,
     s: float,
-    kind: Array,
-    curve: Array,
-    second: Array,
-    begin: Array,
-    length: Array,
-    ratio: Array,
-    axis_limits: Array,
-    c_kind: Array,
-    c_start: Array,
-    c_end: Array,
-    c_center: Array,
-    c_radial: Array,
-    c_sideways: Array,
-    c_lift: Array,
-    c_sweep: Array,
-    c_growth: Array,
-    c_length: Array,
-    position: Array,
-    tangent: Array,
-    spare: Array,
+    kind: Column,
+    curve: Column,
+    second: Column,
+    begin: Column,
+    length: Column,
+    ratio: Column,
+    axis_limits: Column,
+    c_kind: Column,
+    c_start: Column,
+    c_end: Column,
+    c_center: Column,
+    c_radial: Column,
+    c_sideways: Column,
+    c_lift: Column,
+    c_sweep: Column,
+    c_growth: Column,
+    c_length: Column,
+    position: Column,
+    tangent: Column,
+    spare: Column,
 ) -> None:
     """Write position (6,) and derivative by s (6,) of piece `i` at `s`; `spare` (2, 6) is overwritten."""
     a = curve[i]
@@ -64,26 +64,26 @@ def piece_point(
 
 @kernel
 def points(
-    piece: Array,
-    s: Array,
-    kind: Array,
-    curve: Array,
-    second: Array,
-    begin: Array,
-    length: Array,
-    ratio: Array,
-    axis_limits: Array,
-    c_kind: Array,
-    c_start: Array,
-    c_end: Array,
-    c_center: Array,
-    c_radial: Array,
-    c_sideways: Array,
-    c_lift: Array,
-    c_sweep: Array,
-    c_growth: Array,
-    c_length: Array,
-) -> tuple[Array, Array]:
+    piece: Column,
+    s: Column,
+    kind: Column,
+    curve: Column,
+    second: Column,
+    begin: Column,
+    length: Column,
+    ratio: Column,
+    axis_limits: Column,
+    c_kind: Column,
+    c_start: Column,
+    c_end: Column,
+    c_center: Column,
+    c_radial: Column,
+    c_sideways: Column,
+    c_lift: Column,
+    c_sweep: Column,
+    c_growth: Column,
+    c_length: Column,
+) -> tuple[Column, Column]:
     """Positions (k, 6) and derivatives by s (k, 6) at `s` (k,) on pieces `piece` (k,)."""
     n = len(s)
     position = np.empty((n, 6))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +28,8 @@ class AxisLimits:
     @property
     def arrays(self) -> Array:
         """(2, 6): speeds, accelerations; "none" as a number that is finite and out of reach."""
-        return np.minimum(np.array([self.speed, self.acceleration], dtype=float), 1e6)
+        table: Array = np.minimum(np.array([self.speed, self.acceleration], dtype=float), 1e6)
+        return table
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +73,7 @@ class Pieces:
         )
 
     @property
-    def arrays(self) -> tuple[object, ...]:
+    def arrays(self) -> tuple[Any, ...]:
         """What the piece kernels take after their own arguments."""
         return (
             self.kind,
@@ -110,5 +111,6 @@ class Pieces:
         no = np.zeros(1, dtype=bool)
         kind = np.zeros(1, dtype=np.uint8)
         return Pieces(
-            self.path, self.limits, curves, kind, one, one - 1, none, none, none, none, none, none + 1.0, no, no, one, one
-        )
+            self.path, self.limits, curves, kind, one, one - 1, none, none, none, none, none, none + 1.0, no, no,
+            one, one,
+        )  # fmt: skip

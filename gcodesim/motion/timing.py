@@ -51,7 +51,9 @@ def event_durations(tool_change_time: float) -> Callable[[Event], float]:
     return duration
 
 
-def time_law(pieces: Pieces, caps: Caps | None = None, duration_of: Callable[[Event], float] | None = None) -> Trajectory:
+def time_law(
+    pieces: Pieces, caps: Caps | None = None, duration_of: Callable[[Event], float] | None = None
+) -> Trajectory:
     """The fastest run of `pieces` under `caps` (default: those of the pieces), from rest to rest.
 
     Speeds change along trapezoids: one backward and one forward pass over all
@@ -149,12 +151,12 @@ def _row_times(phases: Phases, pieces: Pieces) -> tuple[Array, Array]:
     ends = np.maximum.accumulate(np.concatenate([[0.0], ends]))[1:]
     starts = np.concatenate([[0.0], ends])
     for p in np.flatnonzero(~moving):  # rests stand between the end of one row and the start of the next that moves
-        row = pieces.path.events[int(phases.event[p])].row
-        piece_after = int(np.searchsorted(pieces.row_first, row))
+        at = pieces.path.events[int(phases.event[p])].row
+        piece_after = int(np.searchsorted(pieces.row_first, at))
         row_after = int(pieces.row_first[piece_after]) if piece_after < len(pieces) else n
         until = phases.time[p] + phases.duration[p]
-        starts[row : row_after + 1] = np.maximum(starts[row : row_after + 1], until)
-        ends[row:row_after] = np.maximum(ends[row:row_after], until)
+        starts[at : row_after + 1] = np.maximum(starts[at : row_after + 1], until)
+        ends[at:row_after] = np.maximum(ends[at:row_after], until)
     return starts, ends
 
 

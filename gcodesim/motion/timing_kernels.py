@@ -7,13 +7,13 @@ import math
 import numpy as np
 
 from gcodesim.compiled import kernel
-from gcodesim.frames import Array
+from gcodesim.motion.columns import Column
 
 
 @kernel
 def end_speeds(
-    length: Array, speed: Array, acceleration: Array, junction: Array, ratio: Array, fixed: Array
-) -> tuple[Array, Array]:
+    length: Column, speed: Column, acceleration: Column, junction: Column, ratio: Column, fixed: Column
+) -> tuple[Column, Column]:
     """Greatest speeds (k,), (k,) at the start and end of every segment, from rest to rest.
 
     Backwards, what each segment can still be slowed down from; then forwards,
@@ -47,8 +47,8 @@ def end_speeds(
 
 @kernel
 def trapezoids(
-    length: Array, speed: Array, acceleration: Array, start: Array, end: Array, fixed: Array
-) -> tuple[Array, Array, Array, Array, Array]:
+    length: Column, speed: Column, acceleration: Column, start: Column, end: Column, fixed: Column
+) -> tuple[Column, Column, Column, Column, Column]:
     """Phases of constant acceleration: segment, duration, place in the segment, speed, acceleration (each (p,))."""
     n = len(length)
     segment = np.empty(3 * n, dtype=np.int64)
@@ -85,15 +85,15 @@ def trapezoids(
 
 @kernel
 def times_at(
-    boundary_piece: Array,
-    boundary_s: Array,
-    phase_piece: Array,
-    phase_time: Array,
-    phase_duration: Array,
-    phase_s: Array,
-    phase_speed: Array,
-    phase_acceleration: Array,
-) -> Array:
+    boundary_piece: Column,
+    boundary_s: Column,
+    phase_piece: Column,
+    phase_time: Column,
+    phase_duration: Column,
+    phase_s: Column,
+    phase_speed: Column,
+    phase_acceleration: Column,
+) -> Column:
     """Times (b,) at which places (piece, s), given in order of motion, are reached."""
     out = np.empty(len(boundary_s))
     p = 0

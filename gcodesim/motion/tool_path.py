@@ -161,14 +161,14 @@ class ToolPath:
 
     def span(self, row: int) -> Span:
         """Where row `row` stands in the program."""
-        return self.spans[self.source[row]]
+        return self.spans[int(self.source[row])]
 
     def state_of(self, row: int) -> ToolState:
         """The tool state of row `row`."""
-        return self.states[self.state[row]]
+        return self.states[int(self.state[row])]
 
     def __add__(self, other: ToolPath) -> ToolPath:
-        """`self`, then `other`; each keeps its own coordinates, and the first one ends at rest where they do not meet."""
+        """`self`, then `other`, each in its own coordinates; where they do not meet the first one ends at rest."""
         if not len(self) and not self.events:
             return other
         columns: dict[str, Any] = {}
@@ -213,7 +213,7 @@ class ToolPath:
         return Curves.of(self).polyline(chord)
 
     def draw(self, axes: Any = None, chord: float = 1e-5, **style: Any) -> Array:
-        """The polyline (m, 3) [m]; with a 3D axes object of a plotting library (anything with `plot(x, y, z)`) also drawn."""
+        """The polyline (m, 3) [m], drawn too when `axes` is given: anything with `plot(x, y, z)`."""
         points = self.polyline(chord)
         if axes is not None:
             axes.plot(points[:, 0], points[:, 1], points[:, 2], **style)

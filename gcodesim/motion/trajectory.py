@@ -157,7 +157,8 @@ class Trajectory:
     def _piece_ends(self) -> Array:
         p = self.phases
         change = (p.piece[1:] != p.piece[:-1]) | (p.event[1:] != p.event[:-1])
-        return p.time[1:][change]
+        ends: Array = p.time[1:][change]
+        return ends
 
     @cached_property
     def _pieces_or_rest(self) -> Pieces:

@@ -5,38 +5,38 @@ from __future__ import annotations
 import numpy as np
 
 from gcodesim.compiled import kernel
-from gcodesim.frames import Array
+from gcodesim.motion.columns import Column
 from gcodesim.motion.piece_kernels import piece_point
 
 
 @kernel
 def sample(
-    t: Array,
-    phase: Array,
-    phase_time: Array,
-    phase_duration: Array,
-    phase_piece: Array,
-    phase_s: Array,
-    phase_speed: Array,
-    phase_acceleration: Array,
-    kind: Array,
-    curve: Array,
-    second: Array,
-    begin: Array,
-    length: Array,
-    ratio: Array,
-    axis_limits: Array,
-    c_kind: Array,
-    c_start: Array,
-    c_end: Array,
-    c_center: Array,
-    c_radial: Array,
-    c_sideways: Array,
-    c_lift: Array,
-    c_sweep: Array,
-    c_growth: Array,
-    c_length: Array,
-) -> tuple[Array, Array, Array, Array]:
+    t: Column,
+    phase: Column,
+    phase_time: Column,
+    phase_duration: Column,
+    phase_piece: Column,
+    phase_s: Column,
+    phase_speed: Column,
+    phase_acceleration: Column,
+    kind: Column,
+    curve: Column,
+    second: Column,
+    begin: Column,
+    length: Column,
+    ratio: Column,
+    axis_limits: Column,
+    c_kind: Column,
+    c_start: Column,
+    c_end: Column,
+    c_center: Column,
+    c_radial: Column,
+    c_sideways: Column,
+    c_lift: Column,
+    c_sweep: Column,
+    c_growth: Column,
+    c_length: Column,
+) -> tuple[Column, Column, Column, Column]:
     """Position (n, 6), velocity (n, 6), place in the piece (n,) and ds/dt (n,) at times `t` in phases `phase`."""
     n = len(t)
     position = np.empty((n, 6))

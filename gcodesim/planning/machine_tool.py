@@ -1,0 +1,113 @@
+"""Plans for machines whose joints are the axes of the program, found by their letters."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.canon import Axes, Event
+from gcodesim.diagnostics import Findings
+from gcodesim.frames import Array, Pose
+from gcodesim.motion.blend import along_limits, blend
+from gcodesim.motion.curves import Curves
+from gcodesim.motion.pieces import AxisLimits, Pieces
+from gcodesim.motion.timing import time_law
+from gcodesim.motion.tool_path import ToolPath
+from gcodesim.motion.trajectory import Samples
+from gcodesim.planning.feeds import report_fast_feeds, without_zero_feeds
+from gcodesim.planning.plan import JointExtremes, Plan
+from gcodesim.planning.travel import axis_ranges, report_missing_axes, report_travel
+
+if TYPE_CHECKING:
+    from gcodesim.kinematics.chain import Joints
+    from gcodesim.kinematics.protocol import Kinematics
+
+LETTERS: Final = "XYZABC"
+
+
+def axes_of_joints(names: Sequence[str]) -> NDArray[np.intp]:
+    """Which axis of x y z a b c each joint is, by the last letter of its name; ValueError when it is none."""
+    return np.array([LETTERS.index(name[-1].upper()) for name in names], dtype=np.intp)
+
+
+def start_of_machine(names: Sequence[str], home: Array) -> Axes:
+    """Where the control point of a machine stands at `home` (j,), without tool offset."""
+    at = [0.0] * 6
+    for axis, value in zip(axes_of_joints(names), home, strict=True):
+        at[axis] = float(value)
+    return (at[0], at[1], at[2], at[3], at[4], at[5])
+
+
+def limits_of_machine(joints: Joints) -> AxisLimits:
+    """Speed and acceleration by axis; axes that the machine lacks are unlimited."""
+    axes = axes_of_joints(joints.names)
+    speed, acceleration = np.full(6, np.inf), np.full(6, np.inf)
+    speed[axes], acceleration[axes] = joints.speed, joints.acceleration
+    return AxisLimits(speed=speed, acceleration=acceleration)
+
+
+@dataclass(frozen=True, eq=False)
+class AxisJoints:
+    """Joints that are axes: control point plus the active offset."""
+
+    pieces: Pieces
+    axes: NDArray[np.intp]
+    start: Array
+
+    def joints(self, samples: Samples) -> Array:
+        """Joint values (n, j) [m, rad]."""
+        pieces = self.pieces
+        if not len(pieces):
+            return np.tile(self.start[self.axes], (len(samples), 1))
+        # the offset of the row that the piece belongs to: while the machine stands the row is already the next one
+        offset = offsets(pieces.path)[pieces.row_first[samples.piece]]
+        q: Array = (samples.position + offset)[:, self.axes]
+        return q
+
+    def extremes(self) -> JointExtremes:
+        """How far each axis goes on the programmed path."""
+        path = self.pieces.path
+        if not len(path):
+            at, none = self.start[self.axes], np.zeros(len(self.axes), dtype=np.int64)
+            return JointExtremes(at, at, none, none)
+        low, high = axis_ranges(path)
+        low, high = low[:, self.axes], high[:, self.axes]
+        return JointExtremes(low.min(axis=0), high.max(axis=0), low.argmin(axis=0), high.argmax(axis=0))
+
+
+def offsets(path: ToolPath) -> Array:
+    """The tool length offset of every row (n, 6) [m, rad]."""
+    table: Array = np.array([s.offset for s in path.states], dtype=float).reshape(-1, 6)[path.state]
+    return table
+
+
+def plan_machine(
+    path: ToolPath,
+    kinematics: Kinematics,
+    *,
+    home: Array,
+    rapids: Literal["linear", "independent"] = "linear",
+    duration_of: Callable[[Event], float] | None = None,
+    tool_frames: Mapping[int, Pose] | None = None,
+) -> Plan:
+    """Run `path` on a machine tool whose joints stand at `home` (j,) first.
+
+    Limits of the axes act along the direction of motion. What leaves the travel
+    is reported and run all the same, so that everything is found at once.
+    """
+    findings = Findings()
+    joints = kinematics.joints
+    axes = axes_of_joints(joints.names)
+    limits = limits_of_machine(joints)
+    path = without_zero_feeds(path, findings)
+    report_missing_axes(path, axes, findings)
+    report_travel(path, axes, joints, findings)
+    report_fast_feeds(path, along_limits(Curves.of(path), limits)[0], findings)
+    pieces = blend(path, limits, independent_rapids=rapids == "independent")
+    trajectory = time_law(pieces, duration_of=duration_of)
+    start = np.array(start_of_machine(joints.names, home))
+    return Plan(trajectory, findings, kinematics, AxisJoints(pieces, axes, start), tool_frames or {})
