@@ -203,7 +203,7 @@ def end_mill_forces(
 
 
 def _peak_angles(cutter: Cutter, cut: Cut) -> list[float]:
-    """Angles of tooth 0 [rad] over one pitch at which peaks are looked for: evenly, and where contact begins or ends."""
+    """Angles of tooth 0 [rad] at which peaks are looked for: over one pitch, and where contact begins or ends."""
     pitch = 2.0 * pi / cutter.flutes
     lag = 2.0 * tan(cutter.helix) / cutter.diameter * cut.ap
     start, end = cut.limits(cutter.diameter)

@@ -15,9 +15,13 @@ away from the tip; each of Ft, Fr, Fa = b (K h**p + E) (see `laws`). b has no 1/
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gcodesim.compiled import kernel
-from gcodesim.material.kernels import fill_slices, occupancy
+from gcodesim.material.kernels import fill_slices, occupancy, surrounding
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int32]
 
 ANGLES = 64
 SLICES = 16  # elements along the engaged part of one piece of the edge
@@ -34,7 +38,7 @@ RESULT = 13
 
 
 @kernel
-def power_table(laws, table):
+def power_table(laws: Array, table: Array) -> None:
     """Fill `table` (3, TABLE) with x**p on 0..1 for the exponents laws[:, 1]: a power costs more than all the rest."""
     for component in range(3):
         for i in range(table.shape[1]):
@@ -42,7 +46,14 @@ def power_table(laws, table):
 
 
 @kernel
-def probe(r, sine, cosine, cell, level):
+def power_at(table: Array, component: int, left: int, part: float) -> float:
+    """Value between point `left` of `table` and the next, `part` of the way."""
+    value: float = (1.0 - part) * table[component, left] + part * table[component, left + 1]
+    return value
+
+
+@kernel
+def probe(r: float, sine: float, cosine: float, cell: float, level: float) -> tuple[float, float]:
     """Where to ask for material ahead of the point at radius r and angle phi: (x, y) along u and l [m].
 
     level: share of the feed that is horizontal; without any the point stays where it is.
@@ -57,7 +68,27 @@ def probe(r, sine, cosine, cell, level):
 
 
 @kernel
-def locate_edge(number, weights, first, k, fraction):
+def solid(
+    lo: Array, hi: Array, count: Ints, grid: Array, x: float, y: float, z0: float, z1: float
+) -> tuple[int, float]:
+    """(1, share of z0..z1 that is material) if each of the columns around (x, y) has one interval, else (0, 0).
+
+    The common case of `occupancy`, without its loops.
+    """
+    i, j, wx, wy = surrounding(grid, x, y)
+    if i < 0 or j < 0 or i + 1 >= count.shape[0] or j + 1 >= count.shape[1]:
+        return 0, 0.0
+    if count[i, j] * count[i + 1, j] * count[i, j + 1] * count[i + 1, j + 1] != 1:
+        return 0, 0.0
+    a = max(min(hi[i, j, 0], z1) - max(lo[i, j, 0], z0), 0.0)
+    b = max(min(hi[i + 1, j, 0], z1) - max(lo[i + 1, j, 0], z0), 0.0)
+    c = max(min(hi[i, j + 1, 0], z1) - max(lo[i, j + 1, 0], z0), 0.0)
+    d = max(min(hi[i + 1, j + 1, 0], z1) - max(lo[i + 1, j + 1, 0], z0), 0.0)
+    return 1, ((1.0 - wy) * ((1.0 - wx) * a + wx * b) + wy * ((1.0 - wx) * c + wx * d)) / (z1 - z0)
+
+
+@kernel
+def locate_edge(number: int, weights: Array, first: int, k: int, fraction: float) -> None:
     """Move the limit between angles k-1 and k of the rows from `first` on: it lies `fraction` (0..1) of the way."""
     shift = fraction - 0.5
     for i in range(first, first + number):
@@ -69,7 +100,10 @@ def locate_edge(number, weights, first, k, fraction):
 
 
 @kernel
-def ask_rows(lo, hi, count, grid, tip, ux, uy, level, drop, cell, rows, first, number, upright, sine, cosine, line):
+def ask_rows(
+    lo: Array, hi: Array, count: Ints, grid: Array, tip: Array, ux: float, uy: float, level: float, drop: float,
+    cell: float, rows: Array, first: int, number: int, upright: bool, sine: float, cosine: float, line: Array,
+) -> float:  # fmt: skip
     """Material at one angle for rows first..first+number; shares [-] into `line` (number,); returns their sum.
 
     rows (ROWS, 8): r, z, sin kappa, cos kappa, width b, lower and upper z above the tip, height.
@@ -77,7 +111,14 @@ def ask_rows(lo, hi, count, grid, tip, ux, uy, level, drop, cell, rows, first, n
     if upright:
         px, py = probe(rows[first, 0], sine, cosine, cell, level)
         x, y = tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py
-        return fill_slices(lo, hi, count, grid, x, y, tip[2] + rows[first, 5], rows[first, 7], line[:number])
+        low, height = tip[2] + rows[first, 5], rows[first, 7]
+        simple, share = solid(lo, hi, count, grid, x, y, low, low + number * height)
+        if simple == 1 and (share == 0.0 or share >= 1.0 - 1.0e-9):
+            share = 0.0 if share == 0.0 else 1.0
+            for i in range(number):
+                line[i] = share
+            return share * number
+        return fill_slices(lo, hi, count, grid, x, y, low, height, line[:number])
     total = 0.0
     for i in range(number):
         px, py = probe(rows[first + i, 0], sine, cosine, cell, level)
@@ -86,13 +127,17 @@ def ask_rows(lo, hi, count, grid, tip, ux, uy, level, drop, cell, rows, first, n
         # downwards a thin element asks for all that lies between it and the place ahead: contact grows gradually
         high = max(high + drop, low) if drop < 0.0 else high + drop
         low += drop
-        line[i] = occupancy(lo, hi, count, grid, x, y, low, max(high, low + 1.0e-7))
-        total += line[i]
+        high = max(high, low + 1.0e-7)
+        simple, share = solid(lo, hi, count, grid, x, y, low, high)
+        if simple == 0:
+            share = occupancy(lo, hi, count, grid, x, y, low, high)
+        line[i] = share
+        total += share
     return total
 
 
 @kernel
-def lay_rows(edge, height, rows, piece):
+def lay_rows(edge: Array, height: float, rows: Array, piece: int) -> int:
     """Cut the part of piece `piece` of the edge (k, 8) below `height` [m] into rows; returns their number.
 
     See `Cutter.edge` for the columns of a piece and `ask_rows` for those of a row.
@@ -131,10 +176,60 @@ def lay_rows(edge, height, rows, piece):
 
 
 @kernel
+def find_contact(
+    lo: Array, hi: Array, count: Ints, grid: Array, circle: Array, tip: Array, ux: float, uy: float, level: float,
+    climb: float, rows: Array, first: int, number: int, upright: bool, last: int, weights: Array, line: Array,
+) -> bool:  # fmt: skip
+    """Fill `weights` of rows first..first+number at angles 0..last: share of each element in material, if it advances.
+
+    Where contact begins or ends between two angles, the limit is found by halving and the weights are shared out.
+    """
+    cell = max(grid[2], grid[3])
+    drop = 0.5 * cell * climb
+    delta = 2.0 * np.pi / ANGLES
+    earlier = -1.0
+    touched = False
+    top_row = first + number - 1
+    for k in range(last):
+        sine, cosine = circle[0, k], circle[1, k]
+        # does any of these rows cut? the advance is monotonic in kappa
+        low = level * sine * rows[first, 2] - climb * rows[first, 3]
+        high = level * sine * rows[top_row, 2] - climb * rows[top_row, 3]
+        if max(low, high) <= LEAST_ADVANCE:
+            for i in range(number):
+                weights[first + i, k] = 0.0
+            earlier = -1.0
+            continue
+        total = ask_rows(
+            lo, hi, count, grid, tip, ux, uy, level, drop, cell, rows, first, number, upright, sine, cosine, line
+        )
+        for i in range(number):
+            weights[first + i, k] = line[i]
+        if earlier >= 0.0 and abs(total - earlier) > 0.5 * max(total, earlier):
+            a, b = 0.0, 1.0
+            for _ in range(4):
+                middle = 0.5 * (a + b)
+                angle = (k - 0.5 + middle) * delta
+                between = ask_rows(
+                    lo, hi, count, grid, tip, ux, uy, level, drop, cell, rows, first, number, upright,
+                    np.sin(angle), np.cos(angle), line,
+                )  # fmt: skip
+                if (between > 0.5 * (total + earlier)) == (total > earlier):
+                    b = middle
+                else:
+                    a = middle
+            locate_edge(number, weights, first, k, 0.5 * (a + b))
+        earlier = total
+        touched = touched or total > 0.0
+    return touched
+
+
+@kernel
 def cutting_force(
-    lo, hi, count, grid, tool, edge, laws, table, circle, tip, ux, uy, level, climb, chip, top, rows, weights, force,
-    result,
-):  # fmt: skip
+    lo: Array, hi: Array, count: Ints, grid: Array, tool: Array, edge: Array, laws: Array, table: Array,
+    circle: Array, tip: Array, ux: float, uy: float, level: float, climb: float, chip: float, top: float,
+    rows: Array, weights: Array, force: Array, result: Array,
+) -> int:  # fmt: skip
     """Mean force over a revolution with the tip at `tip` [m]; returns the number of rows filled in `rows`, `force`.
 
     tool (4,): radius, flutes, tan(helix), height of the edge; circle (2, ANGLES): sine, cosine of phi;
@@ -145,111 +240,80 @@ def cutting_force(
     entry and exit angle, and the sum of engaged elements (0: no contact).
     """
     result[:] = 0.0
-    cell = max(grid[2], grid[3])
-    drop = 0.5 * cell * climb
     height = min(tool[3], top - tip[2])
-    if height <= min(drop, 0.0):
+    if height <= min(0.5 * max(grid[2], grid[3]) * climb, 0.0):
         return 0
-    flutes = tool[1]
-    share = flutes / ANGLES
-    scale_t, scale_r, scale_a = chip ** laws[0, 1] * laws[0, 0], chip ** laws[1, 1] * laws[1, 0], 0.0
-    if laws[2, 0] != 0.0:
-        scale_a = chip ** laws[2, 1] * laws[2, 0]
+    height = max(height, 1.0e-9)  # downwards the lowest rows ask for what is still below the tip
+    last = ANGLES if climb < 0.0 else ANGLES // 2  # nothing behind the tool cuts unless it goes down
+    share = tool[1] / ANGLES
+    scale_t = chip ** laws[0, 1] * laws[0, 0]
+    scale_r = chip ** laws[1, 1] * laws[1, 0]
+    scale_a = chip ** laws[2, 1] * laws[2, 0]
     f_u, f_l, f_z, m_u, m_l, torque = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     delta = 2.0 * np.pi / ANGLES
     entry, leave = 2.0 * np.pi, 0.0
     line = np.empty(SLICES)
     used = 0
-    reach = max(height, 1.0e-9)  # downwards the lowest rows ask for what is still below the tip
     for piece in range(edge.shape[0]):
-        number = lay_rows(edge, reach, rows[used:], piece)
+        number = lay_rows(edge, height, rows[used:], piece)
         if number == 0:
             continue
         first = used
-        upright = rows[first, 3] < 1.0e-12 and edge[piece, 0] == 0.0
-        widest = 0.0
-        earlier = -1.0
-        touched = False
-        for k in range(ANGLES):
-            sine, cosine = circle[0, k], circle[1, k]
-            total = 0.0
-            # cuts anywhere along this piece? the advance is monotonic in kappa
-            low = level * sine * rows[first, 2] - climb * rows[first, 3]
-            high = level * sine * rows[first + number - 1, 2] - climb * rows[first + number - 1, 3]
-            if max(low, high) > LEAST_ADVANCE:
-                total = ask_rows(
-                    lo, hi, count, grid, tip, ux, uy, level, drop, cell, rows, first, number, upright, sine, cosine,
-                    line,
-                )  # fmt: skip
-                for i in range(number):
-                    weights[first + i, k] = line[i]
-                if earlier >= 0.0 and abs(total - earlier) > 0.5 * max(total, earlier):
-                    # the limit of the cut lies between two angles: halve the gap four times
-                    a, b = 0.0, 1.0
-                    for _ in range(4):
-                        middle = 0.5 * (a + b)
-                        angle = (k - 0.5 + middle) * delta
-                        between = ask_rows(
-                            lo, hi, count, grid, tip, ux, uy, level, drop, cell, rows, first, number, upright,
-                            np.sin(angle), np.cos(angle), line,
-                        )  # fmt: skip
-                        if (between > 0.5 * (total + earlier)) == (total > earlier):
-                            b = middle
-                        else:
-                            a = middle
-                    locate_edge(number, weights, first, k, 0.5 * (a + b))
-                earlier = total
-                touched = touched or total > 0.0
-            else:
-                for i in range(number):
-                    weights[first + i, k] = 0.0
-                earlier = -1.0
+        upright = edge[piece, 0] == 0.0 and rows[first, 3] < 1.0e-12
+        touched = find_contact(
+            lo, hi, count, grid, circle, tip, ux, uy, level, climb, rows, first, number, upright, last, weights, line
+        )
         if not touched:
             continue
         used += number
-        for i in range(first, used):
-            r, z, sin_kappa, cos_kappa, width = rows[i, 0], rows[i, 1], rows[i, 2], rows[i, 3], rows[i, 4]
-            radial_width, deepest = 0.0, 0.0
-            for k in range(ANGLES):
+        line[:] = 0.0
+        deepest = np.zeros(SLICES)
+        for k in range(last):
+            sine, cosine = circle[0, k], circle[1, k]
+            fresh = True
+            t, inward, along = 0.0, 0.0, 0.0
+            for i in range(first, used):
                 w = weights[i, k]
-                advance = level * circle[0, k] * sin_kappa - climb * cos_kappa
+                sin_kappa, cos_kappa = rows[i, 2], rows[i, 3]
+                advance = level * sine * sin_kappa - climb * cos_kappa
                 if w <= 0.0 or advance <= LEAST_ADVANCE:
                     force[0, i, k], force[1, i, k], force[2, i, k] = 0.0, 0.0, 0.0
                     continue
-                sine, cosine = circle[0, k], circle[1, k]
-                place = min(advance, 1.0) * (TABLE - 1)
-                left = min(int(place), TABLE - 2)
-                part = place - left
-                b = w * width
-                tangential = b * (
-                    scale_t * (table[0, left] + part * (table[0, left + 1] - table[0, left])) + laws[0, 2]
-                )
-                normal = b * (scale_r * (table[1, left] + part * (table[1, left + 1] - table[1, left])) + laws[1, 2])
-                axial = b * laws[2, 2]
-                if scale_a != 0.0:
-                    axial += b * scale_a * (table[2, left] + part * (table[2, left + 1] - table[2, left]))
-                inward = normal * sin_kappa + axial * cos_kappa
-                a_u = -tangential * cosine - inward * sine
-                a_l = tangential * sine - inward * cosine
-                a_z = normal * cos_kappa - axial * sin_kappa
+                if fresh or edge[piece, 0] > 0.0:  # per unit of width; the same all along a straight edge
+                    place = min(advance, 1.0) * (TABLE - 1)
+                    left = min(int(place), TABLE - 2)
+                    part = place - left
+                    t = scale_t * power_at(table, 0, left, part) + laws[0, 2]
+                    normal = scale_r * power_at(table, 1, left, part) + laws[1, 2]
+                    axial = laws[2, 2]
+                    if scale_a != 0.0:
+                        axial += scale_a * power_at(table, 2, left, part)
+                    inward = normal * sin_kappa + axial * cos_kappa
+                    along = normal * cos_kappa - axial * sin_kappa
+                    if w > 0.05:
+                        result[CHIP] = max(result[CHIP], chip * advance)
+                    fresh = False
+                b, r, z = w * rows[i, 4], rows[i, 0], rows[i, 1]
+                a_u = b * (-t * cosine - inward * sine)
+                a_l = b * (t * sine - inward * cosine)
+                a_z = b * along
                 force[0, i, k], force[1, i, k], force[2, i, k] = a_u, a_l, a_z
                 f_u += a_u
                 f_l += a_l
                 f_z += a_z
                 m_u += r * cosine * a_z - z * a_l
                 m_l += z * a_u - r * sine * a_z
-                torque += r * tangential
+                torque += r * b * t
                 result[CONTACT] += w
-                result[CHIP] = max(result[CHIP], chip * advance if w > 0.05 else 0.0)
-                if sine > 0.0:
-                    radial_width += w * r * sine * delta
-                deepest = max(deepest, w)
+                line[i - first] += w * r * max(sine, 0.0) * delta
+                if w > deepest[i - first]:
+                    deepest[i - first] = w
                 if w > 0.05:
                     entry = min(entry, (k + 1.0 - w) * delta)
                     leave = max(leave, (k + w) * delta)
-            result[DEPTH] += deepest * rows[i, 7]
-            widest = max(widest, radial_width)
-        result[WIDTH] = max(result[WIDTH], widest)
+        for i in range(number):
+            result[DEPTH] += deepest[i] * rows[first + i, 7]
+            result[WIDTH] = max(result[WIDTH], line[i])
     if result[CONTACT] <= 0.0:
         return 0
     result[0] = share * (ux * f_u - uy * f_l)
@@ -265,29 +329,41 @@ def cutting_force(
 
 
 @kernel
-def peak_force(tool, rows, force, used, turning):
+def peak_force(tool: Array, rows: Array, force: Array, used: int, last: int, turning: Array) -> float:
     """Greatest force [N] within a revolution: all teeth and heights at once, each height late by its helix lag.
 
-    Rows lag by z tan(helix) / radius; forces between the angles are interpolated. turning (3, 3 ANGLES): scratch.
+    Rows lag by z tan(helix) / radius; forces between the angles are interpolated. last: angles that carry force;
+    turning (3, 2 ANGLES): scratch, one tooth's force over its angle at the tip.
     """
     delta = 2.0 * np.pi / ANGLES
     teeth = int(tool[1])
     turning[:] = 0.0
     for i in range(used):
-        lag = rows[i, 1] * tool[2] / tool[0] / delta
-        for tooth in range(teeth):
-            place = (lag + tooth * ANGLES / teeth) % ANGLES
-            whole = int(place)
-            part = place - whole
-            for axis in range(3):
-                for k in range(ANGLES):
-                    turning[axis, k + whole] += (1.0 - part) * force[axis, i, k]
-                    turning[axis, k + whole + 1] += part * force[axis, i, k]
+        place = (rows[i, 1] * tool[2] / tool[0] / delta) % ANGLES
+        whole = int(place)
+        part = place - whole
+        for axis in range(3):
+            source = force[axis, i]
+            target = turning[axis, whole:]
+            for k in range(last):
+                target[k] += (1.0 - part) * source[k]
+            for k in range(last):
+                target[k + 1] += part * source[k]
+    for axis in range(3):
+        for k in range(ANGLES):
+            turning[axis, k] += turning[axis, k + ANGLES]
     greatest = 0.0
     for k in range(ANGLES):
         square = 0.0
         for axis in range(3):
-            f = turning[axis, k] + turning[axis, k + ANGLES] + turning[axis, k + 2 * ANGLES]
-            square += f * f
+            total = 0.0
+            for tooth in range(teeth):
+                place = k + tooth * ANGLES / teeth
+                whole = int(place)
+                part = place - whole
+                total += (1.0 - part) * turning[axis, whole % ANGLES]
+                if part > 0.0:
+                    total += part * turning[axis, (whole + 1) % ANGLES]
+            square += total * total
         greatest = max(greatest, square)
-    return np.sqrt(greatest)
+    return float(np.sqrt(greatest))

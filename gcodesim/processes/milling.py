@@ -57,7 +57,6 @@ class Milling:
             first,
             motion,
             compliance,
-            window.dt,
             state,
         )
         return unpack(out)
@@ -70,7 +69,6 @@ class Milling:
         first: NDArray[np.int64],
         motion: Array,
         compliance: Array,
-        dt: float,
         state: ProcessState,
     ) -> Array:
         """The same on arrays as the kernel takes them (see `milling_kernels.mill`), for loops of single steps.
@@ -79,12 +77,12 @@ class Milling:
         """
         from gcodesim.processes.milling_kernels import OUTPUTS, mill
 
-        packed = self._packed
+        tool, edge, laws, table, circle, shapes, rows, weights, force, turning = self._packed
         out = np.zeros((len(motion), OUTPUTS))
         while True:
             done = mill(
                 stock.lo, stock.hi, stock.count, stock.grid, stock.dirty, stock.tops, starts, ends, first, motion,
-                compliance, *packed[:6], dt, *packed[6:], state.values, out,
+                compliance, tool, edge, laws, table, circle, shapes, rows, weights, force, turning, state.values, out,
             )  # fmt: skip
             if done == len(motion):
                 return out
@@ -116,7 +114,7 @@ class Milling:
             np.zeros((ROWS, 8)),
             np.zeros((ROWS, ANGLES)),
             np.zeros((3, ROWS, ANGLES)),
-            np.zeros((3, 3 * ANGLES)),
+            np.zeros((3, 2 * ANGLES + 2)),
         )
         return (tool, cutter.edge, laws, table, circle, shapes, *scratch)
 

@@ -12,10 +12,12 @@ however soft the machine. `F/C` one step late would ring as soon as the cut is s
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gcodesim.compiled import kernel
 from gcodesim.material.kernels import PATCH_SHIFT, patch_top, remove_piece, touch_piece
 from gcodesim.processes.engagement_kernels import (
+    ANGLES,
     CHIP,
     DEPTH,
     ENTRY,
@@ -26,6 +28,11 @@ from gcodesim.processes.engagement_kernels import (
     cutting_force,
     peak_force,
 )
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int32]
+Indices = NDArray[np.int64]
+Bytes = NDArray[np.uint8]
 
 # columns of `motion` (n, 9)
 AXIS, VELOCITY, SPINDLE, RAPID, ACTIVE = 0, 3, 6, 7, 8
@@ -54,7 +61,7 @@ RELAX_LEAST, RELAX_MOST = 0.01, 1.0
 
 
 @kernel
-def top_nearby(tops, grid, x, y, radius):
+def top_nearby(tops: Array, grid: Array, x: float, y: float, radius: float) -> float:
     """Height [m] that no material within `radius` of (x, y) surpasses; -inf where there is no stock."""
     size = 1 << PATCH_SHIFT
     first_i = int(np.floor((x - radius - grid[0]) / (grid[2] * size)))
@@ -69,7 +76,9 @@ def top_nearby(tops, grid, x, y, radius):
 
 
 @kernel
-def tighten_tops(hi, count, tops, grid, state, x, y, radius):
+def tighten_tops(
+    hi: Array, count: Ints, tops: Array, grid: Array, state: Array, x: float, y: float, radius: float
+) -> None:
     """Renew the patches under the tool whenever it has come to another patch: cutting has lowered them."""
     size = 1 << PATCH_SHIFT
     pi = int(np.floor((x - grid[0]) / (grid[2] * size)))
@@ -85,7 +94,7 @@ def tighten_tops(hi, count, tops, grid, state, x, y, radius):
 
 
 @kernel
-def displacement(compliance, wrench, delta):
+def displacement(compliance: Array, wrench: Array, delta: Array) -> None:
     """delta (3,) [m] of the tip under `wrench` (6,); compliance (3, 6): its translation rows."""
     for axis in range(3):
         total = 0.0
@@ -96,14 +105,15 @@ def displacement(compliance, wrench, delta):
 
 @kernel
 def solve_step(
-    lo, hi, count, grid, tool, edge, laws, table, circle, compliance, rigid, tip, ux, uy, level, climb, chip, top,
-    rows, weights, force, state, result,
-):  # fmt: skip
+    lo: Array, hi: Array, count: Ints, grid: Array, tool: Array, edge: Array, laws: Array, table: Array,
+    circle: Array, compliance: Array, rigid: bool, tip: Array, ux: float, uy: float, level: float, climb: float,
+    chip: float, top: float, rows: Array, weights: Array, force: Array, state: Array, result: Array,
+) -> int:  # fmt: skip
     """Wrench and deflection of one step together; `state` holds the deflection before and after.
 
     Returns the number of rows that are filled for `peak_force`.
     """
-    place = np.empty(3)
+    place: Array = np.empty(3)
     if rigid:
         for axis in range(3):
             state[DELTA + axis] = 0.0
@@ -167,9 +177,10 @@ def solve_step(
 
 @kernel
 def mill(
-    lo, hi, count, grid, dirty, tops, starts, ends, first_piece, motion, compliance, tool, edge, laws, table, circle,
-    shapes, dt, rows, weights, force, turning, state, out,
-):  # fmt: skip
+    lo: Array, hi: Array, count: Ints, grid: Array, dirty: Bytes, tops: Array, starts: Array, ends: Array,
+    first_piece: Indices, motion: Array, compliance: Array, tool: Array, edge: Array, laws: Array, table: Array,
+    circle: Array, shapes: Array, rows: Array, weights: Array, force: Array, turning: Array, state: Array, out: Array,
+) -> int:  # fmt: skip
     """Run n steps; returns n, or the step in which a column had no room (grow `lo`, `hi` and call again).
 
     starts, ends (c, 3): pieces of the undeflected tip; first_piece (n + 1,): pieces of step k are
@@ -260,7 +271,7 @@ def mill(
             state[CUTTING] = 1.0 if used > 0 else 0.0
             if used > 0:
                 out[k, WRENCH : WRENCH + 6] = result[:6]
-                out[k, PEAK] = peak_force(tool, rows, force, used, turning)
+                out[k, PEAK] = peak_force(tool, rows, force, used, ANGLES if climb < 0.0 else ANGLES // 2, turning)
                 out[k, OUT_TORQUE] = result[TORQUE]
                 out[k, POWER] = result[TORQUE] * spindle
                 out[k, ENGAGED] = 1.0
@@ -301,4 +312,4 @@ def mill(
                 elif spindle < 0.0:
                     out[k, REVERSED] = 1.0
         k += 1
-    return n
+    return int(n)
