@@ -220,8 +220,8 @@ class LogWriter:
 
     def tool(self, t_ns: int, shapes: Sequence[Shape], frame: str = "tool") -> None:
         """The tool that is in the spindle from now on; no shapes: the spindle is empty."""
-        entities = [Entity(id="tool", frame=self._frame(frame), shapes=tuple(shapes))] if shapes else []
-        self._add_one("/scene/tool", t_ns, entities_update(t_ns, entities))
+        entity = Entity(id="tool", frame=self._frame(frame), shapes=tuple(shapes))
+        self._add_one("/scene/tool", t_ns, entities_update(t_ns, [entity] if shapes else []))
 
     def force(self, t_ns: int, tip: Array, force: Array, frame: str = ROOT) -> None:
         """The arrow of the process force (3,) [N] at `tip` (3,) [m], both in `frame`; call it at 10 Hz."""
@@ -237,8 +237,8 @@ class LogWriter:
 
     def _tile(self, family: str, t_ns: int, index: int, meshes: Sequence[Mesh], frame: str) -> None:
         shown = tuple(mesh for mesh in meshes if len(mesh.triangles))
-        entities = [Entity(id=f"{family}/{index:02d}", frame=self._frame(frame), shapes=shown)] if shown else []
-        self._add_one(tile_topic(family, index), t_ns, entities_update(t_ns, entities))
+        entity = Entity(id=f"{family}/{index:02d}", frame=self._frame(frame), shapes=shown)
+        self._add_one(tile_topic(family, index), t_ns, entities_update(t_ns, [entity] if shown else []))
 
     # ---- into the file
 

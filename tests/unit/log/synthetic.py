@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -65,8 +66,9 @@ def description(**changes):
     )
 
 
-def columns(t_ns, frames=len(MOVING), joints=6, kind=1):
+def columns(t_ns, joints=6, kind=1):
     """Keyword arguments of `window` for the instants `t_ns` (n,)."""
+    frames = len(MOVING)
     t = np.asarray(t_ns) * 1e-9
     n = len(t)
     angle = 0.3 * np.sin(t[:, None] + np.arange(frames))
@@ -83,7 +85,7 @@ def columns(t_ns, frames=len(MOVING), joints=6, kind=1):
         "joint_velocity": -np.sin(t[:, None] * np.arange(1, joints + 1)),
         "joint_effort": 10.0 * q,
         "target": pose,
-        "tcp": pose + [1e-5, 0, 0, 0, 0, 0, 0],
+        "tcp": pose + np.array([1e-5, 0, 0, 0, 0, 0, 0]),
         "wrench": wrench,
         "motion": MotionColumns(
             feed=0.01 + 0 * t,
@@ -151,3 +153,7 @@ def write(path: Path, seconds=2.0, period_ns=20 * MS, kinds=None, window=37, **c
         log.window(t, **columns(t, kind=1 if kinds is None else kinds[first : first + len(t)]))
     log.close(end_ns, "finished", {"blocks": "6"}, {"results.json": b"{}"})
     return path
+
+
+if __name__ == "__main__":
+    write(Path(sys.argv[1]))
