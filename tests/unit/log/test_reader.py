@@ -1,0 +1,143 @@
+"""What a log tells, whole, cut off or damaged."""
+
+import numpy as np
+import pytest
+
+from gcodesim.log.logfile import LogFile, LogReadError
+from gcodesim.log.reader import read_attachment, read_columns, read_messages, summary
+
+MS = 1_000_000
+
+
+@pytest.fixture(scope="module")
+def long_log(run, tmp_path_factory):
+    """Several chunks."""
+    return run.write(tmp_path_factory.mktemp("log") / "run.mcap", seconds=3.0, period_ns=2 * MS)
+
+
+def test_the_summary_says_what_it_is_and_from_what_it_came(run, tmp_path):
+    found = summary(run.write(tmp_path / "run.mcap"))
+
+    assert found.complete and found.state == "finished" and found.verdict == "finished"
+    assert found.problem == "" and found.duration_ns == 2000 * MS
+    assert found.run["program"] == "part.nc" and found.run["log_format"] == "1"
+    assert found.result == {"state": "finished", "duration_ns": "2000000000", "blocks": "6", "removed_m3": "2e-07"}
+    assert found.events == {"note": 3, "warning": 0, "error": 1}
+    assert found.attachments["program.nc"] == len(run.PROGRAM)
+    tf = next(topic for topic in found.topics if topic.name == "/tf")
+    assert (tf.schema, tf.count, tf.rate) == ("foxglove.FrameTransforms", 101, 50.5)
+
+
+def test_an_interrupted_run_is_incomplete_although_its_file_is_whole(run, new_log, tmp_path):
+    t = np.arange(10) * 20 * MS
+    log = new_log(tmp_path / "run.mcap")
+    log.program(50 * MS, file="sub.nc", line=14, text="G1 X30")
+    log.window(t, **run.columns(t))
+    log.event(180 * MS, "interrupted", "stopped by the user", severity="error", file="sub.nc", line=14)
+    log.close(180 * MS, "failed")
+
+    found = summary(tmp_path / "run.mcap")
+    assert not found.complete and found.problem == "" and found.state == "interrupted"
+    assert found.verdict == "incomplete, stopped at sub.nc:14"
+
+
+def test_a_failed_run_names_its_line(run, new_log, tmp_path):
+    log = new_log(tmp_path / "run.mcap")
+    log.program(0, file="part.nc", line=4, text="G1 Z-1 F200")
+    log.close(0, "failed")
+
+    assert summary(tmp_path / "run.mcap").verdict == "failed at part.nc:4"
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_log_cut_off_anywhere_tells_all_up_to_its_last_whole_chunk(long_log, tmp_path, seed):
+    whole = long_log.read_bytes()
+    file = LogFile.open(long_log)
+    # from the first chunk on: before it there is nothing to tell
+    cut = int(np.random.default_rng(seed).integers(file.chunks[1].offset, len(whole) - 1))
+    path = tmp_path / "cut.mcap"
+    path.write_bytes(whole[:cut])
+    found = summary(path)
+
+    chunks = [chunk for chunk, after in zip(file.chunks, file.chunks[1:], strict=False) if after.offset <= cut]
+    assert not found.complete and "ends before its index" in found.problem
+    assert found.duration_ns >= chunks[-1].last_ns
+    assert found.run == summary(long_log).run
+    t = read_columns(path, "/wrench", ["force.x"])["t_ns"]
+    expected = read_columns(long_log, "/wrench", ["force.x"])["t_ns"]
+    assert len(t) > 0 and np.array_equal(t, expected[: len(t)]) and t[-1] >= chunks[-1].last_ns - 2 * MS
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_damage_anywhere_is_told_or_harmless_and_never_a_crash(long_log, tmp_path, seed):
+    rng = np.random.default_rng(100 + seed)
+    data = bytearray(long_log.read_bytes())
+    at = int(rng.integers(8, len(data)))
+    data[at] ^= 1 << int(rng.integers(8))
+    path = tmp_path / "damaged.mcap"
+    path.write_bytes(data)
+
+    found = summary(path)
+    assert found.topics
+    try:
+        t = read_columns(path, "/process", ["force_n"])
+    except LogReadError as error:
+        assert "checksum" in str(error) or "damaged" in str(error)
+    else:
+        truth = read_columns(long_log, "/process", ["force_n"])["force_n"]
+        assert np.array_equal(t["force_n"], truth[: len(t["force_n"])])
+
+
+def test_what_is_no_log_is_refused(tmp_path):
+    (tmp_path / "a.mcap").write_text("G21\n")
+    with pytest.raises(LogReadError, match="no log"):
+        summary(tmp_path / "a.mcap")
+    with pytest.raises(FileNotFoundError):
+        summary(tmp_path / "b.mcap")
+    (tmp_path / "empty.mcap").write_bytes(b"\x89MCAP0\r\n")
+    assert summary(tmp_path / "empty.mcap").verdict == "incomplete"
+
+
+def test_columns_of_repeated_fields_have_an_axis(run, long_log):
+    names = ["joints[2].position", "joints.position", "joints.name"]
+    found = read_columns(long_log, "/joint_states", names)
+
+    assert found["joints.position"].shape == (len(found["t_ns"]), 6)
+    assert np.array_equal(found["joints[2].position"], found["joints.position"][:, 2])
+    assert found["joints.name"][0, 0] == "arm/joint_1"
+
+
+@pytest.mark.parametrize(
+    ("topic", "field", "error"),
+    [
+        ("/nothing", "x", KeyError),
+        ("/process", "nothing", ValueError),
+        ("/process", "force_n.x", ValueError),
+        ("/process", "force_n[0]", ValueError),
+        ("/joint_states", "joints[6].position", ValueError),
+        ("/joint_states", "joints[a].position", ValueError),
+    ],
+)
+def test_a_field_that_is_not_there_is_named(long_log, topic, field, error):
+    with pytest.raises(error):
+        read_columns(long_log, topic, [field])
+
+
+def test_fields_that_come_unequally_often_are_refused(run, tmp_path):
+    path = run.write(tmp_path / "run.mcap")
+    with pytest.raises(ValueError, match="not equally many"):
+        read_columns(path, "/scene/tool", ["entities.id"])
+
+
+def test_attachments_and_messages_can_be_read(run, tmp_path):
+    path = run.write(tmp_path / "run.mcap")
+    assert read_attachment(path, "program.nc") == run.PROGRAM
+    with pytest.raises(KeyError):
+        read_attachment(path, "nothing")
+    times = [t for t, _ in read_messages(path, "/scene/tool")]
+    assert times == [0, 500 * MS]
+    file = LogFile.open(path)
+    some = [m.t_ns for m in file.messages(file.channel_id("/tf"), first_ns=30 * MS, last_ns=90 * MS)]
+    assert some == [40 * MS, 60 * MS, 80 * MS]
+    last = next(file.messages(file.channel_id("/program"), backwards=True))
+    assert last.t_ns == 2000 * MS

@@ -1,0 +1,167 @@
+"""Scene messages, read back with the viewer's own message classes."""
+
+import numpy as np
+import pytest
+from foxglove_schemas_protobuf.LinePrimitive_pb2 import LinePrimitive
+from foxglove_schemas_protobuf.SceneEntityDeletion_pb2 import SceneEntityDeletion
+from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
+
+from gcodesim.frames import rotation_from_quaternion
+from gcodesim.log import Box, Capsule, Cone, Cylinder, Entity, Mesh, Polylines, Sphere
+from gcodesim.log.scene import GRID, entities_update, force_update, path_update, polyline_update, rounded
+
+T = 3_000_000_007
+Q = np.array([0.5, -0.5, 0.5, 0.5])
+P = np.array([0.1, 0.2, 0.3])
+
+
+def read(data):
+    return SceneUpdate.FromString(data)
+
+
+def xyz(v):
+    return [v.x, v.y, v.z]
+
+
+def only(shape):
+    (entity,) = read(entities_update(T, [Entity(id="a", frame="tool", shapes=(shape,))])).entities
+    return entity
+
+
+def test_an_update_replaces_all_that_was_there():
+    update = read(entities_update(T, [Entity(id="a", frame="tool", shapes=(Sphere(radius=1.0),))]))
+
+    assert [d.type for d in update.deletions] == [SceneEntityDeletion.ALL]
+    (entity,) = update.entities
+    assert (entity.id, entity.frame_id, entity.frame_locked) == ("a", "tool", True)
+    assert entity.timestamp.seconds * 10**9 + entity.timestamp.nanos == T
+    assert not read(entities_update(T, [])).entities
+
+
+def test_a_box_has_its_pose_size_and_colour():
+    (cube,) = only(Box(size=(1.0, 2.0, 3.0), p=P, q=Q, color=(0.1, 0.2, 0.3, 0.4))).cubes
+
+    assert xyz(cube.size) == [1.0, 2.0, 3.0] and xyz(cube.pose.position) == [0.1, 0.2, 0.3]
+    q = cube.pose.orientation
+    assert [q.x, q.y, q.z, q.w] == Q.tolist()
+    assert [cube.color.r, cube.color.g, cube.color.b, cube.color.a] == [0.1, 0.2, 0.3, 0.4]
+
+
+def test_cylinder_and_cone_are_frusta_of_the_widest_radius():
+    (cylinder,) = only(Cylinder(radius=0.5, length=2.0)).cylinders
+    (cone,) = only(Cone(bottom_radius=0.25, top_radius=1.0, length=2.0)).cylinders
+
+    assert (xyz(cylinder.size), cylinder.bottom_scale, cylinder.top_scale) == ([1.0, 1.0, 2.0], 1.0, 1.0)
+    assert (xyz(cone.size), cone.bottom_scale, cone.top_scale) == ([2.0, 2.0, 2.0], 0.25, 1.0)
+    assert cylinder.pose.HasField("position") and cylinder.pose.orientation.w == 1.0
+
+
+def test_a_capsule_ends_in_balls_on_its_own_axis():
+    entity = only(Capsule(radius=0.5, length=2.0, p=P, q=Q))
+    axis = rotation_from_quaternion(Q)[:, 2]
+
+    ends = [xyz(ball.pose.position) for ball in entity.spheres]
+    assert np.allclose(ends, [P - axis, P + axis], atol=1e-15)
+    assert all(xyz(ball.size) == [1.0, 1.0, 1.0] for ball in entity.spheres)
+    assert xyz(entity.cylinders[0].size) == [1.0, 1.0, 2.0]
+
+
+def test_a_mesh_keeps_its_points_within_half_a_grid_step():
+    points = np.random.default_rng(5).normal(size=(20, 3))
+    triangles = np.random.default_rng(6).integers(0, 20, (30, 3))
+    (mesh,) = only(Mesh(points=points, triangles=triangles)).triangles
+
+    drawn = np.array([xyz(p) for p in mesh.points])
+    assert np.abs(drawn - points).max() <= GRID / 2
+    assert (drawn / GRID == np.rint(drawn / GRID)).all()
+    assert list(mesh.indices) == triangles.reshape(-1).tolist()
+
+
+def test_what_cannot_be_drawn_is_refused():
+    with pytest.raises(ValueError, match="outside its mesh"):
+        only(Mesh(points=np.zeros((2, 3)), triangles=np.array([[0, 1, 2]])))
+    with pytest.raises(ValueError, match="not finite"):
+        rounded(np.array([[0.0, np.nan, 0.0]]))
+    twice = [Entity(id="a", frame="tool", shapes=())] * 2
+    with pytest.raises(ValueError, match="share an id"):
+        entities_update(T, twice)
+
+
+def test_a_path_is_one_list_of_lines_for_feed_and_one_for_rapids():
+    feed = Polylines(np.arange(15.0).reshape(5, 3), np.array([0, 3]))
+    rapid = Polylines(np.zeros((2, 3)), np.array([0]))
+    update = read(path_update(0, "world", feed, rapid))
+
+    assert [e.id for e in update.entities] == ["feed", "rapid"]
+    line = update.entities[0].lines[0]
+    assert line.type == LinePrimitive.LINE_LIST and line.scale_invariant
+    assert list(line.indices) == [0, 1, 1, 2, 3, 4]
+    assert [xyz(p) for p in line.points] == feed.points.tolist()
+    assert not read(path_update(0, "world", Polylines.none(), Polylines.none())).entities
+
+
+def test_lines_from_segments_join_where_segments_touch():
+    points = np.arange(21.0).reshape(7, 3)
+    lines = Polylines.from_segments(points, np.array([True, True, False, False, True, True]))
+
+    assert lines.points.tolist() == points[[0, 1, 2, 4, 5, 6]].tolist()
+    assert lines.starts.tolist() == [0, 3]
+    assert lines.segments().tolist() == [[0, 1], [1, 2], [3, 4], [4, 5]]
+    assert len(Polylines.from_segments(points, np.zeros(6, dtype=bool)).points) == 0
+
+
+def test_alternating_segments_share_no_point_wrongly():
+    """Segment 0 and 2 are drawn, 1 is not: two lines, although every point is used."""
+    lines = Polylines.from_segments(np.arange(12.0).reshape(4, 3), np.array([True, False, True]))
+
+    assert lines.segments().tolist() == [[0, 1], [2, 3]]
+
+
+def test_a_long_path_is_drawn_coarser_but_with_its_ends():
+    t = np.linspace(0.0, 20.0, 50_001)
+    spiral = np.stack([t * np.cos(t), t * np.sin(t), t], axis=1)
+    lines = Polylines(np.concatenate([spiral, spiral + 5.0]), np.array([0, len(spiral)]))
+    thin = lines.thinned(1000)
+
+    assert 900 < len(thin.points) <= 1000
+    assert thin.points[thin.starts].tolist() == lines.points[lines.starts].tolist()
+    assert thin.points[-1].tolist() == lines.points[-1].tolist()
+    step = np.linalg.norm(np.diff(thin.points, axis=0), axis=1)[thin.segments()[:, 0]]
+    assert step.max() < 3 * step.mean()
+
+
+def test_of_too_many_lines_the_longest_are_drawn():
+    length = np.random.default_rng(2).permutation(1000) + 1.0
+    points = np.zeros((1000, 2, 3))
+    points[:, 1, 0] = length
+    lines = Polylines(points.reshape(-1, 3), np.arange(0, 2000, 2)).thinned(200)
+
+    assert len(lines.points) <= 200 and len(lines.starts) == 50
+    assert lines.points[lines.segments()[:, 1], 0].min() == 951.0
+
+
+def test_a_path_of_a_million_points_stays_below_four_megabytes():
+    t = np.linspace(0.0, 100.0, 500_000)
+    path = Polylines(np.stack([t, np.sin(t), np.cos(t)], axis=1), np.array([0]))
+
+    assert 3e6 < len(path_update(0, "world", path, path)) < 4 << 20
+
+
+def test_a_polyline_of_one_point_shows_nothing():
+    assert not read(polyline_update(T, "block", "world", np.zeros((1, 3)))).entities
+    (entity,) = read(polyline_update(T, "block", "world", np.eye(3))).entities
+    assert entity.lines[0].type == LinePrimitive.LINE_STRIP and len(entity.lines[0].points) == 3
+
+
+@pytest.mark.parametrize("force", [(0, 0, 250), (-100, 0, 0), (1, 2, -3), (40, 0, 0), (-1, 1e-9, 0)])
+def test_the_force_arrow_points_along_the_force_a_millimetre_a_newton(force):
+    force = np.array(force, dtype=float)
+    (entity,) = read(force_update(T, "world", P, force)).entities
+    (arrow,) = entity.arrows
+
+    q = arrow.pose.orientation
+    along = rotation_from_quaternion(np.array([q.x, q.y, q.z, q.w]))[:, 0]
+    assert np.allclose(along, force / np.linalg.norm(force), atol=1e-6)
+    assert arrow.shaft_length + arrow.head_length == pytest.approx(1e-3 * np.linalg.norm(force))
+    assert np.allclose(xyz(arrow.pose.position), P, atol=GRID)
+    assert not read(force_update(T, "world", P, np.zeros(3))).entities
