@@ -273,18 +273,17 @@ class BulletWorld(WorldBase):
 
     def _push_known(self, wrench: Array) -> Push:
         """Push the tool by `wrench` (m, 6), known for every step."""
-        turned = np.hstack([self.robot.X_WB.rotate(wrench[:, :3]), self.robot.X_WB.rotate(wrench[:, 3:])]).tolist()
         acts: list[bool] = np.any(wrench != 0.0, axis=1).tolist()
 
         def push(k: int, _state: JointStates | None) -> None:
             if acts[k]:
-                self._apply(turned[k])
+                self._apply(wrench[k])
 
         return push
 
     def _push_coupled(self, couple: Couple, first: int, commands: Array, wrench: Array) -> Push:
         """Push the tool by what the process answers to where the step will end; the answers go into `wrench` (m, 6)."""
-        start, R_WB = self._q - self._commanded, self.robot.X_WB.R
+        start = self._q - self._commanded
 
         def push(k: int, state: JointStates | None) -> None:
             # a step ends on its command, or short of it by what the step before fell short
@@ -292,20 +291,21 @@ class BulletWorld(WorldBase):
             row = wrench_rows(couple, first + k, (commands[k] + missed)[None])[0]
             wrench[k] = row
             if row.any():
-                self._apply([*(R_WB @ row[:3]).tolist(), *(R_WB @ row[3:]).tolist()])
+                self._apply(row)
 
         return push
 
-    def _apply(self, wrench: list[float]) -> None:
-        """Let `wrench`, in axes of W, act on the tool at the tip during the next step."""
+    def _apply(self, wrench: Array) -> None:
+        """Let `wrench` (6,), in base axes, act on the tool at the tip during the next step."""
         if self._tip_link is None:
             return
         p, client, body, link = self._bullet, self._client, self._body, self._tip_link
+        R_WB = self.robot.X_WB.R
         # without the forward kinematics the answer is one step old
         centre = p.getLinkState(body, link, computeForwardKinematics=1, physicsClientId=client)
         tip = p.multiplyTransforms(centre[0], centre[1], self._p_tip, UPRIGHT)[0]
-        p.applyExternalForce(body, link, wrench[:3], tip, p.WORLD_FRAME, client)
-        p.applyExternalTorque(body, link, wrench[3:], p.WORLD_FRAME, client)
+        p.applyExternalForce(body, link, (R_WB @ wrench[:3]).tolist(), tip, p.WORLD_FRAME, client)
+        p.applyExternalTorque(body, link, (R_WB @ wrench[3:]).tolist(), p.WORLD_FRAME, client)
 
     def _read_contacts(self, row: Array) -> None:
         """Add up what touches the flange's link in `row` (6,): wrench on the tool at the tip, base axes."""

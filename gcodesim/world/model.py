@@ -125,7 +125,8 @@ def merged_model(chain: Chain, tool: ToolBody | None, *, solids: bool) -> Model:
             X = Pose.from_matrix(X_LF)
             bodies[carrier] += [replace(solid, X=X @ solid.X) for solid in tool.shapes]
     root = ET.Element("robot", name="machine")
-    _add_link(root, "base", masses[-1], bodies[-1])
+    # the base never moves, so its mass is nobody's business; Bullet's inverse dynamics is wrong when it has turned axes
+    _add_link(root, "base", MassSum.of(()), bodies[-1])
     for i in range(len(chain.driven)):
         _add_link(root, f"link{i}", masses[i], bodies[i])
         parent = "base" if tree.parent[i] < 0 else f"link{tree.parent[i]}"

@@ -1,0 +1,190 @@
+"""What only the bullet world has: motors that give way, contacts, pockets, and nothing left behind."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gcodesim.frames import Pose
+from gcodesim.kinematics.machine import Machine
+from gcodesim.world import Box, Cylinder, Mesh, RobotBody, Sphere, StaticBody, ToolBody, WorldUnavailable, open_world
+from gcodesim.world.bullet import BulletWorld, import_pybullet
+from tests.unit.world import machines
+
+CHAIN = machines.machine("kr10")
+REST = np.radians([0.0, -90.0, 90.0, 0.0, 90.0, 0.0])  # tool straight down
+PEN = ToolBody(
+    name="pen",
+    length=0.15,
+    mass=1.0,
+    com=(0.0, 0.0, 0.08),
+    inertia=(2e-3, 2e-3, 4e-4, 0.0, 0.0, 0.0),
+    shapes=(
+        Cylinder(radius=0.01, length=0.1, X=Pose.from_xyz_rpy((0.0, 0.0, 0.08))),
+        Sphere(radius=0.01, X=Pose.from_xyz_rpy((0.0, 0.0, 0.14))),
+        Box(size=(0.05, 0.05, 0.02), X=Pose.from_xyz_rpy((0.0, 0.0, 0.01))),
+    ),
+)
+
+
+def opened(*bodies: StaticBody, effort: tuple[float, ...] | None = None) -> BulletWorld:
+    world = open_world("bullet", RobotBody(chain=CHAIN, effort=effort), machines.STEP_NS, bodies=bodies)
+    assert isinstance(world, BulletWorld)
+    world.reset(REST)
+    return world
+
+
+@pytest.fixture
+def world() -> Iterator[BulletWorld]:
+    world = opened()
+    yield world
+    world.close()
+
+
+def tip() -> np.ndarray:
+    return Pose.from_matrix(Machine(chain=CHAIN).forward(REST[None])[0]).apply(PEN.X_FT.p)
+
+
+def below(gap: float) -> Pose:
+    """Where the middle of a 20 mm plate is when its top is `gap` [m] below the tip."""
+    return Pose(tip() - [0.0, 0.0, 0.01 + gap], np.eye(3))
+
+
+def plate(kind: str, gap: float) -> StaticBody:
+    if kind == "box":
+        return StaticBody(name="plate", shapes=(Box(size=(0.2, 0.2, 0.02)),), X_WS=below(gap))
+    x, z = 0.1, 0.01
+    corners = np.array([[sx * x, sy * x, sz * z] for sx in (-1, 1) for sy in (-1, 1) for sz in (-1, 1)])
+    faces = np.array([[1, 5, 7], [1, 7, 3], [0, 6, 4], [0, 2, 6], [0, 4, 5], [0, 5, 1], [2, 7, 6], [2, 3, 7]])
+    return StaticBody(name="plate", shapes=(Mesh(vertices=corners, faces=faces),), X_WS=below(gap))
+
+
+def press(world: BulletWorld, depth: float, n: int = 150) -> tuple[np.ndarray, object]:
+    """Lower the tip by about `depth` [m] with the shoulder joint."""
+    q = np.tile(REST, (n, 1))
+    q[:, 1] += np.linspace(0.0, depth / 0.54, n)
+    return q, world.run(q)
+
+
+@pytest.mark.parametrize("kind", ["box", "mesh"])
+def test_a_tool_that_meets_a_fixture_is_pushed_back(kind: str) -> None:
+    world = opened(plate(kind, gap=0.001))
+    world.attach(PEN)
+    _, steps = press(world, depth=0.003)
+    world.close()
+
+    pull = steps.reaction[:, 2] - PEN.mass * 9.80665
+    assert abs(pull[2:20]).max() < 1e-3  # under way, before it touches: only the weight
+    assert pull[-1] < -50.0  # the arm holds the tool down against the plate
+    assert np.abs(steps.effort[-1] - steps.effort[0])[1] > 20.0
+
+
+def test_a_push_from_a_fixture_stands_in_efforts_and_reaction_alike() -> None:
+    """Efforts change by J^T times what the reaction says the fixture does to the tool."""
+    world = opened(plate("box", gap=0.0005))
+    world.attach(PEN)
+    q, steps = press(world, depth=0.001)
+    world.close()
+    still = opened()
+    still.attach(PEN)
+    free = still.run(q)
+    still.close()
+
+    change = steps.effort[-1] - free.effort[-1]
+    push = -(steps.reaction[-1] - free.reaction[-1])  # on the tool, about the flange
+    J = Machine(chain=CHAIN).jacobian(q[-1:])[0]
+    assert np.abs(push).max() > 50.0
+    assert change == pytest.approx(-J.T @ push, rel=2e-3, abs=0.02)
+
+
+def test_a_motor_at_its_limit_falls_behind_and_catches_up(world: BulletWorld) -> None:
+    """A load above the wrist's 41.6 N·m for a moment: saturated, away from the command, then back."""
+    world.attach(PEN)
+    load = np.zeros((100, 6))
+    load[10:13] = [0.0, 0.0, 0.0, 0.0, 60.0, 0.0]
+
+    steps = world.run(np.tile(REST, (100, 1)), load)
+
+    assert not steps.saturated[:10].any()
+    assert steps.saturated[10:13].any()
+    assert np.abs(steps.effort).max(axis=0) == pytest.approx(np.minimum(np.abs(steps.effort).max(axis=0), 312.0))
+    assert (np.abs(steps.effort) <= np.array([288.4, 312.0, 119.8, 46.1, 41.6, 28.0]) * (1.0 + 1e-9)).all()
+    assert np.abs(steps.q[12] - REST).max() > 1e-5
+    assert np.abs(steps.q[-1] - REST).max() < 1e-9
+
+
+def test_the_process_hears_of_the_lag(world: BulletWorld) -> None:
+    """A joint that cannot follow is not where it was told to be, and the process is asked for where it is."""
+    world.attach(PEN)
+    asked = np.empty((40, 6))
+
+    def couple(first: int, q: np.ndarray) -> np.ndarray:
+        asked[first] = q[0]
+        return np.array([[0.0, 0.0, 0.0, 0.0, 60.0 if 10 <= first < 14 else 0.0, 0.0]])
+
+    steps = world.run(np.tile(REST, (40, 1)), couple)
+
+    assert np.array_equal(asked[1:], steps.q[:-1])  # the command stands still, so the step before is the best guess
+
+
+def test_a_tool_in_its_pocket_is_a_body_that_stands_there(world: BulletWorld) -> None:
+    pocket = Pose.from_xyz_rpy((0.4, -0.5, 0.6), (0.1, 0.2, 0.3))
+    world.attach(PEN)
+    world.attach(None, pocket)
+
+    stands = world.pocket_pose("pen")
+    assert np.abs(stands.p - pocket.p).max() < 1e-12
+    assert np.abs(stands.R - pocket.R).max() < 1e-12
+
+    world.attach(PEN)
+    with pytest.raises(KeyError):
+        world.pocket_pose("pen")
+
+
+def test_it_leaves_no_file_behind(world: BulletWorld, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    world.attach(PEN)
+
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_it_writes_nothing_to_either_stream() -> None:
+    """Standard output carries results and nothing else; Bullet likes to talk on both streams."""
+    program = (
+        "import sys; sys.path.insert(0, sys.argv[1])\n"
+        "from tests.unit.world.test_bullet import PEN, REST, opened, plate\n"
+        "world = opened(plate('mesh', 0.0)); world.attach(PEN); world.attach(None, None); world.attach(PEN)\n"
+        "world.run(REST[None]); world.close()\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program, str(Path(__file__).parents[3])], capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+def test_without_pybullet_the_message_says_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pybullet", None)
+    monkeypatch.delitem(sys.modules, "pybullet")
+    monkeypatch.setattr(sys, "meta_path", [_NoBullet(), *sys.meta_path])
+
+    with pytest.raises(WorldUnavailable, match=r"pip install pybullet.*world: kinematic"):
+        import_pybullet()
+
+
+class _NoBullet:
+    """An importer that has no pybullet, whatever is installed."""
+
+    def find_spec(self, name: str, path: object = None, target: object = None) -> None:
+        if name == "pybullet":
+            raise ModuleNotFoundError("No module named 'pybullet'", name=name)
+
+
+def test_importing_the_package_needs_no_pybullet() -> None:
+    program = "import sys; import gcodesim.world; sys.exit('pybullet' in sys.modules or 'numba' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0
