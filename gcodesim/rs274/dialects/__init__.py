@@ -1,0 +1,8 @@
+"""Dialects: what one control accepts that another does not. One file each."""
+
+from gcodesim.family import Family
+from gcodesim.rs274.dialects.dialect import Dialect, g_name
+
+DIALECTS = Family("dialects", linuxcnc="gcodesim.rs274.dialects.linuxcnc:LINUXCNC")
+
+__all__ = ["DIALECTS", "Dialect", "g_name"]

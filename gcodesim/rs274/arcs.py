@@ -1,0 +1,216 @@
+"""G2 and G3: by centre or by radius, in three planes, as helices, with full turns."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from gcodesim import canon
+from gcodesim.rs274 import compensation
+from gcodesim.rs274.control import Control
+from gcodesim.rs274.ends import end_point
+from gcodesim.rs274.fault import Fault
+from gcodesim.rs274.feeds import check_feed, resolve_inverse_time
+from gcodesim.rs274.state import Vector
+from gcodesim.rs274.words import Words
+from gcodesim.units import DEG, INCH, MM
+
+# plane -> first, second and normal axis; in G18 the first is Z
+PLANE_AXES = {170: (0, 1, 2), 180: (2, 0, 1), 190: (1, 2, 0)}
+_PLANE_NAMES = {170: "XY", 180: "XZ", 190: "YZ"}
+_AXIS_NAMES = "XYZ"
+_CENTRE_LETTERS = "ijk"
+
+# LinuxCNC's: a mismatch of the radii below `_ALWAYS` passes, above `_NEVER` not, between up to 0.1 % of the radius
+_RELATIVE_MISS = 1e-3
+_ALWAYS_MM, _ALWAYS_INCH = 0.0127, 0.0005
+_NEVER_FACTOR = 100.0
+_SMALLEST_RADIUS = 1.27e-6  # [m]
+_FULL_CIRCLE_ANGLE = 1e-6 * DEG  # ends nearer than this about the centre make a full circle
+
+
+class Arc(NamedTuple):
+    """An arc in the active plane; `turns` is positive for counterclockwise, and counts full circles begun."""
+
+    centre: tuple[float, float]
+    turns: int
+
+
+def arc(words: Words, control: Control, code: int) -> None:
+    """G2 and G3."""
+    who = f"G{code // 10}"
+    check_feed(words, control, who)
+    end = end_point(words, control)
+    control.state.spline_tangent = None
+    if control.state.side:
+        compensation.arc(words, control, end, code)
+        return
+    if control.state.comp_leaving:
+        raise Fault("GS151", "the move after G40 must be straight, not an arc", at=who.lower(), hint="lead out with G0 or G1")
+    shape = arc_of(words, control, control.state.current, end, code)
+    if control.state.feed_mode == 930:
+        resolve_inverse_time(words, control, helix_length(control, control.state.current, end, shape))
+    emit_arc(control, end, shape, who)
+
+
+def arc_of(words: Words, control: Control, start: Vector, end: Vector, code: int) -> Arc:
+    """Centre and turns of the arc that the words describe, from `start` to `end`."""
+    who = f"G{code // 10}"
+    plane = control.state.plane
+    first, second, normal = PLANE_AXES[plane]
+    centre_words = [letter for letter in _CENTRE_LETTERS if letter in words.values]
+    turns = 1
+    if "p" in words.values:
+        whole = words.whole("p", who)
+        assert whole is not None
+        if whole < 1:
+            raise Fault("GS106", f"{who} P{whole}: P counts turns, 1 or more", at="p", value=whole, limit=1)
+        turns = whole
+    signed_turns = turns if code == 30 else -turns
+    if "r" in words.values:
+        if centre_words:
+            raise Fault("GS110", f"{who} has both a radius R and a centre", at="r", hint="drop R, or I J K")
+        named = [words.values.get("xyz"[axis]) is not None for axis in (first, second)]
+        if not any(named) and not words.has_polar():
+            a, b = _AXIS_NAMES[first], _AXIS_NAMES[second]
+            raise Fault("GS110", f"{who} with R needs {a} or {b}", at="r", hint="an arc by radius needs another end point")
+        centre = _centre_by_radius(words.values["r"], (start[first], start[second]), (end[first], end[second]), signed_turns, control)
+        return Arc(centre, signed_turns)
+    outside = _CENTRE_LETTERS[normal]
+    if outside in words.values:
+        raise Fault(
+            "GS110",
+            f"{outside.upper()} lies outside the {_PLANE_NAMES[plane]} plane of this arc",
+            at=outside,
+            hint=f"use {_CENTRE_LETTERS[first].upper()} and {_CENTRE_LETTERS[second].upper()}, or change the plane",
+        )
+    if not centre_words:
+        raise Fault("GS110", f"{who} has neither a centre nor a radius", at=who.lower() if who.lower() in words.names else None, hint="add I J K or R")
+    letters = (_CENTRE_LETTERS[first], _CENTRE_LETTERS[second])
+    if control.state.centre_absolute:
+        for letter in letters:
+            if letter not in words.values:
+                raise Fault("GS110", f"{who} under G90.1 needs {letter.upper()}", at=who.lower() if who.lower() in words.names else None)
+        centre = (words.values[letters[0]], words.values[letters[1]])
+    else:
+        centre = (start[first] + words.values.get(letters[0], 0.0), start[second] + words.values.get(letters[1], 0.0))
+    _check_radii(words, control, (start[first], start[second]), (end[first], end[second]), centre, who)
+    return Arc(centre, signed_turns)
+
+
+def _check_radii(
+    words: Words,
+    control: Control,
+    start: tuple[float, float],
+    end: tuple[float, float],
+    centre: tuple[float, float],
+    who: str,
+) -> None:
+    unit = control.state.unit
+    at_start, at_end = math.dist(start, centre) * unit, math.dist(end, centre) * unit
+    at = next((letter for letter in "ijk" if letter in words.values), None)
+    if at_start < _SMALLEST_RADIUS or at_end < _SMALLEST_RADIUS:
+        which = "start" if at_start < _SMALLEST_RADIUS else "end"
+        raise Fault("GS112", f"{who} has no radius: the centre lies on the {which} point", at=at)
+    always = (_ALWAYS_INCH * INCH) if unit == INCH else _ALWAYS_MM * MM
+    miss = abs(at_start - at_end)
+    allowed = min(max(always, _RELATIVE_MISS * max(at_start, at_end)), always * _NEVER_FACTOR)
+    if miss > allowed:
+        raise Fault(
+            "GS111",
+            f"the arc ends off its own circle: radius {at_start / MM:.3f} mm at the start, {at_end / MM:.3f} mm at the end, "
+            f"{miss / MM:.3f} mm apart; {allowed / MM:.3f} mm is allowed",
+            at=None,
+            hint=_radii_hint(control, start, end, centre),
+            value=miss / MM,
+            limit=allowed / MM,
+            unit="mm",
+        )
+
+
+def _radii_hint(
+    control: Control, start: tuple[float, float], end: tuple[float, float], centre: tuple[float, float]
+) -> str:
+    letters = "/".join(_CENTRE_LETTERS[axis].upper() for axis in PLANE_AXES[control.state.plane][:2])
+    if not control.state.centre_absolute:
+        offset = (centre[0] - start[0], centre[1] - start[1])
+        if abs(math.dist(start, offset) - math.dist(end, offset)) < 1e-3 * max(math.dist(start, offset), 1e-9):
+            return f"{letters} would fit as absolute centre: G90.1"
+    return f"check {letters} and the end point; without G90.1 the centre counts from the start of the arc"
+
+
+def _centre_by_radius(
+    radius: float, start: tuple[float, float], end: tuple[float, float], turns: int, control: Control
+) -> tuple[float, float]:
+    unit = control.state.unit
+    chord = math.dist(start, end)
+    if chord == 0.0:
+        raise Fault("GS110", "an arc by radius must end at another point than it starts", at="r", hint="give a full circle by its centre")
+    size, half = abs(radius), chord / 2.0
+    if (half - size) * unit > _SMALLEST_RADIUS:
+        raise Fault(
+            "GS112",
+            f"the radius {size * unit / MM:.3f} mm is too small to reach the end point, {chord * unit / MM:.3f} mm away",
+            at="r",
+            hint=f"R must be at least {half * unit / MM:.3f} mm",
+            value=size * unit / MM,
+            limit=half * unit / MM,
+            unit="mm",
+        )
+    if half / size > 1.0 - 1e-12:
+        return (start[0] + end[0]) / 2.0, (start[1] + end[1]) / 2.0
+    height = math.sqrt(max(size * size - half * half, 0.0))
+    # the centre lies to the left of the chord for a short counterclockwise arc
+    left = (turns > 0) == (radius > 0)
+    dx, dy = (end[0] - start[0]) / chord, (end[1] - start[1]) / chord
+    sign = height if left else -height
+    return (start[0] + end[0]) / 2.0 - dy * sign, (start[1] + end[1]) / 2.0 + dx * sign
+
+
+def sweep_of(start: tuple[float, float], end: tuple[float, float], shape: Arc) -> float:
+    """Signed swept angle [rad], full turns included; coinciding ends are a full turn."""
+    (cx, cy), turns = shape
+    u, v = (start[0] - cx, start[1] - cy), (end[0] - cx, end[1] - cy)
+    angle = math.atan2(u[0] * v[1] - u[1] * v[0], u[0] * v[0] + u[1] * v[1])
+    if turns > 0:
+        return (angle + 2.0 * math.pi if angle <= _FULL_CIRCLE_ANGLE else angle) + 2.0 * math.pi * (turns - 1)
+    return (angle - 2.0 * math.pi if angle >= -_FULL_CIRCLE_ANGLE else angle) + 2.0 * math.pi * (turns + 1)
+
+
+def helix_length(control: Control, start: Vector, end: Vector, shape: Arc) -> float:
+    """Length of the arc with its rise along the normal, in program units."""
+    first, second, normal = PLANE_AXES[control.state.plane]
+    a, b = (start[first], start[second]), (end[first], end[second])
+    flat = abs(sweep_of(a, b, shape)) * math.dist(a, shape.centre)
+    return math.hypot(flat, end[normal] - start[normal])
+
+
+def emit_arc(control: Control, end: Vector, shape: Arc, word: str) -> None:
+    """The event of an arc from the current point to `end`."""
+    state = control.state
+    first, second, normal = PLANE_AXES[state.plane]
+    start = state.current
+    middle = [0.0] * 9
+    middle[first], middle[second], middle[normal] = shape.centre[0], shape.centre[1], end[normal]
+    axis = [0.0, 0.0, 0.0]
+    axis[normal] = 1.0
+    if state.rotation and normal != 2:
+        cos, sin = math.cos(state.rotation * DEG), math.sin(state.rotation * DEG)
+        axis = [axis[0] * cos - axis[1] * sin, axis[0] * sin + axis[1] * cos, axis[2]]
+    feed, unit = control.feed(linear=True)
+    control.out.append(
+        canon.ArcFeed(
+            span=control.span,
+            end=control.si_axes(control.tip(end)),
+            block=control.block_number,
+            word=word,
+            center=control.si_point(tuple(middle)),  # type: ignore[arg-type]
+            normal=(axis[0], axis[1], axis[2]),
+            ccw=shape.turns > 0,
+            turns=abs(shape.turns),
+            sweep=sweep_of((start[first], start[second]), (end[first], end[second]), shape),
+            feed=feed,
+            feed_unit=unit,
+        )
+    )
+    state.current = end

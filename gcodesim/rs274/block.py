@@ -1,0 +1,118 @@
+"""What one line of a program says, before anything is computed or executed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+Place = tuple[int, int]  # first column and the one after the last, from 0
+
+
+@dataclass(frozen=True, slots=True)
+class Signed:
+    """A sign before a value that is no plain number."""
+
+    sign: float
+    operand: Node
+
+
+@dataclass(frozen=True, slots=True)
+class Binary:
+    operator: str
+    left: Node
+    right: Node
+
+
+@dataclass(frozen=True, slots=True)
+class Function:
+    """A function of one value; `atan` has two."""
+
+    name: str
+    argument: Node
+    divisor: Node = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Name:
+    """A named parameter, without the angle brackets."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """`#index`: a numbered parameter, or a named one."""
+
+    index: Node
+
+
+@dataclass(frozen=True, slots=True)
+class Exists:
+    index: Node
+
+
+Node = float | Signed | Binary | Function | Name | Parameter | Exists
+
+
+class Word(NamedTuple):
+    """A letter and its value: a number, or an expression that yields one."""
+
+    letter: str
+    value: Node
+
+
+class Setting(NamedTuple):
+    """`#index=value`; takes effect after its block has been read."""
+
+    index: Node
+    value: Node
+    place: Place
+
+
+class Note(NamedTuple):
+    """A comment: its text without parentheses or semicolon."""
+
+    text: str
+    place: Place
+
+
+class Flow(NamedTuple):
+    """An O-word. `keyword` is empty for a bare O1000, which opens a program for M98."""
+
+    label: Node
+    keyword: str
+    operands: tuple[Node, ...]
+    place: Place
+
+
+@dataclass(slots=True)
+class Block:
+    """A line that has been read. `places` gives each word's columns; plain lines find them when asked."""
+
+    line: int
+    text: str
+    words: list[Word] | list[tuple[str, float]]
+    settings: tuple[Setting, ...] = ()
+    notes: tuple[Note, ...] = ()
+    flow: Flow | None = None
+    deleted: bool = False
+    plain: bool = False
+    _places: list[Place] | None = None
+    _find: Callable[[str], list[Place]] | None = field(default=None, repr=False)
+
+    @property
+    def places(self) -> list[Place]:
+        """Columns of each word, in the order of `words`."""
+        if self._places is None:
+            self._places = self._find(self.text) if self._find else []
+        return self._places
+
+    def place_of(self, letter: str, nth: int = 0) -> Place | None:
+        """Columns of the nth word with `letter`."""
+        for word, place in zip(self.words, self.places, strict=False):
+            if word[0] == letter:
+                if nth == 0:
+                    return place
+                nth -= 1
+        return None

@@ -1,0 +1,314 @@
+"""The control: executes one block after the other and says what the machine is asked to do.
+
+A block is checked before anything changes; where a fault shows only half-way,
+the run puts the state back (`Control.begin`, `Control.roll_back`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from gcodesim import canon
+from gcodesim.diagnostics import Diagnostic, Span
+from gcodesim.rs274 import parameters as numbers
+from gcodesim.rs274.dialects import Dialect
+from gcodesim.rs274.fault import Fault
+from gcodesim.rs274.frame import Frame
+from gcodesim.rs274.parameters import Parameters
+from gcodesim.rs274.settings import Settings
+from gcodesim.rs274.state import AXES, LINEAR, State, Vector, add, scaled, subtract
+from gcodesim.rs274.tool_table import ToolEntry
+from gcodesim.units import DEG, MINUTE, MM, RPM
+
+_PATH_MODES: dict[int, str] = {610: "exact_path", 611: "exact_stop", 640: "blend"}
+
+
+class Control:
+    """State, memory and tool table of a control, and the events of the block in hand (`out`)."""
+
+    def __init__(self, settings: Settings, dialect: Dialect) -> None:
+        self.settings = settings
+        self.dialect = dialect
+        self.state = State()
+        self.parameters = Parameters(self._read_only, self._predefined)
+        self.parameters.numbers.update(settings.parameters)
+        self.tools: dict[int, ToolEntry] = dict(settings.tool_table.entries)
+        self.spindle_tool: ToolEntry = ToolEntry(number=0)
+        self.out: list[canon.Event] = []
+        self.notes: list[Diagnostic] = []
+        self.span = Span("")
+        self.block_number = 0
+        self.last_system: canon.WorkSystem | None = None
+        self.saved_modes: list[tuple[State, float, float, bool]] = []
+        self.not_simulated: dict[str, tuple[int, Span]] = {}
+        self.auto_length = False
+        self.sub_level = 0
+        self.finished = False
+        self.frames: list[Frame] = []
+        self.returned = 0.0
+        self.value_returned = False
+        self._restore_systems()
+
+    # -- frames
+
+    def tip(self, point: Vector) -> Vector:
+        """The controlled point in the machine frame of a point in the active work system; program units."""
+        state = self.state
+        x, y, z, a, b, c, u, v, w = map(float.__add__, point, state.g92)
+        if state.rotation:
+            cos, sin = self._turn(state.rotation)
+            x, y = x * cos - y * sin, x * sin + y * cos
+        o = state.origin
+        return (x + o[0], y + o[1], z + o[2], a + o[3], b + o[4], c + o[5], u + o[6], v + o[7], w + o[8])
+
+    def point_of(self, tip: Vector) -> Vector:
+        """The inverse of `tip`."""
+        state = self.state
+        x, y, *rest = subtract(tip, state.origin)
+        if state.rotation:
+            cos, sin = self._turn(state.rotation)
+            x, y = x * cos + y * sin, y * cos - x * sin
+        return subtract((x, y, *rest), state.g92)  # type: ignore[arg-type]
+
+    @staticmethod
+    def _turn(degrees: float) -> tuple[float, float]:
+        return math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+
+    def axes(self) -> Vector:
+        """Where the machine's axes stand, in program units."""
+        return add(self.tip(self.state.current), self.state.tool_offset)
+
+    def stay_at(self, axes: Vector) -> None:
+        """After a change of frames: the axes did not move, so the current point reads differently."""
+        self.state.current = self.point_of(subtract(axes, self.state.tool_offset))
+
+    def si_axes(self, tip: Vector) -> canon.Axes:
+        """X to C of `tip` in SI."""
+        unit = self.state.unit
+        return (tip[0] * unit, tip[1] * unit, tip[2] * unit, tip[3] * DEG, tip[4] * DEG, tip[5] * DEG)
+
+    def si_point(self, point: Vector) -> canon.Point:
+        """X, Y, Z of a point in the active work system, in the machine frame and SI."""
+        tip = self.tip(point)
+        unit = self.state.unit
+        return (tip[0] * unit, tip[1] * unit, tip[2] * unit)
+
+    def machine_units(self, value: float, axis: int) -> float:
+        """A value of `axis` in program units as the parameters hold it: mm or degrees."""
+        return value * self.state.unit / MM if LINEAR[axis] else value
+
+    def program_units(self, value: float, axis: int) -> float:
+        """A value of a parameter in program units."""
+        return value * MM / self.state.unit if LINEAR[axis] else value
+
+    def from_si(self, offset: Vector) -> Vector:
+        """A vector of a tool table in program units and degrees."""
+        unit = self.state.unit
+        x, y, z, a, b, c, u, v, w = offset
+        return (x / unit, y / unit, z / unit, a / DEG, b / DEG, c / DEG, u / unit, v / unit, w / unit)
+
+    # -- work systems
+
+    def system_offset(self, index: int) -> tuple[Vector, float]:
+        """Offset and rotation [deg] of system 1 to 9 as stored."""
+        first = numbers.FIRST_SYSTEM + 20 * (index - 1)
+        get = self.parameters.get
+        offset = tuple(self.program_units(get(first + axis), axis) for axis in range(9))
+        return offset, get(first + 9)  # type: ignore[return-value]
+
+    def use_system(self, index: int) -> None:
+        """Make system `index` the active one; the axes stay."""
+        axes = self.axes()
+        state = self.state
+        state.system = index
+        state.origin, state.rotation = self.system_offset(index)
+        self.parameters.set(numbers.ACTIVE_SYSTEM, float(index))
+        self.stay_at(axes)
+        self.say_system()
+
+    def say_system(self) -> None:
+        """The state event of the work system, when it changed."""
+        state = self.state
+        event = canon.WorkSystem(
+            span=self.span,
+            index=state.system,
+            offset=self.si_axes(state.origin),
+            g92=self.si_axes(state.g92),
+            rotation=state.rotation * DEG,
+        )
+        last = self.last_system
+        new = (event.index, event.offset, event.g92, event.rotation)
+        if last is None or new != (last.index, last.offset, last.g92, last.rotation):
+            self.last_system = event
+            self.out.append(event)
+
+    def _restore_systems(self) -> None:
+        """What a parameter file says about offsets is in force from the start."""
+        get = self.parameters.get
+        index = round(get(numbers.ACTIVE_SYSTEM))
+        state = self.state
+        axes = self.axes()
+        state.system = index if 1 <= index <= 9 else 1
+        self.parameters.numbers[numbers.ACTIVE_SYSTEM] = float(state.system)
+        state.origin, state.rotation = self.system_offset(state.system)
+        if get(numbers.G92_ON):
+            state.g92 = self.stored_g92()
+        self.stay_at(axes)
+
+    def stored_g92(self) -> Vector:
+        get = self.parameters.get
+        return tuple(self.program_units(get(numbers.G92_OFFSET + axis), axis) for axis in range(9))  # type: ignore[return-value]
+
+    # -- what programs may ask
+
+    def _read_only(self, number: int) -> float:
+        state = self.state
+        if number >= numbers.POSITION:
+            value = state.current[number - numbers.POSITION]
+            return value * 2.0 if number == numbers.POSITION and state.diameter else value
+        tool = self.spindle_tool
+        if number == numbers.TOOL:
+            return float(state.tool)
+        if number <= 5409:
+            return self.machine_units(state.tool_offset[number - 5401], number - 5401)
+        values = (tool.diameter / MM, tool.front_angle / DEG, tool.back_angle / DEG, float(tool.orientation))
+        return values[number - 5410]
+
+    def _predefined(self, name: str) -> float | None:
+        from gcodesim.rs274.predefined import PREDEFINED
+
+        ask: Callable[[Control], float] | None = PREDEFINED.get(name)
+        return None if ask is None else ask(self)
+
+    # -- events
+
+    def feed(self, linear: bool) -> tuple[float, canon.FeedUnit]:
+        """The feed in force for a move that is linear or of rotary axes only."""
+        state = self.state
+        size = state.feed * (state.feed_unit if linear else DEG)
+        if state.feed_mode == 950:
+            return size, "m/rev" if linear else "rad/rev"
+        return size / MINUTE, "m/s" if linear else "rad/s"
+
+    def rapid(self, end: Vector, word: str = "G0") -> None:
+        self.out.append(
+            canon.Rapid(span=self.span, end=self.si_axes(self.tip(end)), block=self.block_number, word=word)
+        )
+        self.state.current = end
+
+    def line(self, end: Vector, word: str = "G1", pitch: float | None = None) -> None:
+        """A straight feed; `pitch` [m/rev] makes it a thread."""
+        feed, unit = (0.0, "m/s") if pitch is not None else self.feed(self.moves_linear(end))
+        self.out.append(
+            canon.LinearFeed(
+                span=self.span,
+                end=self.si_axes(self.tip(end)),
+                block=self.block_number,
+                word=word,
+                feed=feed,
+                feed_unit=unit,  # type: ignore[arg-type]
+                pitch=pitch,
+            )
+        )
+        self.state.current = end
+
+    def moves_linear(self, end: Vector) -> bool:
+        """Whether a move to `end` moves X, Y or Z; one that moves nothing counts as linear."""
+        now = self.state.current
+        return end[:3] != now[:3] or end[3:6] == now[3:6]
+
+    def dwell(self, seconds: float) -> None:
+        self.out.append(canon.Dwell(span=self.span, seconds=seconds))
+
+    def say_spindle(self) -> None:
+        state = self.state
+        if not state.spindle:
+            self.out.append(canon.Spindle(span=self.span, direction="off", speed=0.0))
+            return
+        direction = "cw" if state.spindle > 0 else "ccw"
+        if state.surface_speed:
+            # S is m/min under G21 and ft/min under G20, as it was when S was written
+            speed = state.speed * (1.0 if state.speed_unit == MM else 0.3048) / MINUTE
+            cap = None if state.surface_speed_cap is None else state.surface_speed_cap * RPM
+            self.out.append(
+                canon.Spindle(span=self.span, direction=direction, speed=speed, unit="m/s", max_speed=cap)
+            )
+        else:
+            self.out.append(canon.Spindle(span=self.span, direction=direction, speed=state.speed * RPM))
+
+    def say_coolant(self) -> None:
+        self.out.append(canon.Coolant(span=self.span, flood=self.state.flood, mist=self.state.mist))
+
+    def say_path(self, mode: int | None = None) -> None:
+        state = self.state
+        mode = mode or state.path
+        blend = mode == 640
+        self.out.append(
+            canon.PathMode(
+                span=self.span,
+                mode=_PATH_MODES[mode],  # type: ignore[arg-type]
+                tolerance=state.path_tolerance if blend else 0.0,
+                naive=state.path_naive if blend else 0.0,
+            )
+        )
+
+    def say_overrides(self, *, feed: bool | None = None, speed: bool | None = None) -> None:
+        state = self.state
+        self.out.append(
+            canon.Override(
+                span=self.span,
+                feed=state.feed_override if feed is None else feed,
+                speed=state.speed_override if speed is None else speed,
+                adaptive=state.adaptive_feed,
+                hold=state.feed_hold,
+            )
+        )
+
+    def say_tool_offset(self) -> None:
+        self.out.append(canon.ToolOffset(span=self.span, offset=self.si_axes(self.state.tool_offset)))
+
+    def skip(self, word: str) -> None:
+        """Count a word that is read but not simulated."""
+        count, first = self.not_simulated.get(word, (0, self.span))
+        self.not_simulated[word] = (count + 1, first)
+
+    def change_unit(self, unit: float) -> None:
+        """G20 or G21: everything that is kept in program units is converted; nothing moves."""
+        state = self.state
+        if unit == state.unit:
+            return
+        factor = state.unit / unit
+        state.unit = unit
+        state.current = scaled(state.current, factor)
+        state.origin = scaled(state.origin, factor)
+        state.g92 = scaled(state.g92, factor)
+        state.tool_offset = scaled(state.tool_offset, factor)
+        state.comp_programmed = scaled(state.comp_programmed, factor)
+        state.comp_radius *= factor
+        state.cycle_start *= factor
+
+    def tool_entry(self, number: int, at: str) -> ToolEntry:
+        """The entry of tool `number`; a fault when the table has none."""
+        entry = self.tools.get(number)
+        if entry is None:
+            raise Fault(
+                "GS160",
+                f"tool T{number} is not in the tool table",
+                at=at,
+                hint=f"known tools: {_listed(self.tools)}" if self.tools else "the tool table is empty",
+            )
+        return entry
+
+
+def _listed(tools: dict[int, ToolEntry]) -> str:
+    names = [f"T{number}" for number in sorted(tools)]
+    return ", ".join(names[:12]) + (", …" if len(names) > 12 else "")
+
+
+def axis_index(letter: str) -> int:
+    """0 to 8 for X to W."""
+    return AXES.index(letter)
+
+
+__all__ = ["Control", "axis_index"]

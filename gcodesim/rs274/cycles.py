@@ -1,0 +1,284 @@
+"""Canned cycles G73, G74, G81 to G89: holes at each X, Y of a chain of blocks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from gcodesim import canon
+from gcodesim.rs274.arcs import PLANE_AXES
+from gcodesim.rs274.control import Control
+from gcodesim.rs274.ends import end_point
+from gcodesim.rs274.fault import Fault
+from gcodesim.rs274.state import Vector
+from gcodesim.rs274.words import Words
+from gcodesim.units import INCH
+
+_CLEARANCE_MM, _CLEARANCE_INCH = 0.254, 0.01  # G73 and G83 stop this far before the last depth
+_STICKY = "rpqijk"
+_NEEDS_P = frozenset((820, 860, 880, 890))
+_NEEDS_Q = frozenset((730, 830))
+_NEEDS_SPINDLE = {740: (-1,), 840: (1,), 860: (1, -1), 870: (1, -1), 880: (1, -1)}
+
+
+@dataclass(frozen=True, slots=True)
+class Hole:
+    """One cycle's words, resolved: heights along the normal in program units."""
+
+    bottom: float
+    clear: float
+    dwell: float
+    step: float
+    i: float
+    j: float
+    k: float
+
+
+def cycle(words: Words, control: Control, code: int) -> None:
+    """Execute the cycle `code` at the block's place, L times."""
+    state = control.state
+    who = f"G{code // 10}"
+    at = who.lower() if who.lower() in words.names else None
+    _check(words, control, code, who, at)
+    first, second, normal = PLANE_AXES[state.plane]
+    fresh = state.cycle != code
+    sticky = {} if fresh else dict(state.cycle_words)
+    for letter in ("xyz"[normal], *_STICKY):
+        if letter in words.values:
+            sticky[letter] = words.values[letter]
+    repeats = words.whole("l", who)
+    if repeats is not None and repeats < 1:
+        raise Fault("GS140", f"{who} with L{repeats}: a cycle runs at least once", at="l")
+    chain_starts = state.cycle == -1
+    if chain_starts:
+        state.cycle_start = state.current[normal]
+    _need(sticky, code, who, at, "xyz"[normal])
+    depth, clear = sticky["xyz"[normal]], sticky["r"]
+    if state.incremental:
+        base = state.cycle_start if False else state.current[normal]
+        clear = clear + base if fresh or True else clear
+    hole = _hole(sticky, code, depth, clear, words, control, who, normal)
+    state.cycle, state.cycle_words = code, tuple(sticky.items())
+    state.motion = code
+    _run(words, control, hole, code, repeats or 1, (first, second, normal), who)
+
+
+def _check(words: Words, control: Control, code: int, who: str, at: str | None) -> None:
+    state = control.state
+    if state.side:
+        raise Fault("GS150", f"{who} is refused while cutter compensation is on", at=at, hint="say G40 first")
+    if state.feed_mode == 930:
+        raise Fault("GS140", f"{who} cannot be used under G93", at=at, hint="say G94 and F before")
+    if state.feed == 0.0:
+        raise Fault("GS107", f"{who} without a feed: F is 0", at=at, hint="write F before or in this block")
+    if state.feed_mode == 950 and state.speed == 0.0:
+        raise Fault("GS108", f"{who} under G95 needs a spindle speed: S is 0", at=at)
+    for letter in "abcuvw":
+        if letter in words.values:
+            raise Fault("GS140", f"{who} takes no {letter.upper()} word", at=letter, hint="turn the axis in a block before")
+    turning = _NEEDS_SPINDLE.get(code)
+    if turning is not None and state.spindle not in turning:
+        wanted = "clockwise (M3)" if turning == (1,) else "counterclockwise (M4)" if turning == (-1,) else "turning"
+        raise Fault("GS108", f"{who} needs the spindle {wanted}", at=at, hint="say S and M3 before")
+
+
+def _need(sticky: dict[str, float], code: int, who: str, at: str | None, depth_letter: str) -> None:
+    wanted = [("r", "the clearance plane"), (depth_letter, "the depth")]
+    if code in _NEEDS_P:
+        wanted.append(("p", "the dwell in seconds"))
+    if code in _NEEDS_Q:
+        wanted.append(("q", "the depth of one peck"))
+    if code == 870:
+        wanted += [("i", "the shift in X"), ("j", "the shift in Y"), ("k", "the height to bore back to")]
+    for letter, what in wanted:
+        if letter not in sticky:
+            raise Fault("GS140", f"{who} needs the word {letter.upper()}, {what}", at=at)
+
+
+def _hole(
+    sticky: dict[str, float],
+    code: int,
+    depth: float,
+    clear: float,
+    words: Words,
+    control: Control,
+    who: str,
+    normal: int,
+) -> Hole:
+    letter = "xyz"[normal]
+    bottom = clear + depth if control.state.incremental else depth
+    if clear < bottom:
+        raise Fault(
+            "GS140",
+            f"R{clear:g} lies below {letter.upper()}{bottom:g}",
+            at="r" if "r" in words.values else letter if letter in words.values else None,
+            hint="R is the height above the hole from which it is fed",
+        )
+    step = sticky.get("q", 0.0)
+    if code in _NEEDS_Q and step <= 0.0:
+        raise Fault("GS140", f"the peck Q{step:g} of {who} must be positive", at="q")
+    dwell = sticky.get("p", 0.0)
+    if dwell < 0.0:
+        raise Fault("GS106", f"the dwell P{dwell:g} of {who} is negative", at="p")
+    return Hole(bottom, clear, dwell, step, sticky.get("i", 0.0), sticky.get("j", 0.0), sticky.get("k", 0.0))
+
+
+def _run(
+    words: Words, control: Control, hole: Hole, code: int, repeats: int, axes: tuple[int, int, int], who: str
+) -> None:
+    first, second, normal = axes
+    state = control.state
+    end = end_point(words, control)
+    step = (end[first] - state.current[first], end[second] - state.current[second])
+    level = hole.clear if state.retract == 990 else max(hole.clear, state.cycle_start)
+    head = _Head(control, axes, who)
+    if state.path != 610:
+        control.say_path(610)
+    if state.current[normal] < hole.clear:
+        head.rapid_to(hole.clear)
+        if state.retract == 980:
+            level = max(level, hole.clear)
+    place = (state.current[first], state.current[second])
+    for turn in range(repeats):
+        if state.incremental:
+            place = (place[0] + step[0], place[1] + step[1])
+        else:
+            place = (end[first], end[second])
+        above = level if state.retract == 980 and turn == 0 else None
+        head.rapid_over(place, max(state.current[normal], hole.clear) if above is None else above)
+        if state.current[normal] != hole.clear:
+            head.rapid_to(hole.clear)
+        _SHAPES[code](head, hole, level)
+    if state.path != 610:
+        control.say_path()
+
+
+class _Head:
+    """The tool over the holes: moves along the normal and in the plane."""
+
+    def __init__(self, control: Control, axes: tuple[int, int, int], who: str) -> None:
+        self.control = control
+        self.first, self.second, self.normal = axes
+        self.who = who
+
+    def _at(self, first: float, second: float, height: float) -> Vector:
+        point = list(self.control.state.current)
+        point[self.first], point[self.second], point[self.normal] = first, second, height
+        return tuple(point)  # type: ignore[return-value]
+
+    def rapid_over(self, place: tuple[float, float], height: float) -> None:
+        self.control.rapid(self._at(place[0], place[1], height), self.who)
+
+    def rapid_to(self, height: float) -> None:
+        now = self.control.state.current
+        self.control.rapid(self._at(now[self.first], now[self.second], height), self.who)
+
+    def feed_to(self, height: float) -> None:
+        now = self.control.state.current
+        self.control.line(self._at(now[self.first], now[self.second], height), self.who)
+
+    def turn(self, direction: int) -> None:
+        self.control.state.spindle = direction
+        self.control.say_spindle()
+
+
+def _drill(head: _Head, hole: Hole, level: float) -> None:
+    """G81, G82: feed down, dwell, out."""
+    head.feed_to(hole.bottom)
+    if hole.dwell and head.who == "G82":
+        head.control.dwell(hole.dwell)
+    head.rapid_to(level)
+
+
+def _clearance(head: _Head) -> float:
+    return _CLEARANCE_INCH if head.control.state.unit == INCH else _CLEARANCE_MM
+
+
+def _peck(head: _Head, hole: Hole, level: float) -> None:
+    """G83: full retract after each peck."""
+    gap = _clearance(head)
+    depth = hole.clear - hole.step
+    while depth > hole.bottom:
+        head.feed_to(depth)
+        head.rapid_to(hole.clear)
+        head.rapid_to(depth + gap)
+        depth -= hole.step
+    head.feed_to(hole.bottom)
+    head.rapid_to(level)
+
+
+def _chip_break(head: _Head, hole: Hole, level: float) -> None:
+    """G73: a short step back after each peck."""
+    gap = _clearance(head)
+    depth = hole.clear - hole.step
+    while depth > hole.bottom:
+        head.feed_to(depth)
+        head.rapid_to(depth + gap)
+        depth -= hole.step
+    head.feed_to(hole.bottom)
+    head.rapid_to(level)
+
+
+def _tap(head: _Head, hole: Hole, level: float) -> None:
+    """G84, G74: feed both ways, the spindle reverses at the bottom; overrides are off meanwhile."""
+    control = head.control
+    direction = control.state.spindle
+    control.say_overrides(feed=False, speed=False)
+    head.feed_to(hole.bottom)
+    head.turn(0)
+    if hole.dwell:
+        control.dwell(hole.dwell)
+    head.turn(-direction)
+    head.feed_to(level)
+    head.turn(0)
+    head.turn(direction)
+    control.say_overrides()
+
+
+def _bore(head: _Head, hole: Hole, level: float) -> None:
+    """G85, G89: feed down, dwell (G89), feed up to R."""
+    head.feed_to(hole.bottom)
+    if head.who == "G89":
+        head.control.dwell(hole.dwell)
+    head.feed_to(hole.clear)
+    if level != hole.clear:
+        head.rapid_to(level)
+
+
+def _bore_stop(head: _Head, hole: Hole, level: float) -> None:
+    """G86: dwell and stop the spindle at the bottom, out at rapid."""
+    direction = head.control.state.spindle
+    head.feed_to(hole.bottom)
+    head.control.dwell(hole.dwell)
+    head.turn(0)
+    head.rapid_to(level)
+    head.turn(direction)
+
+
+def _back_bore(head: _Head, hole: Hole, level: float) -> None:
+    raise Fault("GS140", "not there yet")
+
+
+def _bore_manual(head: _Head, hole: Hole, level: float) -> None:
+    """G88: as G86, but the operator brings the tool out."""
+    direction = head.control.state.spindle
+    head.feed_to(hole.bottom)
+    head.control.dwell(hole.dwell)
+    head.turn(0)
+    head.control.out.append(canon.Stop(span=head.control.span))
+    head.turn(direction)
+
+
+_SHAPES: dict[int, Callable[[_Head, Hole, float], None]] = {
+    730: _chip_break,
+    740: _tap,
+    810: _drill,
+    820: _drill,
+    830: _peck,
+    840: _tap,
+    850: _bore,
+    860: _bore_stop,
+    870: _back_bore,
+    880: _bore_manual,
+    890: _bore,
+}

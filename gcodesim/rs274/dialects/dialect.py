@@ -1,0 +1,34 @@
+"""What distinguishes one control's language from another's, as data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+# G codes are written times ten: G54 is 540, G59.3 is 593
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Dialect:
+    """The codes, words and limits of a control.
+
+    `g_groups` and `m_groups` give each code's modal group; `users` says which
+    codes use a letter (`g43`, `m66` …), so that a word that nothing uses is a
+    finding; letters that stand in no entry are always allowed.
+    """
+
+    name: str
+    grammar: str
+    longest_line: int
+    most_m_codes: int
+    g_groups: Mapping[int, int]
+    m_groups: Mapping[int, int]
+    users: Mapping[str, frozenset[str]]
+    user_m_codes: range
+    letters: frozenset[str]
+    needs_end: bool = True
+
+
+def g_name(code: int) -> str:
+    """`g54`, `g59.3` of a code times ten."""
+    return f"g{code // 10}" if code % 10 == 0 else f"g{code // 10}.{code % 10}"

@@ -1,0 +1,72 @@
+"""RS274 as LinuxCNC 2.9 speaks it."""
+
+from __future__ import annotations
+
+from gcodesim.rs274.dialects.dialect import Dialect
+
+# modal groups as in the LinuxCNC user manual, "G-code overview"; numbers are ours only as far as they are names
+NON_MODAL, MOTION, PLANE, DISTANCE, CENTRE, FEED_MODE, UNITS, COMPENSATION, LENGTH = 0, 1, 2, 3, 4, 5, 6, 7, 8
+RETRACT, SYSTEM, PATH, SPINDLE_MODE, DIAMETER = 10, 12, 13, 14, 15
+
+_G_GROUPS = {
+    NON_MODAL: (40, 100, 280, 281, 300, 301, 520, 530, 920, 921, 922, 923),
+    MOTION: (
+        *(0, 10, 20, 30, 50, 51, 52, 53, 330, 331, 382, 383, 384, 385),
+        *(730, 740, 760, 800, 810, 820, 830, 840, 850, 860, 870, 880, 890),
+    ),
+    PLANE: (170, 180, 190),
+    DISTANCE: (900, 910),
+    CENTRE: (901, 911),
+    FEED_MODE: (930, 940, 950),
+    UNITS: (200, 210),
+    COMPENSATION: (400, 410, 411, 420, 421),
+    LENGTH: (430, 431, 432, 490),
+    RETRACT: (980, 990),
+    SYSTEM: (540, 550, 560, 570, 580, 590, 591, 592, 593),
+    PATH: (610, 611, 640),
+    SPINDLE_MODE: (960, 970),
+    DIAMETER: (70, 80),
+}
+
+STOPPING, OUTPUT, CHANGING, SPINDLE, COOLANT, OVERRIDE, USER, SAVING = 4, 5, 6, 7, 8, 9, 10, 11
+
+_M_GROUPS = {
+    STOPPING: (0, 1, 2, 30, 60, 98, 99),
+    OUTPUT: (62, 63, 64, 65, 66, 67, 68),
+    CHANGING: (6, 61),
+    SPINDLE: (3, 4, 5, 19),
+    COOLANT: (7, 8, 9),
+    OVERRIDE: (48, 49, 50, 51, 52, 53),
+    SAVING: (70, 71, 72, 73),
+}
+
+_ARCS = {"g2", "g3"}
+_CYCLES = {"g73", "g74", "g81", "g82", "g83", "g84", "g85", "g86", "g87", "g88", "g89"}
+_COMPENSATION = {"g41", "g41.1", "g42", "g42.1"}
+
+_USERS = {
+    "d": _COMPENSATION | {"g96"},
+    "e": {"g76", "m66", "m67", "m68"},
+    "h": {"g43", "g43.2", "g76"},
+    "i": _ARCS | {"g5", "g5.1", "g10", "g33.1", "g76", "g87"},
+    "j": _ARCS | {"g5", "g5.1", "g10", "g33.1", "g76", "g87"},
+    "k": _ARCS | {"g33", "g33.1", "g76", "g87"},
+    "l": _CYCLES | _COMPENSATION | {"g10", "g76", "g5.2", "m66", "m98"},
+    "p": _ARCS
+    | {"g4", "g10", "g5", "g5.2", "g64", "g74", "g76", "g82", "g84", "g86", "g88", "g89"}
+    | {"m19", "m50", "m51", "m52", "m53", "m62", "m63", "m64", "m65", "m66", "m98", "user"},
+    "q": {"g5", "g10", "g64", "g73", "g76", "g83", "m19", "m61", "m66", "m67", "m68", "user"},
+    "r": _ARCS | _CYCLES | {"g10", "g76", "m19"},
+}
+
+LINUXCNC = Dialect(
+    name="linuxcnc",
+    grammar="rs274",
+    longest_line=252,
+    most_m_codes=4,
+    g_groups={code: group for group, codes in _G_GROUPS.items() for code in codes},
+    m_groups={code: group for group, codes in _M_GROUPS.items() for code in codes},
+    users={letter: frozenset(names) for letter, names in _USERS.items()},
+    user_m_codes=range(100, 200),
+    letters=frozenset("abcdefghijklmpqrstuvwxyz@^$"),
+)

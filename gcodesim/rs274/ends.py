@@ -1,0 +1,76 @@
+"""Where a block's axis words lead to."""
+
+from __future__ import annotations
+
+import math
+
+from gcodesim.rs274.control import Control
+from gcodesim.rs274.fault import Fault
+from gcodesim.rs274.state import AXES, Vector, subtract
+from gcodesim.rs274.words import Words
+
+
+def start_point(control: Control) -> Vector:
+    """Where the program believes to be: with cutter compensation the programmed point, not the offset one."""
+    state = control.state
+    return state.comp_programmed if state.side and not state.comp_first else state.current
+
+
+def end_point(words: Words, control: Control) -> Vector:
+    """The programmed end in the active work system; axes without a word stay."""
+    state = control.state
+    values = words.values
+    start = start_point(control)
+    if 530 == words.g.get(0):
+        return _in_machine_coordinates(words, control)
+    if words.has_polar():
+        return _polar(words, control, start)
+    halved = 0.5 if state.diameter else 1.0
+    if state.incremental:
+        ends = [start[axis] + values.get(letter, 0.0) for axis, letter in enumerate(AXES)]
+        if halved != 1.0 and "x" in values:
+            ends[0] = start[0] + values["x"] * halved
+    else:
+        ends = [values.get(letter, start[axis]) for axis, letter in enumerate(AXES)]
+        if halved != 1.0 and "x" in values:
+            ends[0] = values["x"] * halved
+    return tuple(ends)  # type: ignore[return-value]
+
+
+def _in_machine_coordinates(words: Words, control: Control) -> Vector:
+    """G53: the words are axis positions, so tool offset, work offset, G92 and rotation are taken out."""
+    if words.has_polar():
+        raise Fault("GS185", "polar words cannot be used with G53", at="g53")
+    state = control.state
+    axes = control.axes()
+    halved = 0.5 if state.diameter else 1.0
+    wanted = [words.values.get(letter, axes[axis]) for axis, letter in enumerate(AXES)]
+    if halved != 1.0 and "x" in words.values:
+        wanted[0] = words.values["x"] * halved
+    return control.point_of(subtract(tuple(wanted), state.tool_offset))  # type: ignore[arg-type]
+
+
+def _polar(words: Words, control: Control, start: Vector) -> Vector:
+    """@ radius and ^ angle about the program's origin."""
+    state = control.state
+    if state.plane != 170:
+        raise Fault("GS185", "polar coordinates work in the XY plane only", at="@" if "@" in words.values else "^", hint="say G17")
+    for letter in "xy":
+        if letter in words.values:
+            raise Fault("GS185", f"{letter.upper()} and polar words exclude each other", at=letter)
+    radius, angle = words.get("@"), words.get("^")
+    here = math.hypot(start[0], start[1])
+    if state.incremental:
+        if here == 0.0 and angle is None:
+            raise Fault("GS185", "at the origin the angle ^ has to be given", at="@")
+        bearing = math.degrees(math.atan2(start[1], start[0])) + (angle or 0.0)
+        distance = here + (radius or 0.0)
+    else:
+        if here == 0.0 and angle is None:
+            raise Fault("GS185", "at the origin the angle ^ has to be given", at="@")
+        bearing = math.degrees(math.atan2(start[1], start[0])) if angle is None else angle
+        distance = here if radius is None else radius
+    sign = 1.0 if state.incremental else 0.0
+    rest = [words.values.get(letter, 0.0 if sign else start[axis]) + sign * start[axis] for axis, letter in enumerate(AXES)]
+    x, y = distance * math.cos(math.radians(bearing)), distance * math.sin(math.radians(bearing))
+    return (x, y, *rest[2:])  # type: ignore[return-value]

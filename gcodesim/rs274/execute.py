@@ -1,0 +1,120 @@
+"""One block from first to last: checks on the whole, then the order of execution of RS274 (Kramer 2000, table 8)."""
+
+from __future__ import annotations
+
+from gcodesim.rs274 import compensation, machine_codes, modes, offsets
+from gcodesim.rs274.control import Control
+from gcodesim.rs274.dialects import g_name
+from gcodesim.rs274.dialects.linuxcnc import LENGTH, MOTION, NON_MODAL
+from gcodesim.rs274.fault import Fault
+from gcodesim.rs274.motions import MOTIONS
+from gcodesim.rs274.words import Words, check_use
+
+_CLAIMS_AXES = frozenset((100, 280, 300, 520, 920))
+_LENGTH_CLAIMS_AXES = frozenset((431, 432))
+_CARRIES_ON_WITH_CENTRE = frozenset((20, 30))
+# motions that make sense without any axis word
+_NEEDS_NO_AXES = frozenset((0, 10, 20, 30, 52, 53))
+
+
+def motion_of(words: Words, control: Control) -> int:
+    """The motion code that this block executes: its own, the modal one, or -1 for none.
+
+    Raises `Fault` when axis words have no code, or two.
+    """
+    own = words.g.get(MOTION, -1)
+    claimed = words.g.get(NON_MODAL, -1)
+    claims = claimed in _CLAIMS_AXES
+    has_axes = words.has_axes()
+    length_claims = words.g.get(LENGTH, -1) in _LENGTH_CLAIMS_AXES and has_axes
+    if claims and words.has_polar():
+        raise Fault("GS185", "polar words belong to a motion, not to " + g_name(claimed).upper(), at="@")
+    if own == 800:
+        if has_axes and not claims:
+            raise Fault("GS102", "G80 ends the cycle and takes no axis words", at="g80", hint="use G0 or G1 for the move")
+        _need_axes(words, claimed, has_axes)
+        return own
+    if own >= 0:
+        if has_axes and (claims or length_claims):
+            other = g_name(claimed if claims else words.g[LENGTH])
+            raise Fault(
+                "GS102",
+                f"{other.upper()} and {g_name(own).upper()} both claim the axis words",
+                at=other,
+                hint="put them into two blocks",
+            )
+        if not has_axes and own not in _NEEDS_NO_AXES:
+            raise Fault("GS103", f"{g_name(own).upper()} needs at least one axis word", at=g_name(own))
+        return own
+    if claims:
+        _need_axes(words, claimed, has_axes)
+        return -1
+    modal = control.state.motion
+    carries_on = modal in _CARRIES_ON_WITH_CENTRE and not {"i", "j", "k"}.isdisjoint(words.values)
+    if (has_axes and not length_claims) or carries_on:
+        if modal in (-1, 800):
+            letter = next(letter for letter, _ in words.block.words if letter in "xyzabcuvw@^")
+            raise Fault(
+                "GS101",
+                "axis words, but no motion is active" + (" after G80" if modal == 800 else ""),
+                at=letter,
+                hint="say G0 or G1",
+            )
+        return modal
+    return -1
+
+
+def _need_axes(words: Words, claimed: int, has_axes: bool) -> None:
+    if claimed in (520, 920) and not has_axes:
+        raise Fault("GS103", f"{g_name(claimed).upper()} needs at least one axis word", at=g_name(claimed))
+
+
+def execute(words: Words, control: Control) -> None:
+    """Execute one block; its events are in `control.out`. Raises `Fault`; the caller puts the state back."""
+    motion = motion_of(words, control)
+    g = words.g
+    if 530 == g.get(NON_MODAL):
+        _check_machine_coordinates(words, control, motion)
+    check_use(words, control.dialect, g_name(motion) if motion >= 0 else "")
+
+    modes.spindle_mode(words, control)
+    modes.feed_mode(words, control)
+    modes.feed_rate(words, control)
+    machine_codes.spindle_speed(words, control)
+    machine_codes.select_tool(words, control)
+    machine_codes.outputs(words, control)
+    machine_codes.change_tool(words, control)
+    machine_codes.turn_spindle(words, control)
+    machine_codes.save_modes(words, control)
+    machine_codes.coolant(words, control)
+    machine_codes.overrides(words, control)
+    machine_codes.user_codes(words, control)
+    if g.get(NON_MODAL) == 40:
+        seconds = words.need("p", "GS105", "G4", "P is the time in seconds")
+        if seconds < 0.0:
+            raise Fault("GS106", f"the dwell is negative: {seconds:g} s", at="p", value=seconds)
+        control.dwell(seconds)
+    modes.plane(words, control)
+    modes.units(words, control)
+    modes.diameter(words, control)
+    compensation.switch(words, control)
+    offsets.tool_length(words, control)
+    offsets.work_system(words, control)
+    modes.path_control(words, control)
+    modes.distance(words, control)
+    modes.retract(words, control)
+    offsets.non_modal(words, control)
+    if motion >= 0:
+        MOTIONS[motion](words, control, motion)
+        control.state.motion = motion
+    machine_codes.stop(words, control)
+
+
+def _check_machine_coordinates(words: Words, control: Control, motion: int) -> None:
+    if motion not in (0, 10):
+        raise Fault("GS109", "G53 works with G0 and G1 only", at="g53", hint="name G0 or G1 in the block")
+    incremental = words.g.get(3, 910 if control.state.incremental else 900) == 910
+    if incremental:
+        raise Fault("GS109", "G53 cannot be incremental", at="g53", hint="say G90 before")
+    if control.state.side or words.g.get(7, 400) != 400:
+        raise Fault("GS150", "G53 is refused while cutter compensation is on", at="g53", hint="switch it off with G40")

@@ -1,0 +1,403 @@
+"""O-words, M98 and M99: where the program goes on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from gcodesim.diagnostics import Caller, SourceText
+from gcodesim.rs274.block import Flow, Name, Node
+from gcodesim.rs274.control import Control
+from gcodesim.rs274.expressions import checked
+from gcodesim.rs274.fault import Fault
+from gcodesim.rs274.frame import Frame, Label
+from gcodesim.rs274.program_file import ProgramFile
+from gcodesim.rs274.reader import Reader
+from gcodesim.rs274.saved import bring_back
+
+MOST_LEVELS = 10
+MOST_ARGUMENTS = 30
+_NEEDS_ONE = frozenset(("if", "elseif", "while", "repeat"))
+_MAY_HAVE_ONE = frozenset(("return", "endsub"))
+
+
+class Stopped(Fault):
+    """A fault after which no next line is known; `index` is where reading stood."""
+
+    def __init__(self, code: str, message: str, *, index: int | None = None, hint: str = "") -> None:
+        super().__init__(code, message, hint=hint)
+        self.index = index
+
+
+class FlowControl:
+    """The stack of running subroutines, their labels, and the jumps between lines."""
+
+    def __init__(self, control: Control, main: ProgramFile, reader: Reader, folders: tuple[Path, ...]) -> None:
+        self.control = control
+        self.reader = reader
+        self.folders = folders
+        self.files: dict[str, ProgramFile] = {main.name: main}
+        self.frames: list[Frame] = [Frame(main, main.first)]
+        self.subs: dict[str, tuple[ProgramFile, int]] = {}
+        self.labels: dict[tuple[str, str, str], Label] = {}
+        self.jumps = 0
+        self.loop: tuple[ProgramFile, int] | None = None  # the line last jumped back to
+        self._arrived = False  # the line at hand was reached by leaving a branch
+
+    @property
+    def frame(self) -> Frame:
+        return self.frames[-1]
+
+    # -- O-words
+
+    def execute(self, flow: Flow, index: int) -> None:
+        """Execute the O-word of the line at hand; sets where to go on."""
+        arrived, self._arrived = self._arrived, False
+        label = self._label(flow.label)
+        self._check_operands(flow)
+        if not flow.keyword:
+            self._program_number(label, index)
+            return
+        _COMMANDS[flow.keyword](self, label, flow, index, arrived)
+
+    def _label(self, node: Node) -> str:
+        if isinstance(node, Name):
+            return node.name
+        value = checked(node, self.control.parameters)
+        if abs(value - round(value)) > 1e-4 or value < 0:
+            raise Fault("GS008", f"O{value:g} is no label: the number must be whole")
+        return str(round(value))
+
+    def _check_operands(self, flow: Flow) -> None:
+        count = len(flow.operands)
+        if flow.keyword in _NEEDS_ONE and count != 1:
+            raise Fault("GS008", f"`{flow.keyword}` needs one expression in brackets", hint=f"o1 {flow.keyword} [#1 LT 10]")
+        if flow.keyword == "call":
+            if count > MOST_ARGUMENTS:
+                raise Fault(
+                    "GS133", f"{count} arguments; a call takes {MOST_ARGUMENTS}", value=count, limit=MOST_ARGUMENTS
+                )
+        elif flow.keyword not in _NEEDS_ONE and count > (flow.keyword in _MAY_HAVE_ONE):
+            raise Fault("GS008", f"`{flow.keyword}` takes no expression")
+
+    def _key(self, label: str) -> tuple[str, str, str]:
+        return (self.frame.file.name, self.frame.name, label)
+
+    def _open(self, label: str, kind: str, index: int) -> Label:
+        key = self._key(label)
+        known = self.labels.get(key)
+        if known is not None and known.index != index:
+            raise Fault(
+                "GS130",
+                f"the label {show(label)} is used twice: it opened `{known.kind}` in line {known.index + 1}",
+                hint="give each if, while, do and repeat its own label",
+            )
+        if known is None:
+            known = self.labels[key] = Label(kind, index)
+        return known
+
+    def _opened(self, label: str, keyword: str, *kinds: str) -> Label:
+        known = self.labels.get(self._key(label))
+        if known is None or known.kind not in kinds:
+            wanted = " or ".join(f"`{kind}`" for kind in kinds)
+            raise Fault(
+                "GS130", f"`{keyword}` {show(label)} has no {wanted} before it", hint="labels must be the same and must nest"
+            )
+        return known
+
+    def _skip_to(self, label: str, index: int, *keywords: str) -> None:
+        """Go on at the next O-word of `label` with one of `keywords`; what lies between is not read."""
+        found = self.frame.file.find_flow(index, label, frozenset(keywords))
+        if found is None:
+            last = len(self.frame.file.lines) - 1
+            wanted = " or ".join(f"`{k}`" for k in keywords)
+            raise Stopped("GS130", f"{show(label)} is never closed: no {wanted} follows", index=last)
+        self.frame.at = found.index
+        self._arrived = True
+
+    def _back_to(self, index: int) -> None:
+        self.frame.at = index
+        self.jumps += 1
+        self.loop = (self.frame.file, index)
+
+    def _test(self, flow: Flow) -> float:
+        return checked(flow.operands[0], self.control.parameters)
+
+    # branches
+
+    def _if(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
+        del arrived
+        self._open(label, "if", index)
+        if self._test(flow) == 0.0:
+            self._skip_to(label, index, "elseif", "else", "endif")
+
+    def _elseif(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
+        self._opened(label, "elseif", "if")
+        if not arrived:
+            self._skip_to(label, index, "endif")
+        elif self._test(flow) == 0.0:
+            self._skip_to(label, index, "elseif", "else", "endif")
+
+    def _else(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
+        del flow
+        self._opened(label, "else", "if")
+        if not arrived:
+            self._skip_to(label, index, "endif")
+
+    def _endif(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
+        del flow, index, arrived
+        self._opened(label, "endif", "if")
+
+    # loops
+
+    def _while(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
+        known = self.labels.get(self._key(label))
+        if known is not None and known.kind == "do":
+            broken = arrived and known.left < 0
+            known.left = 0
+            if not broken and self._test(flow) != 0.0:
+                self._back_to(known.index)
+            return
+        self._open(label, "while", index)
+        if self._test(flow) == 0.0:
+            self._skip_to(label, index, "endwhile")
+
+    def _endwhile(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
+        del flow, index
+        known = self._opened(label, "endwhile", "while")
+        if not arrived:
+            self._back_to(known.index)
+
+    def _do(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
+        del flow, arrived
+        self._open(label, "do", index)
+
+    def _repeat(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
+        del arrived
+        known = self._open(label, "repeat", index)
+        known.left = round(self._test(flow))
+        if known.left <= 0:
+            self._skip_to(label, index, "endrepeat")
+
+    def _endrepeat(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
+        del flow, index
+        known = self._opened(label, "endrepeat", "repeat")
+        if arrived:
+            return
+        known.left -= 1
+        if known.left > 0:
+            self._back_to(known.index + 1)
+
+    def _break(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
+        del flow, arrived
+        known = self._opened(label, "break", "while", "do")
+        if known.kind == "do":
+            known.left = -1  # the closing while must not ask again
+            self._skip_to(label, index, "while")
+        else:
+            self._skip_to(label, index, "endwhile")
+
+    def _continue(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
+        del flow, arrived
+        known = self._opened(label, "continue", "while", "do")
+        if known.kind == "do":
+            self._skip_to(label, index, "while")
+        else:
+            self._back_to(known.index)
+
+    # subroutines
+
+    def _sub(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
+        del flow, arrived
+        frame = self.frame
+        if frame.name == label and frame.first == index and not frame.by_m98:
+            return
+        known = self.subs.get(label)
+        if known is not None and known != (frame.file, index):
+            raise Fault(
+                "GS130",
+                f"the subroutine {show(label)} is defined twice: the first time in {known[0].name}, line {known[1] + 1}",
+            )
+        self.subs[label] = (frame.file, index)
+        for inner in frame.file.flows:
+            if inner.index > index:
+                if inner.keyword == "endsub" and inner.label == label:
+                    frame.at = inner.index + 1
+                    return
+                if inner.keyword == "sub":
+                    raise Stopped(
+                        "GS130", f"a subroutine inside the subroutine {show(label)}", index=inner.index, hint="close the first one"
+                    )
+        last = len(frame.file.lines) - 1
+        raise Stopped("GS130", f"the subroutine {show(label)} is never closed: no `endsub` follows", index=last)
+
+    def _endsub(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
+        del index, arrived
+        if len(self.frames) == 1 or self.frame.by_m98 or self.frame.name != label:
+            raise Fault("GS130", f"`endsub` {show(label)} has no `sub` before it")
+        self._return(flow)
+
+    def _return_word(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
+        del index, arrived
+        if len(self.frames) == 1 or self.frame.by_m98:
+            raise Fault("GS130", f"`return` {show(label)} outside a subroutine")
+        if self.frame.name != label:
+            raise Fault("GS130", f"`return` {show(label)} inside the subroutine {show(self.frame.name)}")
+        self._return(flow)
+
+    def _return(self, flow: Flow) -> None:
+        control = self.control
+        value = checked(flow.operands[0], control.parameters) if flow.operands else None
+        frame = self.frames.pop()
+        for number, old in enumerate(frame.arguments, 1):
+            control.parameters.set(number, old)
+        control.parameters.locals = frame.named
+        self._leave(frame)
+        control.returned = value or 0.0
+        control.value_returned = value is not None
+
+    def _leave(self, frame: Frame) -> None:
+        self.control.sub_level = len(self.frames) - 1
+        self.control.frames = self.frames
+        if frame.restores and frame.saved is not None:
+            bring_back(self.control, frame.saved)
+
+    def _call(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
+        del arrived
+        control = self.control
+        arguments = [checked(node, control.parameters) for node in flow.operands]
+        file, first = self._find_sub(label, index)
+        self._enter(file, first, label, index)
+        frame = self.frame
+        frame.arguments = tuple(control.parameters.get(number) for number in range(1, MOST_ARGUMENTS + 1))
+        frame.named = control.parameters.locals
+        control.parameters.locals = {}
+        for number in range(1, MOST_ARGUMENTS + 1):
+            control.parameters.set(number, arguments[number - 1] if number <= len(arguments) else 0.0)
+        control.returned, control.value_returned = 0.0, False
+
+    def _enter(self, file: ProgramFile, first: int, label: str, index: int) -> None:
+        if len(self.frames) >= MOST_LEVELS:
+            raise Fault(
+                "GS132",
+                f"subroutines are called more than {MOST_LEVELS - 1} deep",
+                hint="a subroutine that calls itself needs an `if` that ends it",
+                limit=MOST_LEVELS - 1,
+            )
+        caller = Caller(self.frame.file.name, index + 1, show(label))
+        self.frames.append(Frame(file, first, name=label, first=first, callers=(*self.frame.callers, caller)))
+        self.control.sub_level = len(self.frames) - 1
+        self.control.frames = self.frames
+        self.jumps += 1
+
+    def _find_sub(self, label: str, index: int) -> tuple[ProgramFile, int]:
+        """File and line index of the subroutine: known, in a file of its name, or further down."""
+        known = self.subs.get(label)
+        if known is not None:
+            return known
+        own = self._file_of(label)
+        if own is not None:
+            found = own.find_flow(-1, label, frozenset(("sub",)))
+            if found is None:
+                raise Fault("GS131", f"{own.name} holds no subroutine {show(label)}", hint=f"it must begin with o<{label}> sub")
+            self.subs[label] = (own, found.index)
+            return self.subs[label]
+        found = self.frame.file.find_flow(index, label, frozenset(("sub",)))
+        if found is not None:
+            self.subs[label] = (self.frame.file, found.index)
+            return self.subs[label]
+        raise Stopped(
+            "GS131",
+            f"there is no subroutine {show(label)}",
+            index=len(self.frame.file.lines) - 1,
+            hint=self._near_sub(label) or f"define it with `{show(label)} sub`, or put {label}.ngc into a folder of subroutines",
+        )
+
+    def _near_sub(self, label: str) -> str:
+        from difflib import get_close_matches
+
+        names = sorted({flow.label for flow in self.frame.file.flows if flow.keyword == "sub"})
+        near = get_close_matches(label, names, n=1)
+        return f"did you mean {show(near[0])}?" if near else ""
+
+    def _file_of(self, label: str) -> ProgramFile | None:
+        """The file `label`.ngc of a subroutine folder; names are letters, digits and a few signs, never a path."""
+        if not label or any(char in label for char in "/\\:\0") or label.startswith("."):
+            return None
+        name = f"{label}.ngc"
+        if name in self.files:
+            return self.files[name]
+        for folder in self.folders:
+            path = folder / name
+            try:
+                if path.is_file():
+                    self.files[name] = ProgramFile(SourceText.read(path), self.reader)
+                    return self.files[name]
+            except OSError:
+                continue
+        return None
+
+    # M98 and M99
+
+    def _program_number(self, label: str, index: int) -> None:
+        """A bare O1000: nothing to do; a program for M98 begins here."""
+        del label, index
+
+    def call_program(self, number: int, rounds: int, index: int) -> None:
+        """M98 P L."""
+        label = str(number)
+        if rounds <= 0:
+            return
+        if len(self.frames) > 1 and not self.frame.by_m98:
+            raise Fault("GS130", "M98 inside an O-word subroutine", at="m98", hint="use `o… call`")
+        file = self.frame.file
+        found = next((f for f in file.flows if f.label == label and f.keyword == ""), None)
+        if found is None:
+            own = self._file_of(label)
+            found = next((f for f in own.flows if f.label == label and f.keyword == ""), None) if own else None
+            if own is None or found is None:
+                last = len(file.lines) - 1
+                raise Stopped("GS131", f"there is no program O{number}", index=last, hint=f"begin it with a line O{number}")
+            file = own
+        self._enter(file, found.index + 1, label, index)
+        self.frame.by_m98 = True
+        self.frame.first = found.index
+        self.frame.rounds = rounds
+
+    def end_of_program(self) -> None:
+        """M99: the next round of an M98, or back to the caller."""
+        frame = self.frame
+        if len(self.frames) == 1:
+            raise Fault("GS130", "M99 in the main program", at="m99", hint="end the main program with M2 or M30")
+        if not frame.by_m98:
+            raise Fault("GS130", "M99 inside an O-word subroutine", at="m99", hint="use `return` or `endsub`")
+        frame.rounds -= 1
+        if frame.rounds > 0:
+            self._back_to(frame.first + 1)
+            return
+        self.frames.pop()
+        self._leave(frame)
+
+
+def show(label: str) -> str:
+    """A label as written: o100, o<name>."""
+    return f"o{label}" if label.isdigit() else f"o<{label}>"
+
+
+_COMMANDS: dict[str, Callable[[FlowControl, str, Flow, int, bool], None]] = {
+    "if": FlowControl._if,
+    "elseif": FlowControl._elseif,
+    "else": FlowControl._else,
+    "endif": FlowControl._endif,
+    "while": FlowControl._while,
+    "endwhile": FlowControl._endwhile,
+    "do": FlowControl._do,
+    "repeat": FlowControl._repeat,
+    "endrepeat": FlowControl._endrepeat,
+    "break": FlowControl._break,
+    "continue": FlowControl._continue,
+    "sub": FlowControl._sub,
+    "endsub": FlowControl._endsub,
+    "return": FlowControl._return_word,
+    "call": FlowControl._call,
+}

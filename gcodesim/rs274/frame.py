@@ -1,0 +1,35 @@
+"""What belongs to one call of a subroutine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from gcodesim.diagnostics import Caller
+from gcodesim.rs274.program_file import ProgramFile
+from gcodesim.rs274.state import State
+
+
+@dataclass(slots=True)
+class Label:
+    """An O-word seen in this subroutine: what opened it, and at which line of which file."""
+
+    kind: str
+    index: int
+    left: int = 0  # rounds of a repeat still to go
+
+
+@dataclass(slots=True)
+class Frame:
+    """The running main program or subroutine; `at` is the index of the line to execute next."""
+
+    file: ProgramFile
+    at: int
+    name: str = ""
+    first: int = 0  # index of the line that opened the subroutine
+    by_m98: bool = False
+    rounds: int = 1  # M98 L: how often still
+    arguments: tuple[float, ...] = ()  # the caller's #1 to #30
+    named: dict[str, float] = field(default_factory=dict)  # the caller's named parameters
+    callers: tuple[Caller, ...] = ()
+    saved: State | None = None  # M70, M73
+    restores: bool = False  # M73

@@ -1,0 +1,137 @@
+"""The one place that knows Lark: a prepared line in, its parts out, by `grammars/*.lark`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from importlib.resources import files
+from typing import Any, NamedTuple
+
+from lark import Lark, Token, Transformer, UnexpectedCharacters, UnexpectedInput, UnexpectedToken, v_args
+
+from gcodesim.rs274.block import Binary, Exists, Function, Name, Node, Parameter, Signed, Word
+
+
+class Parsed(NamedTuple):
+    """The parts of a prepared line; `start` are the columns at which words, settings and notes begin."""
+
+    words: list[tuple[int, Word]]
+    settings: list[tuple[int, Node, Node]]
+    notes: list[tuple[int, str]]
+    flow: tuple[int, Node, str, tuple[Node, ...]] | None
+    deleted: bool
+
+
+class Unreadable(Exception):  # noqa: N818
+    """The line breaks the grammar at `column` (from 0) where one of the terminals `expected` could stand."""
+
+    def __init__(self, column: int, found: str, expected: frozenset[str]) -> None:
+        super().__init__(found)
+        self.column = column
+        self.found = found
+        self.expected = expected
+
+
+@v_args(inline=True)
+class _Build(Transformer[Token, Any]):
+    """Turns rules into the values of `block.py` while the parser runs; no tree is ever built."""
+
+    def start(self, *parts: Any) -> Parsed:
+        words: list[tuple[int, Word]] = []
+        settings: list[tuple[int, Node, Node]] = []
+        notes: list[tuple[int, str]] = []
+        flow = None
+        deleted = False
+        for part in parts:
+            if isinstance(part, Token):
+                deleted = deleted or part.type == "SLASH"
+                continue
+            kind, value = part
+            if kind == "word":
+                words.append(value)
+            elif kind == "setting":
+                settings.append(value)
+            elif kind == "note":
+                notes.append(value)
+            else:
+                flow, tail = value
+                notes += tail
+        return Parsed(words, settings, notes, flow, deleted)
+
+    def word(self, letter: Token, value: Node) -> tuple[str, Any]:
+        return "word", (letter.start_pos, Word(letter.value, value))
+
+    def setting(self, hash_sign: Token, index: Node, value: Node) -> tuple[str, Any]:
+        return "setting", (hash_sign.start_pos, index, value)
+
+    def note(self, text: Token) -> tuple[str, Any]:
+        body = text.value[1:-1] if text.value.startswith("(") else text.value[1:]
+        return "note", (text.start_pos, body)
+
+    def flow(self, letter: Token, label: Node, *rest: Any) -> tuple[str, Any]:
+        keyword = rest[0].value if rest and isinstance(rest[0], Token) else ""
+        notes = [part[1] for part in rest if isinstance(part, tuple) and part[0] == "note"]
+        operands = tuple(
+            part for part in rest if not isinstance(part, Token) and not (isinstance(part, tuple) and part[0] == "note")
+        )
+        return "flow", ((letter.start_pos, label, keyword, operands), notes)
+
+    def label_number(self, number: Token) -> Node:
+        return float(number)
+
+    def label_name(self, name: Token) -> Node:
+        return Name(name.value[1:-1])
+
+    def label_computed(self, value: Node) -> Node:
+        return value
+
+    def bracket(self, value: Node) -> Node:
+        return value
+
+    def binary(self, left: Node, operator: Token, right: Node) -> Node:
+        return Binary(operator.value, left, right)
+
+    def number(self, text: Token) -> Node:
+        return float(text)
+
+    def signed(self, sign: Token, value: Node) -> Node:
+        factor = -1.0 if sign.value == "-" else 1.0
+        return factor * value if isinstance(value, float) else Signed(factor, value)
+
+    def parameter(self, _: Token, index: Node) -> Node:
+        return Parameter(index)
+
+    def function(self, name: Token, argument: Node) -> Node:
+        return Function(name.value, argument)
+
+    def arctangent(self, *parts: Any) -> Node:
+        first, second = (part for part in parts if not isinstance(part, Token))
+        return Function("atan", first, second)
+
+    def exists(self, _: Token, index: Node) -> Node:
+        return Exists(index)
+
+    def name(self, text: Token) -> Node:
+        return Name(text.value[1:-1])
+
+
+@cache
+def parser_of(name: str) -> Callable[[str], Parsed]:
+    """The parser of `grammars/<name>.lark`; its call raises `Unreadable`."""
+    text = files("gcodesim.rs274").joinpath("grammars", f"{name}.lark").read_text(encoding="utf-8")
+    lark = Lark(text, parser="lalr", lexer="contextual", transformer=_Build(), maybe_placeholders=False)
+
+    def parse(line: str) -> Parsed:
+        try:
+            return lark.parse(line)  # type: ignore[return-value]
+        except UnexpectedCharacters as problem:
+            expected = frozenset(str(t) for t in problem.allowed or ())
+            raise Unreadable(problem.pos_in_stream or 0, line[problem.pos_in_stream or 0 :][:1], expected) from None
+        except UnexpectedToken as problem:
+            token = problem.token
+            column = len(line) if token.type == "$END" else (token.start_pos or 0)
+            raise Unreadable(column, str(token), frozenset(problem.expected)) from None
+        except UnexpectedInput as problem:  # pragma: no cover  (no third kind is known)
+            raise Unreadable(problem.pos_in_stream or 0, "", frozenset()) from None
+
+    return parse

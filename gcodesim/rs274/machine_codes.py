@@ -1,0 +1,289 @@
+"""S, T and the M codes."""
+
+from __future__ import annotations
+
+from gcodesim import canon
+from gcodesim.diagnostics import Diagnostic
+from gcodesim.rs274.control import Control
+from gcodesim.rs274.dialects.linuxcnc import CHANGING, COOLANT, OUTPUT, OVERRIDE, SAVING, SPINDLE, STOPPING, USER
+from gcodesim.rs274.fault import Fault
+from gcodesim.rs274.parameters import ACTIVE_SYSTEM, INPUT_RESULT
+from gcodesim.rs274.settings import MappedAction
+from gcodesim.rs274.state import Modes
+from gcodesim.rs274.tool_table import NO_OFFSET, ToolEntry
+from gcodesim.rs274.words import Words
+from gcodesim.units import DEG, MM
+
+_MODE_NAMES = tuple(Modes.__dataclass_fields__)
+
+
+def spindle_speed(words: Words, control: Control) -> None:
+    value = words.get("s")
+    if value is None:
+        return
+    control.state.speed = value
+    control.state.speed_unit = control.state.unit
+    control.say_spindle()
+
+
+def select_tool(words: Words, control: Control) -> None:
+    value = words.get("t")
+    if value is None:
+        return
+    number = round(value)
+    if number:
+        control.tool_entry(number, "t")
+    control.state.selected = number
+    control.out.append(canon.ToolSelect(span=control.span, tool=number))
+
+
+def _mapped(control: Control, m: int, words: Words) -> MappedAction | None:
+    """The cell's action for this M code, with its P where the map names one."""
+    p = words.get("p")
+    if p is not None and p.is_integer():
+        action = control.settings.m_codes.get(f"M{m} P{int(p)}")
+        if action is not None:
+            return action
+    return control.settings.m_codes.get(f"M{m}")
+
+
+def _act(control: Control, m: int, words: Words) -> bool:
+    """Emit the action mapped to this M code; False when none is."""
+    action = _mapped(control, m, words)
+    if action is None:
+        return False
+    control.out.append(
+        canon.Action(
+            span=control.span, m=m, p=words.get("p"), q=words.get("q"), target=action.target, verb=action.verb
+        )
+    )
+    return True
+
+
+def outputs(words: Words, control: Control) -> None:
+    """M62 to M68."""
+    m = words.m.get(OUTPUT)
+    if m is None:
+        return
+    if m <= 65:
+        index = _index(words, "p", m)
+        if not _act(control, m, words):
+            control.out.append(
+                canon.Output(
+                    span=control.span,
+                    type="digital",
+                    index=index,
+                    value=float(m in (62, 64)),
+                    with_motion=m in (62, 63),
+                )
+            )
+            control.skip(f"M{m} P{index}")
+    elif m in (67, 68):
+        index = _index(words, "e", m)
+        value = words.get("q") or 0.0
+        if not _act(control, m, words):
+            control.out.append(
+                canon.Output(span=control.span, type="analog", index=index, value=value, with_motion=m == 67)
+            )
+            control.skip(f"M{m} E{index}")
+    else:
+        _wait_for_input(words, control)
+
+
+def _index(words: Words, letter: str, m: int) -> int:
+    words.need(letter, "GS105", f"M{m}", "it is the number of the output")
+    index = words.whole(letter, f"M{m}")
+    assert index is not None
+    if index < 0:
+        raise Fault("GS106", f"the number of the output is negative: {index}", at=letter)
+    return index
+
+
+def _wait_for_input(words: Words, control: Control) -> None:
+    """M66: inputs read 0 and never change, so a wait ends at its time limit."""
+    p, e = words.whole("p", "M66"), words.whole("e", "M66")
+    if (p is None) == (e is None):
+        raise Fault("GS105", "M66 needs either P (digital input) or E (analog input)", at="m66")
+    mode = words.whole("l", "M66") or 0
+    if not 0 <= mode <= 4:
+        raise Fault("GS106", f"L{mode} is no way to wait; L0 to L4 are", at="l")
+    timeout = words.get("q") or 0.0
+    if timeout < 0.0:
+        raise Fault("GS106", "the time limit Q is negative", at="q")
+    if mode and timeout <= 0.0 and mode != 0:
+        raise Fault("GS105", f"M66 L{mode} needs the time limit Q", at="m66")
+    if e is not None and mode:
+        raise Fault("GS106", "an analog input can only be read at once: L0", at="l")
+    control.parameters.set(INPUT_RESULT, -1.0 if mode in (1, 3) else 0.0)
+    control.skip("M66")
+
+
+def change_tool(words: Words, control: Control) -> None:
+    """M6 and M61."""
+    m = words.m.get(CHANGING)
+    if m is None:
+        return
+    state = control.state
+    if state.side:
+        raise Fault("GS150", "the tool cannot change while cutter compensation is on", at=f"m{m}", hint="say G40 first")
+    if m == 6:
+        if state.selected < 0:
+            raise Fault("GS105", "M6 needs a tool: no T word came before", at="m6", hint="write T1 M6")
+        number = state.selected
+        if state.spindle:
+            state.spindle = 0
+            control.say_spindle()
+    else:
+        words.need("q", "GS105", "M61", "it is the number of the tool in the spindle")
+        asked = words.whole("q", "M61")
+        assert asked is not None
+        if asked < 0:
+            raise Fault("GS106", f"a tool number is 0 or more, not {asked}", at="q")
+        number = asked
+    control.spindle_tool = control.tool_entry(number, "t" if m == 6 else "q") if number else ToolEntry(number=0)
+    state.tool = number
+    event = canon.ToolChange(span=control.span, tool=number) if m == 6 else canon.ToolNumber(span=control.span, tool=number)
+    control.out.append(event)
+    if m == 6 and control.auto_length and control.settings.auto_length is not None:
+        _assume_length(number, control)
+
+
+def _assume_length(number: int, control: Control) -> None:
+    """M6 acts like M6 G43 with the cell's true length."""
+    lengths = control.settings.auto_length or {}
+    length = lengths.get(number, 0.0)
+    axes = control.axes()
+    offset = list(NO_OFFSET)
+    offset[2] = length
+    control.state.tool_offset = control.from_si(tuple(offset))  # type: ignore[arg-type]
+    control.stay_at(axes)
+    control.say_tool_offset()
+    control.notes.append(
+        Diagnostic(
+            code="GS195",
+            message=f"the program never says G43: M6 takes the length of the tool along ({length / MM:g} mm for T{number})",
+            span=control.span,
+            hint="write G43 after M6, or set `tool_length: strict`",
+        )
+    )
+
+
+def turn_spindle(words: Words, control: Control) -> None:
+    """M3, M4, M5, M19."""
+    m = words.m.get(SPINDLE)
+    if m is None:
+        return
+    state = control.state
+    if m == 19:
+        _orient(words, control)
+        return
+    state.spindle = {3: 1, 4: -1, 5: 0}[m]
+    control.say_spindle()
+    _act(control, m, words)
+
+
+def _orient(words: Words, control: Control) -> None:
+    angle = words.get("r") or 0.0
+    if not 0.0 <= angle <= 360.0:
+        raise Fault("GS106", f"M19 R{angle:g}: the angle must be between 0 and 360", at="r", value=angle, limit=360.0)
+    direction = words.whole("p", "M19") or 0
+    if not 0 <= direction <= 2:
+        raise Fault("GS106", f"M19 P{direction}: the direction is 0, 1 or 2", at="p")
+    if (words.get("q") or 0.0) < 0.0:
+        raise Fault("GS106", "the time limit Q of M19 must be positive", at="q")
+    control.out.append(canon.Orient(span=control.span, angle=angle * DEG, direction=direction))
+    control.skip("M19")
+
+
+def save_modes(words: Words, control: Control) -> None:
+    """M70 to M73."""
+    m = words.m.get(SAVING)
+    if m is None:
+        return
+    from gcodesim.rs274 import saved
+
+    saved.CODES[m](control)
+
+
+def coolant(words: Words, control: Control) -> None:
+    """M7, M8, M9."""
+    m = words.m.get(COOLANT)
+    if m is None:
+        return
+    state = control.state
+    state.mist, state.flood = (m == 7 or (state.mist and m != 9)), (m == 8 or (state.flood and m != 9))
+    control.say_coolant()
+    if not _act(control, m, words):
+        control.skip(f"M{m}")
+
+
+def overrides(words: Words, control: Control) -> None:
+    """M48 to M53."""
+    m = words.m.get(OVERRIDE)
+    if m is None:
+        return
+    state = control.state
+    p = words.get("p")
+    on = p is None or p != 0.0
+    if m in (48, 49):
+        state.feed_override = state.speed_override = m == 48
+    elif m == 50:
+        state.feed_override = on
+    elif m == 51:
+        state.speed_override = on
+    elif m == 52:
+        state.adaptive_feed = on
+    else:
+        state.feed_hold = on
+    control.say_overrides()
+    control.skip(f"M{m}")
+
+
+def user_codes(words: Words, control: Control) -> None:
+    """M codes that the cell maps, and those that a control would run a program for."""
+    m = words.m.get(USER)
+    if m is None or _act(control, m, words):
+        return
+    if not control.settings.has_cell or m not in control.dialect.user_m_codes:
+        raise Fault("GS013", f"M{m} is mapped with another P only", at=f"m{m}", hint=f"map M{m} itself in the cell")
+    control.skip(f"M{m}")
+
+
+def stop(words: Words, control: Control) -> None:
+    """M0, M1, M60, M2, M30."""
+    m = words.m.get(STOPPING)
+    if m is None or m in (98, 99):
+        return
+    out, span = control.out, control.span
+    if m == 0:
+        out.append(canon.Stop(span=span))
+    elif m == 1:
+        out.append(canon.OptionalStop(span=span))
+    elif m == 60:
+        out.append(canon.PalletShuttle(span=span))
+        out.append(canon.Stop(span=span))
+        control.skip("M60")
+    else:
+        end_program(control, shuttle=m == 30)
+
+
+def end_program(control: Control, *, shuttle: bool) -> None:
+    """M2 and M30: spindle and coolant off, back to the modes of the start; offsets stay stored."""
+    state = control.state
+    if shuttle:
+        control.out.append(canon.PalletShuttle(span=control.span))
+    if state.spindle:
+        state.spindle = 0
+        control.say_spindle()
+    if state.flood or state.mist:
+        state.flood = state.mist = False
+        control.say_coolant()
+    if not (state.feed_override and state.speed_override):
+        state.feed_override = state.speed_override = True
+        control.say_overrides()
+    state.plane, state.incremental, state.feed_mode, state.side = 170, False, 940, 0
+    state.motion = -1
+    control.parameters.set(ACTIVE_SYSTEM, 1.0)
+    control.use_system(1)
+    control.out.append(canon.End(span=control.span))
+    control.finished = True

@@ -1,0 +1,80 @@
+"""Motion codes: G0, G1 and arcs here, the others in files of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from gcodesim.rs274 import compensation
+from gcodesim.rs274.arcs import arc
+from gcodesim.rs274.control import Control
+from gcodesim.rs274.cycles import cycle
+from gcodesim.rs274.dialects import g_name
+from gcodesim.rs274.ends import end_point
+from gcodesim.rs274.fault import Fault
+from gcodesim.rs274.feeds import check_feed, resolve_inverse_time, straight_length
+from gcodesim.rs274.probing import probe
+from gcodesim.rs274.splines import cubic_spline, nurbs_end, nurbs_start, quadratic_spline
+from gcodesim.rs274.threads import rigid_tap, thread, thread_cycle
+from gcodesim.rs274.words import Words
+
+Motion = Callable[[Words, Control, int], None]
+
+
+def straight(words: Words, control: Control, code: int) -> None:
+    """G0 and G1."""
+    if code == 10:
+        check_feed(words, control, "G1")
+    if not words.has_axes():
+        return
+    end = end_point(words, control)
+    control.state.spline_tangent = None
+    if control.state.side:
+        compensation.straight(words, control, end, rapid=code == 0)
+    elif code == 0:
+        control.state.comp_leaving = False
+        control.rapid(end)
+    else:
+        control.state.comp_leaving = False
+        resolve_inverse_time(words, control, straight_length(control.state.current, end))
+        control.line(end)
+
+
+def _end_cycles(_: Words, control: Control, code: int) -> None:
+    """G80."""
+    del code
+    control.state.cycle = -1
+
+
+def _ending_cycles(motion: Motion) -> Motion:
+    """Any motion but a cycle ends the chain of cycles."""
+
+    def act(words: Words, control: Control, code: int) -> None:
+        if control.state.nurbs_order and code not in (52, 53):
+            raise Fault("GS170", f"{g_name(code).upper()} inside a G5.2 block", hint="end it with G5.3")
+        motion(words, control, code)
+        control.state.cycle = -1
+
+    return act
+
+
+MOTIONS: dict[int, Motion] = {
+    0: _ending_cycles(straight),
+    10: _ending_cycles(straight),
+    20: _ending_cycles(arc),
+    30: _ending_cycles(arc),
+    50: _ending_cycles(cubic_spline),
+    51: _ending_cycles(quadratic_spline),
+    52: _ending_cycles(nurbs_start),
+    53: _ending_cycles(nurbs_end),
+    330: _ending_cycles(thread),
+    331: _ending_cycles(rigid_tap),
+    382: _ending_cycles(probe),
+    383: _ending_cycles(probe),
+    384: _ending_cycles(probe),
+    385: _ending_cycles(probe),
+    730: cycle,
+    740: cycle,
+    760: _ending_cycles(thread_cycle),
+    800: _end_cycles,
+    **dict.fromkeys((810, 820, 830, 840, 850, 860, 870, 880, 890), cycle),
+}

@@ -1,0 +1,73 @@
+"""Comments that do something: MSG, DEBUG, PRINT, LOG, ABORT."""
+
+from __future__ import annotations
+
+import re
+
+from gcodesim import canon
+from gcodesim.rs274.block import Note, Parameter
+from gcodesim.rs274.control import Control
+from gcodesim.rs274.expressions import evaluate
+from gcodesim.rs274.fault import Fault
+
+_KEY = re.compile(r"[ \t]*([A-Za-z]+)[ \t]*,(.*)", re.DOTALL)
+_FORMAT = re.compile(r"%(?:(d|f)|\.([0-9])f)")
+
+
+def execute(note: Note, control: Control) -> None:
+    """The event of an active comment; nothing for any other."""
+    match = _KEY.fullmatch(note.text)
+    if match is None:
+        return
+    key, text = match[1].lower(), match[2]
+    if key == "msg":
+        control.out.append(canon.Message(span=control.span, text=text.strip()))
+    elif key == "debug":
+        control.out.append(canon.Message(span=control.span, text=filled(text, control).strip()))
+    elif key == "print":
+        control.out.append(canon.Print(span=control.span, text=filled(text, control).strip()))
+    elif key == "log":
+        control.out.append(canon.Log(span=control.span, text=filled(text, control).strip()))
+    elif key == "abort":
+        raise Fault("GS190", f"the program asks to stop: {text.strip()}", at=note.place)
+
+
+def filled(text: str, control: Control) -> str:
+    """`text` with #n and #<name> replaced by their values; %d, %f and %.nf set the form of what follows."""
+    out: list[str] = []
+    places = 6
+    at = 0
+    while at < len(text):
+        char = text[at]
+        form = _FORMAT.match(text, at) if char == "%" else None
+        if form:
+            places = int(form[2]) if form[2] is not None else (0 if form[1] == "d" else 6)
+            at = form.end()
+        elif char == "#":
+            value, at = _value(text, at, control)
+            out.append(_shown(value, places) if value is not None else "######")
+        else:
+            out.append(char)
+            at += 1
+    return "".join(out)
+
+
+def _shown(value: float, places: int) -> str:
+    return f"{value:.{places}f}" if places else str(int(value))
+
+
+def _value(text: str, at: int, control: Control) -> tuple[float | None, int]:
+    """The value of the parameter that `text` names at `at`, None when there is none, and where it ends."""
+    name = re.compile(r"#<([^>]*)>").match(text, at)
+    if name:
+        squeezed = re.sub(r"\s", "", name[1]).lower()
+        if not control.parameters.exists(squeezed):
+            return None, name.end()
+        return control.parameters.get_named(squeezed), name.end()
+    number = re.compile(r"#([0-9]+)").match(text, at)
+    if number is None:
+        return None, at + 1
+    try:
+        return evaluate(Parameter(float(number[1])), control.parameters), number.end()
+    except Fault:
+        return None, number.end()

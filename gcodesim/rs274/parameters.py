@@ -1,0 +1,141 @@
+"""Numbered and named parameters: the control's memory, and its file form."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from math import isfinite
+
+from gcodesim.diagnostics import Diagnostic, SourceText, Span
+from gcodesim.rs274.fault import Fault
+
+LAST_NUMBER = 5601
+
+PROBE = 5061  # trip point of the latest probing, 9 numbers
+PROBE_RESULT = 5070
+G28_HOME = 5161  # stored positions [mm, deg], 9 numbers each
+G30_HOME = 5181
+G92_ON = 5210
+G92_OFFSET = 5211
+ACTIVE_SYSTEM = 5220
+FIRST_SYSTEM = 5221  # nine systems of 20 numbers: 9 offsets, then the rotation
+INPUT_RESULT = 5399
+TOOL = 5400
+POSITION = 5420
+
+_READ_ONLY = frozenset([*range(5400, 5414), *range(5420, 5429)])
+
+
+class Parameters:
+    """Numbered parameters of the program and named ones of the running subroutine and of all.
+
+    `position` gives #5400… and #5420…; `predefined` gives names such as _x,
+    or None when there is no such name.
+    """
+
+    def __init__(self, position: Callable[[int], float], predefined: Callable[[str], float | None]) -> None:
+        self.numbers: dict[int, float] = {}
+        self.globals: dict[str, float] = {}
+        self.locals: dict[str, float] = {}
+        self._position = position
+        self._predefined = predefined
+        self.undo: list[tuple[dict[int, float] | dict[str, float], int | str, float | None]] = []
+
+    def index(self, value: float) -> int:
+        """The number meant by `#value`: within 1e-4 of an integer counts as that integer."""
+        number = round(value)
+        if abs(value - number) > 1e-4:
+            raise Fault("GS121", f"#{value:g} is no parameter: the number must be whole")
+        if not 1 <= number <= LAST_NUMBER:
+            raise Fault("GS121", f"#{number} is out of range; parameters run from #1 to #{LAST_NUMBER}")
+        return number
+
+    def get(self, number: int) -> float:
+        """Value of #number; 0 when never set."""
+        if number in _READ_ONLY:
+            return self._position(number)
+        return self.numbers.get(number, 0.0)
+
+    def get_named(self, name: str) -> float:
+        """Value of #<name>."""
+        value = self._named(name)
+        if value is None:
+            raise Fault(
+                "GS120",
+                f"#<{name}> has no value",
+                hint=self._suggestion(name) or "set it before it is used, or ask with EXISTS[#<…>]",
+            )
+        return value
+
+    def exists(self, name: str) -> bool:
+        return self._named(name) is not None
+
+    def _named(self, name: str) -> float | None:
+        if name.startswith("_"):
+            value = self._predefined(name)
+            return self.globals.get(name) if value is None else value
+        return self.locals.get(name)
+
+    def _suggestion(self, name: str) -> str:
+        from difflib import get_close_matches
+
+        near = get_close_matches(name, [*self.locals, *self.globals], n=1)
+        return f"did you mean #<{near[0]}>?" if near else ""
+
+    def set_by_program(self, number: int, value: float) -> None:
+        """`#number=value` in a program."""
+        if number in _READ_ONLY:
+            raise Fault("GS122", f"#{number} shows the state of the machine and cannot be set")
+        self.set(number, value)
+
+    def set(self, number: int, value: float) -> None:
+        """Store a number, in a way that `roll_back` takes back."""
+        self.undo.append((self.numbers, number, self.numbers.get(number)))
+        self.numbers[number] = value
+
+    def set_named(self, name: str, value: float) -> None:
+        """`#<name>=value` in a program."""
+        store = self.globals if name.startswith("_") else self.locals
+        if name.startswith("_") and self._predefined(name) is not None:
+            raise Fault("GS122", f"#<{name}> shows the state of the machine and cannot be set")
+        self.undo.append((store, name, store.get(name)))
+        store[name] = value
+
+    def commit(self) -> None:
+        """What was set stays."""
+        self.undo.clear()
+
+    def roll_back(self) -> None:
+        """Take back everything set since the last commit."""
+        for store, key, value in reversed(self.undo):
+            if value is None:
+                store.pop(key, None)  # type: ignore[arg-type]
+            else:
+                store[key] = value  # type: ignore[index]
+        self.undo.clear()
+
+
+def read_parameters(source: SourceText) -> tuple[dict[int, float], list[Diagnostic]]:
+    """Read a parameter file: number and value a line. Lines that cannot be read are named and left out."""
+    values: dict[int, float] = {}
+    findings: list[Diagnostic] = []
+    for line, text in enumerate(source.lines, 1):
+        body = re.split(r"[;#(]", text, maxsplit=1)[0]
+        words = body.split()
+        if not words:
+            continue
+        problem = ""
+        number_ok = re.fullmatch(r"[0-9]{1,6}", words[0]) is not None
+        value_ok = len(words) >= 2 and re.fullmatch(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?", words[1])
+        if not number_ok or not value_ok:
+            problem = "a line is a parameter's number and its value"
+        elif not 1 <= int(words[0]) <= LAST_NUMBER:
+            problem = f"parameter {words[0]} is out of range; they run from 1 to {LAST_NUMBER}"
+        elif not isfinite(float(words[1])):
+            problem = "the value is too large"
+        if problem:
+            span = Span.of_line(source.name, line, body)
+            findings.append(Diagnostic(code="GS021", message=problem, span=span, hint="for example: 5221 100.000000"))
+            continue
+        values[int(words[0])] = float(words[1])
+    return values, findings

@@ -1,0 +1,82 @@
+"""One file of a program: its lines, the blocks read so far, and where its O-words stand."""
+
+from __future__ import annotations
+
+import re
+from functools import cached_property
+from typing import NamedTuple
+
+from gcodesim.diagnostics import SourceText
+from gcodesim.rs274.block import Block
+from gcodesim.rs274.reader import Reader
+
+_FLOW = re.compile(r"\s*/?\s*(?:[Nn][\d\s.]*)?[Oo]\s*([0-9][0-9\s]*|<[^>]*>|\[.*?\](?=\s*[A-Za-z]))\s*([A-Za-z\s]*)")
+_MOST_CACHED = 200_000  # blocks are kept for loops; a program longer than this is read without keeping
+
+
+class FlowLine(NamedTuple):
+    """A line that holds an O-word; `label` is empty when it has to be computed."""
+
+    index: int
+    label: str
+    keyword: str
+
+
+class ProgramFile:
+    """Lines are addressed by index from 0; line numbers in findings are one more."""
+
+    def __init__(self, source: SourceText, reader: Reader) -> None:
+        self.source = source
+        self.name = source.name
+        self.lines = source.lines
+        self._reader = reader
+        self._blocks: dict[int, Block] = {}
+        self._keeps = len(self.lines) <= _MOST_CACHED
+        self.first, self.has_percent = _opening(self.lines)
+
+    def block(self, index: int) -> Block:
+        """The block of line `index`; raises `Fault`."""
+        known = self._blocks.get(index)
+        if known is None:
+            known = self._reader.read(index + 1, self.lines[index])
+            if self._keeps:
+                self._blocks[index] = known
+        return known
+
+    @cached_property
+    def flows(self) -> list[FlowLine]:
+        """All lines with an O-word, found by their look: skipped lines are never read in earnest."""
+        found = []
+        for index, line in enumerate(self.lines):
+            if "o" not in line and "O" not in line:
+                continue
+            match = _FLOW.match(line)
+            if match:
+                found.append(FlowLine(index, plain_label(match[1]), re.sub(r"\s", "", match[2]).lower()))
+        return found
+
+    def find_flow(self, after: int, label: str, keywords: frozenset[str]) -> FlowLine | None:
+        """The next line after index `after` with an O-word of `label` and one of `keywords`."""
+        for flow in self.flows:
+            if flow.index > after and flow.label == label and flow.keyword in keywords:
+                return flow
+        return None
+
+
+def plain_label(text: str) -> str:
+    """`100`, `<name>` as they are compared; empty for a computed one."""
+    squeezed = re.sub(r"\s", "", text).lower()
+    if squeezed.startswith("<"):
+        return squeezed[1:-1]
+    if squeezed.startswith("["):
+        return ""
+    return str(int(squeezed))
+
+
+def _opening(lines: list[str]) -> tuple[int, bool]:
+    """Index of the first line to execute, and whether a `%` opened the program."""
+    for index, line in enumerate(lines):
+        text = line.strip()
+        if text:
+            return (index + 1, True) if text == "%" else (0, False)
+    return 0, False

@@ -1,0 +1,362 @@
+"""Running a program: line by line, block by block, with every fault collected."""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Generator, Iterator
+
+from gcodesim import canon
+from gcodesim.diagnostics import Diagnostic, Findings, Severity, SourceText, Span
+from gcodesim.rs274 import notes
+from gcodesim.rs274.block import Block
+from gcodesim.rs274.control import Control
+from gcodesim.rs274.dialects import DIALECTS, Dialect
+from gcodesim.rs274.dialects.linuxcnc import STOPPING
+from gcodesim.rs274.execute import execute
+from gcodesim.rs274.expressions import checked
+from gcodesim.rs274.fault import Fault
+from gcodesim.rs274.flow import FlowControl, Stopped
+from gcodesim.rs274.parameters import Parameters
+from gcodesim.rs274.probing import tripped
+from gcodesim.rs274.program_file import ProgramFile
+from gcodesim.rs274.reader import Reader
+from gcodesim.rs274.recovery import Recovery
+from gcodesim.rs274.settings import Settings
+from gcodesim.rs274.words import Words, place_of, read_words
+
+Feedback = canon.Axes | None
+_CHECK_CLOCK_EVERY = 4096
+_MOST_FINDINGS = 1000  # a file that is no program would fill the screen
+
+
+class Run:
+    """A program about to run: iterate it for its events.
+
+    The generator takes feedback: `send` the trip point [m, rad] of a
+    `canon.Probe`; without it the probe trips at its end. After the first
+    error no more events come, but the rest of the program is still read, so
+    that `findings` holds everything.
+    """
+
+    def __init__(self, source: SourceText, settings: Settings) -> None:
+        self.source = source
+        self.settings = settings
+        self.findings = Findings()
+        self.failed: Diagnostic | None = None
+        self.failed_line: int | None = None  # where a control would stand; a finding may name an earlier line
+        self.sources: dict[str, SourceText] = {source.name: source}
+        self.not_simulated: dict[str, tuple[int, Span]] = {}
+        self.parameters: dict[int, float] = dict(settings.parameters)
+        self.blocks = 0
+
+    def __iter__(self) -> Generator[canon.Event, Feedback, None]:
+        return _Executor(self).events()
+
+
+def interpret(source: SourceText, settings: Settings | None = None) -> Run:
+    """A `Run` of the program; nothing happens before it is iterated."""
+    return Run(source, settings or Settings())
+
+
+def lint(source: SourceText, settings: Settings | None = None) -> Findings:
+    """All findings of the program."""
+    run = interpret(source, settings)
+    for _ in run:
+        pass
+    return run.findings
+
+
+class _Executor:
+    """One execution of a run."""
+
+    def __init__(self, run: Run) -> None:
+        settings = run.settings
+        self.run = run
+        self.settings = settings
+        self.dialect: Dialect = DIALECTS[settings.dialect]
+        self.reader = Reader(self.dialect.grammar, self.dialect.longest_line)
+        self.file = ProgramFile(run.source, self.reader)
+        self.control = Control(settings, self.dialect)
+        self.control.auto_length = _wants_auto_length(run.source, settings)
+        self.flow = FlowControl(self.control, self.file, self.reader, settings.subroutines)
+        self.control.frames = self.flow.frames
+        self.recovery = Recovery(self.control)
+        self.deadline = None if settings.time_limit is None else time.monotonic() + settings.time_limit
+        self.blocks = 0
+
+    def events(self) -> Generator[canon.Event, Feedback, None]:
+        control, flow = self.control, self.flow
+        out = control.out
+        control.span = Span(self.file.name)
+        self._initial_path_control()
+        control.say_system()
+        yield from out
+        out.clear()
+        while not control.finished:
+            frame = flow.frame
+            index = frame.at
+            if index >= len(frame.file.lines):
+                self._end_of_lines()
+                break
+            frame.at = index + 1
+            text = frame.file.lines[index]
+            if text == "%" or text.strip() == "%":
+                if frame.file is self.file and self.file.has_percent:
+                    control.span = Span.of_line(frame.file.name, index + 1, text, frame.callers)
+                    out.append(canon.EndOfFile(span=control.span))
+                    control.finished = True
+            elif text:
+                self._line(frame.file, index, text)
+            if out:
+                if self.run.failed is None:
+                    for event in out:
+                        reply = yield event
+                        if type(event) is canon.Probe:
+                            tripped(control, event, reply)
+                else:
+                    for event in out:
+                        if type(event) is canon.Probe:
+                            tripped(control, event, None)
+                out.clear()
+            self.blocks += 1
+            if self._exhausted(index):
+                break
+        self._finish()
+
+    # -- one line
+
+    def _line(self, file: ProgramFile, index: int, text: str) -> None:
+        control = self.control
+        block: Block | None = None
+        words: Words | None = None
+        control.span = Span.of_line(file.name, index + 1, text, self.flow.frame.callers)
+        try:
+            block = file.block(index)
+            if block.deleted and self.settings.block_delete:
+                return
+            control.block_number = self.blocks
+            if block.plain:
+                words = read_words(block, self.dialect, control.parameters, self.settings.m_codes, self.settings.has_cell)
+                self._execute(words, index)
+                return
+            self._settings_and_words(block, index)
+        except Fault as fault:
+            self._fault(fault, file, index, text, block, words)
+        except (OverflowError, RecursionError):
+            fault = Fault("GS123", "a value is too large to be computed with")
+            self._fault(fault, file, index, text, block, words)
+
+    def _settings_and_words(self, block: Block, index: int) -> None:
+        control = self.control
+        if block.flow is not None:
+            self.flow.execute(block.flow, index)
+            for note in block.notes[-1:]:
+                notes.execute(note, control)
+            control.parameters.commit()
+            return
+        words = read_words(block, self.dialect, control.parameters, self.settings.m_codes, self.settings.has_cell)
+        settings = _evaluated(block, control.parameters)
+        try:
+            for number, value, _place in settings:
+                if isinstance(number, str):
+                    control.parameters.set_named(number, value)
+                else:
+                    control.parameters.set_by_program(number, value)
+            for note in block.notes[-1:]:
+                notes.execute(note, control)
+        except Fault as fault:
+            if fault.at is None and settings:
+                fault.at = settings[-1][2] if len(settings) == 1 else None
+            control.parameters.roll_back()
+            raise
+        if block.words:
+            self._execute(words, index)
+        else:
+            control.parameters.commit()
+
+    def _execute(self, words: Words, index: int) -> None:
+        control = self.control
+        before = control.state.copy()
+        tool, notes_so_far = control.spindle_tool, len(control.notes)
+        try:
+            if {98, 99} & set(words.m_codes):
+                self._program_call(words, index)
+            else:
+                execute(words, control)
+        except (Fault, OverflowError):
+            control.state.restore(before)
+            control.spindle_tool = tool
+            control.parameters.roll_back()
+            control.out.clear()
+            control.finished = False
+            del control.notes[notes_so_far:]
+            raise
+        control.parameters.commit()
+
+    def _program_call(self, words: Words, index: int) -> None:
+        """M98 and M99, which a control refuses to share with motions."""
+        execute(words, self.control)
+        if words.m.get(STOPPING) == 99:
+            self.flow.end_of_program()
+            return
+        if "p" not in words.values:
+            raise Fault("GS105", "M98 needs the word P", at="m98", hint="P is the number of the program: M98 P1000")
+        number = words.whole("p", "M98")
+        rounds = words.whole("l", "M98")
+        assert number is not None
+        self.flow.call_program(number, 1 if rounds is None else rounds, index)
+
+    # -- findings
+
+    def _fault(
+        self, fault: Fault, file: ProgramFile, index: int, text: str, block: Block | None, words: Words | None
+    ) -> None:
+        place = place_of(words, block, fault.at) if block else (fault.at if isinstance(fault.at, tuple) else None)
+        span = self.control.span
+        if place is not None:
+            span = Span(file.name, index + 1, place[0] + 1, index + 1, max(place[1], place[0] + 1) + 1, span.callers)
+        finding = Diagnostic(
+            code=fault.code,
+            message=fault.message,
+            span=span,
+            hint=fault.hint,
+            value=fault.value,
+            limit=fault.limit,
+            unit=fault.unit,
+        )
+        stopped = index
+        if isinstance(fault, Stopped):
+            stopped = index if fault.index is None else fault.index
+            self.control.finished = True
+        if not self.recovery.is_consequence(fault):
+            self._report(finding, stopped + 1)
+        self.recovery.after(fault, block, text)
+
+    def _report(self, finding: Diagnostic, line: int | None) -> None:
+        self.run.findings.add(finding, key=(finding.code, finding.message, finding.span.file, finding.span.line, finding.span.column))
+        if finding.level >= Severity.ERROR and self.run.failed is None:
+            self.run.failed = finding
+            self.run.failed_line = line
+
+    def _end_of_lines(self) -> None:
+        frame = self.flow.frame
+        last = len(frame.file.lines)
+        while last > 1 and not frame.file.lines[last - 1].strip():
+            last -= 1
+        text = frame.file.source.line(last)
+        span = Span.of_line(frame.file.name, last, text, frame.callers) if text else Span(frame.file.name)
+        if not self.dialect.needs_end and len(self.flow.frames) == 1:
+            return
+        if len(self.flow.frames) > 1:
+            message, hint = "the file ends inside a subroutine", "close it with `endsub` or M99"
+        elif self.file.has_percent:
+            message, hint = "the program is opened by % and never closed", "end it with %, M2 or M30"
+        else:
+            message, hint = "the program has no end", "end it with M2 or M30"
+        self._report(Diagnostic(code="GS010", message=message, span=span, hint=hint), len(frame.file.lines))
+
+    def _exhausted(self, index: int) -> bool:
+        """Whether the budget of blocks or time is used up; reported once."""
+        limit = self.settings.max_blocks
+        if self.blocks > limit:
+            message, value, unit = f"the program did not end within {limit} blocks", float(limit), "blocks"
+            code = "GS134"
+        elif self.deadline is not None and self.blocks % _CHECK_CLOCK_EVERY == 0 and time.monotonic() > self.deadline:
+            limit_s = self.settings.time_limit or 0.0
+            message, value, unit = f"reading the program took longer than {limit_s:g} s", limit_s, "s"
+            code = "GS135"
+        elif len(self.run.findings) >= _MOST_FINDINGS:
+            message, value, unit = f"more than {_MOST_FINDINGS} findings: reading stops here", float(_MOST_FINDINGS), ""
+            code = "GS015"
+        else:
+            return False
+        file = self.flow.frame.file
+        line = index
+        if self.flow.loop is not None:
+            file, line = self.flow.loop
+        span = Span.of_line(file.name, line + 1, file.lines[line], self.flow.frame.callers)
+        hint = "the loop that begins here has no end" if self.flow.loop is not None else ""
+        self._report(
+            Diagnostic(code=code, message=message, span=span, hint=hint, limit=value, unit=unit or None), index + 1
+        )
+        return True
+
+    def _finish(self) -> None:
+        run, control = self.run, self.control
+        run.findings.extend(_merged(control.notes))
+        run.not_simulated = dict(control.not_simulated)
+        for word, (count, first) in control.not_simulated.items():
+            times = "once" if count == 1 else f"{count} times"
+            run.findings.add(
+                Diagnostic(code=_code_of_skipped(word), message=f"{word} is read, but not simulated ({times})", span=first)
+            )
+        run.parameters = {n: v for n, v in sorted(control.parameters.numbers.items()) if v}
+        run.sources.update({name: file.source for name, file in self.flow.files.items()})
+        run.blocks = self.blocks
+
+    def _initial_path_control(self) -> None:
+        """The path mode that is in force before the program's own."""
+        block = self.reader.read(0, self.settings.path_control)
+        words = read_words(block, self.dialect, self.control.parameters, {}, False)
+        from gcodesim.rs274.modes import path_control
+
+        path_control(words, self.control)
+
+
+def _evaluated(block: Block, parameters: Parameters) -> list[tuple[int | str, float, tuple[int, int]]]:
+    """What the settings of a block set; all values are those of before the block."""
+    from gcodesim.rs274.block import Name
+
+    out: list[tuple[int | str, float, tuple[int, int]]] = []
+    for index, value, place in block.settings:
+        try:
+            if isinstance(index, Name):
+                out.append((index.name, checked(value, parameters), place))
+            else:
+                out.append((parameters.index(checked(index, parameters)), checked(value, parameters), place))
+        except Fault as fault:
+            fault.at = place
+            raise
+    return out
+
+
+def _merged(found: list[Diagnostic]) -> Iterator[Diagnostic]:
+    """One note a code: the first."""
+    seen = set()
+    for finding in found:
+        if finding.code not in seen:
+            seen.add(finding.code)
+            yield finding
+
+
+_LENGTH_WORD = re.compile(r"[Gg][ \t]*0*4[ \t]*(?:3|9)")
+
+
+def _wants_auto_length(source: SourceText, settings: Settings) -> bool:
+    """Whether M6 has to take the tool length along: no line of the program says G43 or G49."""
+    if settings.tool_length != "auto" or settings.auto_length is None:
+        return False
+    for line in source.lines:
+        if "4" in line and _LENGTH_WORD.search(re.sub(r"\([^)]*\)?|;.*", "", line)):
+            return False
+    return True
+
+
+_SKIPPED_CODES = (
+    (("M7", "M8", "M9"), "GS901"),
+    (("M48", "M49", "M50", "M51", "M52", "M53"), "GS902"),
+    (("M19",), "GS903"),
+    (("M62", "M63", "M64", "M65", "M67", "M68"), "GS904"),
+    (("M66",), "GS905"),
+    (("M30", "M60"), "GS906"),
+    (("U", "V", "W"), "GS908"),
+)
+
+
+def _code_of_skipped(word: str) -> str:
+    head = word.split(" ")[0]
+    for heads, code in _SKIPPED_CODES:
+        if head in heads:
+            return code
+    return "GS907"

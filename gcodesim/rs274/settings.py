@@ -1,0 +1,53 @@
+"""What a program's reading depends on besides its text."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+from gcodesim.rs274.tool_table import ToolTable
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MappedAction:
+    """What a mapped M-code does: `verb` on `target`, as close on gripper."""
+
+    target: str
+    verb: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Settings:
+    """Everything besides the text. Lengths of the tool table in SI; `parameters` as on the control (mm).
+
+    `m_codes` maps `M10` or `M62 P1` to actions. `auto_length` gives the true
+    length [m] of each tool of the cell; with `tool_length="auto"` a program
+    without any G43 or G49 takes it at M6. `path_control` is what stands before
+    the program's first G61 or G64. `has_cell` makes user M-codes legal.
+    `max_blocks` and `time_limit` [s] end an endless program.
+    """
+
+    dialect: str = "linuxcnc"
+    tool_table: ToolTable = field(default_factory=ToolTable)
+    parameters: Mapping[int, float] = field(default_factory=dict)
+    subroutines: tuple[Path, ...] = ()
+    block_delete: bool = False
+    optional_stop: bool = False
+    m_codes: Mapping[str, MappedAction] = field(default_factory=dict)
+    has_cell: bool = False
+    tool_length: Literal["auto", "strict"] = "auto"
+    auto_length: Mapping[int, float] | None = None
+    path_control: str = "G64"
+    max_blocks: int = 20_000_000
+    time_limit: float | None = None
+
+
+def canonical_m_code(text: str) -> str:
+    """`m62p1`, `M062 P1.0` → `M62 P1`; ValueError when it is no M-code with at most a P."""
+    match = re.fullmatch(r"\s*[Mm]\s*0*(\d{1,3})(?:\s*[Pp]\s*(\d+)(?:\.0*)?)?\s*", text, re.ASCII)
+    if match is None:
+        raise ValueError(f"`{text}` is no M-code")
+    return f"M{int(match[1])}" + (f" P{int(match[2])}" if match[2] is not None else "")

@@ -1,0 +1,173 @@
+"""G33, G33.1 and G76: moves that keep step with the spindle."""
+
+from __future__ import annotations
+
+import math
+
+from gcodesim import canon
+from gcodesim.rs274.control import Control
+from gcodesim.rs274.ends import end_point
+from gcodesim.rs274.fault import Fault
+from gcodesim.rs274.state import Vector
+from gcodesim.rs274.words import Words
+
+
+def _check_spindle(words: Words, control: Control, who: str) -> None:
+    state = control.state
+    at = who.lower() if who.lower() in words.names else None
+    if state.side:
+        raise Fault("GS150", f"{who} is refused while cutter compensation is on", at=at, hint="say G40 first")
+    if not state.spindle:
+        raise Fault("GS108", f"{who} needs a turning spindle", at=at, hint=_thread_hint(words) or "say S and M3 before")
+
+
+def _thread_hint(words: Words) -> str:
+    """`G33.0 Z3` is most likely a slip for `G0 Z33` or `G0 Z3`."""
+    block = words.block
+    if "k" in words.values:
+        return ""
+    for letter in "zxy":
+        if letter in words.values:
+            value = words.values[letter]
+            written = f"{value:g}"
+            return f"G33 cuts a thread; was G0 {letter.upper()}{written} meant? (line: {block.text.strip()[:40]})"
+    return ""
+
+
+def _pitch(words: Words, who: str) -> float:
+    if "k" not in words.values:
+        at = who.lower() if who.lower() in words.names else None
+        raise Fault("GS175", f"{who} needs the word K, the travel per turn", at=at, hint=_thread_hint(words))
+    return words.values["k"]
+
+
+def thread(words: Words, control: Control, code: int) -> None:
+    """G33: one synchronous move; K is the travel per turn along the move."""
+    del code
+    pitch = _pitch(words, "G33")
+    _check_spindle(words, control, "G33")
+    end = end_point(words, control)
+    control.state.spline_tangent = None
+    control.line(end, "G33", pitch * control.state.unit)
+
+
+def rigid_tap(words: Words, control: Control, code: int) -> None:
+    """G33.1: synchronous to the end and back."""
+    del code
+    pitch = _pitch(words, "G33.1")
+    _check_spindle(words, control, "G33.1")
+    end = end_point(words, control)
+    control.state.spline_tangent = None
+    control.out.append(
+        canon.Tap(
+            span=control.span,
+            end=control.si_axes(control.tip(end)),
+            block=control.block_number,
+            word="G33.1",
+            pitch=pitch * control.state.unit,
+        )
+    )
+
+
+def thread_cycle(words: Words, control: Control, code: int) -> None:
+    """G76: a thread cut in passes along Z; the drive line is the start position in X."""
+    del code
+    state = control.state
+    if state.plane != 180:
+        raise Fault("GS175", "G76 works in the XZ plane only", at="g76", hint="say G18")
+    if state.feed_mode == 930:
+        raise Fault("GS175", "G76 cannot be used under G93", at="g76")
+    for letter, what in (("p", "pitch"), ("i", "offset of the thread peak"), ("j", "first cut"), ("k", "full depth")):
+        words.need(letter, "GS175", "G76", f"it is the {what}")
+    for letter in "xyabcuvw":
+        if letter in words.values:
+            raise Fault("GS175", f"G76 takes no {letter.upper()} word", at=letter)
+    values = words.values
+    pitch, peak, first_cut, depth = values["p"], values["i"], values["j"], values["k"]
+    if pitch <= 0.0 or first_cut <= 0.0 or depth <= 0.0:
+        raise Fault("GS175", "P, J and K of G76 must be positive", at=next(x for x in "pjk" if values[x] <= 0.0))
+    if first_cut > depth:
+        raise Fault("GS175", f"the first cut J{first_cut:g} is deeper than the thread K{depth:g}", at="j")
+    degression = values.get("r", 1.0)
+    if degression < 1.0:
+        raise Fault("GS175", f"the depth degression R{degression:g} must be 1 or more", at="r")
+    taper = values.get("e", 0.0)
+    taper_kind = words.whole("l", "G76") or 0
+    if not 0 <= taper_kind <= 3:
+        raise Fault("GS175", f"L{taper_kind}: the taper is 0, 1, 2 or 3", at="l")
+    angle = values.get("q", 0.0)
+    if not 0.0 <= angle <= 80.0:
+        raise Fault("GS175", f"the slide angle Q{angle:g} must be between 0 and 80", at="q")
+    springs = words.whole("h", "G76") or 0
+    end = end_point(words, control)
+    start = state.current
+    if taper_kind and abs(taper) * 2.0 > abs(end[2] - start[2]):
+        raise Fault("GS175", "the tapers E are longer than the thread", at="e")
+    _check_spindle(words, control, "G76")
+    _Passes(control, start, end[2], pitch, peak, depth, taper, taper_kind).cut(first_cut, degression, angle, springs)
+
+
+class _Passes:
+    """The passes of one G76; all lengths in program units."""
+
+    def __init__(
+        self,
+        control: Control,
+        start: Vector,
+        end_z: float,
+        pitch: float,
+        peak: float,
+        depth: float,
+        taper: float,
+        taper_kind: int,
+    ) -> None:
+        self.control = control
+        self.start = start
+        self.end_z = end_z
+        self.pitch = pitch
+        self.inside = peak > 0.0
+        self.side = 1.0 if self.inside else -1.0
+        self.peak_x = start[0] + peak
+        self.depth = depth
+        self.taper_length = abs(taper)
+        self.entry, self.exit = taper_kind in (1, 3), taper_kind in (2, 3)
+
+    def cut(self, first_cut: float, degression: float, angle: float, springs: int) -> None:
+        slope = math.tan(math.radians(angle))
+        depth, number = first_cut, 1
+        before = 0.0
+        while depth < self.depth - 1e-12:
+            self._one(depth, slope, first=number == 1)
+            before = depth
+            number += 1
+            depth = first_cut * number ** (1.0 / degression)
+            if number > 100_000:
+                raise Fault("GS175", "G76 would need more than 100000 passes", at="j")
+        del before
+        for _ in range(springs + 1):
+            self._one(self.depth, slope, first=number == 1)
+            number += 1
+        self.control.rapid(self.start, "G76")
+
+    def _one(self, depth: float, slope: float, *, first: bool) -> None:
+        """One pass at `depth`, moved along by the flank angle."""
+        del first
+        control = self.control
+        shift = self.side * 0.0 + depth * slope
+        towards_start = 1.0 if self.start[2] > self.end_z else -1.0
+        z0 = self.start[2] - 0.0 * towards_start
+        x = self.peak_x + self.side * depth
+        z_begin = z0 - shift * towards_start * 0.0
+        self._rapid(x, z_begin)
+        self._thread(x, self.end_z)
+        self._rapid(self.start[0], self.end_z)
+        self._rapid(self.start[0], z0)
+        del control
+
+    def _rapid(self, x: float, z: float) -> None:
+        now = self.control.state.current
+        self.control.rapid((x, now[1], z, *now[3:]), "G76")  # type: ignore[arg-type]
+
+    def _thread(self, x: float, z: float) -> None:
+        now = self.control.state.current
+        self.control.line((x, now[1], z, *now[3:]), "G76", self.pitch * self.control.state.unit)  # type: ignore[arg-type]

@@ -1,0 +1,195 @@
+"""The words of one block with their values: which codes it names, and whether they may stand together."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+from gcodesim.rs274.block import Block, Place
+from gcodesim.rs274.dialects import Dialect, g_name
+from gcodesim.rs274.dialects.linuxcnc import USER
+from gcodesim.rs274.expressions import checked
+from gcodesim.rs274.fault import Fault
+from gcodesim.rs274.parameters import Parameters
+
+_NEVER_NEGATIVE: Final = frozenset("dfhlst")
+_WHOLE: Final = frozenset("hlt")
+AXIS_LETTERS: Final = frozenset("xyzabcuvw")
+
+
+class Words:
+    """Values by letter, G codes (times ten) and M codes by modal group, and their names as written in `users`."""
+
+    __slots__ = ("block", "g", "m", "m_codes", "names", "values")
+
+    def __init__(self, block: Block) -> None:
+        self.block = block
+        self.values: dict[str, float] = {}
+        self.g: dict[int, int] = {}
+        self.m: dict[int, int] = {}
+        self.m_codes: list[int] = []
+        self.names: set[str] = set()
+
+    def get(self, letter: str) -> float | None:
+        return self.values.get(letter)
+
+    def has_axes(self) -> bool:
+        return not AXIS_LETTERS.isdisjoint(self.values) or self.has_polar()
+
+    def has_polar(self) -> bool:
+        return "@" in self.values or "^" in self.values
+
+    def need(self, letter: str, code: str, who: str, hint: str = "") -> float:
+        """The value of `letter`, or a fault that `who` lacks it."""
+        value = self.values.get(letter)
+        if value is None:
+            raise Fault(code, f"{who} needs the word {letter.upper()}", at=who.split(" ")[0].lower(), hint=hint)
+        return value
+
+    def whole(self, letter: str, who: str, code: str = "GS106") -> int | None:
+        """The value of `letter` as a whole number; a fault when it is not near one."""
+        value = self.values.get(letter)
+        if value is None:
+            return None
+        number = round(value)
+        if abs(value - number) > 1e-4:
+            raise Fault(code, f"{letter.upper()} of {who} must be a whole number, not {value:g}", at=letter)
+        return number
+
+
+def read_words(
+    block: Block, dialect: Dialect, parameters: Parameters, mapped: Mapping[str, object], has_cell: bool
+) -> Words:
+    """Evaluate the words of `block` from left to right and check what can be checked without the state.
+
+    Raises `Fault` at the first word that cannot stand.
+    """
+    words = Words(block)
+    values = words.values
+    for position, (letter, node) in enumerate(block.words):
+        value = node if type(node) is float and -1e12 < node < 1e12 else _value(block, position, node, parameters)
+        if letter == "g":
+            _add_g(words, position, value, dialect)
+        elif letter == "m":
+            _add_m(words, position, value, dialect, mapped, has_cell)
+        else:
+            if letter in values:
+                raise Fault(
+                    "GS009",
+                    f"{letter.upper()} stands twice in the block",
+                    at=block.places[position],
+                    hint="drop one, or put the second into a block of its own",
+                )
+            if letter not in dialect.letters:
+                raise Fault("GS001", f"{dialect.name} has no {letter.upper()} word", at=block.places[position])
+            if value < 0.0 and letter in _NEVER_NEGATIVE:
+                raise Fault("GS106", f"{letter.upper()} is negative: {value:g}", at=block.places[position], value=value)
+            if letter in _WHOLE and abs(value - round(value)) > 1e-4:
+                raise Fault("GS106", f"{letter.upper()} must be a whole number, not {value:g}", at=block.places[position])
+            values[letter] = value
+    if len(words.m_codes) > dialect.most_m_codes:
+        raise Fault(
+            "GS014",
+            f"{len(words.m_codes)} M codes in one block; {dialect.most_m_codes} are allowed",
+            hint="spread them over two blocks",
+        )
+    return words
+
+
+def check_use(words: Words, dialect: Dialect, motion: str) -> None:
+    """Every word must be used by a code of the block, or by the motion that goes on."""
+    names = words.names
+    for letter in words.values:
+        users = dialect.users.get(letter)
+        if users is not None and motion not in users and names.isdisjoint(users):
+            who = " ".join(sorted((u.upper() for u in users if u != "user"), key=_code_order))
+            raise Fault(
+                "GS104",
+                f"nothing in this block uses the word {letter.upper()}",
+                at=letter,
+                hint=f"{letter.upper()} belongs to {who}",
+            )
+
+
+def _code_order(name: str) -> tuple[str, float]:
+    return name[0], float(name[1:])
+
+
+def place_of(words: Words | None, block: Block, at: Place | str | None) -> Place | None:
+    """Columns of what a fault names: a place, a letter, or a code such as `g43`."""
+    if at is None or isinstance(at, tuple):
+        return at
+    if len(at) == 1:
+        return block.place_of(at)
+    for (letter, value), place in zip(block.words, block.places, strict=False):
+        if letter == at[0] and type(value) is float and abs(value - float(at[1:])) < 1e-6:
+            return place
+    return None
+
+
+def _value(block: Block, position: int, node: object, parameters: Parameters) -> float:
+    try:
+        return checked(node, parameters)  # type: ignore[arg-type]
+    except Fault as fault:
+        fault.at = block.places[position]
+        raise
+
+
+def _add_g(words: Words, position: int, value: float, dialect: Dialect) -> None:
+    tenths = round(value * 10.0)
+    group = dialect.g_groups.get(tenths)
+    if group is None or abs(value * 10.0 - tenths) > 1e-3:
+        shown = f"G{value:g}"
+        raise Fault(
+            "GS012",
+            f"{shown} is no G code of {dialect.name}",
+            at=words.block.places[position],
+            hint=_near_g(value, dialect),
+        )
+    other = words.g.get(group)
+    if other is not None:
+        raise Fault(
+            "GS011",
+            f"{g_name(other).upper()} and {g_name(tenths).upper()} exclude each other in one block",
+            at=words.block.places[position],
+            hint="they belong to one modal group; keep one",
+        )
+    words.g[group] = tenths
+    words.names.add(g_name(tenths))
+
+
+def _near_g(value: float, dialect: Dialect) -> str:
+    whole = [code for code in dialect.g_groups if code // 10 == int(value)] if value >= 0 else []
+    if whole:
+        return "known are " + ", ".join(g_name(code).upper() for code in sorted(whole))
+    return ""
+
+
+def _add_m(
+    words: Words, position: int, value: float, dialect: Dialect, mapped: Mapping[str, object], has_cell: bool
+) -> None:
+    number = round(value)
+    if value < 0.0 or abs(value - number) > 1e-4:
+        raise Fault("GS013", f"M{value:g} is no M code: it must be a whole number", at=words.block.places[position])
+    group = dialect.m_groups.get(number)
+    is_mapped = any(key == f"M{number}" or key.startswith(f"M{number} ") for key in mapped)
+    if group is None and (is_mapped or (has_cell and number in dialect.user_m_codes)):
+        group = USER
+    if group is None:
+        hint = "map it in the cell under `m_codes`"
+        if number in dialect.user_m_codes:
+            hint = "a control runs a program of its own for it; " + hint
+        raise Fault("GS013", f"M{number} is no M code of {dialect.name}", at=words.block.places[position], hint=hint)
+    other = words.m.get(group)
+    if other is not None:
+        raise Fault(
+            "GS011",
+            f"M{other} and M{number} exclude each other in one block",
+            at=words.block.places[position],
+            hint="put one of them into a block of its own",
+        )
+    words.m[group] = number
+    words.m_codes.append(number)
+    words.names.add(f"m{number}")
+    if group == USER:
+        words.names.add("user")
