@@ -120,7 +120,7 @@ def remove_piece(
                 if room2 <= 0.0:
                     continue
                 u_first, u_last = -along, length - along
-                line_z = z0 + slope * along + shape[5] + radius
+                line_z = (z0 + slope * along if slope != 0.0 else low_z) + shape[5] + radius
                 free = -slope * np.sqrt(room2) / tilt if slope != 0.0 else 0.0
                 u = min(max(free, u_first), u_last)
                 depth2 = room2 - u * u

@@ -1,0 +1,125 @@
+"""Every kind of cutter: what is cut along a sloping piece is the lowest envelope of the tool, found here by search."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from gcodesim.material import Stock, shape
+
+MM = 1e-3
+
+SHAPES = {
+    "flat": shape.flat(6 * MM, 30 * MM),
+    "ball": shape.ball(6 * MM, 30 * MM),
+    "bull_nose": shape.bull_nose(8 * MM, 1.5 * MM, 30 * MM),
+    "almost_ball": shape.bull_nose(6 * MM, 2.999 * MM, 30 * MM),
+    "drill": shape.cone(6 * MM, math.radians(118), 30 * MM),
+    "engraver": shape.cone(6 * MM, math.radians(40), 30 * MM, tip_diameter=0.4 * MM),
+    "short_flat": shape.cylinder(6 * MM, 1 * MM, 2.5 * MM),
+}
+
+
+def radius_profile(tool, rho):
+    """Underside of the tool by its definition, a slow twin of the kernel."""
+    beyond = np.maximum(rho - tool[3], 0.0)
+    if tool[0] == 3.0:
+        return beyond * tool[4]
+    return tool[2] - np.sqrt(np.maximum(tool[2] ** 2 - beyond**2, 0.0))
+
+
+def expected_envelope(tool, x, y, start, end):
+    """Lowest and highest point of the sweep over points (x, y), NaN where the tool never is: golden-section search."""
+    d = end - start
+    length = math.hypot(d[0], d[1])
+    ux, uy = d[0] / length, d[1] / length
+    along, across = (x - start[0]) * ux + (y - start[1]) * uy, (y - start[1]) * ux - (x - start[0]) * uy
+    with np.errstate(invalid="ignore"):
+        half = np.sqrt(tool[1] ** 2 - across**2)
+    low, high = np.maximum(0.0, along - half), np.minimum(length, along + half)
+    reached = low <= high
+
+    def height(s):
+        rho = np.minimum(np.hypot(along - s, across), tool[1])
+        return start[2] + d[2] * s / length + tool[5] + radius_profile(tool, rho)
+
+    tops = start[2] + d[2] * np.where(d[2] > 0.0, high, low) / length + tool[6]
+    golden = (math.sqrt(5.0) - 1.0) / 2.0
+    for _ in range(90):
+        a, b = high - golden * (high - low), low + golden * (high - low)
+        left = height(a) < height(b)
+        low, high = np.where(left, low, a), np.where(left, b, high)
+    middle = (low + high) / 2.0
+    best = np.minimum(np.minimum(height(low), height(high)), height(middle))
+    return np.where(reached, best, np.nan), np.where(reached, tops, np.nan)
+
+
+@pytest.mark.parametrize("name", SHAPES)
+@pytest.mark.parametrize("rise", [-9.0, -1.3, 0.0, 0.4, 4.0])
+def test_floor_of_a_sloping_cut_is_the_lowest_envelope(name, rise):
+    tool = SHAPES[name]
+    stock = Stock.box((0, 0, -40 * MM), (20 * MM, 20 * MM, 0), 0.37 * MM)
+    start, end = np.array([4.0, 5.0, -12.0]) * MM, np.array([13.0, 11.0, -12.0 + rise]) * MM
+    x = (stock.grid[0] + (np.arange(stock.count.shape[0]) + 0.5) * stock.grid[2])[:, None]
+    y = (stock.grid[1] + (np.arange(stock.count.shape[1]) + 0.5) * stock.grid[3])[None, :]
+    bottom, top = expected_envelope(tool, x, y, start, end)
+
+    stock.remove(start[None], end[None], tool)
+
+    inner = np.isfinite(bottom)
+    cut = stock.hi[:, :, 0] < 0.0
+    assert np.array_equal(cut, inner)
+    # beside the very rim, where a wall is steeper than the nudge of the columns allows to compare
+    rim = np.hypot(np.gradient(np.nan_to_num(bottom, nan=9.0))[0], np.gradient(np.nan_to_num(bottom, nan=9.0))[1]) > 1.0
+    compare = inner & ~rim
+    assert compare.sum() > 200
+    assert np.abs(stock.hi[:, :, 0] - bottom)[compare].max() < 1e-9
+    through = inner & (top < 0.0)
+    assert np.array_equal(stock.count == 2, through)
+    if through.any():
+        assert np.abs(stock.lo[:, :, 1] - top)[through & ~rim].max() < 1e-9
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_plunge_removes_the_volume_of_the_tool(name):
+    tool = SHAPES[name]
+    above, tip = np.array([[10.0, 10.0, 2.0]]) * MM, np.array([[10.0, 10.0, -35.0]]) * MM
+    exact = shape.section_volume(tool)
+    errors = []
+    for resolution in (0.4 * MM, 0.1 * MM):
+        stock = Stock.box((0, 0, -40 * MM), (20 * MM, 20 * MM, 0), resolution)
+        removed = stock.remove(tip, tip, tool).volume.sum()
+        errors.append(abs(removed - exact))
+        assert errors[-1] <= stock.error_bound()
+    assert errors[1] < 0.01 * exact
+    # coming down from above takes the way as well
+    way = math.pi * tool[1] ** 2 * (-35.0 * MM + tool[6])
+    stock.remove(above, tip, tool)
+    assert stock.volume == pytest.approx(20 * 20 * 40 * MM**3 - exact + way, rel=2e-4)
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_removal_does_not_depend_on_the_number_of_steps(name):
+    tool = SHAPES[name]
+    start, end = np.array([[-5.0, 3.0, -1.0]]) * MM, np.array([[18.0, 14.0, -6.0]]) * MM
+    once = Stock.box((0, 0, -20 * MM), (20 * MM, 20 * MM, 0), 0.5 * MM)
+    whole = once.remove(start, end, tool).volume.sum()
+    points = start + (end - start) * np.linspace(0, 1, 78)[:, None]
+    often = Stock.box((0, 0, -20 * MM), (20 * MM, 20 * MM, 0), 0.5 * MM)
+    parts = often.remove(points[:-1], points[1:], tool).volume.sum()
+    assert parts == pytest.approx(whole, rel=1e-9)
+    assert np.array_equal(once.count, often.count)
+    assert np.abs(once.hi[:, :, 0] - often.hi[:, :, 0]).max() < 1e-10
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_an_upright_tool_cuts_the_same_as_a_tilted_one_that_stands_upright(name):
+    tool = SHAPES[name]
+    start, end = np.array([[5.0, 6.0, -4.0]]) * MM, np.array([[9.0, 11.0, -4.0]]) * MM
+    upright = Stock.box((0, 0, -20 * MM), (15 * MM, 15 * MM, 0), 0.3 * MM)
+    tilted = upright.copy()
+    axis = np.array([[0.0, 0.0, 1.0]])
+    expected = upright.remove(start, end, tool).volume.sum()
+    assert tilted.remove_tilted(start, end, axis, axis, tool).sum() == pytest.approx(expected, rel=0.004)
