@@ -12,7 +12,7 @@ from gcodesim.cell.file_kinds import FileValue, PackageFolder
 from gcodesim.cell.files import InputFile
 from gcodesim.cell.kinds import ListOf, Whole
 from gcodesim.cell.machine import MachineKind, MachineTool
-from gcodesim.cell.material import MaterialForm
+from gcodesim.cell.material import MaterialKind
 from gcodesim.cell.placing import Place, names_of
 from gcodesim.cell.reading import Default, Path
 from gcodesim.cell.records import MapOf, Name, Record, inline, key
@@ -48,7 +48,7 @@ _FRAMES: Final = MapOf(
 )
 _ROBOTS: Final = MapOf(names_of("robot"), RobotKind(), "robots by name, such as `arm: {model: kuka_kr10_r1100_2}`")
 _TOOLS: Final = MapOf(TOOL_NUMBERS, ToolKind(), "tools by number, such as `1: {type: flat_end_mill, diameter: 10 mm}`")
-_MATERIALS: Final = MapOf(_ANY_NAME, Record(MaterialForm, "the material"), "materials by name")
+_MATERIALS: Final = MapOf(_ANY_NAME, MaterialKind(), "materials by name")
 _PACKAGES: Final = MapOf(_ANY_NAME, PackageFolder(), "folders by package name")
 _CHECKS: Final = MapOf(CODE_PATTERNS, SeverityKind(), "severities by code, such as `GS9xx: error`")
 _MAGAZINE: Final = Record(Magazine, "the magazine")

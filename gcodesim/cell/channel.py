@@ -15,12 +15,13 @@ from gcodesim.cell.placing import SYSTEM_NAMES, Place, system_name
 from gcodesim.cell.reading import FAULT, Fault, Path, Reading, suggestion
 from gcodesim.cell.records import MapOf, Name, Record, key, not_a_mapping
 from gcodesim.cell.scalars import measured
+from gcodesim.rs274.dialects import DIALECTS
+from gcodesim.rs274.settings import canonical_m_code
 
-DIALECTS: Final = ("linuxcnc", "rs274", "fanuc", "grbl", "marlin")
+PLANNED_DIALECTS: Final = ("rs274", "fanuc", "grbl", "marlin")
 DEFAULT_PATH_CONTROL: Final = "G64"
 
 _AXIS = re.compile(r"\s*([+-]?)\s*([XYZxyz])(?:\s+of\s+(\S+))?\s*")
-_M_CODE = re.compile(r"\s*[Mm]\s*0*([0-9]{1,3})\s*(?:[Pp]\s*([0-9.]+))?\s*(?:[Qq]\s*([0-9.]+))?\s*")
 _PATH_CONTROL = re.compile(r"\s*[Gg]\s*(61\.1|61|64)\s*(?:[Pp]\s*([0-9.]+))?\s*(?:[Qq]\s*([0-9.]+))?\s*")
 
 # what an M-code may do to what
@@ -104,6 +105,31 @@ class Orientation:
     spin: float | None = key(_Spin(), "angle about the tool axis, or `free`", default=None)
 
 
+@dataclass(frozen=True, slots=True)
+class _DialectKind(Kind):
+    """A dialect of the language reader; one that is only planned is a finding of its own."""
+
+    @property
+    def expected(self) -> str:
+        return f"one of {', '.join(f'`{name}`' for name in DIALECTS)}"
+
+    def read(self, node: Node, to: Reading, path: Path) -> str | Fault:
+        text = scalar(self, node, to, path)
+        if isinstance(text, Fault):
+            return FAULT
+        if text.text in DIALECTS:
+            return text.text
+        if text.text in PLANNED_DIALECTS:
+            message = f"the dialect `{text.text}` is not built yet"
+            return to.fault("GS730", text.span, message, f"there is {self.expected}")
+        known = list(dict.fromkeys([*DIALECTS, *PLANNED_DIALECTS]))
+        message = f"`{path[-1]}` cannot be `{short(text.text)}`"
+        return to.fault("GS711", text.span, message, suggestion(text.text, known))
+
+    def schema(self, definitions: dict[str, Json]) -> Json:
+        return {"enum": list(DIALECTS)}
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MCode:
     """What an M-code does: `verb` on `target`."""
@@ -157,22 +183,15 @@ class _ActionKind(Kind):
 
 def m_code(text: str) -> str | None:
     """`m62p1` → `M62 P1`; None when it is no M-code."""
-    match = _M_CODE.fullmatch(text)
-    if match is None:
+    try:
+        return canonical_m_code(text)
+    except ValueError:
         return None
-    words = [f"M{int(match[1])}"]
-    for letter, number in (("P", match[2]), ("Q", match[3])):
-        if number is not None:
-            value = measured(number)
-            if value is None:
-                return None
-            words.append(f"{letter}{value.value:g}")
-    return " ".join(words)
 
 
 M_CODES: Final = Name(
     what="M-code such as `M10` or `M62 P1`",
-    pattern=r"[Mm]\s*[0-9]{1,3}\s*([Pp]\s*[0-9.]+)?\s*([Qq]\s*[0-9.]+)?",
+    pattern=r"\s*[Mm]\s*[0-9]{1,3}(\s*[Pp]\s*[0-9]+(\.0*)?)?\s*",
     canonical=m_code,
 )
 
@@ -210,7 +229,7 @@ class Channel:
     """One program's surroundings. Lengths P and Q of `path_control` are in mm, as on the control."""
 
     robot: str | None = key(Text(form="the name of a robot, or `machine`"), "who runs the program", default=None)
-    dialect: str = key(Choice(DIALECTS), "which control's language", default="linuxcnc")
+    dialect: str = key(_DialectKind(), "which control's language", default="linuxcnc")
     work_offsets: Mapping[str, Place] = key(
         MapOf(SYSTEM_NAMES, Record(Place, "a work offset"), "work systems and where they are"),
         "where G54 to G59.3 are",

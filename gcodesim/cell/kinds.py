@@ -22,6 +22,7 @@ from gcodesim.cell.units import DIMENSIONS, Unit, find, in_unit, measures, names
 Json = dict[str, Any]
 
 _NUMBER_PATTERN = r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?"
+_UNIT_PATTERN = r"[^0-9.eE+\-\s].*"
 
 
 class Kind(ABC):
@@ -200,12 +201,11 @@ class Quantity(Kind):
 
     def schema(self, definitions: dict[str, Json]) -> Json:
         d = DIMENSIONS[self.dimension]
-        spellings = "|".join(re.escape(u) for u in names(self.dimension))
         name = self.dimension.replace(" ", "_")
         text = {
             "type": "string",
-            "pattern": f"^\\s*{_NUMBER_PATTERN}\\s*(.+)?$",
-            "description": f"{d} with its unit: {spellings.replace(chr(92), '')}",
+            "pattern": rf"^\s*{_NUMBER_PATTERN}\s*{f'({_UNIT_PATTERN})?' if d.plain else _UNIT_PATTERN}$",
+            "description": f"{d} with its unit: {', '.join(names(self.dimension))}",
             "examples": [d.example],
         }
         definitions.setdefault(name, {"anyOf": [{"type": "number"} if d.plain else {"const": 0}, text]})

@@ -20,6 +20,7 @@ from gcodesim.cell.units import shown
 from gcodesim.frames import Pose
 
 if TYPE_CHECKING:
+    from gcodesim.kinematics.cartesian import Axis as Part
     from gcodesim.kinematics.chain import Chain
 
 LINEAR: Final = ("X", "Y", "Z")
@@ -201,7 +202,7 @@ class MachineForm:
         ]
         if not all(within):
             return FAULT
-        return MachineTool(model=self.model, chain=chain, axes=axes, rapids=self.rapids, base=self.base)
+        return MachineTool(model=self.model, shipped=chain, axes=axes, rapids=self.rapids, base=self.base)
 
     def _home_path(self, letter: str, index: int, path: Path) -> Path:
         if self.home is None:
@@ -314,13 +315,15 @@ def _model_axes(
         form = forms.get(letter) or (RotaryAxis() if rotary else LinearAxis())
         travel = _bounds(form, letter, to, path)
         good &= not isinstance(travel, Fault)
+        joint = chain.joints[chain.driven[i]]
+        side: Side = "tool" if joint.child in on_tool_side else "table"
+        point = chain_point(chain, i) if rotary else None
+        good &= _agrees(form, letter, side, point, to, path)
         lower, upper = travel if isinstance(travel, tuple) else (float(joints.lower[i]), float(joints.upper[i]))
         start = form.home if form.home is not None else min(max(home[i], lower), upper)
         speed = form.speed or float(joints.speed[i])
         assumed = form.acceleration is None and bool(joints.assumed_acceleration[i])
         named = speed / SPIN_UP if assumed else float(joints.acceleration[i])
-        joint = chain.joints[chain.driven[i]]
-        point = chain_point(chain, i) if rotary else None
         axes.append(
             Axis(
                 letter=letter,
@@ -331,13 +334,32 @@ def _model_axes(
                 acceleration=form.acceleration or named,
                 assumed_acceleration=assumed,
                 home=start,
-                side="tool" if joint.child in on_tool_side else "table",
+                side=side,
                 at=point,
                 moving_mass=form.moving_mass,
                 effort=float(joints.effort[i]) if form.effort is None else form.effort,
             )
         )
     return tuple(axes) if good else FAULT
+
+
+def _agrees(
+    form: AxisForm, letter: str, side: Side, point: tuple[float, float, float] | None, to: Reading, path: Path
+) -> bool:
+    """Whether the cell leaves the build of a shipped machine as it is; limits may change, the chain may not."""
+    given = {"side": form.side, "at": form.at if isinstance(form, RotaryAxis) else None}
+    shipped_as = {"side": side, "at": point}
+    changed = [name for name, value in given.items() if value is not None and not _near(value, shipped_as[name])]
+    for name in changed:
+        message = f"`{name}` of axis {letter} belongs to the model and cannot be changed"
+        to.fault("GS719", to.span((*path, letter, name)), message, "describe a machine of your own by all its `axes`")
+    return not changed
+
+
+def _near(value: Any, other: Any) -> bool:
+    if isinstance(value, tuple) and isinstance(other, tuple):
+        return all(abs(a - b) < 1e-9 for a, b in zip(value, other, strict=True))
+    return bool(value == other)
 
 
 def _ancestors(chain: Chain, link: str) -> set[str]:
@@ -363,13 +385,13 @@ def chain_point(chain: Chain, driven: int) -> tuple[float, float, float]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MachineTool:
-    """A machine tool that stands in the cell. `chain` is that of the shipped `model`, None for one's own machine."""
+    """A machine tool that stands in the cell. `shipped` is what the URDF of its `model` says, None for one's own."""
 
     model: str | None
     axes: tuple[Axis, ...]
     rapids: Literal["linear", "independent"]
     base: Place
-    chain: Chain | None = field(compare=False, repr=False, default=None)
+    shipped: Chain | None = field(compare=False, repr=False, default=None)
     X_WM: Pose = field(default_factory=Pose.identity)
 
     @property
@@ -380,8 +402,45 @@ class MachineTool:
     def axis(self, letter: str) -> Axis | None:
         return next((axis for axis in self.axes if axis.letter == letter), None)
 
+    @property
+    def chain(self) -> Chain:
+        """The machine for the kinematics, with the limits that hold here; built anew on each call.
+
+        Importing the kinematics of machine tools loads the compiler, so reading a cell does not do it.
+        """
+        if self.shipped is None:
+            from gcodesim.kinematics import cartesian
+
+            return cartesian.chain_of_axes([_part(axis, cartesian.Axis) for axis in self.axes])
+        joints = list(self.shipped.joints)
+        for axis, index in zip(self.axes, self.shipped.driven, strict=True):
+            joints[index] = replace(
+                joints[index],
+                lower=axis.lower,
+                upper=axis.upper,
+                speed=axis.speed,
+                acceleration=None if axis.assumed_acceleration else axis.acceleration,
+                effort=axis.effort,
+            )
+        return replace(self.shipped, joints=tuple(joints))
+
     def at(self, X_WM: Pose) -> MachineTool:
         return replace(self, X_WM=X_WM)
+
+
+def _part(axis: Axis, part: type[Part]) -> Part:
+    """`axis` as the kinematics takes it."""
+    return part(
+        letter=axis.letter,
+        lower=axis.lower,
+        upper=axis.upper,
+        speed=axis.speed,
+        acceleration=None if axis.assumed_acceleration else axis.acceleration,
+        effort=axis.effort,
+        side=axis.side,
+        point=axis.at,
+        moving_mass=axis.moving_mass,
+    )
 
 
 _FORM: Final = Record(MachineForm, "the machine", "model")

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, Final
 
-from gcodesim.cell.kinds import NOT_NEGATIVE, POSITIVE, Quantity, Range, Text
+from gcodesim.cell.kinds import NOT_NEGATIVE, POSITIVE, Json, Kind, Quantity, Range, Text
+from gcodesim.cell.nodes import Node
 from gcodesim.cell.reading import Fault, Path, Reading
-from gcodesim.cell.records import key
+from gcodesim.cell.records import Record, key
 from gcodesim.processes.laws import DEFAULT_AXIAL_RATIO, DEFAULT_NORMAL_RATIO, Kienzle, LinearEdge
 from gcodesim.processes.materials import Material
 
@@ -82,3 +84,37 @@ class MaterialForm:
     def _material(self, law: Kienzle | LinearEdge, assumed: tuple[str, ...], path: Path) -> Material:
         name = str(path[-1])
         return Material(id=name, name=name, law=law, source=self.source or "own, without a source", assumed=assumed)
+
+
+_FORM: Final = Record(MaterialForm, "the material")
+
+
+@dataclass(frozen=True, slots=True)
+class MaterialKind(Kind):
+    """A material of one's own."""
+
+    @property
+    def expected(self) -> str:
+        return "a material such as `{kc11: 1700 N/mm^2, mc: 0.25}`"
+
+    def read(self, node: Node, to: Reading, path: Path) -> Any:
+        return _FORM.read(node, to, path)
+
+    def schema(self, definitions: dict[str, Json]) -> Json:
+        return _FORM.schema(definitions)
+
+    def show(self, value: Any) -> Any:
+        return _FORM.show(written_as(value))
+
+    def plain(self, value: Any) -> tuple[str, Any]:
+        return _FORM.plain(written_as(value))
+
+
+def written_as(material: Material) -> MaterialForm:
+    """The keys that give this material."""
+    law = material.law
+    if isinstance(law, Kienzle):
+        ratios = {"normal_ratio": law.kn11 / law.kc11, "axial_ratio": law.ka11 / law.kc11}
+        return MaterialForm(kc11=law.kc11, mc=law.mc, **ratios, source=material.source)
+    constants = {"Ktc": law.ktc, "Kte": law.kte, "Krc": law.krc, "Kre": law.kre, "Kac": law.kac, "Kae": law.kae}
+    return MaterialForm(**constants, source=material.source)

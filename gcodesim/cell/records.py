@@ -8,7 +8,7 @@ reads named ones, `inline` lays the keys of one class among those of another
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import MISSING, Field, dataclass, field, fields
+from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass
 from functools import cache
 from typing import Any, Final
 
@@ -168,13 +168,15 @@ class Record(Kind):
         return {"anyOf": [all_keys(self.cls)[self.shorthand].kind.schema(definitions), reference]}
 
     def show(self, value: Any) -> Any:
-        return {name: kind.show(entry) for name, kind, entry in written(value)}
+        shown = ((name, kind.show(entry)) for name, kind, entry in written(value))
+        return {name: entry for name, entry in shown if entry != {}}
 
     def plain(self, value: Any) -> tuple[str, Any]:
         shown: Json = {}
         for name, kind, entry in written(value):
             suffix, content = kind.plain(entry)
-            shown[name + suffix] = content
+            if content != {}:
+                shown[name + suffix] = content
         return "", shown
 
 
@@ -190,9 +192,20 @@ def _arguments(cls: type, values: dict[str, Any], what: str, to: Reading, path: 
             )
         else:
             arguments[declared.field] = declared.default
-            if declared.default is not None and not declared.quiet:
-                to.default((*path, name), declared.default, declared.why)
+            if not declared.quiet:
+                list_default(declared.default, declared.why, to, (*path, name))
     return arguments
+
+
+def list_default(value: Any, why: str, to: Reading, path: Path) -> None:
+    """Note a default that was taken; of a record, each of its own."""
+    cls: type[Any] = type(value)
+    if is_dataclass(cls) and keys(cls):
+        for name, declared in all_keys(cls).items():
+            if not declared.quiet:
+                list_default(declared.default, declared.why, to, (*path, name))
+    elif value is not None and value != () and value != "":
+        to.default(path, value, why)
 
 
 def _checked(value: Any, to: Reading, path: Path) -> Any:
@@ -201,7 +214,7 @@ def _checked(value: Any, to: Reading, path: Path) -> Any:
 
 
 def written(value: Any) -> Iterator[tuple[str, Kind, Any]]:
-    """Name, kind and content of all keys of a record that have something in them."""
+    """Name, kind and content of all keys of a record that say something: no empty ones, no quiet defaults."""
     for item in fields(value):
         declared: _Declared | None = item.metadata.get(_META)
         if declared is None:
@@ -211,6 +224,8 @@ def written(value: Any) -> Iterator[tuple[str, Kind, Any]]:
             if content is not None:
                 yield from written(content)
         elif declared.kind is not None and content is not None and content != {} and content != ():
+            if declared.quiet and content == _default(item):
+                continue
             yield declared.name or item.name, declared.kind, content
 
 

@@ -9,7 +9,7 @@ from gcodesim.cell.cell import FORMAT, MACHINE, MAIN, Cell
 from gcodesim.cell.channel import Channel
 from gcodesim.cell.placing import SYSTEMS, FrameTree, Place, unknown_frame
 from gcodesim.cell.reading import Path, Reading, suggestion
-from gcodesim.cell.records import keys
+from gcodesim.cell.records import keys, list_default
 from gcodesim.cell.settings import matches, with_step
 from gcodesim.diagnostics import Diagnostic, Severity, Span, codes
 
@@ -74,9 +74,7 @@ def _with_channels(cell: Cell, to: Reading) -> Cell:
 
 
 def _channel_by_default(to: Reading) -> Channel:
-    for name, declared in keys(Channel).items():
-        if not declared.quiet and declared.default is not None:
-            to.default((name,), declared.default, declared.why)
+    list_default(Channel(), "", to, ())
     return Channel()
 
 

@@ -429,7 +429,8 @@ class StockKind(Kind):
         return {"anyOf": [one, many]}
 
     def show(self, value: Any) -> Any:
-        return {name: _STOCK.show(stock) for name, stock in value.items()}
+        shown = {name: _STOCK.show(stock) for name, stock in value.items()}
+        return shown["stock"] if list(shown) == ["stock"] else shown
 
     def plain(self, value: Any) -> tuple[str, Any]:
         return "", {name: _STOCK.plain(stock)[1] for name, stock in value.items()}

@@ -184,6 +184,6 @@ def _possible(tool: Tool, given: dict[str, Any], to: Reading, path: Path) -> Too
         to.fault("GS720", to.span(at), f"tool {tool.number} is impossible: {message}", hint)
     for p in parameters(type(tool)):
         value = getattr(tool, p.name)
-        if p.name not in given and value is not None:
+        if p.name not in given and value is not None and p.dimension != "text":
             to.default((*path, p.name), value, p.rule)
     return FAULT if problems else tool

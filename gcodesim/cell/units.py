@@ -193,7 +193,12 @@ def nearest(text: str, dimension: str) -> str | None:
 
 def in_unit(value: float, unit: Unit) -> float:
     """An SI value in `unit`, without the last-digit noise of the division."""
-    return float(f"{value / unit.factor:.12g}")
+    return float(f"{value / unit.factor:.12g}") + 0.0
+
+
+def table() -> dict[str, dict[str, tuple[str, ...]]]:
+    """All units: dimension → unit → its other spellings."""
+    return {d: {u.name: u.aliases for u in UNITS if u.dimension == d} for d in DIMENSIONS}
 
 
 def shown(value: float, dimension: str) -> str:

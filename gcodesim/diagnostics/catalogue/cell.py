@@ -278,6 +278,17 @@ CODES += (
     ),
 )
 
+CODES += (
+    Code(
+        code="GS730",
+        severity=Severity.ERROR,
+        title="Not built yet",
+        what="The cell asks for something that is planned, but that this version does not have.",
+        why="A run without it would be another run.",
+        remedy="Take one of the alternatives that the message names, or a later version.",
+    ),
+)
+
 # robot descriptions (URDF)
 CODES += (
     Code(

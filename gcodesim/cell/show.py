@@ -1,0 +1,103 @@
+"""A cell as it was understood: every value with its unit, defaults marked, places resolved."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from typing import Any, Final
+
+import numpy as np
+
+from gcodesim.cell.cell import MAIN, Cell
+from gcodesim.cell.kinds import Json
+from gcodesim.cell.loader import ROOT
+from gcodesim.cell.placement import Placement, place
+from gcodesim.cell.placing import SYSTEMS
+from gcodesim.cell.reading import Path, dotted
+from gcodesim.frames import Pose
+from gcodesim.units import MM
+
+SCHEMA: Final = "gcodesim-cell/1"
+_DEFAULT: Final = "default"
+# a sign that means something in YAML, but not the minus of a number
+_NEEDS_QUOTES: Final = re.compile(r"[\[\]{}#&*!|>'\"%@`]|-(?![0-9.])")
+
+
+def cell_as_text(cell: Cell) -> str:
+    """The cell as YAML with every default written out and marked; what follows from it stands below as comments."""
+    marks = {default.path: f"{_DEFAULT}: {default.why}" if default.why else _DEFAULT for default in cell.defaults_used}
+    lines = [f"# {cell.name} as gcodesim understands it; what is marked {_DEFAULT} is not written there"]
+    _tree(ROOT.show(_as_written(cell)), (), "", marks, lines)
+    placement = place(cell, next(iter(cell.channels)))
+    lines += ["", "# where things stand: x, y, z [mm]; quaternion x, y, z, w"]
+    lines += [f"#   {name} in {parent}: {_pose_text(X)}" for name, parent, X in _poses(cell, placement)]
+    lines += [f"# {finding.level.word} {finding.code}: {finding.message}" for finding in placement.findings]
+    return "\n".join(lines) + "\n"
+
+
+def cell_as_json(cell: Cell) -> Json:
+    """The same for programs: units in the names, defaults by path, places resolved."""
+    placement = place(cell, next(iter(cell.channels)))
+    poses = _poses(cell, placement)
+    return {
+        "schema": SCHEMA,
+        "name": cell.name,
+        "cell": ROOT.plain(_as_written(cell))[1],
+        "defaults": [{"path": dotted(default.path), "why": default.why} for default in cell.defaults_used],
+        "places": {
+            name: {"in": parent, "xyz_mm": _mm(X), "quaternion_xyzw": _rounded(X.q)} for name, parent, X in poses
+        },
+    }
+
+
+def _as_written(cell: Cell) -> Cell:
+    """The keys of a single channel stand at top level, as in the file."""
+    if ("channels",) in cell.spans:
+        return cell
+    return replace(cell, only_channel=cell.channels[MAIN], channels={})
+
+
+def _poses(cell: Cell, placement: Placement) -> list[tuple[str, str, Pose]]:
+    rows = [(name, "world", X) for name, X in cell.frames.items() if name != "world"]
+    systems = placement.given or ((1,) if placement.automatic else ())
+    zero = "machine" if cell.machine else "base"
+    rows += [(SYSTEMS[index - 1], zero, placement.work_offsets[index]) for index in systems]
+    rows += [(f"stock {name}", "world", X) for name, X in placement.stocks.items()]
+    rows += [(f"fixture {name}", "world", X) for name, X in placement.fixtures.items()]
+    return rows + ([("target", "world", placement.target)] if placement.target is not None else [])
+
+
+def _tree(value: Json, path: Path, indent: str, marks: dict[Path, str], lines: list[str]) -> None:
+    for name, content in value.items():
+        at = (*path, name)
+        mark = f"  # {marks[at]}" if at in marks else ""
+        if isinstance(content, dict) and content:
+            lines.append(f"{indent}{name}:{mark}")
+            _tree(content, at, indent + "  ", marks, lines)
+        else:
+            lines.append(f"{indent}{name}: {_inline(content)}{mark}")
+
+
+def _inline(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(_inline(entry) for entry in value)}]"
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{name}: {_inline(entry)}" for name, entry in value.items()) + "}"
+    text = str(value)
+    return f'"{text}"' if text == "" or ": " in text or _NEEDS_QUOTES.match(text) else text
+
+
+def _rounded(values: Any) -> list[float]:
+    return [float(v) + 0.0 for v in np.round(np.asarray(values, dtype=float), 12)]
+
+
+def _mm(X: Pose) -> list[float]:
+    return [float(v) + 0.0 for v in np.round(X.p / MM, 9)]
+
+
+def _pose_text(X: Pose) -> str:
+    turned = not np.allclose(X.R, np.eye(3), atol=1e-12)
+    turn = f"; {', '.join(f'{v:.9g}' for v in _rounded(X.q))}" if turned else ""
+    return f"{', '.join(f'{v:.9g}' for v in _mm(X))}{turn}"
