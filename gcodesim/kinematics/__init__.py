@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from gcodesim.kinematics.dynamics import inverse_dynamics
     from gcodesim.kinematics.elasticity import compliance, shift_jacobian
     from gcodesim.kinematics.models import MODELS, Model, model_path
+    from gcodesim.kinematics.parallel_axes import ParallelAxes
     from gcodesim.kinematics.protocol import Kinematics, Reason, Status
     from gcodesim.kinematics.serial import SerialArm
     from gcodesim.kinematics.spherical_wrist import SphericalWrist
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 KINEMATICS = Family(
     "kinematics",
     cartesian="gcodesim.kinematics.cartesian:Cartesian",
+    parallel_axes="gcodesim.kinematics.parallel_axes:ParallelAxes",
     spherical_wrist="gcodesim.kinematics.spherical_wrist:SphericalWrist",
     serial="gcodesim.kinematics.serial:SerialArm",
 )
@@ -42,6 +44,7 @@ _PLACES = {
     "LinkShape": "chain",
     "MODELS": "models",
     "Model": "models",
+    "ParallelAxes": "parallel_axes",
     "Reason": "protocol",
     "SerialArm": "serial",
     "Shape": "chain",
@@ -76,6 +79,7 @@ __all__ = [
     "Link",
     "LinkShape",
     "Model",
+    "ParallelAxes",
     "Reason",
     "SerialArm",
     "Shape",

@@ -180,6 +180,17 @@ class Cartesian(Machine):
             q[row] = q[row - 1] if row else seed
         return q, status
 
+    def inverse_free_spin(self, X_BT: Array, X_FT: Array, seed: Array) -> tuple[Array, Statuses]:
+        """As `inverse`, for poses (n, 4, 4) of a tip at `X_FT` (4, 4) whose turn about its own Z is left open."""
+        X = poses(X_BT)
+        if self._rotary_head:
+            return SerialArm(chain=self.chain).inverse_free_spin(X, X_FT, seed)
+        head = self.forward(seed)[0] @ X_FT
+        turned = X.copy()
+        agrees = np.abs(X[:, :3, 2] - head[:3, 2]).max(axis=1) < _REACHED
+        turned[agrees, :3, :3] = head[:3, :3]
+        return self.inverse(turned @ np.linalg.inv(X_FT), seed)
+
     def branches(self, X_BF: Array) -> Array:
         """The joint vectors (b, j) of one pose (4, 4): one, or none when the head cannot turn so."""
         if self._rotary_head:

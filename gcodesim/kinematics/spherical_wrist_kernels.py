@@ -1,9 +1,7 @@
 """Closed-form inverse kinematics of six-axis arms with a spherical wrist, compiled.
 
-`SphericalWrist` packs the geometry. In the plane frame P, Z is along axis 1 and
-Y along axis 2, so a turn by an angle about Y multiplies the complex number
-z + i x by exp(i angle). The method is Pieper's (1968): the wrist centre gives
-joints 1 to 3, the rotation that is left gives joints 4 to 6.
+The method is Pieper's (1968): the wrist centre gives joints 1 to 3, the rotation
+that is left gives joints 4 to 6. Packing of `arm` and frames: `plane_kernels`.
 """
 
 from __future__ import annotations
@@ -16,17 +14,28 @@ from gcodesim.compiled import kernel
 from gcodesim.frames import Array
 from gcodesim.kinematics.chain import Indices
 from gcodesim.kinematics.path_kernels import OK, SINGULAR, choose
+from gcodesim.kinematics.plane_kernels import (
+    ELBOW,
+    EXISTS,
+    LOCK,
+    NEAR,
+    REACH_SLACK,
+    SHOULDER,
+    WRIST,
+    bend_of_elbow,
+    centre_in_plane,
+    elbow_is_straight,
+    rotate_three,
+    shoulder_angle,
+    turn_back,
+)
 from gcodesim.kinematics.protocol import Statuses
-
-REACH_SLACK = 1e-9  # [m] beyond the reach that still counts as stretched out: rounding, not distance
-NEAR = 1e-6  # [rad] of wrist and elbow, [m] of the shoulder from singular: joint speeds are unbounded in practice
-LOCK = 1e-10  # [rad], [m] from singular: the free joint keeps its last value, the pose errs by no more than this
-EXISTS, SHOULDER, ELBOW, WRIST = 1, 2, 4, 8
 
 
 @kernel
 def solve(
     X: Array,
+    free: int,
     arm: Array,
     R_PB: Array,
     R_EP: Array,
@@ -38,72 +47,42 @@ def solve(
 ) -> None:
     """All eight joint vectors `out` (8, 6) of the flange pose X (4, 4); branch = 4 backward + 2 elbow + wrist.
 
-    `arm`: origin of P in B (0..2), wrist centre in F (3..5), x of joint 2 in P (6),
-    lateral offset of the wrist centre (7), vectors z, x from joint 2 to 3 (8, 9)
-    and from joint 3 to the wrist centre (10, 11), sign of axis 3 along axis 2
-    (12), angle of axis 6 from axis 4 about axis 5 (13). E has Z along axis 4 and Y
-    along axis 5 at zero. `flags` (8,): 0 where the branch does not exist, else
-    EXISTS and what is singular. `room` (3, 3, 3) is space to work in.
+    E has Z along axis 4 and Y along axis 5 at zero; R_FE contains the angle of
+    axis 6 from axis 4. `flags` (8,): 0 where the branch does not exist. With
+    `free` = 1 the turn about axis 6 is left open and joint 6 stays where it was.
+    `room` (3, 3, 3) is space to work in.
     """
-    x2, lateral = arm[6], arm[7]
-    z_a, x_a, z_b, x_b = arm[8], arm[9], arm[10], arm[11]
-    length_a, length_b = math.hypot(z_a, x_a), math.hypot(z_b, x_b)
-    angle_a, angle_b = math.atan2(x_a, z_a), math.atan2(x_b, z_b)
     wrist, turned, left = room[0], room[1], room[2]
     flags[:] = 0
-
-    cx = X[0, 0] * arm[3] + X[0, 1] * arm[4] + X[0, 2] * arm[5] + X[0, 3] - arm[0]
-    cy = X[1, 0] * arm[3] + X[1, 1] * arm[4] + X[1, 2] * arm[5] + X[1, 3] - arm[1]
-    cz = X[2, 0] * arm[3] + X[2, 1] * arm[4] + X[2, 2] * arm[5] + X[2, 3] - arm[2]
-    wx = R_PB[0, 0] * cx + R_PB[0, 1] * cy + R_PB[0, 2] * cz
-    wy = R_PB[1, 0] * cx + R_PB[1, 1] * cy + R_PB[1, 2] * cz
-    wz = R_PB[2, 0] * cx + R_PB[2, 1] * cy + R_PB[2, 2] * cz
-    radius = math.sqrt(wx * wx + wy * wy)
+    wx, wy, wz = centre_in_plane(X, arm, R_PB)
+    radius, lateral = math.sqrt(wx * wx + wy * wy), arm[7]
     if radius < abs(lateral) - REACH_SLACK:
         return
     forward = math.sqrt(max(0.0, (radius - lateral) * (radius + lateral)))
-
-    # the wrist's axes in P, before joints 1 to 3 are taken away: R_PB R_BF R_FE
-    for r in range(3):
-        for k in range(3):
-            left[r, k] = R_PB[r, 0] * X[0, k] + R_PB[r, 1] * X[1, k] + R_PB[r, 2] * X[2, k]
-    for r in range(3):
-        for k in range(3):
-            wrist[r, k] = left[r, 0] * R_FE[0, k] + left[r, 1] * R_FE[1, k] + left[r, 2] * R_FE[2, k]
-
+    rotate_three(R_PB, X, R_FE, left, wrist)
     for shoulder in range(2):
         reach = forward if shoulder == 0 else -forward
         q1 = math.atan2(wy, wx) - math.atan2(lateral, reach)
         if radius < LOCK:
             q1 = previous[0]  # the wrist centre is on axis 1 and any heading does
-        dx, dz = reach - x2, wz
-        square = dx * dx + dz * dz
-        distance = math.sqrt(square)
-        if distance > length_a + length_b + REACH_SLACK or distance < abs(length_a - length_b) - REACH_SLACK:
+        dx, dz = reach - arm[6], wz
+        bend = bend_of_elbow(dz, dx, arm[17], arm[18])
+        if bend < 0.0:
             continue
-        cosine = (square - length_a * length_a - length_b * length_b) / (2.0 * length_a * length_b)
-        bend = math.acos(min(1.0, max(-1.0, cosine)))
         flag = EXISTS
         if forward < NEAR:
             flag |= SHOULDER
-        if bend < NEAR or math.pi - bend < NEAR:
+        if elbow_is_straight(bend):
             flag |= ELBOW
-        c1, s1 = math.cos(q1), math.sin(q1)
-        for k in range(3):
-            turned[0, k] = c1 * wrist[0, k] + s1 * wrist[1, k]
-            turned[1, k] = c1 * wrist[1, k] - s1 * wrist[0, k]
-            turned[2, k] = wrist[2, k]
+        turn_back(wrist, q1, turned)
         for elbow in range(2):
-            turn3 = (bend if elbow == 0 else -bend) - angle_b + angle_a
-            # the triangle as complex numbers: d = exp(i q2) (a + exp(i turn3) b)
-            ct, st = math.cos(turn3), math.sin(turn3)
-            ez, ex = z_a + ct * z_b - st * x_b, x_a + ct * x_b + st * z_b
-            q2 = math.atan2(dx * ez - dz * ex, dz * ez + dx * ex)
-            cp, sp = math.cos(q2 + turn3), math.sin(q2 + turn3)
+            turn3 = (bend if elbow == 0 else -bend) + arm[19]
+            q2 = shoulder_angle(dz, dx, turn3, arm)
+            c, s = math.cos(q2 + turn3), math.sin(q2 + turn3)
             for k in range(3):
-                n0 = cp * turned[0, k] - sp * turned[2, k]
+                n0 = c * turned[0, k] - s * turned[2, k]
                 n1 = turned[1, k]
-                n2 = sp * turned[0, k] + cp * turned[2, k]
+                n2 = s * turned[0, k] + c * turned[2, k]
                 left[0, k] = R_EP[0, 0] * n0 + R_EP[0, 1] * n1 + R_EP[0, 2] * n2
                 left[1, k] = R_EP[1, 0] * n0 + R_EP[1, 1] * n1 + R_EP[1, 2] * n2
                 left[2, k] = R_EP[2, 0] * n0 + R_EP[2, 1] * n1 + R_EP[2, 2] * n2
@@ -122,7 +101,7 @@ def solve(
             for flipped in range(2):
                 row = out[b + flipped]
                 row[0], row[1], row[2] = q1, q2, arm[12] * turn3
-                row[3], row[4], row[5] = q4, bent - arm[13], q6
+                row[3], row[4], row[5] = q4, bent - arm[13], previous[5] if free == 1 else q6
                 flags[b + flipped] = flag | WRIST if sine < NEAR else flag
                 if sine >= LOCK:
                     q4 += math.pi
@@ -133,6 +112,7 @@ def solve(
 @kernel
 def inverse_path(
     X: Array,
+    free: int,
     seed: Array,
     arm: Array,
     R_PB: Array,
@@ -151,7 +131,7 @@ def inverse_path(
     previous = seed.copy()
     branch = -1
     for k in range(X.shape[0]):
-        solve(X[k], arm, R_PB, R_EP, R_FE, previous, room, candidates, flags)
+        solve(X[k], free, arm, R_PB, R_EP, R_FE, previous, room, candidates, flags)
         branch, state = choose(candidates, flags, previous, lower, upper, revolute, branch, out[k])
         if state == OK and flags[branch] != EXISTS:
             state = SINGULAR

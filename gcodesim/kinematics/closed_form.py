@@ -1,0 +1,194 @@
+"""What the closed forms of six-axis arms share: geometry in the plane of the arm, path, branches, reasons."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar, Protocol
+
+import numpy as np
+
+from gcodesim.frames import Array, rotation_about
+from gcodesim.kinematics.chain import Chain, Indices
+from gcodesim.kinematics.machine import Machine, poses
+from gcodesim.kinematics.path_kernels import JUMP
+from gcodesim.kinematics.plane_kernels import NEAR
+from gcodesim.kinematics.protocol import Reason, Status, Statuses
+from gcodesim.kinematics.reasons import jump_reason, limit_reason
+from gcodesim.kinematics.serial import SerialArm
+
+SQUARE = 1e-9  # [-] and [m]: how exactly axes have to be square, parallel and through one point
+
+
+class Solve(Protocol):
+    """Signature of a `solve` kernel."""
+
+    def __call__(
+        self,
+        X: Array,
+        free: int,
+        arm: Array,
+        R_PB: Array,
+        R_EP: Array,
+        R_FE: Array,
+        previous: Array,
+        room: Array,
+        out: Array,
+        flags: Indices,
+        /,
+    ) -> None: ...
+
+
+class InversePath(Protocol):
+    """Signature of an `inverse_path` kernel."""
+
+    def __call__(
+        self,
+        X: Array,
+        free: int,
+        seed: Array,
+        arm: Array,
+        R_PB: Array,
+        R_EP: Array,
+        R_FE: Array,
+        lower: Array,
+        upper: Array,
+        out: Array,
+        status: Statuses,
+        /,
+    ) -> None: ...
+
+
+def six_in_a_row(chain: Chain) -> bool:
+    """Six driven revolute joints, each on the one before, and the flange on the last."""
+    tree = chain.tree
+    return list(tree.parent) == [-1, 0, 1, 2, 3, 4] and not tree.prismatic.any() and bool(tree.path.all())
+
+
+def angle_about(axis: Array, start: Array, end: Array) -> float:
+    """Angle [rad] from `start` to `end`, unit vectors square to `axis`, right-handed about it."""
+    return math.atan2(float(axis @ np.cross(start, end)), float(start @ end))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ClosedForm(Machine):
+    """A six-axis arm with eight closed-form branches; `arm` and the rotations are packed as in `plane_kernels`."""
+
+    arm: Array
+    R_PB: Array
+    R_EP: Array
+    R_FE: Array
+    solve: ClassVar[Solve]
+    path: ClassVar[InversePath]
+    centre_name: ClassVar[str]
+    wrist_name: ClassVar[str]
+
+    @staticmethod
+    def packed(
+        o: Array, u: Array, X_BF: Array, centre: Array, joints: Array, first: Array
+    ) -> tuple[Array, Array, Array, Array] | None:
+        """`arm`, R_PB, R_EP, R_FE, or None when two joints of the plane coincide.
+
+        `o`, `u` (6, 3) are points and directions of the axes at zero, `joints`
+        (k, 3) the points in the plane of the arm after joint 2, `first` (3,) the
+        axis about which the rotation that is left turns first.
+        """
+        R_PB = np.array([np.cross(u[1], u[0]), u[1], u[0]])
+        origin = o[0] + u[0] * (u[0] @ (o[1] - o[0]))
+        steps = [R_PB @ (b - a) for a, b in zip([o[1], *joints[:-1]], joints, strict=True)]
+        if min(math.hypot(v[0], v[2]) for v in steps[:2]) < SQUARE:
+            return None
+        R_BE = np.array([np.cross(u[4], first), u[4], first]).T
+        zero = angle_about(u[4], first, u[5])
+        p_FC = X_BF[:3, :3].T @ (centre - X_BF[:3, 3])
+        x2, lateral = R_PB[0] @ (o[1] - origin), R_PB[1] @ (centre - origin)
+        a, b, c = [*steps, np.zeros(3)][:3]
+        signs = np.sign(u[1] @ u[2]), np.sign(u[1] @ u[3])
+        arm = [*origin, *p_FC, x2, lateral, a[2], a[0], b[2], b[0], signs[0], zero, c[2], c[0], signs[1]]
+        arm += [math.hypot(a[2], a[0]), math.hypot(b[2], b[0]), math.atan2(a[0], a[2]) - math.atan2(b[0], b[2])]
+        R_FE = X_BF[:3, :3].T @ rotation_about(u[4], zero) @ R_BE
+        return np.array(arm), R_PB, np.ascontiguousarray(R_BE.T @ R_PB.T), np.ascontiguousarray(R_FE)
+
+    @property
+    def reach(self) -> float:
+        """Greatest length [m] of the two long links together, from joint 2."""
+        return float(self.arm[17] + self.arm[18])
+
+    def centre(self, X_BF: Array) -> Array:
+        """The point (n, 3) in B where the last axes meet, of flange poses (n, 4, 4)."""
+        X = poses(X_BF)
+        found: Array = X[:, :3, 3] + X[:, :3, :3] @ self.arm[3:6]
+        return found
+
+    def inverse(self, X_BF: Array, seed: Array) -> tuple[Array, Statuses]:
+        """Joints (n, 6) and status (n,) along flange poses (n, 4, 4), continuous from `seed` (6,) on."""
+        return self._path(poses(X_BF), 0, seed)
+
+    def inverse_free_spin(self, X_BT: Array, X_FT: Array, seed: Array) -> tuple[Array, Statuses]:
+        """As `inverse`, for poses (n, 4, 4) of a tip at `X_FT` (4, 4) whose turn about its own Z is left open.
+
+        Where that Z lies on axis 6, joint 6 simply stays where it was; other
+        tools are solved numerically.
+        """
+        u6 = self.chain.tree.flange_offset[:3, :3].T @ self.chain.tree.axis[5]
+        off = np.cross(X_FT[:3, 3] - self.arm[3:6], u6)
+        if np.linalg.norm(off) < SQUARE and np.linalg.norm(np.cross(X_FT[:3, 2], u6)) < SQUARE:
+            return self._path(poses(poses(X_BT) @ np.linalg.inv(X_FT)), 1, seed)
+        return SerialArm(chain=self.chain).inverse_free_spin(X_BT, X_FT, seed)
+
+    def _path(self, X: Array, free: int, seed: Array) -> tuple[Array, Statuses]:
+        q, status = np.empty((len(X), 6)), np.empty(len(X), dtype=np.uint8)
+        start = np.array(seed, dtype=np.float64)
+        limits = self.joints.lower, self.joints.upper
+        type(self).path(X, free, start, self.arm, self.R_PB, self.R_EP, self.R_FE, *limits, q, status)
+        return q, status
+
+    def branches(self, X_BF: Array) -> Array:
+        """The joint vectors (b, 6) of one pose (4, 4) in branch order, angles within ±π; missing branches drop out."""
+        out, flags = np.empty((8, 6)), np.zeros(8, dtype=np.int64)
+        room = np.empty((3, 3, 3))
+        type(self).solve(poses(X_BF)[0], 0, self.arm, self.R_PB, self.R_EP, self.R_FE, np.zeros(6), room, out, flags)
+        found: Array = out[flags > 0]
+        return found - 2.0 * np.pi * np.rint(found / (2.0 * np.pi))
+
+    def reason(self, X_BF: Array, previous: Array, status: int) -> Reason:
+        """The facts behind a status: distances from joint 2 and axis 1, the joint over its limit, the singular axes."""
+        q = self.inverse(X_BF, previous)[0][0]
+        if status == Status.REACH:
+            return self._out_of_reach(X_BF)
+        if status == Status.LIMIT:
+            return limit_reason(self.joints, q)
+        if status == Status.FLIP:
+            return jump_reason(self.joints, q, previous, JUMP)
+        return self._singular(q)
+
+    def _elbow_ends(self, X_BF: Array) -> list[tuple[float, float]]:
+        """Vectors z, x [m] in the plane of the arm that the two long links would have to span, one a branch."""
+        raise NotImplementedError
+
+    def _out_of_reach(self, X_BF: Array) -> Reason:
+        arm = self.arm
+        w = self.R_PB @ (self.centre(X_BF)[0] - arm[:3])
+        radius, lateral = math.hypot(w[0], w[1]), abs(arm[7])
+        if radius < lateral:
+            what = f"{self.centre_name} distance from axis 1"
+            return Reason(status=Status.REACH, what=what, value=radius, limit=lateral, unit="m")
+        distances = [math.hypot(*end) for end in self._elbow_ends(X_BF)]
+        least = abs(float(arm[17] - arm[18]))
+        value, limit = (max(distances), least) if max(distances) < least else (min(distances), self.reach)
+        what = f"{self.centre_name} distance from joint 2"
+        return Reason(status=Status.REACH, what=what, value=value, limit=limit, unit="m")
+
+    def _singular(self, q: Array) -> Reason:
+        """The smallest of the three distances from singular."""
+        arm = self.arm
+        w = self.R_PB @ (self.centre(self.forward(q))[0] - arm[:3])
+        forward = math.sqrt(max(0.0, w[0] ** 2 + w[1] ** 2 - arm[7] ** 2))
+        bend = arm[12] * q[2] - arm[19]
+        found = [
+            (abs(math.sin(q[4] + arm[13])), self.wrist_name, "rad", 4),
+            (abs(math.sin(bend)), "angle of the elbow from straight", "rad", 2),
+            (forward, f"{self.centre_name} distance from above axis 1", "m", 0),
+        ]
+        value, what, unit, joint = min(found, key=lambda f: f[0])
+        return Reason(status=Status.SINGULAR, what=what, value=value, limit=NEAR, unit=unit, joint=joint)

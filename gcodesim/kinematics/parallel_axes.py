@@ -1,0 +1,63 @@
+"""Six-axis arms whose axes 2, 3 and 4 are parallel (Universal Robots and their kind): closed form, eight branches."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from gcodesim.frames import Array
+from gcodesim.kinematics import parallel_axes_kernels as kernels
+from gcodesim.kinematics.chain import Chain
+from gcodesim.kinematics.closed_form import SQUARE, ClosedForm, InversePath, Solve, six_in_a_row
+from gcodesim.kinematics.zero_axes import intersection, zero_axes
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ParallelAxes(ClosedForm):
+    """An arm whose axes 2, 3, 4 are parallel and square to axes 1 and 5, and whose axes 5 and 6 meet squarely.
+
+    Branch number = 4 (axes 5 and 6 meet behind axis 1) + 2 (elbow the other way)
+    + 1 (wrist turned over).
+    """
+
+    solve: ClassVar[Solve] = staticmethod(kernels.solve)
+    path: ClassVar[InversePath] = staticmethod(kernels.inverse_path)
+    centre_name: ClassVar[str] = "crossing of axes 5 and 6:"
+    wrist_name: ClassVar[str] = "angle between axes 2 and 6"
+
+    @staticmethod
+    def of(chain: Chain) -> ParallelAxes | None:
+        """The closed form of `chain`, or None when its geometry is another one."""
+        if not six_in_a_row(chain):
+            return None
+        o, u, X_BF = zero_axes(chain)
+        centre = intersection(o[4:], u[4:], SQUARE)
+        square = (u[0] @ u[1], u[3] @ u[4], u[4] @ u[5])
+        skew = max(float(np.linalg.norm(np.cross(u[1], u[i]))) for i in (2, 3))
+        if centre is None or max(map(abs, square)) > SQUARE or skew > SQUARE:
+            return None
+        packed = ClosedForm.packed(o, u, X_BF, centre, np.array([o[2], o[3], centre]), u[1])
+        if packed is None:
+            return None
+        arm, R_PB, R_EP, R_FE = packed
+        return ParallelAxes(chain=chain, arm=arm, R_PB=R_PB, R_EP=R_EP, R_FE=R_FE)
+
+    def _elbow_ends(self, X_BF: Array) -> list[tuple[float, float]]:
+        arm, X = self.arm, np.reshape(X_BF, (4, 4))
+        w = self.R_PB @ (self.centre(X)[0] - arm[:3])
+        forward = math.sqrt(max(0.0, w[0] ** 2 + w[1] ** 2 - arm[7] ** 2))
+        ends = []
+        for reach in (forward, -forward):
+            q1 = math.atan2(w[1], w[0]) - math.atan2(arm[7], reach)
+            c, s = math.cos(q1), math.sin(q1)
+            left = self.R_EP @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]]) @ self.R_PB @ X[:3, :3] @ self.R_FE
+            turn = math.atan2(left[1, 2], left[0, 2])
+            for angle in (turn, turn + math.pi):
+                rest = complex(w[2], reach - arm[6]) - complex(arm[14], arm[15]) * complex(
+                    math.cos(angle), math.sin(angle)
+                )
+                ends.append((rest.real, rest.imag))
+        return ends

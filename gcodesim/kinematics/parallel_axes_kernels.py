@@ -1,0 +1,141 @@
+"""Closed-form inverse kinematics of six-axis arms whose axes 2, 3, 4 are parallel, compiled.
+
+The point where axes 5 and 6 meet gives joint 1, the rotation that is left gives
+the turn of links 2 to 4 together, joints 5 and 6, and a triangle joints 2 and 3
+(Hawkins 2013 for the Universal Robots arms). Packing of `arm`: `plane_kernels`.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from gcodesim.compiled import kernel
+from gcodesim.frames import Array
+from gcodesim.kinematics.chain import Indices
+from gcodesim.kinematics.path_kernels import OK, SINGULAR, choose
+from gcodesim.kinematics.plane_kernels import (
+    ELBOW,
+    EXISTS,
+    LOCK,
+    NEAR,
+    REACH_SLACK,
+    SHOULDER,
+    WRIST,
+    bend_of_elbow,
+    centre_in_plane,
+    elbow_is_straight,
+    rotate_three,
+    shoulder_angle,
+    turn_back,
+)
+from gcodesim.kinematics.protocol import Statuses
+
+
+@kernel
+def solve(
+    X: Array,
+    free: int,
+    arm: Array,
+    R_PB: Array,
+    R_EP: Array,
+    R_FE: Array,
+    previous: Array,
+    room: Array,
+    out: Array,
+    flags: Indices,
+) -> None:
+    """All eight joint vectors `out` (8, 6) of the flange pose X (4, 4); branch = 4 backward + 2 elbow + wrist.
+
+    E has Z along axis 2 and Y along axis 5 at zero; R_FE contains the angle of
+    axis 6 from axis 2. `flags`, `free` and `room` as for the spherical wrist.
+    """
+    wrist, turned, left = room[0], room[1], room[2]
+    flags[:] = 0
+    wx, wy, wz = centre_in_plane(X, arm, R_PB)
+    radius, lateral = math.sqrt(wx * wx + wy * wy), arm[7]
+    if radius < abs(lateral) - REACH_SLACK:
+        return
+    forward = math.sqrt(max(0.0, (radius - lateral) * (radius + lateral)))
+    rotate_three(R_PB, X, R_FE, left, wrist)
+    for shoulder in range(2):
+        reach = forward if shoulder == 0 else -forward
+        q1 = math.atan2(wy, wx) - math.atan2(lateral, reach)
+        if radius < LOCK:
+            q1 = previous[0]
+        turn_back(wrist, q1, turned)
+        for r in range(3):
+            for k in range(3):
+                left[r, k] = R_EP[r, 0] * turned[0, k] + R_EP[r, 1] * turned[1, k] + R_EP[r, 2] * turned[2, k]
+        # left = Rz(turn) Ry(bent) Rz(q6), turn being that of joints 2 to 4 together
+        sine = math.sqrt(left[2, 0] * left[2, 0] + left[2, 1] * left[2, 1])
+        if sine < LOCK:
+            q6 = previous[5]  # axis 6 is parallel to axes 2 to 4; those do the rest
+            c6, s6 = math.cos(q6), math.sin(q6)
+        else:
+            c6, s6 = -left[2, 0] / sine, left[2, 1] / sine
+            q6 = math.atan2(s6, c6)
+        bent = math.atan2(s6 * left[2, 1] - c6 * left[2, 0], left[2, 2])
+        # from the rotation with joint 6 taken away: exact however badly joint 6 is known
+        turn = math.atan2(-s6 * left[0, 0] - c6 * left[0, 1], s6 * left[1, 0] + c6 * left[1, 1])
+        if free == 1:
+            q6 = previous[5]
+            if sine < LOCK:
+                turn = previous[1] + arm[12] * previous[2] + arm[16] * previous[3]
+        for flipped in range(2):
+            c, s = math.cos(turn), math.sin(turn)
+            dx = reach - arm[6] - (c * arm[15] + s * arm[14])
+            dz = wz - (c * arm[14] - s * arm[15])
+            bend = bend_of_elbow(dz, dx, arm[17], arm[18])
+            if bend >= 0.0:
+                flag = EXISTS
+                if forward < NEAR:
+                    flag |= SHOULDER
+                if elbow_is_straight(bend):
+                    flag |= ELBOW
+                if sine < NEAR:
+                    flag |= WRIST
+                for elbow in range(2):
+                    turn3 = (bend if elbow == 0 else -bend) + arm[19]
+                    q2 = shoulder_angle(dz, dx, turn3, arm)
+                    b = 4 * shoulder + 2 * elbow + flipped
+                    row = out[b]
+                    row[0], row[1], row[2] = q1, q2, arm[12] * turn3
+                    row[3], row[4], row[5] = arm[16] * (turn - q2 - turn3), bent - arm[13], q6
+                    flags[b] = flag
+            if sine >= LOCK:
+                turn += math.pi
+                bent = -bent
+                if free == 0:
+                    q6 += math.pi
+
+
+@kernel
+def inverse_path(
+    X: Array,
+    free: int,
+    seed: Array,
+    arm: Array,
+    R_PB: Array,
+    R_EP: Array,
+    R_FE: Array,
+    lower: Array,
+    upper: Array,
+    out: Array,
+    status: Statuses,
+) -> None:
+    """Joints `out` (n, 6) and `status` (n,) along flange poses X (n, 4, 4), each row nearest to the one before."""
+    candidates = np.empty((8, 6))
+    room = np.empty((3, 3, 3))
+    flags = np.zeros(8, dtype=np.int64)
+    revolute = np.ones(6, dtype=np.int64)
+    previous = seed.copy()
+    branch = -1
+    for k in range(X.shape[0]):
+        solve(X[k], free, arm, R_PB, R_EP, R_FE, previous, room, candidates, flags)
+        branch, state = choose(candidates, flags, previous, lower, upper, revolute, branch, out[k])
+        if state == OK and flags[branch] != EXISTS:
+            state = SINGULAR
+        status[k] = state
+        previous[:] = out[k]
