@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from gcodesim.frames import Array, Pose
+from gcodesim.kinematics.dynamics import inverse_dynamics
 from gcodesim.world.body import RobotBody, StaticBody, ToolBody
-from gcodesim.world.effort import motor_efforts
+from gcodesim.world.model import payload_of
 from gcodesim.world.protocol import STANDARD_GRAVITY, Couple, WorldSteps
 from gcodesim.world.reaction import tool_reaction
 from gcodesim.world.state import WorldBase, wrench_rows
@@ -44,7 +45,16 @@ class KinematicWorld(WorldBase):
         speed = np.vstack([self._qd, np.diff(path, axis=0) / self.dt])
         qd, qdd = speed[1:], np.diff(speed, axis=0) / self.dt
         wrench = np.zeros((n, 6)) if couple is None else wrench_rows(couple, 0, q)
-        effort = motor_efforts(self.machine, self.tool, q, qd, qdd, wrench, self.gravity_B)
+        effort = inverse_dynamics(
+            self.robot.chain,
+            q,
+            qd,
+            qdd,
+            payload_of(self.tool),
+            wrench,
+            p_FT=(0.0, 0.0, 0.0 if self.tool is None else self.tool.length),
+            gravity=self.gravity_B,
+        )
         reaction = tool_reaction(self.machine, self.tool, path, speed, wrench, self.gravity_B, self.dt)
         if n:
             self._q, self._qd = q[-1].copy(), qd[-1].copy()

@@ -16,7 +16,8 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from gcodesim.frames import Array, Pose
-from gcodesim.kinematics.chain import Chain
+from gcodesim.kinematics.chain import Chain, Inertial
+from gcodesim.kinematics.dynamics import bodies
 from gcodesim.world.body import Box, Cylinder, Sphere, ToolBody
 
 if TYPE_CHECKING:
@@ -25,65 +26,30 @@ if TYPE_CHECKING:
 # a joint that carries no mass has no equation of motion; this much is no burden to any motor [kg], [kg·m²]
 LEAST_MASS: Final = 1e-4
 LEAST_INERTIA: Final = 1e-8
+NOTHING: Final = Inertial(mass=0.0, com=np.zeros(3), inertia=np.zeros((3, 3)))
 
 Solid = Box | Cylinder | Sphere
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class MassSum:
-    """Mass [kg], centre of mass (3,) [m] and inertia about it (3, 3) [kg·m²] of a rigid body."""
-
-    mass: float
-    com: Array
-    inertia: Array
-
-    @staticmethod
-    def of(parts: Iterable[MassSum]) -> MassSum:
-        """All `parts` as one body (parallel axes, Steiner 1840)."""
-        rows = [part for part in parts if part.mass > 0.0]
-        mass = sum(part.mass for part in rows)
-        if mass <= 0.0:
-            return MassSum(mass=0.0, com=np.zeros(3), inertia=np.zeros((3, 3)))
-        com = np.sum([part.mass * part.com for part in rows], axis=0) / mass
-        inertia = np.zeros((3, 3))
-        for part in rows:
-            d = part.com - com
-            inertia += part.inertia + part.mass * (d @ d * np.eye(3) - np.outer(d, d))
-        return MassSum(mass=mass, com=com, inertia=inertia)
-
-    def seen_from(self, X: Array) -> MassSum:
-        """The same body when its axes stand at `X` (4, 4) of the new ones."""
-        R = X[:3, :3]
-        return MassSum(mass=self.mass, com=X[:3, 3] + R @ self.com, inertia=R @ self.inertia @ R.T)
-
-    def principal(self) -> tuple[Array, Array]:
-        """Moments (3,) and the rotation matrix whose columns are the principal axes."""
-        moments, axes = np.linalg.eigh(self.inertia)
-        if np.linalg.det(axes) < 0.0:
-            axes[:, 2] = -axes[:, 2]
-        return moments, axes
-
-
-def tool_mass(tool: ToolBody) -> MassSum:
-    """Mass properties of a tool in axes of F."""
+def payload_of(tool: ToolBody | None) -> Inertial | None:
+    """Mass properties of a tool in axes of F; None without one or without mass."""
+    if tool is None or tool.mass <= 0.0:
+        return None
     xx, yy, zz, xy, xz, yz = tool.inertia
     inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    return MassSum(mass=tool.mass, com=np.array(tool.com), inertia=inertia)
+    return Inertial(mass=tool.mass, com=np.array(tool.com), inertia=inertia)
 
 
-def carried_masses(chain: Chain) -> list[MassSum]:
-    """What each driven joint carries, in axes of the moved joint frame; index -1 (the last) is the base."""
-    tree = chain.tree
-    riders: list[list[MassSum]] = [[] for _ in range(len(chain.driven) + 1)]
-    for link, carrier, offset in zip(chain.links, tree.carrier.tolist(), tree.offset, strict=True):
-        if link.inertial is not None:
-            own = MassSum(mass=link.inertial.mass, com=link.inertial.com, inertia=link.inertial.inertia)
-            riders[carrier].append(own.seen_from(offset))
-    return [MassSum.of(parts) for parts in riders]
+def principal(inertia: Array) -> tuple[Array, Array]:
+    """Moments (3,) of an inertia (3, 3), and the rotation matrix whose columns are its principal axes."""
+    moments, axes = np.linalg.eigh(inertia)
+    if np.linalg.det(axes) < 0.0:
+        axes[:, 2] = -axes[:, 2]
+    return moments, axes
 
 
 def carried_solids(chain: Chain) -> list[list[Solid]]:
-    """Collision solids on each driven joint, ordered as `carried_masses`; mesh files are left out."""
+    """Collision solids on each driven joint, at the end those of the base; mesh files are left out."""
     tree = chain.tree
     solids: list[list[Solid]] = [[] for _ in range(len(chain.driven) + 1)]
     for link, carrier, offset in zip(chain.links, tree.carrier.tolist(), tree.offset, strict=True):
@@ -114,21 +80,20 @@ class Model:
 def merged_model(chain: Chain, tool: ToolBody | None, *, solids: bool) -> Model:
     """Robot and tool as one multibody; `solids` says whether collision bodies are wanted."""
     tree = chain.tree
-    masses = carried_masses(chain)
-    bodies = carried_solids(chain) if solids else [[] for _ in masses]
+    masses = bodies(chain, payload_of(tool))
+    hulls = carried_solids(chain) if solids else [[] for _ in range(len(masses) + 1)]
     carrier, X_LF = tree.flange_carrier, tree.flange_offset
     X_LT = X_LF
     if tool is not None:
         X_LT = X_LF @ tool.X_FT.matrix
-        masses[carrier] = MassSum.of([masses[carrier], tool_mass(tool).seen_from(X_LF)])
         if solids:
             X = Pose.from_matrix(X_LF)
-            bodies[carrier] += [replace(solid, X=X @ solid.X) for solid in tool.shapes]
+            hulls[carrier] += [replace(solid, X=X @ solid.X) for solid in tool.shapes]
     root = ET.Element("robot", name="machine")
     # the base never moves, so its mass is nobody's business; Bullet's inverse dynamics is wrong when it has turned axes
-    _add_link(root, "base", MassSum.of(()), bodies[-1])
+    _add_link(root, "base", NOTHING, hulls[-1])
     for i in range(len(chain.driven)):
-        _add_link(root, f"link{i}", masses[i], bodies[i])
+        _add_link(root, f"link{i}", masses[i], hulls[i])
         parent = "base" if tree.parent[i] < 0 else f"link{tree.parent[i]}"
         kind = "prismatic" if tree.prismatic[i] else "continuous"
         _add_joint(root, joint_name(i), kind, parent, f"link{i}", tree.before[i], tree.axis[i])
@@ -138,13 +103,6 @@ def merged_model(chain: Chain, tool: ToolBody | None, *, solids: bool) -> Model:
 def joint_name(index: int) -> str:
     """How the model calls the joint at `index` of a joint vector."""
     return f"joint{index}"
-
-
-def _at_least(body: MassSum) -> MassSum:
-    """The body with the mass that the equations of motion need."""
-    if body.mass > 0.0:
-        return body
-    return MassSum(mass=LEAST_MASS, com=body.com, inertia=LEAST_INERTIA * np.eye(3))
 
 
 def _numbers(values: Iterable[float]) -> str:
@@ -165,11 +123,12 @@ def _add_origin(parent: ET.Element, p: Array, R: Array) -> None:
     ET.SubElement(parent, "origin", xyz=_numbers(p), rpy=_numbers(_rpy(R)))
 
 
-def _add_link(root: ET.Element, name: str, mass: MassSum, solids: list[Solid]) -> None:
+def _add_link(root: ET.Element, name: str, body: Inertial, solids: list[Solid]) -> None:
     link = ET.SubElement(root, "link", name=name)
     inertial = ET.SubElement(link, "inertial")
-    body = _at_least(mass)
-    moments, axes = body.principal()
+    if body.mass <= 0.0:
+        body = Inertial(mass=LEAST_MASS, com=body.com, inertia=LEAST_INERTIA * np.eye(3))
+    moments, axes = principal(body.inertia)
     _add_origin(inertial, body.com, axes)
     ET.SubElement(inertial, "mass", value=repr(float(body.mass)))
     xx, yy, zz = (repr(max(float(m), 0.0)) for m in moments)

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from gcodesim.frames import Pose
+from gcodesim.kinematics.dynamics import inverse_dynamics
 from gcodesim.kinematics.machine import Machine
 from gcodesim.world import WORLDS, RobotBody, open_world
 from gcodesim.world.bullet import BulletWorld
-from gcodesim.world.effort import motor_efforts
+from gcodesim.world.model import payload_of
 from tests.unit.world import machines
 
 G = 9.80665
@@ -106,8 +107,14 @@ def test_a_swinging_arm_under_load() -> None:
     for field, tolerance in (("q", 1e-9), ("qd", 1e-6), ("effort", 5e-3), ("reaction", 1e-4)):
         a, b = getattr(bullet, field), getattr(kinematic, field)
         assert (np.abs(a - b).max(axis=0) < tolerance * np.abs(b).max(axis=0)).all(), field
-    asked = motor_efforts(
-        Machine(chain=chain), SPINDLE, bullet.q[:-1], bullet.qd[:-1], bullet.qdd[1:], load[1:], np.array([0.0, 0.0, -G])
+    asked = inverse_dynamics(
+        chain,
+        bullet.q[:-1],
+        bullet.qd[:-1],
+        bullet.qdd[1:],
+        payload_of(SPINDLE),
+        load[1:],
+        p_FT=SPINDLE.X_FT.p,
     )
     assert np.abs(asked - bullet.effort[1:]).max() < 1e-5
 
@@ -120,7 +127,7 @@ def test_bullet_s_inverse_dynamics_knows_the_same_arm() -> None:
     world.attach(SPINDLE)
     rng = np.random.default_rng(7)
     q, qd, qdd = (scale * rng.uniform(-1.0, 1.0, (30, 6)) for scale in (1.5, 2.0, 5.0))
-    ours = motor_efforts(world.machine, SPINDLE, q, qd, qdd, np.zeros((30, 6)), world.gravity_B)
+    ours = inverse_dynamics(chain, q, qd, qdd, payload_of(SPINDLE))
     theirs = np.array(
         [
             world._bullet.calculateInverseDynamics(
