@@ -110,6 +110,11 @@ class LogFile:
     def channel_id(self, topic: str) -> int | None:
         return next((i for i, channel in self.channels.items() if channel.topic == topic), None)
 
+    def schema_name(self, channel: int) -> str:
+        """The schema of a channel, empty when it has none."""
+        schema = self.schemas.get(self.channels[channel].schema_id)
+        return schema.name if schema is not None else ""
+
     def messages(
         self, channel: int | None = None, *, first_ns: int = 0, last_ns: int | None = None, backwards: bool = False
     ) -> Iterator[RawMessage]:

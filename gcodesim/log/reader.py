@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from google.protobuf.message import DecodeError
 from numpy.typing import NDArray
 
-from gcodesim.log.logfile import LogFile, LogReadError
+from gcodesim.log.fields import parse_path, value_at
+from gcodesim.log.logfile import LogFile, LogReadError, RawMessage
 from gcodesim.log.schema import decoder
 
 
@@ -76,7 +78,7 @@ def summary(path: Path) -> LogSummary:
     topics = tuple(
         TopicSummary(
             name=channel.topic,
-            schema=log.schemas[channel.schema_id].name if channel.schema_id in log.schemas else "",
+            schema=log.schema_name(i),
             count=log.counts.get(i, 0),
             rate=log.counts.get(i, 0) / seconds if seconds > 0.0 else 0.0,
         )
@@ -126,18 +128,19 @@ def read_messages(path: Path, topic: str) -> Iterator[tuple[int, Any]]:
 def read_columns(path: Path, topic: str, fields: Sequence[str]) -> dict[str, NDArray[Any]]:
     """Numbers and texts of a topic over time: `t_ns` (n,) and one array for each of `fields`.
 
-    A field is a path such as `force_n`, `force.x` or `joints[2].position`. A
-    repeated field without an index gives an axis: `joints.position` is (n, j).
+    A field is a path such as `force_n`, `force.x`, `joints[2].position` or
+    `joints[arm/joint_1].position`. A repeated field without an item gives an
+    axis: `joints.position` is (n, j).
     KeyError when the log has no such topic, ValueError when its messages have
     no such field, or not equally many of a repeated one.
     """
-    paths = [_parse(path_text) for path_text in fields]
+    paths = [parse_path(field) for field in fields]
     times: list[int] = []
     values: list[list[Any]] = [[] for _ in fields]
     for t_ns, message in read_messages(path, topic):
         times.append(t_ns)
         for column, parts in zip(values, paths, strict=True):
-            column.append(_value(message, parts))
+            column.append(value_at(message, parts))
     columns: dict[str, NDArray[Any]] = {"t_ns": np.array(times, dtype=np.int64)}
     for name, column in zip(fields, values, strict=True):
         try:
@@ -147,46 +150,51 @@ def read_columns(path: Path, topic: str, fields: Sequence[str]) -> dict[str, NDA
     return columns
 
 
+def read_all(path: Path, topics: Sequence[str] = ()) -> Iterator[tuple[str, int, Any]]:
+    """Topic, time [ns] and decoded message of all `topics` (none: every one) in the order of the log.
+
+    KeyError when the log has no such topic.
+    """
+    log = LogFile.open(path)
+    wanted = {}
+    for topic in topics or [channel.topic for channel in log.channels.values()]:
+        channel = log.channel_id(topic)
+        if channel is None:
+            raise KeyError(topic)
+        wanted[channel] = (topic, _decoder_of(log, channel))
+    for message in log.messages():
+        if message.channel in wanted:
+            topic, decode = wanted[message.channel]
+            yield topic, message.t_ns, decode(message)
+
+
 def _decoded(log: LogFile, topic: str, wanted: str = "", *, backwards: bool = False) -> Iterator[tuple[int, Any]]:
     """Messages of a topic; none when it is not there or not of the `wanted` schema."""
     channel = log.channel_id(topic)
-    if channel is None:
+    if channel is None or (wanted and log.schema_name(channel) != wanted):
         return
-    schema = log.schemas.get(log.channels[channel].schema_id)
-    if schema is None or (wanted and schema.name != wanted):
-        return
-    if schema.encoding != "protobuf":
-        raise LogReadError(f"{topic} is coded as '{schema.encoding or 'nothing known'}', not as protobuf")
-    kind = decoder(schema.name, schema.data)
+    decode = _decoder_of(log, channel)
     for message in log.messages(channel, backwards=backwards):
-        yield message.t_ns, kind.FromString(message.data)
+        yield message.t_ns, decode(message)
 
 
-def _parse(path: str) -> list[tuple[str, int | None]]:
-    parts: list[tuple[str, int | None]] = []
-    for part in path.split("."):
-        name, bracket, index = part.partition("[")
-        if bracket and not (index.endswith("]") and index[:-1].isdigit()):
-            raise ValueError(f"not a field: '{path}'")
-        parts.append((name, int(index[:-1]) if bracket else None))
-    return parts
+def _decoder_of(log: LogFile, channel: int) -> Callable[[RawMessage], Any]:
+    """A function that decodes messages of a channel. LogReadError when its schema is damaged or no protobuf."""
+    topic, schema = log.channels[channel].topic, log.schemas.get(log.channels[channel].schema_id)
+    if schema is None or schema.encoding != "protobuf":
+        raise LogReadError(f"{topic} is coded as '{schema.encoding if schema else ''}', not as protobuf")
+    try:
+        kind = decoder(schema.name, schema.data)
+    except (DecodeError, TypeError, KeyError) as error:
+        raise LogReadError(f"the schema of {topic} is damaged") from error
 
+    def decode(message: RawMessage) -> Any:
+        try:
+            return kind.FromString(message.data)
+        except DecodeError as error:
+            raise LogReadError(f"{topic} at {message.t_ns * 1e-9:.3f} s does not agree with its schema") from error
 
-def _value(message: Any, parts: list[tuple[str, int | None]]) -> Any:
-    (name, index), rest = parts[0], parts[1:]
-    if not hasattr(message, "DESCRIPTOR") or name not in message.DESCRIPTOR.fields_by_name:
-        raise ValueError(f"no field '{name}'")
-    value = getattr(message, name)
-    repeated = not hasattr(value, "DESCRIPTOR") and not isinstance(value, (str, bytes, bool, int, float))
-    if repeated and index is None:
-        return [_value(item, rest) for item in value] if rest else list(value)
-    if repeated:
-        if index is not None and index >= len(value):
-            raise ValueError(f"'{name}' has no item {index}")
-        value = value[index]
-    elif index is not None:
-        raise ValueError(f"'{name}' is not repeated")
-    return _value(value, rest) if rest else value
+    return decode
 
 
 def _holds_text(column: Any) -> bool:

@@ -68,24 +68,24 @@ def test_a_log_cut_off_anywhere_tells_all_up_to_its_last_whole_chunk(long_log, t
     assert len(t) > 0 and np.array_equal(t, expected[: len(t)]) and t[-1] >= chunks[-1].last_ns - 2 * MS
 
 
-@pytest.mark.parametrize("seed", range(20))
-def test_damage_anywhere_is_told_or_harmless_and_never_a_crash(long_log, tmp_path, seed):
-    rng = np.random.default_rng(100 + seed)
-    data = bytearray(long_log.read_bytes())
-    at = int(rng.integers(8, len(data)))
-    data[at] ^= 1 << int(rng.integers(8))
-    path = tmp_path / "damaged.mcap"
-    path.write_bytes(data)
-
-    found = summary(path)
-    assert found.topics
-    try:
-        t = read_columns(path, "/process", ["force_n"])
-    except LogReadError as error:
-        assert "checksum" in str(error) or "damaged" in str(error)
-    else:
-        truth = read_columns(long_log, "/process", ["force_n"])["force_n"]
-        assert np.array_equal(t["force_n"], truth[: len(t["force_n"])])
+def test_damage_anywhere_is_told_or_harmless_and_never_a_crash(run, tmp_path):
+    path = run.write(tmp_path / "run.mcap", seconds=1.0)
+    truth = read_columns(path, "/process", ["force_n"])["force_n"]
+    whole = path.read_bytes()
+    rng = np.random.default_rng(11)
+    refused = 0
+    for _ in range(150):
+        data = bytearray(whole)
+        data[int(rng.integers(8, len(data)))] ^= 1 << int(rng.integers(8))
+        path.write_bytes(data[: int(rng.integers(len(data) // 4, 2 * len(data)))])
+        summary(path)
+        try:
+            found = read_columns(path, "/process", ["force_n"])["force_n"]
+        except (LogReadError, KeyError):
+            refused += 1
+        else:
+            assert np.array_equal(found, truth[: len(found)])
+    assert 0 < refused < 150
 
 
 def test_what_is_no_log_is_refused(tmp_path):
@@ -99,11 +99,12 @@ def test_what_is_no_log_is_refused(tmp_path):
 
 
 def test_columns_of_repeated_fields_have_an_axis(run, long_log):
-    names = ["joints[2].position", "joints.position", "joints.name"]
+    names = ["joints[2].position", "joints.position", "joints.name", "joints[arm/joint_3].position"]
     found = read_columns(long_log, "/joint_states", names)
 
     assert found["joints.position"].shape == (len(found["t_ns"]), 6)
     assert np.array_equal(found["joints[2].position"], found["joints.position"][:, 2])
+    assert np.array_equal(found["joints[2].position"], found["joints[arm/joint_3].position"])
     assert found["joints.name"][0, 0] == "arm/joint_1"
 
 
@@ -115,7 +116,7 @@ def test_columns_of_repeated_fields_have_an_axis(run, long_log):
         ("/process", "force_n.x", ValueError),
         ("/process", "force_n[0]", ValueError),
         ("/joint_states", "joints[6].position", ValueError),
-        ("/joint_states", "joints[a].position", ValueError),
+        ("/joint_states", "joints[arm/joint_7].position", ValueError),
     ],
 )
 def test_a_field_that_is_not_there_is_named(long_log, topic, field, error):
