@@ -32,6 +32,9 @@ TABLE = 1025  # points of x**p on 0..1
 # of an end mill in a horizontal cut, whose commanded height is never exactly constant.
 LEAST_ADVANCE = 1.0e-4
 
+# Up to this tangent of kappa an element of a falling tool is asked so deep that its wall counts as full.
+STEEPEST = 4.0
+
 # columns of the result of `cutting_force`
 FORCE, TORQUE, CHIP, DEPTH, WIDTH, ENTRY, EXIT, CONTACT = 0, 6, 7, 8, 9, 10, 11, 12
 RESULT = 13
@@ -53,18 +56,182 @@ def power_at(table: Array, component: int, left: int, part: float) -> float:
 
 
 @kernel
-def probe(r: float, sine: float, cosine: float, cell: float, level: float) -> tuple[float, float]:
+def probe(r: float, outer: float, sine: float, cosine: float, cell: float, level: float) -> tuple[float, float]:
     """Where to ask for material ahead of the point at radius r and angle phi: (x, y) along u and l [m].
 
-    level: share of the feed that is horizontal; without any the point stays where it is.
+    outer: largest radius of the element; level: share of the feed that is horizontal; without any the point stays.
     """
     x, y = r * sine, r * cosine
     if sine <= 0.0:
         return x + level * cell, y
     inside = max(r - cell, 0.0)
     wide = min(max(y, -inside), inside)
-    ahead = np.sqrt((r + cell) * (r + cell) - wide * wide)
+    ahead = np.sqrt((outer + cell) * (outer + cell) - wide * wide)
     return x + level * (ahead - x), y + level * (wide - y)
+
+
+@kernel
+def span(rows: Array, i: int, cell: float, climb: float) -> tuple[float, float]:
+    """Heights above the tip (low, high) [m] between which row i is asked, moved ahead along a climbing or falling feed.
+
+    Falling, it goes so deep that the columns a cell nearer to the axis, whose floor is lower, count as full too;
+    and half a cell more is asked for below, so that contact grows gradually.
+    """
+    low, high = rows[i, 5], rows[i, 6]
+    if climb >= 0.0:
+        drop = 0.5 * cell * climb
+        return low + drop, max(high, low + 1.0e-7) + drop
+    steep = STEEPEST if rows[i, 2] > STEEPEST * rows[i, 3] else rows[i, 2] / rows[i, 3]
+    drop = climb * (0.5 * (high - low) + cell * steep)
+    return low + drop + min(0.5 * cell * climb, -1.0e-7), high + drop
+
+
+@kernel
+def share_at(
+    lo: Array, hi: Array, count: Ints, grid: Array, tip: Array, ux: float, uy: float, level: float, cell: float,
+    rows: Array, i: int, low: float, high: float, sine: float, cosine: float,
+) -> float:  # fmt: skip
+    """Share [-] of row i, asked between heights low and high above the tip, that is in material at one angle."""
+    px, py = probe(rows[i, 0], rows[i, 7], sine, cosine, cell, level)
+    x, y = tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py
+    return float(occupancy(lo, hi, count, grid, x, y, tip[2] + low, tip[2] + high))
+
+
+@kernel
+def contact_of_row(
+    lo: Array, hi: Array, count: Ints, grid: Array, circle: Array, tip: Array, ux: float, uy: float, level: float,
+    climb: float, rows: Array, i: int, last: int, weights: Array,
+) -> bool:  # fmt: skip
+    """Fill weights[i, :last]: share of the element in material at each angle at which it advances, else 0.
+
+    Where contact begins or ends between two angles, the limit is found by halving and the weight is shared out.
+    The columns are read here and not by `occupancy`: nearly all have one interval, and this is the innermost loop.
+    """
+    cell = max(grid[2], grid[3])
+    nx, ny = count.shape
+    radius, outer = rows[i, 0], rows[i, 7] + cell
+    inside = max(radius - cell, 0.0)
+    sin_kappa, fall = rows[i, 2], climb * rows[i, 3]
+    low, high = span(rows, i, cell, climb)
+    z0, z1 = tip[2] + low, tip[2] + high
+    scale = 1.0 / (z1 - z0)
+    to_x, to_y = 1.0 / grid[2], 1.0 / grid[3]
+    earlier = -1.0
+    touched = False
+    for k in range(last):
+        sine, cosine = circle[0, k], circle[1, k]
+        if level * sine * sin_kappa - fall <= LEAST_ADVANCE:
+            weights[i, k] = 0.0
+            earlier = -1.0
+            continue
+        px, py = radius * sine, radius * cosine
+        if sine > 0.0:
+            wide = min(max(py, -inside), inside)
+            px += level * (np.sqrt(outer * outer - wide * wide) - px)
+            py += level * (wide - py)
+        else:
+            px += level * cell
+        u = (tip[0] + ux * px - uy * py - grid[0]) * to_x - 0.5
+        v = (tip[1] + uy * px + ux * py - grid[1]) * to_y - 0.5
+        a, b = int(np.floor(u)), int(np.floor(v))
+        if a < -1 or b < -1 or a >= nx or b >= ny:
+            w = 0.0
+        elif (
+            0 <= a < nx - 1
+            and 0 <= b < ny - 1
+            and count[a, b] == 1
+            and count[a + 1, b] == 1
+            and count[a, b + 1] == 1
+            and count[a + 1, b + 1] == 1
+        ):
+            wx, wy = u - a, v - b
+            w = (1.0 - wy) * (
+                (1.0 - wx) * max(min(hi[a, b, 0], z1) - max(lo[a, b, 0], z0), 0.0)
+                + wx * max(min(hi[a + 1, b, 0], z1) - max(lo[a + 1, b, 0], z0), 0.0)
+            ) + wy * (
+                (1.0 - wx) * max(min(hi[a, b + 1, 0], z1) - max(lo[a, b + 1, 0], z0), 0.0)
+                + wx * max(min(hi[a + 1, b + 1, 0], z1) - max(lo[a + 1, b + 1, 0], z0), 0.0)
+            )
+            w *= scale
+        else:
+            w = share_at(lo, hi, count, grid, tip, ux, uy, level, cell, rows, i, low, high, sine, cosine)
+        weights[i, k] = w
+        if earlier >= 0.0 and abs(w - earlier) > 0.5:
+            least, most = 0.0, 1.0
+            for _ in range(4):
+                middle = 0.5 * (least + most)
+                angle = (k - 0.5 + middle) * (2.0 * np.pi / ANGLES)
+                between = share_at(
+                    lo, hi, count, grid, tip, ux, uy, level, cell, rows, i, low, high, np.sin(angle), np.cos(angle)
+                )
+                if (between > 0.5 * (w + earlier)) == (w > earlier):
+                    most = middle
+                else:
+                    least = middle
+            locate_edge(weights, i, k, 0.5 * (least + most))
+        earlier = w
+        touched = touched or w > 0.0
+    return touched
+
+
+@kernel
+def locate_edge(weights: Array, i: int, k: int, fraction: float) -> None:
+    """Move the limit between angles k-1 and k of row i: it lies `fraction` (0..1) of the way."""
+    shift = fraction - 0.5
+    before, here = weights[i, k - 1], weights[i, k]
+    if shift > 0.0:
+        weights[i, k] = (1.0 - shift) * here + shift * before
+    else:
+        weights[i, k - 1] = (1.0 + shift) * before - shift * here
+
+
+@kernel
+def contact_of_cylinder(
+    lo: Array, hi: Array, count: Ints, grid: Array, circle: Array, tip: Array, ux: float, uy: float, level: float,
+    rows: Array, first: int, number: int, weights: Array, line: Array,
+) -> bool:  # fmt: skip
+    """The same for all rows of a cylinder at once, first..first+number: they stand above each other."""
+    cell = max(grid[2], grid[3])
+    half = ANGLES // 2
+    z0, z1 = tip[2] + rows[first, 5], tip[2] + rows[first + number - 1, 6]
+    height = (z1 - z0) / number
+    earlier = -1.0
+    touched = False
+    for k in range(half):
+        if level * circle[0, k] <= LEAST_ADVANCE:
+            weights[first : first + number, k] = 0.0
+            earlier = -1.0
+            continue
+        px, py = probe(rows[first, 0], rows[first, 7], circle[0, k], circle[1, k], cell, level)
+        x, y = tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py
+        simple, share = solid(lo, hi, count, grid, x, y, z0, z1)
+        if simple == 1 and (share == 0.0 or share >= 1.0 - 1.0e-9):
+            share = 0.0 if share == 0.0 else 1.0
+            for i in range(number):
+                weights[first + i, k] = share
+            total = share
+        else:
+            total = fill_slices(lo, hi, count, grid, x, y, z0, height, line[:number]) / number
+            for i in range(number):
+                weights[first + i, k] = line[i]
+        if earlier >= 0.0 and abs(total - earlier) > 0.5 * max(total, earlier):
+            least, most = 0.0, 1.0
+            for _ in range(4):
+                middle = 0.5 * (least + most)
+                angle = (k - 0.5 + middle) * (2.0 * np.pi / ANGLES)
+                px, py = probe(rows[first, 0], rows[first, 7], np.sin(angle), np.cos(angle), cell, level)
+                x, y = tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py
+                between = occupancy(lo, hi, count, grid, x, y, z0, z1)
+                if (between > 0.5 * (total + earlier)) == (total > earlier):
+                    most = middle
+                else:
+                    least = middle
+            for i in range(first, first + number):
+                locate_edge(weights, i, k, 0.5 * (least + most))
+        earlier = total
+        touched = touched or total > 0.0
+    weights[first : first + number, half:] = 0.0
+    return touched
 
 
 @kernel
@@ -85,55 +252,6 @@ def solid(
     c = max(min(hi[i, j + 1, 0], z1) - max(lo[i, j + 1, 0], z0), 0.0)
     d = max(min(hi[i + 1, j + 1, 0], z1) - max(lo[i + 1, j + 1, 0], z0), 0.0)
     return 1, ((1.0 - wy) * ((1.0 - wx) * a + wx * b) + wy * ((1.0 - wx) * c + wx * d)) / (z1 - z0)
-
-
-@kernel
-def locate_edge(number: int, weights: Array, first: int, k: int, fraction: float) -> None:
-    """Move the limit between angles k-1 and k of the rows from `first` on: it lies `fraction` (0..1) of the way."""
-    shift = fraction - 0.5
-    for i in range(first, first + number):
-        before, here = weights[i, k - 1], weights[i, k]
-        if shift > 0.0:
-            weights[i, k] = (1.0 - shift) * here + shift * before
-        else:
-            weights[i, k - 1] = (1.0 + shift) * before - shift * here
-
-
-@kernel
-def ask_rows(
-    lo: Array, hi: Array, count: Ints, grid: Array, tip: Array, ux: float, uy: float, level: float, drop: float,
-    cell: float, rows: Array, first: int, number: int, upright: bool, sine: float, cosine: float, line: Array,
-) -> float:  # fmt: skip
-    """Material at one angle for rows first..first+number; shares [-] into `line` (number,); returns their sum.
-
-    rows (ROWS, 8): r, z, sin kappa, cos kappa, width b, lower and upper z above the tip, height.
-    """
-    if upright:
-        px, py = probe(rows[first, 0], sine, cosine, cell, level)
-        x, y = tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py
-        low, height = tip[2] + rows[first, 5], rows[first, 7]
-        simple, share = solid(lo, hi, count, grid, x, y, low, low + number * height)
-        if simple == 1 and (share == 0.0 or share >= 1.0 - 1.0e-9):
-            share = 0.0 if share == 0.0 else 1.0
-            for i in range(number):
-                line[i] = share
-            return share * number
-        return fill_slices(lo, hi, count, grid, x, y, low, height, line[:number])
-    total = 0.0
-    for i in range(number):
-        px, py = probe(rows[first + i, 0], sine, cosine, cell, level)
-        x, y = tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py
-        low, high = tip[2] + rows[first + i, 5], tip[2] + rows[first + i, 6]
-        # downwards a thin element asks for all that lies between it and the place ahead: contact grows gradually
-        high = max(high + drop, low) if drop < 0.0 else high + drop
-        low += drop
-        high = max(high, low + 1.0e-7)
-        simple, share = solid(lo, hi, count, grid, x, y, low, high)
-        if simple == 0:
-            share = occupancy(lo, hi, count, grid, x, y, low, high)
-        line[i] = share
-        total += share
-    return total
 
 
 @kernel
@@ -159,7 +277,7 @@ def lay_rows(edge: Array, height: float, rows: Array, piece: int) -> int:
             rows[i, 4] = radius * step
             rows[i, 5] = edge[piece, 2] - radius * np.cos(a)
             rows[i, 6] = edge[piece, 2] - radius * np.cos(a + step)
-            rows[i, 7] = rows[i, 6] - rows[i, 5]
+            rows[i, 7] = edge[piece, 1] + radius * np.sin(a + step)
         return SLICES
     sine, cosine = np.sin(kappa0), np.cos(kappa0)
     if z1 > height:
@@ -171,57 +289,8 @@ def lay_rows(edge: Array, height: float, rows: Array, piece: int) -> int:
         rows[i, 2], rows[i, 3] = sine, cosine
         rows[i, 4] = step
         rows[i, 5], rows[i, 6] = z0 + i * step * sine, z0 + (i + 1) * step * sine
-        rows[i, 7] = step * sine
+        rows[i, 7] = rows[i, 0] + 0.5 * step * cosine
     return SLICES
-
-
-@kernel
-def find_contact(
-    lo: Array, hi: Array, count: Ints, grid: Array, circle: Array, tip: Array, ux: float, uy: float, level: float,
-    climb: float, rows: Array, first: int, number: int, upright: bool, last: int, weights: Array, line: Array,
-) -> bool:  # fmt: skip
-    """Fill `weights` of rows first..first+number at angles 0..last: share of each element in material, if it advances.
-
-    Where contact begins or ends between two angles, the limit is found by halving and the weights are shared out.
-    """
-    cell = max(grid[2], grid[3])
-    drop = 0.5 * cell * climb
-    delta = 2.0 * np.pi / ANGLES
-    earlier = -1.0
-    touched = False
-    top_row = first + number - 1
-    for k in range(last):
-        sine, cosine = circle[0, k], circle[1, k]
-        # does any of these rows cut? the advance is monotonic in kappa
-        low = level * sine * rows[first, 2] - climb * rows[first, 3]
-        high = level * sine * rows[top_row, 2] - climb * rows[top_row, 3]
-        if max(low, high) <= LEAST_ADVANCE:
-            for i in range(number):
-                weights[first + i, k] = 0.0
-            earlier = -1.0
-            continue
-        total = ask_rows(
-            lo, hi, count, grid, tip, ux, uy, level, drop, cell, rows, first, number, upright, sine, cosine, line
-        )
-        for i in range(number):
-            weights[first + i, k] = line[i]
-        if earlier >= 0.0 and abs(total - earlier) > 0.5 * max(total, earlier):
-            a, b = 0.0, 1.0
-            for _ in range(4):
-                middle = 0.5 * (a + b)
-                angle = (k - 0.5 + middle) * delta
-                between = ask_rows(
-                    lo, hi, count, grid, tip, ux, uy, level, drop, cell, rows, first, number, upright,
-                    np.sin(angle), np.cos(angle), line,
-                )  # fmt: skip
-                if (between > 0.5 * (total + earlier)) == (total > earlier):
-                    b = middle
-                else:
-                    a = middle
-            locate_edge(number, weights, first, k, 0.5 * (a + b))
-        earlier = total
-        touched = touched or total > 0.0
-    return touched
 
 
 @kernel
@@ -241,7 +310,7 @@ def cutting_force(
     """
     result[:] = 0.0
     height = min(tool[3], top - tip[2])
-    if height <= min(0.5 * max(grid[2], grid[3]) * climb, 0.0):
+    if height <= min(STEEPEST * max(grid[2], grid[3]) * climb, 0.0):
         return 0
     height = max(height, 1.0e-9)  # downwards the lowest rows ask for what is still below the tip
     last = ANGLES if climb < 0.0 else ANGLES // 2  # nothing behind the tool cuts unless it goes down
@@ -260,9 +329,15 @@ def cutting_force(
             continue
         first = used
         upright = edge[piece, 0] == 0.0 and rows[first, 3] < 1.0e-12
-        touched = find_contact(
-            lo, hi, count, grid, circle, tip, ux, uy, level, climb, rows, first, number, upright, last, weights, line
-        )
+        if upright:
+            touched = contact_of_cylinder(
+                lo, hi, count, grid, circle, tip, ux, uy, level, rows, first, number, weights, line
+            )
+        else:
+            touched = False
+            for i in range(first, first + number):
+                found = contact_of_row(lo, hi, count, grid, circle, tip, ux, uy, level, climb, rows, i, last, weights)
+                touched = touched or found
         if not touched:
             continue
         used += number
@@ -312,7 +387,7 @@ def cutting_force(
                     entry = min(entry, (k + 1.0 - w) * delta)
                     leave = max(leave, (k + w) * delta)
         for i in range(number):
-            result[DEPTH] += deepest[i] * rows[first + i, 7]
+            result[DEPTH] += deepest[i] * (rows[first + i, 6] - rows[first + i, 5])
             result[WIDTH] = max(result[WIDTH], line[i])
     if result[CONTACT] <= 0.0:
         return 0
