@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +19,10 @@ class RowTotals:
 
     removed, added [m³]; engaged [s]; force [N], torque [N·m], power [W] are the
     greatest of any step; `stopped_cut` and `reversed_cut` [m³] were removed in
-    feed with the spindle off or turning backwards; `shank` and `holder` [m] are
-    the greatest depths at which these parts stood in stock.
+    feed with the spindle off or turning backwards, `rapid_cut` by rapids, which
+    may seem to take `rapid_bound` [m³] where they only graze; `inside` and
+    `tilted` [s] the tool stood in stock that it did not cut; `shank` and
+    `holder` [m] are the greatest depths at which these parts stood in stock.
     """
 
     removed: Array
@@ -30,18 +33,22 @@ class RowTotals:
     power: Array
     stopped_cut: Array
     reversed_cut: Array
+    rapid_cut: Array
+    rapid_bound: Array
+    inside: Array
+    tilted: Array
     shank: Array
     holder: Array
 
     @staticmethod
     def zeros(count: int) -> RowTotals:
-        return RowTotals(*(np.zeros(count) for _ in range(10)))
+        return RowTotals(*(np.zeros(count) for _ in range(14)))
 
-    def add(self, column: str, rows: Rows, values: Array) -> None:
+    def add(self, column: str, rows: Rows, values: Any) -> None:
         """Add `values` to `column` at `rows`, which may repeat."""
         np.add.at(getattr(self, column), rows, values)
 
-    def raise_to(self, column: str, rows: Rows, values: Array) -> None:
+    def raise_to(self, column: str, rows: Rows, values: Any) -> None:
         """Raise `column` at `rows` to `values` where those are greater."""
         np.maximum.at(getattr(self, column), rows, values)
 

@@ -18,6 +18,7 @@ from gcodesim.tools.extruder import Extruder
 
 if TYPE_CHECKING:
     from gcodesim.material.stock import Stock
+    from gcodesim.processes.materials import Material
 
 Array = NDArray[np.float64]
 
@@ -27,8 +28,14 @@ class Extrusion:
     """The printing process of one extruder: adds its bead to the stock on feed moves while active."""
 
     kind: ClassVar[str] = "extrusion"
+    pushes: ClassVar[bool] = False  # no force: the whole window can be laid after the motion
 
     extruder: Extruder
+
+    @classmethod
+    def of(cls, tool: Extruder, material: Material | None) -> Extrusion:
+        """The process of an extruder; what it lays has no cutting constants."""
+        return cls(extruder=tool)
 
     def begin(self) -> ProcessState:
         """A nozzle carries nothing from window to window."""

@@ -21,6 +21,7 @@ from gcodesim.tools.cutter import Cutter
 
 if TYPE_CHECKING:
     from gcodesim.material.stock import Stock
+    from gcodesim.processes.materials import Material
 
 Array = NDArray[np.float64]
 
@@ -30,9 +31,15 @@ class Milling:
     """The cutting process of one cutter; without a law (stock of unknown material) it removes but feels no force."""
 
     kind: ClassVar[str] = "milling"
+    pushes: ClassVar[bool] = True
 
     cutter: Cutter
     law: Law | None = None
+
+    @classmethod
+    def of(cls, tool: Cutter, material: Material | None) -> Milling:
+        """The process of a cutter in stock of `material`."""
+        return cls(cutter=tool, law=None if material is None else material.law)
 
     def begin(self) -> ProcessState:
         """State of a tool that was just put in; standing in material, it cuts nothing until it has left it."""
@@ -45,18 +52,14 @@ class Milling:
         if stock is None:
             return ProcessStep.idle(window.steps)
         n = window.steps
-        motion = np.empty((n, 9))
-        motion[:, 0:3], motion[:, 3:6] = window.axis, window.velocity
-        motion[:, 6], motion[:, 7], motion[:, 8] = window.spindle, window.rapid, window.active
         first = np.searchsorted(window.piece_step, np.arange(n + 1)).astype(np.int64)
-        compliance = np.zeros((0, 3, 6)) if window.compliance is None else np.array(window.compliance[:, :3, :])
         out = self.run_packed(
             stock,
             np.ascontiguousarray(window.piece_start, dtype=float).reshape(-1, 3),
             np.ascontiguousarray(window.piece_end, dtype=float).reshape(-1, 3),
             first,
-            motion,
-            compliance,
+            packed_motion(window),
+            packed_compliance(window),
             state,
         )
         return unpack(out)
@@ -88,6 +91,10 @@ class Milling:
                 return out
             stock.grow()
 
+    def loop(self, stock: Stock, window: Window, state: ProcessState) -> MillingLoop:
+        """The same step by step, for a world that answers every wrench with a motion of its own."""
+        return MillingLoop(self, stock, window, state)
+
     @cached_property
     def _packed(self) -> tuple[Array, ...]:
         """Constants and scratch arrays of the kernel, in its order."""
@@ -117,6 +124,56 @@ class Milling:
             np.zeros((3, 2 * ANGLES + 2)),
         )
         return (tool, cutter.edge, laws, table, circle, shapes, *scratch)
+
+
+class MillingLoop:
+    """A window cut step by step; what each step needs is made once."""
+
+    def __init__(self, process: Milling, stock: Stock, window: Window, state: ProcessState) -> None:
+        self._process, self._stock, self._state = process, stock, state
+        self._starts = np.ascontiguousarray(window.piece_start, dtype=float).reshape(-1, 3)
+        self._ends = np.ascontiguousarray(window.piece_end, dtype=float).reshape(-1, 3)
+        self._first = np.searchsorted(window.piece_step, np.arange(window.steps + 1)).astype(np.int64)
+        self._motion = packed_motion(window)
+        self._compliance = packed_compliance(window)
+        self._out: list[Array] = []
+
+    def step(self, k: int, moved_before: Array, moved: Array, share: Array) -> Array:
+        """Step `k`, in order. The tip is off the window's pieces by `moved_before` … `moved` (3,) [m].
+
+        `share` (c, 2) tells where in its step each piece begins and ends. Wrench (6,) on the tool in S.
+        """
+        a, b = int(self._first[k]), int(self._first[k + 1])
+        bend = moved - moved_before
+        out = self._process.run_packed(
+            self._stock,
+            self._starts[a:b] + moved_before + share[a:b, :1] * bend,
+            self._ends[a:b] + moved_before + share[a:b, 1:] * bend,
+            np.array([0, b - a], dtype=np.int64),
+            self._motion[k : k + 1],
+            self._compliance[k : k + 1],
+            self._state,
+        )
+        self._out.append(out)
+        wrench: Array = out[0, :6]
+        return wrench
+
+    def finish(self) -> ProcessStep:
+        """What all steps came to."""
+        return unpack(np.concatenate(self._out))
+
+
+def packed_motion(window: Window) -> Array:
+    """Axis, velocity, spindle, rapid and active of each step (n, 9)."""
+    motion = np.empty((window.steps, 9))
+    motion[:, 0:3], motion[:, 3:6] = window.axis, window.velocity
+    motion[:, 6], motion[:, 7], motion[:, 8] = window.spindle, window.rapid, window.active
+    return motion
+
+
+def packed_compliance(window: Window) -> Array:
+    """Translation rows of the compliance (n, 3, 6); none of them for a rigid machine."""
+    return np.zeros((0, 3, 6)) if window.compliance is None else np.array(window.compliance[:, :3, :])
 
 
 def unpack(out: Array) -> ProcessStep:

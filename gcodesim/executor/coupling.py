@@ -1,0 +1,89 @@
+"""The tool and the stock while the robot moves: joint positions in, wrench on the tool out."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gcodesim.executor.part import Part, part_of
+from gcodesim.executor.tasks import RowColumns, Tasks
+from gcodesim.executor.window import StepWindow
+from gcodesim.frames import Array
+from gcodesim.kinematics import shift_jacobian
+from gcodesim.shop import Shop
+
+if TYPE_CHECKING:
+    from gcodesim.planning import Plan
+
+
+class Coupling:
+    """What a world asks while it moves: joints (m, j) of steps, in order, against the wrench (m, 6) in base axes.
+
+    A world without dynamics asks for all steps at once, at the commanded joints;
+    one with dynamics asks step by step. How far its joints are off the command
+    moves the tip, and so the cut. One stretch of steps has one tool.
+    """
+
+    def __init__(self, plan: Plan, shop: Shop, rows: RowColumns) -> None:
+        self._plan, self._shop, self._rows = plan, shop, rows
+        self._tasks = Tasks(shop)
+        self._moved = np.zeros(3)
+
+    def stretch(self, steps: StepWindow, begin: int, end: int) -> Stretch:
+        """Make ready for steps `begin` to `end` of a window, all with the same tool."""
+
+        def jacobian() -> Array:
+            return self._tip_jacobian(steps, begin, end)
+
+        made = [
+            part_of(self._shop, self._rows, task, steps, begin, end, jacobian)
+            for task in self._tasks.of(int(steps.tool[begin]))
+        ]
+        return Stretch(self, self._plan, steps, begin, end, [part for part in made if part is not None])
+
+    def _tip_jacobian(self, steps: StepWindow, begin: int, end: int) -> Array:
+        """Jacobians (n, 6, j) of the tip in base axes."""
+        q = steps.q[begin:end]
+        tool = self._shop.tool(int(steps.tool[begin]))
+        J = self._shop.kinematics.jacobian(q)
+        return J if tool is None else shift_jacobian(J, self._shop.kinematics.forward(q), tool.X_FT.p)
+
+    def moved_from(self, now: Array) -> Array:
+        """How far (3,) [m] the tip was off the command one step ago; it is `now` from here on."""
+        before, self._moved = self._moved, now
+        return before
+
+
+class Stretch:
+    """Consecutive steps with one tool; itself the function that a world calls."""
+
+    def __init__(
+        self, coupling: Coupling, plan: Plan, steps: StepWindow, begin: int, end: int, parts: list[Part]
+    ) -> None:
+        self._coupling, self._plan, self._steps = coupling, plan, steps
+        self.begin, self.end, self.parts = begin, end, parts
+
+    def __call__(self, first: int, q: Array) -> Array:
+        """What the tool feels in steps `first` … of the stretch, joints being at `q` (m, j) after each; (m, 6)."""
+        commanded = self._steps.q[self.begin + first : self.begin + first + len(q)]
+        wrench = np.zeros((len(q), 6))
+        if not self.parts:
+            return wrench
+        if len(q) == self.end - self.begin and np.array_equal(q, commanded):
+            for part in self.parts:
+                wrench += part.run()
+            return wrench
+        for i in range(len(q)):
+            k = self.begin + first + i
+            moved = self._plan.tip(q[i : i + 1], self._steps.row[k : k + 1])[0, :3, 3] - self._steps.tip[k, :3, 3]
+            before = self._coupling.moved_from(moved)
+            for part in self.parts:
+                if part.task.process.pushes:
+                    wrench[i] += part.step(first + i, before, moved)
+        return wrench
+
+    def finish(self) -> None:
+        """After the world has moved: all answers are in."""
+        for part in self.parts:
+            part.finish()

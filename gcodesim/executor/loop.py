@@ -1,0 +1,172 @@
+"""The run: windows of steps one after the other, each planned, moved, processed, recorded."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, Protocol
+
+import numpy as np
+
+from gcodesim.executor.coupling import Coupling, Stretch
+from gcodesim.executor.record import StepRecord, record_of
+from gcodesim.executor.tasks import RowColumns
+from gcodesim.executor.totals import JointTotals, RowTotals
+from gcodesim.executor.window import StepWindow, first_carry, window_of
+from gcodesim.frames import Pose
+from gcodesim.shop import Shop
+from gcodesim.world import RobotBody, WorldSteps, open_world, tool_body
+
+if TYPE_CHECKING:
+    from gcodesim.planning import Plan
+    from gcodesim.world import World
+
+MOST_STEPS: Final = 2000
+"""Steps of one window: enough to spread the cost of a window, few enough to stay small in memory."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Progress:
+    """How far a run is: steps done of all, simulated time [s], path row."""
+
+    step: int
+    steps: int
+    time: float
+    row: int
+
+
+class Watcher(Protocol):
+    """Who wants to see every window: the log."""
+
+    def start(self, world_steps: WorldSteps, window: StepWindow) -> None:
+        """The state before the first step, as a window of one step that does not move."""
+
+    def take(self, record: StepRecord) -> None:
+        """The next window."""
+
+    @property
+    def interval_steps(self) -> int:
+        """After so many steps the watcher wants to look at the stock."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Execution:
+    """What a run came to. `interrupted` when somebody stopped it after `steps` of `planned` steps."""
+
+    rows: RowTotals
+    joints: JointTotals
+    steps: int
+    planned: int
+    last_row: int
+    interrupted: bool
+    end_wrench: bool = False
+
+
+def execute(
+    plan: Plan,
+    shop: Shop,
+    *,
+    world_name: str,
+    dt_ns: int,
+    watcher: Watcher | None = None,
+    progress: Callable[[Progress], None] | None = None,
+) -> Execution:
+    """Run the whole plan in a world; stock changes in place.
+
+    KeyboardInterrupt ends the run after the window in hand; what was done until
+    then is in the result. Raises `WorldUnavailable` when the world cannot be
+    opened here.
+    """
+    rows = RowColumns.of(plan.path)
+    totals = RowTotals.zeros(len(rows.tool))
+    carry = first_carry(plan, shop, rows)
+    q0 = plan.joints(plan.trajectory.sample(np.zeros(1)))[0]
+    joints = JointTotals.start(q0)
+    planned = int(-(-plan.trajectory.duration_ns // dt_ns))
+    world = open_world(world_name, RobotBody(chain=shop.kinematics.chain, X_WB=shop.X_WB), dt_ns)
+    coupling = Coupling(plan, shop, rows)
+    most = MOST_STEPS if watcher is None else max(1, min(MOST_STEPS, watcher.interval_steps))
+    done, interrupted, last_row = 0, False, 0
+    try:
+        _attach(world, shop, int(rows.tool[0]))
+        world.reset(q0)
+        if watcher is not None:
+            still = window_of(plan, shop, rows, 0, 1, dt_ns, first_carry(plan, shop, rows))
+            watcher.start(world.run(q0[None]), still)
+            world.reset(q0)
+        while done < planned:
+            count = min(most, planned - done)
+            window = window_of(plan, shop, rows, done, count, dt_ns, carry)
+            record = _run(world, shop, coupling, window)
+            _sum_up(record, totals, joints)
+            if watcher is not None:
+                watcher.take(record)
+            done += count
+            last_row = int(window.row[-1])
+            if progress is not None:
+                progress(Progress(step=done, steps=planned, time=done * dt_ns * 1e-9, row=last_row))
+    except KeyboardInterrupt:
+        interrupted = True
+    finally:
+        world.close()
+    return Execution(
+        rows=totals, joints=joints, steps=done, planned=planned, last_row=last_row, interrupted=interrupted
+    )
+
+
+def _run(world: World, shop: Shop, coupling: Coupling, window: StepWindow) -> StepRecord:
+    """Move through a window, tool by tool."""
+    bounds = (np.flatnonzero(np.diff(window.tool)) + 1).tolist()
+    stretches: list[Stretch] = []
+    moved: list[WorldSteps] = []
+    for begin, end in zip([0, *bounds], [*bounds, len(window)], strict=True):
+        _attach(world, shop, int(window.tool[begin]))
+        stretch = coupling.stretch(window, begin, end)
+        moved.append(world.run(window.q[begin:end], stretch if stretch.parts else None))
+        stretch.finish()
+        stretches.append(stretch)
+    steps = moved[0] if len(moved) == 1 else _joined(moved)
+    return record_of(window, steps, [part for stretch in stretches for part in stretch.parts])
+
+
+def _joined(parts: list[WorldSteps]) -> WorldSteps:
+    names = ("q", "qd", "qdd", "effort", "saturated", "reaction")
+    return WorldSteps(**{name: np.concatenate([getattr(part, name) for part in parts]) for name in names})
+
+
+def _attach(world: World, shop: Shop, number: int) -> None:
+    """Put the tool of that number on the flange; the old one goes into its pocket."""
+    tool = shop.tool(number)
+    body = None if tool is None else tool_body(tool)
+    now = world.tool
+    if (now.name if now else None) == (body.name if body else None):
+        return
+    world.attach(body, None if now is None else pocket_of(shop, now.name))
+
+
+def pocket_of(shop: Shop, name: str) -> Pose:
+    """Where the tool of that name waits: pose of its flange side in the world, along X of the magazine."""
+    names = [tool.name for _, tool in sorted(shop.cell.tools.items())]
+    index = names.index(name) if name in names else len(names)
+    return shop.magazine_pose @ Pose.from_xyz_rpy((index * shop.cell.magazine.pitch, 0.0, 0.0))
+
+
+def _sum_up(record: StepRecord, totals: RowTotals, joints: JointTotals) -> None:
+    row = record.window.row
+    world = record.world
+    joints.add(world.q, world.qd, world.qdd, world.effort, world.saturated, row)
+    cutting = record.removed > 0.0
+    totals.add("removed", row, np.where(cutting, record.removed, 0.0))
+    totals.add("added", row, np.where(cutting, 0.0, -record.removed))
+    totals.add("engaged", row, record.engaged * record.window.dt)
+    totals.add("stopped_cut", row, np.where(record.stopped, record.removed, 0.0))
+    totals.add("reversed_cut", row, np.where(record.reversed, record.removed, 0.0))
+    totals.add("rapid_cut", row, np.where(record.rapid & cutting, record.removed, 0.0))
+    totals.add("rapid_bound", row, np.where(record.rapid & cutting, record.rapid_bound, 0.0))
+    totals.add("inside", row, record.inside * record.window.dt)
+    totals.add("tilted", row, record.tilted * record.window.dt)
+    totals.raise_to("force", row, np.linalg.norm(record.wrench[:, :3], axis=1))
+    for name in ("torque", "power"):
+        totals.raise_to(name, row, np.abs(getattr(record, name)))
+    totals.raise_to("shank", row, record.shank_depth)
+    totals.raise_to("holder", row, record.holder_depth)

@@ -1,0 +1,159 @@
+"""One tool at work in one stock during consecutive steps: the question to the process, step by step or at once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from gcodesim.executor.tasks import RowColumns, Task
+from gcodesim.executor.window import StepWindow
+from gcodesim.frames import Array
+from gcodesim.kinematics import Cartesian, compliance
+from gcodesim.processes.window import ProcessStep, Window
+from gcodesim.shop import Shop
+
+NEAR = 1e-3
+"""Distance [m] from the stock within which a tool counts as near; more than any arm gives way."""
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class Part:
+    """Steps `begin` to `end` of a window. `window` is their commanded motion in S, `X_BS` (n, 4, 4) where S is.
+
+    `share` (c, 2) tells where in its step each piece begins and ends. `answer`
+    is what the process did.
+    """
+
+    task: Task
+    begin: int
+    end: int
+    window: Window
+    X_BS: Array
+    share: Array
+    answer: ProcessStep | None = None
+    _loop: Any = field(default=None)
+
+    def run(self) -> Array:
+        """All steps at once, as commanded; the wrench (n, 6) in base axes."""
+        self.answer = self.task.process.run(self.task.target.stock, self.window, self.task.state)
+        return in_base(self.answer.wrench, self.X_BS)
+
+    def step(self, k: int, moved_before: Array, moved: Array) -> Array:
+        """Step `k` of this part, its tip off the command by `moved_before` … `moved` (3,) [m]; wrench (6,); in B."""
+        if self._loop is None:
+            self._loop = self.task.process.loop(self.task.target.stock, self.window, self.task.state)
+        R = self.X_BS[k, :3, :3]
+        wrench = self._loop.step(k, moved_before @ R, moved @ R, self.share)
+        return np.concatenate([R @ wrench[:3], R @ wrench[3:]])
+
+    def finish(self) -> None:
+        """After the last step of a loop: collect what the process did."""
+        if self._loop is not None:
+            self.answer, self._loop = self._loop.finish(), None
+        elif self.answer is None:
+            self.run()
+
+
+def part_of(
+    shop: Shop, rows: RowColumns, task: Task, steps: StepWindow, begin: int, end: int, jacobian: Callable[[], Array]
+) -> Part | None:
+    """The question for steps `begin` to `end`, all with the task's tool; None when the tool stays away from the stock.
+
+    `jacobian` gives those of the tip (n, 6, j) in base axes; a rigid machine does not ask for them.
+    """
+    count = end - begin
+    X_BS = _stock_poses(shop, task, steps.q[begin:end])
+    moving = bool(np.ptp(X_BS[:, :3], axis=0).any())
+    if moving:  # the table turns or travels: chords between the ends of steps, seen from the stock
+        held = np.concatenate([X_BS[:1], X_BS[:-1]])
+        start = _into(held, steps.tip_before[begin:end, :3, 3])
+        stop = _into(X_BS, steps.tip[begin:end, :3, 3])
+        step, share = np.arange(count), np.tile([0.0, 1.0], (count, 1))
+        row = steps.row[begin:end]
+    else:
+        first, last = np.searchsorted(steps.piece_step, [begin, end])
+        R, p = X_BS[0, :3, :3], X_BS[0, :3, 3]
+        start, stop = (steps.piece_start[first:last] - p) @ R, (steps.piece_end[first:last] - p) @ R
+        step, share, row = (
+            steps.piece_step[first:last] - begin,
+            steps.piece_share[first:last],
+            steps.piece_row[first:last],
+        )
+    if not _is_near(task, start, stop):
+        return None
+    R_SB = X_BS[:, :3, :3].transpose(0, 2, 1)
+    axis = -np.einsum("nij,nj->ni", R_SB, steps.tip[begin:end, :3, 2])
+    velocity = np.zeros((count, 3))
+    np.add.at(velocity, step, (stop - start) / steps.dt)
+    step_row = steps.row[begin:end]
+    rapid = np.ones(count, dtype=bool)  # a step is rapid when all of it is
+    rapid[step[~rows.rapid[row]]] = False
+    window = Window(
+        piece_start=np.ascontiguousarray(start),
+        piece_end=np.ascontiguousarray(stop),
+        piece_step=step,
+        axis=axis,
+        velocity=velocity,
+        spindle=rows.spindle[step_row],
+        rapid=rapid,
+        active=rows.active[step_row],
+        dt=steps.dt,
+        compliance=None if shop.stiffness is None else _seen_from(R_SB, compliance(jacobian(), shop.stiffness)),
+    )
+    return Part(task=task, begin=begin, end=end, window=window, X_BS=X_BS, share=share)
+
+
+def _stock_poses(shop: Shop, task: Task, q: Array) -> Array:
+    """X_BS (n, 4, 4) at joints `q` (n, j); on a machine with a moving table the stock goes along."""
+    X_BS = (shop.X_WB.inverse() @ task.target.X_WS).matrix
+    if isinstance(shop.kinematics, Cartesian):
+        poses: Array = shop.kinematics.table(q) @ X_BS
+        return poses
+    return np.tile(X_BS, (len(q), 1, 1))
+
+
+def _into(X: Array, points: Array) -> Array:
+    """Points (n, 3) of the outer frame in the inner frames of poses (n, 4, 4)."""
+    local: Array = np.einsum("nji,nj->ni", X[:, :3, :3], points - X[:, :3, 3])
+    return local
+
+
+def _is_near(task: Task, start: Array, stop: Array) -> bool:
+    stock, reach = task.target.stock, task.reach + NEAR
+    if task.process.kind == "extrusion":
+        return True
+    low, high = np.minimum(start, stop).min(axis=0), np.maximum(start, stop).max(axis=0)
+    corner = stock.grid[:2] + stock.grid[2:] * stock.count.shape
+    return bool(
+        low[2] - NEAR < stock.tops.max()
+        and (low[:2] - reach < corner).all()
+        and (high[:2] + reach > stock.grid[:2]).all()
+    )
+
+
+def _seen_from(R: Array, C: Array) -> Array:
+    """Compliance (n, 6, 6) in turned axes, R (n, 3, 3)."""
+    both = np.zeros_like(C)
+    both[:, :3, :3] = both[:, 3:, 3:] = R
+    turned: Array = both @ C @ both.transpose(0, 2, 1)
+    return turned
+
+
+def in_base(wrench: Array, X_BS: Array) -> Array:
+    """Wrenches (n, 6) given in S, in base axes."""
+    R = X_BS[:, :3, :3]
+    return np.concatenate(
+        [np.einsum("nij,nj->ni", R, wrench[:, :3]), np.einsum("nij,nj->ni", R, wrench[:, 3:])], axis=1
+    )
+
+
+def deflection_of(part: Part) -> Array:
+    """How far (n, 6) the tip gives way in B: translation [m] as the process solved it, rotation vector [rad]."""
+    assert part.answer is not None
+    turn = np.zeros((len(part.answer.wrench), 3))
+    if part.window.compliance is not None:
+        turn = np.einsum("nij,nj->ni", part.window.compliance[:, 3:], part.answer.wrench)
+    return in_base(np.concatenate([part.answer.deflection, turn], axis=1), part.X_BS)

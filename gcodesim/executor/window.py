@@ -1,0 +1,131 @@
+"""The steps between two looks at the outside: everything that is known about them before the world moves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.executor.tasks import RowColumns
+from gcodesim.frames import Array
+from gcodesim.shop import Shop
+
+if TYPE_CHECKING:
+    from gcodesim.motion.trajectory import Samples
+    from gcodesim.planning import Plan
+
+Ints = NDArray[np.int64]
+
+LONGEST_CHORD: Final = 0.25e-3
+"""Greatest length [m] of a piece in a feed: on a radius of 2 mm it leaves the arc by 4 um."""
+
+MOST_PARTS: Final = 64  # of one step
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class Carry:
+    """What a window takes over from the one before: tool, tip from control point (3,) [m] in B, tip pose (4, 4)."""
+
+    tool: int
+    gap: Array
+    tip: Array
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class StepWindow:
+    """n steps from step `first` on; step k of the run ends at k dt.
+
+    `samples` at the ends of the steps; `row` (n,) is the path row in the middle
+    of each; `tool` (n,) its tool; `q` (n, j) commanded joints; `tip` (n, 4, 4)
+    the commanded tip X_BT and `tip_before` (n, 4, 4) that at the step's start.
+
+    The sweep of the tip in B, cut where rows, pieces and steps end: m pieces
+    from `piece_start` to `piece_end` (m, 3) [m], in step `piece_step` (m,),
+    `piece_share` (m, 2) of the step, in row `piece_row` (m,).
+    """
+
+    first: int
+    dt: float
+    samples: Samples
+    row: Ints
+    tool: Ints
+    q: Array
+    tip: Array
+    tip_before: Array
+    piece_start: Array
+    piece_end: Array
+    piece_step: Ints
+    piece_share: Array
+    piece_row: Ints
+
+    def __len__(self) -> int:
+        return len(self.row)
+
+
+def first_carry(plan: Plan, shop: Shop, rows: RowColumns) -> Carry:
+    """Before the first step: the machine stands at the start of the plan."""
+    samples = plan.trajectory.sample(np.zeros(1))
+    row = np.zeros(1, dtype=np.int64)
+    tip = plan.tip(plan.joints(samples), row)[0]
+    control = shop.X_BM.apply(samples.position[0, :3])
+    return Carry(tool=int(rows.tool[0]), gap=tip[:3, 3] - control, tip=tip)
+
+
+def window_of(plan: Plan, shop: Shop, rows: RowColumns, first: int, count: int, dt_ns: int, carry: Carry) -> StepWindow:
+    """Sample `count` steps from step `first` on; `carry` is brought to the end of the window."""
+    times: Array = (np.arange(first, first + count + 1, dtype=np.int64) * dt_ns).astype(float) * 1e-9
+    dt = dt_ns * 1e-9
+    trajectory = plan.trajectory
+    last = len(rows.tool) - 1
+    samples = trajectory.sample(times[1:])
+    middle_time: Array = 0.5 * (times[:-1] + times[1:])
+    middle = trajectory.sample(middle_time)
+    row = np.clip(middle.row, 0, last)
+    tool = rows.tool[row]
+    q = plan.joints(samples)
+    tip = plan.tip(q, row)
+
+    # tip from control point at both ends of every step; a fresh tool has no past
+    gap = tip[:, :3, 3] - shop.X_BM.apply(samples.position[:, :3])
+    changed = np.diff(tool, prepend=carry.tool) != 0
+    gap_before = np.vstack([carry.gap[None], gap[:-1]])
+    gap_before[changed] = gap[changed]
+    tip_before = np.concatenate([carry.tip[None], tip[:-1]])
+    tip_before[changed] = tip[changed]
+
+    fastest = float(np.abs(middle.speed[~rows.rapid[row]]).max(initial=0.0))
+    parts = int(np.clip(np.ceil(fastest * dt / LONGEST_CHORD), 1, MOST_PARTS))
+    knot_time = np.unique(np.concatenate([_refined(times, parts), trajectory.boundaries(times[0], times[-1])]))
+    knots = shop.X_BM.apply(trajectory.sample(knot_time).position[:, :3])
+    centre = 0.5 * (knot_time[:-1] + knot_time[1:])
+    step = np.clip(np.searchsorted(times, centre, side="right") - 1, 0, count - 1)
+    share = np.clip(np.column_stack([knot_time[:-1] - times[step], knot_time[1:] - times[step]]) / dt, 0.0, 1.0)
+    bend = gap[step] - gap_before[step]
+    window = StepWindow(
+        first=first,
+        dt=dt,
+        samples=samples,
+        row=row,
+        tool=tool,
+        q=q,
+        tip=tip,
+        tip_before=tip_before,
+        piece_start=knots[:-1] + gap_before[step] + share[:, :1] * bend,
+        piece_end=knots[1:] + gap_before[step] + share[:, 1:] * bend,
+        piece_step=step,
+        piece_share=share,
+        piece_row=np.clip(trajectory.sample(centre).row, 0, last),
+    )
+    carry.tool, carry.gap, carry.tip = int(tool[-1]), gap[-1], tip[-1]
+    return window
+
+
+def _refined(times: Array, parts: int) -> Array:
+    """`times` with `parts` equal stretches between two of them."""
+    if parts == 1:
+        return times
+    share = np.arange(parts) / parts
+    inner = (times[:-1, None] + (times[1:] - times[:-1])[:, None] * share).ravel()
+    return np.append(inner, times[-1])

@@ -1,0 +1,285 @@
+"""The cell come to life: kinematics, tools, processes and stock, each in its place."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from gcodesim.cell import Cell, Placement, place
+from gcodesim.cell.cell import MACHINE, MAIN
+from gcodesim.cell.machine import MachineTool
+from gcodesim.cell.robot import Payload, Robot
+from gcodesim.cell.stock import Box, Cylinder, Leftover, StockSpec
+from gcodesim.diagnostics import Diagnostic
+from gcodesim.frames import Array, Pose
+from gcodesim.kinematics import Axis, Cartesian, Chain, Inertial, Kinematics, Link, kinematics_of
+from gcodesim.units import MM
+
+if TYPE_CHECKING:
+    from gcodesim.material.stock import Stock
+    from gcodesim.processes.materials import Material
+    from gcodesim.tools.tool import Tool
+
+MEMORY_BUDGET: Final = 2 << 30
+"""Bytes that one stock may take: what a laptop has to spare."""
+
+CELLS_PER_DIAMETER: Final = 24
+"""Cells across the smallest cutter where the cell file names no resolution."""
+
+FINEST_DEFAULT: Final = 0.05 * MM
+COARSEST_DEFAULT: Final = 0.5 * MM
+MOST_DEFAULT_COLUMNS: Final = 4_000_000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PlacedStock:
+    """A workpiece and where it stands: `X_WS` is its frame S in the world (table axes at zero)."""
+
+    name: str
+    spec: StockSpec
+    stock: Stock
+    X_WS: Pose
+    material: Material | None
+    initial: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Shop:
+    """All that a channel's program acts on.
+
+    `X_WB` is the base B of the robot (of a machine: M), `X_BM` machine zero seen
+    from there; on an arm M is B, turned when its work systems are tilted.
+    `stiffness` (j,) [N·m/rad] or None for a rigid machine.
+    """
+
+    cell: Cell
+    channel: str
+    name: str
+    kinematics: Kinematics
+    placement: Placement
+    X_WB: Pose
+    X_BM: Pose
+    home: Array
+    stiffness: Array | None
+    stocks: Mapping[str, PlacedStock] = field(default_factory=dict)
+
+    @property
+    def is_arm(self) -> bool:
+        return not isinstance(self.kinematics, Cartesian)
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Names as in the log: `arm/joint_1`, `machine/X`."""
+        return tuple(f"{self.name}/{joint}" for joint in self.kinematics.joints.names)
+
+    @property
+    def magazine_pose(self) -> Pose:
+        """Where the first pocket stands: X_W of the flange side of the tool in it."""
+        placed = self.cell.magazine.place
+        return self.cell.frames[placed.frame or "world"] @ placed.X
+
+    def tool(self, number: int) -> Tool | None:
+        """The tool of that number; None for the empty spindle and for numbers that the cell does not know."""
+        return self.cell.tools.get(number)
+
+
+def open_shop(cell: Cell, channel: str = MAIN) -> tuple[Shop, list[Diagnostic]]:
+    """Kinematics and places of a cell, without stock."""
+    if channel not in cell.channels:
+        channel = next(iter(cell.channels))
+    mover = cell.machine_of(channel)
+    placement = place(cell, channel)
+    kinematics: Kinematics
+    if isinstance(mover, MachineTool):
+        kinematics = _machine(mover)
+        name, X_WB, stiffness = MACHINE, mover.X_WM, None
+        homes = {axis.letter: axis.home for axis in mover.axes}
+        home = np.array([homes[letter] for letter in kinematics.joints.names])
+    else:
+        kinematics = kinematics_of(_loaded(mover.chain, mover.payload))
+        name, X_WB = mover.name, mover.X_WB
+        home = np.array(mover.home)
+        stiffness = None if mover.stiffness is None else np.array(mover.stiffness)
+    shop = Shop(
+        cell=cell,
+        channel=channel,
+        name=name,
+        kinematics=kinematics,
+        placement=placement,
+        X_WB=X_WB,
+        X_BM=X_WB.inverse() @ placement.X_WM,
+        home=home,
+        stiffness=stiffness,
+    )
+    return shop, list(placement.findings)
+
+
+def _machine(mover: MachineTool) -> Cartesian:
+    """The kinematics of a machine tool, with the limits that the cell names."""
+    axes = [
+        Axis(
+            letter=axis.letter,
+            lower=axis.lower,
+            upper=axis.upper,
+            speed=axis.speed,
+            acceleration=axis.acceleration,
+            effort=axis.effort,
+            side=axis.side,
+            point=axis.at,
+            moving_mass=axis.moving_mass,
+        )
+        for axis in mover.axes
+    ]
+    if mover.chain is None:
+        return Cartesian.of_axes(axes)
+    by_letter = {axis.letter: axis for axis in axes}
+    joints = tuple(
+        replace(
+            joint,
+            lower=by_letter[joint.name].lower,
+            upper=by_letter[joint.name].upper,
+            speed=by_letter[joint.name].speed,
+            acceleration=by_letter[joint.name].acceleration,
+            effort=by_letter[joint.name].effort,
+        )
+        if joint.name in by_letter
+        else joint
+        for joint in mover.chain.joints
+    )
+    chain = replace(mover.chain, joints=joints)
+    machine = Cartesian.of(chain)
+    if machine is None:
+        raise AssertionError(f"the shipped machine {mover.model} has joints that are no axes")
+    return machine
+
+
+def _loaded(chain: Chain, payload: Payload | None) -> Chain:
+    """The chain with what hangs at its flange besides the tool."""
+    if payload is None:
+        return chain
+    flange = next(link for link in chain.links if link.name == chain.flange)
+    if flange.inertial is not None and flange.inertial.mass > 0.0:
+        raise AssertionError("a flange with a mass of its own cannot take a payload")
+    carried = Inertial(mass=payload.mass, com=np.array(payload.xyz), inertia=np.zeros((3, 3)))
+    links = tuple(
+        Link(name=link.name, inertial=carried, visuals=link.visuals, collisions=link.collisions)
+        if link is flange
+        else link
+        for link in chain.links
+    )
+    return replace(chain, links=links)
+
+
+def with_stock(shop: Shop) -> tuple[Shop, list[Diagnostic]]:
+    """The shop with its workpieces; a finding for each that does not fit into memory or cannot be read."""
+    stocks: dict[str, PlacedStock] = {}
+    findings: list[Diagnostic] = []
+    for name, spec in shop.cell.stocks.items():
+        made = _stock(shop, name, spec)
+        if isinstance(made, Diagnostic):
+            findings.append(made)
+            continue
+        material = shop.cell.material(spec)
+        if material is None and made.material:
+            material = _material_named(shop.cell, made.material)
+        stocks[name] = PlacedStock(
+            name=name,
+            spec=spec,
+            stock=made,
+            X_WS=shop.placement.stocks[name],
+            material=material,
+            initial=made.volume,
+        )
+    return replace(shop, stocks=stocks), findings
+
+
+def _material_named(cell: Cell, name: str) -> Material | None:
+    """A material that an earlier run's stock names, when this cell or the library knows it."""
+    from gcodesim.processes.materials import LIBRARY
+
+    return cell.materials.get(name) or LIBRARY.get(name)
+
+
+def _stock(shop: Shop, name: str, spec: StockSpec) -> Stock | Diagnostic:
+    from gcodesim.material.stock import Stock, finest_resolution, memory_needed
+    from gcodesim.material.stock_file import SUFFIX, StockFileError, load_stock
+
+    span = shop.cell.span("stock", name, "resolution")
+    shape = spec.shape
+    if isinstance(shape, Leftover):
+        path = _left_file(shape, name, SUFFIX)
+        try:
+            return load_stock(path)
+        except (OSError, StockFileError) as error:
+            text = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+            return Diagnostic(
+                code="GS410",
+                span=shop.cell.span("stock", name, "from"),
+                message=f"`{shape.name}` has no stock to go on with: {path.name}: {text}",
+                hint="name the folder that `gcodesim run --out` wrote",
+            )
+    lower, upper = _corners(shape)
+    size = (upper[0] - lower[0], upper[1] - lower[1], upper[2] - lower[2])
+    resolution = spec.resolution or default_resolution(shop.cell, size)
+    needed = memory_needed(size, resolution)
+    if needed > MEMORY_BUDGET:
+        finest = finest_resolution(size, MEMORY_BUDGET)
+        return Diagnostic(
+            code="GS411",
+            span=span,
+            message=f"stock `{name}` at {resolution / MM:g} mm needs {needed / 2**30:.3g} GiB ({needed} bytes); "
+            f"{MEMORY_BUDGET / 2**30:.3g} GiB are allowed",
+            value=float(needed),
+            limit=float(MEMORY_BUDGET),
+            unit="B",
+            hint=f"the finest resolution that fits is {finest / MM:g} mm",
+        )
+    material = spec.material or ""
+    if isinstance(shape, Box):
+        return Stock.box(lower, upper, resolution, material)
+    if isinstance(shape, Cylinder):
+        centre = (0.0, 0.0, shape.bottom)
+        return Stock.cylinder(centre, 2.0 * shape.radius, shape.top - shape.bottom, resolution, material)
+    from gcodesim.material.mesh import read_mesh, stock_of_mesh
+
+    return stock_of_mesh(*read_mesh(shape.path, shape.scale), resolution, material)
+
+
+def _left_file(shape: Leftover, name: str, suffix: str) -> Path:
+    """The stock file in an earlier run's folder: of the same name, else the only one there is."""
+    own = shape.folder / f"{name}{suffix}"
+    if own.exists():
+        return own
+    others = sorted(shape.folder.glob(f"*{suffix}"))
+    return others[0] if len(others) == 1 else own
+
+
+def _corners(shape: Any) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+    from gcodesim.cell.placement import bounds_of
+
+    corners = bounds_of(shape)
+    if corners is None:
+        from gcodesim.material.mesh import read_mesh
+
+        vertices, _ = read_mesh(shape.path, shape.scale)
+        low, high = vertices.min(axis=0), vertices.max(axis=0)
+        return (float(low[0]), float(low[1]), float(low[2])), (float(high[0]), float(high[1]), float(high[2]))
+    return corners
+
+
+def default_resolution(cell: Cell, size: tuple[float, float, float]) -> float:
+    """Grid [m] of a stock whose file names none: fine enough for the smallest tool, never absurdly fine."""
+    widths = [width for tool in cell.tools.values() if (width := getattr(tool, "diameter", None))]
+    wanted = min(widths) / CELLS_PER_DIAMETER if widths else COARSEST_DEFAULT
+    wanted = float(np.clip(wanted, FINEST_DEFAULT, COARSEST_DEFAULT))
+    fewest = float(np.sqrt(size[0] * size[1] / MOST_DEFAULT_COLUMNS))
+    return max(wanted, fewest)
+
+
+def mover_of(shop: Shop) -> MachineTool | Robot:
+    """The description of what the program moves."""
+    return shop.cell.machine_of(shop.channel)
