@@ -31,7 +31,15 @@ def resolve(cell: Cell, to: Reading) -> Cell:
     _check_materials(cell, to)
     _check_codes(cell, to)
     _check_world(cell, to)
-    return replace(cell, spans=dict(to.spans), defaults_used=tuple(to.defaults))
+    return replace(cell, spans=_spans(cell, to), defaults_used=tuple(to.defaults))
+
+
+def _spans(cell: Cell, to: Reading) -> dict[Path, Span]:
+    """Places of all values; a stock without a name of its own is found by the name `stock` too."""
+    spans = dict(to.spans)
+    if "stock" in cell.stocks and ("stock", "stock") not in spans:
+        spans |= {("stock", *path): span for path, span in to.spans.items() if path[:1] == ("stock",)}
+    return spans
 
 
 def _with_frames(cell: Cell, to: Reading) -> Cell:
