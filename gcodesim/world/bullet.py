@@ -17,7 +17,9 @@ import os
 import sys
 import tempfile
 from collections.abc import Callable
+from functools import partial
 from itertools import chain
+from operator import itemgetter
 from typing import Any, Final
 
 import numpy as np
@@ -223,15 +225,14 @@ class BulletWorld(WorldBase):
             rows = slice(first, min(first + CHUNK, n))
             push: Push | None = None
             if callable(couple):
-                push = self._push_coupled(couple, first, commands[rows], wrench[rows])
+                push = self._push(commands[rows], wrench[rows], partial(couple_row, couple, first))
             elif couple is not None:
-                push = self._push_known(wrench[rows])
+                push = self._push(commands[rows], wrench[rows], None)
             states = self._lean_loop(commands[rows], push, contact[rows] if self.bodies else None)
-            position, velocity, _, torque = zip(*chain.from_iterable(states), strict=True)
             after = slice(first + 1, rows.stop + 1)
-            q[after] = np.array(position).reshape(-1, count)
-            qd[after] = np.array(velocity).reshape(-1, count)
-            effort[rows] = np.array(torque).reshape(-1, count)
+            joints = list(chain.from_iterable(states))
+            for field, column in ((0, q[after]), (1, qd[after]), (3, effort[rows])):
+                column.ravel()[:] = np.fromiter(map(itemgetter(field), joints), dtype=float, count=len(joints))
             self._q, self._qd, self._commanded = q[rows.stop].copy(), qd[rows.stop].copy(), commands[rows.stop - 1]
         return WorldSteps(
             q=q[1:],
@@ -271,41 +272,34 @@ class BulletWorld(WorldBase):
                 self._read_contacts(contact[k])
         return states
 
-    def _push_known(self, wrench: Array) -> Push:
-        """Push the tool by `wrench` (m, 6), known for every step."""
-        acts: list[bool] = np.any(wrench != 0.0, axis=1).tolist()
-
-        def push(k: int, _state: JointStates | None) -> None:
-            if acts[k]:
-                self._apply(wrench[k])
-
-        return push
-
-    def _push_coupled(self, couple: Couple, first: int, commands: Array, wrench: Array) -> Push:
-        """Push the tool by what the process answers to where the step will end; the answers go into `wrench` (m, 6)."""
-        start = self._q - self._commanded
-
-        def push(k: int, state: JointStates | None) -> None:
-            # a step ends on its command, or short of it by what the step before fell short
-            missed = start if state is None else np.array([joint[0] for joint in state]) - commands[k - 1]
-            row = wrench_rows(couple, first + k, (commands[k] + missed)[None])[0]
-            wrench[k] = row
-            if row.any():
-                self._apply(row)
-
-        return push
-
-    def _apply(self, wrench: Array) -> None:
-        """Let `wrench` (6,), in base axes, act on the tool at the tip during the next step."""
-        if self._tip_link is None:
-            return
+    def _push(self, commands: Array, wrench: Array, ask: Callable[[int, Array], Array] | None) -> Push:
+        """Let `wrench` (m, 6), base axes, act on the tool at the tip; `ask(k, q)` fills row k when it is not known."""
         p, client, body, link = self._bullet, self._client, self._body, self._tip_link
         R_WB = self.robot.X_WB.R
-        # without the forward kinematics the answer is one step old
-        centre = p.getLinkState(body, link, computeForwardKinematics=1, physicsClientId=client)
-        tip = p.multiplyTransforms(centre[0], centre[1], self._p_tip, UPRIGHT)[0]
-        p.applyExternalForce(body, link, (R_WB @ wrench[:3]).tolist(), tip, p.WORLD_FRAME, client)
-        p.applyExternalTorque(body, link, (R_WB @ wrench[3:]).tolist(), p.WORLD_FRAME, client)
+        missed_before = self._q - self._commanded
+
+        def push(k: int, state: JointStates | None) -> None:
+            if ask is not None:
+                # a step ends on its command, or short of it by what the step before fell short
+                missed = missed_before if state is None else np.array([joint[0] for joint in state]) - commands[k - 1]
+                wrench[k] = ask(k, commands[k] + missed)
+            row = wrench[k]
+            if link is None or not row.any():
+                return
+            # asking for the tip also refreshes the place of the link, which Bullet takes the lever from
+            tip = self._tip_now()
+            p.applyExternalForce(body, link, (R_WB @ row[:3]).tolist(), tip, p.WORLD_FRAME, client)
+            p.applyExternalTorque(body, link, (R_WB @ row[3:]).tolist(), p.WORLD_FRAME, client)
+
+        return push
+
+    def _tip_now(self) -> tuple[float, ...]:
+        """The tip in W as Bullet has it; without the forward kinematics the answer would be one step old."""
+        centre = self._bullet.getLinkState(
+            self._body, self._tip_link, computeForwardKinematics=1, physicsClientId=self._client
+        )
+        tip: tuple[float, ...] = self._bullet.multiplyTransforms(centre[0], centre[1], self._p_tip, UPRIGHT)[0]
+        return tip
 
     def _read_contacts(self, row: Array) -> None:
         """Add up what touches the flange's link in `row` (6,): wrench on the tool at the tip, base axes."""
@@ -315,8 +309,7 @@ class BulletWorld(WorldBase):
         touches = p.getContactPoints(bodyA=body, linkIndexA=link, physicsClientId=client)
         if not touches:
             return
-        centre = p.getLinkState(body, link, computeForwardKinematics=1, physicsClientId=client)
-        tip = np.array(p.multiplyTransforms(centre[0], centre[1], self._p_tip, UPRIGHT)[0])
+        tip = np.array(self._tip_now())
         force, torque = np.zeros(3), np.zeros(3)
         for touch in touches:
             # position on the tool, normal towards it, then normal force and two of friction with their directions
@@ -333,6 +326,12 @@ class BulletWorld(WorldBase):
         if self._client >= 0:
             self._bullet.disconnect(self._client)
             self._client = -1
+
+
+def couple_row(couple: Couple, first: int, k: int, q: Array) -> Array:
+    """The wrench (6,) that `couple` answers for row `first + k` at joints `q` (j,)."""
+    row: Array = wrench_rows(couple, first + k, q[None])[0]
+    return row
 
 
 def _visual(p: Any, shape: Box | Cylinder | Sphere) -> dict[str, Any]:
