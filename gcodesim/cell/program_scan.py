@@ -8,7 +8,7 @@ Known forms: `(T1 D=6. CR=0. - ZMIN=-2. - flat end mill)` of Fusion posts,
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 from gcodesim.diagnostics import SourceText
@@ -18,13 +18,16 @@ Triple = tuple[float, float, float]
 _COMMENT = re.compile(r"\(([^)]*)\)|;(.*)$")
 _NUMBER = r"([0-9]+\.?[0-9]*|\.[0-9]+)"
 _TOOL_WORD = re.compile(r"(?<![A-Za-z0-9#<])[Tt]\s*([0-9]{1,5})(?![0-9.])")
-_TOOL_COMMENT = re.compile(r"\b(?:T|TOOL\s*#?)\s*([0-9]{1,5})\b(.*)", re.IGNORECASE)
-_DIAMETER = re.compile(rf"(?:\bD(?:IA(?:METER)?)?\.?\s*[=:]?\s*|[ØøΦ]\s*){_NUMBER}|{_NUMBER}\s*mm\b", re.IGNORECASE)
+_TOOL_COMMENT = re.compile(r"\b(?:T|TOOL\s*#?)\s*([0-9]{1,5})\b", re.IGNORECASE)
+_DIAMETERS: Final = (
+    re.compile(rf"(?:\bD(?:IA(?:METER)?)?\.?\s*[=:]?\s*|[ØøΦ]\s*){_NUMBER}", re.IGNORECASE),
+    re.compile(rf"{_NUMBER}\s*(?:mm|in|\")", re.IGNORECASE),
+    re.compile(rf"(?:mill|drill)\s+{_NUMBER}", re.IGNORECASE),
+)
 _CORNER = re.compile(rf"\bCR\s*[=:]\s*{_NUMBER}", re.IGNORECASE)
 _POINT = re.compile(rf"\b(?:TAPER|ANGLE|POINT)\s*[=:]\s*{_NUMBER}", re.IGNORECASE)
-_STOCK_SIZE = re.compile(
-    rf"{_NUMBER}\s*(?:mm|in)?\s*[x×*,]\s*{_NUMBER}\s*(?:mm|in)?\s*[x×*,]\s*{_NUMBER}", re.IGNORECASE
-)
+_BY = r"\s*(?:mm|in)?\s*[x×*,]\s*"
+_STOCK_SIZE = re.compile(rf"{_NUMBER}{_BY}{_NUMBER}{_BY}{_NUMBER}", re.IGNORECASE)
 _SIDES = re.compile(rf"X\s*=\s*{_NUMBER}\s*,?\s*Y\s*=\s*{_NUMBER}\s*,?\s*Z\s*=\s*{_NUMBER}", re.IGNORECASE)
 _COORDINATE = re.compile(r"(?<![A-Za-z#<])([XYZxyz])\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))")
 _INCH = re.compile(r"[Gg]0*20(?![0-9.])")
@@ -77,8 +80,7 @@ def scan(program: SourceText) -> Scan:
             if tool:
                 called.setdefault(tool, ScannedTool(number=tool, line=number))
         if comments:
-            tool_told = _tool_of(comments, number)
-            if tool_told is not None:
+            for tool_told in _tools_of(comments, number):
                 told.setdefault(tool_told.number, tool_told)
             if stock is None and (size := _stock_of(comments)) is not None:
                 stock, stock_line = size, number
@@ -97,24 +99,31 @@ def scan(program: SourceText) -> Scan:
     )
 
 
-def _tool_of(comment: str, line: int) -> ScannedTool | None:
-    match = _TOOL_COMMENT.search(comment)
-    if match is None or not int(match[1]):
-        return None
-    text = match[2].lower()
-    kind = next((name for word, name in _KINDS if word in text), "flat_end_mill")
-    tool = ScannedTool(number=int(match[1]), line=line, type=kind, comment=comment)
-    diameter, corner, point = _DIAMETER.search(match[2]), _CORNER.search(match[2]), _POINT.search(match[2])
-    size = None if diameter is None else float(diameter[1] or diameter[2])
+def _tools_of(comment: str, line: int) -> list[ScannedTool]:
+    """What a comment says about each `T` in it, up to the next one."""
+    found = [match for match in _TOOL_COMMENT.finditer(comment) if int(match[1])]
+    ends = [match.start() for match in found[1:]] + [len(comment)]
+    return [
+        _tool_of(int(match[1]), comment[match.end() : end], comment[match.start() : end].strip(" ,;"), line)
+        for match, end in zip(found, ends, strict=False)
+    ]
+
+
+def _tool_of(number: int, text: str, comment: str, line: int) -> ScannedTool:
+    kind = next((name for word, name in _KINDS if word in text.lower()), "flat_end_mill")
+    diameter = next((float(match[1]) for pattern in _DIAMETERS if (match := pattern.search(text))), None)
+    corner, point = _CORNER.search(text), _POINT.search(text)
     radius = None if corner is None else float(corner[1])
-    if kind == "flat_end_mill" and radius and size:
-        kind = "ball_end_mill" if radius >= 0.5 * size else "bull_nose_end_mill"
-    return replace(
-        tool,
+    if kind == "flat_end_mill" and radius and diameter:
+        kind = "ball_end_mill" if radius >= 0.5 * diameter else "bull_nose_end_mill"
+    return ScannedTool(
+        number=number,
+        line=line,
         type=kind,
-        diameter=size or None,
+        diameter=diameter or None,
         corner_radius=radius if kind == "bull_nose_end_mill" else None,
         point_angle=float(point[1]) if point is not None and kind == "drill" else None,
+        comment=comment,
     )
 
 

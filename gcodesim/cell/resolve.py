@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from importlib.util import find_spec
+from typing import Final
 
 from gcodesim.cell.cell import FORMAT, MACHINE, MAIN, Cell
 from gcodesim.cell.channel import Channel
@@ -11,7 +12,11 @@ from gcodesim.cell.placing import SYSTEMS, FrameTree, Place, unknown_frame
 from gcodesim.cell.reading import Path, Reading, suggestion
 from gcodesim.cell.records import keys, list_default
 from gcodesim.cell.settings import matches, with_step
+from gcodesim.cell.stock import Box, Mesh, Shape
 from gcodesim.diagnostics import Diagnostic, Severity, Span, codes
+from gcodesim.units import MM
+
+_STRANGE: Final = 100.0  # times larger or smaller than the rest
 
 
 def resolve(cell: Cell, to: Reading) -> Cell:
@@ -29,6 +34,7 @@ def resolve(cell: Cell, to: Reading) -> Cell:
     cell = replace(cell, simulation=simulation, log=log)
     _check_places(cell, to)
     _check_materials(cell, to)
+    _check_mesh_sizes(cell, to)
     _check_codes(cell, to)
     _check_world(cell, to)
     return replace(cell, spans=_spans(cell, to), defaults_used=tuple(to.defaults))
@@ -187,6 +193,45 @@ def _check_materials(cell: Cell, to: Reading) -> None:
                     message=f"the source of `{stock.material}` is in doubt: {LIBRARY[stock.material].note}",
                 )
             )
+
+
+def _check_mesh_sizes(cell: Cell, to: Reading) -> None:
+    """A mesh a hundred times larger or smaller than what it stands with mostly has another unit."""
+    meshes: list[tuple[Shape | None, Path]] = [
+        (f.shape, ("fixtures", name, "mesh")) for name, f in cell.fixtures.items()
+    ]
+    meshes += [(cell.target.shape, ("target", "mesh"))] if cell.target is not None else []
+    meshes += [(s.shape, (("stock", name, "mesh"))) for name, s in cell.stocks.items()]
+    scale = _size_of_cell(cell)
+    for shape, path in meshes:
+        if not isinstance(shape, Mesh) or shape.lower is None or shape.upper is None:
+            continue
+        side = max(high - low for low, high in zip(shape.lower, shape.upper, strict=True))
+        if scale / _STRANGE <= side <= scale * _STRANGE:
+            continue
+        much = "larger" if side > scale else "smaller"
+        to.findings.add(
+            Diagnostic(
+                code="GS718",
+                span=to.span(path) if path in to.spans else to.span(("stock", "mesh")),
+                message=f"`{shape.name}` is {side / MM:.6g} mm long, "
+                f"over a hundred times {much} than the cell ({scale / MM:.6g} mm)",
+                hint="is its `unit` right?",
+                value=side / MM,
+                limit=scale / MM,
+                unit="mm",
+            )
+        )
+
+
+def _size_of_cell(cell: Cell) -> float:
+    """A length that says how large things are here [m]: the longest side of stock, else the longest travel."""
+    boxes = (stock.shape for stock in cell.stocks.values())
+    sides = [side for shape in boxes if isinstance(shape, Box) for side in shape.size]
+    if sides:
+        return max(sides)
+    travels = [] if cell.machine is None else [axis.upper - axis.lower for axis in cell.machine.axes if not axis.rotary]
+    return max(travels, default=1.0)
 
 
 def _check_codes(cell: Cell, to: Reading) -> None:

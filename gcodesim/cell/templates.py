@@ -58,9 +58,8 @@ def _stock_lines(found: Scan) -> list[str]:
 
 
 def _tool_lines(tool: ScannedTool, unit: str) -> list[str]:
-    source = (
-        f"line {tool.line}: {tool.comment}" if tool.comment else f"called in line {tool.line}; fill in its diameter"
-    )
+    asked = "" if tool.diameter is not None else "; fill in its diameter"
+    source = f"line {tool.line}: {tool.comment}{asked}" if tool.comment else f"called in line {tool.line}{asked}"
     values = [f"type: {tool.type}"]
     values.append(f"diameter: {tool.diameter:g} {unit}" if tool.diameter is not None else "diameter: ")
     if tool.corner_radius:
