@@ -157,6 +157,12 @@ def joint_lines(axis: Axis, name: str, parent: str, child: str) -> list[str]:
     ]
 
 
+def massless(name: str) -> list[str]:
+    """A link that is a frame and no body."""
+    zeros = " ".join(f'{key}="0"' for key in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz"))
+    return [f'  <link name="{name}">', f'    <inertial><mass value="0"/><inertia {zeros}/></inertial>', "  </link>"]
+
+
 def urdf(model: Model) -> str:
     """The URDF text of a model."""
     masses: list[Mass | None] = [*model.masses] or [None] * (len(model.axes) + 1)
@@ -180,14 +186,17 @@ def urdf(model: Model) -> str:
         parent = child
     lines += [
         "  <!-- a mass of 0 is written because some readers take 1 kg where nothing is said -->",
-        '  <link name="flange">',
-        '    <inertial><mass value="0"/><inertia ixx="0" iyy="0" izz="0" ixy="0" ixz="0" iyz="0"/></inertial>',
-        "  </link>",
+        *massless("flange"),
         '  <joint name="flange" type="fixed">',
         f'    <parent link="{parent}"/><child link="flange"/>',
         f'    <origin xyz="{vector(model.flange)}" rpy="{vector(model.flange_rpy)}"/>',
         "  </joint>",
     ]
+    if not model.axes[0].name:  # arms: the name by which other programs look for the same frame
+        lines += [
+            *massless("tool0"),
+            '  <joint name="tool0" type="fixed"><parent link="flange"/><child link="tool0"/></joint>',
+        ]
     parent = "base"
     for index, axis in enumerate(model.table):
         child = "table" if index == len(model.table) - 1 else f"link_{axis.name}"

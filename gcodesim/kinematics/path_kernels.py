@@ -11,6 +11,7 @@ from gcodesim.frames import Array
 from gcodesim.kinematics.chain import Indices
 
 TURN = 2.0 * math.pi
+PER_TURN = 1.0 / TURN
 LIMIT_SLACK = 1e-9  # [rad], [m] beyond a limit that still counts as on it: rounding, not motion
 TIE = 1e-9  # squared distances closer than this are equal: the lower branch number wins
 JUMP = 0.35  # [rad] (20 deg) of one joint between two poses: a change of branch by more is no smooth passage
@@ -22,7 +23,7 @@ OK, REACH, LIMIT, SINGULAR, FLIP = 0, 1, 2, 3, 4
 @kernel
 def nearest_turn(angle: float, previous: float, lower: float, upper: float) -> float:
     """The angle plus whole turns that is nearest to `previous` within limits; out of limits when no turn fits."""
-    value = angle + TURN * math.floor(0.5 + (previous - angle) / TURN)
+    value = angle + TURN * math.floor(0.5 + (previous - angle) * PER_TURN)
     if value > upper + LIMIT_SLACK:
         down = value - TURN * math.ceil((value - upper - LIMIT_SLACK) / TURN)
         if down >= lower - LIMIT_SLACK:
@@ -67,6 +68,10 @@ def choose(
             distance += step * step
             if value > upper[i] + LIMIT_SLACK or value < lower[i] - LIMIT_SLACK:
                 inside = False
+            if best >= 0 and (not inside or distance >= least):
+                break  # there is a better one already
+        if best >= 0 and distance >= least:
+            continue
         if inside:
             if distance < least - TIE:
                 best, least = b, distance
