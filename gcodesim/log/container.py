@@ -1,8 +1,8 @@
 """The MCAP container, written so that a file cut off anywhere is readable up to its last whole record.
 
-Chunks are built here from rows and single messages, because a library call for
-each message would cost more than making the message. The rare records are
-those of the `mcap` package.
+Chunks are built by us (`chunk.py`) from rows and single messages, because a
+library call for each message would cost more than making the message. The rare
+records are those of the `mcap` package.
 """
 
 from __future__ import annotations
@@ -11,12 +11,12 @@ import errno
 import os
 import struct
 import zlib
+from collections import deque
 from collections.abc import Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, Final
 
-import numpy as np
-import zstandard
 from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
 from mcap.records import (
@@ -34,77 +34,26 @@ from mcap.records import (
     SummaryOffset,
 )
 
-from gcodesim.log.rows import MESSAGE_HEAD, MESSAGE_OPCODE, RECORD_HEAD, Rows
+from gcodesim.log.chunk import ChunkBuilder, PackedChunk, pack
+from gcodesim.log.rows import Rows
 from gcodesim.log.topics import Topic
 
 MAGIC: Final = b"\x89MCAP0\r\n"
 CHUNK_SIZE: Final = 1 << 20
-LEVEL: Final = 1  # of zstd: higher levels gain a few per cent on doubles and cost several times as much
+MOST_PACKING: Final = 3  # chunks that wait for the packing thread; then the run waits, too
 _RECORD: Final = struct.Struct("<BQ")
-_MESSAGE: Final = struct.Struct("<BQHIQQ")
-_INDEX_ENTRY: Final = struct.Struct("<QQ")
-_INDEX_HEAD: Final = struct.Struct("<BQHI")
-_CHUNK_HEAD: Final = struct.Struct("<QQQI")
 
 
 class LogWriteError(OSError):
     """The log cannot be written: disk full, folder gone, no permission. What was written so far stays readable."""
 
 
-class ChunkBuilder:
-    """Message records of one chunk and their index."""
-
-    def __init__(self) -> None:
-        self.size = 0
-        self.count = 0
-        self.first_ns = 0
-        self.last_ns = 0
-        self._parts: list[bytes | memoryview] = []
-        self._index: dict[int, list[bytes]] = {}
-
-    def _take(self, first_ns: int, last_ns: int, part: bytes | memoryview, size: int, count: int) -> None:
-        if self.count == 0:
-            self.first_ns = first_ns
-        self.last_ns = last_ns
-        self._parts.append(part)
-        self.size += size
-        self.count += count
-
-    def add_message(self, channel: int, sequence: int, t_ns: int, data: bytes) -> None:
-        """One message record; times must not decrease."""
-        self._index.setdefault(channel, []).append(_INDEX_ENTRY.pack(t_ns, self.size))
-        head = _MESSAGE.pack(MESSAGE_OPCODE, MESSAGE_HEAD + len(data), channel, sequence, t_ns, t_ns)
-        self._take(t_ns, t_ns, head + data, len(head) + len(data), 1)
-
-    def add_rows(self, rows: Rows, channels: Sequence[int]) -> None:
-        """The records of several instants, one for each of `channels` an instant."""
-        n = len(rows)
-        entries = np.empty((n, 2), dtype="<u8")
-        entries[:, 0] = rows.t_ns
-        offsets = self.size + rows.width * np.arange(n, dtype=np.uint64)
-        for channel, start in zip(channels, rows.starts, strict=True):
-            entries[:, 1] = offsets + np.uint64(start)
-            self._index.setdefault(channel, []).append(entries.tobytes())
-        data = np.ascontiguousarray(rows.data).data.cast("B")
-        self._take(int(rows.t_ns[0]), int(rows.t_ns[-1]), data, n * rows.width, n * len(channels))
-
-    def records(self) -> bytes:
-        return b"".join(self._parts)
-
-    def index_records(self) -> dict[int, bytes]:
-        """A message index record for each channel of this chunk, channels in order."""
-        found = {}
-        for channel in sorted(self._index):
-            entries = b"".join(self._index[channel])
-            found[channel] = _INDEX_HEAD.pack(Opcode.MESSAGE_INDEX, 6 + len(entries), channel, len(entries)) + entries
-        return found
-
-
 class Container:
     """An MCAP file under construction: `NAME.part` until it is complete.
 
     Every record goes to the system in one unbuffered write, so that a killed
-    process loses only what was not yet handed over here.
+    process loses only the chunks that are being filled or packed. Packing is
+    done by a thread of its own, in order, so the bytes do not depend on it.
     """
 
     def __init__(self, path: Path, library: str, topics: Sequence[tuple[Topic, bytes]]) -> None:
@@ -117,16 +66,15 @@ class Container:
         self.part_path = path.with_name(path.name + ".part")
         self._offset = 0
         self._crc = 0
-        self._compressor = zstandard.ZstdCompressor(level=LEVEL)
         self._chunk = ChunkBuilder()
+        self._packer = ThreadPoolExecutor(1, thread_name_prefix="log")
+        self._packing: deque[Future[PackedChunk]] = deque()
         self._schemas: dict[str, Schema] = {}
         self._channels: list[Channel] = []
         self._chunks: list[ChunkIndex] = []
         self._attachments: list[AttachmentIndex] = []
         self._metadata: list[MetadataIndex] = []
         self._counts: list[int] = [0] * (len(topics) + 1)
-        self._start_ns: int | None = None
-        self._end_ns = 0
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             self._file = open(self.part_path, "wb", buffering=0)  # noqa: SIM115  (lives as long as this object)
@@ -152,7 +100,7 @@ class Container:
         self._chunk.add_message(channel, self._counts[channel], t_ns, data)
         self._counts[channel] += 1
         if self._chunk.size > CHUNK_SIZE:
-            self.flush()
+            self._close_chunk()
 
     def add_rows(self, rows: Rows, channels: Sequence[int]) -> None:
         """Messages of many instants; chunks are closed as they fill."""
@@ -165,43 +113,39 @@ class Container:
             self._chunk.add_rows(rows.part(first, last), channels)
             first = last
             if self._chunk.size > CHUNK_SIZE:
-                self.flush()
+                self._close_chunk()
+
+    def _close_chunk(self) -> None:
+        """Have the chunk packed while the run goes on, and write those that are ready."""
+        self._check_open()
+        if self._chunk.count:
+            self._packing.append(self._packer.submit(pack, self._chunk))
+            self._chunk = ChunkBuilder()
+        while self._packing and (self._packing[0].done() or len(self._packing) > MOST_PACKING):
+            self._write_chunk(self._packing.popleft().result())
 
     def flush(self) -> None:
-        """Close the chunk, so that all messages so far are on disk."""
-        chunk = self._chunk
-        if not chunk.count:
-            return
-        self._chunk = ChunkBuilder()
-        records = chunk.records()
-        packed = self._compressor.compress(records)
-        head = _CHUNK_HEAD.pack(chunk.first_ns, chunk.last_ns, len(records), zlib.crc32(records))
-        head += struct.pack("<I4sQ", 4, b"zstd", len(packed))
+        """Put all messages so far on disk."""
+        self._close_chunk()
+        while self._packing:
+            self._write_chunk(self._packing.popleft().result())
+
+    def _write_chunk(self, chunk: PackedChunk) -> None:
         start = self._offset
-        length = RECORD_HEAD + len(head) + len(packed)
-        offsets, indexes = {}, []
-        at = start + length
-        for channel, record in chunk.index_records().items():
-            offsets[channel] = at
-            indexes.append(record)
-            at += len(record)
-        self._write(b"".join([_RECORD.pack(Opcode.CHUNK, length - RECORD_HEAD), head, packed, *indexes]))
+        self._write(chunk.chunk + chunk.indexes)
         self._chunks.append(
             ChunkIndex(
-                chunk_length=length,
+                chunk_length=len(chunk.chunk),
                 chunk_start_offset=start,
                 compression="zstd",
-                compressed_size=len(packed),
+                compressed_size=chunk.packed_size,
                 message_end_time=chunk.last_ns,
-                message_index_length=at - start - length,
-                message_index_offsets=offsets,
+                message_index_length=len(chunk.indexes),
+                message_index_offsets={channel: start + offset for channel, offset in chunk.offsets.items()},
                 message_start_time=chunk.first_ns,
-                uncompressed_size=len(records),
+                uncompressed_size=chunk.unpacked_size,
             )
         )
-        if self._start_ns is None:
-            self._start_ns = chunk.first_ns
-        self._end_ns = chunk.last_ns
 
     def add_attachment(self, name: str, t_ns: int, media_type: str, data: bytes) -> None:
         """A file inside the log; both its times are simulated time."""
@@ -243,7 +187,7 @@ class Container:
         crc = zlib.crc32(_RECORD.pack(Opcode.FOOTER, 20) + struct.pack("<QQ", start, offset_start), zlib.crc32(summary))
         self._write(summary + _bytes_of(Footer(start, offset_start, crc)) + MAGIC)
         try:
-            self._file.close()
+            self.abandon()
             os.replace(self.part_path, self.path)
         except OSError as error:
             raise self._failure(error) from error
@@ -254,6 +198,7 @@ class Container:
 
     def abandon(self) -> None:
         """Close as it is: the `.part` file keeps every record that was written."""
+        self._packer.shutdown(cancel_futures=True)
         self._file.close()
 
     def _statistics(self) -> Statistics:
@@ -263,16 +208,15 @@ class Container:
             channel_message_counts={i: n for i, n in enumerate(self._counts) if n},
             chunk_count=len(self._chunks),
             message_count=sum(self._counts),
-            message_end_time=self._end_ns,
-            message_start_time=self._start_ns or 0,
+            message_end_time=max((chunk.message_end_time for chunk in self._chunks), default=0),
+            message_start_time=min((chunk.message_start_time for chunk in self._chunks), default=0),
             metadata_count=len(self._metadata),
             schema_count=len(self._schemas),
         )
 
     def _write(self, data: bytes) -> None:
         """Hand one or more whole records to the system; on failure cut the file back to whole records."""
-        if self._file.closed:
-            raise LogWriteError(errno.EBADF, "the log was closed after an error", str(self.part_path))
+        self._check_open()
         rest = memoryview(data)
         try:
             while rest:
@@ -281,10 +225,14 @@ class Container:
             try:
                 self._file.truncate(self._offset)
             finally:
-                self._file.close()
+                self.abandon()
             raise self._failure(error) from error
         self._crc = zlib.crc32(data, self._crc)
         self._offset += len(data)
+
+    def _check_open(self) -> None:
+        if self._file.closed:
+            raise LogWriteError(errno.EBADF, "the log was closed after an error", str(self.part_path))
 
     def _failure(self, error: OSError) -> LogWriteError:
         return LogWriteError(error.errno, f"the log cannot be written: {error.strerror}", str(self.part_path))
