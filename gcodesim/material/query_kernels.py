@@ -110,7 +110,7 @@ def is_material(lo: Array, hi: Array, count: Ints, grid: Array, x: float, y: flo
 
 
 @kernel
-def highest_under(lo: Array, hi: Array, count: Ints, grid: Array, x: float, y: float, radius: float) -> float:
+def highest_under(hi: Array, count: Ints, grid: Array, x: float, y: float, radius: float) -> float:
     """Height [m] of the highest material under a disc of `radius` around (x, y); -inf when there is none."""
     nx, ny = count.shape
     top = -np.inf

@@ -1,0 +1,102 @@
+"""Beads: intervals that unite, cross-sections, corners."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from gcodesim.material import Stock
+from gcodesim.material.bead_kernels import bead_thickness, unite
+
+MM = 1e-3
+
+
+def column(*intervals, room=4):
+    lo, hi = np.zeros((1, 1, room)), np.zeros((1, 1, room))
+    for k, (low, high) in enumerate(intervals):
+        lo[0, 0, k], hi[0, 0, k] = low, high
+    return lo, hi, np.full((1, 1), len(intervals), dtype=np.int32)
+
+
+@pytest.mark.parametrize(
+    ("held", "new", "expected", "added"),
+    [
+        ([], (1, 2), [(1, 2)], 1),
+        ([(0, 1)], (1, 2), [(0, 2)], 1),
+        ([(0, 1)], (1.5, 2), [(0, 1), (1.5, 2)], 0.5),
+        ([(3, 4)], (1, 2), [(1, 2), (3, 4)], 1),
+        ([(0, 1), (2, 3)], (0.5, 2.5), [(0, 3)], 1),
+        ([(0, 1), (2, 3), (5, 6)], (1, 2), [(0, 3), (5, 6)], 1),
+        ([(0, 4)], (1, 2), [(0, 4)], 0),
+        ([(0, 1), (2, 3), (4, 5)], (-1, 9), [(-1, 9)], 7),
+    ],
+)
+def test_unite(held, new, expected, added):
+    lo, hi, count = column(*held)
+    assert unite(lo, hi, count, 0, 0, *map(float, new), 1e-9) == pytest.approx(added)
+    n = count[0, 0]
+    assert list(zip(lo[0, 0, :n], hi[0, 0, :n], strict=True)) == expected
+
+
+def test_unite_says_when_there_is_no_room_and_changes_nothing():
+    lo, hi, count = column((0, 1), (2, 3), room=2)
+    assert unite(lo, hi, count, 0, 0, 5.0, 6.0, 1e-9) == -1.0
+    assert count[0, 0] == 2 and hi[0, 0].tolist() == [1, 3]
+
+
+@pytest.mark.parametrize("cell", [0.1, 0.7, 2.0])
+@pytest.mark.parametrize("phase", [0.0, 0.3, 0.5])
+def test_thickness_over_the_cells_adds_up_to_the_area(cell, phase):
+    centres = (np.arange(-60, 61) + phase) * cell * MM
+    area = sum(bead_thickness(c, cell * MM, 5 * MM, 2 * MM) for c in centres) * cell * MM
+    assert area == pytest.approx((3 * 2 + math.pi) * MM**2, rel=1e-9)
+
+
+def test_a_wall_of_layers_is_one_solid():
+    stock = Stock.empty((0, 0, 0), (60 * MM, 20 * MM, 30 * MM), 0.5 * MM)
+    line = np.array([[5.0, 10.0, 0.0], [55.0, 10.0, 0.0]]) * MM
+    for layer in range(1, 9):
+        line[:, 2] = 2.5 * MM * layer + 3e-16
+        stock.add_bead(line[:1], line[1:], 6 * MM, 2.5 * MM)
+    assert stock.count[60, 20] == 1
+    assert stock.height_at(30 * MM, 10 * MM) == pytest.approx(20 * MM, abs=1e-9)
+
+
+def test_neighbouring_beads_share_the_room_of_their_layer():
+    """Rows one width apart: what the grid cannot separate is not lost."""
+    stock = Stock.empty((0, 0, 0), (60 * MM, 60 * MM, 10 * MM), 1 * MM)
+    added = nominal = 0.0
+    for row in range(6):
+        line = np.array([[5.0, 10.3 + 5 * row, 2.0], [55.0, 10.3 + 5 * row, 2.0]]) * MM
+        laid = stock.add_bead(line[:1], line[1:], 5 * MM, 2 * MM)
+        added, nominal = added + laid.volume.sum(), nominal + laid.nominal.sum()
+    assert added == pytest.approx(nominal, rel=1e-3)
+
+
+def test_corner_outside_is_round_and_inside_not_laid_twice():
+    stock = Stock.empty((0, 0, 0), (60 * MM, 60 * MM, 4 * MM), 0.1 * MM)
+    path = np.array([[10.0, 10.0, 2.0], [40.0, 10.0, 2.0], [40.0, 40.0, 2.0]]) * MM
+    laid = stock.add_bead(path[:-1], path[1:], 6 * MM, 2 * MM)
+    assert stock.height_at(41.5 * MM, 8.5 * MM) == pytest.approx(2 * MM, abs=0.02 * MM)
+    assert stock.height_at(42.9 * MM, 7.1 * MM) == -np.inf
+    # two straights, the square inside once less, a quarter round outside instead
+    area, half = 4 * 2 + math.pi, 3.0
+    inside = half**2 * 2 - 2.0  # roughly: the square of the corner, its rounded rims taken off
+    quarter = math.pi / 4 * half**2 * 2 - 2.0
+    assert laid.volume.sum() == pytest.approx((60 * area - inside + quarter) * MM**3, rel=5e-3)
+
+
+def test_a_bead_that_is_higher_than_wide_is_refused():
+    stock = Stock.empty((0, 0, 0), (60 * MM, 60 * MM, 4 * MM), 1 * MM)
+    line = np.zeros((1, 3))
+    with pytest.raises(ValueError, match="bead"):
+        stock.add_bead(line, line, 1 * MM, 2 * MM)
+
+
+def test_standing_still_lays_nothing():
+    stock = Stock.empty((0, 0, 0), (60 * MM, 60 * MM, 4 * MM), 1 * MM)
+    point = np.array([[30.0, 30.0, 2.0]]) * MM
+    laid = stock.add_bead(point, point, 4 * MM, 2 * MM)
+    assert laid.volume.sum() == 0.0 and laid.nominal.sum() == 0.0

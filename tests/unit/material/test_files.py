@@ -1,0 +1,81 @@
+"""STL and the stock's own file: what comes back, and that bytes repeat."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+import pytest
+
+from gcodesim.material import Stock, shape
+from gcodesim.material.stl import write_stl
+from gcodesim.material.stock_file import StockFileError, load_stock, save_stock, stock_from_bytes
+
+MM = 1e-3
+
+
+@pytest.fixture
+def carved():
+    stock = Stock.box((0, 0, -10 * MM), (30 * MM, 20 * MM, 0), 0.8 * MM, "al6082_t6")
+    points = np.random.default_rng(5).uniform((0, 0, -9), (30, 20, -1), (12, 3)) * MM
+    stock.remove(points[:-1], points[1:], shape.flat(5 * MM, 2 * MM))
+    return stock
+
+
+def test_a_stock_comes_back_from_its_file(carved, tmp_path):
+    save_stock(carved, tmp_path / "plate.stock")
+    back = load_stock(tmp_path / "plate.stock")
+    assert back.material == "al6082_t6" and back.resolution == 0.8 * MM
+    assert back.z_range == carved.z_range and np.array_equal(back.grid, carved.grid)
+    assert back.volume == carved.volume
+    used = np.arange(back.lo.shape[2]) < back.count[:, :, None]
+    k = back.lo.shape[2]
+    assert np.array_equal(back.count, carved.count)
+    assert np.array_equal(back.hi[used], carved.hi[:, :, :k][used])
+    # what was cut before counts as given now
+    assert back.error_bound() == 0.0
+    assert not back.surface().cut.any()
+
+
+def test_equal_stocks_give_equal_bytes(carved, tmp_path):
+    roomy = carved.copy()
+    roomy.grow()
+    roomy.lo[:, :, -1] = 7.0  # beyond what is used
+    save_stock(carved, tmp_path / "a.stock")
+    save_stock(roomy, tmp_path / "b.stock")
+    assert (tmp_path / "a.stock").read_bytes() == (tmp_path / "b.stock").read_bytes()
+
+
+@pytest.mark.parametrize(
+    "harm",
+    [
+        lambda raw: b"",
+        lambda raw: b"solid cube\n" + raw,
+        lambda raw: raw[:-20],
+        lambda raw: raw.replace(b'"columns"', b'"colonnes"'),
+        lambda raw: raw.replace(b'"columns": [38, 25]', b'"columns": [39, 25]'),
+        lambda raw: raw[: raw.index(b"\n", 20)],
+    ],
+)
+def test_damaged_files_say_so(carved, tmp_path, harm):
+    save_stock(carved, tmp_path / "plate.stock")
+    raw = harm((tmp_path / "plate.stock").read_bytes())
+    with pytest.raises(StockFileError, match=r"plate\.stock"):
+        stock_from_bytes(raw, "plate.stock")
+
+
+def test_stl_is_the_surface_in_mm(carved, tmp_path):
+    import trimesh
+
+    surface = carved.surface()
+    with (tmp_path / "part.stl").open("wb") as file:
+        write_stl(surface, file)
+    raw = (tmp_path / "part.stl").read_bytes()
+    assert len(raw) == 84 + 50 * len(surface.faces)
+    mesh = trimesh.load(tmp_path / "part.stl")
+    assert mesh.is_watertight
+    assert mesh.volume == pytest.approx(surface.volume * 1e9, rel=1e-5)
+    assert mesh.bounds[1] == pytest.approx([30, 20, 0], abs=1e-5)
+    again = io.BytesIO()
+    write_stl(carved.surface(), again)
+    assert again.getvalue() == raw

@@ -1,0 +1,200 @@
+"""Surfaces: closed, turned outwards, of the right volume, in tiles that fit together."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from gcodesim.material import Stock, shape
+
+MM = 1e-3
+
+
+def block(resolution=0.5):
+    return Stock.box((0, 0, -15 * MM), (40 * MM, 30 * MM, 0), resolution * MM)
+
+
+def edge_counts(faces):
+    """How often each directed edge comes, and its reverse."""
+    edges = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    directed, counts = np.unique(edges, axis=0, return_counts=True)
+    return directed, counts
+
+
+def assert_closed(surface):
+    """Each edge is passed exactly once in either direction: closed and consistently turned."""
+    directed, counts = edge_counts(surface.faces)
+    assert (counts == 1).all()
+    forward = {tuple(edge) for edge in directed.tolist()}
+    assert all((b, a) in forward for a, b in forward)
+
+
+def test_an_uncut_box_is_exactly_the_box():
+    surface = block().surface()
+    assert_closed(surface)
+    assert surface.vertices.min(axis=0).tolist() == [0, 0, -15 * MM]
+    assert surface.vertices.max(axis=0) == pytest.approx([40 * MM, 30 * MM, 0], abs=1e-15)
+    assert surface.volume == pytest.approx(40 * 30 * 15 * MM**3, rel=1e-12)
+    assert not surface.cut.any()
+
+
+def test_trimesh_agrees_that_it_is_watertight():
+    import trimesh
+
+    stock = block()
+    stock.remove(np.array([[-5, 15, -4]]) * MM, np.array([[20, 22, -6]]) * MM, shape.ball(8 * MM, 30 * MM))
+    surface = stock.surface()
+    mesh = trimesh.Trimesh(surface.vertices, surface.faces, process=False)
+    assert mesh.is_watertight and mesh.is_winding_consistent
+    assert mesh.volume == pytest.approx(surface.volume, rel=1e-9)
+
+
+@pytest.mark.parametrize("resolution", [1.0, 0.5, 0.25])
+def test_volume_within_the_error_bound(resolution):
+    stock = block(resolution)
+    points = np.array([[5, 5, -3], [35, 12, -3], [20, 25, -6], [8, 8, -1]]) * MM
+    for tool in (shape.ball(6 * MM, 20 * MM), shape.flat(5 * MM, 20 * MM), shape.cone(8 * MM, 2.0, 20 * MM)):
+        stock.remove(points[:-1], points[1:], tool)
+    surface = stock.surface()
+    assert_closed(surface)
+    assert abs(surface.volume - stock.volume) <= stock.error_bound()
+
+
+def test_a_ball_groove_is_smooth():
+    """On a round groove points lie on the cylinder to a small part of a cell, and normals turn without steps."""
+    stock = Stock.box((0, 0, -15 * MM), (40 * MM, 30 * MM, 0), 0.25 * MM)
+    stock.remove(np.array([[-9, 15, -4]]) * MM, np.array([[49, 15, -4]]) * MM, shape.ball(20 * MM, 40 * MM))
+    surface = stock.surface()
+    middle = surface.vertices[(np.abs(surface.vertices[:, 1] - 15 * MM) < 6 * MM)]
+    groove = middle[(middle[:, 2] > -14 * MM) & (middle[:, 0] > 1 * MM) & (middle[:, 0] < 39 * MM)]
+    off = np.hypot(groove[:, 1] - 15 * MM, groove[:, 2] - 6 * MM) - 10 * MM
+    assert len(groove) > 1000
+    assert np.abs(off).max() < 0.01 * MM
+
+
+def test_slanted_walls_are_not_stairs():
+    """On a wall at 45 degrees the corners of the stairs fall into one plane."""
+    stock = block(0.5)
+    stock.remove(np.array([[-10, -20, -5]]) * MM, np.array([[50, 40, -5]]) * MM, shape.flat(14.3 * MM, 20 * MM))
+    surface = stock.surface()
+    inner = surface.vertices[(surface.vertices[:, 2] < -1 * MM) & (surface.vertices[:, 2] > -4.9 * MM)]
+    assert len(inner) == 0  # walls have no points between floor and top
+    top = surface.vertices[
+        (np.abs(surface.vertices[:, 2]) < 1e-9)
+        & (surface.vertices[:, 0] > 5 * MM) & (surface.vertices[:, 0] < 25 * MM)
+        & (surface.vertices[:, 1] > 2 * MM) & (surface.vertices[:, 1] < 25 * MM)
+    ]  # fmt: skip
+    across = (top[:, 1] - top[:, 0]) / math.sqrt(2) + 10 * MM / math.sqrt(2)
+    rim = across[np.abs(np.abs(across) - 7.15 * MM) < 0.45 * MM]
+    below = rim[rim < 0]
+    assert len(below) > 8
+    assert np.ptp(below) < 1e-3 * MM
+
+
+def random_columns(rng, cells, most):
+    """A stock of random intervals, far rougher than any cut."""
+    stock = Stock.box((0, 0, 0), (*(float(c) for c in cells), 5.0), 1.0)
+    levels = np.sort(rng.integers(0, 6 + 2 * most, (*cells, 2 * most)), axis=2) + np.arange(2 * most) * 0.7
+    stock.lo, stock.hi = np.ascontiguousarray(levels[:, :, 0::2]), np.ascontiguousarray(levels[:, :, 1::2])
+    stock.count[:] = rng.integers(0, most + 1, cells)
+    return stock
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_any_columns_give_a_closed_surface(seed):
+    rng = np.random.default_rng(seed)
+    for _ in range(25):
+        surface = random_columns(rng, tuple(rng.integers(1, 7, 2)), 4).surface()
+        assert_closed(surface)
+
+
+def test_chessboard_of_columns_is_closed_everywhere():
+    """Opposite columns only, between full layers: every prism has two strands that meet above and below."""
+    stock = Stock.box((0, 0, 0), (6.0, 6.0, 9.0), 1.0)
+    stock.grow()
+    black = (np.add.outer(np.arange(6), np.arange(6)) % 2).astype(bool)
+    stock.hi[black, 0] = 3.0
+    stock.lo[black, 1], stock.hi[black, 1] = 6.0, 9.0
+    stock.count[black] = 2
+    surface = stock.surface()
+    assert_closed(surface)
+    assert surface.volume == pytest.approx(stock.volume, rel=0.15)
+
+
+def test_empty_stock_has_no_surface():
+    surface = Stock.empty((0, 0, 0), (10 * MM, 10 * MM, 10 * MM), 1 * MM).surface()
+    assert len(surface.faces) == 0 and surface.volume == 0.0
+
+
+def test_cut_and_original_surface_are_told_apart():
+    stock = block(0.5)
+    stock.remove(np.array([[-9, 15, -4]]) * MM, np.array([[49, 15, -4]]) * MM, shape.flat(8 * MM, 30 * MM))
+    surface = stock.surface()
+    corners = surface.vertices[surface.faces]
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
+    # floor and two walls
+    assert area[surface.cut == 1].sum() == pytest.approx(40 * (8 + 2 * 4) * MM**2, rel=1e-6)
+
+
+def tile_mesh(tiles):
+    """All tiles as one mesh, points fused by their coordinates."""
+    points = np.concatenate([tile.points for tile in tiles])
+    faces, first = [], 0
+    for tile in tiles:
+        faces += [tile.original + first, tile.changed + first]
+        first += len(tile.points)
+    unique, index = np.unique(points, axis=0, return_inverse=True)
+    return unique, index.reshape(-1)[np.concatenate(faces)]
+
+
+def test_tiles_share_their_edge_points_and_close_together():
+    stock = block(0.5)
+    stock.remove(np.array([[5, 5, -3]]) * MM, np.array([[33, 21, -7]]) * MM, shape.ball(8 * MM, 30 * MM))
+    tiles = stock.tiles(across=4)
+    drawn = tiles.all()
+    assert len(drawn) == len(tiles) == 16
+    _, faces = tile_mesh(drawn)
+    _, counts = np.unique(np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0, return_counts=True)
+    assert (counts == 2).all()
+    assert sum(len(t.original) + len(t.changed) for t in drawn) == len(stock.surface().faces)
+    for tile in drawn:
+        assert (tile.points * 2.0**20 == np.round(tile.points * 2.0**20)).all()
+
+
+def test_only_tiles_with_changes_are_drawn_again():
+    stock = Stock.box((0, 0, -5 * MM), (128 * MM, 128 * MM, 0), 0.5 * MM)
+    tiles = stock.tiles()
+    tiles.all()
+    assert tiles.changed() == []
+    tip = np.array([[16.0, 48.0, -1.0]]) * MM
+    stock.remove(tip, tip, shape.flat(6 * MM, 20 * MM))
+    drawn = tiles.changed()
+    assert [tile.number for tile in drawn] == [1]
+    assert len(drawn[0].changed) > 0
+    assert tiles.changed() == []
+
+
+def test_every_tile_that_a_change_moves_is_drawn_again():
+    stock = Stock.box((0, 0, -5 * MM), (64 * MM, 64 * MM, 0), 0.5 * MM)
+    tiles = stock.tiles()
+    held = {tile.number: tile for tile in tiles.all()}
+    rng = np.random.default_rng(2)
+    for _ in range(12):
+        points = rng.uniform((0, 0, -3), (64, 64, -0.5), (2, 3)) * MM
+        points[1] = points[0] + (points[1] - points[0]) * 0.1
+        stock.remove(points[:1], points[1:], shape.ball(4 * MM, 20 * MM))
+        held |= {tile.number: tile for tile in tiles.changed()}
+    for fresh in stock.tiles().all():
+        assert np.array_equal(fresh.points, held[fresh.number].points)
+        assert np.array_equal(fresh.changed, held[fresh.number].changed)
+
+
+def test_coarser_drawing_keeps_the_outline():
+    stock = Stock.box((0, 0, -5 * MM), (31 * MM, 17 * MM, 0), 0.1 * MM)
+    drawn = stock.tiles(across=2, spacing=1 * MM).all()
+    points = np.concatenate([tile.points for tile in drawn])
+    assert points.min(axis=0) == pytest.approx([0, 0, -5 * MM], abs=1e-6)
+    assert points.max(axis=0) == pytest.approx([31 * MM, 17 * MM, 0], abs=1e-6)
+    assert sum(len(tile.points) for tile in drawn) < 2000
