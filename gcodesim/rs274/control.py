@@ -148,7 +148,8 @@ class Control:
         get = self.parameters.get
         index = round(get(numbers.ACTIVE_SYSTEM))
         state = self.state
-        axes = self.axes()
+        x, y, z, a, b, c = self.settings.start
+        axes = (x / MM, y / MM, z / MM, a / DEG, b / DEG, c / DEG, 0.0, 0.0, 0.0)
         state.system = index if 1 <= index <= 9 else 1
         self.parameters.numbers[numbers.ACTIVE_SYSTEM] = float(state.system)
         state.origin, state.rotation = self.system_offset(state.system)

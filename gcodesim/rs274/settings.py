@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
+from gcodesim.canon import Axes
 from gcodesim.rs274.tool_table import ToolTable
 
 
@@ -27,6 +28,7 @@ class Settings:
     length [m] of each tool of the cell; with `tool_length="auto"` a program
     without any G43 or G49 takes it at M6. `path_control` is what stands before
     the program's first G61 or G64. `has_cell` makes user M-codes legal.
+    `start` [m, rad] is where the axes stand before the first block.
     `max_blocks` and `time_limit` [s] end an endless program.
     """
 
@@ -38,6 +40,7 @@ class Settings:
     optional_stop: bool = False
     m_codes: Mapping[str, MappedAction] = field(default_factory=dict)
     has_cell: bool = False
+    start: Axes = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     tool_length: Literal["auto", "strict"] = "auto"
     auto_length: Mapping[int, float] | None = None
     path_control: str = "G64"
