@@ -24,21 +24,29 @@ from gcodesim.motion.blend_kernels import (
     overlaps,
 )
 from gcodesim.motion.columns import Column
-from gcodesim.motion.curve_kernels import ROUND, STRAIGHT, TIMED
+from gcodesim.motion.curve_kernels import OWN, ROUND, STRAIGHT, TIMED
 from gcodesim.motion.curves import Curves
 from gcodesim.motion.pieces import OVERLAP, PART, AxisLimits, Pieces
 from gcodesim.motion.tool_path import BLEND, LINE, RAPID, ToolPath
 
 
-def blend(path: ToolPath, limits: AxisLimits, *, independent_rapids: bool = False) -> Pieces:
+def blend(
+    path: ToolPath, limits: AxisLimits, *, independent_rapids: bool = False, own_time: Array | None = None
+) -> Pieces:
     """Join the rows of `path` under the speed and acceleration `limits` of the axes.
 
     `independent_rapids`: in G0 every axis runs at its own speed from rest to
     rest, so the path is not straight and rapids are joined to nothing. Rows
-    that do not move are left out; their events keep their places.
+    with a finite `own_time` (n,) [s] follow a law of their own from rest to
+    rest and take that time. Other rows that do not move are left out; their
+    events keep their places.
     """
     curves = Curves.of(path)
-    kept = np.flatnonzero(curves.length > 0.0)
+    if own_time is not None:
+        own = np.isfinite(own_time)
+        curves.kind[own] = OWN
+        curves.length[own] = own_time[own]
+    kept = np.flatnonzero((curves.length > 0.0) | (curves.kind == OWN))
     chains = _chains(path, kept)
     row_first, row_last = kept[chains], kept[np.append(chains[1:], len(kept))[: len(chains)] - 1]
     curves = _merged(curves, path, row_first, row_last)
@@ -47,7 +55,7 @@ def blend(path: ToolPath, limits: AxisLimits, *, independent_rapids: bool = Fals
         _make_independent(curves, path.kind[row_first] == RAPID, limits)
     # rapids are not joined to feeds, nor lines to what runs by time; the queue does not run empty there
     apart = np.zeros(len(stop), dtype=bool)
-    feeding, timed = np.isfinite(path.feed[row_first]), curves.kind == TIMED
+    feeding, timed = np.isfinite(path.feed[row_first]), curves.kind >= TIMED
     apart[:-1] = (feeding[1:] != feeding[:-1]) | timed[1:] | timed[:-1]
     return _join(path, limits, curves, stop, apart, row_first.astype(np.int32), row_last.astype(np.int32))
 
@@ -59,7 +67,7 @@ def _chains(path: ToolPath, kept: NDArray[np.intp]) -> NDArray[np.intp]:
         return np.zeros(0, dtype=np.intp)
     rows, before = kept[1:], kept[:-1]
     same = (
-        (path.kind[rows] == LINE)
+        (path.kind[rows] == LINE)  # rapids, arcs and moves with a law of their own are left as they are
         & (path.kind[before] == LINE)
         & (path.mode[rows] == BLEND)
         & (path.mode[before] == BLEND)
@@ -257,9 +265,9 @@ def _assemble(
     joint = np.zeros(slots, dtype=bool)
     joint[1::2] = True
     timed = np.zeros(slots, dtype=bool)
-    timed[main] = curves.kind == TIMED
+    timed[main] = curves.kind >= TIMED
     columns["speed"][timed] = 1.0
-    keep = columns["length"] > 0.0
+    keep = (columns["length"] > 0.0) | timed
     everything = Curves(
         **{
             name: np.concatenate([getattr(curves, name), getattr(bends, name)])

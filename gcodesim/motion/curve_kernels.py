@@ -10,6 +10,7 @@ from gcodesim.motion.columns import Column
 STRAIGHT = 0
 ROUND = 1
 TIMED = 2  # every axis runs its own trapezoid from rest to rest; the parameter is time [s]
+OWN = 3  # a law of its own, as a move in joint space; the parameter is time [s], points are nominal: on a straight line
 
 
 @kernel

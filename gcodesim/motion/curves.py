@@ -16,10 +16,10 @@ from gcodesim.motion.tool_path import ARC, ToolPath
 class Curves:
     """c curves in M, run by s from 0 to `length`.
 
-    `kind` STRAIGHT, ROUND or TIMED; `start`, `end` (c, 6) [m, rad]. Of a round
+    `kind` STRAIGHT, ROUND, TIMED or OWN; `start`, `end` (c, 6) [m, rad]. Of a round
     one ``center + (1 + growth u) (cos(sweep u) radial + sin(sweep u) sideways)
     + u lift`` with u = s / length; its rotary axes run evenly. `length` is [m];
-    [rad] when only rotary axes move, [s] of a TIMED one.
+    [rad] when only rotary axes move, [s] of TIMED and OWN ones.
     """
 
     kind: NDArray[np.uint8]
@@ -106,6 +106,24 @@ class Curves:
         """Points (m, 3) along all curves one after the other; arcs as chords within `chord` [m]."""
         if not len(self):
             return np.zeros((0, 3))
+        row, u = self.shares(chord)
+        return np.concatenate([self.start[:1, :3], self.points_at(row, u)])
+
+    def points_at(self, row: NDArray[np.intp], u: Array) -> Array:
+        """Points (k, 3) at shares `u` (k,) in 0…1 of curves `row` (k,)."""
+        share = u[:, None]
+        points: Array = self.start[row, :3] + share * (self.end[row, :3] - self.start[row, :3])
+        arc = self.kind[row] == ROUND
+        angle = self.sweep[row, None] * share
+        bent = self.center[row] + share * self.lift[row]
+        bent += (1.0 + self.growth[row, None] * share) * (
+            np.cos(angle) * self.radial[row] + np.sin(angle) * self.sideways[row]
+        )
+        points[arc] = bent[arc]
+        return points
+
+    def shares(self, chord: float) -> tuple[NDArray[np.intp], Array]:
+        """Curve and share in 0…1 of the ends of chords that stay within `chord` [m] of the curves."""
         radius = np.linalg.norm(self.radial, axis=1) * np.maximum(1.0, 1.0 + self.growth)
         bend = 2.0 * np.arccos(np.clip(1.0 - chord / np.maximum(radius, 1e-12), -1.0, 1.0))
         count = np.where(
@@ -114,13 +132,4 @@ class Curves:
         count = np.maximum(count, 1)
         row = np.repeat(np.arange(len(self)), count)
         step = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count) + 1
-        u = (step / count[row])[:, None]
-        points = self.start[row, :3] + u * (self.end[row, :3] - self.start[row, :3])
-        arc = self.kind[row] == ROUND
-        angle = self.sweep[row, None] * u
-        bent = self.center[row] + u * self.lift[row]
-        bent += (1.0 + self.growth[row, None] * u) * (
-            np.cos(angle) * self.radial[row] + np.sin(angle) * self.sideways[row]
-        )
-        points[arc] = bent[arc]
-        return np.concatenate([self.start[:1, :3], points])
+        return row, step / count[row]

@@ -21,13 +21,13 @@ def without_zero_feeds(path: ToolPath, findings: Findings) -> ToolPath:
     rows = np.flatnonzero(~(path.feed > 0.0))
     if not len(rows):
         return path
-    state = path.state_of(rows[0])
-    cause = "the spindle stands" if state.spindle == 0.0 else "F is 0"
+    stands = path.state_of(int(rows[0])).spindle == 0.0
+    cause = "F is 0, or per revolution of a spindle that stands" if stands else "F is 0"
     findings.add(
         Diagnostic(
             code="GS208",
             message=f"feed is 0 mm/min ({cause}), so the move would never end; run at {CRAWL / MM_PER_MINUTE:g} mm/min",
-            span=path.span(rows[0]),
+            span=path.span(int(rows[0])),
             hint="program F, and start the spindle before feeds per revolution",
             count=len(np.unique(path.block[rows])),
             value=0.0,

@@ -58,7 +58,7 @@ def report_missing_axes(path: ToolPath, axes: NDArray[np.intp], findings: Findin
             Diagnostic(
                 code="GS207",
                 message=f"the program moves {LETTERS[axis]}, which this machine does not have",
-                span=path.span(rows[0]),
+                span=path.span(int(rows[0])),
                 hint="its axes are " + ", ".join(LETTERS[a] for a in sorted(axes)),
                 count=len(np.unique(path.block[rows])),
             )
@@ -111,7 +111,7 @@ def _report_axis(
                 f"no shift fits: the program needs {(most - least) / factor:.3f} {unit} of {letter},"
                 f" the machine has {(joints.upper[j] - joints.lower[j]) / factor:.3f} {unit}"
             )
-    if len(rows) > 1:
+    if path.span(worst) != path.span(first):
         far = f"worst {values[worst] / factor:.3f} {unit} in line {path.span(worst).line}"
         hint = f"{far}; {hint}" if hint else far
     offset = state.offset[axis]

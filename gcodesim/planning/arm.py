@@ -1,0 +1,246 @@
+"""Plans for arms: a three-axis program with the tool in a fixed attitude, under the limits of the joints.
+
+The path is cut into nodes; joints at the nodes come from the inverse
+kinematics, joint rates from the Jacobian, and the time law gets caps on speed
+and acceleration for every segment between two nodes. Moves away from home and
+to it are run in joint space.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.canon import Axes, Event
+from gcodesim.diagnostics import Findings
+from gcodesim.frames import Array, Pose
+from gcodesim.motion.blend import blend
+from gcodesim.motion.blend_kernels import NORMAL_SHARE
+from gcodesim.motion.pieces import OVERLAP, Pieces
+from gcodesim.motion.timing import Caps, time_law
+from gcodesim.motion.tool_path import ToolPath
+from gcodesim.motion.trajectory import Samples
+from gcodesim.planning import joint_moves
+from gcodesim.planning.arm_kernels import joint_caps, joint_rates
+from gcodesim.planning.attitude import Attitude, Probe, choose_attitude
+from gcodesim.planning.feeds import without_zero_feeds
+from gcodesim.planning.joint_rows import with_joint_rows
+from gcodesim.planning.machine_tool import offsets
+from gcodesim.planning.nodes import Nodes
+from gcodesim.planning.orientation import Orientation, flange_origins, flange_poses, spin_of
+from gcodesim.planning.plan import JointExtremes, Plan
+from gcodesim.planning.reach import report_poses, report_slow_joints
+from gcodesim.planning.travel import report_missing_axes
+
+if TYPE_CHECKING:
+    from gcodesim.kinematics.protocol import Kinematics
+
+_REFINEMENTS: Final = 3
+
+
+def start_of_arm(kinematics: Kinematics, home: Array) -> Axes:
+    """Where the control point of an arm stands at `home` (j,), without tool offset: the flange in B."""
+    p = kinematics.forward(np.asarray(home, dtype=float)[None])[0, :3, 3]
+    return (float(p[0]), float(p[1]), float(p[2]), 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Flange:
+    """Where the flange has to be when the controlled point is somewhere on the pieces."""
+
+    pieces: Pieces
+    R_BO: Array  # of every row (n, 3, 3)
+    offset: Array  # of every row (n, 3) [m]
+    spin: float
+
+    def poses(self, piece: NDArray[np.int64], positions: Array) -> Array:
+        """X_BF (k, 4, 4) with the controlled point at `positions` (k, 3) on `piece` (k,)."""
+        row = self.pieces.row_first[piece]
+        R = self.R_BO[row]
+        return flange_poses(flange_origins(positions, self.offset[row], R), R, self.spin)
+
+    def at(self, piece: NDArray[np.int64], s: Array) -> Array:
+        """X_BF (k, 4, 4) at places `s` (k,) of `piece` (k,)."""
+        return self.poses(piece, self.pieces.points(piece, s)[0][:, :3])
+
+
+@dataclass(frozen=True, eq=False)
+class ArmJoints:
+    """Joints along a trajectory: exact inverse kinematics from the nearest node, straight lines in joint moves."""
+
+    kinematics: Kinematics
+    flange: Flange
+    nodes: Nodes
+    q_nodes: Array
+    home: Array
+    moves: dict[int, tuple[Array, Array]]  # joints at start and end of pieces in joint space
+
+    def joints(self, samples: Samples) -> Array:
+        """Joint values (n, j) [rad, m] at samples in order of time."""
+        q = np.tile(self.home, (len(samples), 1))
+        pieces = self.flange.pieces
+        if not len(pieces) or not len(samples):
+            return q
+        own = pieces.fixed[samples.piece]
+        # runs of samples on one joint move, or between two of them
+        run = np.where(own, 2 * samples.piece, 2 * np.cumsum(pieces.fixed)[samples.piece] + 1)
+        starts = np.flatnonzero(np.append(True, (run[1:] != run[:-1]) | (own[1:] != own[:-1])))
+        for a, b in zip(starts, np.append(starts[1:], len(run)), strict=True):
+            piece = int(samples.piece[a])
+            if own[a]:
+                q[a:b] = self._in_joint_space(piece, samples.s[a:b])
+            else:
+                X = self.flange.poses(samples.piece[a:b], samples.position[a:b, :3])
+                seed = self.q_nodes[self.nodes.before(piece, float(samples.s[a]))]
+                q[a:b] = self.kinematics.inverse(X, seed)[0]
+        return q
+
+    def _in_joint_space(self, piece: int, t: Array) -> Array:
+        q0, q1 = self.moves[piece]
+        step = q1 - q0
+        if not np.any(np.abs(step) > joint_moves.STILL):
+            return np.tile(q1, (len(t), 1))
+        share = joint_moves.share_at(t, *joint_moves.law(step, self.kinematics.joints))
+        q: Array = q0 + share[:, None] * step
+        return q
+
+    def extremes(self) -> JointExtremes:
+        """How far each joint goes at the nodes and at the ends of joint moves."""
+        q, piece = [self.home[None], self.q_nodes], [np.zeros(1, dtype=np.int64), self.nodes.piece]
+        for move, (_, end) in self.moves.items():
+            q.append(end[None])
+            piece.append(np.array([move]))
+        table = np.concatenate(q)
+        rows = self.flange.pieces.row_first
+        row = rows[np.concatenate(piece)].astype(np.int64) if len(rows) else np.zeros(len(table), dtype=np.int64)
+        low, high = table.argmin(axis=0), table.argmax(axis=0)
+        return JointExtremes(table.min(axis=0), table.max(axis=0), row[low], row[high])
+
+
+def plan_arm(
+    path: ToolPath,
+    kinematics: Kinematics,
+    *,
+    home: Array,
+    orientation: Orientation | None = None,
+    rapids: Literal["linear", "independent"] = "linear",
+    duration_of: Callable[[Event], float] | None = None,
+    tool_frames: Mapping[int, Pose] | None = None,
+) -> Plan:
+    """Run `path` on an arm that stands at joints `home` (j,) first, with the tool held by `orientation`.
+
+    The flange stands at end + offset, the offset in axes of the orientation's
+    frame. `rapids` independent: every G0 is a joint move. Where poses cannot be
+    had the joints stay where they were, and the finding tells; the plan goes on.
+    """
+    findings = Findings()
+    orientation = orientation or Orientation()
+    home = np.asarray(home, dtype=float)
+    path = without_zero_feeds(path, findings)
+    report_missing_axes(path, np.arange(3), findings)
+    rows = with_joint_rows(path, orientation.of_rows(path), joint_rapids=rapids == "independent")
+    path = rows.path
+    R_BO = orientation.of_rows(path)
+    probe = Probe.of(rows, R_BO)
+    near = spin_of(kinematics.forward(home[None])[0, :3, :3], R_BO[0] if len(path) else orientation.upright)
+    attitude = choose_attitude(kinematics, probe, home, near, orientation.spin)
+    pieces = blend(path, attitude.limits, own_time=np.where(rows.joint, 1.0, np.nan))
+    flange = Flange(pieces, R_BO, offsets(path)[:, :3], attitude.spin)
+    at_home = pieces.fixed & rows.home[pieces.row_first]
+    nodes, q_nodes, status = _solve(kinematics, flange, Nodes.of(pieces, at_home), attitude, home)
+    report_poses(kinematics, flange, nodes, q_nodes, status, probe, attitude, home, findings)
+    moves = _joint_moves(kinematics, pieces, nodes, q_nodes, home)
+    caps = _caps(kinematics, pieces, nodes, q_nodes, findings)
+    follower = ArmJoints(kinematics, flange, nodes, q_nodes, home, moves)
+    return Plan(time_law(pieces, caps, duration_of), findings, kinematics, follower, tool_frames or {})
+
+
+def _solve(
+    kinematics: Kinematics, flange: Flange, nodes: Nodes, attitude: Attitude, home: Array
+) -> tuple[Nodes, Array, NDArray[np.uint8]]:
+    """Joints (k, j) and status (k,) at nodes, with more nodes where joints move far."""
+    for refinement in range(_REFINEMENTS):
+        X = flange.at(nodes.piece, nodes.s)
+        q = np.empty((len(X), len(home)))
+        status = np.zeros(len(X), dtype=np.uint8)
+        previous = home
+        for k, (a, b) in enumerate(nodes.chains):
+            q[a:b], status[a:b] = kinematics.inverse(X[a:b], attitude.seeds.get(k, previous))
+            previous = q[b - 1]
+        finer = nodes.refined(q) if refinement + 1 < _REFINEMENTS else None
+        if finer is None:
+            break
+        nodes = finer
+    return nodes, q, status
+
+
+def _joint_moves(
+    kinematics: Kinematics, pieces: Pieces, nodes: Nodes, q_nodes: Array, home: Array
+) -> dict[int, tuple[Array, Array]]:
+    """Joints at both ends of every joint move by piece; the time it takes is written into the pieces."""
+    moves: dict[int, tuple[Array, Array]] = {}
+    ends = np.searchsorted(nodes.piece, np.arange(len(pieces)), side="right")  # behind the last node of each piece
+    at_home = home
+    for piece in np.flatnonzero(pieces.fixed):
+        own_node = int(ends[piece]) - 1
+        before = at_home
+        if piece > 0 and ends[piece - 1] > 0 and nodes.piece[ends[piece - 1] - 1] == piece - 1:
+            before = q_nodes[ends[piece - 1] - 1]
+        elif piece > 0:
+            before = moves[int(piece) - 1][1]
+        has_node = own_node >= 0 and nodes.piece[own_node] == piece
+        after = q_nodes[own_node] if has_node else home
+        moves[int(piece)] = (before, after)
+        time = max(joint_moves.duration(after - before, kinematics.joints), joint_moves.SHORTEST)
+        pieces.length[piece] = time
+        pieces.curves.length[pieces.curve[piece]] = time
+    return moves
+
+
+def _caps(kinematics: Kinematics, pieces: Pieces, nodes: Nodes, q: Array, findings: Findings) -> Caps:
+    """Caps of every segment between nodes, and of joint moves one segment each."""
+    joints, i = kinematics.joints, nodes.segments
+    piece, begin = nodes.piece[i], nodes.begin
+    length = nodes.s[i] - begin
+    J = np.ascontiguousarray(kinematics.jacobian(q))
+    speed_limit = np.minimum(joints.speed, 1e6)
+    acceleration_limit = np.minimum(joints.acceleration, 1e6)
+    leaving, arriving = np.zeros((len(nodes), 3)), np.zeros((len(nodes), 3))
+    leaving[i - 1] = pieces.points(piece, begin)[1][:, :3]
+    arriving[i] = pieces.points(piece, begin + length)[1][:, :3]
+    rates = joint_rates(J, leaving, arriving)
+    start_rate, end_rate = rates[0][i - 1], rates[1][i]
+    wanted = _wanted_speed(pieces)[piece]
+    possible, speed = wanted.copy(), np.empty(len(i))
+    acceleration = np.where(pieces.kind[piece] == OVERLAP, 0.0, np.inf)
+    slowest = np.empty(len(i), dtype=np.int64)
+    joint_caps(
+        start_rate, end_rate, (q[i] - q[i - 1]) / length[:, None], length, possible, NORMAL_SHARE,
+        speed_limit, acceleration_limit, speed, acceleration, slowest,
+    )  # fmt: skip
+    report_slow_joints(kinematics, pieces, piece, wanted, possible, slowest, start_rate, findings)
+    last = np.append(piece[1:] != piece[:-1], True)[: len(i)]
+    junction = np.where(last, pieces.junction[piece], np.inf)
+    fixed = np.flatnonzero(pieces.fixed)
+    zeros = np.zeros(len(fixed))
+    order = np.argsort(np.concatenate([piece, fixed]), kind="stable")
+    columns = (
+        (piece, fixed),
+        (begin, zeros),
+        (length, pieces.length[fixed]),
+        (speed, zeros),
+        (acceleration, zeros),
+        (junction, zeros),
+    )
+    return Caps(*(np.concatenate(pair)[order] for pair in columns))
+
+
+def _wanted_speed(pieces: Pieces) -> Array:
+    """What the program asks for on each piece [m/s]; corner arcs take the faster of their two rows."""
+    feed = pieces.path.feed
+    wanted: Array = np.maximum(feed[pieces.row_first], feed[pieces.row_last])
+    return np.where(pieces.kind == OVERLAP, pieces.speed, wanted)

@@ -1,0 +1,121 @@
+"""Joint rates along a path and the caps that they set; arrays in and out."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from gcodesim.compiled import kernel
+from gcodesim.motion.columns import Column
+
+SMALLEST_PIVOT = 1e-9
+
+
+@kernel
+def joint_rates(jacobian: Column, first: Column, last: Column) -> tuple[Column, Column]:
+    """Joint rates (n, j) twice: for velocities `first` and `last` (n, 3) of the flange that does not turn.
+
+    Solves J q' = (v, 0): by elimination where J is square, else the shortest q'.
+    A singular J gives rates that are finite and far beyond any limit.
+    """
+    n, j = jacobian.shape[0], jacobian.shape[2]
+    out0, out1 = np.zeros((n, j)), np.zeros((n, j))
+    A = np.zeros((6, 6))
+    b = np.zeros((6, 2))
+    for i in range(n):
+        J = jacobian[i]
+        b[:, :] = 0.0
+        for r in range(3):
+            b[r, 0] = first[i, r]
+            b[r, 1] = last[i, r]
+        if j == 6:
+            A[:, :] = J
+        else:
+            for r in range(6):
+                for c in range(6):
+                    total = 0.0
+                    for k in range(j):
+                        total += J[r, k] * J[c, k]
+                    A[r, c] = total
+                A[r, r] += 1e-12
+        for c in range(6):
+            best = c
+            for r in range(c + 1, 6):
+                if abs(A[r, c]) > abs(A[best, c]):
+                    best = r
+            if best != c:
+                for k in range(6):
+                    A[c, k], A[best, k] = A[best, k], A[c, k]
+                for k in range(2):
+                    b[c, k], b[best, k] = b[best, k], b[c, k]
+            if abs(A[c, c]) < SMALLEST_PIVOT:
+                A[c, c] = SMALLEST_PIVOT
+            for r in range(c + 1, 6):
+                f = A[r, c] / A[c, c]
+                for k in range(c, 6):
+                    A[r, k] -= f * A[c, k]
+                b[r, 0] -= f * b[c, 0]
+                b[r, 1] -= f * b[c, 1]
+        for r in range(5, -1, -1):
+            for k in range(r + 1, 6):
+                b[r, 0] -= A[r, k] * b[k, 0]
+                b[r, 1] -= A[r, k] * b[k, 1]
+            b[r, 0] /= A[r, r]
+            b[r, 1] /= A[r, r]
+        if j == 6:
+            out0[i] = b[:, 0]
+            out1[i] = b[:, 1]
+        else:
+            for k in range(j):
+                for r in range(6):
+                    out0[i, k] += J[r, k] * b[r, 0]
+                    out1[i, k] += J[r, k] * b[r, 1]
+    return out0, out1
+
+
+@kernel
+def joint_caps(
+    start_rate: Column,
+    end_rate: Column,
+    mean_rate: Column,
+    length: Column,
+    wanted: Column,
+    bending_share: float,
+    speed_limit: Column,
+    acceleration_limit: Column,
+    speed: Column,
+    acceleration: Column,
+    joint: Column,
+) -> None:
+    """Caps of each segment under joint limits (j,), into the last three columns (k,).
+
+    Rates q' (k, j) at both ends and on average; q'' is their difference over the
+    length. Joint acceleration is q' a + q'' v²: `bending_share` of the limit may
+    go into the second term, the rest of it stays for a. `joint` is the one whose
+    speed limit is nearest, `wanted` the speed that the program asks for; what
+    the speed limit alone allows comes back in it.
+    """
+    for k in range(len(length)):
+        v_rate, v_bend = 1e30, 1e30
+        guilty = -1
+        for j in range(start_rate.shape[1]):
+            rate = max(abs(start_rate[k, j]), abs(end_rate[k, j]), abs(mean_rate[k, j]))
+            if rate > 1e-12 and speed_limit[j] / rate < v_rate:
+                v_rate = speed_limit[j] / rate
+                guilty = j
+            bend = abs(end_rate[k, j] - start_rate[k, j]) / length[k]
+            if bend > 1e-12:
+                v_bend = min(v_bend, math.sqrt(bending_share * acceleration_limit[j] / bend))
+        v = min(wanted[k], v_rate, v_bend)
+        a = 1e30
+        for j in range(start_rate.shape[1]):
+            rate = max(abs(start_rate[k, j]), abs(end_rate[k, j]))
+            if rate > 1e-12:
+                bend = abs(end_rate[k, j] - start_rate[k, j]) / length[k]
+                left = acceleration_limit[j] - bend * v * v
+                a = min(a, left / rate)
+        wanted[k] = v_rate
+        speed[k] = v
+        acceleration[k] = min(acceleration[k], a)
+        joint[k] = guilty

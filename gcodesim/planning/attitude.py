@@ -1,0 +1,155 @@
+"""Which spin of the tool and which configuration of the arm suit a whole program."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.frames import Array
+from gcodesim.motion.curves import Curves
+from gcodesim.motion.pieces import AxisLimits
+from gcodesim.planning.arm_kernels import joint_rates
+from gcodesim.planning.joint_rows import JointRows
+from gcodesim.planning.machine_tool import offsets
+from gcodesim.planning.orientation import candidates, flange_origins, flange_poses
+
+if TYPE_CHECKING:
+    from gcodesim.kinematics.protocol import Kinematics
+
+SPINS: Final = 24  # candidates all around
+POSES: Final = 240  # at which a candidate is tried
+CHAINS: Final = 40  # of poses between joint moves that are tried
+COMFORT: Final = 0.25  # [rad] from the nearest joint limit, more is no better
+REGULAR: Final = 0.03  # least singular value of the Jacobian, lengths in half metres; more is no better
+_SHARP: Final = 0.1  # quantile of poses that may be slower than the limits used for rounding corners
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Probe:
+    """Some flange origins (k, 3) of a path with R_BO (k, 3, 3), in chains that begin where a joint move ends.
+
+    `chains` holds first and last + 1 of each; `number` which of the path's chains it is.
+    """
+
+    p_BO: Array
+    R_BO: Array
+    chains: list[tuple[int, int]]
+    number: list[int]
+
+    @staticmethod
+    def of(rows: JointRows, R_BO: Array) -> Probe:
+        """Points all along the path, not more than about `POSES` of them."""
+        path = rows.path
+        heads = np.flatnonzero(rows.joint & ~rows.home)
+        bounds = np.append(np.flatnonzero(rows.joint), len(path))
+        curves = Curves.of(path)
+        chosen = _spread(len(heads), CHAINS)
+        way = np.where(rows.joint, 0.0, curves.length)
+        step = max(way.sum() / POSES, 1e-6)
+        row_parts: list[Array] = []
+        share_parts: list[Array] = []
+        chains: list[tuple[int, int]] = []
+        at = 0
+        for head in heads[chosen]:
+            after = int(bounds[np.searchsorted(bounds, head, side="right")])
+            inside = np.arange(head + 1, after)
+            count = np.maximum(np.ceil(way[inside] / step), 1).astype(int)
+            row = np.repeat(inside, count)
+            share = (np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count) + 1) / np.repeat(count, count)
+            few = _spread(len(row), max(POSES // max(len(chosen), 1), 8))
+            row, share = np.append(head, row[few]), np.append(1.0, share[few])
+            row_parts.append(row)
+            share_parts.append(share)
+            chains.append((at, at + len(row)))
+            at += len(row)
+        row = np.concatenate(row_parts) if row_parts else np.zeros(0, dtype=np.intp)
+        share = np.concatenate(share_parts) if share_parts else np.zeros(0)
+        R = R_BO[row]
+        origins = flange_origins(curves.points_at(row, share), offsets(path)[row, :3], R)
+        return Probe(origins, R, chains, [int(c) for c in chosen])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Attitude:
+    """The choice: `spin` [rad], joints to start some chains from, and what the arm can do along x, y, z there."""
+
+    spin: float
+    seeds: dict[int, Array]
+    limits: AxisLimits
+
+
+def choose_attitude(kinematics: Kinematics, probe: Probe, home: Array, near: float, spin: float | None) -> Attitude:
+    """The spin with fewest bad poses, then most margin, then nearest to `near`; a given `spin` [rad] is kept.
+
+    Margin counts joint limits and singularities up to a comfortable distance,
+    so that among good ones the nearest to the present joints wins.
+    """
+    best: tuple[tuple[float, float, int], float, dict[int, Array], Array] | None = None
+    for order, angle in enumerate(candidates(near, SPINS) if spin is None else np.array([spin])):
+        q, bad, seeds = _try(kinematics, probe, home, float(angle))
+        margin = round(_margin(kinematics, q), 6)
+        score = (bad, -margin, order)
+        if best is None or score < best[0]:
+            best = (score, float(angle), seeds, q)
+        if bad == 0 and margin >= 1.0:
+            break
+    assert best is not None
+    return Attitude(best[1], best[2], _limits(kinematics, best[3]))
+
+
+def _try(kinematics: Kinematics, probe: Probe, home: Array, spin: float) -> tuple[Array, int, dict[int, Array]]:
+    """Joints (k, j) at the poses of `probe`, how many are bad, and seeds that had to be searched."""
+    X = flange_poses(probe.p_BO, probe.R_BO, spin)
+    q = np.empty((len(X), len(home)))
+    seeds: dict[int, Array] = {}
+    bad, previous = 0, home
+    for number, (a, b) in zip(probe.number, probe.chains, strict=True):
+        q[a:b], status = kinematics.inverse(X[a:b], previous)
+        faults = int(np.count_nonzero(status))
+        if faults:
+            for branch in kinematics.branches(X[a]):
+                turned, status = kinematics.inverse(X[a:b], branch)
+                count = int(np.count_nonzero(status))
+                if count < faults:
+                    faults, q[a:b], seeds[number] = count, turned, branch
+        bad += faults
+        previous = q[b - 1]
+    return q, bad, seeds
+
+
+def _margin(kinematics: Kinematics, q: Array) -> float:
+    """0 at a limit or singularity, 1 in comfort."""
+    if not len(q):
+        return 1.0
+    joints = kinematics.joints
+    to_limit = np.minimum(q - joints.lower, joints.upper - q).min()
+    J = kinematics.jacobian(q[_spread(len(q), POSES // 3)]).copy()
+    J[:, :3] /= 0.5
+    regular = np.linalg.svd(J, compute_uv=False)[:, -1].min()
+    return float(max(min(to_limit / COMFORT, regular / REGULAR, 1.0), 0.0))
+
+
+def _limits(kinematics: Kinematics, q: Array) -> AxisLimits:
+    """Speed and acceleration that the joints allow along x, y and z at most poses; they size corner arcs only."""
+    speed, acceleration = np.full(6, np.inf), np.full(6, np.inf)
+    if not len(q):
+        return AxisLimits(speed=speed, acceleration=acceleration)
+    joints = kinematics.joints
+    J = np.ascontiguousarray(kinematics.jacobian(q))
+    unit = [np.tile(row, (len(q), 1)) for row in np.eye(3)]
+    rates = [*joint_rates(J, unit[0], unit[1]), joint_rates(J, unit[2], unit[2])[0]]
+    for axis, rate in enumerate(rates):
+        size = np.maximum(np.abs(rate), 1e-12)
+        speed[axis] = np.quantile(np.min(joints.speed / size, axis=1), _SHARP)
+        acceleration[axis] = np.quantile(np.min(joints.acceleration / size, axis=1), _SHARP)
+    return AxisLimits(speed=np.maximum(speed, 1e-3), acceleration=np.maximum(acceleration, 1e-2))
+
+
+def _spread(count: int, most: int) -> NDArray[np.intp]:
+    """Indices of at most `most` of `count` things, evenly spread, with both ends."""
+    if count <= most:
+        return np.arange(count)
+    return np.unique(np.rint(np.linspace(0, count - 1, most)).astype(np.intp))

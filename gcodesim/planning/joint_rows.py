@@ -1,0 +1,63 @@
+"""Rows that an arm runs in joint space: away from its home, to it, and from one orientation of the tool to another."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.frames import Array
+from gcodesim.motion.tool_path import HOME, RAPID, PathEvent, ToolPath
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JointRows:
+    """A path and its rows in joint space, `joint` (n,); those that end at home are marked in `home` (n,).
+
+    The first row is one of them, and one stands wherever the orientation of the
+    tool changes, so all rows between two of them keep it.
+    """
+
+    path: ToolPath
+    joint: NDArray[np.bool_]
+    home: NDArray[np.bool_]
+
+
+def with_joint_rows(path: ToolPath, R_BO: Array, *, joint_rapids: bool) -> JointRows:
+    """Find the joint rows of `path`; where a feed would need one first, a move on the spot is put in.
+
+    R_BO (n, 3, 3) is the orientation of each row. `joint_rapids`: all of G0 in joint space.
+    """
+    home = path.kind == HOME
+    turned = np.zeros(len(path), dtype=bool)
+    if len(path):
+        same = np.all(np.abs(R_BO[1:] - R_BO[:-1]) < 1e-12, axis=(1, 2))
+        turned[1:] = ~same | home[:-1]
+        turned[0] = True
+    rapid = path.kind == RAPID
+    joint = home | (turned & rapid)
+    if joint_rapids:
+        joint |= rapid
+    before = np.flatnonzero(turned & ~joint)
+    if not len(before):
+        return JointRows(path, joint, home)
+    moved = _with_moves_on_the_spot(path, before)
+    return JointRows(moved, np.insert(joint, before, True), np.insert(home, before, False))
+
+
+def _with_moves_on_the_spot(path: ToolPath, before: NDArray[np.intp]) -> ToolPath:
+    columns: dict[str, Any] = {
+        f.name: getattr(path, f.name) for f in fields(ToolPath) if f.name not in ("states", "spans", "events")
+    }
+    columns = {name: np.insert(column, before, column[before], axis=0) for name, column in columns.items()}
+    at = before + np.arange(len(before))
+    columns["kind"][at] = RAPID
+    columns["end"][at] = columns["start"][at]
+    columns["feed"][at] = np.inf
+    columns["rotary_feed"][at] = False
+    columns["sweep"][at] = 0.0
+    columns["stop"][at] = True
+    events = tuple(PathEvent(e.row + int(np.searchsorted(before, e.row, side="left")), e.event) for e in path.events)
+    return replace(path, **columns, events=events)

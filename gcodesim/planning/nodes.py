@@ -1,0 +1,90 @@
+"""Places on a path at which joints are computed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.frames import Array
+from gcodesim.motion.curve_kernels import ROUND
+from gcodesim.motion.pieces import OVERLAP, Pieces
+
+SPACING: Final = 10e-3  # [m] between nodes to begin with
+BEND: Final = 0.3  # [rad] of direction between nodes on arcs
+STEP: Final = 0.1  # [rad] of a joint between nodes, beyond which more are put in
+_MOST_PARTS: Final = 16  # of one segment in one refinement
+
+
+@dataclass(frozen=True, eq=False)
+class Nodes:
+    """k nodes in the order of motion, at `s` (k,) of `piece` (k,).
+
+    A chain of nodes begins where a joint move ends (`head`, its only node); every
+    other node ends a segment that begins at the node before.
+    """
+
+    piece: NDArray[np.int64]
+    s: Array
+    head: NDArray[np.bool_]
+
+    @staticmethod
+    def of(pieces: Pieces, at_home: NDArray[np.bool_]) -> Nodes:
+        """Nodes as dense as geometry asks; pieces in joint space have one at their end, none where `at_home` (m,)."""
+        turn = np.where(
+            pieces.curves.kind == ROUND, np.abs(pieces.curves.sweep) / np.maximum(pieces.curves.length, 1e-300), 0.0
+        )[pieces.curve]
+        wanted = np.maximum(pieces.length / SPACING, turn * pieces.length / BEND)
+        count = np.maximum(np.ceil(wanted), np.where(pieces.kind == OVERLAP, 4, 1)).astype(np.int64)
+        count[pieces.fixed] = np.where(at_home, 0, 1)[pieces.fixed]
+        piece = np.repeat(np.arange(len(pieces)), count)
+        number = np.arange(len(piece)) - np.repeat(np.cumsum(count) - count, count) + 1
+        s = pieces.length[piece] * number / np.maximum(count[piece], 1)
+        return Nodes(piece, s, pieces.fixed[piece])
+
+    def __len__(self) -> int:
+        return len(self.piece)
+
+    @cached_property
+    def chains(self) -> list[tuple[int, int]]:
+        """First node and the one behind the last of every chain."""
+        starts = np.flatnonzero(self.head)
+        return [(int(a), int(b)) for a, b in zip(starts, np.append(starts[1:], len(self)), strict=True)]
+
+    @cached_property
+    def segments(self) -> NDArray[np.intp]:
+        """Nodes that end a segment."""
+        ends: NDArray[np.intp] = np.flatnonzero(~self.head)
+        return ends
+
+    @cached_property
+    def begin(self) -> Array:
+        """Where each segment begins on its piece."""
+        i = self.segments
+        start: Array = np.where(self.piece[i] == self.piece[i - 1], self.s[i - 1], 0.0)
+        return start
+
+    def before(self, piece: int, s: float) -> int:
+        """The last node ahead of place `s` of `piece`; the head of its chain at least."""
+        low, high = np.searchsorted(self.piece, [piece, piece + 1])
+        return max(int(low + np.searchsorted(self.s[low:high], s, side="left")) - 1, 0)
+
+    def refined(self, q: Array) -> Nodes | None:
+        """More nodes where joints `q` (k, j) move far between two; None when they do nowhere."""
+        i = self.segments
+        step = np.max(np.abs(q[i] - q[i - 1]), axis=1, initial=0.0) if len(i) else np.zeros(0)
+        parts = np.minimum(np.ceil(step / STEP), _MOST_PARTS).astype(np.int64)
+        if not np.any(parts > 1):
+            return None
+        count = np.ones(len(self), dtype=np.int64)
+        count[i] = np.maximum(parts, 1)
+        begin = self.s.copy()
+        begin[i] = self.begin
+        old = np.repeat(np.arange(len(self)), count)
+        number = np.arange(len(old)) - np.repeat(np.cumsum(count) - count, count) + 1
+        last = number == count[old]
+        s = np.where(last, self.s[old], begin[old] + (self.s[old] - begin[old]) * number / count[old])
+        return Nodes(self.piece[old], s, self.head[old])

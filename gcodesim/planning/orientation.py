@@ -1,0 +1,67 @@
+"""How the tool stands on an arm while a three-axis program runs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.frames import Array
+from gcodesim.motion.tool_path import ToolPath
+
+_TURNED = np.diag([1.0, -1.0, -1.0])  # a tool that points down: its Z along -Z of O
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Orientation:
+    """The tool's Z stands along −Z of the frame O; `spin` turns it about itself.
+
+    R_BO (3, 3) is `frames[system]` for the work system in force, else `upright`.
+    `spin` [rad] None: free, one angle is chosen for the whole program. Tool
+    length offsets act in axes of O, so that Z pulls the flange back.
+    """
+
+    frames: Mapping[int, Array] = field(default_factory=dict)
+    upright: Array = field(default_factory=lambda: np.eye(3))
+    spin: float | None = None
+
+    def R_BO(self, system: int) -> Array:
+        """Axes of O in B."""
+        return self.frames.get(system, self.upright)
+
+    def of_rows(self, path: ToolPath) -> Array:
+        """R_BO of every row (n, 3, 3)."""
+        table = np.array([self.R_BO(s.system) for s in path.states]).reshape(-1, 3, 3)
+        rows: Array = table[path.state]
+        return rows
+
+
+def flange_poses(p_BO: Array, R_BO: Array, spin: float) -> Array:
+    """X_BF (n, 4, 4) at origins (n, 3) [m] with tools along −Z of R_BO (n, 3, 3), turned by `spin` [rad]."""
+    c, s = np.cos(spin), np.sin(spin)
+    X = np.zeros((len(p_BO), 4, 4))
+    X[:, :3, :3] = R_BO @ (_TURNED @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]))
+    X[:, :3, 3] = p_BO
+    X[:, 3, 3] = 1.0
+    return X
+
+
+def flange_origins(positions: Array, offsets: Array, R_BO: Array) -> Array:
+    """Where the flange is (n, 3) when the controlled point is at `positions` (n, 3) under length `offsets` (n, 3)."""
+    origins: Array = positions + np.einsum("nij,nj->ni", R_BO, offsets)
+    return origins
+
+
+def spin_of(R_BF: Array, R_BO: Array) -> float:
+    """The spin [rad] at which the tool's X comes nearest to that of the flange rotation `R_BF` (3, 3)."""
+    x = (R_BO @ _TURNED).T @ R_BF[:, 0]
+    return float(np.arctan2(x[1], x[0])) if np.hypot(x[0], x[1]) > 1e-9 else 0.0
+
+
+def candidates(spin: float, steps: int) -> NDArray[np.float64]:
+    """`spin` and others all around, the nearest first."""
+    order = sorted(range(steps), key=lambda k: (min(k, steps - k), k))
+    angles: NDArray[np.float64] = spin + 2.0 * np.pi * np.array(order) / steps
+    return angles

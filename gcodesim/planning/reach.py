@@ -1,0 +1,189 @@
+"""What an arm cannot reach, or only slowly: findings with the place on the block, the reason and a way out."""
+
+from __future__ import annotations
+
+from itertools import product
+from typing import TYPE_CHECKING, Final, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.diagnostics import Diagnostic, Findings
+from gcodesim.frames import Array
+from gcodesim.motion.pieces import Pieces
+from gcodesim.planning.attitude import Attitude, Probe
+from gcodesim.planning.nodes import Nodes
+from gcodesim.planning.orientation import flange_poses
+from gcodesim.units import DEG, MM, MM_PER_MINUTE
+
+if TYPE_CHECKING:
+    from gcodesim.kinematics.protocol import Kinematics, Reason
+
+# status of the inverse kinematics -> code
+_CODES: Final = {1: "GS202", 2: "GS203", 4: "GS205"}
+_SLOW: Final = 0.5  # of the feed: below, the arm is near a singularity
+_WORTH_A_NOTE: Final = 0.99
+_BISECTIONS: Final = 30
+# shifts of the part that are tried [m]
+_SHIFTS: Final = (0.025, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.6, 0.8)
+
+
+class FlangePoses(Protocol):
+    """Where the flange has to be."""
+
+    @property
+    def pieces(self) -> Pieces: ...
+
+    def at(self, piece: NDArray[np.int64], s: Array) -> Array:
+        """X_BF (k, 4, 4) at places `s` (k,) of `piece` (k,)."""
+        ...
+
+
+def report_poses(
+    kinematics: Kinematics,
+    flange: FlangePoses,
+    nodes: Nodes,
+    q: Array,
+    status: NDArray[np.uint8],
+    probe: Probe,
+    attitude: Attitude,
+    home: Array,
+    findings: Findings,
+) -> None:
+    """One finding for each kind of pose that cannot be had: where, why, how many blocks, what shift would do."""
+    shift: str | None = None
+    for value, code in _CODES.items():
+        bad = status == value
+        if not bad.any():
+            continue
+        if shift is None:
+            shift = _shift_that_fits(kinematics, probe, attitude, home)
+        first = int(np.argmax(bad))
+        X, previous, share = _where_it_begins(kinematics, flange, nodes, q, first, value, home)
+        reason = kinematics.reason(X, previous, value)
+        pieces = flange.pieces
+        row = int(pieces.row_last[nodes.piece[first]])
+        blocks = _blocks(pieces, nodes.piece[bad])
+        further = f", and {blocks - 1} further block{'s' if blocks > 2 else ''}" if blocks > 1 else ""
+        findings.add(
+            Diagnostic(
+                code=code,
+                message=f"{_why(kinematics, reason)}, from {100.0 * share:.0f} % of the block on{further}",
+                span=pieces.path.span(row),
+                hint=shift,
+                count=blocks,
+                value=reason.value,
+                limit=reason.limit,
+                unit=reason.unit,
+            )
+        )
+
+
+def _why(kinematics: Kinematics, reason: Reason) -> str:
+    unit, factor = ("mm", MM) if reason.unit == "m" else ("deg", DEG)
+    value, limit = reason.value / factor, reason.limit / factor
+    if reason.status == 1:
+        side = "at most" if reason.value > reason.limit else "at least"
+        return f"out of reach: {reason.what} would be {value:.1f} {unit}, {side} {limit:.1f} {unit} can be had"
+    if reason.status == 2:
+        return f"joint limit: {reason.what} would go to {value:.1f} {unit}, its limit is {limit:.1f} {unit}"
+    return f"the arm has to flip: {reason.what} by {value:.1f} {unit}"
+
+
+def _where_it_begins(
+    kinematics: Kinematics, flange: FlangePoses, nodes: Nodes, q: Array, node: int, value: int, home: Array
+) -> tuple[Array, Array, float]:
+    """First pose (4, 4) with status `value`, the joints (j,) before it, and its share of the block."""
+    pieces = flange.pieces
+    piece = nodes.piece[node : node + 1]
+    whole = max(float(pieces.curves.length[pieces.curve[piece[0]]]), 1e-300)
+    if nodes.head[node]:
+        previous = q[node - 1] if node else home
+        return flange.at(piece, nodes.s[node : node + 1])[0], previous, 1.0
+    high = float(nodes.s[node])
+    low = float(nodes.s[node - 1]) if nodes.piece[node - 1] == piece[0] else 0.0
+    previous = q[node - 1]
+    for _ in range(_BISECTIONS):
+        middle = 0.5 * (low + high)
+        found, status = kinematics.inverse(flange.at(piece, np.array([middle])), previous)
+        if status[0] == value:
+            high = middle
+        else:
+            low, previous = middle, found[0]
+    # the numbers of the message are those of the end of the block's bad part, which exceed the limit visibly
+    X = flange.at(piece, nodes.s[node : node + 1])[0]
+    return X, previous, (float(pieces.begin[piece[0]]) + high) / whole
+
+
+def _blocks(pieces: Pieces, piece: NDArray[np.int64]) -> int:
+    """How many program blocks stand behind pieces."""
+    touched = np.unique(piece)
+    cover = np.zeros(len(pieces.path) + 1, dtype=np.int64)
+    np.add.at(cover, pieces.row_first[touched], 1)
+    np.add.at(cover, pieces.row_last[touched] + 1, -1)
+    return len(np.unique(pieces.path.block[np.cumsum(cover[:-1]) > 0]))
+
+
+def _shift_that_fits(kinematics: Kinematics, probe: Probe, attitude: Attitude, home: Array) -> str:
+    """The smallest of some shifts of the part with which all of the program can be run."""
+    ways = [np.array(way, dtype=float) for way in product((-1, 0, 1), repeat=3) if any(way)]
+    ways.sort(key=lambda way: (np.abs(way).sum(), *(-way)))
+    for size in _SHIFTS:
+        for way in ways:
+            step = size * way
+            if _fits(kinematics, probe, attitude, home, step):
+                parts = [f"{'XYZ'[k]}{step[k] / MM:+.0f}" for k in range(3) if step[k]]
+                return f"with the part shifted by {' '.join(parts)} mm all of the program can be reached"
+    return f"no shift of the part up to {_SHIFTS[-1] / MM:.0f} mm was found that would do"
+
+
+def _fits(kinematics: Kinematics, probe: Probe, attitude: Attitude, home: Array, step: Array) -> bool:
+    previous = home
+    for number, (a, b) in zip(probe.number, probe.chains, strict=True):
+        X = flange_poses(probe.p_BO[a:b] + step, probe.R_BO[a:b], attitude.spin)
+        q, status = kinematics.inverse(X, attitude.seeds.get(number, previous))
+        if np.any(status):
+            return False
+        previous = q[-1]
+    return True
+
+
+def report_slow_joints(
+    kinematics: Kinematics,
+    pieces: Pieces,
+    piece: NDArray[np.int64],
+    wanted: Array,
+    possible: Array,
+    slowest: NDArray[np.int64],
+    rate: Array,
+    findings: Findings,
+) -> None:
+    """Report segments on which a joint's top speed keeps the feed down: near singularities, and otherwise."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        share = np.where(np.isfinite(wanted), possible / wanted, 1.0)
+    for code, segments in (
+        ("GS204", np.flatnonzero(share < _SLOW)),
+        ("GS206", np.flatnonzero((share >= _SLOW) & (share < _WORTH_A_NOTE))),
+    ):
+        if not len(segments):
+            continue
+        first, worst = int(segments[0]), int(segments[np.argmin(share[segments])])
+        j = int(slowest[worst])
+        joints = kinematics.joints
+        unit, factor = ("deg/s", DEG) if joints.kinds[j] == "revolute" else ("mm/s", MM)
+        need = float(joints.speed[j] / factor / share[worst])
+        row = int(pieces.row_last[piece[first]])
+        where = pieces.path.span(int(pieces.row_last[piece[worst]]))
+        findings.add(
+            Diagnostic(
+                code=code,
+                message=f"feed falls to {100.0 * share[worst]:.0f} % of {wanted[worst] / MM_PER_MINUTE:.0f} mm/min:"
+                f" {joints.names[j]} would need {need:.0f} {unit} and can do {joints.speed[j] / factor:.0f} {unit}",
+                span=pieces.path.span(row),
+                hint=f"slowest in line {where.line}" if where.line != pieces.path.span(row).line else "",
+                count=_blocks(pieces, piece[segments]),
+                value=float(need * factor),
+                limit=float(joints.speed[j]),
+                unit="rad/s" if joints.kinds[j] == "revolute" else "m/s",
+            )
+        )
