@@ -136,23 +136,18 @@ def contact_of_row(
         a, b = int(np.floor(u)), int(np.floor(v))
         if a < -1 or b < -1 or a >= nx or b >= ny:
             w = 0.0
-        elif (
-            0 <= a < nx - 1
-            and 0 <= b < ny - 1
-            and count[a, b] == 1
-            and count[a + 1, b] == 1
-            and count[a, b + 1] == 1
-            and count[a + 1, b + 1] == 1
-        ):
-            wx, wy = u - a, v - b
-            w = (1.0 - wy) * (
-                (1.0 - wx) * max(min(hi[a, b, 0], z1) - max(lo[a, b, 0], z0), 0.0)
-                + wx * max(min(hi[a + 1, b, 0], z1) - max(lo[a + 1, b, 0], z0), 0.0)
-            ) + wy * (
-                (1.0 - wx) * max(min(hi[a, b + 1, 0], z1) - max(lo[a, b + 1, 0], z0), 0.0)
-                + wx * max(min(hi[a + 1, b + 1, 0], z1) - max(lo[a + 1, b + 1, 0], z0), 0.0)
-            )
-            w *= scale
+        elif 0 <= a < nx - 1 and 0 <= b < ny - 1:
+            # unsigned indices spare the check for negative ones
+            i0, i1, j0, j1 = np.uint64(a), np.uint64(a + 1), np.uint64(b), np.uint64(b + 1)
+            if count[i0, j0] != 1 or count[i1, j0] != 1 or count[i0, j1] != 1 or count[i1, j1] != 1:
+                w = share_at(lo, hi, count, grid, tip, ux, uy, level, cell, rows, i, low, high, sine, cosine)
+            else:
+                wx, wy = u - a, v - b
+                near = (1.0 - wx) * max(min(hi[i0, j0, 0], z1) - max(lo[i0, j0, 0], z0), 0.0)
+                near += wx * max(min(hi[i1, j0, 0], z1) - max(lo[i1, j0, 0], z0), 0.0)
+                far = (1.0 - wx) * max(min(hi[i0, j1, 0], z1) - max(lo[i0, j1, 0], z0), 0.0)
+                far += wx * max(min(hi[i1, j1, 0], z1) - max(lo[i1, j1, 0], z0), 0.0)
+                w = scale * ((1.0 - wy) * near + wy * far)
         else:
             w = share_at(lo, hi, count, grid, tip, ux, uy, level, cell, rows, i, low, high, sine, cosine)
         weights[i, k] = w
@@ -294,17 +289,81 @@ def lay_rows(edge: Array, height: float, rows: Array, piece: int) -> int:
 
 
 @kernel
+def unit_forces(
+    laws: Array, table: Array, scale: Array, circle: Array, level: float, climb: float, sin_kappa: float,
+    cos_kappa: float, last: int, unit: Array,
+) -> None:  # fmt: skip
+    """Fill `unit` (3, ANGLES) with force per width [N/m] at each angle: tangential, inward (radial), along the axis.
+
+    scale (3,): K c**p of each component; angles at which the edge does not advance get 0.
+    """
+    common = laws[0, 1] == laws[1, 1] and laws[0, 1] == laws[2, 1]
+    linear = common and laws[0, 1] == 1.0
+    for k in range(last):
+        advance = level * circle[0, k] * sin_kappa - climb * cos_kappa
+        if advance <= LEAST_ADVANCE:
+            unit[0, k], unit[1, k], unit[2, k] = 0.0, 0.0, 0.0
+            continue
+        advance = min(advance, 1.0)
+        if linear:
+            grown_t, grown_r, grown_a = advance, advance, advance
+        else:
+            place = advance * (TABLE - 1)
+            left = min(int(place), TABLE - 2)
+            part = place - left
+            grown_t = power_at(table, 0, left, part)
+            grown_r, grown_a = grown_t, grown_t
+            if not common:
+                grown_r, grown_a = power_at(table, 1, left, part), power_at(table, 2, left, part)
+        normal, axial = scale[1] * grown_r + laws[1, 2], scale[2] * grown_a + laws[2, 2]
+        unit[0, k] = scale[0] * grown_t + laws[0, 2]
+        unit[1, k] = normal * sin_kappa + axial * cos_kappa
+        unit[2, k] = normal * cos_kappa - axial * sin_kappa
+
+
+@kernel
+def add_row(
+    circle: Array, unit: Array, weights: Array, r: float, z: float, width: float, last: int, force_u: Array,
+    force_l: Array, force_z: Array, sums: Array,
+) -> None:  # fmt: skip
+    """Force of one row (ANGLES,) on one tooth along u, l, z [N], and its part in `sums` (SUMS, ANGLES).
+
+    Sums over rows stay apart by angle: so this loop has no dependence between its turns.
+    """
+    for k in range(last):
+        b = weights[k] * width
+        tangential, inward = b * unit[0, k], b * unit[1, k]
+        a_u = -tangential * circle[1, k] - inward * circle[0, k]
+        a_l = tangential * circle[0, k] - inward * circle[1, k]
+        a_z = b * unit[2, k]
+        force_u[k], force_l[k], force_z[k] = a_u, a_l, a_z
+        sums[0, k] += a_u
+        sums[1, k] += a_l
+        sums[2, k] += a_z
+        sums[3, k] += z * a_u
+        sums[4, k] += z * a_l
+        sums[5, k] += r * a_z
+        sums[6, k] += r * tangential
+        sums[7, k] += weights[k]
+        sums[8, k] = max(sums[8, k], weights[k])
+        sums[9, k] = max(sums[9, k], weights[k] * r)
+
+
+SUMS = 10
+
+
+@kernel
 def cutting_force(
     lo: Array, hi: Array, count: Ints, grid: Array, tool: Array, edge: Array, laws: Array, table: Array,
     circle: Array, tip: Array, ux: float, uy: float, level: float, climb: float, chip: float, top: float,
-    rows: Array, weights: Array, force: Array, result: Array,
+    rows: Array, weights: Array, force: Array, sums: Array, result: Array,
 ) -> int:  # fmt: skip
     """Mean force over a revolution with the tip at `tip` [m]; returns the number of rows filled in `rows`, `force`.
 
     tool (4,): radius, flutes, tan(helix), height of the edge; circle (2, ANGLES): sine, cosine of phi;
     ux, uy: horizontal direction of the feed; level, climb: its horizontal and vertical share (unit vector);
     chip [m]: feed per tooth; top [m]: no material is higher near the tool.
-    force (3, ROWS, ANGLES) [N]: what one tooth feels per row and angle, along u, l, z.
+    force (3, ROWS, ANGLES) [N]: on one tooth per row and angle, along u, l, z; sums (SUMS + 3, ANGLES): scratch.
     result (RESULT,): wrench about the tip in S (6), torque, greatest chip thickness, axial depth, radial width,
     entry and exit angle, and the sum of engaged elements (0: no contact).
     """
@@ -314,83 +373,71 @@ def cutting_force(
         return 0
     height = max(height, 1.0e-9)  # downwards the lowest rows ask for what is still below the tip
     last = ANGLES if climb < 0.0 else ANGLES // 2  # nothing behind the tool cuts unless it goes down
-    share = tool[1] / ANGLES
-    scale_t = chip ** laws[0, 1] * laws[0, 0]
-    scale_r = chip ** laws[1, 1] * laws[1, 0]
-    scale_a = chip ** laws[2, 1] * laws[2, 0]
-    f_u, f_l, f_z, m_u, m_l, torque = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    delta = 2.0 * np.pi / ANGLES
-    entry, leave = 2.0 * np.pi, 0.0
+    scale = np.empty(3)
+    for component in range(3):
+        scale[component] = laws[component, 0] * chip ** laws[component, 1] if chip > 0.0 else 0.0
     line = np.empty(SLICES)
+    unit = sums[SUMS:]
+    sums[:SUMS] = 0.0
     used = 0
+    steepest = 0.0
     for piece in range(edge.shape[0]):
         number = lay_rows(edge, height, rows[used:], piece)
         if number == 0:
             continue
-        first = used
-        upright = edge[piece, 0] == 0.0 and rows[first, 3] < 1.0e-12
-        if upright:
+        first, end = used, used + number - 1
+        touched = False
+        if max(level * rows[first, 2] - climb * rows[first, 3], level * rows[end, 2] - climb * rows[end, 3]) <= (
+            LEAST_ADVANCE
+        ):
+            continue  # no angle at which this piece advances: a flat bottom in a level cut
+        if edge[piece, 0] == 0.0 and rows[first, 3] < 1.0e-12:
             touched = contact_of_cylinder(
                 lo, hi, count, grid, circle, tip, ux, uy, level, rows, first, number, weights, line
             )
         else:
-            touched = False
             for i in range(first, first + number):
                 found = contact_of_row(lo, hi, count, grid, circle, tip, ux, uy, level, climb, rows, i, last, weights)
                 touched = touched or found
         if not touched:
             continue
         used += number
-        line[:] = 0.0
-        deepest = np.zeros(SLICES)
-        for k in range(last):
-            sine, cosine = circle[0, k], circle[1, k]
-            fresh = True
-            t, inward, along = 0.0, 0.0, 0.0
-            for i in range(first, used):
-                w = weights[i, k]
-                sin_kappa, cos_kappa = rows[i, 2], rows[i, 3]
-                advance = level * sine * sin_kappa - climb * cos_kappa
-                if w <= 0.0 or advance <= LEAST_ADVANCE:
-                    force[0, i, k], force[1, i, k], force[2, i, k] = 0.0, 0.0, 0.0
-                    continue
-                if fresh or edge[piece, 0] > 0.0:  # per unit of width; the same all along a straight edge
-                    place = min(advance, 1.0) * (TABLE - 1)
-                    left = min(int(place), TABLE - 2)
-                    part = place - left
-                    t = scale_t * power_at(table, 0, left, part) + laws[0, 2]
-                    normal = scale_r * power_at(table, 1, left, part) + laws[1, 2]
-                    axial = laws[2, 2]
-                    if scale_a != 0.0:
-                        axial += scale_a * power_at(table, 2, left, part)
-                    inward = normal * sin_kappa + axial * cos_kappa
-                    along = normal * cos_kappa - axial * sin_kappa
-                    if w > 0.05:
-                        result[CHIP] = max(result[CHIP], chip * advance)
-                    fresh = False
-                b, r, z = w * rows[i, 4], rows[i, 0], rows[i, 1]
-                a_u = b * (-t * cosine - inward * sine)
-                a_l = b * (t * sine - inward * cosine)
-                a_z = b * along
-                force[0, i, k], force[1, i, k], force[2, i, k] = a_u, a_l, a_z
-                f_u += a_u
-                f_l += a_l
-                f_z += a_z
-                m_u += r * cosine * a_z - z * a_l
-                m_l += z * a_u - r * sine * a_z
-                torque += r * b * t
-                result[CONTACT] += w
-                line[i - first] += w * r * max(sine, 0.0) * delta
-                if w > deepest[i - first]:
-                    deepest[i - first] = w
-                if w > 0.05:
-                    entry = min(entry, (k + 1.0 - w) * delta)
-                    leave = max(leave, (k + w) * delta)
-        for i in range(number):
-            result[DEPTH] += deepest[i] * (rows[first + i, 6] - rows[first + i, 5])
-            result[WIDTH] = max(result[WIDTH], line[i])
+        for i in range(first, used):
+            if i == first or edge[piece, 0] > 0.0:
+                unit_forces(laws, table, scale, circle, level, climb, rows[i, 2], rows[i, 3], last, unit)
+            add_row(
+                circle, unit, weights[i], rows[i, 0], rows[i, 1], rows[i, 4], last, force[0, i], force[1, i],
+                force[2, i], sums,
+            )  # fmt: skip
+        steepest = max(steepest, rows[used - 1, 2])
+    if used == 0:
+        return 0
+    f_u, f_l, f_z, m_u, m_l, torque = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    delta = 2.0 * np.pi / ANGLES
+    entry, leave, fullest = 2.0 * np.pi, 0.0, 0
+    for k in range(last):
+        f_u += sums[0, k]
+        f_l += sums[1, k]
+        f_z += sums[2, k]
+        m_u += circle[1, k] * sums[5, k] - sums[4, k]
+        m_l += sums[3, k] - circle[0, k] * sums[5, k]
+        torque += sums[6, k]
+        result[CONTACT] += sums[7, k]
+        if sums[7, k] > sums[7, fullest]:
+            fullest = k
+        if circle[0, k] > 0.0:
+            result[WIDTH] += sums[9, k] * circle[0, k] * delta
+        w = sums[8, k]
+        if w > 0.05:
+            entry, leave = min(entry, (k + 1.0 - w) * delta), max(leave, (k + w) * delta)
+            result[CHIP] = max(result[CHIP], chip * (level * circle[0, k] * steepest))
+    if climb < 0.0:  # the bottom takes the chip of the fall
+        result[CHIP] = max(result[CHIP], -chip * climb * rows[0, 3])
     if result[CONTACT] <= 0.0:
         return 0
+    for i in range(used):
+        result[DEPTH] += weights[i, fullest] * (rows[i, 6] - rows[i, 5])
+    share = tool[1] / ANGLES
     result[0] = share * (ux * f_u - uy * f_l)
     result[1] = share * (uy * f_u + ux * f_l)
     result[2] = share * f_z

@@ -80,12 +80,13 @@ class Milling:
         """
         from gcodesim.processes.milling_kernels import OUTPUTS, mill
 
-        tool, edge, laws, table, circle, shapes, rows, weights, force, turning = self._packed
+        tool, edge, laws, table, circle, shapes, rows, weights, force, sums, turning = self._packed
         out = np.zeros((len(motion), OUTPUTS))
         while True:
             done = mill(
                 stock.lo, stock.hi, stock.count, stock.grid, stock.dirty, stock.tops, starts, ends, first, motion,
-                compliance, tool, edge, laws, table, circle, shapes, rows, weights, force, turning, state.values, out,
+                compliance, tool, edge, laws, table, circle, shapes, rows, weights, force, sums, turning,
+                state.values, out,
             )  # fmt: skip
             if done == len(motion):
                 return out
@@ -98,7 +99,7 @@ class Milling:
     @cached_property
     def _packed(self) -> tuple[Array, ...]:
         """Constants and scratch arrays of the kernel, in its order."""
-        from gcodesim.processes.engagement_kernels import ANGLES, ROWS, TABLE, power_table
+        from gcodesim.processes.engagement_kernels import ANGLES, ROWS, SUMS, TABLE, power_table
         from gcodesim.processes.milling_kernels import CLEARANCE
 
         cutter = self.cutter
@@ -121,6 +122,7 @@ class Milling:
             np.zeros((ROWS, 8)),
             np.zeros((ROWS, ANGLES)),
             np.zeros((3, ROWS, ANGLES)),
+            np.zeros((SUMS + 3, ANGLES)),
             np.zeros((3, 2 * ANGLES + 2)),
         )
         return (tool, cutter.edge, laws, table, circle, shapes, *scratch)

@@ -107,7 +107,7 @@ def displacement(compliance: Array, wrench: Array, delta: Array) -> None:
 def solve_step(
     lo: Array, hi: Array, count: Ints, grid: Array, tool: Array, edge: Array, laws: Array, table: Array,
     circle: Array, compliance: Array, rigid: bool, tip: Array, ux: float, uy: float, level: float, climb: float,
-    chip: float, top: float, rows: Array, weights: Array, force: Array, state: Array, result: Array,
+    chip: float, top: float, rows: Array, weights: Array, force: Array, sums: Array, state: Array, result: Array,
 ) -> int:  # fmt: skip
     """Wrench and deflection of one step together; `state` holds the deflection before and after.
 
@@ -119,7 +119,7 @@ def solve_step(
             state[DELTA + axis] = 0.0
         return cutting_force(
             lo, hi, count, grid, tool, edge, laws, table, circle, tip, ux, uy, level, climb, chip, top,
-            rows, weights, force, result,
+            rows, weights, force, sums, result,
         )  # fmt: skip
     delta, residual, earlier, best = np.empty(3), np.zeros(3), np.zeros(3), np.empty(3)
     for axis in range(3):
@@ -132,7 +132,7 @@ def solve_step(
             place[axis] = tip[axis] + delta[axis]
         used = cutting_force(
             lo, hi, count, grid, tool, edge, laws, table, circle, place, ux, uy, level, climb, chip, top,
-            rows, weights, force, result,
+            rows, weights, force, sums, result,
         )  # fmt: skip
         displacement(compliance, result, residual)
         size, bent = 0.0, 0.0
@@ -163,7 +163,7 @@ def solve_step(
                     place[axis] = tip[axis] + delta[axis]
                 used = cutting_force(
                     lo, hi, count, grid, tool, edge, laws, table, circle, place, ux, uy, level, climb, chip, top,
-                    rows, weights, force, result,
+                    rows, weights, force, sums, result,
                 )  # fmt: skip
             break
         earlier[:] = residual
@@ -179,7 +179,8 @@ def solve_step(
 def mill(
     lo: Array, hi: Array, count: Ints, grid: Array, dirty: Bytes, tops: Array, starts: Array, ends: Array,
     first_piece: Indices, motion: Array, compliance: Array, tool: Array, edge: Array, laws: Array, table: Array,
-    circle: Array, shapes: Array, rows: Array, weights: Array, force: Array, turning: Array, state: Array, out: Array,
+    circle: Array, shapes: Array, rows: Array, weights: Array, force: Array, sums: Array, turning: Array, state: Array,
+    out: Array,
 ) -> int:  # fmt: skip
     """Run n steps; returns n, or the step in which a column had no room (grow `lo`, `hi` and call again).
 
@@ -264,7 +265,7 @@ def mill(
                 used = solve_step(
                     lo, hi, count, grid, tool, edge, laws, table, circle,
                     no_compliance if rigid_machine else compliance[k], rigid_machine, before,
-                    state[FEED_X], state[FEED_Y], level, climb, chip, top, rows, weights, force, state, result,
+                    state[FEED_X], state[FEED_Y], level, climb, chip, top, rows, weights, force, sums, state, result,
                 )  # fmt: skip
             else:
                 state[DELTA : DELTA + 3] = 0.0
