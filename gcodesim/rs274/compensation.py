@@ -1,23 +1,488 @@
-"""Cutter compensation (first cut: G40 only)."""
+"""Cutter compensation: G41, G42, G41.1, G42.1, G40.
+
+The path is offset to one side by the tool's radius. A move can be emitted only
+when the next one is known, because an inside corner shortens it: such moves
+wait as `Held` values, together with everything that comes after them.
+
+Notation, in the active plane: `op` the programmed corner, `normal` the unit
+vector from the programmed path to the offset one at the end of a move.
+"""
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass, replace
+
+from gcodesim import canon
+from gcodesim.diagnostics import Span
 from gcodesim.rs274.control import Control
+from gcodesim.rs274.dialects.linuxcnc import COMPENSATION
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.state import Vector
 from gcodesim.rs274.words import Words
+from gcodesim.units import DEG, MM
+
+Point = tuple[float, float]
+
+_PLANE = {170: (0, 1, 2), 180: (2, 0, 1), 190: (1, 2, 0)}
+_STRAIGHT_ON = 0.05  # [rad] corners flatter than this are passed without an arc or an intersection
+_SWEEP_SLACK_MM = 0.0254
+# lathe tools: where the controlled point lies from the centre of the nose, by orientation, in radii along X and Z
+_NOSE_X = {1: -1.0, 2: -1.0, 6: -1.0, 3: 1.0, 4: 1.0, 8: 1.0}
+_NOSE_Z = {2: -1.0, 3: -1.0, 7: -1.0, 1: 1.0, 4: 1.0, 5: 1.0}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Held(canon.Event):
+    """A move whose end is not certain yet. `direction` is that of the programmed move, (0, 0) across the plane."""
+
+    kind: str  # rapid, line, arc
+    end: Vector
+    direction: Point = (0.0, 0.0)
+    centre: Point = (0.0, 0.0)
+    turns: int = 0
+    sweep: float = 0.0  # of the arc as offset, before it is shortened
+    feed: float = 0.0
+    feed_unit: canon.FeedUnit = "m/s"
+    block: int = 0
+    word: str = ""
 
 
 def switch(words: Words, control: Control) -> None:
-    code = words.g.get(7)
-    if code is None or code == 400:
+    """G40 to G42.1."""
+    code = words.g.get(COMPENSATION)
+    if code is None:
         return
-    raise Fault("GS150", "not there yet")
+    if code == 400:
+        leave(control)
+        return
+    state = control.state
+    at = f"g{code // 10}" if code % 10 == 0 else f"g{code / 10:g}"
+    if state.plane == 190:
+        raise Fault("GS153", "cutter compensation works in the XY and XZ planes only", at=at, hint="say G17 or G18")
+    if state.side:
+        raise Fault("GS153", "cutter compensation is on already", at=at, hint="say G40 before changing side or tool")
+    radius, orientation = _tool_of(words, control, dynamic=code % 10 == 1, at=at)
+    state.side = 1 if code // 10 == 41 else -1
+    if radius < 0.0:
+        radius, state.side = -radius, -state.side
+    state.comp_radius = radius
+    state.comp_orientation = orientation
+    state.comp_first = True
+    state.comp_leaving = False
+    state.comp_endpoint = None
+    state.comp_emitted = state.current
+
+
+def _tool_of(words: Words, control: Control, *, dynamic: bool, at: str) -> tuple[float, int]:
+    """Radius in program units and lathe orientation."""
+    state = control.state
+    if dynamic:
+        diameter = words.need("d", "GS153", at.upper(), "D is the diameter of the tool")
+        orientation = words.whole("l", at.upper()) or 0
+        if "l" in words.values and state.plane != 180:
+            raise Fault("GS153", f"L of {at.upper()} is the orientation of a lathe tool: G18 only", at="l")
+        if not 0 <= orientation <= 9:
+            raise Fault("GS106", f"the orientation L{orientation} must be between 0 and 9", at="l")
+        return diameter / 2.0, orientation
+    number = words.whole("d", at.upper())
+    if number is None:
+        entry = control.spindle_tool
+    elif number == 0:
+        return 0.0, 0
+    else:
+        entry = control.tool_entry(number, "d")
+    return entry.diameter / 2.0 / state.unit, entry.orientation
+
+
+def leave(control: Control) -> None:
+    """G40 and the end of the program: what waits is emitted as it is."""
+    state = control.state
+    if not state.side:
+        return
+    _flush(control)
+    if not state.comp_first:
+        state.current = state.comp_programmed
+        state.comp_leaving = state.comp_radius > 0.0
+    state.side = 0
+
+
+def settle(control: Control) -> None:
+    """After a block: whatever follows a held move waits with it."""
+    state, out = control.state, control.out
+    if state.held:
+        state.held = (*state.held, *out)
+        out.clear()
+        return
+    for index, event in enumerate(out):
+        if type(event) is Held:
+            state.held = tuple(out[index:])
+            del out[index:]
+            return
+
+
+# -- moves
 
 
 def straight(words: Words, control: Control, end: Vector, *, rapid: bool) -> None:
-    raise Fault("GS150", "not there yet")
+    """G0 or G1 with compensation."""
+    from gcodesim.rs274.feeds import resolve_inverse_time, straight_length
+
+    state = control.state
+    first, second, _ = _PLANE[state.plane]
+    start = state.current if state.comp_first else state.comp_programmed
+    if not rapid:
+        resolve_inverse_time(words, control, straight_length(start, end))
+    feed, unit = (0.0, "m/s") if rapid else control.feed(_moves_linear(start, end))
+    op, goal = (start[first], start[second]), (end[first], end[second])
+    length = math.dist(op, goal)
+    move = Held(
+        span=control.span,
+        kind="rapid" if rapid else "line",
+        end=end,
+        feed=feed,
+        feed_unit=unit,  # type: ignore[arg-type]
+        block=control.block_number,
+        word="G0" if rapid else "G1",
+    )
+    radius = state.comp_radius
+    if state.comp_first:
+        if length <= radius:
+            _too_short(length, radius, control)
+    elif length == 0.0:
+        at = state.current
+        move = replace(move, end=_with_plane(end, control, (at[first], at[second])))
+        control.out.append(move)
+        state.current, state.comp_programmed = move.end, end
+        return
+    direction = ((goal[0] - op[0]) / length, (goal[1] - op[1]) / length) if length else (0.0, 0.0)
+    normal = _left(direction) if state.side > 0 else _right(direction)
+    offset_start = _beside(op, normal, radius)
+    if not state.comp_first:
+        _corner(control, op, normal, offset_start, _Line(offset_start, direction), rapid=rapid)
+    offset_end = _with_plane(end, control, _beside(goal, normal, radius))
+    control.out.append(replace(move, end=offset_end, direction=direction))
+    state.current, state.comp_programmed, state.comp_normal = offset_end, end, normal
+    state.comp_first = False
 
 
 def arc(words: Words, control: Control, end: Vector, code: int) -> None:
-    raise Fault("GS150", "not there yet")
+    """G2 or G3 with compensation."""
+    from gcodesim.rs274.arcs import Arc, arc_of, helix_length, sweep_of
+    from gcodesim.rs274.feeds import resolve_inverse_time
+
+    state = control.state
+    first, second, _ = _PLANE[state.plane]
+    start = state.current if state.comp_first else state.comp_programmed
+    shape = arc_of(words, control, start, end, code)
+    if state.feed_mode == 930:
+        resolve_inverse_time(words, control, helix_length(control, start, end, shape))
+    feed, unit = control.feed(linear=True)
+    radius = state.comp_radius
+    op, goal = (start[first], start[second]), (end[first], end[second])
+    arc_radius = math.dist(goal, shape.centre)
+    # the offset path lies inside a left-hand arc when compensating to the left
+    inside = (shape.turns > 0) == (state.side > 0)
+    if inside and arc_radius <= radius:
+        unit_mm = state.unit / MM
+        raise Fault(
+            "GS152",
+            f"the tool, radius {radius * unit_mm:.3f} mm, does not fit into the arc of {arc_radius * unit_mm:.3f} mm",
+            hint="use a smaller tool or a larger arc",
+            value=radius * unit_mm,
+            limit=arc_radius * unit_mm,
+            unit="mm",
+        )
+    sign = -1.0 if inside else 1.0
+    out_normal = _towards(shape.centre, goal, sign)
+    offset_end = _beside(goal, out_normal, radius)
+    centre = shape.centre
+    if state.comp_first:
+        if math.dist(op, goal) <= radius:
+            _too_short(math.dist(op, goal), radius, control)
+        if radius:
+            centre = _entry_centre(op, offset_end, out_normal, words)
+        offset_start = op
+    else:
+        in_normal = _towards(shape.centre, op, sign)
+        offset_start = _beside(op, in_normal, radius)
+        circle = _Circle(shape.centre, arc_radius + sign * radius)
+        _corner(control, op, in_normal, offset_start, circle, rapid=False)
+    control.out.append(
+        Held(
+            span=control.span,
+            kind="arc",
+            end=_with_plane(end, control, offset_end),
+            centre=centre,
+            turns=shape.turns,
+            sweep=sweep_of(offset_start, offset_end, Arc(centre, shape.turns)),
+            feed=feed,
+            feed_unit=unit,
+            block=control.block_number,
+            word=f"G{code // 10}",
+        )
+    )
+    state.current, state.comp_programmed = _with_plane(end, control, offset_end), end
+    state.comp_normal = out_normal
+    state.comp_first = False
+
+
+def _entry_centre(start: Point, end: Point, normal: Point, words: Words) -> Point:
+    """Centre on the radial line through `end` that is as far from `start` as from `end`."""
+    chord = (start[0] - end[0], start[1] - end[1])
+    along = 2.0 * (chord[0] * normal[0] + chord[1] * normal[1])
+    if along == 0.0:
+        raise Fault("GS151", "an entry by this arc has no centre", at=None if not words.names else None)
+    distance = (chord[0] ** 2 + chord[1] ** 2) / along
+    return end[0] + normal[0] * distance, end[1] + normal[1] * distance
+
+
+def _too_short(length: float, radius: float, control: Control) -> None:
+    factor = control.state.unit / MM
+    raise Fault(
+        "GS151",
+        f"the entry move is {length * factor:.3f} mm long; it must be longer than the tool's radius, {radius * factor:.3f} mm",
+        hint="begin further away, or use a smaller tool",
+        value=length * factor,
+        limit=radius * factor,
+        unit="mm",
+    )
+
+
+# -- corners
+
+
+@dataclass(frozen=True, slots=True)
+class _Line:
+    point: Point
+    direction: Point
+
+
+@dataclass(frozen=True, slots=True)
+class _Circle:
+    centre: Point
+    radius: float
+
+
+def _corner(
+    control: Control, op: Point, normal: Point, offset_start: Point, following: _Line | _Circle, *, rapid: bool
+) -> None:
+    """Join the held move with the next one, which leaves `op` with `normal`."""
+    state = control.state
+    turn = _turn_outward(state.comp_normal, normal, state.side)
+    if -_STRAIGHT_ON <= turn <= _STRAIGHT_ON:
+        _flush(control)
+    elif _STRAIGHT_ON < turn <= math.pi + _STRAIGHT_ON:
+        held_end = state.current
+        _flush(control)
+        end = _with_plane(held_end, control, offset_start)
+        if rapid:
+            _emit(control, Held(span=control.span, kind="rapid", end=end, block=control.block_number, word="G0"))
+        else:
+            feed, unit = control.feed(linear=True)
+            around = Held(
+                span=control.span,
+                kind="arc",
+                end=end,
+                centre=op,
+                turns=-1 if state.side > 0 else 1,
+                feed=feed,
+                feed_unit=unit,
+                block=control.block_number,
+                word="G2" if state.side > 0 else "G3",
+            )
+            _emit(control, around)
+        state.comp_endpoint = offset_start
+    else:
+        _flush(control, corner=_intersection(control, op, following))
+
+
+def _turn_outward(before: Point, after: Point, side: int) -> float:
+    """Angle [rad] from the old normal to the new one, positive where the corner is outside; -pi/2 to 3 pi/2."""
+    angle = math.atan2(before[0] * after[1] - before[1] * after[0], before[0] * after[0] + before[1] * after[1])
+    turn = -angle if side > 0 else angle
+    return turn + 2.0 * math.pi if turn < -math.pi / 2.0 else turn
+
+
+def _intersection(control: Control, op: Point, following: _Line | _Circle) -> Point:
+    """Where the held offset path meets the next one, nearest to the corner."""
+    state = control.state
+    move = next(event for event in state.held if type(event) is Held and (event.kind == "arc" or event.direction != (0.0, 0.0)))
+    first, second, _ = _PLANE[state.plane]
+    end = (move.end[first], move.end[second])
+    held: _Line | _Circle
+    held = _Circle(move.centre, math.dist(move.centre, end)) if move.kind == "arc" else _Line(end, move.direction)
+    found = _meet(held, following)
+    if not found:
+        raise Fault("GS152", "the tool does not fit into this inside corner", hint="use a smaller tool or a larger corner")
+    return min(found, key=lambda point: math.dist(point, op))
+
+
+def _meet(a: _Line | _Circle, b: _Line | _Circle) -> list[Point]:
+    if isinstance(a, _Line) and isinstance(b, _Line):
+        cross = a.direction[0] * b.direction[1] - a.direction[1] * b.direction[0]
+        if abs(cross) < 1e-12:
+            return []
+        dx, dy = b.point[0] - a.point[0], b.point[1] - a.point[1]
+        along = (dx * b.direction[1] - dy * b.direction[0]) / cross
+        return [(a.point[0] + along * a.direction[0], a.point[1] + along * a.direction[1])]
+    if isinstance(a, _Circle) and isinstance(b, _Circle):
+        return _circles_meet(a, b)
+    line, circle = (a, b) if isinstance(a, _Line) else (b, a)
+    assert isinstance(line, _Line) and isinstance(circle, _Circle)
+    dx, dy = line.point[0] - circle.centre[0], line.point[1] - circle.centre[1]
+    along = dx * line.direction[0] + dy * line.direction[1]
+    inside = along * along - (dx * dx + dy * dy - circle.radius**2)
+    if inside < 0.0:
+        return []
+    root = math.sqrt(inside)
+    return [
+        (line.point[0] + t * line.direction[0], line.point[1] + t * line.direction[1]) for t in (-along - root, -along + root)
+    ]
+
+
+def _circles_meet(a: _Circle, b: _Circle) -> list[Point]:
+    distance = math.dist(a.centre, b.centre)
+    if distance == 0.0:
+        return []
+    along = (distance**2 + a.radius**2 - b.radius**2) / (2.0 * distance)
+    square = a.radius**2 - along**2
+    if square < 0.0:
+        return []
+    height = math.sqrt(square)
+    ux, uy = (b.centre[0] - a.centre[0]) / distance, (b.centre[1] - a.centre[1]) / distance
+    foot = (a.centre[0] + along * ux, a.centre[1] + along * uy)
+    return [(foot[0] - height * uy, foot[1] + height * ux), (foot[0] + height * uy, foot[1] - height * ux)]
+
+
+# -- emission
+
+
+def _flush(control: Control, corner: Point | None = None) -> None:
+    """Emit what waits, before the events of the block in hand; `corner` is where the held move must end."""
+    state = control.state
+    held, state.held = state.held, ()
+    later, control.out[:] = list(control.out), []
+    for event in held:
+        if type(event) is not Held:
+            control.out.append(event)
+            continue
+        _emit(control, event if corner is None else _shortened(control, event, corner))
+    control.out.extend(later)
+
+
+def _shortened(control: Control, move: Held, corner: Point) -> Held:
+    """`move` with its end at `corner`; a fault when it would have to run backwards."""
+    state = control.state
+    before = state.comp_endpoint
+    if before is not None and move.kind == "line" or before is not None and move.kind == "rapid":
+        if move.direction[0] * (corner[0] - before[0]) + move.direction[1] * (corner[1] - before[1]) < 0.0:
+            raise Fault(
+                "GS152",
+                "the inside corner is closer than the tool's radius: the tool would cut into the part",
+                hint=f"the move before is in line {move.span.line}; use a smaller tool",
+            )
+    if before is not None and move.kind == "arc":
+        from gcodesim.rs274.arcs import Arc, sweep_of
+
+        sweep = sweep_of(before, corner, Arc(move.centre, move.turns))
+        if abs(sweep) > abs(move.sweep) + _SWEEP_SLACK_MM * MM / state.unit:
+            raise Fault(
+                "GS152",
+                "the arc is too short for the inside corner that follows: the tool would cut into the part",
+                hint=f"the arc is in line {move.span.line}; use a smaller tool",
+            )
+    return replace(move, end=_with_plane(move.end, control, corner))
+
+
+def _emit(control: Control, move: Held) -> None:
+    """The event of a held move, from where the tool really stands."""
+    state = control.state
+    start, end = state.comp_emitted, move.end
+    span: Span = move.span
+    at = control.si_axes(control.tip(_nose(end, control)))
+    if move.kind == "rapid":
+        control.out.append(canon.Rapid(span=span, end=at, block=move.block, word=move.word))
+    elif move.kind == "line":
+        control.out.append(
+            canon.LinearFeed(span=span, end=at, block=move.block, word=move.word, feed=move.feed, feed_unit=move.feed_unit)
+        )
+    else:
+        control.out.append(_arc_event(control, move, start, end, at))
+    first, second, _ = _PLANE[state.plane]
+    state.comp_emitted = end
+    state.comp_endpoint = (end[first], end[second])
+
+
+def _arc_event(control: Control, move: Held, start: Vector, end: Vector, at: canon.Axes) -> canon.ArcFeed:
+    from gcodesim.rs274.arcs import Arc, sweep_of
+
+    state = control.state
+    first, second, normal = _PLANE[state.plane]
+    middle = list(end)
+    middle[first], middle[second] = move.centre
+    axis = [0.0, 0.0, 0.0]
+    axis[normal] = 1.0
+    if state.rotation and normal != 2:
+        cos, sin = math.cos(state.rotation * DEG), math.sin(state.rotation * DEG)
+        axis = [axis[0] * cos - axis[1] * sin, axis[0] * sin + axis[1] * cos, axis[2]]
+    sweep = sweep_of((start[first], start[second]), (end[first], end[second]), Arc(move.centre, move.turns))
+    return canon.ArcFeed(
+        span=move.span,
+        end=at,
+        block=move.block,
+        word=move.word,
+        center=control.si_point(_nose(tuple(middle), control)),  # type: ignore[arg-type]
+        normal=(axis[0], axis[1], axis[2]),
+        ccw=move.turns > 0,
+        turns=abs(move.turns),
+        sweep=sweep,
+        feed=move.feed,
+        feed_unit=move.feed_unit,
+    )
+
+
+def _nose(point: Vector, control: Control) -> Vector:
+    """From the centre of a lathe tool's nose to its controlled point."""
+    state = control.state
+    if state.plane != 180 or not state.comp_orientation:
+        return point
+    radius, way = state.comp_radius, state.comp_orientation
+    return (
+        point[0] + _NOSE_X.get(way, 0.0) * radius,
+        point[1],
+        point[2] + _NOSE_Z.get(way, 0.0) * radius,
+        *point[3:],
+    )  # type: ignore[return-value]
+
+
+# -- small geometry
+
+
+def _moves_linear(start: Vector, end: Vector) -> bool:
+    return start[:3] != end[:3] or start[3:6] == end[3:6]
+
+
+def _left(direction: Point) -> Point:
+    return -direction[1], direction[0]
+
+
+def _right(direction: Point) -> Point:
+    return direction[1], -direction[0]
+
+
+def _beside(point: Point, normal: Point, radius: float) -> Point:
+    return point[0] + radius * normal[0], point[1] + radius * normal[1]
+
+
+def _towards(centre: Point, point: Point, sign: float) -> Point:
+    """Unit vector from the centre through `point`, times `sign`."""
+    length = math.dist(centre, point)
+    return sign * (point[0] - centre[0]) / length, sign * (point[1] - centre[1]) / length
+
+
+def _with_plane(vector: Vector, control: Control, point: Point) -> Vector:
+    first, second, _ = _PLANE[control.state.plane]
+    out = list(vector)
+    out[first], out[second] = point
+    return tuple(out)  # type: ignore[return-value]

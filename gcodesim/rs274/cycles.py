@@ -15,6 +15,7 @@ from gcodesim.rs274.words import Words
 from gcodesim.units import INCH
 
 _CLEARANCE_MM, _CLEARANCE_INCH = 0.254, 0.01  # G73 and G83 stop this far before the last depth
+_MOST_PECKS = 100_000
 _STICKY = "rpqijk"
 _NEEDS_P = frozenset((820, 860, 880, 890))
 _NEEDS_Q = frozenset((730, 830))
@@ -49,18 +50,14 @@ def cycle(words: Words, control: Control, code: int) -> None:
     repeats = words.whole("l", who)
     if repeats is not None and repeats < 1:
         raise Fault("GS140", f"{who} with L{repeats}: a cycle runs at least once", at="l")
-    chain_starts = state.cycle == -1
-    if chain_starts:
-        state.cycle_start = state.current[normal]
     _need(sticky, code, who, at, "xyz"[normal])
-    depth, clear = sticky["xyz"[normal]], sticky["r"]
-    if state.incremental:
-        base = state.cycle_start if False else state.current[normal]
-        clear = clear + base if fresh or True else clear
-    hole = _hole(sticky, code, depth, clear, words, control, who, normal)
+    starts = state.cycle == -1
+    if starts:
+        state.cycle_start = state.current[normal]
+    base = state.cycle_start if state.retract == 980 else state.current[normal]
+    hole = _hole(sticky, code, base, words, control, who, normal)
     state.cycle, state.cycle_words = code, tuple(sticky.items())
-    state.motion = code
-    _run(words, control, hole, code, repeats or 1, (first, second, normal), who)
+    _run(words, control, hole, code, repeats or 1, (first, second, normal), who, base, starts)
 
 
 def _check(words: Words, control: Control, code: int, who: str, at: str | None) -> None:
@@ -96,17 +93,13 @@ def _need(sticky: dict[str, float], code: int, who: str, at: str | None, depth_l
 
 
 def _hole(
-    sticky: dict[str, float],
-    code: int,
-    depth: float,
-    clear: float,
-    words: Words,
-    control: Control,
-    who: str,
-    normal: int,
+    sticky: dict[str, float], code: int, base: float, words: Words, control: Control, who: str, normal: int
 ) -> Hole:
+    """The words as heights; in G91 R counts from `base` and the depth from R."""
     letter = "xyz"[normal]
-    bottom = clear + depth if control.state.incremental else depth
+    incremental = control.state.incremental
+    clear = sticky["r"] + (base if incremental else 0.0)
+    bottom = sticky[letter] + (clear if incremental else 0.0)
     if clear < bottom:
         raise Fault(
             "GS140",
@@ -117,38 +110,50 @@ def _hole(
     step = sticky.get("q", 0.0)
     if code in _NEEDS_Q and step <= 0.0:
         raise Fault("GS140", f"the peck Q{step:g} of {who} must be positive", at="q")
+    if code in _NEEDS_Q and (clear - bottom) / step > _MOST_PECKS:
+        raise Fault("GS140", f"{who} would need more than {_MOST_PECKS} pecks", at="q" if "q" in words.values else None)
     dwell = sticky.get("p", 0.0)
     if dwell < 0.0:
         raise Fault("GS106", f"the dwell P{dwell:g} of {who} is negative", at="p")
-    return Hole(bottom, clear, dwell, step, sticky.get("i", 0.0), sticky.get("j", 0.0), sticky.get("k", 0.0))
+    middle = sticky.get("k", 0.0) + (bottom if incremental else 0.0)
+    if code == 870 and not bottom <= middle <= clear:
+        raise Fault("GS140", f"K{middle:g} of G87 must lie between {letter.upper()}{bottom:g} and R{clear:g}", at="k")
+    return Hole(bottom, clear, dwell, step, sticky.get("i", 0.0), sticky.get("j", 0.0), middle)
 
 
 def _run(
-    words: Words, control: Control, hole: Hole, code: int, repeats: int, axes: tuple[int, int, int], who: str
+    words: Words,
+    control: Control,
+    hole: Hole,
+    code: int,
+    repeats: int,
+    axes: tuple[int, int, int],
+    who: str,
+    base: float,
+    starts: bool,
 ) -> None:
+    """All holes of the block. `base` is the height from which the first is approached."""
     first, second, normal = axes
     state = control.state
     end = end_point(words, control)
     step = (end[first] - state.current[first], end[second] - state.current[second])
-    level = hole.clear if state.retract == 990 else max(hole.clear, state.cycle_start)
     head = _Head(control, axes, who)
+    if base < hole.clear:
+        if starts:
+            head.rapid_to(hole.clear)
+        base = hole.clear
+    level = hole.clear if state.retract == 990 else base
     if state.path != 610:
         control.say_path(610)
-    if state.current[normal] < hole.clear:
-        head.rapid_to(hole.clear)
-        if state.retract == 980:
-            level = max(level, hole.clear)
     place = (state.current[first], state.current[second])
-    for turn in range(repeats):
-        if state.incremental:
-            place = (place[0] + step[0], place[1] + step[1])
-        else:
-            place = (end[first], end[second])
-        above = level if state.retract == 980 and turn == 0 else None
-        head.rapid_over(place, max(state.current[normal], hole.clear) if above is None else above)
-        if state.current[normal] != hole.clear:
+    height = base
+    for _ in range(repeats):
+        place = (place[0] + step[0], place[1] + step[1]) if state.incremental else (end[first], end[second])
+        head.rapid_over(place, height)
+        if height != hole.clear:
             head.rapid_to(hole.clear)
         _SHAPES[code](head, hole, level)
+        height = level
     if state.path != 610:
         control.say_path()
 
@@ -176,6 +181,11 @@ class _Head:
     def feed_to(self, height: float) -> None:
         now = self.control.state.current
         self.control.line(self._at(now[self.first], now[self.second], height), self.who)
+
+    def orient(self, direction: int) -> None:
+        """Stop the spindle at 0 degrees, approached in the direction in which it turned."""
+        self.turn(0)
+        self.control.out.append(canon.Orient(span=self.control.span, angle=0.0, direction=2 if direction > 0 else 3))
 
     def turn(self, direction: int) -> None:
         self.control.state.spindle = direction
@@ -225,24 +235,26 @@ def _tap(head: _Head, hole: Hole, level: float) -> None:
     direction = control.state.spindle
     control.say_overrides(feed=False, speed=False)
     head.feed_to(hole.bottom)
-    head.turn(0)
+    head.turn(-direction)
     if hole.dwell:
         control.dwell(hole.dwell)
-    head.turn(-direction)
     head.feed_to(level)
-    head.turn(0)
-    head.turn(direction)
     control.say_overrides()
+    head.turn(direction)
 
 
 def _bore(head: _Head, hole: Hole, level: float) -> None:
-    """G85, G89: feed down, dwell (G89), feed up to R."""
+    """G85: feed down, feed up to R, out."""
     head.feed_to(hole.bottom)
-    if head.who == "G89":
-        head.control.dwell(hole.dwell)
     head.feed_to(hole.clear)
-    if level != hole.clear:
-        head.rapid_to(level)
+    head.rapid_to(level)
+
+
+def _bore_dwell(head: _Head, hole: Hole, level: float) -> None:
+    """G89: feed down, dwell, feed all the way up."""
+    head.feed_to(hole.bottom)
+    head.control.dwell(hole.dwell)
+    head.feed_to(level)
 
 
 def _bore_stop(head: _Head, hole: Hole, level: float) -> None:
@@ -256,11 +268,29 @@ def _bore_stop(head: _Head, hole: Hole, level: float) -> None:
 
 
 def _back_bore(head: _Head, hole: Hole, level: float) -> None:
-    raise Fault("GS140", "not there yet")
+    """G87: through the hole with the spindle oriented, then bore back up to K and return the same way."""
+    control = head.control
+    direction = control.state.spindle
+    now = control.state.current
+    centre = (now[head.first], now[head.second])
+    aside = (centre[0] + hole.i, centre[1] + hole.j)
+    head.rapid_over(aside, hole.clear)
+    head.orient(direction)
+    head.rapid_over(aside, hole.bottom)
+    head.rapid_over(centre, hole.bottom)
+    head.turn(direction)
+    head.feed_to(hole.k)
+    head.feed_to(hole.bottom)
+    head.orient(direction)
+    head.rapid_over(aside, hole.bottom)
+    head.rapid_over(aside, level)
+    head.rapid_over(centre, level)
+    head.turn(direction)
 
 
 def _bore_manual(head: _Head, hole: Hole, level: float) -> None:
-    """G88: as G86, but the operator brings the tool out."""
+    """G88: dwell, stop spindle and program at the bottom; the operator brings the tool out."""
+    del level
     direction = head.control.state.spindle
     head.feed_to(hole.bottom)
     head.control.dwell(hole.dwell)
@@ -280,5 +310,5 @@ _SHAPES: dict[int, Callable[[_Head, Hole, float], None]] = {
     860: _bore_stop,
     870: _back_bore,
     880: _bore_manual,
-    890: _bore,
+    890: _bore_dwell,
 }

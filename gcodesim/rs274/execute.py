@@ -5,7 +5,7 @@ from __future__ import annotations
 from gcodesim.rs274 import compensation, machine_codes, modes, offsets
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.dialects import g_name
-from gcodesim.rs274.dialects.linuxcnc import LENGTH, MOTION, NON_MODAL
+from gcodesim.rs274.dialects.linuxcnc import CANCEL, LENGTH, MOTION, NON_MODAL
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.motions import MOTIONS
 from gcodesim.rs274.words import Words, check_use
@@ -22,7 +22,7 @@ def motion_of(words: Words, control: Control) -> int:
 
     Raises `Fault` when axis words have no code, or two.
     """
-    own = words.g.get(MOTION, -1)
+    own = words.g.get(MOTION, words.g.get(CANCEL, -1))
     claimed = words.g.get(NON_MODAL, -1)
     claims = claimed in _CLAIMS_AXES
     has_axes = words.has_axes()
@@ -108,6 +108,8 @@ def execute(words: Words, control: Control) -> None:
         MOTIONS[motion](words, control, motion)
         control.state.motion = motion
     machine_codes.stop(words, control)
+    if control.state.side:
+        compensation.settle(control)
 
 
 def _check_machine_coordinates(words: Words, control: Control, motion: int) -> None:

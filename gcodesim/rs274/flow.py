@@ -42,6 +42,7 @@ class FlowControl:
         self.labels: dict[tuple[str, str, str], Label] = {}
         self.jumps = 0
         self.loop: tuple[ProgramFile, int] | None = None  # the line last jumped back to
+        self._breaking = False
         self._arrived = False  # the line at hand was reached by leaving a branch
 
     @property
@@ -153,8 +154,7 @@ class FlowControl:
     def _while(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
         known = self.labels.get(self._key(label))
         if known is not None and known.kind == "do":
-            broken = arrived and known.left < 0
-            known.left = 0
+            broken, self._breaking = self._breaking, False
             if not broken and self._test(flow) != 0.0:
                 self._back_to(known.index)
             return
@@ -191,8 +191,10 @@ class FlowControl:
     def _break(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
         del flow, arrived
         known = self._opened(label, "break", "while", "do")
+        # as on the control, only the `while` that closes a `do` takes this back: after a `break` out of a
+        # `while` … `endwhile`, the next `do` runs once
+        self._breaking = True
         if known.kind == "do":
-            known.left = -1  # the closing while must not ask again
             self._skip_to(label, index, "while")
         else:
             self._skip_to(label, index, "endwhile")
@@ -200,6 +202,7 @@ class FlowControl:
     def _continue(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
         del flow, arrived
         known = self._opened(label, "continue", "while", "do")
+        self._breaking = False
         if known.kind == "do":
             self._skip_to(label, index, "while")
         else:

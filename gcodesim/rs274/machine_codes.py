@@ -269,9 +269,10 @@ def stop(words: Words, control: Control) -> None:
 
 def end_program(control: Control, *, shuttle: bool) -> None:
     """M2 and M30: spindle and coolant off, back to the modes of the start; offsets stay stored."""
+    from gcodesim.rs274 import compensation
+
+    compensation.leave(control)
     state = control.state
-    if shuttle:
-        control.out.append(canon.PalletShuttle(span=control.span))
     if state.spindle:
         state.spindle = 0
         control.say_spindle()
@@ -281,6 +282,8 @@ def end_program(control: Control, *, shuttle: bool) -> None:
     if not (state.feed_override and state.speed_override):
         state.feed_override = state.speed_override = True
         control.say_overrides()
+    if shuttle:
+        control.out.append(canon.PalletShuttle(span=control.span))
     state.plane, state.incremental, state.feed_mode, state.side = 170, False, 940, 0
     state.motion = -1
     control.parameters.set(ACTIVE_SYSTEM, 1.0)

@@ -33,7 +33,8 @@ def execute(note: Note, control: Control) -> None:
 
 
 def filled(text: str, control: Control) -> str:
-    """`text` with #n and #<name> replaced by their values; %d, %f and %.nf set the form of what follows."""
+    """`text` with #n and #<name> replaced by their values; %d, %f (four decimals) and %.nf set the form of what
+    follows; without any of them a value has six decimals."""
     out: list[str] = []
     places = 6
     at = 0
@@ -41,7 +42,7 @@ def filled(text: str, control: Control) -> str:
         char = text[at]
         form = _FORMAT.match(text, at) if char == "%" else None
         if form:
-            places = int(form[2]) if form[2] is not None else (0 if form[1] == "d" else 6)
+            places = int(form[2]) if form[2] is not None else (0 if form[1] == "d" else 4)
             at = form.end()
         elif char == "#":
             value, at = _value(text, at, control)

@@ -10,6 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import Self
 
+from gcodesim.canon import Event
+
 # X Y Z A B C U V W in program units and degrees
 Vector = tuple[float, float, float, float, float, float, float, float, float]
 
@@ -71,6 +73,10 @@ class State(Modes):
     comp_first: bool = False
     comp_leaving: bool = False
     comp_programmed: Vector = ZERO
+    comp_normal: tuple[float, float] = (0.0, 0.0)
+    comp_endpoint: tuple[float, float] | None = None  # where the move before the held one ended
+    comp_emitted: Vector = ZERO
+    held: tuple[Event, ...] = ()  # moves that wait for the next corner, and what follows them
     # G5: end tangent of the spline before, G5.2: control points collected so far
     spline_tangent: tuple[float, float] | None = None
     nurbs_order: int = 0

@@ -6,14 +6,15 @@ from gcodesim.rs274.dialects.dialect import Dialect
 
 # modal groups as in the LinuxCNC user manual, "G-code overview"; numbers are ours only as far as they are names
 NON_MODAL, MOTION, PLANE, DISTANCE, CENTRE, FEED_MODE, UNITS, COMPENSATION, LENGTH = 0, 1, 2, 3, 4, 5, 6, 7, 8
-RETRACT, SYSTEM, PATH, SPINDLE_MODE, DIAMETER = 10, 12, 13, 14, 15
+RETRACT, SYSTEM, PATH, SPINDLE_MODE, DIAMETER, CANCEL = 10, 12, 13, 14, 15, 16
 
 _G_GROUPS = {
     NON_MODAL: (40, 100, 280, 281, 300, 301, 520, 530, 920, 921, 922, 923),
     MOTION: (
         *(0, 10, 20, 30, 50, 51, 52, 53, 330, 331, 382, 383, 384, 385),
-        *(730, 740, 760, 800, 810, 820, 830, 840, 850, 860, 870, 880, 890),
+        *(730, 740, 760, 810, 820, 830, 840, 850, 860, 870, 880, 890),
     ),
+    CANCEL: (800,),  # ends a cycle, and may share a block with another motion
     PLANE: (170, 180, 190),
     DISTANCE: (900, 910),
     CENTRE: (901, 911),
