@@ -24,7 +24,7 @@ from gcodesim.motion.blend_kernels import (
     overlaps,
 )
 from gcodesim.motion.columns import Column
-from gcodesim.motion.curve_kernels import OWN, ROUND, STRAIGHT, TIMED
+from gcodesim.motion.curve_kernels import OWN, ROUND, TIMED
 from gcodesim.motion.curves import Curves
 from gcodesim.motion.pieces import OVERLAP, PART, AxisLimits, Pieces
 from gcodesim.motion.tool_path import BLEND, LINE, RAPID, ToolPath
@@ -185,10 +185,12 @@ def _join(
     kind = np.zeros(n, dtype=np.uint8)
     trim_end, trim_start, cap, reduction = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
     corner_acceleration, ratio, duration = np.zeros(n), np.ones(n), np.zeros(n)
+    arc = np.zeros((n, 10))
     tolerance = path.tolerance[row_last]
     corners(
-        open_end | apart, blended, first, last, curves.length, curves.kind == STRAIGHT, turning, speed, tolerance,
-        table, kind, trim_end, trim_start, cap, corner_acceleration, reduction,
+        open_end | apart, blended, first, last, turning, speed, tolerance, table, curves.kind, curves.end,
+        curves.radial, curves.sideways, curves.lift, curves.sweep, curves.growth, curves.length,
+        kind, trim_end, trim_start, cap, corner_acceleration, reduction, arc,
     )  # fmt: skip
     overlapped = kind == OVERLAPPED
     shared = open_end & blended
@@ -201,7 +203,7 @@ def _join(
             kind, first, last, left, speed, acceleration, tolerance, trim_end, trim_start, cap, ratio, duration
         )
     return _assemble(
-        path, limits, curves, kind, first, last, trim_start, trim_end, cap, corner_acceleration, ratio, duration,
+        path, limits, curves, kind, arc, trim_start, trim_end, cap, corner_acceleration, ratio, duration,
         speed, acceleration, row_first, row_last,
     )  # fmt: skip
 
@@ -211,8 +213,7 @@ def _assemble(
     limits: AxisLimits,
     curves: Curves,
     kind: NDArray[np.uint8],
-    first: Array,
-    last: Array,
+    arc: Array,
     trim_start: Array,
     trim_end: Array,
     cap: Array,
@@ -227,7 +228,7 @@ def _assemble(
     """Lay pieces of curves and of joints in one line: curve i stands at 2 i, the joint behind it at 2 i + 1."""
     n = len(curves)
     rounded, lapped = np.flatnonzero(kind == ROUNDED), np.flatnonzero(kind == OVERLAPPED)
-    bends = _corner_arcs(curves, rounded, first, last, trim_end)
+    bends = _corner_arcs(curves.end[rounded, 3:], arc[rounded])
     slots = 2 * n
     columns: dict[str, Column] = {
         name: np.zeros(slots) for name in ("begin", "length", "speed", "acceleration", "junction")
@@ -286,32 +287,20 @@ def _assemble(
     )
 
 
-def _corner_arcs(
-    curves: Curves, at: NDArray[np.intp], first: Array, last: Array, trim_end: Array
-) -> Curves:
-    """Arcs that touch line i before its end and line i + 1 behind its start."""
-    t1, t2 = last[at, :3], first[at + 1, :3]
-    d = trim_end[at][:, None]
-    corner = curves.end[at]
-    start, end = corner.copy(), corner.copy()
-    start[:, :3] -= d * t1
-    end[:, :3] += d * t2
-    turn = np.arctan2(np.linalg.norm(np.cross(t1, t2), axis=1), np.einsum("ij,ij->i", t1, t2))
-    radius = trim_end[at] / np.tan(0.5 * turn)
-    inward = t2 - t1 * np.cos(turn)[:, None]
-    inward /= np.maximum(np.linalg.norm(inward, axis=1), 1e-300)[:, None]
-    radial = -radius[:, None] * inward
-    zeros = np.zeros((len(at), 3))
+def _corner_arcs(rotary: Array, arc: Array) -> Curves:
+    """Corner arcs (k, 10) as the kernel gives them, with rotary axes standing at `rotary` (k, 3)."""
+    center, radial, sideways, turn = arc[:, :3], arc[:, 3:6], arc[:, 6:9], arc[:, 9]
+    start = np.concatenate([center + radial, rotary], axis=1)
+    tip = center + np.cos(turn)[:, None] * radial + np.sin(turn)[:, None] * sideways
     return Curves(
-        kind=np.full(len(at), ROUND, dtype=np.uint8),
+        kind=np.full(len(arc), ROUND, dtype=np.uint8),
         start=start,
-        end=end,
-        center=start[:, :3] - radial,
+        end=np.concatenate([tip, rotary], axis=1),
+        center=center,
         radial=radial,
-        sideways=radius[:, None] * t1,
-        lift=zeros,
+        sideways=sideways,
+        lift=np.zeros((len(arc), 3)),
         sweep=turn,
-        growth=np.zeros(len(at)),
-        length=radius * turn,
+        growth=np.zeros(len(arc)),
+        length=np.linalg.norm(radial, axis=1) * turn,
     )
-

@@ -9,6 +9,8 @@ import numpy as np
 
 from gcodesim.compiled import kernel
 from gcodesim.motion.columns import Column
+from gcodesim.motion.corner_kernels import corner_center, corner_radius, way_from_corner
+from gcodesim.motion.curve_kernels import ROUND, STRAIGHT
 
 # Habits of the motion planner, as numbers with names. They are those of LinuxCNC 2.9, measured on its own planner.
 # The two shares on arcs belong to any planner that keeps acceleration back in bends; the others are this one's own
@@ -30,6 +32,9 @@ TOLERANCE_SHARE: Final = 0.25
 SHARPEST_CORNER: Final = 0.02
 # Chords that are merged into one line.
 LONGEST_CHAIN: Final = 100
+
+# [m] that an arc may rise or widen and still be rounded as one in a plane: rounding of a program's last digit
+FLAT: Final = 2e-6
 
 # what happens at the end of a curve
 STAND = 0
@@ -106,92 +111,147 @@ def turned_speed(first: Column, turned: Column, angle: float, limits: Column) ->
 
 
 @kernel
+def bend_of(
+    i: int,
+    n: Column,
+    at_end: bool,
+    kind: Column,
+    radial: Column,
+    sideways: Column,
+    lift: Column,
+    sweep: Column,
+    growth: Column,
+) -> tuple[float, float]:
+    """Radius (0: a line) and side about `n` (3,) of curve `i` at one of its ends; radius -1 when not in that plane."""
+    if kind[i] == STRAIGHT:
+        return 0.0, 1.0
+    if kind[i] != ROUND:
+        return -1.0, 1.0
+    r = math.sqrt(radial[i, 0] ** 2 + radial[i, 1] ** 2 + radial[i, 2] ** 2)
+    rise = math.sqrt(lift[i, 0] ** 2 + lift[i, 1] ** 2 + lift[i, 2] ** 2)
+    if rise > FLAT or abs(growth[i]) * r > FLAT:
+        return -1.0, 1.0
+    m0 = radial[i, 1] * sideways[i, 2] - radial[i, 2] * sideways[i, 1]
+    m1 = radial[i, 2] * sideways[i, 0] - radial[i, 0] * sideways[i, 2]
+    m2 = radial[i, 0] * sideways[i, 1] - radial[i, 1] * sideways[i, 0]
+    cosine = (m0 * n[0] + m1 * n[1] + m2 * n[2]) / (r * r)
+    if abs(cosine) < 1.0 - 1e-9:
+        return -1.0, 1.0
+    side = 1.0 if cosine * sweep[i] > 0.0 else -1.0
+    return (r * (1.0 + growth[i]) if at_end else r), side
+
+
+@kernel
 def corners(
     stop: Column,
     blended: Column,
     first: Column,
     last: Column,
-    length: Column,
-    straight: Column,
     turning: Column,
     speed: Column,
     tolerance: Column,
     axis_limits: Column,
     kind: Column,
+    end: Column,
+    radial: Column,
+    sideways: Column,
+    lift: Column,
+    sweep: Column,
+    growth: Column,
+    length: Column,
+    joint: Column,
     trim_end: Column,
     trim_start: Column,
     cap: Column,
     acceleration: Column,
     reduction: Column,
+    arc: Column,
 ) -> None:
-    """Decide what happens at the end of every curve but the last; results go into the last six arguments.
+    """Decide what happens at the end of every curve but the last; results go into the last seven arguments.
 
-    `first`, `last` (c, 6) are unit tangents, `turning` is set where a rotary
-    axis moves, `speed` is what each curve may reach. Corner arcs touch both
-    lines at `trim_end[i]` before and `trim_start[i + 1]` behind the corner; with
-    half included angle t, R = P sin t / (1 - sin t) and trim R / tan t.
+    `first`, `last` (c, 6) are tangents, `turning` is set where a rotary axis
+    moves, `speed` is what each curve may reach. `joint` becomes STAND, PASS,
+    ROUNDED or OVERLAPPED. A corner arc touches the curves at `trim_end[i]`
+    before and `trim_start[i + 1]` behind the corner; `arc` (c, 10) is its centre,
+    the radius vectors at its start and a quarter turn on, and its angle.
     `reduction` is the share of acceleration lost to a kink.
     """
-    across = np.empty(3)
+    across, normal = np.empty(3), np.empty(3)
     for i in range(len(stop) - 1):
-        kind[i] = STAND
-        cap[i] = 0.0
+        joint[i] = STAND
         if stop[i]:
             continue
         if turning[i] or turning[i + 1]:
             if blended[i]:
-                kind[i] = OVERLAPPED
+                joint[i] = OVERLAPPED
             continue
         kink = 0.0
-        for k in range(6):
+        cosine = 0.0
+        for k in range(3):
             kink = max(kink, abs(first[i + 1, k] - last[i, k]) / axis_limits[1, k])
+            cosine += last[i, k] * first[i + 1, k]
         kink /= CYCLE  # share of acceleration for each m/s
         reach = max(speed[i], speed[i + 1])
         if kink * reach <= KINK_SHARE:
-            kind[i] = PASS
+            joint[i] = PASS
             cap[i] = 1e30
             reduction[i] = max(reduction[i], kink * reach)
             reduction[i + 1] = max(reduction[i + 1], kink * reach)
             continue
         kink_speed = KINK_SHARE / kink
         if blended[i]:
-            kind[i] = OVERLAPPED
-            cosine = 0.0
-            for k in range(3):
-                cosine += last[i, k] * first[i + 1, k]
+            joint[i] = OVERLAPPED
             turn = math.acos(min(max(cosine, -1.0), 1.0))
-            if straight[i] and straight[i + 1] and turn < math.pi - SHARPEST_CORNER:
-                half = 0.5 * (math.pi - turn)
-                n0 = last[i, 1] * first[i + 1, 2] - last[i, 2] * first[i + 1, 1]
-                n1 = last[i, 2] * first[i + 1, 0] - last[i, 0] * first[i + 1, 2]
-                n2 = last[i, 0] * first[i + 1, 1] - last[i, 1] * first[i + 1, 0]
-                size = math.sqrt(n0 * n0 + n1 * n1 + n2 * n2)
-                n0, n1, n2 = n0 / size, n1 / size, n2 / size
-                most = in_plane(n0, n1, n2, axis_limits[1])
-                a_n = NORMAL_SHARE * most
-                p1 = tolerance[i] if tolerance[i] > 0.0 else TOLERANCE_SHARE * length[i]
-                p2 = tolerance[i + 1] if tolerance[i + 1] > 0.0 else TOLERANCE_SHARE * length[i + 1]
-                s, tan = math.sin(half), math.tan(half)
-                radius = min(p1, p2) * s / (1.0 - s) if s < 1.0 else 1e30
-                radius = min(radius, tan * 0.5 * min(length[i], length[i + 1]))
+            if turn >= math.pi - SHARPEST_CORNER:
+                continue
+            size = 0.0
+            for k in range(3):
+                across[k] = first[i + 1, k] - cosine * last[i, k]
+                size += across[k] * across[k]
+            size = math.sqrt(size)
+            for k in range(3):
+                across[k] /= size
+            normal[0] = last[i, 1] * across[2] - last[i, 2] * across[1]
+            normal[1] = last[i, 2] * across[0] - last[i, 0] * across[2]
+            normal[2] = last[i, 0] * across[1] - last[i, 1] * across[0]
+            r1, side1 = bend_of(i, normal, True, kind, radial, sideways, lift, sweep, growth)
+            r2, side2 = bend_of(i + 1, normal, False, kind, radial, sideways, lift, sweep, growth)
+            if r1 < 0.0 or r2 < 0.0:
+                continue
+            most = in_plane(normal[0], normal[1], normal[2], axis_limits[1])
+            a_n = NORMAL_SHARE * most
+            p1 = tolerance[i] if tolerance[i] > 0.0 else TOLERANCE_SHARE * length[i]
+            p2 = tolerance[i + 1] if tolerance[i + 1] > 0.0 else TOLERANCE_SHARE * length[i + 1]
+            v = min(reach, turned_speed(last[i], across, turn, axis_limits[0]))
+            # not larger than the speed needs
+            radius = corner_radius(
+                turn, r1, side1, r2, side2, min(p1, p2), 0.5 * length[i], 0.5 * length[i + 1], v * v / a_n
+            )
+            v = min(v, math.sqrt(a_n * radius))
+            if v <= kink_speed or radius <= 0.0:
+                joint[i] = PASS
+            else:
+                joint[i] = ROUNDED
+                cap[i] = v
+                acceleration[i] = most
+                x, y = corner_center(turn, r1, side1, r2, side2, radius)
+                trim_end[i] = -way_from_corner(x, y, 0.0, r1, side1)
+                trim_start[i + 1] = way_from_corner(x, y, turn, r2, side2)
+                # directions of the path, as angles from X, where the arc begins and ends
+                begin = 0.0 if r1 == 0.0 else -side1 * trim_end[i] / r1
+                leave = turn if r2 == 0.0 else turn + side2 * trim_start[i + 1] / r2
+                c, s = math.cos(begin), math.sin(begin)
                 for k in range(3):
-                    across[k] = (first[i + 1, k] - math.cos(turn) * last[i, k]) / math.sin(turn)
-                v = min(reach, turned_speed(last[i], across, turn, axis_limits[0]), math.sqrt(a_n * radius))
-                if v > kink_speed:
-                    radius = v * v / a_n  # not larger than the speed needs
-                    kind[i] = ROUNDED
-                    trim_end[i] = radius / tan
-                    trim_start[i + 1] = radius / tan
-                    cap[i] = v
-                    acceleration[i] = most
-                    continue
-                kind[i] = PASS
+                    arc[i, k] = end[i, k] + x * last[i, k] + y * across[k]
+                    arc[i, 3 + k] = radius * (s * last[i, k] - c * across[k])
+                    arc[i, 6 + k] = radius * (c * last[i, k] + s * across[k])
+                arc[i, 9] = leave - begin
+                continue
         else:
-            kind[i] = PASS
-        if kind[i] == PASS:
-            cap[i] = kink_speed
-            reduction[i] = KINK_SHARE
-            reduction[i + 1] = KINK_SHARE
+            joint[i] = PASS
+        cap[i] = kink_speed
+        reduction[i] = KINK_SHARE
+        reduction[i + 1] = KINK_SHARE
 
 
 @kernel
