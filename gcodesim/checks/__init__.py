@@ -1,0 +1,8 @@
+"""Checks: columns of a run in, findings out. They know neither the loop nor any file format."""
+
+from collections.abc import Callable
+
+from gcodesim.diagnostics import Span
+
+# where row `row` of the path stands in the program
+Spans = Callable[[int], Span]

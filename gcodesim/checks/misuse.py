@@ -1,0 +1,202 @@
+"""What no machinist would do: rapids through material, feeding with the spindle off, shanks and holders in stock.
+
+All columns have one entry a row of the path; volumes [m³], depths [m], times
+[s]. An event goes on over rows that are free of it until the tool leaves with
+a rapid that touches nothing, or tool or spindle change; it is found once, at
+its first row, with the worst number of all its rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.checks import Spans
+from gcodesim.checks.events import Flags, runs
+from gcodesim.diagnostics import Diagnostic, Span
+from gcodesim.frames import Array
+from gcodesim.units import MM, MM3, RPM
+
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RowUse:
+    """What the tool did in stock while each of n rows was run, columns (n,).
+
+    `rapid`: the row is a rapid; `tool`: number of the tool; `setting`: anything
+    that changes whenever tool or spindle do; `changed`: a tool came into the
+    spindle between the row before and this one; `spindle` [rad/s]; `time` [s]
+    at which the row begins.
+    `rapid_cut` [m³] went in rapids, which may seem to take `rapid_bound` where
+    they only graze; `stopped_cut`, `reversed_cut` [m³] went in feed with the
+    spindle off or turning backwards; `shank`, `holder` [m]: deepest these parts
+    stood in stock; `inside`, `tilted` [s]: the tool stood in stock that it did not cut.
+    """
+
+    rapid: Flags
+    tool: Ints
+    setting: Ints
+    changed: Flags
+    spindle: Array
+    time: Array
+    rapid_cut: Array
+    rapid_bound: Array
+    stopped_cut: Array
+    reversed_cut: Array
+    shank: Array
+    holder: Array
+    inside: Array
+    tilted: Array
+
+
+def stock_findings(use: RowUse, spans: Spans, names: Mapping[int, str]) -> list[Diagnostic]:
+    """GS401 to GS406, GS501 and GS502 of a run; `names` maps tool numbers to names (default T and the number)."""
+    fault = (use.shank > 0.0) | (use.holder > 0.0) | (use.stopped_cut > 0.0) | (use.reversed_cut > 0.0)
+    away = use.rapid & ~fault & (use.rapid_cut <= use.rapid_bound) & (use.inside <= 0.0)
+    return [
+        *_rapids(use, spans, names),
+        *_inside(use, spans, names),
+        *_parts(use, away, spans, names),
+        *_tilted(use, away, spans, names),
+        *_spindle(use, away, spans, names),
+    ]
+
+
+def end_findings(
+    last: Span, *, spindle: float = 0.0, process: str | None = None, flood: bool = False, mist: bool = False
+) -> list[Diagnostic]:
+    """GS503 to GS505: what is still on when the program ends at `last`.
+
+    `spindle` [rad/s]; `process` names the process tool that an M-code left on.
+    """
+    found = []
+    if spindle != 0.0:
+        speed = f"{abs(spindle) / RPM:.0f} rpm"
+        word = "M3" if spindle > 0.0 else "M4"
+        found.append(
+            Diagnostic(
+                code="GS503",
+                message=f"the program ends with the spindle on ({word}, {speed})",
+                span=last,
+                hint="put `M5` before the end",
+                value=abs(spindle) / RPM,
+                limit=0.0,
+                unit="rpm",
+            )
+        )
+    if process is not None:
+        found.append(Diagnostic(code="GS504", message=f"the program ends while {process} is still on", span=last))
+    if flood or mist:
+        kind = " and ".join(word for word, on in (("flood", flood), ("mist", mist)) if on)
+        found.append(
+            Diagnostic(
+                code="GS505",
+                message=f"the program ends with {kind} coolant on",
+                span=last,
+                hint="put `M9` before the end",
+            )
+        )
+    return found
+
+
+def _name(names: Mapping[int, str], number: int) -> str:
+    return names.get(number, f"T{number}")
+
+
+def _rapids(use: RowUse, spans: Spans, names: Mapping[int, str]) -> Iterator[Diagnostic]:
+    for rows in runs(use.rapid & (use.rapid_cut > use.rapid_bound), group=use.setting):
+        first = int(rows[0])
+        volume, bound = use.rapid_cut[rows].sum() / MM3, use.rapid_bound[rows].sum() / MM3
+        yield Diagnostic(
+            code="GS401",
+            message=f"rapid move of {_name(names, int(use.tool[first]))} takes {volume:.1f} mm³ of stock away; "
+            f"{bound:.1f} mm³ could be an error of the grid",
+            span=spans(first),
+            hint="retract before the move, or make it a feed move",
+            count=len(rows),
+            time=float(use.time[first]),
+            value=volume,
+            limit=bound,
+            unit="mm^3",
+        )
+
+
+def _inside(use: RowUse, spans: Spans, names: Mapping[int, str]) -> Iterator[Diagnostic]:
+    for rows in runs(use.inside > 0.0, group=np.cumsum(use.changed)):
+        first = int(rows[0])
+        tool = _name(names, int(use.tool[first]))
+        # the tool that is in the spindle before anything has moved is there from the start
+        late = bool(use.changed[1 : first + 1].any())
+        when = "where it is put into the spindle" if late else "when the program starts"
+        yield Diagnostic(
+            code="GS403" if late else "GS402",
+            message=f"{tool} stands in stock {when}; it cuts nothing for {use.inside[rows].sum():.3f} s, "
+            "until it has left the stock",
+            span=spans(first),
+            hint="retract before the tool change" if late else "check `stock`, `work_offsets` and `home` of the cell",
+            time=float(use.time[first]),
+            value=float(use.inside[rows].sum()),
+            limit=0.0,
+            unit="s",
+        )
+
+
+def _parts(use: RowUse, away: Flags, spans: Spans, names: Mapping[int, str]) -> Iterator[Diagnostic]:
+    parts = (
+        ("GS404", "shank", use.shank, "the flutes are too short for this depth"),
+        ("GS405", "holder", use.holder, "use a longer tool or a slimmer holder, or cut less deep beside the wall"),
+    )
+    for code, part, depth, hint in parts:
+        for rows in runs(depth > 0.0, ends=away, group=use.setting):
+            first, worst = int(rows[0]), float(depth[rows].max()) / MM
+            yield Diagnostic(
+                code=code,
+                message=f"{part} of {_name(names, int(use.tool[first]))} runs into stock, {worst:.3f} mm deep",
+                span=spans(first),
+                hint=hint,
+                count=len(rows),
+                time=float(use.time[first]),
+                value=worst,
+                limit=0.0,
+                unit="mm",
+            )
+
+
+def _tilted(use: RowUse, away: Flags, spans: Spans, names: Mapping[int, str]) -> Iterator[Diagnostic]:
+    for rows in runs(use.tilted > 0.0, ends=away, group=use.setting):
+        first, spent = int(rows[0]), float(use.tilted[rows].sum())
+        yield Diagnostic(
+            code="GS406",
+            message=f"{_name(names, int(use.tool[first]))} is not upright in the stock; it cuts nothing for {spent:.3f} s",
+            span=spans(first),
+            count=len(rows),
+            time=float(use.time[first]),
+            value=spent,
+            limit=0.0,
+            unit="s",
+        )
+
+
+def _spindle(use: RowUse, away: Flags, spans: Spans, names: Mapping[int, str]) -> Iterator[Diagnostic]:
+    faults = (
+        ("GS501", use.stopped_cut, "the spindle stopped", "start it with `S` and `M3` before this line"),
+        ("GS502", use.reversed_cut, "the spindle turning backwards (M4)", "use `M3`"),
+    )
+    for code, volume, how, hint in faults:
+        for rows in runs(volume > 0.0, ends=away, group=use.setting):
+            first, taken = int(rows[0]), float(volume[rows].sum()) / MM3
+            yield Diagnostic(
+                code=code,
+                message=f"{_name(names, int(use.tool[first]))} feeds through {taken:.1f} mm³ of stock with {how}",
+                span=spans(first),
+                hint=hint,
+                count=len(rows),
+                time=float(use.time[first]),
+                value=taken,
+                limit=0.0,
+                unit="mm^3",
+            )
