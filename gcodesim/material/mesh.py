@@ -36,7 +36,9 @@ def read_mesh(path: Path, scale: float = 1.0) -> tuple[Array, Ints]:
     return vertices, faces
 
 
-def stock_of_mesh(vertices: Array, faces: Ints, resolution: float, material: str = "") -> Stock:
+def stock_of_mesh(
+    vertices: Array, faces: Ints, resolution: float, material: str = "", *, finer_up_to: int = 0
+) -> Stock:
     """Stock in the shape of a closed mesh: vertices (v, 3) [m] in S, faces (f, 3) counter-clockwise from outside.
 
     Overlapping closed shells unite; a mesh that is inside out is turned. OpenMeshError when it is not closed.
@@ -49,7 +51,7 @@ def stock_of_mesh(vertices: Array, faces: Ints, resolution: float, material: str
     if np.einsum("ij,ij->i", a, np.cross(b, c)).sum() < 0.0:
         faces = np.ascontiguousarray(faces[:, ::-1])
     minimum, maximum = vertices.min(axis=0), vertices.max(axis=0)
-    grid, shape = grid_of(minimum, maximum, resolution)
+    grid, shape = grid_of(minimum, maximum, resolution, finer_up_to)
 
     found = np.zeros(shape, dtype=np.int32)
     start = np.zeros(shape, dtype=np.int32)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import ceil, sqrt
+from math import ceil, isqrt, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -31,6 +31,13 @@ BYTES_PER_COLUMN = 8 + 8 + 4
 
 PATCH = 16
 """Columns along one side of a patch, the unit in which changes are watched (2 ** PATCH_SHIFT of the kernels)."""
+
+SMALL_STOCK_COLUMNS = 300_000
+"""Up to so many columns finer cells cost less than they gain: walls, and with them volumes, are right to half a cell
+of the finer grid. A caller that wants that passes it as `finer_up_to`."""
+
+MOST_REFINED = 8
+"""Columns along one side of a cell of the asked resolution, at most."""
 
 GAP_CLOSED = 1.0e-9
 """Gaps [m] up to which added material fuses with what lies above or below: rounding of layer heights."""
@@ -105,9 +112,14 @@ class Stock:
         patch_tops(hi, count, self.tops)
 
     @classmethod
-    def box(cls, minimum: Vector, maximum: Vector, resolution: float, material: str = "") -> Stock:
-        """A box between two corners of S [m]; cells divide it exactly and are at most `resolution` wide."""
-        grid, shape = grid_of(minimum, maximum, resolution)
+    def box(
+        cls, minimum: Vector, maximum: Vector, resolution: float, material: str = "", *, finer_up_to: int = 0
+    ) -> Stock:
+        """A box between two corners of S [m]; cells divide it exactly and are at most `resolution` wide.
+
+        `finer_up_to`: cells may be a whole part of that width as long as there are no more columns than this.
+        """
+        grid, shape = grid_of(minimum, maximum, resolution, finer_up_to)
         low, high = float(minimum[2]), float(maximum[2])
         return cls(
             lo=np.full((*shape, 1), low),
@@ -123,7 +135,15 @@ class Stock:
 
     @classmethod
     def cylinder(
-        cls, center: Vector, diameter: float, length: float, resolution: float, material: str = "", axis: str = "z"
+        cls,
+        center: Vector,
+        diameter: float,
+        length: float,
+        resolution: float,
+        material: str = "",
+        axis: str = "z",
+        *,
+        finer_up_to: int = 0,
     ) -> Stock:
         """A round bar [m] whose axis (x, y or z) begins at `center`, the middle of its lower (or first) end face."""
         radius = diameter / 2.0
@@ -131,7 +151,7 @@ class Stock:
         along = "xyz".index(axis)
         minimum, maximum = begin - radius, begin + radius
         minimum[along], maximum[along] = begin[along], begin[along] + length
-        grid, shape = grid_of(minimum, maximum, resolution)
+        grid, shape = grid_of(minimum, maximum, resolution, finer_up_to)
         x = (grid[0] + (np.arange(shape[0]) + 0.5) * grid[2])[:, None] - begin[0]
         y = (grid[1] + (np.arange(shape[1]) + 0.5) * grid[3])[None, :] - begin[1]
         if axis == "z":
@@ -311,11 +331,11 @@ class Stock:
 
         return float(highest(self.hi, self.count, self.grid, x, y))
 
-    def surface(self) -> Surface:
-        """The closed surface at the stock's own resolution."""
+    def surface(self, spacing: float | None = None) -> Surface:
+        """The closed surface, columns drawn about `spacing` [m] apart (default: the resolution; 0: all columns)."""
         from gcodesim.material.surface import build_surface
 
-        return build_surface(self)
+        return build_surface(self, self.resolution if spacing is None else spacing)
 
     def tiles(self, across: int = 4, spacing: float | None = None) -> Tiles:
         """The surface in `across` x `across` tiles for the log, which can be asked again for what changed."""
@@ -329,10 +349,12 @@ def _pieces(points: Array) -> Array:
     return np.ascontiguousarray(points, dtype=float).reshape(-1, 3)
 
 
-def grid_of(minimum: Vector, maximum: Vector, resolution: float) -> tuple[Array, tuple[int, int]]:
+def grid_of(minimum: Vector, maximum: Vector, resolution: float, finer_up_to: int = 0) -> tuple[Array, tuple[int, int]]:
     """Grid (4,) and number of columns of a box; ValueError when it has no volume."""
     size = [float(b) - float(a) for a, b in zip(minimum, maximum, strict=True)]
-    if min(size) <= 0.0 or not resolution > 0.0:
+    if not (min(size) > 0.0 and resolution > 0.0):
         raise ValueError(f"a stock of size {size} m at resolution {resolution} m")
     nx, ny = cells_along(size[0], resolution), cells_along(size[1], resolution)
+    parts = min(max(1, isqrt(finer_up_to // (nx * ny))), MOST_REFINED)
+    nx, ny = nx * parts, ny * parts
     return np.array([float(minimum[0]), float(minimum[1]), size[0] / nx, size[1] / ny]), (nx, ny)

@@ -55,11 +55,10 @@ class Tile:
     changed: Ints
 
 
-def build_surface(stock: Stock) -> Surface:
-    """The whole surface at the stock's own resolution."""
-    nx, ny = stock.count.shape
-    lattice = _Lattice.full(stock)
-    points, faces, cut = _mesh(stock, lattice, 0, nx, 0, ny)
+def build_surface(stock: Stock, spacing: float = 0.0) -> Surface:
+    """The whole surface from columns about `spacing` [m] apart; 0 takes all of them."""
+    lattice = _Lattice.spaced(stock, spacing)
+    points, faces, cut = _mesh(stock, lattice, 0, len(lattice.ix), 0, len(lattice.iy))
     return Surface(vertices=points, faces=faces, cut=cut)
 
 
@@ -73,12 +72,8 @@ class _Lattice:
     ys: Array
 
     @staticmethod
-    def full(stock: Stock) -> _Lattice:
-        return _Lattice.spaced(stock, 0.0)
-
-    @staticmethod
     def spaced(stock: Stock, spacing: float) -> _Lattice:
-        """Columns about `spacing` [m] apart, at least all of them; the outer corners stay the stock's own."""
+        """Columns at most `spacing` [m] apart, unless there are fewer; the outer corners stay the stock's own."""
         picks, corners = [], []
         for cells, origin, step in zip(stock.count.shape, stock.grid[:2], stock.grid[2:], strict=True):
             drawn = min(cells, max(1, ceil(cells * step / spacing - 1e-9))) if spacing > 0.0 else cells

@@ -27,10 +27,20 @@ def test_a_length_that_is_a_whole_number_of_cells_stays_so():
     assert Stock.box((0, 0, 0), (0.3, 0.1, 0.1), 0.1 * MM).count.shape == (3000, 1000)
 
 
+def test_a_small_stock_can_be_finer_than_asked():
+    corners = (0, 0, -15 * MM), (80 * MM, 50 * MM, 0)
+    coarse, fine = Stock.box(*corners, 0.4 * MM), Stock.box(*corners, 0.4 * MM, finer_up_to=300_000)
+    assert (coarse.count.shape, fine.count.shape) == ((200, 125), (600, 375))
+    assert fine.resolution == 0.4 * MM
+    assert Stock.box(*corners, 0.4 * MM, finer_up_to=99_999).count.shape == (200, 125)
+    assert Stock.box(*corners, 10 * MM, finer_up_to=300_000).count.shape == (64, 40)
+    # the surface stays as coarse as asked
+    assert len(fine.surface().faces) == len(coarse.surface().faces)
+    assert fine.surface().volume == pytest.approx(fine.volume, rel=1e-12)
+
+
 @pytest.mark.parametrize("maximum", [(0.0, 1.0, 1.0), (1.0, -1.0, 1.0), (1.0, 1.0, math.nan)])
 def test_a_box_without_volume_is_refused(maximum):
-    if math.isnan(maximum[2]):
-        maximum = (1.0, 1.0, 0.0)
     with pytest.raises(ValueError, match="stock of size"):
         Stock.box((0, 0, 0), maximum, 0.1)
 
