@@ -1,0 +1,88 @@
+"""What every kind of tool promises, whoever adds it."""
+
+from dataclasses import fields
+
+import numpy as np
+import pytest
+
+from gcodesim.processes import PROCESSES
+from gcodesim.tools import TOOLS, parameters
+
+# a sound value for any required key, by its dimension
+SAMPLE = {"length": 4.0e-3, "angle": 1.0, "count": 2, "mass": 0.5, "ratio": 0.5, "text": "tool"}
+# where one value for all would be an impossible tool
+SPECIAL = {"diameter": 10.0e-3, "bead_height": 2.0e-3}
+
+
+def sample(kind: str, **more):
+    required = {p.name: SPECIAL.get(p.name, SAMPLE[p.dimension]) for p in parameters(TOOLS[kind]) if p.required}
+    return TOOLS[kind](number=3, **required, **more)
+
+
+@pytest.mark.parametrize("kind", TOOLS)
+def test_is_named_as_in_the_table(kind):
+    assert TOOLS[kind].kind == kind
+    assert TOOLS[kind].process in PROCESSES
+
+
+@pytest.mark.parametrize("kind", TOOLS)
+def test_every_field_but_the_number_is_a_documented_key(kind):
+    told = {p.name for p in parameters(TOOLS[kind])}
+
+    assert told == {field.name for field in fields(TOOLS[kind])} - {"number"}
+    assert all(p.doc and p.dimension for p in parameters(TOOLS[kind]))
+
+
+@pytest.mark.parametrize("kind", TOOLS)
+def test_required_keys_are_enough_for_a_sound_tool(kind):
+    tool = sample(kind)
+
+    assert tool.problems() == []
+    assert tool.name == "T3"
+
+
+@pytest.mark.parametrize("kind", TOOLS)
+def test_bodies_fill_the_true_length(kind):
+    holder = next(p for p in parameters(TOOLS[kind]) if p.name == "holder").kind(diameter=0.04, length=0.05)
+    tool = sample(kind, holder=holder)
+
+    assert min(body.bottom for body in tool.primitives) == 0.0
+    assert max(body.top for body in tool.primitives) == pytest.approx(tool.true_length)
+    assert tool.true_length == pytest.approx(tool.length + 0.05)
+    assert tool.X_FT.p[2] == pytest.approx(tool.true_length)
+
+
+@pytest.mark.parametrize("kind", TOOLS)
+def test_weighs_something_between_tip_and_nose(kind):
+    tool = sample(kind)
+    found = tool.inertia
+
+    assert found.mass > 0.0
+    assert 0.0 < found.center < tool.true_length
+    assert 0.0 < found.axial <= 2.0 * found.transverse  # a body cannot have more
+
+    assert sample(kind, mass=1.5).inertia.mass == pytest.approx(1.5)
+
+
+@pytest.mark.parametrize("kind", TOOLS)
+def test_tools_are_values(kind):
+    assert sample(kind) == sample(kind)
+    with pytest.raises(AttributeError):
+        sample(kind).length = 1.0
+
+
+@pytest.mark.parametrize("kind", [kind for kind in TOOLS if TOOLS[kind].process == "milling"])
+def test_shape_and_edge_tell_of_the_same_outline(kind):
+    """The underside of the removal shape at a radius is the height of the edge there."""
+    from gcodesim.material.kernels import underside
+
+    tool = sample(kind)
+    for row in tool.edge:
+        s = np.linspace(0.05, 0.95, 7)
+        if row[0] > 0.0:
+            kappa = row[3] + s * (row[4] - row[3])
+            r, z = row[1] + row[0] * np.sin(kappa), row[2] - row[0] * np.cos(kappa)
+        else:
+            r, z = row[1] + s * row[5] * np.cos(row[3]), row[2] + s * row[5] * np.sin(row[3])
+        if r[-1] - r[0] > 1e-9:
+            assert [underside(tool.cutting_shape, radius) for radius in r] == pytest.approx(list(z), abs=1e-12)

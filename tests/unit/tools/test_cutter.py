@@ -1,0 +1,83 @@
+"""Outlines of cutters: what the force kernels integrate along."""
+
+import math
+
+import numpy as np
+import pytest
+
+from gcodesim.tools import TOOLS
+from gcodesim.tools.tool import Holder
+
+D = 8.0e-3
+KINDS = {
+    "flat_end_mill": {},
+    "ball_end_mill": {},
+    "bull_nose_end_mill": {"corner_radius": 1.5e-3},
+    "drill": {},
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_pieces_of_an_edge_join(kind):
+    edge = TOOLS[kind](diameter=D, **KINDS[kind]).edge
+
+    def end(row):
+        if row[0] > 0.0:
+            return row[1] + row[0] * math.sin(row[4]), row[2] - row[0] * math.cos(row[4])
+        return row[1] + row[5] * math.cos(row[3]), row[2] + row[5] * math.sin(row[3])
+
+    def start(row):
+        if row[0] > 0.0:
+            return row[1] + row[0] * math.sin(row[3]), row[2] - row[0] * math.cos(row[3])
+        return row[1], row[2]
+
+    assert start(edge[0]) == pytest.approx((0.0, 0.0), abs=1e-12)
+    for before, after in zip(edge, edge[1:], strict=False):
+        assert end(before) == pytest.approx(start(after), abs=1e-12)
+    assert end(edge[-1])[0] == pytest.approx(D / 2.0)
+
+
+def test_drill_lips_have_the_length_of_the_handbook():
+    """Two lips of D / (2 sin sigma), sigma half the point angle."""
+    drill = TOOLS["drill"](diameter=D)
+
+    assert drill.edge[0, 5] == pytest.approx(D / (2.0 * math.sin(math.radians(59.0))))
+    assert drill.edge_height == pytest.approx(D / 2.0 / math.tan(math.radians(59.0)))
+
+
+def test_shapes_stand_on_each_other():
+    tool = TOOLS["flat_end_mill"](
+        diameter=D, length=60e-3, flute_length=20e-3, holder=Holder(diameter=40e-3, length=50e-3)
+    )
+
+    assert tool.cutting_shape[5:7] == pytest.approx([0.0, 20e-3])
+    assert tool.shank_shape[5:7] == pytest.approx([20e-3, 60e-3])
+    assert tool.holder_shape[5:7] == pytest.approx([60e-3, 110e-3])
+    assert tool.true_length == pytest.approx(110e-3)
+    assert tool.X_FT.p == pytest.approx([0.0, 0.0, 110e-3])
+    assert np.array_equal(tool.X_FT.R, np.eye(3))
+
+
+def test_no_shank_without_unfluted_length():
+    assert TOOLS["flat_end_mill"](diameter=D).shank_shape is None
+
+
+@pytest.mark.parametrize(
+    ("kind", "values", "key"),
+    [
+        ("flat_end_mill", {"diameter": 0.0}, "diameter"),
+        ("flat_end_mill", {"diameter": math.nan}, "diameter"),
+        ("flat_end_mill", {"diameter": D, "flutes": 0}, "flutes"),
+        ("flat_end_mill", {"diameter": D, "helix": math.pi / 2}, "helix"),
+        ("flat_end_mill", {"diameter": D, "length": 0.03, "flute_length": 0.04}, "flute_length"),
+        ("ball_end_mill", {"diameter": D, "flute_length": 2e-3}, "flute_length"),
+        ("bull_nose_end_mill", {"diameter": D, "corner_radius": 5e-3}, "corner_radius"),
+        ("drill", {"diameter": D, "point_angle": 4.0}, "point_angle"),
+        ("flat_end_mill", {"diameter": D, "holder": Holder(diameter=-1.0, length=0.05)}, "holder.diameter"),
+        ("flat_end_mill", {"diameter": D, "mass": 0.0}, "mass"),
+        ("extruder", {"bead_width": 2e-3, "bead_height": 3e-3}, "bead_height"),
+        ("extruder", {"bead_width": 6e-3, "bead_height": 3e-3, "filament_diameter": 0.0}, "filament_diameter"),
+    ],
+)
+def test_impossible_tools_say_which_key(kind, values, key):
+    assert key in [name for name, _ in TOOLS[kind](**values).problems()]
