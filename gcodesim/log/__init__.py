@@ -4,7 +4,7 @@ from gcodesim.log.blocks import BlockColumns
 from gcodesim.log.container import LogWriteError
 from gcodesim.log.description import LogDescription, MotionColumns, ProcessColumns, StaticFrame
 from gcodesim.log.messages import ProgramState
-from gcodesim.log.scene import Box, Capsule, Cone, Cylinder, Entity, Mesh, Polylines, Shape, Sphere
+from gcodesim.log.shapes import Box, Capsule, Cone, Cylinder, Entity, Mesh, Polylines, Shape, Sphere
 from gcodesim.log.writer import LogWriter
 
 __all__ = [

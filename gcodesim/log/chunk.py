@@ -45,19 +45,24 @@ class ChunkBuilder:
         """One message record; times must not decrease."""
         self._index.setdefault(channel, []).append(_INDEX_ENTRY.pack(t_ns, self.size))
         head = _MESSAGE.pack(MESSAGE_OPCODE, MESSAGE_HEAD + len(data), channel, sequence, t_ns, t_ns)
-        self._take(t_ns, t_ns, head + data, len(head) + len(data), 1)
+        self._parts.append(head)
+        self._take(t_ns, t_ns, data, len(head) + len(data), 1)
 
     def add_rows(self, rows: Rows, channels: Sequence[int]) -> None:
         """The records of several instants, one for each of `channels` an instant."""
-        n = len(rows)
-        entries = np.empty((n, 2), dtype="<u8")
-        entries[:, 0] = rows.t_ns
-        offsets = self.size + rows.width * np.arange(n, dtype=np.uint64)
-        for channel, start in zip(channels, rows.starts, strict=True):
-            entries[:, 1] = offsets + np.uint64(start)
-            self._index.setdefault(channel, []).append(entries.tobytes())
-        data = np.ascontiguousarray(rows.data).data.cast("B")
-        self._take(int(rows.t_ns[0]), int(rows.t_ns[-1]), data, n * rows.width, n * len(channels))
+        n = len(rows.times)
+        if n == 1:  # as often as not, when something changes at every instant
+            for channel, start in zip(channels, rows.starts, strict=True):
+                entry = _INDEX_ENTRY.pack(rows.times[0], self.size + start)
+                self._index.setdefault(channel, []).append(entry)
+        else:
+            entries = np.empty((n, 2), dtype="<u8")
+            entries[:, 0] = rows.times
+            offsets = self.size + rows.width * np.arange(n, dtype=np.uint64)
+            for channel, start in zip(channels, rows.starts, strict=True):
+                entries[:, 1] = offsets + np.uint64(start)
+                self._index.setdefault(channel, []).append(entries.tobytes())
+        self._take(rows.times[0], rows.times[-1], rows.data, len(rows.data), n * len(channels))
 
     def records(self) -> bytes:
         return b"".join(self._parts)

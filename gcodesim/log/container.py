@@ -104,12 +104,13 @@ class Container:
 
     def add_rows(self, rows: Rows, channels: Sequence[int]) -> None:
         """Messages of many instants; chunks are closed as they fill."""
+        count = len(rows.times)
         for channel in channels:
-            self._counts[channel] += len(rows)
+            self._counts[channel] += count
         first = 0
-        while first < len(rows):
+        while first < count:
             room = max(1, (CHUNK_SIZE - self._chunk.size) // rows.width + 1)
-            last = min(len(rows), first + room)
+            last = min(count, first + room)
             self._chunk.add_rows(rows.part(first, last), channels)
             first = last
             if self._chunk.size > CHUNK_SIZE:

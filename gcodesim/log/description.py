@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.log.scene import Entity, Polylines
+from gcodesim.log.shapes import Entity, Polylines
 
 Array = NDArray[np.float64]
 

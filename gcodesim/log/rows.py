@@ -9,9 +9,8 @@ varies in length; there is one template for each kind.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,24 +65,18 @@ def _messages(description: LogDescription, kind: str) -> tuple[Piece, ...]:
     return transforms, states, *poses, motion, process, wrench
 
 
-@dataclass(frozen=True, slots=True)
-class Rows:
-    """Records of n instants: row i is `data[i]`, message m of it starts at `starts[m]`."""
+class Rows(NamedTuple):
+    """Records of n instants: `width` bytes of `data` for each, in which message m begins at `starts[m]`."""
 
-    t_ns: NDArray[np.int64]
-    data: NDArray[np.uint8]
+    times: list[int]  # [ns]
+    data: memoryview
+    width: int
     starts: tuple[int, ...]
 
-    def __len__(self) -> int:
-        return len(self.t_ns)
-
-    @property
-    def width(self) -> int:
-        return int(self.data.shape[1])
-
     def part(self, first: int, last: int) -> Rows:
-        """Rows first ≤ i < last, sharing memory."""
-        return Rows(self.t_ns[first:last], self.data[first:last], self.starts)
+        """Instants first ≤ i < last, sharing memory."""
+        data = self.data[first * self.width : last * self.width]
+        return Rows(self.times[first:last], data, self.width, self.starts)
 
 
 class RowTemplate:
@@ -104,7 +97,7 @@ class RowTemplate:
     def fill(self, t_ns: NDArray[np.int64], sequence: NDArray[np.int64], arrays: Mapping[str, NDArray[Any]]) -> Rows:
         """Rows of the instants `t_ns` (n,) from `arrays` of shape (n, columns)."""
         data = self._template.fill(t_ns, {**arrays, "time": t_ns[:, None], "sequence": sequence[:, None]})
-        return Rows(t_ns, data, self._starts)
+        return Rows(t_ns.tolist(), data.data.cast("B"), data.shape[1], self._starts)
 
 
 class RowBuilder:

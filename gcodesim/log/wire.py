@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -33,6 +34,11 @@ def tag(number: int, kind: int) -> bytes:
 def chunk(number: int, data: bytes) -> bytes:
     """A bytes, string or message field."""
     return tag(number, BYTES) + varint(len(data)) + data
+
+
+def wrap(number: int, parts: Sequence[bytes]) -> list[bytes]:
+    """`chunk` of data that stays in parts."""
+    return [tag(number, BYTES) + varint(sum(map(len, parts))), *parts]
 
 
 def text(number: int, value: str) -> bytes:

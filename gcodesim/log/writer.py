@@ -8,6 +8,7 @@ gives the same bytes: times are simulated, nothing else enters.
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections import deque
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -36,8 +37,9 @@ from gcodesim.log.messages import (
     program_message,
 )
 from gcodesim.log.rows import RowBuilder, Rows
-from gcodesim.log.scene import Entity, Mesh, Shape, entities_update, force_update, path_update, polyline_update
+from gcodesim.log.scene import entities_update, force_update, path_update, polyline_update
 from gcodesim.log.schema import schema_data
+from gcodesim.log.shapes import Entity, Mesh, Shape
 from gcodesim.log.topics import PERIODIC, tile_topic, topic_table
 
 LOG_FORMAT: Final = "1"
@@ -77,6 +79,7 @@ class LogWriter:
         self._builder = RowBuilder(description, self._periodic)
         self._batch = ColumnBatch(description)
         self._rows: deque[Rows] = deque()
+        self._next_row = 0  # of the first of them
         self._backlog = Backlog()
         self._written_ns = 0  # everything before is on its way to disk
         self._last_ns = -1  # the last instant of the last window
@@ -313,12 +316,13 @@ class LogWriter:
 
     def _write_rows(self, until_ns: int) -> None:
         """Rows up to and including `until_ns`."""
-        while self._rows and self._rows[0].t_ns[0] <= until_ns:
-            rows = self._rows.popleft()
-            count = int(np.searchsorted(rows.t_ns, until_ns, side="right"))
-            self._container.add_rows(rows.part(0, count), self._periodic)
-            if count < len(rows):
-                self._rows.appendleft(rows.part(count, len(rows)))
+        while self._rows and (rows := self._rows[0]).times[self._next_row] <= until_ns:
+            count = bisect_right(rows.times, until_ns, self._next_row)
+            self._container.add_rows(rows.part(self._next_row, count), self._periodic)
+            self._next_row = count
+            if count == len(rows.times):
+                self._rows.popleft()
+                self._next_row = 0
 
     def _add_one(self, topic: str, t_ns: int, data: bytes) -> None:
         self._add(topic, (int(t_ns),), (data,))

@@ -1,0 +1,153 @@
+"""What can be drawn: solids of simple shape, meshes, and lines."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Color = tuple[float, float, float, float]
+
+STEEL: Final[Color] = (0.62, 0.64, 0.67, 1.0)
+
+
+def _origin() -> Array:
+    return np.zeros(3)
+
+
+def _upright() -> Array:
+    return np.array([0.0, 0.0, 0.0, 1.0])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Shape:
+    """A solid at position `p` (3,) [m] with quaternion `q` (4,) x y z w in the frame of its entity."""
+
+    p: Array = field(default_factory=_origin)
+    q: Array = field(default_factory=_upright)
+    color: Color = STEEL
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Box(Shape):
+    """Edge lengths along x, y, z [m], centred."""
+
+    size: tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Cylinder(Shape):
+    """Along z, centred; lengths [m]."""
+
+    radius: float
+    length: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Cone(Shape):
+    """A frustum along z, centred, with the radius at its lower and upper end; lengths [m]."""
+
+    bottom_radius: float
+    top_radius: float
+    length: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Capsule(Shape):
+    """A cylinder along z of `length` between the centres of two half balls; lengths [m]."""
+
+    radius: float
+    length: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Sphere(Shape):
+    """Centred; radius [m]."""
+
+    radius: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Mesh(Shape):
+    """Points (n, 3) [m] and triangles (m, 3) of point indices, counter-clockwise seen from outside."""
+
+    points: Array
+    triangles: NDArray[np.integer]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Entity:
+    """A named group of shapes that stays with its `frame`."""
+
+    id: str
+    frame: str
+    shapes: tuple[Shape, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Polylines:
+    """Points (n, 3) [m]; a new line begins at each index of `starts` (k,), the first of which is 0."""
+
+    points: Array
+    starts: NDArray[np.integer]
+
+    @staticmethod
+    def none() -> Polylines:
+        return Polylines(np.zeros((0, 3)), np.zeros(0, dtype=np.int64))
+
+    @staticmethod
+    def from_segments(points: Array, drawn: NDArray[np.bool_]) -> Polylines:
+        """The segments i → i + 1 of one long line (n, 3) where `drawn` (n - 1,) is true."""
+        drawn = np.asarray(drawn, dtype=bool)
+        ends = np.concatenate([[False], drawn])
+        begins = np.concatenate([drawn, [False]])
+        used = begins | ends
+        starts = np.flatnonzero((begins & ~ends)[used])
+        return Polylines(points[used], starts)
+
+    def segments(self) -> NDArray[np.int64]:
+        """Index pairs (m, 2) of the segments."""
+        last = np.zeros(len(self.points), dtype=bool)
+        if len(self.points):
+            last[-1] = True
+            last[np.asarray(self.starts[1:], dtype=np.int64) - 1] = True
+        first = np.flatnonzero(~last)
+        return np.stack([first, first + 1], axis=1)
+
+    def longest(self, most: int) -> Polylines:
+        """The `most` longest lines, in their order."""
+        borders = np.append(np.asarray(self.starts, dtype=np.int64), len(self.points))
+        if len(borders) - 1 <= most:
+            return self
+        length = np.add.reduceat(self._jumps(), borders[:-1])
+        chosen = np.sort(np.argsort(-length, kind="stable")[:most])
+        kept = np.concatenate([np.arange(borders[i], borders[i + 1]) for i in chosen])
+        counts = borders[chosen + 1] - borders[chosen]
+        return Polylines(self.points[kept], np.cumsum(counts) - counts)
+
+    def thinned(self, most: int) -> Polylines:
+        """At most `most` points: the ends of lines stay, between them one point for each step of path length.
+
+        When ends alone would take more than half of them, short lines are left out.
+        """
+        if len(self.points) <= most:
+            return self
+        lines = self.longest(max(most // 4, 1))
+        is_start = np.zeros(len(lines.points), dtype=bool)
+        is_start[lines.starts] = True
+        ends = is_start | np.roll(is_start, -1)  # the point before a start is an end, and so is the last of all
+        way = np.cumsum(lines._jumps())
+        room = max(most - int(ends.sum()) - 1, 1)
+        bucket = np.floor(way * (room / way[-1])) if way[-1] > 0.0 else np.zeros(len(way))
+        kept = ends | (np.diff(bucket, prepend=0.0) > 0.0)
+        return Polylines(lines.points[kept], np.flatnonzero(is_start[kept]))
+
+    def _jumps(self) -> Array:
+        """Distance (n,) from the point before; 0 where a line begins."""
+        jumps = np.zeros(len(self.points))
+        jumps[1:] = np.linalg.norm(np.diff(self.points, axis=0), axis=1)
+        jumps[np.asarray(self.starts, dtype=np.int64)] = 0.0
+        return jumps

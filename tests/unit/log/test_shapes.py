@@ -1,0 +1,45 @@
+"""Lines to draw: cut from paths, and thinned to what a viewer takes."""
+
+import numpy as np
+
+from gcodesim.log import Polylines
+
+
+def test_lines_from_segments_join_where_segments_touch():
+    points = np.arange(21.0).reshape(7, 3)
+    lines = Polylines.from_segments(points, np.array([True, True, False, False, True, True]))
+
+    assert lines.points.tolist() == points[[0, 1, 2, 4, 5, 6]].tolist()
+    assert lines.starts.tolist() == [0, 3]
+    assert lines.segments().tolist() == [[0, 1], [1, 2], [3, 4], [4, 5]]
+    assert len(Polylines.from_segments(points, np.zeros(6, dtype=bool)).points) == 0
+
+
+def test_alternating_segments_share_no_point_wrongly():
+    """Segment 0 and 2 are drawn, 1 is not: two lines, although every point is used."""
+    lines = Polylines.from_segments(np.arange(12.0).reshape(4, 3), np.array([True, False, True]))
+
+    assert lines.segments().tolist() == [[0, 1], [2, 3]]
+
+
+def test_a_long_path_is_drawn_coarser_but_with_its_ends():
+    t = np.linspace(0.0, 20.0, 50_001)
+    spiral = np.stack([t * np.cos(t), t * np.sin(t), t], axis=1)
+    lines = Polylines(np.concatenate([spiral, spiral + 5.0]), np.array([0, len(spiral)]))
+    thin = lines.thinned(1000)
+
+    assert 900 < len(thin.points) <= 1000
+    assert thin.points[thin.starts].tolist() == lines.points[lines.starts].tolist()
+    assert thin.points[-1].tolist() == lines.points[-1].tolist()
+    step = np.linalg.norm(np.diff(thin.points, axis=0), axis=1)[thin.segments()[:, 0]]
+    assert step.max() < 3 * step.mean()
+
+
+def test_of_too_many_lines_the_longest_are_drawn():
+    length = np.random.default_rng(2).permutation(1000) + 1.0
+    points = np.zeros((1000, 2, 3))
+    points[:, 1, 0] = length
+    lines = Polylines(points.reshape(-1, 3), np.arange(0, 2000, 2)).thinned(200)
+
+    assert len(lines.points) <= 200 and len(lines.starts) == 50
+    assert lines.points[lines.segments()[:, 1], 0].min() == 951.0
