@@ -42,13 +42,20 @@ MAIN: Final = "main"
 MACHINE: Final = "machine"
 
 _ANY_NAME: Final = Name(what="name", pattern=".+", canonical=lambda text: text.strip() or None)
-_CHANNELS: Final = MapOf(names_of("channel"), Record(Channel, "the channel"), "channels by name")
+_CHANNELS: Final = MapOf(names_of("channel"), Record(Channel, "the channel"), "channels by name", lenient=True)
 _FRAMES: Final = MapOf(
-    names_of("frame"), Record(Place, "the frame"), "frames by name, such as `table: {in: world, xyz: [650, 0, 400]}`"
+    names_of("frame"),
+    Record(Place, "the frame"),
+    "frames by name, such as `table: {in: world, xyz: [650, 0, 400]}`",
+    lenient=True,
 )
-_ROBOTS: Final = MapOf(names_of("robot"), RobotKind(), "robots by name, such as `arm: {model: kuka_kr10_r1100_2}`")
-_TOOLS: Final = MapOf(TOOL_NUMBERS, ToolKind(), "tools by number, such as `1: {type: flat_end_mill, diameter: 10 mm}`")
-_MATERIALS: Final = MapOf(_ANY_NAME, MaterialKind(), "materials by name")
+_ROBOTS: Final = MapOf(
+    names_of("robot"), RobotKind(), "robots by name, such as `arm: {model: kuka_kr10_r1100_2}`", lenient=True
+)
+_TOOLS: Final = MapOf(
+    TOOL_NUMBERS, ToolKind(), "tools by number, such as `1: {type: flat_end_mill, diameter: 10 mm}`", lenient=True
+)
+_MATERIALS: Final = MapOf(_ANY_NAME, MaterialKind(), "materials by name", lenient=True)
 _PACKAGES: Final = MapOf(_ANY_NAME, PackageFolder(), "folders by package name")
 _CHECKS: Final = MapOf(CODE_PATTERNS, SeverityKind(), "severities by code, such as `GS9xx: error`")
 _MAGAZINE: Final = Record(Magazine, "the magazine")

@@ -12,7 +12,7 @@ from gcodesim.cell.kinds import Choice, Json, Kind, ListOf, Quantity, Switch, Te
 from gcodesim.cell.nodes import Mapping as MappingNode
 from gcodesim.cell.nodes import Node
 from gcodesim.cell.placing import SYSTEM_NAMES, Place, system_name
-from gcodesim.cell.reading import FAULT, Fault, Path, Reading, suggestion
+from gcodesim.cell.reading import FAULT, Fault, Path, Reading, Reference, suggestion
 from gcodesim.cell.records import MapOf, Name, Record, key, not_a_mapping
 from gcodesim.cell.scalars import measured
 from gcodesim.rs274.dialects import DIALECTS
@@ -46,6 +46,8 @@ class _AxisOf(Kind):
         sign = -1.0 if match[1] == "-" else 1.0
         axis = tuple(sign if match[2].upper() == letter else 0.0 for letter in "XYZ")
         frame = None if match[3] is None else system_name(match[3]) or match[3]
+        if frame is not None:
+            to.references.append(Reference(what="frame", name=frame, path=path))
         return ToolAxis(axis=(axis[0], axis[1], axis[2]), frame=frame)
 
     def schema(self, definitions: dict[str, Json]) -> Json:

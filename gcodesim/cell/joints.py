@@ -59,7 +59,7 @@ class JointList(Kind):
             if name.text.startswith(FREE):
                 continue
             letter = name.text.upper()
-            to.spans[(*path, letter)] = name.span
+            to.named((*path, letter), name.span)
             values[letter] = self._value(value, to, (*path, letter))
         return FAULT if any(value is FAULT for value in values.values()) else values
 
@@ -94,4 +94,4 @@ def check_within(
 
 
 def unknown_letter(letter: str, known: Sequence[str], path: Path, to: Reading) -> Fault:
-    return to.fault("GS712", to.span(path), f"the machine has no axis `{letter}`", suggestion(letter, known))
+    return to.fault("GS712", to.key(path), f"the machine has no axis `{letter}`", suggestion(letter, known))

@@ -17,7 +17,7 @@ from gcodesim.diagnostics import Findings, SourceText
 # what other keys are read with
 _FIRST = ("units", "packages")
 
-ROOT = Record(Cell, "the cell")
+ROOT = Record(Cell, "the cell", lenient=True)
 
 
 def load_cell(path: Path | str, allow_paths: Sequence[Path] = (), *, name: str | None = None) -> LoadedCell:

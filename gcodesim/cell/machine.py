@@ -137,7 +137,7 @@ class _AxesKind(Kind):
             if isinstance(letter, Fault):
                 axes[name.text] = FAULT
                 continue
-            to.spans[(*path, letter)] = name.span
+            to.named((*path, letter), name.span)
             axes[letter] = _RECORDS[letter].read(value, to, (*path, letter))
         return FAULT if any(value is FAULT for value in axes.values()) else axes
 
@@ -352,7 +352,7 @@ def _agrees(
     changed = [name for name, value in given.items() if value is not None and not _near(value, shipped_as[name])]
     for name in changed:
         message = f"`{name}` of axis {letter} belongs to the model and cannot be changed"
-        to.fault("GS719", to.span((*path, letter, name)), message, "describe a machine of your own by all its `axes`")
+        to.fault("GS719", to.key((*path, letter, name)), message, "describe a machine of your own by all its `axes`")
     return not changed
 
 

@@ -42,7 +42,7 @@ class MaterialForm:
         linear = [name for name in (*_LINEAR, "Kac", "Kae") if getattr(self, name) is not None]
         if kienzle and linear:
             message = f"`{linear[0]}` belongs to the linear-edge law, `{kienzle[0]}` to Kienzle's"
-            return to.fault("GS719", to.span((*path, linear[0])), message, "a material has one law")
+            return to.fault("GS719", to.key((*path, linear[0])), message, "a material has one law")
         wanted = _LINEAR if linear else _KIENZLE
         missing = [name for name in wanted if getattr(self, name) is None]
         if missing:

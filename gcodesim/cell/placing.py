@@ -7,8 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
-from gcodesim.cell.kinds import Quantity, Text, Vector
-from gcodesim.cell.reading import Path, Reading, suggestion
+from gcodesim.cell.kinds import Json, Kind, Quantity, Vector, scalar
+from gcodesim.cell.nodes import Node
+from gcodesim.cell.reading import FAULT, Fault, Path, Reading, Reference
 from gcodesim.cell.records import Name, key
 from gcodesim.frames import Pose
 
@@ -34,10 +35,6 @@ def _plain_name(text: str) -> str | None:
     return text if re.fullmatch(_NAME, text) and text not in RESERVED and system_name(text) is None else None
 
 
-def _frame_name(text: str) -> str | None:
-    return system_name(text) or text
-
-
 def names_of(what: str) -> Name:
     """Names that a user chooses: letters, digits, `_` and `-`; the words that frames of ours have are taken."""
     return Name(
@@ -51,7 +48,28 @@ SYSTEM_NAMES: Final = Name(
     what="work system", pattern=r"[Gg]5(4|5|6|7|8|9(\.[123])?)", canonical=system_name, known=SYSTEMS
 )
 
-FRAME = Text(form="the name of a frame")
+
+@dataclass(frozen=True, slots=True)
+class _FrameName(Kind):
+    """The name of a frame; whether there is one is asked when the whole cell is read."""
+
+    @property
+    def expected(self) -> str:
+        return "the name of a frame"
+
+    def read(self, node: Node, to: Reading, path: Path) -> str | Fault:
+        text = scalar(self, node, to, path)
+        if isinstance(text, Fault):
+            return FAULT
+        name = system_name(text.text) or text.text
+        to.references.append(Reference(what="frame", name=name, path=path))
+        return name
+
+    def schema(self, definitions: dict[str, Json]) -> Json:
+        return {"type": "string"}
+
+
+FRAME = _FrameName()
 POINT = Vector(Quantity("length"), 3)
 _ANGLES = Vector(Quantity("angle"), 3)
 _ZERO = (0.0, 0.0, 0.0)
@@ -73,11 +91,6 @@ class Place:
         """The pose seen from its frame."""
         return Pose.from_xyz_rpy(self.xyz, self.rpy)
 
-    def checked(self, to: Reading, path: Path) -> Place:
-        if self.frame is None:
-            return self
-        return Place(frame=_frame_name(self.frame), xyz=self.xyz, rpy=self.rpy)
-
 
 @dataclass(slots=True)
 class FrameTree:
@@ -88,7 +101,7 @@ class FrameTree:
     poses: dict[str, Pose] = field(default_factory=dict)
 
     def resolve(self) -> dict[str, Pose]:
-        """X_W of every frame, `world` first; unknown names and cycles become findings."""
+        """X_W of every frame, `world` first; circles become findings, unknown frames count as the world."""
         self.poses[WORLD] = Pose.identity()
         for name in self.placed:
             self._pose(name, ())
@@ -117,16 +130,4 @@ class FrameTree:
             return self.poses[parent]
         if parent in self.placed:
             return self._pose(parent, chain)
-        unknown_frame(parent, path, [WORLD, *self.placed], self.to)
         return Pose.identity()
-
-
-def unknown_frame(name: str, path: Path, known: list[str], to: Reading) -> None:
-    """The finding for `in:` with a name that is no frame."""
-    span = to.span((*path, "in"))
-    if name in SYSTEMS:
-        to.fault(
-            "GS712", span, f"`{name}` is no fixed frame: nothing else may stand in it but stock, fixtures and target"
-        )
-    else:
-        to.fault("GS712", span, f"there is no frame `{name}`", suggestion(name, known))

@@ -6,7 +6,7 @@ import difflib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 from gcodesim.cell.files import Shelf
 from gcodesim.cell.units import Unit, find
@@ -51,6 +51,15 @@ def _unit(name: str, dimension: str) -> Unit:
     return unit
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reference:
+    """A name that stands for something elsewhere in the cell, to be looked up when all of it is read."""
+
+    what: Literal["frame", "material"]
+    name: str
+    path: Path
+
+
 @dataclass(slots=True, kw_only=True)
 class Reading:
     """The one mutable thing while a cell is read; every kind writes into it."""
@@ -59,6 +68,10 @@ class Reading:
     findings: Findings
     shelf: Shelf
     spans: dict[Path, Span] = field(default_factory=dict)
+    keys: dict[Path, Span] = field(default_factory=dict)
+    references: list[Reference] = field(default_factory=list)
+    broken: set[Path] = field(default_factory=set)
+    """Sections that could not be read at all, so that nothing can be said about what should stand in them."""
     defaults: list[Default] = field(default_factory=list)
     plain: PlainUnits = field(
         default_factory=lambda: PlainUnits(length=_unit("mm", "length"), angle=_unit("deg", "angle"))
@@ -75,6 +88,18 @@ class Reading:
             if path[:length] in self.spans:
                 return self.spans[path[:length]]
         return Span(self.file, 1, 1, 1, 2)
+
+    def named(self, path: Path, span: Span) -> None:
+        """Remember where the key of `path` stands; its value takes its own place in `spans` when it is read."""
+        self.keys[path] = self.spans[path] = span
+
+    def key(self, path: Path) -> Span:
+        """The place of the key of `path`, for findings about its being there at all."""
+        return self.keys.get(path) or self.span(path)
+
+    def names_in(self, section: str) -> list[str]:
+        """The names that a section gives, sound or not, such as those of `frames`."""
+        return [str(path[1]) for path in self.keys if len(path) == 2 and path[0] == section]
 
     def default(self, path: Path, value: Any, why: str = "") -> None:
         self.defaults.append(Default(path=path, value=value, why=why))

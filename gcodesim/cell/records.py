@@ -109,13 +109,15 @@ def all_keys(cls: type) -> dict[str, Key]:
 class Record(Kind):
     """A mapping that becomes a `cls`.
 
-    `shorthand` names the key that a lone scalar stands for (`machine: gantry_xyz`). A class may have
+    `shorthand` names the key that a lone scalar stands for (`machine: gantry_xyz`). A `lenient` one takes defaults for
+    what is faulty and marks it as broken, so that the rest can be checked. A class may have
     a method `checked(to, path)` that returns itself, a changed copy, or FAULT after adding findings.
     """
 
     cls: type
     what: str
     shorthand: str = ""
+    lenient: bool = False
 
     @property
     def expected(self) -> str:
@@ -134,7 +136,7 @@ class Record(Kind):
                 unknown_key(name, list(known), self.what, to)
                 continue
             at = (*path, name.text)
-            to.spans[at] = name.span
+            to.named(at, name.span)
             values[name.text] = known[name.text].kind.read(value, to, at)
         return self._build(values, to, path)
 
@@ -153,9 +155,17 @@ class Record(Kind):
                 inner_arguments = _arguments(inner, values, self.what, to, path)
                 faulty = any(value is FAULT for value in inner_arguments.values())
                 arguments[name] = FAULT if faulty else _checked(inner(**inner_arguments), to, path)
+        if self.lenient:
+            self._mend(arguments, to)
         if any(value is FAULT for value in arguments.values()):
             return FAULT
         return _checked(self.cls(**arguments), to, path)
+
+    def _mend(self, arguments: dict[str, Any], to: Reading) -> None:
+        names = {declared.field: declared for declared in keys(self.cls).values()}
+        for name in [name for name, value in arguments.items() if value is FAULT]:
+            arguments[name] = names[name].default if name in names else None
+            to.broken.add((names[name].name if name in names else name,))
 
     def schema(self, definitions: dict[str, Json]) -> Json:
         name = self.cls.__name__
@@ -274,11 +284,12 @@ class Name:
 
 @dataclass(frozen=True, slots=True)
 class MapOf(Kind):
-    """A mapping of names to values of one kind. `hidden` values are not shown."""
+    """A mapping of names to values of one kind. A `lenient` one leaves out what is faulty."""
 
     name: Name
     of: Kind
     what: str
+    lenient: bool = False
 
     @property
     def expected(self) -> str:
@@ -296,8 +307,10 @@ class MapOf(Kind):
                 values[name.text] = FAULT
                 continue
             at = (*path, canonical)
-            to.spans[at] = name.span
+            to.named(at, name.span)
             values[canonical] = self.of.read(value, to, at)
+        if self.lenient:
+            return {name: value for name, value in values.items() if value is not FAULT}
         return FAULT if any(value is FAULT for value in values.values()) else values
 
     def schema(self, definitions: dict[str, Json]) -> Json:
@@ -321,7 +334,7 @@ def read_name(name: Name, node: Scalar, taken: list[Path], to: Reading) -> Any:
         return to.fault("GS711", node.span, f"`{node.text}` is no {name.what}", suggestion(node.text, name.known))
     for path in taken:
         if path[-1] == canonical:
-            first: Span = to.spans[path]
+            first: Span = to.key(path)
             return to.fault(
                 "GS702",
                 node.span,

@@ -8,7 +8,7 @@ from typing import Final
 
 from gcodesim.cell.cell import FORMAT, MACHINE, MAIN, Cell
 from gcodesim.cell.channel import Channel
-from gcodesim.cell.placing import SYSTEMS, FrameTree, Place, unknown_frame
+from gcodesim.cell.placing import SYSTEMS, WORLD, FrameTree, Place
 from gcodesim.cell.reading import Path, Reading, suggestion
 from gcodesim.cell.records import keys, list_default
 from gcodesim.cell.settings import matches, with_step
@@ -16,6 +16,7 @@ from gcodesim.cell.stock import Box, Mesh, Shape
 from gcodesim.diagnostics import Diagnostic, Severity, Span, codes
 from gcodesim.units import MM
 
+_FOLLOW_WORK: Final = ("stock", "fixtures", "target")
 _STRANGE: Final = 100.0  # times larger or smaller than the rest
 
 
@@ -30,10 +31,12 @@ def resolve(cell: Cell, to: Reading) -> Cell:
         )
     cell = _with_frames(cell, to)
     cell = _with_channels(cell, to)
-    simulation, log = with_step(cell.simulation, cell.log, to)
-    cell = replace(cell, simulation=simulation, log=log)
-    _check_places(cell, to)
-    _check_materials(cell, to)
+    if not to.broken & {("simulation",), ("log",)}:
+        simulation, log = with_step(cell.simulation, cell.log, to)
+        cell = replace(cell, simulation=simulation, log=log)
+    _check_frames(to)
+    _check_materials(to)
+    _check_stock_on_arm(cell, to)
     _check_mesh_sizes(cell, to)
     _check_codes(cell, to)
     _check_world(cell, to)
@@ -64,14 +67,16 @@ def _with_frames(cell: Cell, to: Reading) -> Cell:
 
 def _with_channels(cell: Cell, to: Reading) -> Cell:
     """Channels by name, each with the name of its robot, `machine` for the machine tool."""
-    movers = [*([MACHINE] if cell.machine is not None else []), *cell.robots]
+    movers = [*([MACHINE] if (MACHINE,) in to.keys else []), *to.names_in("robots")]
+    if not movers and ("robots",) in to.broken:
+        return cell
     if not movers:
         message = "the cell has neither a machine nor a robot"
         to.fault("GS722", Span(to.file, 1, 1, 1, 2), message, "write `machine: gantry_xyz`, or a robot under `robots:`")
         return cell
     if cell.channels and cell.only_channel is not None:
         stray = min(
-            (to.spans[(name,)] for name in keys(Channel) if (name,) in to.spans), key=lambda s: (s.line, s.column)
+            (to.keys[(name,)] for name in keys(Channel) if (name,) in to.keys), key=lambda s: (s.line, s.column)
         )
         to.fault(
             "GS719",
@@ -119,42 +124,35 @@ def _check_taken(channels: dict[str, Channel], nested: bool, to: Reading) -> Non
         robot = str(channel.robot)
         if robot in first and nested:
             message = f"`{robot}` runs the programs of two channels, `{first[robot]}` and `{name}`"
-            to.fault("GS719", to.span(("channels", name, "robot")), message, "one robot, one channel")
+            to.fault("GS719", to.key(("channels", name, "robot")), message, "one robot, one channel")
         first.setdefault(robot, name)
 
 
-def _check_places(cell: Cell, to: Reading) -> None:
-    """Every `in:` names a frame; on an arm stock has a place."""
-    fixed = list(cell.frames)
-    for name, channel in cell.channels.items():
-        path: Path = () if (("channels", name)) not in to.spans else ("channels", name)
-        for system, place in channel.work_offsets.items():
-            if place.frame is not None and place.frame not in fixed:
-                unknown_frame(place.frame, (*path, "work_offsets", system), fixed, to)
-        if channel.orientation is not None:
-            frame = channel.orientation.tool_axis.frame
-            if frame is not None and frame not in SYSTEMS and frame not in fixed:
-                span = to.span((*path, "orientation", "tool_axis"))
-                to.fault("GS712", span, f"there is no frame `{frame}`", suggestion(frame, [*SYSTEMS[:1], *fixed]))
-    single = ("stock", "stock") not in to.spans
-    standing: list[tuple[Place, Path]] = [
-        (stock.place, ("stock",) if single else ("stock", name)) for name, stock in cell.stocks.items()
-    ]
-    standing += [(fixture.place, ("fixtures", name)) for name, fixture in cell.fixtures.items()]
-    standing += [(cell.target.place, ("target",))] if cell.target is not None else []
-    for place, path in standing:
-        if place.frame is not None and place.frame not in fixed and place.frame not in SYSTEMS:
-            unknown_frame(place.frame, path, [*fixed, "G54"], to)
-    if cell.magazine.place.frame not in (None, *fixed):
-        unknown_frame(str(cell.magazine.place.frame), ("magazine",), fixed, to)
-    _check_stock_on_arm(cell, to)
+def _check_frames(to: Reading) -> None:
+    """Every `in:` names a frame; what stands still stands in what stands still."""
+    if ("frames",) in to.broken:
+        return
+    fixed = [WORLD, *to.names_in("frames"), *([MACHINE] if (MACHINE,) in to.keys else [])]
+    fixed += [f"{name}/base" for name in to.names_in("robots")]
+    for reference in to.references:
+        if reference.what != "frame" or reference.name in fixed:
+            continue
+        span = to.span(reference.path)
+        follows_work = reference.path[0] in _FOLLOW_WORK or reference.path[-1] == "tool_axis"
+        if reference.name not in SYSTEMS:
+            known = [*fixed, "G54"] if follows_work else fixed
+            to.fault("GS712", span, f"there is no frame `{reference.name}`", suggestion(reference.name, known))
+        elif not follows_work:
+            message = f"`{reference.name}` is no fixed frame"
+            to.fault("GS712", span, message, "only stock, fixtures, the target and a tool axis may stand in it")
 
 
 def _check_stock_on_arm(cell: Cell, to: Reading) -> None:
     if not cell.channels:
         return
-    first = next(iter(cell.channels.values()))
-    if first.robot == MACHINE or first.work_offsets:
+    name, first = next(iter(cell.channels.items()))
+    given = {("work_offsets",), ("channels", name, "work_offsets")} & to.keys.keys()
+    if first.robot == MACHINE or given:
         return
     for name, stock in cell.stocks.items():
         if stock.place.frame is None:
@@ -167,32 +165,32 @@ def _check_stock_on_arm(cell: Cell, to: Reading) -> None:
             )
 
 
-def _check_materials(cell: Cell, to: Reading) -> None:
+def _check_materials(to: Reading) -> None:
     """Materials are one's own or in the library."""
     from gcodesim.processes.materials import LIBRARY
 
-    for name, stock in cell.stocks.items():
-        if stock.material is None or stock.material in cell.materials:
+    if ("materials",) in to.broken:
+        return
+    own = to.names_in("materials")
+    for reference in to.references:
+        name = reference.name
+        if reference.what != "material" or name in own:
             continue
-        path: Path = ("stock", name, "material") if ("stock", name, "material") in to.spans else ("stock", "material")
-        try:
-            usable = LIBRARY[stock.material].usable
-        except KeyError:
-            own = suggestion(stock.material, list(cell.materials)) if cell.materials else ""
-            near = ", ".join(f"`{s}`" for s in LIBRARY.suggest(stock.material))
+        span = to.span(reference.path)
+        if name not in LIBRARY:
+            guess = suggestion(name, own) if own else ""
+            near = ", ".join(f"`{s}`" for s in LIBRARY.suggest(name))
             hint = (
-                own if own.startswith("did") else f"near are {near}" if near else "`gcodesim list materials` shows all"
+                guess
+                if guess.startswith("did")
+                else f"near are {near}"
+                if near
+                else "`gcodesim list materials` shows all"
             )
-            to.fault("GS712", to.span(path), f"there is no material `{stock.material}`", hint)
-            continue
-        if not usable:
-            to.findings.add(
-                Diagnostic(
-                    code="GS729",
-                    span=to.span(path),
-                    message=f"the source of `{stock.material}` is in doubt: {LIBRARY[stock.material].note}",
-                )
-            )
+            to.fault("GS712", span, f"there is no material `{name}`", hint)
+        elif not LIBRARY[name].usable:
+            message = f"the source of material `{name}` is in doubt: {LIBRARY[name].note}"
+            to.findings.add(Diagnostic(code="GS729", span=span, message=message))
 
 
 def _check_mesh_sizes(cell: Cell, to: Reading) -> None:

@@ -56,7 +56,7 @@ class RobotForm:
             if self.model is None:
                 return to.fault("GS705", to.span(path), "the robot has neither `model` nor `urdf`", "give one of them")
             return to.fault(
-                "GS719", to.span((*path, "urdf")), "the robot has a `model` and a `urdf`", "give one of them"
+                "GS719", to.key((*path, "urdf")), "the robot has a `model` and a `urdf`", "give one of them"
             )
         if self.model is not None:
             model = shipped(self.model, "arm", to, (*path, "model"))

@@ -35,7 +35,8 @@ def measured(text: str) -> Measured | None:
         return None  # `1_0`, `1.2.3`, `1,5`, `1-2`: no number with something behind it
     if rest[:1] in ("x", "o", "b") and rest[1:2].isdigit():
         return None  # `0x10`
-    return Measured(float(match.group()), rest.strip())
+    unit = rest.strip()
+    return None if unit[:1].isdigit() else Measured(float(match.group()), unit)
 
 
 def integer(text: str) -> int | None:

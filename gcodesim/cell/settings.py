@@ -158,7 +158,7 @@ class Suppression:
         if len(ways) > 1:
             return to.fault(
                 "GS719",
-                to.span((*path, ways[1])),
+                to.key((*path, ways[1])),
                 f"the block is named twice, by `{ways[0]}` and `{ways[1]}`",
                 "give one",
             )

@@ -8,12 +8,12 @@ from pathlib import Path as FilePath
 from typing import Any, Final
 
 from gcodesim.cell.file_kinds import File, FileValue
-from gcodesim.cell.kinds import POSITIVE, Json, Kind, Quantity, Text, Vector, scalar, short
+from gcodesim.cell.kinds import POSITIVE, Json, Kind, Quantity, Vector, scalar, short
 from gcodesim.cell.mesh_size import MESH_SUFFIXES, bounds
 from gcodesim.cell.nodes import Listing, Node
 from gcodesim.cell.nodes import Mapping as MappingNode
 from gcodesim.cell.placing import POINT, Place, names_of
-from gcodesim.cell.reading import FAULT, Fault, Path, Reading, suggestion
+from gcodesim.cell.reading import FAULT, Fault, Path, Reading, Reference, suggestion
 from gcodesim.cell.records import MapOf, Record, all_keys, inline, key
 from gcodesim.cell.units import find, names, shown
 from gcodesim.diagnostics import Diagnostic
@@ -225,17 +225,17 @@ def _shape_of(body: Body, what: str, extra: tuple[str, ...], to: Reading, path: 
         last = max(named, key=lambda name: (to.spans[(*path, name)].line, to.spans[(*path, name)].column))
         return to.fault(
             "GS719",
-            to.span((*path, last)),
+            to.key((*path, last)),
             f"{what} has {len(shapes)} shapes: {', '.join(f'`{s}`' for s in shapes)}",
             "give one",
         )
     if body.unit is not None and body.mesh is None:
         return to.fault(
-            "GS719", to.span((*path, "unit")), "`unit` belongs to a `mesh`", "write units behind the numbers"
+            "GS719", to.key((*path, "unit")), "`unit` belongs to a `mesh`", "write units behind the numbers"
         )
     if body.zero is not None and body.box is None and body.cylinder is None:
         return to.fault(
-            "GS719", to.span((*path, "zero")), "`zero` belongs to a `box` or `cylinder`", "place it by `xyz`"
+            "GS719", to.key((*path, "zero")), "`zero` belongs to a `box` or `cylinder`", "place it by `xyz`"
         )
     if extra:
         return None
@@ -287,7 +287,7 @@ def _box_between(body: Body, to: Reading, path: Path) -> Shape | Fault:
     for name, other in (("min", "max"), ("max", "min")):
         if getattr(body, name) is None:
             return to.fault(
-                "GS705", to.span((*path, other)), f"`{other}` stands without `{name}`", "a box needs both corners"
+                "GS705", to.key((*path, other)), f"`{other}` stands without `{name}`", "a box needs both corners"
             )
     assert body.min is not None and body.max is not None
     for index, axis in enumerate("XYZ"):
@@ -335,6 +335,25 @@ def _mesh(file: FileValue, unit: str | None, to: Reading, path: Path) -> Mesh | 
     return Mesh(name=file.name, path=file.path, scale=scale.factor, lower=lower, upper=upper)
 
 
+@dataclass(frozen=True, slots=True)
+class _MaterialName(Kind):
+    """The name of a material; whether there is one is asked when the whole cell is read."""
+
+    @property
+    def expected(self) -> str:
+        return "the name of a material"
+
+    def read(self, node: Node, to: Reading, path: Path) -> str | Fault:
+        text = scalar(self, node, to, path)
+        if isinstance(text, Fault):
+            return FAULT
+        to.references.append(Reference(what="material", name=text.text, path=path))
+        return text.text
+
+    def schema(self, definitions: dict[str, Json]) -> Json:
+        return {"type": "string"}
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StockSpec(Body):
     """Material to work on. `place.frame` None: placed by the rules of `placement.py`."""
@@ -344,7 +363,9 @@ class StockSpec(Body):
         File("the folder of an earlier run", is_folder=True), "what an earlier run left", name="from", default=None
     )
     place: Place = inline(Place)
-    material: str | None = key(Text(), "id or alias of a material; without one it is cut without force", default=None)
+    material: str | None = key(
+        _MaterialName(), "id or alias of a material; without one it is cut without force", default=None
+    )
     resolution: float | None = key(Quantity("length", POSITIVE), "grid of the stock", default=None)
     shape: Shape = field(default=Box(lower=(0.0, 0.0, 0.0), upper=(0.0, 0.0, 0.0)))
 
@@ -406,9 +427,9 @@ class StockKind(Kind):
         if isinstance(node, MappingNode) and self._is_one(node):
             one = _STOCK.read(node, to, path)
             return FAULT if isinstance(one, Fault) else {"stock": one}
-        named = MapOf(names_of("stock"), _STOCK, "stock by name, or one with a shape key such as `box`").read(
-            node, to, path
-        )
+        named = MapOf(
+            names_of("stock"), _STOCK, "stock by name, or one with a shape key such as `box`", lenient=True
+        ).read(node, to, path)
         if isinstance(named, Fault):
             return FAULT
         return {name: replace(stock, name=name) for name, stock in named.items()}
@@ -445,7 +466,7 @@ class FixtureKind(Kind):
         return "fixtures by name, such as `clamp: {box: [20, 20, 15], in: table}`"
 
     def _map(self) -> MapOf:
-        return MapOf(names_of("fixture"), Record(Fixture, "the fixture"), self.expected)
+        return MapOf(names_of("fixture"), Record(Fixture, "the fixture"), self.expected, lenient=True)
 
     def read(self, node: Node, to: Reading, path: Path) -> Any:
         return self._map().read(node, to, path)

@@ -101,7 +101,7 @@ def read_parameters(
             unknown_key(name, list(known), what, to)
             continue
         at = (*path, name.text)
-        to.spans[at] = name.span
+        to.named(at, name.span)
         values[name.text] = known[name.text].kind.read(node, to, at)
     for member in known.values():
         if member.required and member.name not in values:
@@ -178,10 +178,10 @@ class ToolKind(Kind):
 def _possible(tool: Tool, given: dict[str, Any], to: Reading, path: Path) -> Tool | Fault:
     """`tool`, or FAULT with a finding for each reason why it cannot exist."""
     problems = tool.problems()
-    for name, message in problems:
-        at = (*path, *name.split("."))
-        hint = "" if at in to.spans else f"the default of `{name}` does not fit the other keys; write it"
-        to.fault("GS720", to.span(at), f"tool {tool.number} is impossible: {message}", hint)
+    written = [problem for problem in problems if (*path, *problem[0].split(".")) in to.spans]
+    for name, message in written or problems:  # a default that follows from a wrong value is no fault of its own
+        hint = "" if written else f"the default of `{name}` does not fit the other keys; write it"
+        to.fault("GS720", to.span((*path, *name.split("."))), f"tool {tool.number} is impossible: {message}", hint)
     for p in parameters(type(tool)):
         value = getattr(tool, p.name)
         if p.name not in given and value is not None and p.dimension != "text":

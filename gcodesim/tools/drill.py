@@ -41,7 +41,8 @@ class Drill(Cutter):
 
     @property
     def tip_height(self) -> float:
-        return self.radius / tan(0.5 * self.point_angle)
+        # a point without an angle is impossible, which `problems` says; until then it must not divide by zero
+        return self.radius / tan(0.5 * self.point_angle) if self.point_angle > 0.0 else 0.0
 
     def problems(self) -> list[tuple[str, str]]:
         found = Cutter.problems(self)
