@@ -18,7 +18,7 @@ from gcodesim.diagnostics import Span
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.dialects.linuxcnc import COMPENSATION
 from gcodesim.rs274.fault import Fault
-from gcodesim.rs274.state import Vector
+from gcodesim.rs274.state import Vector, scaled
 from gcodesim.rs274.words import Words
 from gcodesim.units import DEG, MM
 
@@ -86,12 +86,7 @@ def _tool_of(words: Words, control: Control, *, dynamic: bool, at: str) -> tuple
             raise Fault("GS106", f"the orientation L{orientation} must be between 0 and 9", at="l")
         return diameter / 2.0, orientation
     number = words.whole("d", at.upper())
-    if number is None:
-        entry = control.spindle_tool
-    elif number == 0:
-        return 0.0, 0
-    else:
-        entry = control.tool_entry(number, "d")
+    entry = control.tool_entry(number, "d") if number else control.spindle_tool
     return entry.diameter / 2.0 / state.unit, entry.orientation
 
 
@@ -207,7 +202,7 @@ def arc(words: Words, control: Control, end: Vector, code: int) -> None:
         in_normal = _towards(shape.centre, op, sign)
         offset_start = _beside(op, in_normal, radius)
         circle = _Circle(shape.centre, arc_radius + sign * radius)
-        _corner(control, op, in_normal, offset_start, circle, rapid=False)
+        _corner(control, op, in_normal, offset_start, circle, turns=shape.turns)
     control.out.append(
         Held(
             span=control.span,
@@ -265,14 +260,21 @@ class _Circle:
 
 
 def _corner(
-    control: Control, op: Point, normal: Point, offset_start: Point, following: _Line | _Circle, *, rapid: bool
+    control: Control,
+    op: Point,
+    normal: Point,
+    offset_start: Point,
+    following: _Line | _Circle,
+    *,
+    turns: int = 0,
+    rapid: bool = False,
 ) -> None:
     """Join the held move with the next one, which leaves `op` with `normal`."""
     state = control.state
     turn = _turn_outward(state.comp_normal, normal, state.side)
     if -_STRAIGHT_ON <= turn <= _STRAIGHT_ON:
         _flush(control)
-    elif _STRAIGHT_ON < turn <= math.pi + _STRAIGHT_ON:
+    elif _STRAIGHT_ON < turn <= _outside_limit(control, turns):
         held_end = state.current
         _flush(control)
         end = _with_plane(held_end, control, offset_start)
@@ -297,6 +299,25 @@ def _corner(
         _flush(control, corner=_intersection(control, op, following))
 
 
+def _outside_limit(control: Control, following_turns: int) -> float:
+    """Up to which turn a corner counts as outside.
+
+    A reversal does, unless an arc takes part that the tool runs round on its
+    outside: there the two offset paths cross. The next move decides if it is an
+    arc, else the held one.
+    """
+    side = control.state.side
+    turns = following_turns or _held_move(control).turns
+    around = turns != 0 and (turns > 0) != (side > 0)
+    return math.pi - _STRAIGHT_ON if around else math.pi + _STRAIGHT_ON
+
+
+def _held_move(control: Control) -> Held:
+    """The move in the plane that waits; those across the plane follow it."""
+    held = (event for event in control.state.held if type(event) is Held)
+    return next(move for move in held if move.kind == "arc" or move.direction != (0.0, 0.0))
+
+
 def _turn_outward(before: Point, after: Point, side: int) -> float:
     """Angle [rad] from the old normal to the new one, positive where the corner is outside; -pi/2 to 3 pi/2."""
     angle = math.atan2(before[0] * after[1] - before[1] * after[0], before[0] * after[0] + before[1] * after[1])
@@ -307,7 +328,7 @@ def _turn_outward(before: Point, after: Point, side: int) -> float:
 def _intersection(control: Control, op: Point, following: _Line | _Circle) -> Point:
     """Where the held offset path meets the next one, nearest to the corner."""
     state = control.state
-    move = next(event for event in state.held if type(event) is Held and (event.kind == "arc" or event.direction != (0.0, 0.0)))
+    move = _held_move(control)
     first, second, _ = _PLANE[state.plane]
     end = (move.end[first], move.end[second])
     held: _Line | _Circle
@@ -315,7 +336,19 @@ def _intersection(control: Control, op: Point, following: _Line | _Circle) -> Po
     found = _meet(held, following)
     if not found:
         raise Fault("GS152", "the tool does not fit into this inside corner", hint="use a smaller tool or a larger corner")
-    return min(found, key=lambda point: math.dist(point, op))
+    nearest = min(math.dist(point, op) for point in found)
+    near = [point for point in found if math.dist(point, op) < nearest * (1.0 + 1e-9) + 1e-12]
+    return min(near, key=lambda point: _along(move, point, end))
+
+
+def _along(move: Held, point: Point, end: Point) -> float:
+    """Orders two equally near points: the one that shortens the held move, and an arc the least, is meant."""
+    if move.kind == "arc":
+        from gcodesim.rs274.arcs import Arc, sweep_of
+
+        back = sweep_of(point, end, Arc(move.centre, 1 if move.turns > 0 else -1))
+        return math.fmod(abs(back), 2.0 * math.pi)
+    return (point[0] - end[0]) * move.direction[0] + (point[1] - end[1]) * move.direction[1]
 
 
 def _meet(a: _Line | _Circle, b: _Line | _Circle) -> list[Point]:
@@ -353,6 +386,20 @@ def _circles_meet(a: _Circle, b: _Circle) -> list[Point]:
     ux, uy = (b.centre[0] - a.centre[0]) / distance, (b.centre[1] - a.centre[1]) / distance
     foot = (a.centre[0] + along * ux, a.centre[1] + along * uy)
     return [(foot[0] - height * uy, foot[1] + height * ux), (foot[0] + height * uy, foot[1] - height * ux)]
+
+
+def scale(control: Control, factor: float) -> None:
+    """After a change of unit: what waits is meant as it was."""
+    state = control.state
+    state.held = tuple(_scaled(event, factor) if type(event) is Held else event for event in state.held)
+    state.comp_emitted = scaled(state.comp_emitted, factor)
+    if state.comp_endpoint is not None:
+        state.comp_endpoint = (state.comp_endpoint[0] * factor, state.comp_endpoint[1] * factor)
+
+
+def _scaled(move: Held, factor: float) -> Held:
+    centre = (move.centre[0] * factor, move.centre[1] * factor)
+    return replace(move, end=scaled(move.end, factor), centre=centre)
 
 
 # -- emission

@@ -281,11 +281,11 @@ class FlowControl:
 
     def _enter(self, file: ProgramFile, first: int, label: str, index: int) -> None:
         if len(self.frames) >= MOST_LEVELS:
-            raise Fault(
+            raise Stopped(
                 "GS132",
                 f"subroutines are called more than {MOST_LEVELS - 1} deep",
                 hint="a subroutine that calls itself needs an `if` that ends it",
-                limit=MOST_LEVELS - 1,
+                index=self.frames[0].at - 1,  # a control falls back to the main program here
             )
         caller = Caller(self.frame.file.name, index + 1, show(label))
         self.frames.append(Frame(file, first, name=label, first=first, callers=(*self.frame.callers, caller)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from gcodesim.rs274 import compensation
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.dialects.linuxcnc import CENTRE, DIAMETER, DISTANCE, FEED_MODE, PATH, PLANE, RETRACT, SPINDLE_MODE, UNITS
 from gcodesim.rs274.fault import Fault
@@ -56,7 +57,11 @@ def plane(words: Words, control: Control) -> None:
 def units(words: Words, control: Control) -> None:
     code = words.g.get(UNITS)
     if code is not None:
-        control.change_unit(INCH if code == 200 else MM)
+        unit = INCH if code == 200 else MM
+        factor = control.state.unit / unit
+        control.change_unit(unit)
+        if control.state.side and factor != 1.0:
+            compensation.scale(control, factor)
 
 
 def diameter(words: Words, control: Control) -> None:

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from gcodesim.rs274 import parameters as numbers
 from gcodesim.rs274.control import Control
+from gcodesim.rs274.dialects import g_name
 from gcodesim.rs274.dialects.linuxcnc import LENGTH, NON_MODAL, SYSTEM
 from gcodesim.rs274.ends import end_point
 from gcodesim.rs274.fault import Fault
@@ -25,6 +26,9 @@ def tool_length(words: Words, control: Control) -> None:
     if code is None:
         return
     state = control.state
+    if state.side:
+        at = g_name(code)
+        raise Fault("GS150", "the tool length cannot change while cutter compensation is on", at=at, hint="say G40 first")
     axes = control.axes()
     if code == 490:
         offset = ZERO
@@ -70,7 +74,7 @@ def work_system(words: Words, control: Control) -> None:
         raise Fault(
             "GS150",
             "the work system cannot change while cutter compensation is on",
-            at=f"g{code // 10}" if code % 10 == 0 else f"g{code / 10:g}",
+            at=g_name(code),
             hint="say G40 first",
         )
     control.use_system(_SYSTEM_INDEX[code])

@@ -11,6 +11,8 @@ from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.state import Vector
 from gcodesim.rs274.words import Words
 
+_MOST_PASSES = 10_000
+
 
 def _check_spindle(words: Words, control: Control, who: str) -> None:
     state = control.state
@@ -108,7 +110,10 @@ def thread_cycle(words: Words, control: Control, code: int) -> None:
 
 
 class _Passes:
-    """The passes of one G76; all lengths in program units."""
+    """The passes of one G76; all lengths in program units.
+
+    `outward` is the sign of X away from the work: +1 for an outside thread.
+    """
 
     def __init__(
         self,
@@ -125,49 +130,55 @@ class _Passes:
         self.start = start
         self.end_z = end_z
         self.pitch = pitch
-        self.inside = peak > 0.0
-        self.side = 1.0 if self.inside else -1.0
-        self.peak_x = start[0] + peak
+        self.outward = -1.0 if peak > 0.0 else 1.0
+        self.peak = abs(peak)
         self.depth = depth
-        self.taper_length = abs(taper)
+        taper = abs(taper)
+        self.taper = taper if start[2] >= end_z else -taper
+        self.taper_pitch = pitch * math.hypot(taper, depth) / taper if taper else pitch
         self.entry, self.exit = taper_kind in (1, 3), taper_kind in (2, 3)
 
     def cut(self, first_cut: float, degression: float, angle: float, springs: int) -> None:
+        """All passes; the tool ends beside the end of the thread."""
         slope = math.tan(math.radians(angle))
+        if self.end_z > self.start[2]:
+            slope = -slope
         depth, number = first_cut, 1
-        before = 0.0
-        while depth < self.depth - 1e-12:
-            self._one(depth, slope, first=number == 1)
-            before = depth
+        while depth < self.depth:
+            self._pass(depth, slope)
             number += 1
+            if number > _MOST_PASSES:
+                raise Fault("GS175", f"G76 would need more than {_MOST_PASSES} passes", at="j")
             depth = first_cut * number ** (1.0 / degression)
-            if number > 100_000:
-                raise Fault("GS175", "G76 would need more than 100000 passes", at="j")
-        del before
         for _ in range(springs + 1):
-            self._one(self.depth, slope, first=number == 1)
-            number += 1
-        self.control.rapid(self.start, "G76")
-
-    def _one(self, depth: float, slope: float, *, first: bool) -> None:
-        """One pass at `depth`, moved along by the flank angle."""
-        del first
-        control = self.control
-        shift = self.side * 0.0 + depth * slope
-        towards_start = 1.0 if self.start[2] > self.end_z else -1.0
-        z0 = self.start[2] - 0.0 * towards_start
-        x = self.peak_x + self.side * depth
-        z_begin = z0 - shift * towards_start * 0.0
-        self._rapid(x, z_begin)
-        self._thread(x, self.end_z)
+            self._pass(self.depth, slope)
         self._rapid(self.start[0], self.end_z)
-        self._rapid(self.start[0], z0)
-        del control
+
+    def _pass(self, depth: float, slope: float) -> None:
+        """One pass, `depth` below the peak, moved along the thread by the flank."""
+        control = self.control
+        cut = self.start[0] - self.outward * (self.peak + depth)
+        clear = cut + self.outward * (self.peak + self.depth)
+        begin = self.start[2] - depth * slope
+        end = self.end_z + (self.depth - depth) * slope
+        lifted = cut + self.outward * self.depth
+        self._rapid(clear, begin)
+        self._rapid(lifted if self.entry else cut, begin)
+        control.say_overrides(feed=False)
+        if self.entry:
+            self._thread(cut, begin - self.taper, self.taper_pitch)
+        if self.exit:
+            self._thread(cut, end + self.taper, self.pitch)
+            self._thread(lifted, end, self.taper_pitch)
+        else:
+            self._thread(cut, end, self.pitch)
+        self._rapid(clear, end)
+        control.say_overrides()
 
     def _rapid(self, x: float, z: float) -> None:
         now = self.control.state.current
         self.control.rapid((x, now[1], z, *now[3:]), "G76")  # type: ignore[arg-type]
 
-    def _thread(self, x: float, z: float) -> None:
+    def _thread(self, x: float, z: float, pitch: float) -> None:
         now = self.control.state.current
-        self.control.line((x, now[1], z, *now[3:]), "G76", self.pitch * self.control.state.unit)  # type: ignore[arg-type]
+        self.control.line((x, now[1], z, *now[3:]), "G76", pitch * self.control.state.unit)  # type: ignore[arg-type]
