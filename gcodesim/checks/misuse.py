@@ -171,7 +171,7 @@ def _tilted(use: RowUse, away: Flags, spans: Spans, names: Mapping[int, str]) ->
         first, spent = int(rows[0]), float(use.tilted[rows].sum())
         yield Diagnostic(
             code="GS406",
-            message=f"{_name(names, int(use.tool[first]))} is not upright in the stock; it cuts nothing for {spent:.3f} s",
+            message=f"{_name(names, int(use.tool[first]))} leans in the stock; it cuts nothing for {spent:.3f} s",
             span=spans(first),
             count=len(rows),
             time=float(use.time[first]),

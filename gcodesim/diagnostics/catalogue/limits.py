@@ -80,7 +80,7 @@ CODES: tuple[Code, ...] = (
         severity=Severity.ERROR,
         title="joint effort at its limit",
         what="Gravity, inertia and process together ask a joint for more torque or force than its motor can give.",
-        why="The joint falls behind its command: the tool leaves its path, or the control stops with a following error.",
+        why="The joint falls behind its command: the tool leaves its path, or the control stops with a servo error.",
         remedy="Take less depth, width or feed on this line, accelerate less, or move the part to where the arm is less"
         " stretched. Check `effort` of the joint in the URDF or the cell when the limit looks wrong.",
     ),

@@ -1,0 +1,304 @@
+"""Whether a swept tool and a convex body meet, and how deep: support points and Gilbert, Johnson, Keerthi.
+
+A part of a tool is a convex body of revolution given by points (k, 2) of its
+outline: radius and height above the tip [m]. Swept along a straight piece with
+a constant axis it stays convex, so it is known by its support point in any
+direction; so is a fixture, the hull of its corners. Two convex bodies meet when
+the origin lies in their difference (Gilbert, Johnson and Keerthi 1988, IEEE J.
+Robotics and Automation 4, 193).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.compiled import kernel
+from gcodesim.frames import Array
+
+MOST_ROUNDS = 64
+GOLDEN = 0.6180339887498949
+ROUNDS = 30  # golden section: 5e-7 of a piece
+
+Ints = NDArray[np.int64]
+
+
+@kernel
+def support(outline: Array, axis: Array, start: Array, end: Array, corners: Array, d: Array, out: Array) -> float:
+    """Support point `out` (3,) of swept tool minus hull in direction `d` (3,), and its product with `d`."""
+    along = axis[0] * d[0] + axis[1] * d[1] + axis[2] * d[2]
+    across = math.sqrt(max(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] - along * along, 0.0))
+    best, which = -math.inf, 0
+    for i in range(outline.shape[0]):
+        reach = outline[i, 0] * across + outline[i, 1] * along
+        if reach > best:
+            best, which = reach, i
+    out_r = outline[which, 0] / across if across > 0.0 else 0.0
+    out_h = outline[which, 1]
+    at_start = start[0] * d[0] + start[1] * d[1] + start[2] * d[2]
+    at_end = end[0] * d[0] + end[1] * d[1] + end[2] * d[2]
+    far = -math.inf
+    corner = 0
+    for i in range(corners.shape[0]):
+        reach = -(corners[i, 0] * d[0] + corners[i, 1] * d[1] + corners[i, 2] * d[2])
+        if reach > far:
+            far, corner = reach, i
+    value = 0.0
+    for c in range(3):
+        tip = end[c] if at_end > at_start else start[c]
+        out[c] = tip + out_h * axis[c] + out_r * (d[c] - along * axis[c]) - corners[corner, c]
+        value += out[c] * d[c]
+    return value
+
+
+@kernel
+def nearest_on_segment(a: Array, b: Array, weight: Array) -> float:
+    """Weights (2,) of the point of segment a b nearest to the origin, and its squared distance."""
+    ab2, at = 0.0, 0.0
+    for c in range(3):
+        ab2 += (b[c] - a[c]) ** 2
+        at -= a[c] * (b[c] - a[c])
+    t = min(max(at / ab2, 0.0), 1.0) if ab2 > 0.0 else 0.0
+    weight[0], weight[1] = 1.0 - t, t
+    square = 0.0
+    for c in range(3):
+        square += (a[c] + t * (b[c] - a[c])) ** 2
+    return square
+
+
+@kernel
+def nearest_on_triangle(a: Array, b: Array, c: Array, weight: Array) -> float:
+    """Weights (3,) of the point of triangle a b c nearest to the origin, and its squared distance."""
+    abab = acac = abac = aab = aac = 0.0
+    for k in range(3):
+        u, v = b[k] - a[k], c[k] - a[k]
+        abab += u * u
+        acac += v * v
+        abac += u * v
+        aab += a[k] * u
+        aac += a[k] * v
+    det = abab * acac - abac * abac
+    if det > 1e-14 * abab * acac:
+        s, t = (abac * aac - acac * aab) / det, (abac * aab - abab * aac) / det
+        if s >= 0.0 and t >= 0.0 and s + t <= 1.0:
+            weight[0], weight[1], weight[2] = 1.0 - s - t, s, t
+            square = 0.0
+            for k in range(3):
+                square += (a[k] + s * (b[k] - a[k]) + t * (c[k] - a[k])) ** 2
+            return square
+    best = math.inf
+    two = np.zeros(2)
+    for edge in range(3):
+        if edge == 0:
+            square = nearest_on_segment(a, b, two)
+        elif edge == 1:
+            square = nearest_on_segment(b, c, two)
+        else:
+            square = nearest_on_segment(c, a, two)
+        if square < best:
+            best = square
+            weight[0] = weight[1] = weight[2] = 0.0
+            weight[edge], weight[(edge + 1) % 3] = two[0], two[1]
+    return best
+
+
+@kernel
+def orientation(a: Array, b: Array, c: Array, p: Array, shift: float) -> float:
+    """Six times the signed volume of the tetrahedron a b c and (p times `shift`); shift 0 puts the origin there."""
+    ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+    vx, vy, vz = c[0] - a[0], c[1] - a[1], c[2] - a[2]
+    wx, wy, wz = shift * p[0] - a[0], shift * p[1] - a[1], shift * p[2] - a[2]
+    volume: float = ux * (vy * wz - vz * wy) + uy * (vz * wx - vx * wz) + uz * (vx * wy - vy * wx)
+    return volume
+
+
+@kernel
+def shrink(simplex: Array, count: int, closest: Array, weight: Array) -> int:
+    """How many points of `simplex` (4, 3), moved to its front, carry its point `closest` to the origin; 4: inside."""
+    four = weight
+    three = np.zeros(3)
+    kept = count
+    if count == 1:
+        four[0] = 1.0
+    elif count == 2:
+        nearest_on_segment(simplex[0], simplex[1], four[:2])
+    elif count == 3:
+        nearest_on_triangle(simplex[0], simplex[1], simplex[2], four[:3])
+    else:
+        inside = True
+        best = math.inf
+        four[:] = 0.0
+        for skip in range(4):
+            i, j, k = (skip + 1) % 4, (skip + 2) % 4, (skip + 3) % 4
+            mine = orientation(simplex[i], simplex[j], simplex[k], simplex[skip], 1.0)
+            origin = orientation(simplex[i], simplex[j], simplex[k], simplex[skip], 0.0)
+            if mine * origin > 0.0:
+                continue
+            inside = False
+            square = nearest_on_triangle(simplex[i], simplex[j], simplex[k], three)
+            if square < best:
+                best = square
+                four[:] = 0.0
+                four[i], four[j], four[k] = three[0], three[1], three[2]
+        if inside:
+            closest[:] = 0.0
+            return 4
+    closest[:] = 0.0
+    kept = 0
+    for i in range(count):
+        if four[i] > 0.0:
+            for c in range(3):
+                closest[c] += four[i] * simplex[i, c]
+                simplex[kept, c] = simplex[i, c]
+            kept += 1
+    return kept
+
+
+@kernel
+def separation(outline: Array, axis: Array, start: Array, end: Array, corners: Array, tolerance: float) -> float:
+    """Distance [m] between the tool swept from `start` to `end` and the hull of `corners`; 0 when they meet.
+
+    Right to `tolerance` [m]; anything nearer than that counts as meeting.
+    """
+    simplex, closest, weight = np.zeros((4, 3)), np.zeros(3), np.zeros(4)
+    for c in range(3):
+        closest[c] = start[c] - corners[0, c]
+    if closest[0] ** 2 + closest[1] ** 2 + closest[2] ** 2 == 0.0:
+        closest[0] = 1.0
+    count = 0
+    lower = 0.0
+    d, point = np.zeros(3), np.zeros(3)
+    for _ in range(MOST_ROUNDS):
+        for c in range(3):
+            d[c] = -closest[c]
+        size = math.sqrt(d[0] ** 2 + d[1] ** 2 + d[2] ** 2)
+        value = support(outline, axis, start, end, corners, d, point)
+        lower = max(lower, -value / size)
+        if count > 0 and size - lower <= tolerance:
+            return size
+        for i in range(count):
+            if simplex[i, 0] == point[0] and simplex[i, 1] == point[1] and simplex[i, 2] == point[2]:
+                return size
+        for c in range(3):
+            simplex[count, c] = point[c]
+        count = shrink(simplex, count + 1, closest, weight)
+        if count == 4 or closest[0] ** 2 + closest[1] ** 2 + closest[2] ** 2 <= tolerance * tolerance:
+            return 0.0
+    return lower
+
+
+@kernel
+def overlap_along(outline: Array, axis: Array, tip: Array, corners: Array, d: Array, point: Array) -> float:
+    """How far the standing tool has to be moved along -d to leave the hull; inf when `d`, normalised here, is 0."""
+    size = math.sqrt(d[0] ** 2 + d[1] ** 2 + d[2] ** 2)
+    if size < 1e-12:
+        return math.inf
+    for c in range(3):
+        d[c] /= size
+    return support(outline, axis, tip, tip, corners, d, point)
+
+
+@kernel
+def depth_at(outline: Array, axis: Array, tip: Array, corners: Array, normals: Array) -> float:
+    """How deep [m] the tool standing at `tip` is in the hull: the least way out along any of these directions.
+
+    Asked are the normals (m, 3) of the hull's faces, the tool's axis, both also
+    across the axis, and from the axis to each corner. For an upright tool in an
+    upright box that is exact; for others it is an upper bound of the least way out.
+    Negative or 0: they do not meet.
+    """
+    least = math.inf
+    d, point = np.zeros(3), np.zeros(3)
+    for i in range(2 * normals.shape[0] + 1 + corners.shape[0]):
+        for c in range(3):
+            if i < normals.shape[0]:
+                d[c] = normals[i, c]
+            elif i < 2 * normals.shape[0]:
+                d[c] = normals[i - normals.shape[0], c]
+            elif i == 2 * normals.shape[0]:
+                d[c] = axis[c]
+            else:
+                d[c] = corners[i - 2 * normals.shape[0] - 1, c] - tip[c]
+        if i >= normals.shape[0] and i != 2 * normals.shape[0]:
+            along = d[0] * axis[0] + d[1] * axis[1] + d[2] * axis[2]
+            for c in range(3):
+                d[c] -= along * axis[c]
+        for _ in range(2):
+            least = min(least, overlap_along(outline, axis, tip, corners, d, point))
+            for c in range(3):
+                d[c] = -d[c]
+    return least
+
+
+@kernel
+def depth_on(
+    outline: Array, axis: Array, start: Array, end: Array, corners: Array, normals: Array, t: float, tip: Array
+) -> float:
+    """`depth_at` with the tip at share `t` of the way from `start` to `end`; `tip` (3,) is room to work in."""
+    for c in range(3):
+        tip[c] = start[c] + t * (end[c] - start[c])
+    return depth_at(outline, axis, tip, corners, normals)
+
+
+@kernel
+def touches(
+    piece: Ints,
+    outline: Array,
+    axis: Array,
+    start: Array,
+    end: Array,
+    corners: Array,
+    normals: Array,
+    tolerance: float,
+    first: Array,
+    depth: Array,
+) -> None:
+    """Depth (p,) [m] of one part of the tool in one hull on pieces `piece` (p,), 0 where they keep clear.
+
+    `first` (p,): share of the piece at which they meet. On a straight way into
+    a convex body the depth rises to one top and falls again, so the top is
+    found by golden section and the first contact before it by halving.
+    """
+    tip = np.zeros(3)
+    for p in range(len(piece)):
+        i = piece[p]
+        depth[p], first[p] = 0.0, 0.0
+        a, s, e = axis[i], start[i], end[i]
+        if separation(outline, a, s, e, corners, tolerance) > 0.0:
+            continue
+        best, top = depth_on(outline, a, s, e, corners, normals, 0.0, tip), 0.0
+        at_end = depth_on(outline, a, s, e, corners, normals, 1.0, tip)
+        if at_end > best:
+            best, top = at_end, 1.0
+        low, high = 0.0, 1.0
+        left, right = high - GOLDEN, low + GOLDEN
+        at_left = depth_on(outline, a, s, e, corners, normals, left, tip)
+        at_right = depth_on(outline, a, s, e, corners, normals, right, tip)
+        for _ in range(ROUNDS):
+            if at_left > best:
+                best, top = at_left, left
+            if at_right > best:
+                best, top = at_right, right
+            if at_left >= at_right:
+                high, right, at_right = right, left, at_left
+                left = high - GOLDEN * (high - low)
+                at_left = depth_on(outline, a, s, e, corners, normals, left, tip)
+            else:
+                low, left, at_left = left, right, at_right
+                right = low + GOLDEN * (high - low)
+                at_right = depth_on(outline, a, s, e, corners, normals, right, tip)
+        if best <= tolerance:
+            continue
+        depth[p] = best
+        if depth_on(outline, a, s, e, corners, normals, 0.0, tip) > 0.0:
+            continue
+        outside, inside = 0.0, top
+        for _ in range(ROUNDS):
+            middle = 0.5 * (outside + inside)
+            if depth_on(outline, a, s, e, corners, normals, middle, tip) > 0.0:
+                inside = middle
+            else:
+                outside = middle
+        first[p] = inside

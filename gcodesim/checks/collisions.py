@@ -1,0 +1,247 @@
+"""Tools against fixtures: the body of the tool swept along its path, against convex bodies; no world needed.
+
+All points are in one frame, in which the fixtures stand still (W, or the table
+of a machine that moves it). Path pieces are straight; arcs come as chords, with
+an error that is the chord's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.checks import Spans
+from gcodesim.checks.events import runs
+from gcodesim.diagnostics import Diagnostic
+from gcodesim.frames import Array, Pose
+from gcodesim.units import MM
+
+if TYPE_CHECKING:
+    from gcodesim.tools.tool import Tool
+
+# bodies that come nearer than this without a wall between them only touch [m]
+TOUCH: Final = 1e-6
+# a ball nose is a body of this many straight outline pieces: 0.03 % of its radius too thin at most
+BALL_PIECES: Final = 32
+_PAIRS: Final = 1_000_000  # pairs of boxes that are compared at once
+
+_CODES: Final = {"cutting": "GS301", "shank": "GS302", "holder": "GS303", "nozzle": "GS304"}
+_HINTS: Final = {
+    "cutting": "retract higher or go round it",
+    "shank": "use a longer tool, or keep more distance",
+    "holder": "use a longer tool or a slimmer holder",
+    "nozzle": "lift the tool before it passes",
+}
+_WORDS: Final = {"cutting": "the cutter", "shank": "the shank", "holder": "the holder", "nozzle": "the nozzle"}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Hull:
+    """A convex body: hull of `corners` (k, 3) [m], with `normals` (m, 3) of its faces."""
+
+    corners: Array
+    normals: Array
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FixtureBody:
+    """Something that must not be touched, as convex bodies."""
+
+    name: str
+    hulls: tuple[Hull, ...]
+
+    @staticmethod
+    def box(name: str, lower: Sequence[float], upper: Sequence[float], X: Pose | None = None) -> FixtureBody:
+        """A box from corner `lower` to `upper` [m] of the frame at `X`."""
+        ends = np.array([lower, upper], dtype=float)
+        grid = np.array([[ends[i, 0], ends[j, 1], ends[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+        X = X or Pose.identity()
+        return FixtureBody(name=name, hulls=(Hull(X.apply(grid), X.rotate(np.eye(3))),))
+
+    @staticmethod
+    def cylinder(
+        name: str, radius: float, bottom: float, top: float, X: Pose | None = None, sides: int = 64
+    ) -> FixtureBody:
+        """A cylinder about Z of the frame at `X`, as a prism of `sides` that holds it [m]."""
+        angle = 2.0 * np.pi * np.arange(sides) / sides
+        outer = radius / np.cos(np.pi / sides)
+        ring = np.stack([outer * np.cos(angle), outer * np.sin(angle)], axis=1)
+        corners = np.array([[x, y, z] for z in (bottom, top) for x, y in ring])
+        middle = angle[: sides // 2] + np.pi / sides
+        normals = np.vstack([np.stack([np.cos(middle), np.sin(middle), 0.0 * middle], axis=1), [[0.0, 0.0, 1.0]]])
+        X = X or Pose.identity()
+        return FixtureBody(name=name, hulls=(Hull(X.apply(corners), X.rotate(normals)),))
+
+    @staticmethod
+    def mesh(name: str, vertices: Array, faces: NDArray[np.integer], X: Pose | None = None) -> FixtureBody:
+        """Every triangle of `faces` (t, 3) is a body of its own: the mesh may be hollow, and crossing it is found."""
+        points = (X or Pose.identity()).apply(np.asarray(vertices, dtype=float))
+        hulls = []
+        for triangle in points[np.asarray(faces)]:
+            edges = np.roll(triangle, -1, axis=0) - triangle
+            normal = np.cross(edges[0], edges[1])
+            size = np.linalg.norm(normal)
+            if size > 0.0:
+                normal = normal / size
+                hulls.append(Hull(triangle, np.vstack([normal, np.cross(edges, normal)])))
+        return FixtureBody(name=name, hulls=tuple(hulls))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ToolParts:
+    """A tool as convex bodies of revolution.
+
+    `outlines` maps a part (cutting, shank, holder, nozzle) to points (k, 2):
+    radius and height above the tip [m].
+    """
+
+    name: str
+    outlines: dict[str, Array]
+
+    @staticmethod
+    def of(tool: Tool) -> ToolParts:
+        """The parts of a tool of the cell."""
+        points: dict[str, list[tuple[float, float]]] = {}
+        for body in tool.primitives:
+            outline = points.setdefault(body.part, [])
+            if body.kind == "sphere":
+                angle = np.pi * np.arange(2 * BALL_PIECES + 1) / (2 * BALL_PIECES)
+                middle = 0.5 * (body.bottom + body.top)
+                outline += zip(body.radius * np.sin(angle), middle - body.radius * np.cos(angle), strict=True)
+            else:
+                outline += [(body.radius_bottom, body.bottom), (body.radius, body.top)]
+        return ToolParts(name=tool.name, outlines={part: np.array(rows) for part, rows in points.items()})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Touch:
+    """One event: from piece `piece` on, at `share` of it, `part` of `tool` is in `fixture`.
+
+    `tip` [m] is where the tip is at first contact, `depth` [m] the greatest of
+    the event, `pieces` how many path pieces it lasts.
+    """
+
+    tool: str
+    part: str
+    fixture: str
+    piece: int
+    share: float
+    tip: tuple[float, float, float]
+    depth: float
+    pieces: int
+
+
+def fixture_touches(
+    tool: ToolParts, fixtures: Iterable[FixtureBody], start: Array, end: Array, axis: Array
+) -> list[Touch]:
+    """Every event in which `tool` enters a fixture while its tip goes from `start` to `end` (m, 3), piece by piece.
+
+    `axis` (m, 3) is the unit vector from the tip to the holder. An event is a
+    run of pieces in which some part is inside one fixture; the part that comes
+    first gives it its name.
+    """
+    start, end, axis = (np.ascontiguousarray(v, dtype=float) for v in (start, end, axis))
+    found = []
+    for fixture in fixtures:
+        depths = np.zeros((len(tool.outlines), len(start)))
+        shares = np.ones_like(depths)
+        for part, outline in enumerate(tool.outlines.values()):
+            _enter(outline, fixture, start, end, axis, depths[part], shares[part])
+        for rows in runs(depths.max(axis=0, initial=0.0) > 0.0):
+            piece = int(rows[0])
+            inside = depths[:, piece] > 0.0
+            part = int(np.lexsort((-depths[:, piece], np.where(inside, shares[:, piece], np.inf)))[0])
+            share = float(shares[part, piece])
+            tip = start[piece] + share * (end[piece] - start[piece])
+            found.append(
+                Touch(
+                    tool=tool.name,
+                    part=list(tool.outlines)[part],
+                    fixture=fixture.name,
+                    piece=piece,
+                    share=share,
+                    tip=(float(tip[0]), float(tip[1]), float(tip[2])),
+                    depth=float(depths[:, rows].max()),
+                    pieces=len(rows),
+                )
+            )
+    return sorted(found, key=lambda touch: (touch.piece, touch.share, touch.fixture))
+
+
+def _enter(
+    outline: Array, fixture: FixtureBody, start: Array, end: Array, axis: Array, depth: Array, share: Array
+) -> None:
+    """Raise `depth` (m,) of each piece to that of `outline` in `fixture`; lower `share` (m,) to the first contact."""
+    from gcodesim.checks.collision_kernels import touches
+
+    low, high = _boxes(outline, start, end, axis)
+    hull_low = np.array([hull.corners.min(axis=0) for hull in fixture.hulls]).reshape(-1, 3)
+    hull_high = np.array([hull.corners.max(axis=0) for hull in fixture.hulls]).reshape(-1, 3)
+    if not len(hull_low):
+        return
+    whole: NDArray[np.bool_] = np.all(low < hull_high.max(axis=0), axis=1)
+    whole &= np.all(high > hull_low.min(axis=0), axis=1)
+    near = np.flatnonzero(whole)
+    block = max(1, _PAIRS // max(len(near), 1))
+    for first in range(0, len(hull_low), block):
+        some = slice(first, first + block)
+        meet: NDArray[np.bool_] = np.all(low[near, None] < hull_high[some], axis=2)
+        meet &= np.all(high[near, None] > hull_low[some], axis=2)
+        for column in np.flatnonzero(meet.any(axis=0)):
+            hull = fixture.hulls[first + int(column)]
+            piece = near[meet[:, column]].astype(np.int64)
+            at, deep = np.zeros(len(piece)), np.zeros(len(piece))
+            touches(piece, outline, axis, start, end, hull.corners, hull.normals, TOUCH, at, deep)
+            inside = deep > 0.0
+            depth[piece] = np.maximum(depth[piece], deep)
+            share[piece[inside]] = np.minimum(share[piece[inside]], at[inside])
+
+
+def _boxes(outline: Array, start: Array, end: Array, axis: Array) -> tuple[Array, Array]:
+    """Upright boxes around the swept part, least and greatest corners (m, 3)."""
+    radius, height = outline[:, 0], outline[:, 1]
+    across = np.sqrt(np.maximum(1.0 - axis**2, 0.0))
+    reach = axis[:, None, :] * height[:, None]
+    spread = across[:, None, :] * radius[:, None]
+    low = (reach - spread).min(axis=1) + np.minimum(start, end)
+    high = (reach + spread).max(axis=1) + np.maximum(start, end)
+    return low, high
+
+
+def collision_findings(
+    touches: Iterable[Touch],
+    row: NDArray[np.integer],
+    spans: Spans,
+    place: Callable[[int, tuple[float, float, float]], tuple[str, Array]],
+    time: Array | None = None,
+) -> list[Diagnostic]:
+    """A finding GS301 to GS304 for each event.
+
+    `row` (m,) is the path row of each piece; `place(row, tip)` names the work
+    system of a row and gives the tip in it [m]; `time` (m,) [s] at which each piece begins.
+    """
+    found = []
+    for touch in touches:
+        at = int(row[touch.piece])
+        system, point = place(at, touch.tip)
+        where = " ".join(
+            f"{letter}{value / MM:.3f}" for letter, value in zip("XYZ", np.asarray(point) + 0.0, strict=False)
+        )
+        found.append(
+            Diagnostic(
+                code=_CODES[touch.part],
+                message=f"{_WORDS[touch.part]} of {touch.tool} hits {touch.fixture}, {touch.depth / MM:.3f} mm deep, "
+                f"first with the tip at {where} of {system}",
+                span=spans(at),
+                hint=_HINTS[touch.part],
+                time=None if time is None else float(time[touch.piece]),
+                value=touch.depth / MM,
+                limit=0.0,
+                unit="mm",
+            )
+        )
+    return found

@@ -1,0 +1,213 @@
+"""Tools swept past fixtures, against closed-form distances and places."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from gcodesim.checks.collision_kernels import separation
+from gcodesim.checks.collisions import FixtureBody, ToolParts, Touch, collision_findings, fixture_touches
+from gcodesim.diagnostics import Span, code_of
+from gcodesim.frames import Pose, rotation_from_rpy
+from gcodesim.tools.ball_end_mill import BallEndMill
+from gcodesim.tools.flat_end_mill import FlatEndMill
+from gcodesim.tools.tool import Holder
+
+UP = np.array([[0.0, 0.0, 1.0]])
+CLAMP = FixtureBody.box("clamp", (0.020, 0.024, -0.015), (0.030, 0.032, 0.010))
+
+
+def flat(diameter: float, length: float = 0.06) -> ToolParts:
+    return ToolParts.of(FlatEndMill(number=2, diameter=diameter, length=length))
+
+
+def touch(
+    tool: ToolParts, fixture: FixtureBody, *points: tuple[float, float, float], axis: np.ndarray = UP
+) -> list[Touch]:
+    way = np.array(points, dtype=float)
+    return fixture_touches(tool, [fixture], way[:-1], way[1:], np.repeat(axis, len(way) - 1, axis=0))
+
+
+def test_a_diagonal_past_a_clamp_touches_nothing_but_axis_by_axis_it_does() -> None:
+    """D10 from X0 Y0 to X100 Y40: the line passes the clamp X20…30 Y24…32 by more than 5 mm; a dog-leg does not."""
+    tool = flat(0.010)
+
+    assert touch(tool, CLAMP, (0.0, 0.0, 0.005), (0.1, 0.04, 0.005)) == []
+
+    dog_leg = touch(tool, CLAMP, (0.0, 0.0, 0.005), (0.04, 0.04, 0.005), (0.1, 0.04, 0.005))
+    assert [(t.part, t.fixture, t.piece) for t in dog_leg] == [("cutting", "clamp", 0)]
+    # along the 45 degree line the corner X20…30 Y24 is met when the axis is 5 mm from (24, 24) across the line y = x:
+    # the line runs through the box itself, so first contact is with its corner (20, 24) or its face Y24
+    t = dog_leg[0].share
+    x = y = 0.04 * t
+    gap = math.hypot(max(0.020 - x, 0.0, x - 0.030), max(0.024 - y, 0.0, y - 0.032))
+    assert gap == pytest.approx(0.005, abs=1e-6)
+
+
+@pytest.mark.parametrize("miss", [-2e-5, 2e-5])
+def test_the_side_of_a_cutter_is_round_to_a_hundredth_of_a_millimetre(miss: float) -> None:
+    """Past a vertical edge at a distance of its radius, a little more or a little less."""
+    tool = flat(0.010)
+    offset = (0.005 + miss) / math.sqrt(2.0)
+    corner = np.array([0.020, 0.024, 0.0]) - [offset, offset, 0.0]
+    along = 0.02 * np.array([1.0, -1.0, 0.0])
+
+    touches = touch(tool, CLAMP, tuple(corner - along), tuple(corner + along))
+
+    assert bool(touches) == (miss < 0.0)
+    if touches:
+        assert touches[0].depth == pytest.approx(-miss, rel=1e-3)
+
+
+@pytest.mark.parametrize("gap", [-2e-5, 2e-5])
+def test_a_flat_bottom_is_flat(gap: float) -> None:
+    """A 50 mm face passes above the clamp without a round end that would reach deeper."""
+    touches = touch(flat(0.050), CLAMP, (-0.1, 0.028, 0.010 + gap), (0.1, 0.028, 0.010 + gap))
+
+    assert bool(touches) == (gap < 0.0)
+    if touches:
+        assert touches[0].depth == pytest.approx(-gap, rel=1e-6)
+        assert touches[0].tip[0] == pytest.approx(0.020 - 0.025, abs=1e-6)  # the rim meets the face X20
+
+
+def test_a_ball_passes_an_edge_where_a_flat_does_not() -> None:
+    """R5 with its lowest point 2 mm below the top edge: the ball's flank is sqrt(25 - 9) = 4 mm from its axis there."""
+    way = ((0.020 - 0.0045, -0.1, 0.008), (0.020 - 0.0045, 0.1, 0.008))
+
+    assert touch(ToolParts.of(BallEndMill(number=1, diameter=0.010)), CLAMP, *way) == []
+    assert len(touch(flat(0.010), CLAMP, *way)) == 1
+    nearer = ((0.020 - 0.0039, -0.1, 0.008), (0.020 - 0.0039, 0.1, 0.008))
+    assert len(touch(ToolParts.of(BallEndMill(number=1, diameter=0.010)), CLAMP, *nearer)) == 1
+
+
+def test_the_holder_is_named_when_it_is_the_holder() -> None:
+    """40 mm holder 12 mm above the tip, over a clamp whose top is 3 mm above the holder's face."""
+    tool = ToolParts.of(FlatEndMill(number=2, diameter=0.010, length=0.012, holder=Holder(diameter=0.04, length=0.05)))
+
+    (found,) = touch(tool, CLAMP, (0.0, 0.015, -0.005), (0.05, 0.015, -0.005))
+
+    assert found.part == "holder"
+    assert found.depth == pytest.approx(0.003, rel=1e-6)
+
+
+def test_a_shank_above_short_flutes_is_named() -> None:
+    tool = ToolParts.of(FlatEndMill(number=2, diameter=0.010, length=0.06, flute_length=0.02))
+    beam = FixtureBody.box("beam", (0.0, 0.0, 0.030), (0.1, 0.1, 0.035))
+
+    (found,) = touch(tool, beam, (-0.02, 0.05, 0.0), (0.02, 0.05, 0.0))
+
+    assert found.part == "shank"
+    assert found.tip == pytest.approx((-0.005, 0.05, 0.0), abs=1e-6)
+
+
+def test_one_event_a_visit() -> None:
+    """In, further in, out, away, in again: two events; the first lasts three pieces."""
+    way = [(0.0, 0.028, 0.0), (0.018, 0.028, 0.0), (0.025, 0.028, 0.0), (0.0, 0.028, 0.0), (0.0, 0.028, 0.05)]
+    way += [(0.025, 0.028, 0.05), (0.025, 0.028, 0.005)]
+
+    found = touch(flat(0.010), CLAMP, *way)
+
+    assert [(t.piece, t.pieces) for t in found] == [(0, 3), (5, 1)]
+    # deepest with the axis in the middle of the clamp: out over Y, half its width and the radius
+    assert found[0].depth == pytest.approx(0.004 + 0.005, rel=1e-6)
+
+
+def test_everything_may_be_turned() -> None:
+    """Turning tool, way and fixture together changes neither depth nor share, so no axis is special."""
+    X = Pose(np.array([0.3, -0.1, 0.2]), rotation_from_rpy(0.5, -0.7, 1.1))
+    straight = touch(flat(0.010), CLAMP, (0.0, 0.03, 0.0), (0.05, 0.03, 0.0))
+    turned_box = FixtureBody.box("clamp", (0.020, 0.024, -0.015), (0.030, 0.032, 0.010), X)
+    ends = [tuple(X.apply(np.array(p))) for p in ((0.0, 0.03, 0.0), (0.05, 0.03, 0.0))]
+
+    (a,), (b,) = straight, touch(flat(0.010), turned_box, *ends, axis=X.rotate(UP))
+
+    assert b.depth == pytest.approx(a.depth, rel=1e-9)
+    assert b.share == pytest.approx(a.share, abs=1e-7)
+
+
+def test_touching_without_entering_is_nothing() -> None:
+    """A cutter that slides along the clamp's face, exactly its radius away."""
+    assert touch(flat(0.010), CLAMP, (0.015, 0.0, 0.0), (0.015, 0.06, 0.0)) == []
+
+
+def test_a_cylinder_and_a_mesh_stand_for_the_same_body() -> None:
+    """A tool that goes straight at a round post meets it at the sum of the radii; a box of triangles like a box."""
+    post = FixtureBody.cylinder("post", 0.020, 0.0, 0.1)
+    (found,) = touch(flat(0.010), post, (-0.1, 0.0, 0.05), (0.0, 0.0, 0.05))
+    assert found.tip[0] == pytest.approx(-0.025, abs=3e-5)  # the prism of 64 sides holds the post
+
+    low, high = np.array([0.020, 0.024, -0.015]), np.array([0.030, 0.032, 0.010])
+    corners = np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    faces = np.array([f for a, b, c, d in quads for f in ((a, b, c), (a, c, d))])
+    way = ((0.0, 0.027, 0.0), (0.022, 0.027, 0.0))
+    (solid,) = touch(flat(0.010), CLAMP, *way)
+    (shell,) = touch(flat(0.010), FixtureBody.mesh("clamp", corners, faces), *way)
+    assert shell.share == pytest.approx(solid.share, abs=1e-6)
+
+
+def test_many_pieces_far_away_cost_little_and_find_nothing() -> None:
+    rng = np.random.default_rng(3)
+    way = rng.uniform(0.1, 0.2, (20001, 3))
+
+    assert fixture_touches(flat(0.010), [CLAMP], way[:-1], way[1:], np.repeat(UP, 20000, axis=0)) == []
+
+
+def test_distances_between_swept_cutters_and_boxes() -> None:
+    """Random sweeps against sampling: the compiled distance is never more than a fine sampling finds, and near it."""
+    rng = np.random.default_rng(11)
+    box = CLAMP.hulls[0].corners
+    low, high = box.min(axis=0), box.max(axis=0)
+    outline = np.array([[0.004, 0.0], [0.004, 0.03]])
+    t, h, r, a = np.meshgrid(
+        np.linspace(0, 1, 41), np.linspace(0, 0.03, 31), [0.0, 0.004], np.linspace(0, 2 * np.pi, 48), indexing="ij"
+    )
+    for _ in range(30):
+        axis = rng.normal(size=3)
+        axis /= np.linalg.norm(axis)
+        start, end = rng.uniform(-0.06, 0.08, (2, 3))
+        side = np.cross(axis, [1.0, 0.0, 0.0])
+        side /= np.linalg.norm(side)
+        other = np.cross(axis, side)
+        points = (
+            start
+            + t[..., None] * (end - start)
+            + h[..., None] * axis
+            + (r * np.cos(a))[..., None] * side
+            + (r * np.sin(a))[..., None] * other
+        )
+        sampled = np.linalg.norm(points - np.clip(points, low, high), axis=-1).min()
+
+        exact = separation(outline, axis, start, end, box, 1e-9)
+
+        assert exact <= sampled + 1e-9
+        assert exact > sampled - 2e-3
+
+
+def test_a_finding_says_line_both_bodies_place_and_depth() -> None:
+    event = Touch(
+        tool="T2", part="holder", fixture="clamp", piece=1, share=0.5, tip=(0.125, 0.2, 0.31), depth=0.003, pieces=4
+    )
+
+    (finding,) = collision_findings(
+        [event],
+        np.array([4, 7]),
+        lambda row: Span("part.nc", 10 * row, 1),
+        lambda row, tip: ("G55", np.array(tip) - [0.1, 0.2, 0.3]),
+        np.array([0.0, 2.5]),
+    )
+
+    assert finding.code == "GS303"
+    assert finding.span.line == 70
+    assert finding.message == (
+        "the holder of T2 hits clamp, 3.000 mm deep, first with the tip at X25.000 Y0.000 Z10.000 of G55"
+    )
+    assert (finding.value, finding.unit, finding.time) == (pytest.approx(3.0), "mm", 2.5)
+
+
+@pytest.mark.parametrize("code", ["GS301", "GS302", "GS303", "GS304"])
+def test_the_catalogue_explains(code: str) -> None:
+    entry = code_of(code)
+    assert entry.what and entry.why and entry.remedy

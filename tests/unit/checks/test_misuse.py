@@ -1,0 +1,131 @@
+"""Misuse of tools from columns of rows: which events there are, where, and with which numbers."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+import pytest
+
+from gcodesim.checks.events import runs
+from gcodesim.checks.misuse import RowUse, end_findings, stock_findings
+from gcodesim.diagnostics import Diagnostic, Span
+from gcodesim.units import RPM
+
+MM3 = 1e-9
+
+
+def use(n: int, **columns: Any) -> RowUse:
+    """n rows in which nothing is wrong, but for the columns given as {row: value} or arrays."""
+    kinds = {"rapid": bool, "changed": bool, "tool": np.int64, "setting": np.int64}
+    filled = {}
+    for field in fields(RowUse):
+        column = np.zeros(n, dtype=kinds.get(field.name, float))
+        given = columns.pop(field.name, {})
+        if field.name == "tool":
+            column[:] = 1
+        if isinstance(given, dict):
+            for row, value in given.items():
+                column[row] = value
+        else:
+            column[:] = given
+        filled[field.name] = column
+    assert not columns
+    return RowUse(**filled)
+
+
+def found(rows: RowUse) -> list[Diagnostic]:
+    return stock_findings(rows, lambda row: Span("part.nc", row + 1, 1), {1: "T1", 2: "mill"})
+
+
+def test_nothing_wrong_nothing_found() -> None:
+    assert found(use(5)) == []
+
+
+def test_runs_bridge_gaps_that_do_not_end_them() -> None:
+    fault = np.array([0, 1, 0, 1, 0, 0, 1, 1], dtype=bool)
+    ends = np.array([0, 0, 0, 0, 1, 0, 0, 0], dtype=bool)
+
+    assert [r.tolist() for r in runs(fault)] == [[1], [3], [6, 7]]
+    assert [r.tolist() for r in runs(fault, ends)] == [[1, 3], [6, 7]]
+    assert [r.tolist() for r in runs(fault, ends, np.array([0, 0, 1, 1, 1, 1, 1, 2]))] == [[1], [3], [6], [7]]
+    assert list(runs(np.zeros(3, dtype=bool))) == []
+
+
+def test_a_rapid_that_only_grazes_is_forgiven() -> None:
+    rows = use(3, rapid=True, rapid_cut={1: 2 * MM3, 2: 5 * MM3}, rapid_bound=3 * MM3)
+
+    (finding,) = found(rows)
+
+    assert (finding.code, finding.span.line) == ("GS401", 3)
+    assert finding.value == pytest.approx(5.0)
+    assert finding.limit == pytest.approx(3.0)
+
+
+def test_two_plunges_are_two_events() -> None:
+    rows = use(6, rapid=[1, 1, 0, 1, 1, 1], rapid_cut={0: 9 * MM3, 1: 4 * MM3, 4: 2 * MM3}, time=np.arange(6.0))
+
+    findings = found(rows)
+
+    assert [(f.code, f.span.line, f.count, f.time) for f in findings] == [("GS401", 1, 2, 0.0), ("GS401", 5, 1, 4.0)]
+    assert findings[0].value == pytest.approx(13.0)
+
+
+def test_a_tool_in_stock_at_the_start_and_one_after_a_change() -> None:
+    rows = use(8, changed={0: True, 4: True}, tool=[1, 1, 1, 1, 2, 2, 2, 2], inside={0: 0.5, 1: 0.25, 4: 1.0})
+
+    findings = found(rows)
+
+    assert [(f.code, f.span.line) for f in findings] == [("GS402", 1), ("GS403", 5)]
+    assert findings[0].value == pytest.approx(0.75)
+    assert "mill" in findings[1].message
+
+
+def test_a_holder_that_rubs_on_over_many_rows_is_one_event_with_its_greatest_depth() -> None:
+    """Rows between two passes do not end it; a rapid that leaves does, and so does another tool."""
+    rows = use(
+        9,
+        rapid=[0, 0, 0, 0, 1, 0, 0, 0, 0],
+        holder={0: 0.001, 2: 0.003, 5: 0.002, 7: 0.004},
+        setting=[0, 0, 0, 0, 0, 0, 0, 1, 1],
+    )
+
+    findings = [f for f in found(rows) if f.code == "GS405"]
+
+    assert [(f.span.line, f.count) for f in findings] == [(1, 2), (6, 1), (8, 1)]
+    assert [f.value for f in findings] == pytest.approx([3.0, 2.0, 4.0])
+    assert "3.000 mm" in findings[0].message
+
+
+def test_shank_tilt_and_spindle_have_their_codes() -> None:
+    rows = use(4, shank={0: 0.001}, tilted={1: 0.5}, stopped_cut={2: 7 * MM3}, reversed_cut={3: 8 * MM3})
+
+    assert sorted((f.code, f.span.line) for f in found(rows)) == [
+        ("GS404", 1),
+        ("GS406", 2),
+        ("GS501", 3),
+        ("GS502", 4),
+    ]
+
+
+def test_feeding_with_the_spindle_off_is_one_event_until_the_spindle_changes() -> None:
+    rows = use(6, stopped_cut=[MM3, 0.0, MM3, MM3, 0.0, MM3], setting=[0, 0, 0, 1, 1, 1])
+
+    findings = found(rows)
+
+    assert [(f.code, f.span.line, f.count) for f in findings] == [("GS501", 1, 2), ("GS501", 4, 2)]
+    assert findings[0].value == pytest.approx(2.0)
+
+
+def test_what_is_on_at_the_end() -> None:
+    last = Span("part.nc", 9, 1)
+
+    assert end_findings(last) == []
+    findings = end_findings(last, spindle=-12000 * RPM, process="extruder", flood=True, mist=True)
+
+    assert [f.code for f in findings] == ["GS503", "GS504", "GS505"]
+    assert "M4" in findings[0].message and "12000 rpm" in findings[0].message
+    assert "extruder" in findings[1].message
+    assert "flood and mist" in findings[2].message
+    assert all(f.span is last for f in findings)
