@@ -352,7 +352,7 @@ def _pieces(points: Array) -> Array:
 def grid_of(minimum: Vector, maximum: Vector, resolution: float, finer_up_to: int = 0) -> tuple[Array, tuple[int, int]]:
     """Grid (4,) and number of columns of a box; ValueError when it has no volume."""
     size = [float(b) - float(a) for a, b in zip(minimum, maximum, strict=True)]
-    if not (min(size) > 0.0 and resolution > 0.0):
+    if not (all(s > 0.0 for s in size) and resolution > 0.0):
         raise ValueError(f"a stock of size {size} m at resolution {resolution} m")
     nx, ny = cells_along(size[0], resolution), cells_along(size[1], resolution)
     parts = min(max(1, isqrt(finer_up_to // (nx * ny))), MOST_REFINED)

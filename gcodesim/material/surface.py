@@ -84,6 +84,7 @@ class _Lattice:
 
 def _mesh(stock: Stock, lattice: _Lattice, i0: int, i1: int, j0: int, j1: int) -> tuple[Array, Ints, Bytes]:
     """Points, faces and their class of the drawn columns [i0, i1) x [j0, j1)."""
+    from gcodesim.material.flat_kernels import find_flat, flat_faces
     from gcodesim.material.surface_kernels import build_chains, build_faces
 
     ix, iy, xs, ys = lattice.ix, lattice.iy, lattice.xs, lattice.ys
@@ -91,11 +92,18 @@ def _mesh(stock: Stock, lattice: _Lattice, i0: int, i1: int, j0: int, j1: int) -
     start, bits, rising, below, vertex, extra, points = build_chains(
         stock.lo, stock.hi, stock.count, ix, iy, xs, ys, i0, i1, j0, j1, limit
     )
+    flat = find_flat(stock.lo, stock.hi, stock.count, *stock.original, ix, iy, i0, i1, j0, j1)
     faces, cut = build_faces(
         stock.lo, stock.hi, stock.count, *stock.original, ix, iy, i0, i1, j0, j1,
-        start, bits, rising, below, vertex, extra, points,
+        start, bits, rising, below, vertex, extra, points, flat,
     )  # fmt: skip
-    return points, faces, cut
+    flat_parts, flat_cut = flat_faces(flat, i0, i1, j0, j1, start, vertex)
+    faces, cut = np.concatenate((faces, flat_parts)), np.concatenate((cut, flat_cut))
+    # points inside flat parts are in no triangle
+    used = np.zeros(len(points), dtype=bool)
+    used[faces] = True
+    number = (np.cumsum(used) - 1).astype(np.int32)
+    return points[used], number[faces], cut
 
 
 class Tiles:

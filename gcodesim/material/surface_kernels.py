@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.compiled import kernel
+from gcodesim.material.flat_kernels import FLAT_SIDE
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -331,9 +332,11 @@ def build_faces(
     vertex: Ints,
     extra: Ints,
     points: Array,
+    flat: Bytes,
 ) -> tuple[Ints, Bytes]:
     """Triangles (f, 3), counter-clockwise from outside, and whether each is changed surface (f,).
 
+    What `flat` (of flat_kernels) says is flat is left out.
     A tile owns its columns, and the borders at the lower side of each (at the grid's end also the upper one).
     """
     mx, my = ix.shape[0], iy.shape[0]
@@ -352,7 +355,11 @@ def build_faces(
             p3 = start[(i - i0) * columns + j + 1 - j0]
             if used + 4 * count[ci, cj] > faces.shape[0]:
                 faces, cut = more_room(faces, cut, used)
-            for t in range(2 * count[ci, cj]):
+            changes = 2 * count[ci, cj]
+            patch = flat[(i - i0) // FLAT_SIDE, (j - j0) // FLAT_SIDE]
+            for t in range(changes):
+                if (t == 0 and patch[0] != 0) or (t == changes - 1 and patch[1] != 0):
+                    continue
                 v0 = seen_vertex(bits, rising, below, vertex, find_group(bits, rising, p0, 2, t), 2)
                 v1 = seen_vertex(bits, rising, below, vertex, find_group(bits, rising, p1, 3, t), 3)
                 v2 = seen_vertex(bits, rising, below, vertex, find_group(bits, rising, p2, 0, t), 0)
