@@ -18,7 +18,7 @@ from gcodesim.log.template import (
 )
 from gcodesim.log.wire import varint
 
-TIMES = np.array([0, 1, 999_999_999, 10**9, 86_400 * 10**9 + 5, (2**35 - 1) * 10**9], dtype=np.int64)
+TIMES = np.array([0, 1, 999_999_999, 10**9, 86_400 * 10**9 + 5, 2**63 - 1], dtype=np.int64)
 
 
 def test_padded_stamps_are_stamps():
