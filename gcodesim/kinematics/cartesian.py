@@ -157,7 +157,7 @@ class Cartesian(Machine):
         tree = self.chain.tree
         return bool(np.any((tree.path == 1) & (tree.prismatic == 0)))
 
-    def inverse(self, X_BF: Array, seed: Array) -> tuple[Array, Statuses]:
+    def inverse(self, X_BF: Array, seed: Array, *, on_path: bool = False) -> tuple[Array, Statuses]:
         """Joints (n, j) and status (n,) of spindle nose poses (n, 4, 4) in M; table axes stay at `seed` (j,).
 
         Linear axes are solved at once; with rotary axes in the head the numeric
@@ -165,7 +165,7 @@ class Cartesian(Machine):
         """
         X = poses(X_BF)
         if self._rotary_head:
-            return SerialArm(chain=self.chain).inverse(X, seed)
+            return SerialArm(chain=self.chain).inverse(X, seed, on_path=on_path)
         seed = np.array(seed, dtype=np.float64)
         tree = self.chain.tree
         on = np.flatnonzero(tree.path)
@@ -180,16 +180,18 @@ class Cartesian(Machine):
             q[row] = q[row - 1] if row else seed
         return q, status
 
-    def inverse_free_spin(self, X_BT: Array, X_FT: Array, seed: Array) -> tuple[Array, Statuses]:
+    def inverse_free_spin(
+        self, X_BT: Array, X_FT: Array, seed: Array, *, on_path: bool = False
+    ) -> tuple[Array, Statuses]:
         """As `inverse`, for poses (n, 4, 4) of a tip at `X_FT` (4, 4) whose turn about its own Z is left open."""
         X = poses(X_BT)
         if self._rotary_head:
-            return SerialArm(chain=self.chain).inverse_free_spin(X, X_FT, seed)
+            return SerialArm(chain=self.chain).inverse_free_spin(X, X_FT, seed, on_path=on_path)
         head = self.forward(seed)[0] @ X_FT
         turned = X.copy()
         agrees = np.abs(X[:, :3, 2] - head[:3, 2]).max(axis=1) < _REACHED
         turned[agrees, :3, :3] = head[:3, :3]
-        return self.inverse(turned @ np.linalg.inv(X_FT), seed)
+        return self.inverse(turned @ np.linalg.inv(X_FT), seed, on_path=on_path)
 
     def branches(self, X_BF: Array) -> Array:
         """The joint vectors (b, j) of one pose (4, 4): one, or none when the head cannot turn so."""

@@ -11,7 +11,7 @@ import numpy as np
 from gcodesim.frames import Array, rotation_about
 from gcodesim.kinematics.chain import Chain, Indices
 from gcodesim.kinematics.machine import Machine, poses
-from gcodesim.kinematics.path_kernels import JUMP
+from gcodesim.kinematics.path_kernels import JUMP, nearest_anywhere
 from gcodesim.kinematics.plane_kernels import NEAR
 from gcodesim.kinematics.protocol import Reason, Status, Statuses
 from gcodesim.kinematics.reasons import jump_reason, limit_reason
@@ -47,6 +47,7 @@ class InversePath(Protocol):
         X: Array,
         free: int,
         seed: Array,
+        branch: int,
         arm: Array,
         R_PB: Array,
         R_EP: Array,
@@ -120,11 +121,13 @@ class ClosedForm(Machine):
         found: Array = X[:, :3, 3] + X[:, :3, :3] @ self.arm[3:6]
         return found
 
-    def inverse(self, X_BF: Array, seed: Array) -> tuple[Array, Statuses]:
+    def inverse(self, X_BF: Array, seed: Array, *, on_path: bool = False) -> tuple[Array, Statuses]:
         """Joints (n, 6) and status (n,) along flange poses (n, 4, 4), continuous from `seed` (6,) on."""
-        return self._path(poses(X_BF), 0, seed)
+        return self._path(poses(X_BF), 0, seed, on_path)
 
-    def inverse_free_spin(self, X_BT: Array, X_FT: Array, seed: Array) -> tuple[Array, Statuses]:
+    def inverse_free_spin(
+        self, X_BT: Array, X_FT: Array, seed: Array, *, on_path: bool = False
+    ) -> tuple[Array, Statuses]:
         """As `inverse`, for poses (n, 4, 4) of a tip at `X_FT` (4, 4) whose turn about its own Z is left open.
 
         Where that Z lies on axis 6, joint 6 simply stays where it was; other
@@ -133,27 +136,38 @@ class ClosedForm(Machine):
         u6 = self.chain.tree.flange_offset[:3, :3].T @ self.chain.tree.axis[5]
         off = np.cross(X_FT[:3, 3] - self.arm[3:6], u6)
         if np.linalg.norm(off) < SQUARE and np.linalg.norm(np.cross(X_FT[:3, 2], u6)) < SQUARE:
-            return self._path(poses(poses(X_BT) @ np.linalg.inv(X_FT)), 1, seed)
-        return SerialArm(chain=self.chain).inverse_free_spin(X_BT, X_FT, seed)
+            return self._path(poses(poses(X_BT) @ np.linalg.inv(X_FT)), 1, seed, on_path)
+        return SerialArm(chain=self.chain).inverse_free_spin(X_BT, X_FT, seed, on_path=on_path)
 
-    def _path(self, X: Array, free: int, seed: Array) -> tuple[Array, Statuses]:
+    def _path(self, X: Array, free: int, seed: Array, on_path: bool) -> tuple[Array, Statuses]:
         q, status = np.empty((len(X), 6)), np.empty(len(X), dtype=np.uint8)
         start = np.array(seed, dtype=np.float64)
         limits = self.joints.lower, self.joints.upper
-        type(self).path(X, free, start, self.arm, self.R_PB, self.R_EP, self.R_FE, *limits, q, status)
+        branch = self._branch_of(start) if on_path else -1
+        type(self).path(X, free, start, branch, self.arm, self.R_PB, self.R_EP, self.R_FE, *limits, q, status)
         return q, status
+
+    def _solve(self, X_BF: Array, previous: Array) -> tuple[Array, Indices]:
+        """The eight joint vectors (8, 6) of one pose (4, 4) and their flags (8,)."""
+        out, flags = np.empty((8, 6)), np.zeros(8, dtype=np.int64)
+        room = np.empty((3, 3, 3))
+        type(self).solve(poses(X_BF)[0], 0, self.arm, self.R_PB, self.R_EP, self.R_FE, previous, room, out, flags)
+        return out, flags
+
+    def _branch_of(self, q: Array) -> int:
+        """The branch on which joints q (6,) are."""
+        out, flags = self._solve(self.forward(q), q)
+        return nearest_anywhere(out, flags, q, np.ones(6, dtype=np.int64), np.empty(6))
 
     def branches(self, X_BF: Array) -> Array:
         """The joint vectors (b, 6) of one pose (4, 4) in branch order, angles within ±π; missing branches drop out."""
-        out, flags = np.empty((8, 6)), np.zeros(8, dtype=np.int64)
-        room = np.empty((3, 3, 3))
-        type(self).solve(poses(X_BF)[0], 0, self.arm, self.R_PB, self.R_EP, self.R_FE, np.zeros(6), room, out, flags)
+        out, flags = self._solve(X_BF, np.zeros(6))
         found: Array = out[flags > 0]
         return found - 2.0 * np.pi * np.rint(found / (2.0 * np.pi))
 
     def reason(self, X_BF: Array, previous: Array, status: int) -> Reason:
         """The facts behind a status: distances from joint 2 and axis 1, the joint over its limit, the singular axes."""
-        q = self.inverse(X_BF, previous)[0][0]
+        q = self.inverse(X_BF, previous, on_path=True)[0][0]
         if status == Status.REACH:
             return self._out_of_reach(X_BF)
         if status == Status.LIMIT:

@@ -36,6 +36,40 @@ def nearest_turn(angle: float, previous: float, lower: float, upper: float) -> f
 
 
 @kernel
+def longest_turn(q: Array, previous: Array, revolute: Indices) -> float:
+    """The greatest step [rad] of a revolute joint from `previous` to q (j,)."""
+    most = 0.0
+    for i in range(q.shape[0]):
+        if revolute[i] == 1:
+            most = max(most, abs(q[i] - previous[i]))
+    return most
+
+
+@kernel
+def nearest_anywhere(candidates: Array, usable: Indices, previous: Array, revolute: Indices, out: Array) -> int:
+    """The candidate nearest to `previous` whatever the limits: its branch, or −1; joints in `out` (j,)."""
+    best, least = -1, np.inf
+    for b in range(candidates.shape[0]):
+        if usable[b] == 0:
+            continue
+        distance = 0.0
+        for i in range(candidates.shape[1]):
+            step = candidates[b, i] - previous[i]
+            if revolute[i] == 1:
+                step -= TURN * math.floor(0.5 + step * PER_TURN)
+            distance += step * step
+        if distance < least - TIE:
+            best, least = b, distance
+    if best >= 0:
+        for i in range(candidates.shape[1]):
+            step = candidates[best, i] - previous[i]
+            if revolute[i] == 1:
+                step -= TURN * math.floor(0.5 + step * PER_TURN)
+            out[i] = previous[i] + step
+    return best
+
+
+@kernel
 def choose(
     candidates: Array,
     usable: Indices,
@@ -46,14 +80,15 @@ def choose(
     last_branch: int,
     out: Array,
 ) -> tuple[int, int]:
-    """The candidate (b, j) nearest to `previous` (j,): its branch and status, joints in `out` (j,).
+    """The candidate (b, j) that goes on from `previous` (j,): its branch and status, joints in `out` (j,).
 
-    Candidates whose `usable` is 0 do not exist. Those within limits go first;
-    `last_branch` is the branch of the pose before, or −1 at the start of a path.
-    Candidates are turned in place to the turn nearest to `previous`.
+    Candidates whose `usable` is 0 do not exist; they are turned in place.
+    `last_branch` is the branch of the pose before, or −1 at the start of a path,
+    where any solution within limits will do and the nearest is taken. Along a
+    path the arm goes smoothly where it can: beyond a limit (LIMIT) rather than by
+    a jump, as a control would stop there; a jump (FLIP) is left where nothing smooth is.
     """
-    best, best_outside = -1, -1
-    least, least_outside = np.inf, np.inf
+    best, least = -1, np.inf
     for b in range(candidates.shape[0]):
         if usable[b] == 0:
             continue
@@ -68,27 +103,21 @@ def choose(
             distance += step * step
             if value > upper[i] + LIMIT_SLACK or value < lower[i] - LIMIT_SLACK:
                 inside = False
-            if best >= 0 and (not inside or distance >= least):
-                break  # there is a better one already
-        if best >= 0 and distance >= least:
-            continue
-        if inside:
-            if distance < least - TIE:
-                best, least = b, distance
-        elif distance < least_outside - TIE:
-            best_outside, least_outside = b, distance
-    if best < 0:
-        if best_outside < 0:
-            out[:] = previous
-            return last_branch, REACH
-        out[:] = candidates[best_outside]
-        return best_outside, LIMIT
+                break
+            if distance >= least:
+                break
+        if inside and distance < least - TIE:
+            best, least = b, distance
+    if best >= 0:
+        out[:] = candidates[best]
+        most = longest_turn(out, previous, revolute)
+        if last_branch < 0 or most <= JUMP or (best == last_branch and most <= WINDING):
+            return best, OK
+    anywhere = nearest_anywhere(candidates, usable, previous, revolute, out)
+    if anywhere < 0:
+        out[:] = previous
+        return last_branch, REACH
+    if best < 0 or longest_turn(out, previous, revolute) <= JUMP:
+        return anywhere, LIMIT
     out[:] = candidates[best]
-    if last_branch >= 0:
-        most = 0.0
-        for i in range(out.shape[0]):
-            if revolute[i] == 1:
-                most = max(most, abs(out[i] - previous[i]))
-        if most > WINDING or (best != last_branch and most > JUMP):
-            return best, FLIP
-    return best, OK
+    return best, FLIP

@@ -19,10 +19,11 @@ class Status(IntEnum):
     """What became of one pose of a path.
 
     OK: joints found. REACH: no joint vector has this pose; the row repeats the
-    joints before. LIMIT: the row holds the solution nearest to the row before,
-    and it breaks a joint limit. SINGULAR: joints found, but here some joint
-    speeds are unbounded. FLIP: joints found within limits, but only on another
-    branch or turn than the row before, so the path cannot be driven through.
+    joints before. LIMIT: the row holds the solution that goes on from the row
+    before, and it breaks a joint limit. SINGULAR: joints found, but here some
+    joint speeds are unbounded. FLIP: joints found within limits, but only by a
+    jump from the row before (on another branch), and nothing smooth is there.
+    The first row of a path takes the nearest solution within limits, however far.
     """
 
     OK = 0
@@ -71,11 +72,17 @@ class Kinematics(Protocol):
         """Jacobian (n, 6, j) at the flange in base axes: velocity [m/s], then angular velocity [rad/s]."""
         ...
 
-    def inverse(self, X_BF: Array, seed: Array) -> tuple[Array, Statuses]:
-        """Joints (n, j) and `Status` (n,) along a path, continuous from `seed` (j,) on."""
+    def inverse(self, X_BF: Array, seed: Array, *, on_path: bool = False) -> tuple[Array, Statuses]:
+        """Joints (n, j) and `Status` (n,) along a path, continuous from `seed` (j,) on.
+
+        `on_path` says that `seed` is the row before on the same path, so that a
+        path may come in pieces; else a path begins here.
+        """
         ...
 
-    def inverse_free_spin(self, X_BT: Array, X_FT: Array, seed: Array) -> tuple[Array, Statuses]:
+    def inverse_free_spin(
+        self, X_BT: Array, X_FT: Array, seed: Array, *, on_path: bool = False
+    ) -> tuple[Array, Statuses]:
         """As `inverse`, for a tip at `X_FT` (4, 4) whose turn about its own Z is left open: joints move the least."""
         ...
 

@@ -51,21 +51,24 @@ class SerialArm(Machine):
         wide = lower < upper
         return spread(np.where(wide, lower, joints.lower), np.where(wide, upper, joints.upper), _STARTS)
 
-    def inverse(self, X_BF: Array, seed: Array) -> tuple[Array, Statuses]:
+    def inverse(self, X_BF: Array, seed: Array, *, on_path: bool = False) -> tuple[Array, Statuses]:
         """Joints (n, j) and status (n,) along flange poses (n, 4, 4), continuous from `seed` (j,) on."""
-        return self._solve(X_BF, seed, np.eye(4), 0)
+        return self._solve(X_BF, seed, np.eye(4), 0, on_path)
 
-    def inverse_free_spin(self, X_BT: Array, X_FT: Array, seed: Array) -> tuple[Array, Statuses]:
+    def inverse_free_spin(
+        self, X_BT: Array, X_FT: Array, seed: Array, *, on_path: bool = False
+    ) -> tuple[Array, Statuses]:
         """As `inverse`, for poses (n, 4, 4) of a tip at `X_FT` (4, 4) whose turn about its own Z is left open."""
-        return self._solve(X_BT, seed, X_FT, 1)
+        return self._solve(X_BT, seed, X_FT, 1, on_path)
 
-    def _solve(self, X: Array, seed: Array, X_FT: Array, free: int) -> tuple[Array, Statuses]:
+    def _solve(self, X: Array, seed: Array, X_FT: Array, free: int, on_path: bool) -> tuple[Array, Statuses]:
         targets, tree, joints = poses(X), self.chain.tree, self.joints
         q, status = np.empty((len(targets), len(joints))), np.empty(len(targets), dtype=np.uint8)
         inverse_path(
             targets,
             free,
             np.array(seed, dtype=np.float64),
+            int(on_path),
             self.starts,
             joints.lower,
             joints.upper,
@@ -109,7 +112,7 @@ class SerialArm(Machine):
 
     def reason(self, X_BF: Array, previous: Array, status: int) -> Reason:
         """The facts behind a status: how far the flange stays away, the joint over its limit, the jump."""
-        q = self.inverse(X_BF, previous)[0][0]
+        q = self.inverse(X_BF, previous, on_path=True)[0][0]
         if status == Status.REACH:
             return self._out_of_reach(X_BF)
         if status == Status.LIMIT:

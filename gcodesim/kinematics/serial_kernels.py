@@ -8,7 +8,7 @@ from gcodesim.compiled import kernel
 from gcodesim.frames import Array
 from gcodesim.kinematics.chain import Indices
 from gcodesim.kinematics.newton_kernels import newton
-from gcodesim.kinematics.path_kernels import FLIP, JUMP, LIMIT, LIMIT_SLACK, OK, REACH, SINGULAR, WINDING, nearest_turn
+from gcodesim.kinematics.path_kernels import FLIP, JUMP, LIMIT, LIMIT_SLACK, OK, REACH, SINGULAR, nearest_turn
 from gcodesim.kinematics.protocol import Statuses
 
 GOOD = 1e-9  # [m], [rad] of residual that counts as reached
@@ -17,12 +17,20 @@ SEARCH_EVERY = 64  # rows out of reach in a row after which all starts are tried
 
 
 @kernel
-def settle(q: Array, previous: Array, lower: Array, upper: Array, prismatic: Indices) -> tuple[bool, float, float]:
-    """Turn revolute joints nearest to `previous`, in place: within limits?, squared distance, longest turn."""
+def settle(
+    q: Array, previous: Array, lower: Array, upper: Array, prismatic: Indices, on: bool
+) -> tuple[bool, float, float]:
+    """Turn revolute joints nearest to `previous`, in place: within limits?, squared distance, longest turn.
+
+    A turn within limits goes before a nearer one, unless the joint goes `on` along a path.
+    """
     inside, distance, most = True, 0.0, 0.0
     for i in range(q.shape[0]):
         if prismatic[i] == 0:
-            q[i] = nearest_turn(q[i], previous[i], lower[i], upper[i])
+            if on:
+                q[i] = nearest_turn(q[i], previous[i], -np.inf, np.inf)
+            else:
+                q[i] = nearest_turn(q[i], previous[i], lower[i], upper[i])
             most = max(most, abs(q[i] - previous[i]))
         distance += (q[i] - previous[i]) ** 2
         if q[i] > upper[i] + LIMIT_SLACK or q[i] < lower[i] - LIMIT_SLACK:
@@ -35,6 +43,7 @@ def inverse_path(
     targets: Array,
     free: int,
     seed: Array,
+    on_path: int,
     starts: Array,
     lower: Array,
     upper: Array,
@@ -52,28 +61,29 @@ def inverse_path(
 
     Each row starts from the one before. The first row, and a row where that
     fails, tries all `starts` (s, j) and takes the solution nearest to the row
-    before. With `free` = 1 the turn about the rider's Z is left open.
+    before. With `free` = 1 the turn about the rider's Z is left open. `on_path` = 1
+    when `seed` is a row of the same path, so that the first row is none.
     """
     count = seed.shape[0]
     frames, J, A = np.empty((count, 4, 4)), np.empty((6, count)), np.empty((6, 6))
     X, e = np.empty((4, 4)), np.empty(6)
     previous, q, best = seed.copy(), np.empty(count), np.empty(count)
-    lost, outside = 0, False
+    lost, most = 0, 0.0
     for k in range(targets.shape[0]):
         q[:] = previous
         residual, pivot = newton(
             targets[k], free, q, parent, before, axis, prismatic, path, carrier, offset, frames, J, A, X, e
         )
-        inside, least, most = settle(q, previous, lower, upper, prismatic)
-        state = REACH
+        going = k > 0 or on_path == 1
+        state, least = REACH, np.inf
         if residual < GOOD:
-            state = OK if inside else LIMIT
-        if state == REACH:
-            search = lost % SEARCH_EVERY == 0
-        else:
-            search = k == 0 or most > JUMP or (state == LIMIT and not outside)
-        if search:
+            inside, least, most = settle(q, previous, lower, upper, prismatic, going)
+            if inside or (going and most <= JUMP):
+                state = OK if inside else LIMIT
+        # along a path what goes on smoothly is taken; else the nearest of all that a search finds within limits
+        if not going or (state == REACH and lost % SEARCH_EVERY == 0) or (state == OK and most > JUMP):
             best[:] = q
+            found = state
             for s in range(starts.shape[0]):
                 q[:] = starts[s]
                 miss, pivot2 = newton(
@@ -81,20 +91,20 @@ def inverse_path(
                 )
                 if miss > GOOD:
                     continue
-                fits, distance, turn = settle(q, previous, lower, upper, prismatic)
-                if state == REACH or (fits and state == LIMIT) or (fits == (state == OK) and distance < least):
-                    state = OK if fits else LIMIT
+                inside, distance, turn = settle(q, previous, lower, upper, prismatic, False)
+                if found == REACH or (inside and found == LIMIT) or (inside == (found == OK) and distance < least):
+                    found = OK if inside else LIMIT
                     least, most, pivot = distance, turn, pivot2
                     best[:] = q
             q[:] = best
-        if state == OK and k > 0 and (most > WINDING or (search and most > JUMP)):
-            state = FLIP
-        elif state == OK and count >= 6 and pivot < PIVOT:  # with fewer joints J Jᵀ never is regular
+            state = found
+            if state == OK and going and most > JUMP:
+                state = FLIP
+        if state == OK and count >= 6 and pivot < PIVOT:  # with fewer joints J Jᵀ never is regular
             state = SINGULAR
         if state == REACH:
             q[:] = previous
         lost = lost + 1 if state == REACH else 0
-        outside = state == LIMIT
         status[k] = state
         out[k] = q
         previous[:] = q

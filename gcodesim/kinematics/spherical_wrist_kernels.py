@@ -114,6 +114,7 @@ def inverse_path(
     X: Array,
     free: int,
     seed: Array,
+    branch: int,
     arm: Array,
     R_PB: Array,
     R_EP: Array,
@@ -123,13 +124,15 @@ def inverse_path(
     out: Array,
     status: Statuses,
 ) -> None:
-    """Joints `out` (n, 6) and `status` (n,) along flange poses X (n, 4, 4), each row nearest to the one before."""
+    """Joints `out` (n, 6) and `status` (n,) along flange poses X (n, 4, 4), each row nearest to the one before.
+
+    `branch` is the one of `seed` when that is a row of the same path, else −1.
+    """
     candidates = np.empty((8, 6))
     room = np.empty((3, 3, 3))
     flags = np.zeros(8, dtype=np.int64)
     revolute = np.ones(6, dtype=np.int64)
     previous = seed.copy()
-    branch = -1
     for k in range(X.shape[0]):
         solve(X[k], free, arm, R_PB, R_EP, R_FE, previous, room, candidates, flags)
         branch, state = choose(candidates, flags, previous, lower, upper, revolute, branch, out[k])
