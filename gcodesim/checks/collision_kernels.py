@@ -20,7 +20,7 @@ from gcodesim.frames import Array
 
 MOST_ROUNDS = 64
 GOLDEN = 0.6180339887498949
-ROUNDS = 30  # golden section: 5e-7 of a piece
+ROUNDS = 40  # golden section: 5e-9 of a piece, if it is not shorter than the tolerance before
 
 Ints = NDArray[np.int64]
 
@@ -276,7 +276,10 @@ def touches(
         left, right = high - GOLDEN, low + GOLDEN
         at_left = depth_on(outline, a, s, e, corners, normals, left, tip)
         at_right = depth_on(outline, a, s, e, corners, normals, right, tip)
+        length = math.sqrt((e[0] - s[0]) ** 2 + (e[1] - s[1]) ** 2 + (e[2] - s[2]) ** 2)
         for _ in range(ROUNDS):
+            if (high - low) * length < tolerance:
+                break
             if at_left > best:
                 best, top = at_left, left
             if at_right > best:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 TOUCH: Final = 1e-6
 # a ball nose is a body of this many straight outline pieces: 0.03 % of its radius too thin at most
 BALL_PIECES: Final = 32
-_PAIRS: Final = 1_000_000  # pairs of boxes that are compared at once
+_BUNCH: Final = 64  # neighbouring pieces that are compared with a hull as one
 
 _CODES: Final = {"cutting": "GS301", "shank": "GS302", "holder": "GS303", "nozzle": "GS304"}
 _HINTS: Final = {
@@ -186,19 +186,25 @@ def _enter(
     whole: NDArray[np.bool_] = np.all(low < hull_high.max(axis=0), axis=1)
     whole &= np.all(high > hull_low.min(axis=0), axis=1)
     near = np.flatnonzero(whole)
-    block = max(1, _PAIRS // max(len(near), 1))
-    for first in range(0, len(hull_low), block):
-        some = slice(first, first + block)
-        meet: NDArray[np.bool_] = np.all(low[near, None] < hull_high[some], axis=2)
-        meet &= np.all(high[near, None] > hull_low[some], axis=2)
-        for column in np.flatnonzero(meet.any(axis=0)):
-            hull = fixture.hulls[first + int(column)]
-            piece = near[meet[:, column]].astype(np.int64)
-            at, deep = np.zeros(len(piece)), np.zeros(len(piece))
-            touches(piece, outline, axis, start, end, hull.corners, hull.normals, TOUCH, at, deep)
-            inside = deep > 0.0
-            depth[piece] = np.maximum(depth[piece], deep)
-            share[piece[inside]] = np.minimum(share[piece[inside]], at[inside])
+    if not len(near):
+        return
+    # bunches of pieces first, then the pieces of those bunches that come near a hull
+    begin = np.arange(0, len(near), _BUNCH)
+    bunch_low, bunch_high = np.minimum.reduceat(low[near], begin), np.maximum.reduceat(high[near], begin)
+    for hull, hull_from, hull_to in zip(fixture.hulls, hull_low, hull_high, strict=True):
+        bunches = begin[np.all(bunch_low < hull_to, axis=1) & np.all(bunch_high > hull_from, axis=1)]
+        if not len(bunches):
+            continue
+        places = (bunches[:, None] + np.arange(_BUNCH)).ravel()
+        some = near[places[places < len(near)]]
+        piece = some[np.all(low[some] < hull_to, axis=1) & np.all(high[some] > hull_from, axis=1)].astype(np.int64)
+        if not len(piece):
+            continue
+        at, deep = np.zeros(len(piece)), np.zeros(len(piece))
+        touches(piece, outline, axis, start, end, hull.corners, hull.normals, TOUCH, at, deep)
+        inside = deep > 0.0
+        depth[piece] = np.maximum(depth[piece], deep)
+        share[piece[inside]] = np.minimum(share[piece[inside]], at[inside])
 
 
 def _boxes(outline: Array, start: Array, end: Array, axis: Array) -> tuple[Array, Array]:
