@@ -222,18 +222,20 @@ class Container:
         try:
             while rest:
                 rest = rest[self._file.write(rest) or 0 :]
-        except OSError as error:
+        except BaseException as error:  # an interrupt, too, may come after a part was written
             try:
                 self._file.truncate(self._offset)
             finally:
                 self.abandon()
-            raise self._failure(error) from error
+            if isinstance(error, OSError):
+                raise self._failure(error) from error
+            raise
         self._crc = zlib.crc32(data, self._crc)
         self._offset += len(data)
 
     def _check_open(self) -> None:
         if self._file.closed:
-            raise LogWriteError(errno.EBADF, "the log was closed after an error", str(self.part_path))
+            raise LogWriteError(errno.EBADF, "the log is closed already", str(self.part_path))
 
     def _failure(self, error: OSError) -> LogWriteError:
         return LogWriteError(error.errno, f"the log cannot be written: {error.strerror}", str(self.part_path))

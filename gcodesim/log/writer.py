@@ -293,7 +293,8 @@ class LogWriter:
             raise ValueError(f"the log has a message after its end at {end_ns} ns")
         for name, data in (attachments or {}).items():
             self._container.add_attachment(name, end_ns, _media_type(name), data)
-        record = {"blocks": str(self._program.block), "removed_m3": repr(float(newest["removed"][0, 0]))}
+        begun = self._program.block + 1 if self._program.line else 0
+        record = {"blocks": str(begun), "removed_m3": repr(float(newest["removed"][0, 0]))}
         record |= {**(result or {}), "state": state, "duration_ns": str(end_ns)}
         self._container.add_metadata("gcodesim.result", record)
         self._container.finish()

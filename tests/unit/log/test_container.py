@@ -88,7 +88,7 @@ def test_a_full_disk_is_told_and_leaves_whole_records(run, new_log, tmp_path):
         signal.signal(signal.SIGXFSZ, old)
     assert caught.value.errno == errno.EFBIG
     assert caught.value.filename == str(tmp_path / "run.mcap.part")
-    with pytest.raises(LogWriteError, match="closed after an error"):
+    with pytest.raises(LogWriteError, match="closed already"):
         log.close(10**12, "failed")
 
     found = summary(path)
