@@ -260,7 +260,8 @@ def mill(
                 state[FEED_X] = 1.0
             used = 0
             result[:] = 0.0
-            if spindle > 0.0 and not rapid and (speed > LEAST_SPEED or state[CUTTING] > 0.0):
+            turning_in = spindle > 0.0 and not rapid and lowest < top
+            if turning_in and (speed > LEAST_SPEED or state[CUTTING] > 0.0):
                 chip = speed * 2.0 * np.pi / (spindle * tool[1]) if speed > LEAST_SPEED else 0.0
                 used = solve_step(
                     lo, hi, count, grid, tool, edge, laws, table, circle,

@@ -1,6 +1,7 @@
 """Outlines of cutters: what the force kernels integrate along."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -32,7 +33,7 @@ def test_pieces_of_an_edge_join(kind):
         return row[1], row[2]
 
     assert start(edge[0]) == pytest.approx((0.0, 0.0), abs=1e-12)
-    for before, after in zip(edge, edge[1:], strict=False):
+    for before, after in pairwise(edge):
         assert end(before) == pytest.approx(start(after), abs=1e-12)
     assert end(edge[-1])[0] == pytest.approx(D / 2.0)
 
