@@ -16,7 +16,7 @@ from gcodesim.cell.robot import Payload, Robot
 from gcodesim.cell.stock import Box, Cylinder, Leftover, StockSpec
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.frames import Array, Pose
-from gcodesim.kinematics import Axis, Cartesian, Chain, Inertial, Kinematics, Link, kinematics_of
+from gcodesim.kinematics import Cartesian, Chain, Inertial, Kinematics, Link, kinematics_of
 from gcodesim.units import MM
 
 if TYPE_CHECKING:
@@ -95,7 +95,7 @@ def open_shop(cell: Cell, channel: str = MAIN) -> tuple[Shop, list[Diagnostic]]:
     placement = place(cell, channel)
     kinematics: Kinematics
     if isinstance(mover, MachineTool):
-        kinematics = _machine(mover)
+        kinematics = kinematics_of(mover.chain)
         name, X_WB, stiffness = MACHINE, mover.X_WM, None
         homes = {axis.letter: axis.home for axis in mover.axes}
         home = np.array([homes[letter] for letter in kinematics.joints.names])
@@ -116,45 +116,6 @@ def open_shop(cell: Cell, channel: str = MAIN) -> tuple[Shop, list[Diagnostic]]:
         stiffness=stiffness,
     )
     return shop, list(placement.findings)
-
-
-def _machine(mover: MachineTool) -> Cartesian:
-    """The kinematics of a machine tool, with the limits that the cell names."""
-    axes = [
-        Axis(
-            letter=axis.letter,
-            lower=axis.lower,
-            upper=axis.upper,
-            speed=axis.speed,
-            acceleration=axis.acceleration,
-            effort=axis.effort,
-            side=axis.side,
-            point=axis.at,
-            moving_mass=axis.moving_mass,
-        )
-        for axis in mover.axes
-    ]
-    if mover.chain is None:
-        return Cartesian.of_axes(axes)
-    by_letter = {axis.letter: axis for axis in axes}
-    joints = tuple(
-        replace(
-            joint,
-            lower=by_letter[joint.name].lower,
-            upper=by_letter[joint.name].upper,
-            speed=by_letter[joint.name].speed,
-            acceleration=by_letter[joint.name].acceleration,
-            effort=by_letter[joint.name].effort,
-        )
-        if joint.name in by_letter
-        else joint
-        for joint in mover.chain.joints
-    )
-    chain = replace(mover.chain, joints=joints)
-    machine = Cartesian.of(chain)
-    if machine is None:
-        raise AssertionError(f"the shipped machine {mover.model} has joints that are no axes")
-    return machine
 
 
 def _loaded(chain: Chain, payload: Payload | None) -> Chain:

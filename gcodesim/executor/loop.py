@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final, Protocol
 
 import numpy as np
 
+from gcodesim.diagnostics import Diagnostic
 from gcodesim.executor.coupling import Coupling, Stretch
+from gcodesim.executor.part import Part
 from gcodesim.executor.record import StepRecord, record_of
 from gcodesim.executor.tasks import RowColumns
 from gcodesim.executor.totals import JointTotals, RowTotals
@@ -35,14 +37,18 @@ class Progress:
     row: int
 
 
+Inspect = Callable[[StepRecord, RowTotals, JointTotals], Sequence[Diagnostic]]
+"""Looks at each window and the totals so far; answers findings that are new."""
+
+
 class Watcher(Protocol):
     """Who wants to see every window: the log."""
 
     def start(self, world_steps: WorldSteps, window: StepWindow) -> None:
         """The state before the first step, as a window of one step that does not move."""
 
-    def take(self, record: StepRecord) -> None:
-        """The next window."""
+    def take(self, record: StepRecord, found: Sequence[Diagnostic]) -> None:
+        """The next window, and the findings that came up in it."""
 
     @property
     def interval_steps(self) -> int:
@@ -51,7 +57,10 @@ class Watcher(Protocol):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Execution:
-    """What a run came to. `interrupted` when somebody stopped it after `steps` of `planned` steps."""
+    """What a run came to. `interrupted` when somebody stopped it after `steps` of `planned` steps.
+
+    `volumes` [m³]: of each stock what was removed and what was added.
+    """
 
     rows: RowTotals
     joints: JointTotals
@@ -59,7 +68,7 @@ class Execution:
     planned: int
     last_row: int
     interrupted: bool
-    end_wrench: bool = False
+    volumes: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
 
 def execute(
@@ -68,6 +77,7 @@ def execute(
     *,
     world_name: str,
     dt_ns: int,
+    inspect: Inspect | None = None,
     watcher: Watcher | None = None,
     progress: Callable[[Progress], None] | None = None,
 ) -> Execution:
@@ -79,7 +89,7 @@ def execute(
     """
     rows = RowColumns.of(plan.path)
     totals = RowTotals.zeros(len(rows.tool))
-    carry = first_carry(plan, shop, rows)
+    carry = first_carry(plan, rows)
     q0 = plan.joints(plan.trajectory.sample(np.zeros(1)))[0]
     joints = JointTotals.start(q0)
     planned = int(-(-plan.trajectory.duration_ns // dt_ns))
@@ -87,20 +97,23 @@ def execute(
     coupling = Coupling(plan, shop, rows)
     most = MOST_STEPS if watcher is None else max(1, min(MOST_STEPS, watcher.interval_steps))
     done, interrupted, last_row = 0, False, 0
+    volumes: dict[str, tuple[float, float]] = {}
     try:
         _attach(world, shop, int(rows.tool[0]))
         world.reset(q0)
         if watcher is not None:
-            still = window_of(plan, shop, rows, 0, 1, dt_ns, first_carry(plan, shop, rows))
+            still = window_of(plan, rows, 0, 1, dt_ns, first_carry(plan, rows))
             watcher.start(world.run(q0[None]), still)
             world.reset(q0)
         while done < planned:
             count = min(most, planned - done)
-            window = window_of(plan, shop, rows, done, count, dt_ns, carry)
-            record = _run(world, shop, coupling, window)
+            window = window_of(plan, rows, done, count, dt_ns, carry)
+            record, parts = _run(world, shop, coupling, window)
+            _add_volumes(volumes, parts)
             _sum_up(record, totals, joints)
+            found = inspect(record, totals, joints) if inspect is not None else []
             if watcher is not None:
-                watcher.take(record)
+                watcher.take(record, found)
             done += count
             last_row = int(window.row[-1])
             if progress is not None:
@@ -110,11 +123,17 @@ def execute(
     finally:
         world.close()
     return Execution(
-        rows=totals, joints=joints, steps=done, planned=planned, last_row=last_row, interrupted=interrupted
+        rows=totals,
+        joints=joints,
+        steps=done,
+        planned=planned,
+        last_row=last_row,
+        interrupted=interrupted,
+        volumes=volumes,
     )
 
 
-def _run(world: World, shop: Shop, coupling: Coupling, window: StepWindow) -> StepRecord:
+def _run(world: World, shop: Shop, coupling: Coupling, window: StepWindow) -> tuple[StepRecord, list[Part]]:
     """Move through a window, tool by tool."""
     bounds = (np.flatnonzero(np.diff(window.tool)) + 1).tolist()
     stretches: list[Stretch] = []
@@ -126,7 +145,17 @@ def _run(world: World, shop: Shop, coupling: Coupling, window: StepWindow) -> St
         stretch.finish()
         stretches.append(stretch)
     steps = moved[0] if len(moved) == 1 else _joined(moved)
-    return record_of(window, steps, [part for stretch in stretches for part in stretch.parts])
+    parts = [part for stretch in stretches for part in stretch.parts]
+    return record_of(window, steps, parts), parts
+
+
+def _add_volumes(volumes: dict[str, tuple[float, float]], parts: Sequence[Part]) -> None:
+    for part in parts:
+        assert part.answer is not None
+        removed = part.answer.removed
+        before = volumes.get(part.task.target.name, (0.0, 0.0))
+        gone, come = float(removed[removed > 0.0].sum()), -float(removed[removed < 0.0].sum())
+        volumes[part.task.target.name] = (before[0] + gone, before[1] + come)
 
 
 def _joined(parts: list[WorldSteps]) -> WorldSteps:

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from gcodesim.executor.tasks import RowColumns
 from gcodesim.frames import Array
-from gcodesim.shop import Shop
 
 if TYPE_CHECKING:
     from gcodesim.motion.trajectory import Samples
@@ -64,17 +63,19 @@ class StepWindow:
         return len(self.row)
 
 
-def first_carry(plan: Plan, shop: Shop, rows: RowColumns) -> Carry:
+def first_carry(plan: Plan, rows: RowColumns) -> Carry:
     """Before the first step: the machine stands at the start of the plan."""
     samples = plan.trajectory.sample(np.zeros(1))
     row = np.zeros(1, dtype=np.int64)
     tip = plan.tip(plan.joints(samples), row)[0]
-    control = shop.X_BM.apply(samples.position[0, :3])
-    return Carry(tool=int(rows.tool[0]), gap=tip[:3, 3] - control, tip=tip)
+    return Carry(tool=int(rows.tool[0]), gap=tip[:3, 3] - samples.position[0, :3], tip=tip)
 
 
-def window_of(plan: Plan, shop: Shop, rows: RowColumns, first: int, count: int, dt_ns: int, carry: Carry) -> StepWindow:
-    """Sample `count` steps from step `first` on; `carry` is brought to the end of the window."""
+def window_of(plan: Plan, rows: RowColumns, first: int, count: int, dt_ns: int, carry: Carry) -> StepWindow:
+    """Sample `count` steps from step `first` on; `carry` is brought to the end of the window.
+
+    The plan's path is in base axes, so the control point needs no transform.
+    """
     times: Array = (np.arange(first, first + count + 1, dtype=np.int64) * dt_ns).astype(float) * 1e-9
     dt = dt_ns * 1e-9
     trajectory = plan.trajectory
@@ -88,7 +89,7 @@ def window_of(plan: Plan, shop: Shop, rows: RowColumns, first: int, count: int, 
     tip = plan.tip(q, row)
 
     # tip from control point at both ends of every step; a fresh tool has no past
-    gap = tip[:, :3, 3] - shop.X_BM.apply(samples.position[:, :3])
+    gap = tip[:, :3, 3] - samples.position[:, :3]
     changed = np.diff(tool, prepend=carry.tool) != 0
     gap_before = np.vstack([carry.gap[None], gap[:-1]])
     gap_before[changed] = gap[changed]
@@ -98,7 +99,7 @@ def window_of(plan: Plan, shop: Shop, rows: RowColumns, first: int, count: int, 
     fastest = float(np.abs(middle.speed[~rows.rapid[row]]).max(initial=0.0))
     parts = int(np.clip(np.ceil(fastest * dt / LONGEST_CHORD), 1, MOST_PARTS))
     knot_time = np.unique(np.concatenate([_refined(times, parts), trajectory.boundaries(times[0], times[-1])]))
-    knots = shop.X_BM.apply(trajectory.sample(knot_time).position[:, :3])
+    knots = trajectory.sample(knot_time).position[:, :3]
     centre = 0.5 * (knot_time[:-1] + knot_time[1:])
     step = np.clip(np.searchsorted(times, centre, side="right") - 1, 0, count - 1)
     share = np.clip(np.column_stack([knot_time[:-1] - times[step], knot_time[1:] - times[step]]) / dt, 0.0, 1.0)

@@ -1,0 +1,24 @@
+"""`gcodesim check PROGRAM --cell CELL`: limits, reach and time, without material."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from gcodesim.cli.options import add_cell, add_fail_on, add_format, add_language, add_program
+
+
+def add_parser(commands: Any) -> None:
+    parser = commands.add_parser("check", help="limits, reach and time of a program in a cell; no material")
+    add_program(parser)
+    add_cell(parser, required=True)
+    add_language(parser)
+    add_format(parser)
+    add_fail_on(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    from gcodesim.cli.simulate import check_program
+
+    return check_program(arguments)

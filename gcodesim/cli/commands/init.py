@@ -1,0 +1,44 @@
+"""`gcodesim init DIR`: a commented program and cell to start from."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from gcodesim.cli.exits import OK, UsageError
+from gcodesim.cli.options import read_source
+
+
+def add_parser(commands: Any) -> None:
+    parser = commands.add_parser("init", help="write a commented program and cell that run")
+    parser.add_argument("folder", type=Path, metavar="DIR", help="folder to write into; made when it is not there")
+    parser.add_argument(
+        "--from", dest="program", type=Path, metavar="PROGRAM", help="make a cell for this program, from its T words"
+    )
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    from gcodesim.cell.templates import CELL, cell_for, start_files
+
+    folder = arguments.folder
+    program = None if arguments.program is None else read_source(arguments.program, "program")
+    if folder.exists() and not folder.is_dir():
+        raise UsageError(f"{folder} is a file, not a folder")
+    files = start_files() if program is None else {CELL: cell_for(program)}
+    present = [name for name in files if (folder / name).exists()]
+    if present:
+        raise UsageError(f"{folder / present[0]} is there already; nothing was written")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, text in files.items():
+            (folder / name).write_bytes(text)
+    except OSError as error:
+        raise UsageError(f"{folder} cannot be written: {error.strerror}") from None
+    print(f"wrote {', '.join(files)} into {folder}")
+    if program is None:
+        print(f"next: cd {folder} && gcodesim run part.nc --cell {CELL}")
+    else:
+        print(f"next: look at {folder / CELL}, then gcodesim run {arguments.program} --cell {folder / CELL}")
+    return OK

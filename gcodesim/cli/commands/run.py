@@ -1,0 +1,29 @@
+"""`gcodesim run PROGRAM --cell CELL`: simulate, write log and results, print the verdict."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from gcodesim.cli.options import add_cell, add_fail_on, add_format, add_language, add_program
+
+
+def add_parser(commands: Any) -> None:
+    parser = commands.add_parser("run", help="simulate a program in a cell: material, forces, log, results")
+    add_program(parser)
+    add_cell(parser, required=True)
+    parser.add_argument(
+        "--out", type=Path, default=Path("out"), metavar="DIR", help="folder for the files (default: out)"
+    )
+    parser.add_argument("--world", choices=("kinematic", "bullet"), help="instead of what the cell says")
+    add_language(parser)
+    add_format(parser)
+    add_fail_on(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    from gcodesim.cli.simulate import run_program
+
+    return run_program(arguments)

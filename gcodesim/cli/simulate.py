@@ -1,0 +1,164 @@
+"""What `run` and `check` have in common: read, plan, run, print."""
+
+from __future__ import annotations
+
+import argparse
+import resource
+import sys
+import time
+from typing import TYPE_CHECKING
+
+from gcodesim.cell import load_cell
+from gcodesim.cli.exits import INTERRUPTED, UsageError, status_of
+from gcodesim.cli.language import with_options
+from gcodesim.cli.options import read_source
+from gcodesim.cli.output import note, print_findings, print_json, print_table, verdict
+from gcodesim.diagnostics import Severity
+from gcodesim.results import Results
+from gcodesim.simulation import Job, Options, check, prepare, run
+
+if TYPE_CHECKING:
+    from gcodesim.executor import Progress
+
+
+def _prepared(arguments: argparse.Namespace) -> Job:
+    program = read_source(arguments.program, "program")
+    read_source(arguments.cell, "cell")
+    loaded = load_cell(arguments.cell, arguments.allow_path)
+    options = Options(
+        world=getattr(arguments, "world", None),
+        settings=lambda settings: with_options(settings, arguments),
+        fail_on=None if arguments.fail_on == "never" else Severity[arguments.fail_on.upper()],
+    )
+    return prepare(program, loaded, options)
+
+
+def check_program(arguments: argparse.Namespace) -> int:
+    """`gcodesim check`."""
+    job = _prepared(arguments)
+    results = check(job)
+    if arguments.format == "json":
+        print_json(results.as_json())
+    else:
+        _print_verdict(job, results)
+    return status_of(results.findings, arguments.fail_on)
+
+
+def run_program(arguments: argparse.Namespace) -> int:
+    """`gcodesim run`."""
+    from gcodesim.log import LogWriteError
+    from gcodesim.world import WorldUnavailable
+
+    begin = time.perf_counter()
+    job = _prepared(arguments)
+    if arguments.out.exists() and not arguments.out.is_dir():
+        raise UsageError(f"{arguments.out} is a file, not a folder")
+    try:
+        with _Bar() as progress:
+            results, execution = run(job, arguments.out, progress)
+    except WorldUnavailable as reason:
+        raise UsageError(str(reason)) from None
+    except (LogWriteError, OSError) as error:
+        raise UsageError(f"{arguments.out} cannot be written: {error}") from None
+    if arguments.format == "json":
+        print_json(results.as_json())
+    else:
+        _print_verdict(job, results)
+        if execution is not None:
+            _print_files(arguments, results)
+    seconds = time.perf_counter() - begin
+    if execution is not None and seconds > 0.0:
+        memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+        note(f"{seconds:.1f} s, {results.times.total / seconds:.0f} x real time, {memory:.0f} MB")
+    if execution is not None and execution.interrupted:
+        return INTERRUPTED
+    return status_of(results.findings, arguments.fail_on)
+
+
+class _Bar:
+    """A bar with time left on a terminal, nothing elsewhere."""
+
+    def __enter__(self) -> _Bar:
+        self._bar = None
+        if sys.stderr.isatty():
+            from rich.console import Console
+            from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+            self._bar = Progress(
+                TextColumn("block {task.fields[block]}"),
+                BarColumn(),
+                TextColumn("{task.percentage:>3.0f} %"),
+                TimeRemainingColumn(),
+                console=Console(stderr=True),
+                transient=True,
+            )
+            self._task = self._bar.add_task("run", total=1, block=0)
+            self._bar.start()
+        return self
+
+    def __call__(self, progress: Progress) -> None:
+        if self._bar is not None:
+            self._bar.update(self._task, completed=progress.step, total=progress.steps, block=progress.row + 1)
+
+    def __exit__(self, *_: object) -> None:
+        if self._bar is not None:
+            self._bar.stop()
+
+
+def _print_verdict(job: Job, results: Results) -> None:
+    print_findings(results.findings, job.sources)
+    stopped = results.stopped_at
+    if stopped is not None and stopped.line:
+        print(f"stopped at {stopped.file}:{stopped.line}; nothing after it was simulated")
+    print(f"{job.program.name}: {verdict(results.findings)}")
+    if job.plan is None:
+        return
+    print()
+    print_table(_rows(results))
+
+
+def _rows(results: Results) -> list[list[str]]:
+    times = results.times
+    rows = [
+        ["time", f"{times.total:.1f} s"],
+        ["  feed", f"{times.feed:.1f} s"],
+        ["  rapid", f"{times.rapid:.1f} s"],
+    ]
+    if times.dwell:
+        rows.append(["  dwell", f"{times.dwell:.1f} s"])
+    if times.tool_change:
+        rows.append(["  tool changes", f"{times.tool_change:.1f} s"])
+    rows += [
+        ["feed distance", f"{results.feed_distance * 1e3:.1f} mm"],
+        ["rapid distance", f"{results.rapid_distance * 1e3:.1f} mm"],
+    ]
+    for name, stock in results.stocks.items():
+        value = stock.as_json()
+        bound = f"± {value['error_bound_mm3']:.1f} mm³"
+        rows.append([f"{name}: removed", f"{value['removed_mm3']:.1f} mm³", bound])
+        if stock.deposited:
+            rows.append([f"{name}: deposited", f"{value['deposited_mm3']:.1f} mm³"])
+        rows.append([f"{name}: remaining", f"{value['remaining_mm3']:.1f} mm³"])
+    for tool in results.tools:
+        if tool["max_force_N"]:
+            where = f"line {tool['line_of_max_force']}"
+            rows.append([f"{tool['name']}: greatest force", f"{tool['max_force_N']:.1f} N", where])
+            rows.append(
+                [f"{tool['name']}: torque, power", f"{tool['max_torque_Nm']:.2f} N·m", f"{tool['max_power_W']:.0f} W"]
+            )
+    for joint in results.joints:
+        if joint["margin"] is not None:
+            where = f"line {joint['line_of_margin']}" if joint["line_of_margin"] else ""
+            rows.append([f"{joint['name']}: least margin", f"{joint['margin']:.1f} {joint['unit']}", where])
+    count = sum(entry["count"] for entry in results.not_simulated)
+    words = ", ".join(f"{entry['word']} ({entry['count']})" for entry in results.not_simulated)
+    rows.append(["words not simulated", str(count), words])
+    return rows
+
+
+def _print_files(arguments: argparse.Namespace, results: Results) -> None:
+    out = arguments.out
+    names = ["run.mcap", "results.json", "lines.csv"] + [f"{name}.stl" for name in results.stocks]
+    print()
+    print(f"  files in {out}: {', '.join(names)}")
+    print(f"  look at it: open {out / 'run.mcap'} in Foxglove or Lichtblick, with the layout that is inside")

@@ -1,0 +1,157 @@
+"""What a run shows to be wrong: misuse of tools, joints at their limits, power and force above what the cell allows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gcodesim.canon import Event
+from gcodesim.checks.misuse import RowUse, end_findings, stock_findings
+from gcodesim.checks.saturation import saturation_findings
+from gcodesim.diagnostics import Diagnostic, Span
+from gcodesim.executor.record import StepRecord
+from gcodesim.executor.tasks import RowColumns
+from gcodesim.executor.totals import JointTotals, RowTotals
+from gcodesim.frames import Array
+from gcodesim.shop import Shop
+from gcodesim.units import KW, RPM
+
+if TYPE_CHECKING:
+    from gcodesim.executor import Execution
+    from gcodesim.planning import Plan
+
+
+class Inspector:
+    """Looks at a run while it goes on, so that findings stand at their time in the log, and once more at its end."""
+
+    def __init__(self, plan: Plan, shop: Shop, dt_ns: int) -> None:
+        self._plan, self._shop, self._dt = plan, shop, dt_ns * 1e-9
+        self._rows = RowColumns.of(plan.path)
+        self._names = {number: tool.name for number, tool in shop.cell.tools.items()}
+        self._known: set[tuple[str, Span]] = set()
+        self._starts = plan.trajectory.row_start if len(plan.path) else np.zeros(1)
+
+    def fresh(self, record: StepRecord, totals: RowTotals, joints: JointTotals) -> list[Diagnostic]:
+        """Findings that came up in the steps of `record`."""
+        use = record.rapid & (record.removed > 0.0) | record.stopped | record.reversed | record.inside | record.tilted
+        use |= (record.shank_depth > 0.0) | (record.holder_depth > 0.0)
+        found = self._misuse(totals) if use.any() else []
+        if record.world.saturated.any():
+            found += self._saturation(joints)
+        fresh = [finding for finding in found if (finding.code, finding.span) not in self._known]
+        self._known |= {(finding.code, finding.span) for finding in fresh}
+        return fresh
+
+    def final(self, execution: Execution, events: Sequence[Event]) -> list[Diagnostic]:
+        """All findings of the run."""
+        return [
+            *self._misuse(execution.rows),
+            *self._saturation(execution.joints),
+            *self._limits(execution.rows),
+            *(self._ends(events) if not execution.interrupted else []),
+        ]
+
+    def _span(self, row: int) -> Span:
+        path = self._plan.path
+        return path.span(row) if 0 <= row < len(path) else Span(self._shop.cell.name)
+
+    def _misuse(self, totals: RowTotals) -> list[Diagnostic]:
+        rows = self._rows
+        setting = np.cumsum(np.diff(rows.tool, prepend=rows.tool[:1]) != 0)
+        setting = setting + np.cumsum(np.diff(rows.spindle, prepend=rows.spindle[:1]) != 0.0)
+        use = RowUse(
+            rapid=rows.rapid,
+            tool=rows.tool,
+            setting=setting.astype(np.int64),
+            changed=np.diff(rows.tool, prepend=-1) != 0,
+            spindle=rows.spindle,
+            time=self._starts,
+            rapid_cut=totals.rapid_cut,
+            rapid_bound=totals.rapid_bound,
+            stopped_cut=totals.stopped_cut,
+            reversed_cut=totals.reversed_cut,
+            shank=totals.shank,
+            holder=totals.holder,
+            inside=totals.inside,
+            tilted=totals.tilted,
+        )
+        return stock_findings(use, self._span, self._names)
+
+    def _saturation(self, joints: JointTotals) -> list[Diagnostic]:
+        own = self._shop.kinematics.joints
+        return saturation_findings(
+            self._shop.joint_names,
+            own.kinds,
+            limit=own.effort,
+            effort=joints.effort,
+            first_row=joints.saturated_row,
+            steps=joints.saturated_steps,
+            dt=self._dt,
+            spans=self._span,
+        )
+
+    def _limits(self, totals: RowTotals) -> list[Diagnostic]:
+        """What the cell's `limits` allow, against what the run asked for."""
+        limits = self._shop.cell.limits
+        found = []
+        columns: tuple[tuple[str, float | None, Array, float, str, str], ...] = (
+            ("GS510", limits.spindle_power, totals.power, KW, "kW", "power of the spindle"),
+            ("GS511", limits.spindle_torque, totals.torque, 1.0, "N·m", "torque of the spindle"),
+            ("GS512", limits.force, totals.force, 1.0, "N", "force on the tool"),
+        )
+        for code, limit, values, unit, name, what in columns:
+            if limit is None or not (values > limit).any():
+                continue
+            over = np.flatnonzero(values > limit)
+            worst = int(over[np.argmax(values[over])])
+            most = float(values[worst])
+            found.append(
+                Diagnostic(
+                    code=code,
+                    message=f"{what} reaches {most / unit:.4g} {name}; the cell allows {limit / unit:.4g} {name}",
+                    span=self._span(int(over[0])),
+                    hint=f"the greatest value is in line {self._span(worst).line}; cut less deep, less wide or slower",
+                    count=len(np.unique(self._plan.path.block[over])) if len(self._plan.path) else 1,
+                    value=most / unit,
+                    limit=limit / unit,
+                    unit=name,
+                )
+            )
+        if limits.spindle_speed is not None:
+            fast = np.flatnonzero(np.abs(self._rows.spindle) > limits.spindle_speed * (1.0 + 1e-9))
+            if len(fast):
+                asked = float(np.abs(self._rows.spindle[fast]).max())
+                found.append(
+                    Diagnostic(
+                        code="GS513",
+                        message=f"the program asks for {asked / RPM:.0f} rpm; "
+                        f"the spindle turns {limits.spindle_speed / RPM:.0f} rpm at most",
+                        span=self._span(int(fast[0])),
+                        value=asked / RPM,
+                        limit=limits.spindle_speed / RPM,
+                        unit="rpm",
+                    )
+                )
+        return found
+
+    def _ends(self, events: Sequence[Event]) -> list[Diagnostic]:
+        """What is still on when the program ends; what M2 and M30 themselves stop was on until then."""
+        from gcodesim.canon import Action, Coolant, End, Spindle
+
+        ends = [event for event in events if isinstance(event, End)]
+        if not ends:
+            return []
+        last = ends[-1].span
+        spindle, flood, mist, process = 0.0, False, False, None
+        for event in events:
+            if event.span == last:
+                continue
+            if isinstance(event, Spindle):
+                spindle = 0.0 if event.direction == "off" else event.speed * (1.0 if event.direction == "cw" else -1.0)
+            elif isinstance(event, Coolant):
+                flood, mist = event.flood, event.mist
+            elif isinstance(event, Action) and event.target == "tool":
+                process = "the process tool" if event.verb == "activate" else None
+        return end_findings(last, spindle=spindle, process=process, flood=flood, mist=mist)

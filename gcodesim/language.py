@@ -1,0 +1,88 @@
+"""What a cell tells the reader of its programs: tools, work offsets, M-codes, path control."""
+
+from __future__ import annotations
+
+from gcodesim.cell import Cell, Placement, place
+from gcodesim.cell.cell import MAIN
+from gcodesim.diagnostics import Diagnostic, SourceText
+from gcodesim.rs274 import MappedAction, Settings, ToolEntry, ToolTable, read_parameters
+from gcodesim.units import MM
+
+
+def settings_of_cell(
+    cell: Cell, channel: str = MAIN, placement: Placement | None = None
+) -> tuple[Settings, list[Diagnostic]]:
+    """Settings of the program of one channel, and what is wrong with the files that it names.
+
+    Tool lengths are those that the control believes: of `tool_table` where the
+    cell names one, else the true ones.
+    """
+    if channel not in cell.channels:
+        channel = next(iter(cell.channels))
+    own = cell.channels[channel]
+    placement = placement or place(cell, channel)
+    findings: list[Diagnostic] = []
+    lengths = {number: tool.true_length for number, tool in cell.tools.items()}
+    table = ToolTable(
+        {
+            number: ToolEntry(
+                number=number,
+                pocket=number,
+                offset=(0.0, 0.0, lengths[number], 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+                diameter=float(getattr(tool, "diameter", 0.0)),
+                comment=tool.name,
+            )
+            for number, tool in cell.tools.items()
+        }
+    )
+    if own.tool_table is not None:
+        table, problems = ToolTable.read(SourceText.read(own.tool_table.path, own.tool_table.name))
+        findings += problems
+        findings += _differing(cell, channel, table, lengths)
+    parameters: dict[int, float] = {}
+    if own.parameters is not None:
+        parameters, more = read_parameters(SourceText.read(own.parameters.path, own.parameters.name))
+        findings += more
+    given = placement.parameters()
+    if own.parameters is None:
+        parameters = given
+    else:  # the cell's own work offsets come before those of the file
+        named = {5221 + 20 * (index - 1) for index in placement.given}
+        parameters |= {number: value for number, value in given.items() if _system_start(number) in named}
+    settings = Settings(
+        dialect=own.dialect,
+        tool_table=table,
+        parameters=parameters,
+        subroutines=tuple(folder.path for folder in own.subroutines),
+        block_delete=own.block_delete,
+        optional_stop=own.optional_stop,
+        m_codes={word: MappedAction(target=code.target, verb=code.verb) for word, code in own.m_codes.items()},
+        has_cell=True,
+        tool_length=own.tool_length,
+        auto_length=lengths,
+        path_control=own.path_control,
+    )
+    return settings, findings
+
+
+def _system_start(number: int) -> int:
+    return 5221 + 20 * ((number - 5221) // 20)
+
+
+def _differing(cell: Cell, channel: str, table: ToolTable, lengths: dict[int, float]) -> list[Diagnostic]:
+    """A warning for each tool that the control believes longer or shorter than it is."""
+    span = cell.channel_span(channel, "tool_table")
+    return [
+        Diagnostic(
+            code="GS730",
+            span=span,
+            message=f"the tool table says T{number} is {table[number].offset[2] / MM:.3f} mm long; "
+            f"`tools:` says {length / MM:.3f} mm",
+            hint="the tip will be off by the difference, as on the machine",
+            value=table[number].offset[2],
+            limit=length,
+            unit="m",
+        )
+        for number, length in sorted(lengths.items())
+        if number in table and abs(table[number].offset[2] - length) > 1e-6
+    ]

@@ -1,0 +1,130 @@
+"""The frames of a log: which there are, which move, and where they are at every step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gcodesim.frames import Array, Pose, quaternion_from_rotation
+from gcodesim.kinematics import Cartesian
+from gcodesim.log import StaticFrame
+from gcodesim.shop import Shop
+
+if TYPE_CHECKING:
+    from gcodesim.motion.tool_path import ToolPath
+
+
+def seven(X: Array) -> Array:
+    """Poses (n, 4, 4) as rows x y z qx qy qz qw (n, 7)."""
+    return np.concatenate([X[..., :3, 3], quaternion_from_rotation(X[..., :3, :3])], axis=-1)
+
+
+def stock_frame(index: int, name: str) -> str:
+    """Name of a stock's frame: the first one is `stock`."""
+    return "stock" if index == 0 else f"stock/{name}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Frames:
+    """Frames of one shop. `links` are the links that move or carry the flange, all but the root."""
+
+    shop: Shop
+    links: tuple[int, ...]
+    flange: str
+    moving_stock: bool
+
+    @staticmethod
+    def of(shop: Shop) -> Frames:
+        names = shop.kinematics.link_names
+        chain = shop.kinematics.chain
+        children = {joint.child for joint in chain.joints}
+        links = tuple(i for i, name in enumerate(names) if name in children)
+        table = isinstance(shop.kinematics, Cartesian) and _table_moves(shop)
+        return Frames(shop=shop, links=links, flange=f"{shop.name}/{chain.flange}", moving_stock=table)
+
+    @property
+    def static(self) -> tuple[StaticFrame, ...]:
+        """Frames that never move, seen from the world."""
+        shop = self.shop
+        frames = [_static(self.base, shop.X_WB)]
+        if not self.moving_stock:
+            frames += [_static(stock_frame(i, p.name), p.X_WS) for i, p in enumerate(shop.stocks.values())]
+            if not shop.stocks:
+                frames.append(_static("stock", shop.placement.X_W("G54")))
+        return tuple(frames)
+
+    @property
+    def base(self) -> str:
+        return f"{self.shop.name}/base"
+
+    def link_frame(self, index: int) -> str:
+        """Name of the frame of a link; the root is the base."""
+        return self.base if index not in self.links else f"{self.shop.name}/{self.shop.kinematics.link_names[index]}"
+
+    @property
+    def moving(self) -> tuple[tuple[str, str], ...]:
+        """(parent, child) of all frames that move, in the order of `at`."""
+        frames = [(self.base, self.link_frame(i)) for i in self.links]
+        if self.flange_is_extra:
+            frames.append((self.base, self.flange_name))
+        frames += [(self.flange_name, "tool"), ("world", "tcp"), ("world", "part")]
+        if self.moving_stock:
+            frames += [("world", stock_frame(i, p.name)) for i, p in enumerate(self.shop.stocks.values())]
+            if not self.shop.stocks:
+                frames.append(("world", "stock"))
+        return tuple(frames)
+
+    @property
+    def flange_name(self) -> str:
+        return f"{self.shop.name}/flange"
+
+    @property
+    def flange_is_extra(self) -> bool:
+        """Whether no link is called `flange`, so that the frame has to be added."""
+        return self.flange_name not in {self.link_frame(i) for i in self.links}
+
+    def at(self, q: Array, tcp: Array, tools: Array, part: Array) -> Array:
+        """Poses (n, F, 7) of the moving frames in their parents.
+
+        `q` (n, j), `tcp` (n, 4, 4) actual tip in W, `tools` (n, 4, 4) X_FT,
+        `part` (n, 4, 4) active work system in W.
+        """
+        shop = self.shop
+        links = shop.kinematics.links(q)
+        columns = [links[:, i] for i in self.links]
+        if self.flange_is_extra:
+            columns.append(shop.kinematics.forward(q))
+        columns += [tools, tcp, part]
+        if self.moving_stock:
+            X_WB = shop.X_WB.matrix
+            assert isinstance(shop.kinematics, Cartesian)
+            X_WC = X_WB @ shop.kinematics.table(q)
+            stands = [p.X_WS for p in shop.stocks.values()] or [shop.placement.X_W("G54")]
+            columns += [X_WC @ (shop.X_WB.inverse() @ X_WS).matrix for X_WS in stands]
+        return np.stack([seven(X) for X in columns], axis=1)
+
+
+def _table_moves(shop: Shop) -> bool:
+    """Whether any axis stands on the table's side."""
+    assert isinstance(shop.kinematics, Cartesian)
+    q = np.zeros((2, len(shop.kinematics.joints)))
+    q[1] = 0.1
+    table = shop.kinematics.table(q)
+    return bool(np.abs(table[1] - table[0]).max() > 1e-12)
+
+
+def _static(name: str, X: Pose) -> StaticFrame:
+    return StaticFrame(parent="world", child=name, p=X.p, q=X.q)
+
+
+def work_systems(shop: Shop, path: ToolPath) -> Array:
+    """X_WP (s, 4, 4) of the work system of each tool state of the path."""
+    poses = []
+    for state in path.states:
+        x, y, z = state.system_offset[:3]
+        turn = Pose.from_xyz_rpy((x, y, z), (0.0, 0.0, state.rotation))
+        X_WP = shop.placement.X_WM @ turn @ Pose.from_xyz_rpy((state.g92[0], state.g92[1], state.g92[2]))
+        poses.append(X_WP.matrix)
+    return np.array(poses)

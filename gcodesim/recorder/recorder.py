@@ -1,0 +1,354 @@
+"""Writes a run down: the log while it goes on, results and stocks at its end."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from gcodesim.canon import ToolChange
+from gcodesim.diagnostics import Diagnostic
+from gcodesim.executor.record import KINDS, StepRecord
+from gcodesim.frames import Array
+from gcodesim.log import LogDescription, LogWriter, MotionColumns, ProcessColumns
+from gcodesim.motion.tool_path import HOME, RAPID
+from gcodesim.recorder.blocks import Blocks
+from gcodesim.recorder.bodies import cell_entities, tile_meshes, tool_shapes
+from gcodesim.recorder.frames import Frames, seven, stock_frame, work_systems
+from gcodesim.recorder.ways import Ways
+from gcodesim.results import Results
+
+if TYPE_CHECKING:
+    from gcodesim.executor import Execution
+    from gcodesim.executor.window import StepWindow
+    from gcodesim.material.surface import Tiles
+    from gcodesim.simulation import Job
+    from gcodesim.world import WorldSteps
+
+LOG_NAME: Final = "run.mcap"
+TILE_PERIOD_NS: Final = 500_000_000
+"""Stock is drawn at most this often."""
+
+MOST_TILE_LOOKS: Final = 400
+"""Looks at the stock in a whole run: a long program is not watched more closely than a short one."""
+
+FORCE_PERIOD_NS: Final = 100_000_000
+
+
+class Recorder:
+    """The log of one job in folder `out`; OSError when the folder cannot be written."""
+
+    def __init__(self, job: Job, out: Path) -> None:
+        assert job.shop is not None and job.plan is not None and job.cell is not None
+        out.mkdir(parents=True, exist_ok=True)
+        self._job, self._out, self._shop, self._plan = job, out, job.shop, job.plan
+        self._step_ns = job.cell.simulation.step_ns
+        self._period_ns = job.cell.log.period_ns
+        self._frames = Frames.of(self._shop)
+        self._systems = work_systems(self._shop, self._plan.path)
+        ways = Ways.of(self._plan, self._shop)
+        self._blocks = Blocks.of(self._plan, self._shop, job.sources, ways)
+        self._tiles: list[Tiles] = [placed.stock.tiles(across=self._across) for placed in self._shop.stocks.values()]
+        self._tile_ns = self._tile_period(self._plan.trajectory.duration_ns)
+        self._next_tile_ns = self._tile_ns
+        self._writer = LogWriter(out / LOG_NAME, self._description(ways))
+        self._removed = 0.0
+        self._tcp: Array = np.zeros((4, 4))
+        self._force_shown = False
+        self._now_ns = 0
+        self._tool = -1
+
+    # ---- before the run
+
+    @property
+    def _across(self) -> int:
+        """Tiles along one side of a stock; the log has room for 16 tiles in all."""
+        count = len(self._shop.stocks)
+        return 4 if count == 1 else 2 if count <= 4 else 1
+
+    def _tile_period(self, duration_ns: int) -> int:
+        """Time between two looks at the stock: a multiple of log period and step."""
+        wanted = max(TILE_PERIOD_NS, duration_ns // MOST_TILE_LOOKS)
+        return -(-wanted // self._period_ns) * self._period_ns
+
+    @property
+    def interval_steps(self) -> int:
+        """Steps between two looks at the stock."""
+        return max(1, self._tile_ns // self._step_ns)
+
+    def _description(self, ways: Ways) -> LogDescription:
+        job, path = self._job, self._plan.path
+        own = job.loaded.files[0]
+        rapid = (path.kind == RAPID) | (path.kind == HOME)
+        attachments = {"program.nc": job.program.raw, "cell.yaml": job.loaded.sources[own.name].raw}
+        for name, source in sorted(job.sources.items()):
+            if job.reading is not None and name in job.reading.sources and name != job.program.name:
+                attachments[name] = source.raw
+        urdf = self._urdf()
+        if urdf is not None:
+            attachments[f"{self._shop.name}.urdf"] = urdf
+        run = {
+            "program": job.program.name,
+            "program_sha256": job.program.sha256,
+            "cell": own.name,
+            "cell_sha256": own.sha256,
+            "seed": str(job.cell.simulation.seed if job.cell else 0),
+            "step_ns": str(self._step_ns),
+            "log_period_ns": str(self._period_ns),
+            "world": job.world,
+        }
+        return LogDescription(
+            run=run,
+            static_frames=self._frames.static,
+            moving_frames=self._frames.moving,
+            joint_names=self._shop.joint_names,
+            cell=cell_entities(self._frames),
+            feed_path=ways.polylines(~rapid),
+            rapid_path=ways.polylines(rapid),
+            process_kinds=KINDS,
+            stock_tiles=max(1, sum(len(tiles) for tiles in self._tiles)),
+            attachments=attachments,
+        )
+
+    def _urdf(self) -> bytes | None:
+        """The robot description that was read, if there was one."""
+        from gcodesim.cell.machine import MachineTool
+        from gcodesim.kinematics import model_path
+        from gcodesim.shop import mover_of
+
+        mover = mover_of(self._shop)
+        if isinstance(mover, MachineTool):
+            return None if mover.model is None else model_path(mover.model).read_bytes()
+        return mover.description.read_bytes()
+
+    # ---- during the run
+
+    def start(self, world: WorldSteps, window: StepWindow) -> None:
+        """The state at time 0."""
+        from gcodesim.executor.record import record_of
+
+        self._tcp = self._actual(world.q, window.row, np.zeros((1, 6)))[0]
+        for finding in self._job.findings:
+            self._event(0, finding)
+        self._changes_of_tool(0, -1, window)
+        for index, tiles in enumerate(self._tiles):
+            self._draw(0, index, tiles.all())
+        self._write(record_of(window, world, []), np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64))
+        self._writer.blocks(self._blocks.between(0, 1))
+
+    def take(self, record: StepRecord, found: Sequence[Diagnostic]) -> None:
+        """The next window, and the findings that came up in it."""
+        window = record.window
+        ends = (window.first + 1 + np.arange(len(window), dtype=np.int64)) * self._step_ns
+        logged = np.flatnonzero(ends % self._period_ns == 0)
+        self._writer.blocks(self._blocks.between(self._now_ns + 1, int(ends[-1]) + 1))
+        for finding in found:
+            self._event(round((finding.time or 0.0) * 1e9), finding)
+        self._changes_of_tool(self._now_ns, int(ends[-1]), window)
+        self._write(record, ends[logged], logged)
+        self._now_ns = int(ends[-1])
+        if self._now_ns >= self._next_tile_ns:
+            self._look_at_stock()
+            self._next_tile_ns += self._tile_ns
+
+    def _look_at_stock(self) -> None:
+        for index, tiles in enumerate(self._tiles):
+            self._draw(self._now_ns, index, tiles.changed())
+
+    def _draw(self, t_ns: int, index: int, tiles: Sequence[Any]) -> None:
+        first = sum(len(before) for before in self._tiles[:index])
+        frame = stock_frame(index, list(self._shop.stocks)[index])
+        for tile in tiles:
+            self._writer.stock_tile(t_ns, first + tile.number, tile_meshes(tile), frame)
+
+    def _changes_of_tool(self, from_ns: int, to_ns: int, window: StepWindow) -> None:
+        """The tool in the spindle, when it is another one."""
+        for k in np.flatnonzero(np.diff(window.tool, prepend=self._tool) != 0):
+            number = int(window.tool[k])
+            t_ns = 0 if to_ns < 0 else (window.first + int(k)) * self._step_ns
+            tool = self._shop.tool(number)
+            self._writer.tool(t_ns, tool_shapes(tool))
+            if to_ns >= 0:
+                span = self._change_span(number)
+                name = "no tool" if number == 0 else tool.name if tool is not None else f"T{number}"
+                self._writer.event(t_ns, "toolchange", name, file=span[0], line=span[1])
+            self._tool = number
+
+    def _change_span(self, number: int) -> tuple[str, int]:
+        for timed in self._plan.trajectory.events:
+            if isinstance(timed.event, ToolChange) and timed.event.tool == number:
+                return timed.event.span.file, timed.event.span.line
+        return "", 0
+
+    def _event(self, t_ns: int, finding: Diagnostic) -> None:
+        span = finding.span
+        self._writer.event(
+            t_ns,
+            finding.code,
+            finding.message,
+            severity=finding.level.word,
+            file=span.file,
+            line=span.line,
+            value=finding.value or 0.0,
+        )
+
+    def _actual(self, q: Array, row: Any, deflection: Array) -> Array:
+        """X_WT (n, 4, 4) of the tip on the link side: motors at `q`, gears bent by `deflection` (n, 6) in B."""
+        X_BT = self._plan.tip(q, row)
+        if np.any(deflection):
+            X_BT = X_BT.copy()
+            X_BT[:, :3, 3] += deflection[:, :3]
+            X_BT[:, :3, :3] = _small_turns(deflection[:, 3:]) @ X_BT[:, :3, :3]
+        X: Array = self._shop.X_WB.matrix @ X_BT
+        return X
+
+    def _write(self, record: StepRecord, t_ns: Any, at: Any) -> None:
+        """Columns of the log instants `t_ns` (m,), which are steps `at` (m,) of the record."""
+        window, world = record.window, record.world
+        tcp = self._actual(world.q, window.row, record.deflection)
+        before = np.concatenate([self._tcp[None], tcp[:-1]])
+        speed = np.linalg.norm(tcp[:, :3, 3] - before[:, :3, 3], axis=1) / window.dt
+        self._tcp = tcp[-1]
+        removed = self._removed + np.cumsum(record.removed)
+        self._removed = float(removed[-1])
+        if not len(at):
+            return
+        X_WB = self._shop.X_WB.matrix
+        target = X_WB @ window.tip[at]
+        X_WT = tcp[at]
+        part = self._systems[self._plan.path.state[window.row[at]] if len(self._plan.path) else np.zeros(len(at), int)]
+        local = np.einsum("nji,nj->ni", part[:, :3, :3], X_WT[:, :3, 3] - part[:, :3, 3])
+        wrench = _in_world(X_WB, record.wrench[at])
+        force = np.linalg.norm(wrench[:, :3], axis=1)
+        spindle = self._spindle(window.row[at])
+        self._writer.window(
+            t_ns,
+            tf=self._frames.at(world.q[at], X_WT, self._tools(window.tool[at]), part),
+            joint_position=world.q[at],
+            joint_velocity=world.qd[at],
+            joint_effort=world.effort[at],
+            target=seven(target),
+            tcp=seven(X_WT),
+            motion=MotionColumns(
+                feed=speed[at],
+                feed_command=np.linalg.norm(window.samples.velocity[at, :3], axis=1),
+                position_error=np.linalg.norm(X_WT[:, :3, 3] - target[:, :3, 3], axis=1),
+                orientation_error=_angles(target, X_WT),
+                block_fraction=np.clip(self._fractions(window, at), 0.0, 1.0),
+                position=local,
+                limit=world.saturated[at].any(axis=1),
+            ),
+            process=ProcessColumns(
+                kind=record.kind[at],
+                engaged=record.engaged[at],
+                spindle=spindle,
+                force=force,
+                torque=record.torque[at],
+                power=record.power[at],
+                removal=record.removed[at] / window.dt,
+                removed=removed[at],
+            ),
+            wrench=wrench,
+        )
+        self._arrows(t_ns, X_WT[:, :3, 3], wrench[:, :3], force)
+
+    def _fractions(self, window: StepWindow, at: Any) -> Array:
+        """How much of the time of its row has passed (m,)."""
+        trajectory = self._plan.trajectory
+        if not len(trajectory.row_start):
+            return np.zeros(len(at))
+        row = window.row[at]
+        start, end = trajectory.row_start[row], trajectory.row_end[row]
+        done: Array = (window.samples.time[at] - start) / np.maximum(end - start, 1e-12)
+        return done
+
+    def _spindle(self, row: Any) -> Array:
+        path = self._plan.path
+        speeds = np.array([state.spindle for state in path.states])
+        return speeds[path.state[row]] if len(path) else np.full(len(row), speeds[0])
+
+    def _tools(self, numbers: Any) -> Array:
+        """X_FT (n, 4, 4) of the tools in the spindle."""
+        X = np.tile(np.eye(4), (len(numbers), 1, 1))
+        for number in set(numbers.tolist()):
+            tool = self._shop.tool(number)
+            if tool is not None:
+                X[numbers == number] = tool.X_FT.matrix
+        return X
+
+    def _arrows(self, t_ns: Any, tip: Array, force: Array, size: Array) -> None:
+        for i in np.flatnonzero(t_ns % FORCE_PERIOD_NS == 0):
+            shown = bool(size[i] > 0.0)
+            if shown or self._force_shown or t_ns[i] == 0:
+                self._writer.force(int(t_ns[i]), tip[i], force[i])
+            self._force_shown = shown
+
+    # ---- after the run
+
+    def finish(self, results: Results, execution: Execution) -> None:
+        """Close the log and write results and stocks beside it."""
+        self._look_at_stock()
+        if execution.interrupted:
+            stopped = results.stopped_at
+            place = {"file": stopped.file, "line": stopped.line} if stopped is not None else {}
+            self._writer.event(self._now_ns, "interrupted", "stopped by the user", severity="error", **place)  # type: ignore[arg-type]
+        state = "failed" if results.status == "failed" else "finished"
+        text = results.text().encode()
+        removed = sum(stock.removed - stock.deposited for stock in results.stocks.values())
+        self._writer.close(self._now_ns, state, {"removed_m3": repr(removed)}, {"results.json": text})
+        _replace(self._out / "results.json", text)
+        _replace(self._out / "lines.csv", results.lines_csv().encode())
+        self._write_stocks()
+
+    def _write_stocks(self) -> None:
+        from gcodesim.material.stl import write_stl
+        from gcodesim.material.stock_file import SUFFIX, save_stock
+
+        for name, placed in self._shop.stocks.items():
+            mesh = BytesIO()
+            write_stl(placed.stock.surface(), mesh)
+            _replace(self._out / f"{name}.stl", mesh.getvalue())
+            part = self._out / f"{name}{SUFFIX}.part"
+            save_stock(placed.stock, part)
+            part.replace(self._out / f"{name}{SUFFIX}")
+
+    def abandon(self) -> None:
+        """After a fault: keep what is there, under the name of a log that is not whole."""
+        self._writer.abandon()
+
+
+def _replace(path: Path, data: bytes) -> None:
+    """Write a file so that it is there as a whole or not at all."""
+    part = path.with_name(path.name + ".part")
+    part.write_bytes(data)
+    part.replace(path)
+
+
+def _in_world(X_WB: Array, wrench: Array) -> Array:
+    R = X_WB[:3, :3]
+    return np.concatenate([wrench[:, :3] @ R.T, wrench[:, 3:] @ R.T], axis=1)
+
+
+def _small_turns(vectors: Array) -> Array:
+    """Rotation matrices (n, 3, 3) of small rotation vectors (n, 3) [rad] (Rodrigues 1840)."""
+    angle = np.linalg.norm(vectors, axis=1)
+    axis = vectors / np.maximum(angle, 1e-300)[:, None]
+    skew = np.zeros((len(vectors), 3, 3))
+    skew[:, 0, 1], skew[:, 0, 2], skew[:, 1, 2] = -axis[:, 2], axis[:, 1], -axis[:, 0]
+    skew -= skew.transpose(0, 2, 1)
+    sine, cosine = np.sin(angle)[:, None, None], np.cos(angle)[:, None, None]
+    turns: Array = np.eye(3) + sine * skew + (1.0 - cosine) * (skew @ skew)
+    return turns
+
+
+def _angles(A: Array, B: Array) -> Array:
+    """Angle (n,) [rad] between the rotations of two stacks of poses; exact for small angles too."""
+    R = np.einsum("nji,njk->nik", A[:, :3, :3], B[:, :3, :3])
+    sine = 0.5 * np.linalg.norm(
+        np.stack([R[:, 2, 1] - R[:, 1, 2], R[:, 0, 2] - R[:, 2, 0], R[:, 1, 0] - R[:, 0, 1]], axis=1), axis=1
+    )
+    angles: Array = np.arctan2(sine, 0.5 * (np.trace(R, axis1=1, axis2=2) - 1.0))
+    return angles

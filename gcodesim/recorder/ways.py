@@ -1,0 +1,84 @@
+"""The way of every path row as points, for drawing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.frames import Array
+from gcodesim.log import Polylines
+from gcodesim.motion.tool_path import ARC
+from gcodesim.shop import Shop
+from gcodesim.units import DEG
+
+if TYPE_CHECKING:
+    from gcodesim.planning import Plan
+
+_ARC_STEP = 5.0 * DEG
+_MOST_ARC_POINTS = 360
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ways:
+    """Points (p, 3) [m] in W of the tip along all rows; row i has those from `starts[i]` to `starts[i + 1]`."""
+
+    points: Array
+    starts: NDArray[np.int64]
+
+    @staticmethod
+    def of(plan: Plan, shop: Shop) -> Ways:
+        path = plan.path
+        count = len(path)
+        if not count:
+            return Ways(np.zeros((0, 3)), np.zeros(1, dtype=np.int64))
+        arc = path.kind == ARC
+        points_of = np.full(count, 2, dtype=np.int64)
+        points_of[arc] = np.clip(np.ceil(np.abs(path.sweep[arc]) / _ARC_STEP) + 1, 3, _MOST_ARC_POINTS)
+        starts = np.concatenate([[0], np.cumsum(points_of)])
+        row = np.repeat(np.arange(count), points_of)
+        u = (np.arange(starts[-1]) - starts[row]) / (points_of[row] - 1)
+        points = path.start[row, :3] + u[:, None] * (path.end[row, :3] - path.start[row, :3])
+        bent = arc[row]
+        if bent.any():
+            points[bent] = _on_arcs(path.start, path.end, path.center, path.normal, path.sweep, row[bent], u[bent])
+        return Ways(shop.X_WB.apply(points + _shifts(plan)[row]), starts)
+
+    def polylines(self, rows: NDArray[np.bool_]) -> Polylines:
+        """The ways of the rows (n,) that are true, each a line of its own."""
+        counts = np.diff(self.starts)
+        chosen = np.repeat(rows, counts)
+        starts = np.cumsum(counts[rows]) - counts[rows]
+        return Polylines(self.points[chosen], starts)
+
+
+def _on_arcs(start: Array, end: Array, center: Array, normal: Array, sweep: Array, row: Array, u: Array) -> Array:
+    """Points (k, 3) at shares `u` (k,) of arcs or helices `row` (k,)."""
+    p0, p1, c, n = start[row, :3], end[row, :3], center[row], normal[row]
+
+    def across(v: Array) -> Array:
+        left: Array = v - np.einsum("ij,ij->i", v, n)[:, None] * n
+        return left
+
+    r0, r1 = across(p0 - c), across(p1 - c)
+    length0, length1 = np.linalg.norm(r0, axis=1), np.linalg.norm(r1, axis=1)
+    radial = r0 / np.maximum(length0, 1e-12)[:, None]
+    angle = u * sweep[row]
+    radius = length0 + u * (length1 - length0)
+    flat = radius[:, None] * (np.cos(angle)[:, None] * radial + np.sin(angle)[:, None] * np.cross(n, radial))
+    height0 = np.einsum("ij,ij->i", p0 - c, n)
+    height1 = np.einsum("ij,ij->i", p1 - c, n)
+    points: Array = c + flat + (height0 + u * (height1 - height0))[:, None] * n
+    return points
+
+
+def _shifts(plan: Plan) -> Array:
+    """From the controlled point to the tip (n, 3) in B, in the middle of every row: tool length believed and true."""
+    trajectory = plan.trajectory
+    middle: Array = 0.5 * (trajectory.row_start + trajectory.row_end)
+    samples = trajectory.sample(middle)
+    rows = np.arange(len(middle))
+    shift: Array = plan.tip(plan.joints(samples), rows)[:, :3, 3] - samples.position[:, :3]
+    return shift

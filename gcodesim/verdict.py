@@ -1,0 +1,49 @@
+"""Which findings a user sees, and how severe they are in this cell: `checks` and `suppress`."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from datetime import date
+
+from gcodesim.cell import Cell
+from gcodesim.cell.settings import Suppression
+from gcodesim.diagnostics import Diagnostic, Findings, SourceText
+
+
+def final_findings(
+    findings: Findings, cell: Cell | None, program: SourceText, today: date | None = None
+) -> list[Diagnostic]:
+    """All findings in order, with the cell's severities, without those that it suppresses.
+
+    A suppression whose day is past (`until` before `today`) no longer counts;
+    without `today` it is the system's date. No date enters the result.
+    """
+    if cell is None:
+        return list(findings)
+    shown = []
+    for finding in findings:
+        if any(_suppresses(entry, finding, program, today) for entry in cell.suppress):
+            continue
+        severity = cell.severity(finding.code)
+        shown.append(finding if severity is None else replace(finding, severity=severity))
+    return shown
+
+
+def _suppresses(entry: Suppression, finding: Diagnostic, program: SourceText, today: date | None) -> bool:
+    if entry.code != finding.code or (entry.program is not None and entry.program != finding.span.file):
+        return False
+    if entry.until is not None and (today or date.today()) > entry.until:
+        return False
+    if entry.line is not None and entry.line != finding.span.line:
+        return False
+    text = program.line(finding.span.line) if finding.span.file == program.name else ""
+    if entry.block is not None and _words(entry.block) != _words(text):
+        return False
+    if entry.n is None:
+        return True
+    number = f"N{entry.n}"
+    return _words(text).startswith(number) and not _words(text)[len(number) :][:1].isdigit()
+
+
+def _words(text: str) -> str:
+    return "".join(text.split()).upper()
