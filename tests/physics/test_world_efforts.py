@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from gcodesim.frames import Pose
+from gcodesim.kinematics import MODELS, load_urdf
 from gcodesim.kinematics.dynamics import inverse_dynamics
 from gcodesim.kinematics.machine import Machine
 from gcodesim.world import WORLDS, RobotBody, open_world
@@ -139,3 +140,29 @@ def test_bullet_s_inverse_dynamics_knows_the_same_arm() -> None:
     world.close()
 
     assert np.abs(ours - theirs).max() < 1e-7 * np.abs(ours).max()
+
+
+@pytest.mark.parametrize("name", list(MODELS))
+def test_every_shipped_machine_moves_alike_in_both_worlds(name: str) -> None:
+    """Joints on their commands, efforts within half a per cent of each other, under gravity and a load at the tip."""
+    chain, _ = load_urdf(MODELS[name].path)
+    assert chain is not None
+    home, limits = np.array(MODELS[name].home), chain.driven_joints
+    size = np.minimum(0.05, 0.2 * (limits.upper - limits.lower))
+    size = np.where(home + 2.0 * size > limits.upper, -size, size)
+    t = np.arange(1, 201)[:, None] * machines.STEP_NS * 1e-9
+    q = home + size * (1.0 - np.cos(1.5 * t))
+    load = np.tile([20.0, -10.0, 30.0, 0.3, 0.2, 0.1], (200, 1))
+    found = []
+    for world_name in ("bullet", "kinematic"):
+        world = open_world(world_name, RobotBody(chain=chain), machines.STEP_NS)
+        world.reset(home)
+        world.attach(SPINDLE)
+        found.append(world.run(q, load))
+        world.close()
+
+    bullet, kinematic = found
+    assert np.abs(bullet.q - q).max() < 1e-9
+    assert not bullet.saturated.any()
+    greatest = np.abs(kinematic.effort).max(axis=0)
+    assert (np.abs(bullet.effort - kinematic.effort).max(axis=0) < 5e-3 * greatest + 1e-4).all()
