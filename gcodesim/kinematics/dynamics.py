@@ -42,8 +42,8 @@ def bodies(chain: Chain, payload: Inertial | None = None) -> list[Inertial]:
 def inverse_dynamics(
     chain: Chain,
     q: Array,
-    qd: Array,
-    qdd: Array,
+    qd: Array | float,
+    qdd: Array | float,
     payload: Inertial | None = None,
     wrench: Array | None = None,
     *,
@@ -61,9 +61,8 @@ def inverse_dynamics(
     from gcodesim.kinematics.dynamics_kernels import efforts_along
 
     q, tree = rows(q), chain.tree
-    qd, qdd = (np.ascontiguousarray(np.broadcast_to(v, q.shape), dtype=np.float64) for v in (qd, qdd))
-    w = np.zeros((len(q), 6)) if wrench is None else wrench
-    w = np.ascontiguousarray(np.broadcast_to(w, (len(q), 6)), dtype=np.float64)
+    qd, qdd = (rows(np.broadcast_to(v, q.shape)) for v in (qd, qdd))
+    w = rows(np.broadcast_to(0.0 if wrench is None else wrench, (len(q), 6)))
     moved = bodies(chain, payload)
     X_FT = np.eye(4)
     X_FT[:3, 3] = p_FT

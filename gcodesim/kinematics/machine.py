@@ -13,13 +13,13 @@ from gcodesim.kinematics.tree_kernels import jacobians_along, poses_along
 
 
 def rows(q: Array) -> Array:
-    """Joint values as the kernels want them: float64, contiguous, (n, j)."""
-    return np.ascontiguousarray(np.atleast_2d(q), dtype=np.float64)
+    """Joint values (n, j) as the kernels want them; a read-only array would be compiled for once more."""
+    return np.require(np.atleast_2d(q), np.float64, ["C", "W"])
 
 
 def poses(X: Array) -> Array:
-    """Poses as the kernels want them: float64, contiguous, (n, 4, 4)."""
-    return np.ascontiguousarray(np.reshape(X, (-1, 4, 4)), dtype=np.float64)
+    """Poses (n, 4, 4) as the kernels want them."""
+    return np.require(np.reshape(X, (-1, 4, 4)), np.float64, ["C", "W"])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
