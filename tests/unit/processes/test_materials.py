@@ -1,0 +1,68 @@
+"""The library of cutting constants."""
+
+import pytest
+
+from gcodesim.processes.laws import Kienzle, LinearEdge
+from gcodesim.processes.materials import LIBRARY, plain
+
+
+def test_every_entry_names_its_source_and_has_sound_constants():
+    for material in LIBRARY.values():
+        assert material.source and material.name
+        if isinstance(material.law, Kienzle):
+            assert 2e8 < material.law.kc11 < 5e9
+            assert 0.0 < material.law.mc < 0.4
+        else:
+            assert isinstance(material.law, LinearEdge)
+            assert material.law.ktc > 2e8
+            assert material.law.kte < 5e4 or not material.usable
+
+
+def test_ids_and_aliases_are_one_name_space():
+    names = [plain(name) for material in LIBRARY.values() for name in (material.id, *material.aliases)]
+
+    assert len(names) == len(set(names))
+    assert all(LIBRARY[name] is LIBRARY[LIBRARY[name].id] for name in names)
+
+
+def test_both_tables_are_complete():
+    laws = [type(material.law) for material in LIBRARY.values()]
+
+    assert (laws.count(Kienzle), laws.count(LinearEdge)) == (80, 7)
+
+
+@pytest.mark.parametrize("name", ["42CrMo4", "42crmo4", "42CrMo4 ", "AISI 4140", "seed-42crmo4"])
+def test_spelling_is_forgiven(name):
+    assert LIBRARY[name].id == "seed_42crmo4"
+
+
+def test_constants_are_those_of_the_tables():
+    steel, aluminium = LIBRARY["42crmo4"].law, LIBRARY["al6082_t6"].law
+
+    assert (steel.kc11, steel.mc, steel.kn11) == pytest.approx((2500e6, 0.26, 750e6))
+    assert (aluminium.ktc, aluminium.kte, aluminium.kac) == pytest.approx((631e6, 13e3, 273e6))
+
+
+def test_what_was_filled_in_is_said():
+    assert any("0.3" in text for text in LIBRARY["42crmo4"].assumed)
+    assert any("0.24" in text for text in LIBRARY["iscar_38"].assumed)
+    assert LIBRARY["al6061_t6"].assumed == ("no axial force",)
+    assert LIBRARY["al6082_t6"].assumed == ()
+
+
+def test_a_doubtful_entry_is_listed_but_marked():
+    assert [m.id for m in LIBRARY.values() if not m.usable] == ["almgsi05"]
+    assert "Do not use" in LIBRARY["almgsi05"].note
+
+
+@pytest.mark.parametrize(
+    ("wrong", "wanted"),
+    [("al6082", "al6082_t6"), ("42crmo", "42crmo4"), ("inconel", "inconel_718"), ("titan", "titanium")],
+)
+def test_suggestions(wrong, wanted):
+    assert wrong not in LIBRARY
+    assert wanted in LIBRARY.suggest(wrong)
+
+
+def test_no_suggestion_for_nonsense():
+    assert LIBRARY.suggest("qqqq") == []
