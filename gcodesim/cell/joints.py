@@ -69,10 +69,12 @@ class JointList(Kind):
         return {"anyOf": [many, {"type": "object", "additionalProperties": value}]} if self.letters else many
 
 
-def in_si(values: Sequence[JointValue], measures: Sequence[Measure], to: Reading) -> tuple[float, ...] | Fault:
-    """SI values of joints that measure lengths or angles; a unit of the last entry holds for those it fits."""
+def in_si(
+    values: Sequence[JointValue], measures: Sequence[Measure], to: Reading, *, is_list: bool = True
+) -> tuple[float, ...] | Fault:
+    """SI values of joints that measure lengths or angles; in a list the unit of the last entry holds where it fits."""
     parts: list[tuple[Scalar, Measured | Fault, Path]] = [(v.node, v.number, v.path) for v in values]
-    inherited = last_unit(parts, ("length", "angle"))
+    inherited = last_unit(parts, ("length", "angle")) if is_list else None
     result = []
     for value, measure in zip(values, measures, strict=True):
         unit = inherited if inherited is not None and inherited.dimension == measure else None

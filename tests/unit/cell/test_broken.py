@@ -1,4 +1,4 @@
-"""Every kind of broken cell gives its codes at its places: `# expect: CODE LINE:COLUMN` in the last lines of each file."""
+"""Every kind of broken cell gives its codes at its places: `# expect: CODE LINE:COLUMN` stands in the last lines."""
 
 from __future__ import annotations
 
