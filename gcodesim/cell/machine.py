@@ -393,7 +393,7 @@ class MachineTool:
     rapids: Literal["linear", "independent"]
     base: Place
     shipped: Chain | None = field(compare=False, repr=False, default=None)
-    X_WM: Pose = field(default_factory=Pose.identity)
+    X_WM: Pose = field(default_factory=Pose.identity, compare=False)
 
     @property
     def home(self) -> tuple[float, ...]:

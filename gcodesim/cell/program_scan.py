@@ -73,6 +73,7 @@ def scan(program: SourceText) -> Scan:
     extent: dict[str, list[float]] = {"X": [], "Y": [], "Z": []}
     for number, text in enumerate(program.lines, start=1):
         comments = " ".join(a or b for a, b in _COMMENT.findall(text)).strip()
+        comments = "".join(c if c.isprintable() else " " for c in comments)
         words = _COMMENT.sub(" ", text)
         inch = inch or _INCH.search(words) is not None
         for match in _TOOL_WORD.finditer(words):

@@ -157,7 +157,7 @@ class Robot:
     home: tuple[float, ...]
     stiffness: tuple[float, ...] | None
     payload: Payload | None
-    X_WB: Pose = field(default_factory=Pose.identity)
+    X_WB: Pose = field(default_factory=Pose.identity, compare=False)
 
     def at(self, X_WB: Pose) -> Robot:
         return replace(self, X_WB=X_WB)

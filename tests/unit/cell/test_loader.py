@@ -109,7 +109,12 @@ def test_texts_stay_texts() -> None:
 
 def test_units_of_plain_numbers_hold_wherever_they_stand() -> None:
     cell = sound(
-        "machine: gantry_xyz\nstock: {box: [4, 3, 10 mm]}\nframes: {a: {rpy: [0, 0, 1]}}\nunits: {length: in, angle: rad}"
+        """
+        machine: gantry_xyz
+        stock: {box: [4, 3, 10 mm]}
+        frames: {a: {rpy: [0, 0, 1]}}
+        units: {length: in, angle: rad}
+        """
     )
 
     assert cell.stocks["stock"].shape == Box(lower=(0.0, 0.0, 0.0), upper=(0.004, 0.003, 0.01))

@@ -1,0 +1,87 @@
+"""What `init` writes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gcodesim.cell import place, read_cell
+from gcodesim.cell.program_scan import scan
+from gcodesim.cell.templates import CELL, PROGRAM, cell_for, start_files
+from gcodesim.diagnostics import SourceText
+from gcodesim.tools.flat_end_mill import FlatEndMill
+
+PROGRAMS = sorted(path for path in (Path(__file__).parents[3] / "programs").glob("*.n*c"))
+
+
+def codes_of(cell: bytes) -> list[str]:
+    return [finding.code for finding in read_cell(SourceText(CELL, cell), Path(CELL)).findings]
+
+
+def test_the_first_cell_is_the_one_of_the_first_five_minutes() -> None:
+    files = start_files()
+    loaded = read_cell(SourceText(CELL, files[CELL]), Path(CELL))
+
+    assert len(loaded.findings) == 0 and loaded.cell is not None
+    tool = loaded.cell.tools[1]
+    assert isinstance(tool, FlatEndMill) and tool.diameter == pytest.approx(6e-3)
+    np.testing.assert_allclose(place(loaded.cell).work_offsets[1].p, [0.55, 0.37, -0.15])
+    material = loaded.cell.material(loaded.cell.stocks["stock"])
+    assert material is not None and material.id == "al6082_t6"
+    assert b"G1 Z-2 F200" in files[PROGRAM] and b"G1 X70 F600" in files[PROGRAM]
+
+
+def test_both_files_explain_themselves() -> None:
+    for text in start_files().values():
+        assert text.endswith(b"\n") and b"\r" not in text and text.isascii()
+    assert start_files()[CELL].count(b"#") > 10
+
+
+@pytest.mark.parametrize("path", PROGRAMS, ids=lambda path: path.stem)
+def test_a_cell_for_each_program_lacks_diameters_at_most(path: Path) -> None:
+    assert set(codes_of(cell_for(SourceText.read(path)))) <= {"GS705"}
+
+
+def test_comments_of_posts_become_tools() -> None:
+    program = SourceText(
+        "x.nc",
+        b"%\n(T1 D=6. CR=0. - ZMIN=-2. - flat end mill)\n(T2  D=0.25 CR=0.03 - ZMIN=-1 - bullnose end mill)\n"
+        b"(T3 D=5. TAPER=118deg - drill)\n(TOOL 4: ball 8 mm)\n(T9 not used)\n(Stock: 100 x 60 x 20)\n"
+        b"T1 M6\nG0 X0 Y0\nT2 M6\nN10 T03 M6 ;T8\nT4M6\nT7 M6\nM30\n%",
+    )
+
+    found = scan(program)
+
+    assert [tool.number for tool in found.tools] == [1, 2, 3, 4, 7]
+    assert [tool.type for tool in found.tools] == [
+        "flat_end_mill",
+        "bull_nose_end_mill",
+        "drill",
+        "ball_end_mill",
+        "flat_end_mill",
+    ]
+    assert [tool.diameter for tool in found.tools] == [6.0, 0.25, 5.0, 8.0, None]
+    assert found.tools[1].corner_radius == 0.03 and found.tools[2].point_angle == 118.0
+    assert found.stock == (100.0, 60.0, 20.0) and found.stock_line == 7
+    assert codes_of(cell_for(program)) == ["GS705"]  # the diameter of T7
+
+
+def test_an_inch_program_gives_an_inch_cell() -> None:
+    cell = cell_for(
+        SourceText("x.nc", b"G20\n(T1 D=0.5 - flat)\nT1 M6\nG0 X-1 Y-1 Z1\nG1 Z-.25 F10\nX3 Y2\nG28 Z9\nM2")
+    )
+    loaded = read_cell(SourceText(CELL, cell), Path(CELL))
+
+    assert loaded.cell is not None
+    assert loaded.cell.tools[1].diameter == pytest.approx(0.5 * 0.0254)
+    shape = loaded.cell.stocks["stock"].shape
+    assert shape.lower == pytest.approx([-0.0254, -0.0254, -0.25 * 0.0254])
+    assert shape.upper == pytest.approx([3 * 0.0254, 2 * 0.0254, 0.0])
+
+
+def test_a_program_without_anything_gives_a_cell_that_loads() -> None:
+    assert codes_of(cell_for(SourceText("x.nc", b"M2\n"))) == []
+    assert codes_of(cell_for(SourceText("x.nc", b""))) == []
+    assert codes_of(cell_for(SourceText("x.nc", b"\xff\x00(T)(T0)(T1 \x07\x85 D=)\nT1 M6"))) == ["GS705"]
