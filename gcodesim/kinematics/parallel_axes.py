@@ -25,7 +25,7 @@ class ParallelAxes(ClosedForm):
 
     solve: ClassVar[Solve] = staticmethod(kernels.solve)
     path: ClassVar[InversePath] = staticmethod(kernels.inverse_path)
-    centre_name: ClassVar[str] = "crossing of axes 5 and 6:"
+    centre_name: ClassVar[str] = "wrist point (axes 5 and 6)"
     wrist_name: ClassVar[str] = "angle between axes 2 and 6"
 
     @staticmethod

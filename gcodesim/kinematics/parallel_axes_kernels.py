@@ -26,8 +26,9 @@ from gcodesim.kinematics.plane_kernels import (
     bend_of_elbow,
     centre_in_plane,
     elbow_is_straight,
+    heading,
     rotate_three,
-    shoulder_angle,
+    shoulder_turn,
     turn_back,
 )
 from gcodesim.kinematics.protocol import Statuses
@@ -61,10 +62,8 @@ def solve(
     rotate_three(R_PB, X, R_FE, left, wrist)
     for shoulder in range(2):
         reach = forward if shoulder == 0 else -forward
-        q1 = math.atan2(wy, wx) - math.atan2(lateral, reach)
-        if radius < LOCK:
-            q1 = previous[0]
-        turn_back(wrist, q1, turned)
+        q1, c1, s1 = heading(wx, wy, radius, reach, lateral, previous[0])
+        turn_back(wrist, c1, s1, turned)
         for r in range(3):
             for k in range(3):
                 left[r, k] = R_EP[r, 0] * turned[0, k] + R_EP[r, 1] * turned[1, k] + R_EP[r, 2] * turned[2, k]
@@ -98,7 +97,8 @@ def solve(
                     flag |= WRIST
                 for elbow in range(2):
                     turn3 = (bend if elbow == 0 else -bend) + arm[19]
-                    q2 = shoulder_angle(dz, dx, turn3, arm)
+                    real, imaginary, _, _ = shoulder_turn(dz, dx, turn3, arm)
+                    q2 = math.atan2(imaginary, real)
                     b = 4 * shoulder + 2 * elbow + flipped
                     row = out[b]
                     row[0], row[1], row[2] = q1, q2, arm[12] * turn3

@@ -47,9 +47,8 @@ def rotate_three(A: Array, B: Array, C: Array, room: Array, out: Array) -> None:
 
 
 @kernel
-def turn_back(R: Array, angle: float, out: Array) -> None:
-    """out = Rz(angle)ᵀ R, (3, 3)."""
-    c, s = math.cos(angle), math.sin(angle)
+def turn_back(R: Array, c: float, s: float, out: Array) -> None:
+    """out = Rz(angle)ᵀ R, (3, 3), of the angle's cosine and sine."""
     for k in range(3):
         out[0, k] = c * R[0, k] + s * R[1, k]
         out[1, k] = c * R[1, k] - s * R[0, k]
@@ -68,11 +67,29 @@ def bend_of_elbow(dz: float, dx: float, length_a: float, length_b: float) -> flo
 
 
 @kernel
-def shoulder_angle(dz: float, dx: float, turn3: float, arm: Array) -> float:
-    """Joint 2 from the triangle as complex numbers: d = exp(i q2) (a + exp(i turn3) b)."""
+def shoulder_turn(dz: float, dx: float, turn3: float, arm: Array) -> tuple[float, float, float, float]:
+    """Joint 2 from the triangle as complex numbers: d = exp(i q2) (a + exp(i turn3) b).
+
+    Returns exp(i q2) times a length, and exp(i turn3), each as real and imaginary part.
+    """
     c, s = math.cos(turn3), math.sin(turn3)
     ez, ex = arm[8] + c * arm[10] - s * arm[11], arm[9] + c * arm[11] + s * arm[10]
-    return math.atan2(dx * ez - dz * ex, dz * ez + dx * ex)
+    return dz * ez + dx * ex, dx * ez - dz * ex, c, s
+
+
+@kernel
+def heading(
+    wx: float, wy: float, radius: float, reach: float, lateral: float, previous: float
+) -> tuple[float, float, float]:
+    """Joint 1 that brings the centre (wx, wy) of P to (reach, lateral): angle, cosine, sine.
+
+    On axis 1 itself any heading does, and `previous` is kept.
+    """
+    if radius < LOCK:
+        return previous, math.cos(previous), math.sin(previous)
+    real, imaginary = wx * reach + wy * lateral, wy * reach - wx * lateral
+    length = math.sqrt(real * real + imaginary * imaginary)
+    return math.atan2(imaginary, real), real / length, imaginary / length
 
 
 @kernel

@@ -25,8 +25,9 @@ from gcodesim.kinematics.plane_kernels import (
     bend_of_elbow,
     centre_in_plane,
     elbow_is_straight,
+    heading,
     rotate_three,
-    shoulder_angle,
+    shoulder_turn,
     turn_back,
 )
 from gcodesim.kinematics.protocol import Statuses
@@ -62,9 +63,7 @@ def solve(
     rotate_three(R_PB, X, R_FE, left, wrist)
     for shoulder in range(2):
         reach = forward if shoulder == 0 else -forward
-        q1 = math.atan2(wy, wx) - math.atan2(lateral, reach)
-        if radius < LOCK:
-            q1 = previous[0]  # the wrist centre is on axis 1 and any heading does
+        q1, c1, s1 = heading(wx, wy, radius, reach, lateral, previous[0])
         dx, dz = reach - arm[6], wz
         bend = bend_of_elbow(dz, dx, arm[17], arm[18])
         if bend < 0.0:
@@ -74,11 +73,14 @@ def solve(
             flag |= SHOULDER
         if elbow_is_straight(bend):
             flag |= ELBOW
-        turn_back(wrist, q1, turned)
+        turn_back(wrist, c1, s1, turned)
         for elbow in range(2):
             turn3 = (bend if elbow == 0 else -bend) + arm[19]
-            q2 = shoulder_angle(dz, dx, turn3, arm)
-            c, s = math.cos(q2 + turn3), math.sin(q2 + turn3)
+            real, imaginary, ct, st = shoulder_turn(dz, dx, turn3, arm)
+            q2 = math.atan2(imaginary, real)
+            length = math.sqrt(real * real + imaginary * imaginary)
+            # exp(i (q2 + turn3)), the turn of link 3
+            c, s = (real * ct - imaginary * st) / length, (real * st + imaginary * ct) / length
             for k in range(3):
                 n0 = c * turned[0, k] - s * turned[2, k]
                 n1 = turned[1, k]

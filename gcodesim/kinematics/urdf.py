@@ -360,6 +360,13 @@ class _Reader:
             link = joints[index].parent
         return found
 
+    def _has_mass(self, link: str, joints: list[Joint], links: Mapping[str, Link]) -> bool:
+        """Whether `link`, or what is fixed to it, weighs anything."""
+        inertial = links[link].inertial
+        if inertial is not None and inertial.mass > 0.0:
+            return True
+        return any(self._has_mass(j.child, joints, links) for j in joints if j.parent == link and j.kind == "fixed")
+
     def _remark(self, joints: list[Joint], driven: list[int], links: Mapping[str, Link]) -> None:
         """Findings about a tree that holds together: followers in the chain, idle joints, links without mass."""
         for index, joint in enumerate(joints):
@@ -370,8 +377,8 @@ class _Reader:
                         f"joint `{joint.name}` follows `{joint.mimic[0]}`; followers inside the chain are not simulated"
                     )
                     self.find("GS766", message, at)
-                elif links[joint.child].inertial is None:
-                    self.find("GS769", f"link `{joint.child}` has no <inertial>: joint efforts leave it out", at)
+                elif not self._has_mass(joint.child, joints, links):
+                    self.find("GS769", f"link `{joint.child}` has no mass: joint efforts leave it out", at)
             elif joint.kind != "fixed":
                 follows = f", follows `{joint.mimic[0]}`" if joint.mimic is not None else ""
                 self.find(

@@ -116,6 +116,16 @@ def test_finger_that_follows_stands_still_and_is_named(tmp_path):
     assert next(j for j in chain.joints if j.name == "f").mimic == ("j", -1.0, 0.0)
 
 
+MASS = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+COVER = '<joint name="k" type="fixed"><parent link="b"/><child link="c"/></joint>'
+
+
+@pytest.mark.parametrize("cover, expected", [("", ["GS769"]), (MASS, [])])
+def test_moving_link_without_mass_is_noted_unless_something_fixed_to_it_has_one(tmp_path, cover, expected):
+    _, findings = read(tmp_path, robot(LINKS, f'<link name="c">{cover}</link>', JOINT, COVER))
+    assert codes(findings) == expected
+
+
 BROKEN = {
     "not closed": ("<robot>\n <link name='a'>\n</robot>", "GS760", 3),
     "empty": ("", "GS760", 1),
