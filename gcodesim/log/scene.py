@@ -9,6 +9,7 @@ zero bits that compress.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import Final
 
@@ -27,6 +28,9 @@ BLOCK_COLOR: Final[Color] = (1.00, 0.85, 0.10, 1.0)
 BLOCK_PIXELS: Final = 4.0
 FORCE_COLOR: Final[Color] = (0.90, 0.10, 0.15, 1.0)
 FORCE_SCALE: Final = 1e-3  # [m/N]
+
+MOST_MESSAGE_BYTES: Final = 4 << 20  # a viewer decodes whole messages
+FINEST_PART: Final = 1024.0  # of a mesh's extent: where coarser drawing begins
 
 LINE_STRIP, LINE_LIST = 0, 2
 _DELETE_ALL: Final = 1
@@ -80,9 +84,7 @@ def _shape(shape: Shape) -> list[bytes]:
             balls = (_sphere(_pose(shape.p + side * half, shape.q), radius, shape.color) for side in (-1.0, 1.0))
             return [_frustum(pose, radius, radius, length, shape.color), *balls]
         case Mesh(points=points, triangles=triangles):
-            indices = np.asarray(triangles).reshape(-1)
-            if len(indices) and not (indices.min() >= 0 and indices.max() < len(points)):
-                raise ValueError("a triangle points outside its mesh")
+            indices = triangles.reshape(-1)
             body = (pose, vectors(2, rounded(points)), _color(3, shape.color), packed_fixed32(5, indices))
             return wrap(_TRIANGLES, body)
     raise TypeError(f"no such shape: {type(shape).__name__}")
@@ -109,9 +111,45 @@ def _delete_all(t_ns: int) -> bytes:
 
 
 def entities_update(t_ns: int, entities: Sequence[Entity]) -> bytes:
-    """A SceneUpdate that shows `entities` and nothing else. ValueError on an id that comes twice."""
+    """A SceneUpdate that shows `entities` and nothing else; above 4 MB its meshes are drawn coarser.
+
+    ValueError on an id that comes twice, on a triangle outside its mesh and
+    when the entities take more than 4 MB without their meshes.
+    """
     if len({entity.id for entity in entities}) < len(entities):
         raise ValueError("two entities of one message share an id")
+    drawn = [replace(entity, shapes=tuple(map(_checked, entity.shapes))) for entity in entities]
+    update = _entities(t_ns, drawn)
+    if len(update) <= MOST_MESSAGE_BYTES:
+        return update
+    size = max(_extent(shape) for entity in entities for shape in entity.shapes) / FINEST_PART
+    for _ in range(12):
+        drawn = [replace(entity, shapes=tuple(_coarser(shape, size) for shape in entity.shapes)) for entity in drawn]
+        update = _entities(t_ns, drawn)
+        if len(update) <= MOST_MESSAGE_BYTES:
+            return update
+        size *= 2.0
+    raise ValueError(f"a scene takes {len(update)} bytes; {MOST_MESSAGE_BYTES} are possible")
+
+
+def _checked(shape: Shape) -> Shape:
+    if not isinstance(shape, Mesh):
+        return shape
+    if shape.triangles.size and not (shape.triangles.min() >= 0 and shape.triangles.max() < len(shape.points)):
+        raise ValueError("a triangle points outside its mesh")
+    return shape.compact()
+
+
+def _coarser(shape: Shape, size: float) -> Shape:
+    return shape.coarser(size) if isinstance(shape, Mesh) and len(shape.points) else shape
+
+
+def _extent(shape: Shape) -> float:
+    """The longest side of a mesh [m]."""
+    return float(np.ptp(shape.points, axis=0).max()) if isinstance(shape, Mesh) and len(shape.points) else 0.0
+
+
+def _entities(t_ns: int, entities: Sequence[Entity]) -> bytes:
     parts = [_delete_all(t_ns)]
     for entity in entities:
         parts += _entity(t_ns, entity.id, entity.frame, [part for shape in entity.shapes for part in _shape(shape)])

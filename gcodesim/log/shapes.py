@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -76,6 +76,25 @@ class Mesh(Shape):
 
     points: Array
     triangles: NDArray[np.integer]
+
+    def compact(self) -> Mesh:
+        """The same without points that no triangle uses, such as those of the other mesh of a tile, if they are many."""
+        used = np.zeros(len(self.points), dtype=bool)
+        used[self.triangles.reshape(-1)] = True
+        if np.count_nonzero(used) > 0.9 * len(used):
+            return self
+        number = np.cumsum(used) - 1
+        return replace(self, points=self.points[used], triangles=number[self.triangles])
+
+    def coarser(self, size: float) -> Mesh:
+        """Points in one cube of edge `size` [m] become one, and triangles that vanish by this are left out."""
+        cell = np.floor((self.points - self.points.min(axis=0)) / size).astype(np.int64)
+        sides = cell.max(axis=0) + 1
+        key = (cell[:, 0] * sides[1] + cell[:, 1]) * sides[2] + cell[:, 2]
+        _, first, group = np.unique(key, return_index=True, return_inverse=True)
+        triangles = group.reshape(-1)[self.triangles]
+        a, b, c = triangles.T
+        return replace(self, points=self.points[first], triangles=triangles[(a != b) & (b != c) & (c != a)]).compact()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -43,7 +43,6 @@ from gcodesim.log.shapes import Entity, Mesh, Shape
 from gcodesim.log.topics import PERIODIC, tile_topic, topic_table
 
 LOG_FORMAT: Final = "1"
-MOST_MESSAGE_BYTES: Final = 4 << 20  # the viewer decodes whole messages
 ROOT: Final = "world"
 _MOTION: Final = tuple(field.name for field in fields(MotionColumns))
 _PROCESS: Final = tuple(field.name for field in fields(ProcessColumns))
@@ -332,9 +331,6 @@ class LogWriter:
         """Messages at times that do not decrease."""
         if times[0] < self._written_ns:
             raise ValueError(f"{topic} at {times[0]} ns comes late: all before {self._written_ns} ns is written")
-        longest = max(map(len, messages))
-        if longest > MOST_MESSAGE_BYTES:
-            raise ValueError(f"{topic} at {times[0]} ns has {longest} bytes; draw a coarser mesh")
         channel = self._channels[topic]
         if times[0] == 0:
             self._at_start.add(channel)

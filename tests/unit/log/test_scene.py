@@ -66,15 +66,48 @@ def test_a_capsule_ends_in_balls_on_its_own_axis():
     assert xyz(entity.cylinders[0].size) == [1.0, 1.0, 2.0]
 
 
-def test_a_mesh_keeps_its_points_within_half_a_grid_step():
+def corners(mesh):
+    """Triangle corners (m, 3, 3) as the viewer draws them."""
+    points = np.array([xyz(p) for p in mesh.points])
+    return points[np.array(mesh.indices).reshape(-1, 3)]
+
+
+def test_a_mesh_keeps_its_triangles_within_half_a_grid_step():
     points = np.random.default_rng(5).normal(size=(20, 3))
     triangles = np.random.default_rng(6).integers(0, 20, (30, 3))
     (mesh,) = only(Mesh(points=points, triangles=triangles)).triangles
 
-    drawn = np.array([xyz(p) for p in mesh.points])
-    assert np.abs(drawn - points).max() <= GRID / 2
+    drawn = corners(mesh)
+    assert np.abs(drawn - points[triangles]).max() <= GRID / 2
     assert (drawn / GRID == np.rint(drawn / GRID)).all()
-    assert list(mesh.indices) == triangles.reshape(-1).tolist()
+
+
+def test_points_that_no_triangle_uses_are_not_sent():
+    points = np.random.default_rng(5).normal(size=(100, 3))
+    triangles = np.array([[5, 90, 17], [17, 90, 3]])
+    (mesh,) = only(Mesh(points=points, triangles=triangles)).triangles
+
+    assert len(mesh.points) == 4
+    assert np.abs(corners(mesh) - points[triangles]).max() <= GRID / 2
+
+
+def test_a_mesh_too_large_for_a_message_is_drawn_coarser():
+    """A ball of 800,000 triangles would take 21 MB."""
+    n = 632
+    u, v = np.meshgrid(np.linspace(0.02, np.pi - 0.02, n), np.linspace(0, 2 * np.pi, n), indexing="ij")
+    points = np.stack([np.sin(u) * np.cos(v), np.sin(u) * np.sin(v), np.cos(u)], axis=-1).reshape(-1, 3)
+    i = (np.arange(n - 1)[:, None] * n + np.arange(n - 1)).reshape(-1)
+    triangles = np.concatenate([np.stack([i, i + n, i + 1], 1), np.stack([i + 1, i + n, i + n + 1], 1)])
+    box = Box(size=(1.0, 1.0, 1.0))
+    data = entities_update(T, [Entity(id="a", frame="tool", shapes=(Mesh(points=points, triangles=triangles), box))])
+
+    assert 1 << 19 < len(data) < 4 << 20
+    (entity,) = read(data).entities
+    drawn = corners(entity.triangles[0])
+    assert np.allclose(np.linalg.norm(drawn, axis=2), 1.0, atol=1e-5)  # its points are still on the ball
+    area = 0.5 * np.linalg.norm(np.cross(drawn[:, 1] - drawn[:, 0], drawn[:, 2] - drawn[:, 0]), axis=1).sum()
+    assert area == pytest.approx(4 * np.pi * np.cos(0.02), rel=0.02)
+    assert len(entity.cubes) == 1
 
 
 def test_what_cannot_be_drawn_is_refused():
