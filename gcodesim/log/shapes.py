@@ -78,7 +78,7 @@ class Mesh(Shape):
     triangles: NDArray[np.integer]
 
     def compact(self) -> Mesh:
-        """The same without points that no triangle uses, such as those of the other mesh of a tile, if they are many."""
+        """The same without points that no triangle uses, such as those of a tile's other mesh, if they are many."""
         used = np.zeros(len(self.points), dtype=bool)
         used[self.triangles.reshape(-1)] = True
         if np.count_nonzero(used) > 0.9 * len(used):
