@@ -192,7 +192,7 @@ def m_code(text: str) -> str | None:
 
 
 M_CODES: Final = Name(
-    what="M-code such as `M10` or `M62 P1`",
+    what="M-code (such as `M10` or `M62 P1`)",
     pattern=r"\s*[Mm]\s*[0-9]{1,3}(\s*[Pp]\s*[0-9]+(\.0*)?)?\s*",
     canonical=m_code,
 )

@@ -170,12 +170,17 @@ class Quantity(Kind):
         unit = inherited or to.plain.of(self.dimension)
         if unit is not None or d.plain or number.value == 0.0:
             return unit
-        example = f"{node.text.strip()} {d.shown}"
+        return self.without_unit(node, to, path)
+
+    def without_unit(self, node: Scalar, to: Reading, path: Path, rule: str = "") -> Fault:
+        """The finding for a number that needs a unit and has none."""
+        d = DIMENSIONS[self.dimension]
+        units = ", ".join(names(self.dimension))
         return to.fault(
             "GS708",
             node.span,
             f"`{key_name(path)}` is {node.text.strip()} without a unit; {d} carries its unit",
-            f"write for example `{example}`; units are {', '.join(names(self.dimension))}",
+            f"write for example `{node.text.strip()} {d.shown}`; {rule or f'units are {units}'}",
         )
 
     def _wrong_unit(self, number: Measured, node: Scalar, to: Reading, path: Path) -> Fault:
@@ -250,12 +255,22 @@ class Vector(Kind):
             if not isinstance(text, Fault):
                 parts.append((text, self.of.number(text, to, (*path, index)), (*path, index)))
         inherited = last_unit(parts, (self.of.dimension,))
+        if inherited is None and self._lacks_unit(parts):
+            text, _, at = parts[-1]
+            self.of.without_unit(text, to, at, "the unit of the last entry holds for those without one")
+            return FAULT
         values = [
             FAULT if isinstance(number, Fault) else self.of.in_si(number, inherited, text, to, at)
             for text, number, at in parts
         ]
         good = tuple(value for value in values if not isinstance(value, Fault))
         return good if len(good) == len(items) else FAULT
+
+    def _lacks_unit(self, parts: list[tuple[Scalar, Measured | Fault, Path]]) -> bool:
+        """Whether units are needed and nowhere written, so that one finding says it for all entries."""
+        numbers = [number for _, number, _ in parts if not isinstance(number, Fault)]
+        written = any(number.unit for number in numbers) or not any(number.value for number in numbers)
+        return not DIMENSIONS[self.of.dimension].plain and not written
 
     def schema(self, definitions: dict[str, Json]) -> Json:
         bounds = {"minItems": self.count, "maxItems": self.count} if self.count else {"minItems": 1}

@@ -7,6 +7,7 @@ reads named ones, `inline` lays the keys of one class among those of another
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Callable, Iterator
 from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass
 from functools import cache
@@ -19,6 +20,7 @@ from gcodesim.diagnostics import Span
 
 _META: Final = "gcodesim.cell"
 FREE: Final = "x-"
+_NEARLY: Final = 0.8  # similarity from which on a misspelled key is read as the one that it resembles
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -121,7 +123,9 @@ class Record(Kind):
 
     @property
     def expected(self) -> str:
-        return self.what
+        names = list(all_keys(self.cls))
+        listed = ", ".join(f"`{name}`" for name in names[:3]) + (" …" if len(names) > 3 else "")
+        return f"{'a name or ' if self.shorthand else ''}a mapping with {listed}"
 
     def read(self, node: Node, to: Reading, path: Path) -> Any:
         entries = self._entries(node, to, path)
@@ -129,15 +133,10 @@ class Record(Kind):
             return FAULT
         known = all_keys(self.cls)
         values: dict[str, Any] = {}
-        for name, value in entries:
-            if name.text.startswith(FREE):
-                continue
-            if name.text not in known:
-                unknown_key(name, list(known), self.what, to)
-                continue
-            at = (*path, name.text)
-            to.named(at, name.span)
-            values[name.text] = known[name.text].kind.read(value, to, at)
+        for name, node_of_key, value in known_keys(entries, list(known), self.what, to):
+            at = (*path, name)
+            to.named(at, node_of_key.span)
+            values[name] = known[name].kind.read(value, to, at)
         return self._build(values, to, path)
 
     def _entries(self, node: Node, to: Reading, path: Path) -> tuple[tuple[Scalar, Node], ...] | Fault:
@@ -146,7 +145,7 @@ class Record(Kind):
             return node.entries
         if isinstance(node, Scalar) and self.shorthand and not node.empty:
             return ((Scalar(span=node.span, text=self.shorthand), node),)
-        return not_a_mapping(node, self.what, to, path)
+        return not_a_mapping(node, self.expected, to, path)
 
     def _build(self, values: dict[str, Any], to: Reading, path: Path) -> Any:
         arguments = _arguments(self.cls, values, self.what, to, path)
@@ -239,9 +238,24 @@ def written(value: Any) -> Iterator[tuple[str, Kind, Any]]:
             yield declared.name or item.name, declared.kind, content
 
 
-def unknown_key(name: Scalar, known: list[str], what: str, to: Reading) -> Fault:
-    """The finding for a key that nothing reads."""
-    return to.fault("GS704", name.span, f"{what} has no key `{name.text}`", suggestion(name.text, known))
+def known_keys(
+    entries: tuple[tuple[Scalar, Node], ...], known: list[str], what: str, to: Reading
+) -> Iterator[tuple[str, Scalar, Node]]:
+    """Name, key and value of the entries; unknown keys become findings, free ones are left out.
+
+    A key that is nearly a known one which is absent is read as that one, so that the faults in its value come to
+    light in the same run and nothing is said to be missing because of a slip.
+    """
+    given = {name.text for name, _ in entries}
+    for name, value in entries:
+        if name.text in known:
+            yield name.text, name, value
+        elif not name.text.startswith(FREE):
+            to.fault("GS704", name.span, f"{what} has no key `{name.text}`", suggestion(name.text, known))
+            meant = difflib.get_close_matches(name.text.lower(), known, n=1, cutoff=_NEARLY)
+            if meant and meant[0] not in given:
+                given.add(meant[0])
+                yield meant[0], name, value
 
 
 def not_a_mapping(node: Node, what: str, to: Reading, path: Path) -> Fault:
@@ -251,7 +265,7 @@ def not_a_mapping(node: Node, what: str, to: Reading, path: Path) -> Fault:
             "GS705",
             to.span(path),
             f"`{key_name(path)}` has no value; {what} is expected",
-            "delete the key, or write `{}`",
+            "give it a value, or delete the key",
         )
     return to.fault("GS706", node.span, f"`{key_name(path)}` is {article_of(node)}; {what} is expected")
 

@@ -78,7 +78,9 @@ def code_pattern(text: str) -> str | None:
 
 
 CODE_PATTERNS: Final = Name(
-    what="code such as `GS304` or `GS9xx`", pattern="[Gg][Ss][0-9]([0-9]{2}|[0-9][xX]|[xX]{2})", canonical=code_pattern
+    what="code (such as `GS304` or `GS9xx`)",
+    pattern="[Gg][Ss][0-9]([0-9]{2}|[0-9][xX]|[xX]{2})",
+    canonical=code_pattern,
 )
 
 

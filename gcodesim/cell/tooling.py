@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 from gcodesim.cell.kinds import NOT_NEGATIVE, Json, Kind, Quantity, Text, Whole, scalar, short
 from gcodesim.cell.nodes import Mapping, Node, Scalar
 from gcodesim.cell.reading import FAULT, Fault, Path, Reading, suggestion
-from gcodesim.cell.records import FREE, Key, Name, not_a_mapping, object_schema, unknown_key
+from gcodesim.cell.records import Key, Name, known_keys, not_a_mapping, object_schema
 from gcodesim.cell.scalars import integer
 from gcodesim.tools import TOOLS, Parameter, parameters
 
@@ -94,15 +94,10 @@ def read_parameters(
     """Constructor arguments for `cls` out of the keys of a mapping; keys that are absent are left to its defaults."""
     known = {member.name: member for member in members(cls)}
     values: dict[str, Any] = {}
-    for name, node in entries:
-        if name.text.startswith(FREE):
-            continue
-        if name.text not in known:
-            unknown_key(name, list(known), what, to)
-            continue
-        at = (*path, name.text)
-        to.named(at, name.span)
-        values[name.text] = known[name.text].kind.read(node, to, at)
+    for name, key, node in known_keys(entries, list(known), what, to):
+        at = (*path, name)
+        to.named(at, key.span)
+        values[name] = known[name].kind.read(node, to, at)
     for member in known.values():
         if member.required and member.name not in values:
             values[member.name] = to.fault(
