@@ -7,16 +7,15 @@ an error that is the chord's.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.checks import Spans
 from gcodesim.checks.events import runs
-from gcodesim.diagnostics import Diagnostic
+from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.frames import Array, Pose
 from gcodesim.units import MM
 
@@ -218,36 +217,17 @@ def _boxes(outline: Array, start: Array, end: Array, axis: Array) -> tuple[Array
     return low, high
 
 
-def collision_findings(
-    touches: Iterable[Touch],
-    row: NDArray[np.integer],
-    spans: Spans,
-    place: Callable[[int, tuple[float, float, float]], tuple[str, Array]],
-    time: Array | None = None,
-) -> list[Diagnostic]:
-    """A finding GS301 to GS304 for each event.
-
-    `row` (m,) is the path row of each piece; `place(row, tip)` names the work
-    system of a row and gives the tip in it [m]; `time` (m,) [s] at which each piece begins.
-    """
-    found = []
-    for touch in touches:
-        at = int(row[touch.piece])
-        system, point = place(at, touch.tip)
-        where = " ".join(
-            f"{letter}{value / MM:.3f}" for letter, value in zip("XYZ", np.asarray(point) + 0.0, strict=False)
-        )
-        found.append(
-            Diagnostic(
-                code=_CODES[touch.part],
-                message=f"{_WORDS[touch.part]} of {touch.tool} hits {touch.fixture}, {touch.depth / MM:.3f} mm deep, "
-                f"first with the tip at {where} of {system}",
-                span=spans(at),
-                hint=_HINTS[touch.part],
-                time=None if time is None else float(time[touch.piece]),
-                value=touch.depth / MM,
-                limit=0.0,
-                unit="mm",
-            )
-        )
-    return found
+def collision_finding(touch: Touch, span: Span, system: str, point: Array, time: float | None = None) -> Diagnostic:
+    """GS301 to GS304: `point` (3,) [m] is where the tip is at first contact, in work system `system`; `time` [s]."""
+    where = " ".join(f"{letter}{value / MM:.3f}" for letter, value in zip("XYZ", point + 0.0, strict=True))
+    return Diagnostic(
+        code=_CODES[touch.part],
+        message=f"{_WORDS[touch.part]} of {touch.tool} hits {touch.fixture}, {touch.depth / MM:.3f} mm deep, "
+        f"first with the tip at {where} of {system}",
+        span=span,
+        hint=_HINTS[touch.part],
+        time=time,
+        value=touch.depth / MM,
+        limit=0.0,
+        unit="mm",
+    )

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from gcodesim.checks.collision_kernels import separation
-from gcodesim.checks.collisions import FixtureBody, ToolParts, Touch, collision_findings, fixture_touches
+from gcodesim.checks.collisions import FixtureBody, ToolParts, Touch, collision_finding, fixture_touches
 from gcodesim.diagnostics import Span, code_of
 from gcodesim.frames import Pose, rotation_from_rpy
 from gcodesim.tools.ball_end_mill import BallEndMill
@@ -191,13 +191,7 @@ def test_a_finding_says_line_both_bodies_place_and_depth() -> None:
         tool="T2", part="holder", fixture="clamp", piece=1, share=0.5, tip=(0.125, 0.2, 0.31), depth=0.003, pieces=4
     )
 
-    (finding,) = collision_findings(
-        [event],
-        np.array([4, 7]),
-        lambda row: Span("part.nc", 10 * row, 1),
-        lambda row, tip: ("G55", np.array(tip) - [0.1, 0.2, 0.3]),
-        np.array([0.0, 2.5]),
-    )
+    finding = collision_finding(event, Span("part.nc", 70, 1), "G55", np.array([0.025, -0.0, 0.01]), 2.5)
 
     assert finding.code == "GS303"
     assert finding.span.line == 70

@@ -1,0 +1,128 @@
+"""A program on the gantry past a clamp: rapids in a line and axis by axis, the holder, the place in the work system."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+import pytest
+
+from gcodesim.canon import Event, LinearFeed, Rapid, ToolChange, ToolOffset, WorkSystem
+from gcodesim.cell.stock import Box, Cylinder
+from gcodesim.checks.clearance import clearance_findings, fixture_body, place_in_system
+from gcodesim.diagnostics import Diagnostic, Span
+from gcodesim.frames import Pose
+from gcodesim.kinematics import MODELS, kinematics_of, load_urdf
+from gcodesim.motion.build import build_tool_path
+from gcodesim.motion.tool_path import ToolState
+from gcodesim.planning import plan_machine
+from gcodesim.tools.flat_end_mill import FlatEndMill
+from gcodesim.tools.tool import Holder, Tool
+
+ZERO = np.array([0.3, 0.2, -0.3])  # G54 in M
+CLAMP = Box(lower=(0.020, 0.024, -0.010), upper=(0.030, 0.032, 0.015))
+
+
+def at(line: int) -> Span:
+    return Span("part.nc", line, 1)
+
+
+def moved(line: int, x: float, y: float, z: float) -> tuple[float, ...]:
+    p = ZERO + np.array([x, y, z])
+    return (float(p[0]), float(p[1]), float(p[2]), 0.0, 0.0, 0.0)
+
+
+def findings_of(
+    tool: Tool, moves: list[tuple[str, float, float, float]], rapids: Literal["linear", "independent"] = "linear"
+) -> list[Diagnostic]:
+    """Findings of moves (G0 or G1, x, y, z in G54 [m]), one a line from line 1 on, with the tool's length in force."""
+    chain, _ = load_urdf(MODELS["gantry_xyz"].path)
+    assert chain is not None
+    offset = (0.0, 0.0, tool.true_length, 0.0, 0.0, 0.0)
+    home = (0.0, 0.0, 0.0)
+    start = (0.0, 0.0, -tool.true_length, 0.0, 0.0, 0.0)
+    events: list[Event] = [
+        WorkSystem(span=at(0), index=1, offset=(*map(float, ZERO), 0.0, 0.0, 0.0), g92=(0.0,) * 6, rotation=0.0),
+        ToolChange(span=at(0), tool=tool.number),
+        ToolOffset(span=at(0), offset=offset),
+    ]
+    for line, (word, *point) in enumerate(moves, start=1):
+        end = moved(line, *point)
+        kind = {"span": at(line), "end": end, "block": line, "word": word}
+        events.append(Rapid(**kind) if word == "G0" else LinearFeed(**kind, feed=0.01))
+    path = build_tool_path(events, start=start)
+    plan = plan_machine(
+        path, kinematics_of(chain), home=np.array(home), rapids=rapids, tool_frames={tool.number: tool.X_FT}
+    )
+    clamp = fixture_body("clamp", CLAMP, Pose(ZERO, np.eye(3)))
+    assert clamp is not None
+    return clearance_findings(plan, {tool.number: tool}, [clamp])
+
+
+T2 = FlatEndMill(number=2, diameter=0.010, length=0.06)
+DIAGONAL = [("G0", 0.0, 0.0, 0.05), ("G0", 0.0, 0.0, 0.005), ("G0", 0.1, 0.04, 0.005)]
+
+
+def test_linear_rapids_pass_the_clamp() -> None:
+    """The line from X0 Y0 to X100 Y40 is 11.1 mm from the nearest corner of the clamp, X30 Y24."""
+    assert findings_of(T2, DIAGONAL) == []
+
+
+def test_independent_rapids_do_not() -> None:
+    """X and Y run 45 degrees until Y is there: straight through the clamp."""
+    (finding,) = findings_of(T2, DIAGONAL, "independent")
+
+    assert finding.code == "GS301"
+    assert finding.span.line == 3
+    assert "T2" in finding.message and "clamp" in finding.message and "of G54" in finding.message
+    assert finding.time is not None and finding.time > 0.0
+    x, y = (float(word[1:]) for word in finding.message.split(" at ")[1].split()[:2])
+    assert np.hypot(max(20.0 - x, 0.0), max(24.0 - y, 0.0)) == pytest.approx(5.0, abs=2e-3)
+
+
+def test_the_holder_hits_what_the_cutter_clears() -> None:
+    """Slot at Y10 and Z-5 below the clamp's top at 15: a holder that begins 12 mm above the tip is 8 mm too low."""
+    tool = FlatEndMill(number=2, diameter=0.010, length=0.012, holder=Holder(diameter=0.04, length=0.08))
+
+    (finding,) = findings_of(
+        tool,
+        [("G0", -0.05, 0.010, 0.05), ("G1", -0.05, 0.010, -0.005), ("G1", 0.08, 0.010, -0.005)],
+    )
+
+    assert (finding.code, finding.span.line) == ("GS303", 3)
+    # out upwards by 15 - 7 = 8 mm, or sideways by 20 - 14 = 6 mm: the least counts
+    assert finding.value == pytest.approx(6.0, abs=1e-3)
+
+
+def test_every_visit_is_an_event() -> None:
+    moves = [("G0", 0.025, 0.0, 0.05)]
+    moves += [("G0", 0.025, 0.028, 0.05), ("G1", 0.025, 0.028, 0.010), ("G0", 0.025, 0.028, 0.05)] * 2
+
+    found = findings_of(T2, moves)
+
+    assert [(f.code, f.span.line) for f in found] == [("GS301", 3), ("GS301", 6)]
+    assert [f.value for f in found] == pytest.approx([5.0, 5.0], abs=1e-3)
+
+
+def test_places_are_told_as_the_program_would_write_them() -> None:
+    """G55 shifted, G92 and a rotation of 90 degrees: end = R (program + g92) + offset."""
+    state = ToolState(
+        system=8, system_offset=(0.1, 0.2, 0.0, 0, 0, 0), g92=(0.01, 0.0, 0.0, 0, 0, 0), rotation=np.pi / 2.0
+    )
+    program = np.array([0.03, 0.04, 0.05])
+    shifted = program + np.array([0.01, 0.0, 0.0])
+    end = np.array([-shifted[1] + 0.1, shifted[0] + 0.2, shifted[2]])
+
+    name, point = place_in_system(end, state)
+
+    assert name == "G59.2"
+    assert point == pytest.approx(program)
+
+
+def test_a_round_fixture_is_a_body_too() -> None:
+    post = fixture_body("post", Cylinder(radius=0.01, bottom=0.0, top=0.05), Pose.from_xyz_rpy((0.1, 0.0, 0.0)))
+
+    assert post is not None
+    corners = post.hulls[0].corners
+    assert np.hypot(corners[:, 0] - 0.1, corners[:, 1]).min() >= 0.01
+    assert (corners[:, 2].min(), corners[:, 2].max()) == (0.0, 0.05)
