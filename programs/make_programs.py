@@ -96,7 +96,7 @@ def _tool(number: int, what: str, speed: int) -> Lines:
     yield f"({what})"
     yield f"T{number} M6"
     yield f"S{speed} M3"
-    yield f"G43 H{number} Z50"
+    yield f"G0 G43 H{number} Z50"
     yield "M8"
 
 

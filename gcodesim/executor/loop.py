@@ -152,9 +152,9 @@ def _run(world: World, shop: Shop, coupling: Coupling, window: StepWindow) -> tu
 def _add_volumes(volumes: dict[str, tuple[float, float]], parts: Sequence[Part]) -> None:
     for part in parts:
         assert part.answer is not None
-        removed = part.answer.removed
+        change = float(part.answer.removed.sum())
         before = volumes.get(part.task.target.name, (0.0, 0.0))
-        gone, come = float(removed[removed > 0.0].sum()), -float(removed[removed < 0.0].sum())
+        gone, come = (change, 0.0) if part.task.process.takes else (0.0, -change)
         volumes[part.task.target.name] = (before[0] + gone, before[1] + come)
 
 
@@ -185,8 +185,9 @@ def _sum_up(record: StepRecord, totals: RowTotals, joints: JointTotals) -> None:
     world = record.world
     joints.add(world.q, world.qd, world.qdd, world.effort, world.saturated, row)
     cutting = record.removed > 0.0
-    totals.add("removed", row, np.where(cutting, record.removed, 0.0))
-    totals.add("added", row, np.where(cutting, 0.0, -record.removed))
+    # what cutting takes away is known better with every pass along a wall, so single steps may be negative
+    totals.add("removed", row, np.where(record.adding, 0.0, record.removed))
+    totals.add("added", row, np.where(record.adding, -record.removed, 0.0))
     totals.add("engaged", row, record.engaged * record.window.dt)
     totals.add("stopped_cut", row, np.where(record.stopped, record.removed, 0.0))
     totals.add("reversed_cut", row, np.where(record.reversed, record.removed, 0.0))

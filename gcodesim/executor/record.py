@@ -46,6 +46,7 @@ class StepRecord:
     inside: NDArray[np.bool_]
     tilted: NDArray[np.bool_]
     rapid: NDArray[np.bool_]
+    adding: NDArray[np.bool_]
     rapid_bound: Array
 
     def __len__(self) -> int:
@@ -61,6 +62,7 @@ def record_of(window: StepWindow, world: WorldSteps, parts: Sequence[Part]) -> S
     }
     marks_of = ("engaged", "stopped", "reversed", "inside", "tilted", "rapid")
     flags: dict[str, Any] = {name: np.zeros(n, dtype=bool) for name in marks_of}
+    adding = np.zeros(n, dtype=bool)
     kind, bound = np.zeros(n, dtype=np.int64), np.zeros(n)
     for part in parts:
         answer = part.answer
@@ -74,6 +76,7 @@ def record_of(window: StepWindow, world: WorldSteps, parts: Sequence[Part]) -> S
         for name, marks in flags.items():
             marks[here] |= part.window.rapid if name == "rapid" else getattr(answer, name)
         kind[here] = np.where(answer.engaged, KINDS.index(part.task.process.kind), kind[here])
+        adding[here] |= not part.task.process.takes
         bound[here] += _rapid_bound(part)
     return StepRecord(
         window=window,
@@ -82,6 +85,7 @@ def record_of(window: StepWindow, world: WorldSteps, parts: Sequence[Part]) -> S
         deflection=deflection,
         kind=kind,
         rapid_bound=bound,
+        adding=adding,
         **columns,
         **flags,
     )

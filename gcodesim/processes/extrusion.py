@@ -28,6 +28,7 @@ class Extrusion:
     """The printing process of one extruder: adds its bead to the stock on feed moves while active."""
 
     kind: ClassVar[str] = "extrusion"
+    takes: ClassVar[bool] = False  # it adds
     pushes: ClassVar[bool] = False  # no force: the whole window can be laid after the motion
 
     extruder: Extruder

@@ -32,6 +32,7 @@ class Milling:
 
     kind: ClassVar[str] = "milling"
     pushes: ClassVar[bool] = True
+    takes: ClassVar[bool] = True
 
     cutter: Cutter
     law: Law | None = None
@@ -84,7 +85,7 @@ class Milling:
         out = np.zeros((len(motion), OUTPUTS))
         while True:
             done = mill(
-                stock.lo, stock.hi, stock.count, stock.grid, stock.dirty, stock.tops, starts, ends, first, motion,
+                stock.lo, stock.hi, stock.count, stock.grid, stock.dirty, stock.walls, stock.tops, starts, ends, first, motion,
                 compliance, tool, edge, laws, table, circle, shapes, rows, weights, force, sums, turning,
                 state.values, out,
             )  # fmt: skip

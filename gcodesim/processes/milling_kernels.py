@@ -177,7 +177,7 @@ def solve_step(
 
 @kernel
 def mill(
-    lo: Array, hi: Array, count: Ints, grid: Array, dirty: Bytes, tops: Array, starts: Array, ends: Array,
+    lo: Array, hi: Array, count: Ints, grid: Array, dirty: Bytes, walls: Array, tops: Array, starts: Array, ends: Array,
     first_piece: Indices, motion: Array, compliance: Array, tool: Array, edge: Array, laws: Array, table: Array,
     circle: Array, shapes: Array, rows: Array, weights: Array, force: Array, sums: Array, turning: Array, state: Array,
     out: Array,
@@ -268,8 +268,10 @@ def mill(
                     no_compliance if rigid_machine else compliance[k], rigid_machine, before,
                     state[FEED_X], state[FEED_Y], level, climb, chip, top, rows, weights, force, sums, state, result,
                 )  # fmt: skip
-            else:
+            elif not rapid:
                 state[DELTA : DELTA + 3] = 0.0
+            # a rapid keeps the bend until the tool is out: springing back inside its own cut would gouge the wall,
+            # which a tool that still turns would resist
             state[CUTTING] = 1.0 if used > 0 else 0.0
             if used > 0:
                 out[k, WRENCH : WRENCH + 6] = result[:6]
@@ -295,7 +297,7 @@ def mill(
                 old, new = state[BEFORE + axis], state[DELTA + axis]
                 p[axis] = starts[piece, axis] + old + a * (new - old)
                 q[axis] = ends[piece, axis] + old + b * (new - old)
-            volume, ok = remove_piece(lo, hi, count, grid, dirty, p, q, shapes[0])
+            volume, ok = remove_piece(lo, hi, count, grid, dirty, walls, p, q, shapes[0])
             out[k, REMOVED] += volume
             if not ok:
                 state[STEP], state[PIECE] = k + 1.0, float(piece)
