@@ -27,7 +27,8 @@ def g54(placement: Placement) -> list[float]:
         # the holder counts, and so does the longest of several tools
         (
             "top-front-left",
-            "{1: {type: drill, diameter: 5, length: 50, holder: {diameter: 4, length: 30}}, 2: {type: drill, diameter: 4}}",
+            "{1: {type: drill, diameter: 5, length: 50, holder: {diameter: 4, length: 30}},"
+            " 2: {type: drill, diameter: 5, length: 60}}",
             (550, 370, -180),
         ),
         ("top-front-left", "{}", (550, 370, -100)),
