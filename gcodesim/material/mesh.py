@@ -36,9 +36,7 @@ def read_mesh(path: Path, scale: float = 1.0) -> tuple[Array, Ints]:
     return vertices, faces
 
 
-def stock_of_mesh(
-    vertices: Array, faces: Ints, resolution: float, material: str = "", *, finer_up_to: int = 0
-) -> Stock:
+def stock_of_mesh(vertices: Array, faces: Ints, resolution: float, material: str = "") -> Stock:
     """Stock in the shape of a closed mesh: vertices (v, 3) [m] in S, faces (f, 3) counter-clockwise from outside.
 
     Overlapping closed shells unite; a mesh that is inside out is turned. OpenMeshError when it is not closed.
@@ -51,7 +49,7 @@ def stock_of_mesh(
     if np.einsum("ij,ij->i", a, np.cross(b, c)).sum() < 0.0:
         faces = np.ascontiguousarray(faces[:, ::-1])
     minimum, maximum = vertices.min(axis=0), vertices.max(axis=0)
-    grid, shape = grid_of(minimum, maximum, resolution, finer_up_to)
+    grid, shape = grid_of(minimum, maximum, resolution)
 
     found = np.zeros(shape, dtype=np.int32)
     start = np.zeros(shape, dtype=np.int32)

@@ -15,10 +15,12 @@ from gcodesim.material.sweep_kernels import (
     swept_interval,
     underside,
 )
+from gcodesim.material.wall_kernels import forget_walls, reckon_walls
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
 Bytes = NDArray[np.uint8]
+Singles = NDArray[np.float32]
 
 PATCH_SHIFT = 4  # columns are watched in patches of 16 x 16
 
@@ -77,10 +79,19 @@ def overlap(lo: Array, hi: Array, count: Ints, i: int, j: int, bottom: float, to
 
 @kernel
 def remove_piece(
-    lo: Array, hi: Array, count: Ints, grid: Array, dirty: Bytes, start: Array, end: Array, shape: Array
+    lo: Array,
+    hi: Array,
+    count: Ints,
+    grid: Array,
+    dirty: Bytes,
+    walls: Singles,
+    start: Array,
+    end: Array,
+    shape: Array,
 ) -> tuple[float, bool]:
     """Remove what `shape` sweeps from tip `start` to `end` (3,) [m]; (volume [m^3], ok).
 
+    The volume counts walls where they stand, not where the grid shows them (see wall_kernels).
     ok is False when a column had no room for one more interval: what was done stays done, and doing the piece
     again after growing the arrays removes the rest.
     """
@@ -93,7 +104,7 @@ def remove_piece(
     ball = shape[0] == 1.0
     profile = underside(shape, radius)
     tilt = np.sqrt(1.0 + slope * slope)
-    total = 0.0
+    total, tallest = 0.0, -np.inf
     first_i, last_i = row_range(
         grid[0], grid[2], NUDGE_X, nx, min(x0, x0 + ux * length) - radius, max(x0, x0 + ux * length) + radius
     )
@@ -110,6 +121,7 @@ def remove_piece(
             high = hi[i, j, n - 1]
             if high <= bottom_least:
                 continue
+            tallest = max(tallest, high)
             y = grid[1] + (j + 0.5 + NUDGE_Y) * grid[3]
             along = (x - x0) * ux + (y - y0) * uy
             across = (y - y0) * ux - (x - x0) * uy
@@ -153,7 +165,12 @@ def remove_piece(
                 if gone == 0.0:
                     continue
                 total += gone
+            total -= forget_walls(walls, i, j)
             dirty[i >> PATCH_SHIFT, j >> PATCH_SHIFT] = 1
+    if tallest > bottom_least + profile:
+        total += reckon_walls(
+            lo, hi, count, grid, walls, x0, y0, ux, uy, length, radius, low_z, z0, slope, shape[5] + profile
+        )
     return total * grid[2] * grid[3], True
 
 
@@ -225,6 +242,7 @@ def remove(
     count: Ints,
     grid: Array,
     dirty: Bytes,
+    walls: Singles,
     tops: Array,
     starts: Array,
     ends: Array,
@@ -244,7 +262,7 @@ def remove(
     """
     pieces = len(starts)
     for p in range(first, pieces):
-        gone, ok = remove_piece(lo, hi, count, grid, dirty, starts[p], ends[p], cutter)
+        gone, ok = remove_piece(lo, hi, count, grid, dirty, walls, starts[p], ends[p], cutter)
         volume[p] += gone
         if not ok:
             return p

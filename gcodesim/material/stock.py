@@ -3,14 +3,15 @@
 Each column of the grid in x, y holds a short sorted list of intervals [lo, hi]
 along Z of the stock frame S. Heights are exact; x and y are asked at the
 centres of the cells. So floors and heights come out to rounding error, and
-walls to half a cell.
+walls stand up to half a cell beside their place; the volume between is kept
+at the borders of the columns (`walls`), so that volumes are far better.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import ceil, isqrt, sqrt
+from math import ceil, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,20 +25,14 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
 Bytes = NDArray[np.uint8]
+Singles = NDArray[np.float32]
 Vector = Sequence[float] | Array
 
-BYTES_PER_COLUMN = 8 + 8 + 4
-"""Memory of a column with one interval; each further interval costs 16 bytes in every column."""
+BYTES_PER_COLUMN = 8 + 8 + 4 + 16
+"""Memory of a column with one interval and its two borders; each further interval costs 16 bytes in every column."""
 
 PATCH = 16
 """Columns along one side of a patch, the unit in which changes are watched (2 ** PATCH_SHIFT of the kernels)."""
-
-SMALL_STOCK_COLUMNS = 300_000
-"""Up to so many columns finer cells cost less than they gain: walls, and with them volumes, are right to half a cell
-of the finer grid. A caller that wants that passes it as `finer_up_to`."""
-
-MOST_REFINED = 8
-"""Columns along one side of a cell of the asked resolution, at most."""
 
 GAP_CLOSED = 1.0e-9
 """Gaps [m] up to which added material fuses with what lies above or below: rounding of layer heights."""
@@ -83,7 +78,7 @@ def finest_resolution(size: Vector, budget: int) -> float:
 class Stock:
     """A workpiece in its frame S. Arrays change in place; everything else stays."""
 
-    __slots__ = ("count", "dirty", "grid", "hi", "lo", "material", "original", "resolution", "tops", "z_range")
+    __slots__ = ("count", "dirty", "grid", "hi", "lo", "material", "original", "resolution", "tops", "walls", "z_range")
 
     def __init__(
         self,
@@ -109,17 +104,13 @@ class Stock:
         patches = (-(-count.shape[0] // PATCH), -(-count.shape[1] // PATCH))
         self.dirty: Bytes = np.zeros(patches, dtype=np.uint8)
         self.tops: Array = np.zeros(patches)
+        self.walls: Singles = np.zeros((4, count.shape[0] + 1, count.shape[1] + 1), dtype=np.float32)
         patch_tops(hi, count, self.tops)
 
     @classmethod
-    def box(
-        cls, minimum: Vector, maximum: Vector, resolution: float, material: str = "", *, finer_up_to: int = 0
-    ) -> Stock:
-        """A box between two corners of S [m]; cells divide it exactly and are at most `resolution` wide.
-
-        `finer_up_to`: cells may be a whole part of that width as long as there are no more columns than this.
-        """
-        grid, shape = grid_of(minimum, maximum, resolution, finer_up_to)
+    def box(cls, minimum: Vector, maximum: Vector, resolution: float, material: str = "") -> Stock:
+        """A box between two corners of S [m]; cells divide it exactly and are at most `resolution` wide."""
+        grid, shape = grid_of(minimum, maximum, resolution)
         low, high = float(minimum[2]), float(maximum[2])
         return cls(
             lo=np.full((*shape, 1), low),
@@ -142,8 +133,6 @@ class Stock:
         resolution: float,
         material: str = "",
         axis: str = "z",
-        *,
-        finer_up_to: int = 0,
     ) -> Stock:
         """A round bar [m] whose axis (x, y or z) begins at `center`, the middle of its lower (or first) end face."""
         radius = diameter / 2.0
@@ -151,7 +140,7 @@ class Stock:
         along = "xyz".index(axis)
         minimum, maximum = begin - radius, begin + radius
         minimum[along], maximum[along] = begin[along], begin[along] + length
-        grid, shape = grid_of(minimum, maximum, resolution, finer_up_to)
+        grid, shape = grid_of(minimum, maximum, resolution)
         x = (grid[0] + (np.arange(shape[0]) + 0.5) * grid[2])[:, None] - begin[0]
         y = (grid[1] + (np.arange(shape[1]) + 0.5) * grid[3])[None, :] - begin[1]
         if axis == "z":
@@ -192,10 +181,11 @@ class Stock:
 
     @property
     def volume(self) -> float:
-        """All material [m^3]."""
+        """All material [m^3]: the columns, and the strips between their borders and the true walls."""
         from gcodesim.material.kernels import volume_of
 
-        return float(volume_of(self.lo, self.hi, self.count, self.grid))
+        strips = float(self.walls[2:].sum(dtype=np.float64)) * float(self.grid[2] * self.grid[3])
+        return float(volume_of(self.lo, self.hi, self.count, self.grid)) - strips
 
     def error_bound(self) -> float:
         """How far [m^3] the volume cut or added may be off on this grid; 0 when nothing changed.
@@ -223,6 +213,7 @@ class Stock:
             original=self.original,
         )
         twin.dirty[:] = self.dirty
+        twin.walls[:] = self.walls
         return twin
 
     def grow(self) -> None:
@@ -247,8 +238,8 @@ class Stock:
         done = 0
         while True:
             done = remove(
-                self.lo, self.hi, self.count, self.grid, self.dirty, self.tops, starts, ends, shape, bodies, done,
-                result.volume, result.body_volume, result.body_depth,
+                self.lo, self.hi, self.count, self.grid, self.dirty, self.walls, self.tops, starts, ends, shape, bodies,
+                done, result.volume, result.body_volume, result.body_depth,
             )  # fmt: skip
             if done == len(starts):
                 return result
@@ -269,7 +260,7 @@ class Stock:
         done = 0
         while True:
             done = remove_tilted(
-                self.lo, self.hi, self.count, self.grid, self.dirty, starts, ends, axes_start, axes_end,
+                self.lo, self.hi, self.count, self.grid, self.dirty, self.walls, starts, ends, axes_start, axes_end,
                 radii, heights, done, volume,
             )  # fmt: skip
             if done == len(starts):
@@ -349,12 +340,10 @@ def _pieces(points: Array) -> Array:
     return np.ascontiguousarray(points, dtype=float).reshape(-1, 3)
 
 
-def grid_of(minimum: Vector, maximum: Vector, resolution: float, finer_up_to: int = 0) -> tuple[Array, tuple[int, int]]:
+def grid_of(minimum: Vector, maximum: Vector, resolution: float) -> tuple[Array, tuple[int, int]]:
     """Grid (4,) and number of columns of a box; ValueError when it has no volume."""
     size = [float(b) - float(a) for a, b in zip(minimum, maximum, strict=True)]
     if not (all(s > 0.0 for s in size) and resolution > 0.0):
         raise ValueError(f"a stock of size {size} m at resolution {resolution} m")
     nx, ny = cells_along(size[0], resolution), cells_along(size[1], resolution)
-    parts = min(max(1, isqrt(finer_up_to // (nx * ny))), MOST_REFINED)
-    nx, ny = nx * parts, ny * parts
     return np.array([float(minimum[0]), float(minimum[1]), size[0] / nx, size[1] / ny]), (nx, ny)

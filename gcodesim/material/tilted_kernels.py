@@ -12,10 +12,12 @@ from numpy.typing import NDArray
 from gcodesim.compiled import kernel
 from gcodesim.material.removal_kernels import PATCH_SHIFT, subtract
 from gcodesim.material.sweep_kernels import NUDGE_X, NUDGE_Y, row_range
+from gcodesim.material.wall_kernels import forget_walls
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
 Bytes = NDArray[np.uint8]
+Singles = NDArray[np.float32]
 
 
 @kernel
@@ -84,6 +86,7 @@ def remove_tilted(
     count: Ints,
     grid: Array,
     dirty: Bytes,
+    walls: Singles,
     starts: Array,
     ends: Array,
     axes_start: Array,
@@ -154,6 +157,7 @@ def remove_tilted(
                             changed = True
                         held_low, held_high = 1.0, 0.0
                 if changed:
+                    total -= forget_walls(walls, i, j)
                     dirty[i >> PATCH_SHIFT, j >> PATCH_SHIFT] = 1
         volume[p] += total * grid[2] * grid[3]
     return pieces

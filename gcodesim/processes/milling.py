@@ -85,8 +85,8 @@ class Milling:
         out = np.zeros((len(motion), OUTPUTS))
         while True:
             done = mill(
-                stock.lo, stock.hi, stock.count, stock.grid, stock.dirty, stock.walls, stock.tops, starts, ends, first, motion,
-                compliance, tool, edge, laws, table, circle, shapes, rows, weights, force, sums, turning,
+                stock.lo, stock.hi, stock.count, stock.grid, stock.dirty, stock.walls, stock.tops, starts, ends, first,
+                motion, compliance, tool, edge, laws, table, circle, shapes, rows, weights, force, sums, turning,
                 state.values, out,
             )  # fmt: skip
             if done == len(motion):
