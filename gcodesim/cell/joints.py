@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Final, Literal
 
-from gcodesim.cell.kinds import Json, Kind, Quantity, last_unit, listing, scalar
+from gcodesim.cell.kinds import LAST_UNIT_HOLDS, Json, Kind, Quantity, lacks_unit, last_unit, listing, scalar
 from gcodesim.cell.nodes import Mapping, Node, Scalar
 from gcodesim.cell.reading import FAULT, Fault, Path, Reading, suggestion
 from gcodesim.cell.records import FREE
@@ -14,6 +14,8 @@ from gcodesim.cell.scalars import Measured
 from gcodesim.cell.units import shown
 
 Measure = Literal["length", "angle"]
+POSITIONS: Final = ("length", "angle")
+STIFFNESSES: Final = ("stiffness", "torsional stiffness")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,13 +29,15 @@ class JointValue:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointList(Kind):
-    """One value a joint, `[0, -90, 90, 0, 90, 0]`; with `letters` also `{X: 0, Z: -10}`."""
+    """One value a joint, `[0, -90, 90, 0, 90, 0]`, of one of `dimensions`; with `letters` also `{X: 0, Z: -10}`."""
 
+    dimensions: tuple[str, ...] = POSITIONS
     letters: bool = False
+    example: str = "[0, -90, 90, 0, 90, 0]"
 
     @property
     def expected(self) -> str:
-        return "one value a joint, such as `[0, -90, 90, 0, 90, 0]`"
+        return f"one value a joint, such as `{self.example}`"
 
     def read(self, node: Node, to: Reading, path: Path) -> Any:
         if self.letters and isinstance(node, Mapping):
@@ -46,11 +50,11 @@ class JointList(Kind):
         return good if len(good) == len(values) else FAULT
 
     def _value(self, node: Node, to: Reading, path: Path) -> JointValue | Fault:
-        angle = Quantity("angle")
-        text = scalar(angle, node, to, path)
+        quantity = Quantity(self.dimensions[-1])
+        text = scalar(quantity, node, to, path)
         if isinstance(text, Fault):
             return FAULT
-        number = angle.number(text, to, path)
+        number = quantity.number(text, to, path)
         return FAULT if isinstance(number, Fault) else JointValue(node=text, number=number, path=path)
 
     def _by_letter(self, node: Mapping, to: Reading, path: Path) -> Any:
@@ -64,21 +68,24 @@ class JointList(Kind):
         return FAULT if any(value is FAULT for value in values.values()) else values
 
     def schema(self, definitions: dict[str, Json]) -> Json:
-        value = {"anyOf": [Quantity("angle").schema(definitions), Quantity("length").schema(definitions)]}
+        value = {"anyOf": [{"type": "number"}, *(Quantity(name).schema(definitions) for name in self.dimensions)]}
         many = {"type": "array", "items": value, "minItems": 1}
         return {"anyOf": [many, {"type": "object", "additionalProperties": value}]} if self.letters else many
 
 
 def in_si(
-    values: Sequence[JointValue], measures: Sequence[Measure], to: Reading, *, is_list: bool = True
+    values: Sequence[JointValue], quantities: Sequence[Quantity], to: Reading, *, is_list: bool = True
 ) -> tuple[float, ...] | Fault:
-    """SI values of joints that measure lengths or angles; in a list the unit of the last entry holds where it fits."""
+    """SI values, one a joint; in a list the unit of the last entry holds for those without one, where it fits."""
     parts: list[tuple[Scalar, Measured | Fault, Path]] = [(v.node, v.number, v.path) for v in values]
-    inherited = last_unit(parts, ("length", "angle")) if is_list else None
+    inherited = last_unit(parts, [q.dimension for q in quantities]) if is_list else None
+    if is_list and inherited is None and lacks_unit(parts, quantities):
+        last = values[-1]
+        return quantities[-1].without_unit(last.node, to, last.path, LAST_UNIT_HOLDS)
     result = []
-    for value, measure in zip(values, measures, strict=True):
-        unit = inherited if inherited is not None and inherited.dimension == measure else None
-        result.append(Quantity(measure).in_si(value.number, unit, value.node, to, value.path))
+    for value, quantity in zip(values, quantities, strict=True):
+        unit = inherited if inherited is not None and inherited.dimension == quantity.dimension else None
+        result.append(quantity.in_si(value.number, unit, value.node, to, value.path))
     good = tuple(v for v in result if not isinstance(v, Fault))
     return good if len(good) == len(values) else FAULT
 

@@ -12,7 +12,7 @@ import re
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 from gcodesim.cell.nodes import Listing, Mapping, Node, Scalar
 from gcodesim.cell.reading import FAULT, Fault, Path, Reading, suggestion
@@ -21,6 +21,7 @@ from gcodesim.cell.units import DIMENSIONS, Unit, find, in_unit, measures, names
 
 Json = dict[str, Any]
 
+LAST_UNIT_HOLDS: Final = "the unit of the last entry holds for those without one"
 _NUMBER_PATTERN = r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?"
 _UNIT_PATTERN = r"[^0-9.eE+\-\s].*"
 
@@ -255,9 +256,9 @@ class Vector(Kind):
             if not isinstance(text, Fault):
                 parts.append((text, self.of.number(text, to, (*path, index)), (*path, index)))
         inherited = last_unit(parts, (self.of.dimension,))
-        if inherited is None and self._lacks_unit(parts):
+        if inherited is None and lacks_unit(parts, [self.of]):
             text, _, at = parts[-1]
-            self.of.without_unit(text, to, at, "the unit of the last entry holds for those without one")
+            self.of.without_unit(text, to, at, LAST_UNIT_HOLDS)
             return FAULT
         values = [
             FAULT if isinstance(number, Fault) else self.of.in_si(number, inherited, text, to, at)
@@ -265,12 +266,6 @@ class Vector(Kind):
         ]
         good = tuple(value for value in values if not isinstance(value, Fault))
         return good if len(good) == len(items) else FAULT
-
-    def _lacks_unit(self, parts: list[tuple[Scalar, Measured | Fault, Path]]) -> bool:
-        """Whether units are needed and nowhere written, so that one finding says it for all entries."""
-        numbers = [number for _, number, _ in parts if not isinstance(number, Fault)]
-        written = any(number.unit for number in numbers) or not any(number.value for number in numbers)
-        return not DIMENSIONS[self.of.dimension].plain and not written
 
     def schema(self, definitions: dict[str, Json]) -> Json:
         bounds = {"minItems": self.count, "maxItems": self.count} if self.count else {"minItems": 1}
@@ -283,6 +278,14 @@ class Vector(Kind):
     def plain(self, value: Any) -> tuple[str, Any]:
         suffix = self.of.plain(0.0)[0]
         return suffix, [self.of.plain(entry)[1] for entry in value]
+
+
+def lacks_unit(parts: Sequence[tuple[Scalar, Measured | Fault, Path]], quantities: Sequence[Quantity]) -> bool:
+    """Whether units are needed and nowhere written in a list, so that one finding says it for all entries."""
+    if all(DIMENSIONS[quantity.dimension].plain for quantity in quantities):
+        return False
+    numbers = [number for _, number, _ in parts if not isinstance(number, Fault)]
+    return any(number.value for number in numbers) and not any(number.unit for number in numbers)
 
 
 def last_unit(parts: Sequence[tuple[Scalar, Measured | Fault, Path]], dimensions: Sequence[str]) -> Unit | None:

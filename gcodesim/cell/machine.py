@@ -228,8 +228,8 @@ class MachineForm:
                 "GS706", to.span(path), f"`home` has {len(self.home)} entries; the machine has {len(axes)} axes"
             )
         chosen = [axis for axis in axes if axis.letter in values]
-        written, measures = [values[axis.letter] for axis in chosen], [axis.measure for axis in chosen]
-        home = in_si(written, measures, to, is_list=not isinstance(self.home, dict))
+        written, kinds = [values[axis.letter] for axis in chosen], [Quantity(axis.measure) for axis in chosen]
+        home = in_si(written, kinds, to, is_list=not isinstance(self.home, dict))
         if isinstance(home, Fault):
             return FAULT
         by_letter = {axis.letter: value for axis, value in zip(chosen, home, strict=True)}

@@ -20,7 +20,7 @@ from gcodesim.diagnostics import Span
 
 _META: Final = "gcodesim.cell"
 FREE: Final = "x-"
-_NEARLY: Final = 0.8  # similarity from which on a misspelled key is read as the one that it resembles
+NEARLY: Final = 0.8  # similarity from which on a misspelled key is read as the one that it resembles
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -252,7 +252,7 @@ def known_keys(
             yield name.text, name, value
         elif not name.text.startswith(FREE):
             to.fault("GS704", name.span, f"{what} has no key `{name.text}`", suggestion(name.text, known))
-            meant = difflib.get_close_matches(name.text.lower(), known, n=1, cutoff=_NEARLY)
+            meant = difflib.get_close_matches(name.text.lower(), known, n=1, cutoff=NEARLY)
             if meant and meant[0] not in given:
                 given.add(meant[0])
                 yield meant[0], name, value

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from gcodesim.cell.file_kinds import File, FileValue
-from gcodesim.cell.joints import JointList, Measure, check_within, in_si
-from gcodesim.cell.kinds import NOT_NEGATIVE, POSITIVE, Either, Json, Kind, Quantity, Text, Vector
+from gcodesim.cell.joints import STIFFNESSES, JointList, Measure, check_within, in_si
+from gcodesim.cell.kinds import NOT_NEGATIVE, POSITIVE, Either, Json, Kind, Quantity, Text
 from gcodesim.cell.models import shipped, shipped_chain, user_chain
 from gcodesim.cell.nodes import Node
 from gcodesim.cell.placing import POINT, Place
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from gcodesim.kinematics.chain import Chain
 
 RIGID: Final = "rigid"
+_STIFFNESS_OF: Final[dict[Measure, str]] = {"angle": "torsional stiffness", "length": "stiffness"}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,7 +44,7 @@ class RobotForm:
     base: Place = key(Record(Place, "a place"), "where the base stands", default=Place(), quiet=True)
     home: Any = key(JointList(), "joints at the start", default=None)
     stiffness: Any = key(
-        Either(((RIGID, RIGID),), Vector(Quantity("torsional stiffness", POSITIVE))),
+        Either(((RIGID, RIGID),), JointList(dimensions=STIFFNESSES, example="[1.5e5, 1.4e5, 9e4 N·m/rad]")),
         "stiffness of each gear, or `rigid`",
         default=None,
     )
@@ -98,7 +99,11 @@ class RobotForm:
                 "GS706", span, f"`stiffness` has {len(self.stiffness)} entries; the robot has {len(measures)} joints"
             )
         else:
-            stiffness = self.stiffness
+            gears = [Quantity(_STIFFNESS_OF[m], POSITIVE) for m in measures]
+            written = in_si(self.stiffness, gears, to)
+            if isinstance(written, Fault):
+                return FAULT
+            stiffness = written
         if self.base.frame is None:
             to.default((*path, "base", "in"), "world")
         return Robot(
@@ -117,7 +122,7 @@ class RobotForm:
             return to.fault(
                 "GS706", to.span(path), f"`home` has {len(self.home)} entries; the robot has {len(measures)} joints"
             )
-        values = in_si(self.home, measures, to)
+        values = in_si(self.home, [Quantity(m) for m in measures], to)
         if isinstance(values, Fault):
             return FAULT
         joints = chain.driven_joints
@@ -146,7 +151,7 @@ class Robot:
     """A robot that stands in the cell.
 
     `model` names a shipped one, else None; `description` is its URDF and `chain` what that says. `home` [rad] or [m],
-    `stiffness` of the gears [N·m/rad] or None for rigid ones; `X_WB` is its base in the world.
+    `stiffness` of the gears [N·m/rad] or [N/m], or None for rigid ones; `X_WB` is its base in the world.
     """
 
     name: str
@@ -161,6 +166,12 @@ class Robot:
 
     def at(self, X_WB: Pose) -> Robot:
         return replace(self, X_WB=X_WB)
+
+
+def _show_stiffness(robot: Robot) -> list[str]:
+    assert robot.stiffness is not None
+    dimensions = [_STIFFNESS_OF[m] for m in measures_of(robot.chain)]
+    return [Quantity(d).show(k) for d, k in zip(dimensions, robot.stiffness, strict=True)]
 
 
 _FORM: Final = Record(RobotForm, "the robot", "model")
@@ -184,9 +195,7 @@ class RobotKind(Kind):
         shown: Json = {"model": value.model} if value.model else {"urdf": value.description.name}
         shown["base"] = Record(Place, "a place").show(value.base)
         shown["home"] = [Quantity(m).show(v) for m, v in zip(measures_of(value.chain), value.home, strict=True)]
-        shown["stiffness"] = (
-            RIGID if value.stiffness is None else [Quantity("torsional stiffness").show(k) for k in value.stiffness]
-        )
+        shown["stiffness"] = RIGID if value.stiffness is None else _show_stiffness(value)
         if value.payload is not None:
             shown["payload"] = Record(Payload, "a payload").show(value.payload)
         return shown
@@ -197,7 +206,7 @@ class RobotKind(Kind):
         shown["base"] = Record(Place, "a place").plain(value.base)[1]
         shown["joint_units"] = ["mm" if m == "length" else "deg" for m in measures]
         shown["home"] = [Quantity(m).plain(v)[1] for m, v in zip(measures, value.home, strict=True)]
-        shown["stiffness_Nm_rad"] = None if value.stiffness is None else list(value.stiffness)
+        shown["stiffness_SI"] = None if value.stiffness is None else list(value.stiffness)
         if value.payload is not None:
             shown["payload"] = Record(Payload, "a payload").plain(value.payload)[1]
         return "", shown

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from difflib import get_close_matches
 from pathlib import Path as FilePath
 from typing import Any, Final
 
@@ -14,7 +15,7 @@ from gcodesim.cell.nodes import Listing, Node
 from gcodesim.cell.nodes import Mapping as MappingNode
 from gcodesim.cell.placing import POINT, Place, names_of
 from gcodesim.cell.reading import FAULT, Fault, Path, Reading, Reference, suggestion
-from gcodesim.cell.records import MapOf, Record, all_keys, inline, key
+from gcodesim.cell.records import FREE, NEARLY, MapOf, Record, all_keys, inline, key
 from gcodesim.cell.units import find, names, shown
 from gcodesim.diagnostics import Diagnostic
 
@@ -436,12 +437,15 @@ class StockKind(Kind):
 
     @staticmethod
     def _is_one(node: MappingNode) -> bool:
-        own = [name.text for name, _ in node.entries]
-        if any(name in _SHAPE_KEYS for name in own):
+        own = [name.text for name, _ in node.entries if not name.text.startswith(FREE)]
+        known = all_keys(StockSpec)
+        if any(get_close_matches(name, _SHAPE_KEYS, n=1, cutoff=NEARLY) for name in own):
             return True
         # no shape, but nothing that could be a stock of its own either: one stock whose shape is missing or misspelled
         return bool(own) and not any(
-            isinstance(value, MappingNode) for name, value in node.entries if name.text not in all_keys(StockSpec)
+            isinstance(value, MappingNode)
+            for name, value in node.entries
+            if name.text in own and name.text not in known
         )
 
     def schema(self, definitions: dict[str, Json]) -> Json:

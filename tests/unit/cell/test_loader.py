@@ -259,6 +259,14 @@ def test_a_robot_of_ones_own() -> None:
     assert resting.home == pytest.approx((0.1, 0.0))  # zero, or the end of the travel next to it
 
 
+def test_each_joint_has_the_unit_that_fits_it() -> None:
+    cell = sound("robots: {arm: {urdf: arm.urdf, home: [200, -30], stiffness: [2e5 N/mm, 1e4 N·m/rad]}}")
+
+    arm = cell.robots["arm"]
+    assert arm.home == pytest.approx((0.2, -30 * DEG))  # a rail in mm, a joint in degrees
+    assert arm.stiffness == pytest.approx((2e8, 1e4))
+
+
 def test_rigid_switches_the_default_stiffness_off() -> None:
     text = "robots: {arm: {model: kuka_kr10_r1100_2%s}}"
 
