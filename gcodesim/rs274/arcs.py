@@ -23,9 +23,9 @@ _CENTRE_LETTERS = "ijk"
 
 # LinuxCNC's: a mismatch of the radii below `_ALWAYS` passes, above `_NEVER` not, between up to 0.1 % of the radius
 _RELATIVE_MISS = 1e-3
-_ALWAYS_MM, _ALWAYS_INCH = 0.0127, 0.0005
+_ALWAYS_MM, _ALWAYS_INCH = 0.02 * math.sqrt(2.0), 0.002 * math.sqrt(2.0)
 _NEVER_FACTOR = 100.0
-_SMALLEST_RADIUS = 1.27e-6  # [m]
+_SMALLEST_RADIUS = 1.27e-6  # [m]; the same in both units
 _FULL_CIRCLE_ANGLE = 1e-6 * DEG  # ends nearer than this about the centre make a full circle
 
 
@@ -46,7 +46,9 @@ def arc(words: Words, control: Control, code: int) -> None:
         compensation.arc(words, control, end, code)
         return
     if control.state.comp_leaving:
-        raise Fault("GS151", "the move after G40 must be straight, not an arc", at=who.lower(), hint="lead out with G0 or G1")
+        raise Fault(
+            "GS151", "the move after G40 must be straight, not an arc", at=who.lower(), hint="lead out with G0 or G1"
+        )
     shape = arc_of(words, control, control.state.current, end, code)
     if control.state.feed_mode == 930:
         resolve_inverse_time(words, control, helix_length(control, control.state.current, end, shape))
@@ -73,8 +75,12 @@ def arc_of(words: Words, control: Control, start: Vector, end: Vector, code: int
         named = [words.values.get("xyz"[axis]) is not None for axis in (first, second)]
         if not any(named) and not words.has_polar():
             a, b = _AXIS_NAMES[first], _AXIS_NAMES[second]
-            raise Fault("GS110", f"{who} with R needs {a} or {b}", at="r", hint="an arc by radius needs another end point")
-        centre = _centre_by_radius(words.values["r"], (start[first], start[second]), (end[first], end[second]), signed_turns, control)
+            raise Fault(
+                "GS110", f"{who} with R needs {a} or {b}", at="r", hint="an arc by radius needs another end point"
+            )
+        centre = _centre_by_radius(
+            words.values["r"], (start[first], start[second]), (end[first], end[second]), signed_turns, control
+        )
         return Arc(centre, signed_turns)
     outside = _CENTRE_LETTERS[normal]
     if outside in words.values:
@@ -85,12 +91,21 @@ def arc_of(words: Words, control: Control, start: Vector, end: Vector, code: int
             hint=f"use {_CENTRE_LETTERS[first].upper()} and {_CENTRE_LETTERS[second].upper()}, or change the plane",
         )
     if not centre_words:
-        raise Fault("GS110", f"{who} has neither a centre nor a radius", at=who.lower() if who.lower() in words.names else None, hint="add I J K or R")
+        raise Fault(
+            "GS110",
+            f"{who} has neither a centre nor a radius",
+            at=who.lower() if who.lower() in words.names else None,
+            hint="add I J K or R",
+        )
     letters = (_CENTRE_LETTERS[first], _CENTRE_LETTERS[second])
     if control.state.centre_absolute:
         for letter in letters:
             if letter not in words.values:
-                raise Fault("GS110", f"{who} under G90.1 needs {letter.upper()}", at=who.lower() if who.lower() in words.names else None)
+                raise Fault(
+                    "GS110",
+                    f"{who} under G90.1 needs {letter.upper()}",
+                    at=who.lower() if who.lower() in words.names else None,
+                )
         centre = (words.values[letters[0]], words.values[letters[1]])
     else:
         centre = (start[first] + words.values.get(letters[0], 0.0), start[second] + words.values.get(letters[1], 0.0))
@@ -145,7 +160,12 @@ def _centre_by_radius(
     unit = control.state.unit
     chord = math.dist(start, end)
     if chord == 0.0:
-        raise Fault("GS110", "an arc by radius must end at another point than it starts", at="r", hint="give a full circle by its centre")
+        raise Fault(
+            "GS110",
+            "an arc by radius must end at another point than it starts",
+            at="r",
+            hint="give a full circle by its centre",
+        )
     size, half = abs(radius), chord / 2.0
     if (half - size) * unit > _SMALLEST_RADIUS:
         raise Fault(

@@ -86,6 +86,8 @@ def _tool_of(words: Words, control: Control, *, dynamic: bool, at: str) -> tuple
             raise Fault("GS106", f"the orientation L{orientation} must be between 0 and 9", at="l")
         return diameter / 2.0, orientation
     number = words.whole("d", at.upper())
+    if number is not None and number < 0:
+        raise Fault("GS106", f"D is negative: {number}", at="d", value=number)
     entry = control.tool_entry(number, "d") if number else control.spindle_tool
     return entry.diameter / 2.0 / state.unit, entry.orientation
 
@@ -335,7 +337,9 @@ def _intersection(control: Control, op: Point, following: _Line | _Circle) -> Po
     held = _Circle(move.centre, math.dist(move.centre, end)) if move.kind == "arc" else _Line(end, move.direction)
     found = _meet(held, following)
     if not found:
-        raise Fault("GS152", "the tool does not fit into this inside corner", hint="use a smaller tool or a larger corner")
+        raise Fault(
+            "GS152", "the tool does not fit into this inside corner", hint="use a smaller tool or a larger corner"
+        )
     nearest = min(math.dist(point, op) for point in found)
     near = [point for point in found if math.dist(point, op) < nearest * (1.0 + 1e-9) + 1e-12]
     return min(near, key=lambda point: _along(move, point, end))
@@ -370,7 +374,8 @@ def _meet(a: _Line | _Circle, b: _Line | _Circle) -> list[Point]:
         return []
     root = math.sqrt(inside)
     return [
-        (line.point[0] + t * line.direction[0], line.point[1] + t * line.direction[1]) for t in (-along - root, -along + root)
+        (line.point[0] + t * line.direction[0], line.point[1] + t * line.direction[1])
+        for t in (-along - root, -along + root)
     ]
 
 
@@ -452,7 +457,9 @@ def _emit(control: Control, move: Held) -> None:
         control.out.append(canon.Rapid(span=span, end=at, block=move.block, word=move.word))
     elif move.kind == "line":
         control.out.append(
-            canon.LinearFeed(span=span, end=at, block=move.block, word=move.word, feed=move.feed, feed_unit=move.feed_unit)
+            canon.LinearFeed(
+                span=span, end=at, block=move.block, word=move.word, feed=move.feed, feed_unit=move.feed_unit
+            )
         )
     else:
         control.out.append(_arc_event(control, move, start, end, at))

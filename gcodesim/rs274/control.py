@@ -166,8 +166,7 @@ class Control:
     def _read_only(self, number: int) -> float:
         state = self.state
         if number >= numbers.POSITION:
-            value = state.current[number - numbers.POSITION]
-            return value * 2.0 if number == numbers.POSITION and state.diameter else value
+            return state.current[number - numbers.POSITION]
         tool = self.spindle_tool
         if number == numbers.TOOL:
             return float(state.tool)
@@ -232,9 +231,7 @@ class Control:
             # S is m/min under G21 and ft/min under G20, as it was when S was written
             speed = state.speed * (1.0 if state.speed_unit == MM else 0.3048) / MINUTE
             cap = None if state.surface_speed_cap is None else state.surface_speed_cap * RPM
-            self.out.append(
-                canon.Spindle(span=self.span, direction=direction, speed=speed, unit="m/s", max_speed=cap)
-            )
+            self.out.append(canon.Spindle(span=self.span, direction=direction, speed=speed, unit="m/s", max_speed=cap))
         else:
             self.out.append(canon.Spindle(span=self.span, direction=direction, speed=state.speed * RPM))
 
@@ -274,6 +271,10 @@ class Control:
         count, first = self.not_simulated.get(word, (0, self.span))
         self.not_simulated[word] = (count + 1, first)
 
+    def warn(self, code: str, message: str, hint: str = "") -> None:
+        """A finding that does not stop the block; once a place."""
+        self.notes.append(Diagnostic(code=code, message=message, span=self.span, hint=hint))
+
     def change_unit(self, unit: float) -> None:
         """G20 or G21: everything that is kept in program units is converted; nothing moves."""
         state = self.state
@@ -287,7 +288,6 @@ class Control:
         state.tool_offset = scaled(state.tool_offset, factor)
         state.comp_programmed = scaled(state.comp_programmed, factor)
         state.comp_radius *= factor
-        state.cycle_start *= factor
 
     def tool_entry(self, number: int, at: str) -> ToolEntry:
         """The entry of tool `number`; a fault when the table has none."""

@@ -30,9 +30,8 @@ class Hole:
     clear: float
     dwell: float
     step: float
-    i: float
-    j: float
-    k: float
+    aside: tuple[float, float]  # G87: the shift in the plane
+    middle: float  # G87: the height to bore back to
 
 
 def cycle(words: Words, control: Control, code: int) -> None:
@@ -51,13 +50,12 @@ def cycle(words: Words, control: Control, code: int) -> None:
     if repeats is not None and repeats < 1:
         raise Fault("GS140", f"{who} with L{repeats}: a cycle runs at least once", at="l")
     _need(sticky, code, who, at, "xyz"[normal])
-    starts = state.cycle == -1
-    if starts:
+    if state.cycle == -1:
         state.cycle_start = state.current[normal]
-    base = state.cycle_start if state.retract == 980 else state.current[normal]
+    base = state.cycle_start
     hole = _hole(sticky, code, base, words, control, who, normal)
     state.cycle, state.cycle_words = code, tuple(sticky.items())
-    _run(words, control, hole, code, repeats or 1, (first, second, normal), who, base, starts)
+    _run(words, control, hole, code, repeats or 1, (first, second, normal), who, base)
 
 
 def _check(words: Words, control: Control, code: int, who: str, at: str | None) -> None:
@@ -68,11 +66,11 @@ def _check(words: Words, control: Control, code: int, who: str, at: str | None) 
         raise Fault("GS140", f"{who} cannot be used under G93", at=at, hint="say G94 and F before")
     if state.feed == 0.0:
         raise Fault("GS107", f"{who} without a feed: F is 0", at=at, hint="write F before or in this block")
-    if state.feed_mode == 950 and state.speed == 0.0:
-        raise Fault("GS108", f"{who} under G95 needs a spindle speed: S is 0", at=at)
     for letter in "abcuvw":
         if letter in words.values:
-            raise Fault("GS140", f"{who} takes no {letter.upper()} word", at=letter, hint="turn the axis in a block before")
+            raise Fault(
+                "GS140", f"{who} takes no {letter.upper()} word", at=letter, hint="turn the axis in a block before"
+            )
     turning = _NEEDS_SPINDLE.get(code)
     if turning is not None and state.spindle not in turning:
         wanted = "clockwise (M3)" if turning == (1,) else "counterclockwise (M4)" if turning == (-1,) else "turning"
@@ -115,10 +113,10 @@ def _hole(
     dwell = sticky.get("p", 0.0)
     if dwell < 0.0:
         raise Fault("GS106", f"the dwell P{dwell:g} of {who} is negative", at="p")
-    middle = sticky.get("k", 0.0) + (bottom if incremental else 0.0)
-    if code == 870 and not bottom <= middle <= clear:
-        raise Fault("GS140", f"K{middle:g} of G87 must lie between {letter.upper()}{bottom:g} and R{clear:g}", at="k")
-    return Hole(bottom, clear, dwell, step, sticky.get("i", 0.0), sticky.get("j", 0.0), middle)
+    first, second, _ = PLANE_AXES[control.state.plane]
+    aside = (sticky.get("ijk"[first], 0.0), sticky.get("ijk"[second], 0.0))
+    middle = sticky.get("ijk"[normal], 0.0) + (bottom if incremental else 0.0)
+    return Hole(bottom, clear, dwell, step, aside, middle)
 
 
 def _run(
@@ -130,23 +128,22 @@ def _run(
     axes: tuple[int, int, int],
     who: str,
     base: float,
-    starts: bool,
 ) -> None:
-    """All holes of the block. `base` is the height from which the first is approached."""
+    """All holes of the block. `base` is the height at which the chain of cycles began."""
     first, second, normal = axes
     state = control.state
     end = end_point(words, control)
     step = (end[first] - state.current[first], end[second] - state.current[second])
     head = _Head(control, axes, who)
     if base < hole.clear:
-        if starts:
-            head.rapid_to(hole.clear)
+        head.rapid_to(hole.clear)
         base = hole.clear
     level = hole.clear if state.retract == 990 else base
+    now = state.current[normal]
+    height = now if now > hole.clear else level
     if state.path != 610:
         control.say_path(610)
     place = (state.current[first], state.current[second])
-    height = base
     for _ in range(repeats):
         place = (place[0] + step[0], place[1] + step[1]) if state.incremental else (end[first], end[second])
         head.rapid_over(place, height)
@@ -273,13 +270,13 @@ def _back_bore(head: _Head, hole: Hole, level: float) -> None:
     direction = control.state.spindle
     now = control.state.current
     centre = (now[head.first], now[head.second])
-    aside = (centre[0] + hole.i, centre[1] + hole.j)
+    aside = (centre[0] + hole.aside[0], centre[1] + hole.aside[1])
     head.rapid_over(aside, hole.clear)
     head.orient(direction)
     head.rapid_over(aside, hole.bottom)
     head.rapid_over(centre, hole.bottom)
     head.turn(direction)
-    head.feed_to(hole.k)
+    head.feed_to(hole.middle)
     head.feed_to(hole.bottom)
     head.orient(direction)
     head.rapid_over(aside, hole.bottom)

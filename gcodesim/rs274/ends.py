@@ -25,15 +25,10 @@ def end_point(words: Words, control: Control) -> Vector:
         return _in_machine_coordinates(words, control)
     if words.has_polar():
         return _polar(words, control, start)
-    halved = 0.5 if state.diameter else 1.0
     if state.incremental:
         ends = [start[axis] + values.get(letter, 0.0) for axis, letter in enumerate(AXES)]
-        if halved != 1.0 and "x" in values:
-            ends[0] = start[0] + values["x"] * halved
     else:
         ends = [values.get(letter, start[axis]) for axis, letter in enumerate(AXES)]
-        if halved != 1.0 and "x" in values:
-            ends[0] = values["x"] * halved
     return tuple(ends)  # type: ignore[return-value]
 
 
@@ -43,10 +38,7 @@ def _in_machine_coordinates(words: Words, control: Control) -> Vector:
         raise Fault("GS185", "polar words cannot be used with G53", at="g53")
     state = control.state
     axes = control.axes()
-    halved = 0.5 if state.diameter else 1.0
     wanted = [words.values.get(letter, axes[axis]) for axis, letter in enumerate(AXES)]
-    if halved != 1.0 and "x" in words.values:
-        wanted[0] = words.values["x"] * halved
     return control.point_of(subtract(tuple(wanted), state.tool_offset))  # type: ignore[arg-type]
 
 
@@ -54,7 +46,12 @@ def _polar(words: Words, control: Control, start: Vector) -> Vector:
     """@ radius and ^ angle about the program's origin."""
     state = control.state
     if state.plane != 170:
-        raise Fault("GS185", "polar coordinates work in the XY plane only", at="@" if "@" in words.values else "^", hint="say G17")
+        raise Fault(
+            "GS185",
+            "polar coordinates work in the XY plane only",
+            at="@" if "@" in words.values else "^",
+            hint="say G17",
+        )
     for letter in "xy":
         if letter in words.values:
             raise Fault("GS185", f"{letter.upper()} and polar words exclude each other", at=letter)
@@ -71,6 +68,8 @@ def _polar(words: Words, control: Control, start: Vector) -> Vector:
         bearing = math.degrees(math.atan2(start[1], start[0])) if angle is None else angle
         distance = here if radius is None else radius
     sign = 1.0 if state.incremental else 0.0
-    rest = [words.values.get(letter, 0.0 if sign else start[axis]) + sign * start[axis] for axis, letter in enumerate(AXES)]
+    rest = [
+        words.values.get(letter, 0.0 if sign else start[axis]) + sign * start[axis] for axis, letter in enumerate(AXES)
+    ]
     x, y = distance * math.cos(math.radians(bearing)), distance * math.sin(math.radians(bearing))
     return (x, y, *rest[2:])  # type: ignore[return-value]

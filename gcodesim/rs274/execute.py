@@ -31,11 +31,13 @@ def motion_of(words: Words, control: Control) -> int:
         raise Fault("GS185", "polar words belong to a motion, not to " + g_name(claimed).upper(), at="@")
     if own == 800:
         if has_axes and not claims:
-            raise Fault("GS102", "G80 ends the cycle and takes no axis words", at="g80", hint="use G0 or G1 for the move")
+            raise Fault(
+                "GS102", "G80 ends the cycle and takes no axis words", at="g80", hint="use G0 or G1 for the move"
+            )
         _need_axes(words, claimed, has_axes)
         return own
     if own >= 0:
-        if has_axes and (claims or length_claims):
+        if claims or length_claims:
             other = g_name(claimed if claims else words.g[LENGTH])
             raise Fault(
                 "GS102",
@@ -76,6 +78,9 @@ def execute(words: Words, control: Control) -> None:
     if 530 == g.get(NON_MODAL):
         _check_machine_coordinates(words, control, motion)
     check_use(words, control.dialect, g_name(motion) if motion >= 0 else "")
+
+    if words.values.get("$"):
+        raise Fault("GS106", f"there is no spindle ${words.values['$']:g}: one spindle is simulated", at="$")
 
     modes.spindle_mode(words, control)
     modes.feed_mode(words, control)

@@ -16,13 +16,15 @@ def check_feed(words: Words, control: Control, who: str) -> None:
     at = who.lower() if who.lower() in words.names else None
     if state.feed_mode == 930:
         if "f" not in words.values:
-            raise Fault("GS107", f"{who} under G93 needs F in its own block", at=at, hint="F is 1 over the minutes of the move")
-        if words.values["f"] <= 0.0:
-            raise Fault("GS107", f"{who} with F0", at="f")
+            raise Fault(
+                "GS107", f"{who} under G93 needs F in its own block", at=at, hint="F is 1 over the minutes of the move"
+            )
     elif state.feed == 0.0:
         raise Fault("GS107", f"{who} without a feed: F is 0", at=at, hint="write F before or in this block")
     elif state.feed_mode == 950 and state.speed == 0.0:
-        raise Fault("GS108", f"{who} under G95 needs a spindle speed: S is 0", at=at, hint="write S before or in this block")
+        raise Fault(
+            "GS108", f"{who} under G95 needs a spindle speed: S is 0", at=at, hint="write S before or in this block"
+        )
 
 
 def straight_length(start: Vector, end: Vector) -> float:

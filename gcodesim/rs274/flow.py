@@ -11,6 +11,7 @@ from gcodesim.rs274.control import Control
 from gcodesim.rs274.expressions import checked
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.frame import Frame, Label
+from gcodesim.rs274.machine_codes import end_program
 from gcodesim.rs274.program_file import ProgramFile
 from gcodesim.rs274.reader import Reader
 from gcodesim.rs274.saved import bring_back
@@ -72,7 +73,9 @@ class FlowControl:
     def _check_operands(self, flow: Flow) -> None:
         count = len(flow.operands)
         if flow.keyword in _NEEDS_ONE and count != 1:
-            raise Fault("GS008", f"`{flow.keyword}` needs one expression in brackets", hint=f"o1 {flow.keyword} [#1 LT 10]")
+            raise Fault(
+                "GS008", f"`{flow.keyword}` needs one expression in brackets", hint=f"o1 {flow.keyword} [#1 LT 10]"
+            )
         if flow.keyword == "call":
             if count > MOST_ARGUMENTS:
                 raise Fault(
@@ -102,7 +105,9 @@ class FlowControl:
         if known is None or known.kind not in kinds:
             wanted = " or ".join(f"`{kind}`" for kind in kinds)
             raise Fault(
-                "GS130", f"`{keyword}` {show(label)} has no {wanted} before it", hint="labels must be the same and must nest"
+                "GS130",
+                f"`{keyword}` {show(label)} has no {wanted} before it",
+                hint="labels must be the same and must nest",
             )
         return known
 
@@ -216,11 +221,14 @@ class FlowControl:
         if frame.name == label and frame.first == index and not frame.by_m98:
             return
         known = self.subs.get(label)
-        if known is not None and known != (frame.file, index):
-            raise Fault(
-                "GS130",
-                f"the subroutine {show(label)} is defined twice: the first time in {known[0].name}, line {known[1] + 1}",
-            )
+        if known is not None:
+            if known == (frame.file, index):
+                message = f"the program runs into the subroutine {show(label)} once more"
+                hint = "define subroutines where the program passes once, or after its end"
+            else:
+                message = f"the subroutine {show(label)} is defined twice"
+                hint = f"the first time in {known[0].name}, line {known[1] + 1}"
+            raise Fault("GS130", message, hint=hint)
         self.subs[label] = (frame.file, index)
         for inner in frame.file.flows:
             if inner.index > index:
@@ -229,7 +237,10 @@ class FlowControl:
                     return
                 if inner.keyword == "sub":
                     raise Stopped(
-                        "GS130", f"a subroutine inside the subroutine {show(label)}", index=inner.index, hint="close the first one"
+                        "GS130",
+                        f"a subroutine inside the subroutine {show(label)}",
+                        index=inner.index,
+                        hint="close the first one",
                     )
         last = len(frame.file.lines) - 1
         raise Stopped("GS130", f"the subroutine {show(label)} is never closed: no `endsub` follows", index=last)
@@ -244,8 +255,6 @@ class FlowControl:
         del index, arrived
         if len(self.frames) == 1 or self.frame.by_m98:
             raise Fault("GS130", f"`return` {show(label)} outside a subroutine")
-        if self.frame.name != label:
-            raise Fault("GS130", f"`return` {show(label)} inside the subroutine {show(self.frame.name)}")
         self._return(flow)
 
     def _return(self, flow: Flow) -> None:
@@ -302,18 +311,26 @@ class FlowControl:
         if own is not None:
             found = own.find_flow(-1, label, frozenset(("sub",)))
             if found is None:
-                raise Fault("GS131", f"{own.name} holds no subroutine {show(label)}", hint=f"it must begin with o<{label}> sub")
+                raise Fault(
+                    "GS131", f"{own.name} holds no subroutine {show(label)}", hint=f"it must begin with o<{label}> sub"
+                )
             self.subs[label] = (own, found.index)
             return self.subs[label]
         found = self.frame.file.find_flow(index, label, frozenset(("sub",)))
         if found is not None:
             self.subs[label] = (self.frame.file, found.index)
             return self.subs[label]
+        number = self.frame.file.find_flow(index, label, frozenset(("",)))
+        if number is not None:
+            raise Stopped(
+                "GS131", f"O{label} is a program for M98, no subroutine", index=number.index, hint=f"M98 P{label}"
+            )
         raise Stopped(
             "GS131",
             f"there is no subroutine {show(label)}",
             index=len(self.frame.file.lines) - 1,
-            hint=self._near_sub(label) or f"define it with `{show(label)} sub`, or put {label}.ngc into a folder of subroutines",
+            hint=self._near_sub(label)
+            or f"define it with `{show(label)} sub`, or put {label}.ngc into a folder of subroutines",
         )
 
     def _near_sub(self, label: str) -> str:
@@ -351,16 +368,20 @@ class FlowControl:
         label = str(number)
         if rounds <= 0:
             return
-        if len(self.frames) > 1 and not self.frame.by_m98:
-            raise Fault("GS130", "M98 inside an O-word subroutine", at="m98", hint="use `o… call`")
         file = self.frame.file
         found = next((f for f in file.flows if f.label == label and f.keyword == ""), None)
         if found is None:
             own = self._file_of(label)
             found = next((f for f in own.flows if f.label == label and f.keyword == ""), None) if own else None
             if own is None or found is None:
+                for other in file.flows:
+                    if other.label == label and other.keyword == "sub":
+                        hint = f"call it by `{show(label)} call`"
+                        raise Stopped("GS131", f"{show(label)} is no program for M98", index=other.index, hint=hint)
                 last = len(file.lines) - 1
-                raise Stopped("GS131", f"there is no program O{number}", index=last, hint=f"begin it with a line O{number}")
+                raise Stopped(
+                    "GS131", f"there is no program O{number}", index=last, hint=f"begin it with a line O{number}"
+                )
             file = own
         self._enter(file, found.index + 1, label, index)
         self.frame.by_m98 = True
@@ -371,7 +392,8 @@ class FlowControl:
         """M99: the next round of an M98, or back to the caller."""
         frame = self.frame
         if len(self.frames) == 1:
-            raise Fault("GS130", "M99 in the main program", at="m99", hint="end the main program with M2 or M30")
+            end_program(self.control, shuttle=False)  # a control would start again from the top
+            return
         if not frame.by_m98:
             raise Fault("GS130", "M99 inside an O-word subroutine", at="m99", hint="use `return` or `endsub`")
         frame.rounds -= 1

@@ -53,9 +53,7 @@ def _act(control: Control, m: int, words: Words) -> bool:
     if action is None:
         return False
     control.out.append(
-        canon.Action(
-            span=control.span, m=m, p=words.get("p"), q=words.get("q"), target=action.target, verb=action.verb
-        )
+        canon.Action(span=control.span, m=m, p=words.get("p"), q=words.get("q"), target=action.target, verb=action.verb)
     )
     return True
 
@@ -92,8 +90,7 @@ def outputs(words: Words, control: Control) -> None:
 
 def _index(words: Words, letter: str, m: int) -> int:
     words.need(letter, "GS105", f"M{m}", "it is the number of the output")
-    index = words.whole(letter, f"M{m}")
-    assert index is not None
+    index = round(words.values[letter])
     if index < 0:
         raise Fault("GS106", f"the number of the output is negative: {index}", at=letter)
     return index
@@ -110,11 +107,11 @@ def _wait_for_input(words: Words, control: Control) -> None:
     timeout = words.get("q") or 0.0
     if timeout < 0.0:
         raise Fault("GS106", "the time limit Q is negative", at="q")
-    if mode and timeout <= 0.0 and mode != 0:
+    if mode and timeout <= 0.0:
         raise Fault("GS105", f"M66 L{mode} needs the time limit Q", at="m66")
     if e is not None and mode:
         raise Fault("GS106", "an analog input can only be read at once: L0", at="l")
-    control.parameters.set(INPUT_RESULT, -1.0 if mode in (1, 3) else 0.0)
+    control.parameters.set(INPUT_RESULT, 0.0)
     control.skip("M66")
 
 
@@ -128,8 +125,8 @@ def change_tool(words: Words, control: Control) -> None:
         raise Fault("GS150", "the tool cannot change while cutter compensation is on", at=f"m{m}", hint="say G40 first")
     if m == 6:
         if state.selected < 0:
-            raise Fault("GS105", "M6 needs a tool: no T word came before", at="m6", hint="write T1 M6")
-        number = state.selected
+            control.warn("GS193", "M6 without any T word before it empties the spindle", "write T1 M6")
+        number = max(state.selected, 0)
         if state.spindle:
             state.spindle = 0
             control.say_spindle()
@@ -142,7 +139,9 @@ def change_tool(words: Words, control: Control) -> None:
         number = asked
     control.spindle_tool = control.tool_entry(number, "t" if m == 6 else "q") if number else ToolEntry(number=0)
     state.tool = number
-    event = canon.ToolChange(span=control.span, tool=number) if m == 6 else canon.ToolNumber(span=control.span, tool=number)
+    event = (
+        canon.ToolChange(span=control.span, tool=number) if m == 6 else canon.ToolNumber(span=control.span, tool=number)
+    )
     control.out.append(event)
     if m == 6 and control.auto_length and control.settings.auto_length is not None:
         _assume_length(number, control)
@@ -183,7 +182,10 @@ def turn_spindle(words: Words, control: Control) -> None:
 
 
 def _orient(words: Words, control: Control) -> None:
-    angle = words.get("r") or 0.0
+    control.skip("M19")
+    if "r" not in words.values:
+        return
+    angle = words.values["r"]
     if not 0.0 <= angle <= 360.0:
         raise Fault("GS106", f"M19 R{angle:g}: the angle must be between 0 and 360", at="r", value=angle, limit=360.0)
     direction = words.whole("p", "M19") or 0
@@ -192,7 +194,6 @@ def _orient(words: Words, control: Control) -> None:
     if (words.get("q") or 0.0) < 0.0:
         raise Fault("GS106", "the time limit Q of M19 must be positive", at="q")
     control.out.append(canon.Orient(span=control.span, angle=angle * DEG, direction=direction))
-    control.skip("M19")
 
 
 def save_modes(words: Words, control: Control) -> None:
@@ -279,8 +280,8 @@ def end_program(control: Control, *, shuttle: bool) -> None:
     if state.flood or state.mist:
         state.flood = state.mist = False
         control.say_coolant()
-    if not (state.feed_override and state.speed_override):
-        state.feed_override = state.speed_override = True
+    if not state.feed_override:
+        state.feed_override = True  # the spindle's override stays as it is
         control.say_overrides()
     if shuttle:
         control.out.append(canon.PalletShuttle(span=control.span))

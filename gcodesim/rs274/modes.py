@@ -4,7 +4,17 @@ from __future__ import annotations
 
 from gcodesim.rs274 import compensation
 from gcodesim.rs274.control import Control
-from gcodesim.rs274.dialects.linuxcnc import CENTRE, DIAMETER, DISTANCE, FEED_MODE, PATH, PLANE, RETRACT, SPINDLE_MODE, UNITS
+from gcodesim.rs274.dialects.linuxcnc import (
+    CENTRE,
+    DIAMETER,
+    DISTANCE,
+    FEED_MODE,
+    PATH,
+    PLANE,
+    RETRACT,
+    SPINDLE_MODE,
+    UNITS,
+)
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.words import Words
 from gcodesim.units import INCH, MM
@@ -21,7 +31,7 @@ def spindle_mode(words: Words, control: Control) -> None:
             raise Fault("GS105", "G96 needs the word S", at="g96", hint="S is the cutting speed, D the greatest rpm")
         state.surface_speed = True
         cap = words.get("d")
-        state.surface_speed_cap = cap if cap else None
+        state.surface_speed_cap = abs(cap) if cap else None
     else:
         state.surface_speed = False
         state.surface_speed_cap = None
@@ -50,7 +60,12 @@ def plane(words: Words, control: Control) -> None:
     if code is None:
         return
     if control.state.side and code != control.state.plane:
-        raise Fault("GS150", "the plane cannot change while cutter compensation is on", at=f"g{code // 10}", hint="say G40 first")
+        raise Fault(
+            "GS150",
+            "the plane cannot change while cutter compensation is on",
+            at=f"g{code // 10}",
+            hint="say G40 first",
+        )
     control.state.plane = code
 
 

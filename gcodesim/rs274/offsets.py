@@ -28,7 +28,9 @@ def tool_length(words: Words, control: Control) -> None:
     state = control.state
     if state.side:
         at = g_name(code)
-        raise Fault("GS150", "the tool length cannot change while cutter compensation is on", at=at, hint="say G40 first")
+        raise Fault(
+            "GS150", "the tool length cannot change while cutter compensation is on", at=at, hint="say G40 first"
+        )
     axes = control.axes()
     if code == 490:
         offset = ZERO
@@ -49,20 +51,14 @@ def _entry_of_h(words: Words, control: Control) -> ToolEntry:
 
 
 def _replaced(offset: Vector, words: Words) -> Vector:
-    if not words.has_axes():
-        raise Fault("GS103", "G43.1 needs at least one axis word", at="g43.1")
     return tuple(words.values.get(letter, offset[axis]) for axis, letter in enumerate(AXES))  # type: ignore[return-value]
 
 
 def _added(words: Words, control: Control) -> Vector:
     has_axes = words.has_axes()
-    if ("h" in words.values) == has_axes:
-        raise Fault("GS105", "G43.2 needs either H or axis words", at="g43.2")
-    if has_axes:
-        more = tuple(words.values.get(letter, 0.0) for letter in AXES)
-    else:
-        more = control.from_si(_entry_of_h(words, control).offset)
-    return add(control.state.tool_offset, more)  # type: ignore[arg-type]
+    if has_axes or "h" not in words.values:
+        raise Fault("GS105", "G43.2 needs the word H and takes no axis words", at="g43.2")
+    return add(control.state.tool_offset, control.from_si(_entry_of_h(words, control).offset))
 
 
 def work_system(words: Words, control: Control) -> None:
@@ -77,7 +73,9 @@ def work_system(words: Words, control: Control) -> None:
             at=g_name(code),
             hint="say G40 first",
         )
-    control.use_system(_SYSTEM_INDEX[code])
+    index = _SYSTEM_INDEX[code]
+    if index != control.state.system:  # a program that wrote #5221 itself has to change the system to see it
+        control.use_system(index)
 
 
 def non_modal(words: Words, control: Control) -> None:
@@ -220,7 +218,9 @@ def _go_home(first: int, code: int) -> Callable[[Words, Control], None]:
     def act(words: Words, control: Control) -> None:
         state = control.state
         if state.side:
-            raise Fault("GS150", f"G{code} is refused while cutter compensation is on", at=f"g{code}", hint="say G40 first")
+            raise Fault(
+                "GS150", f"G{code} is refused while cutter compensation is on", at=f"g{code}", hint="say G40 first"
+            )
         word = f"G{code}"
         get = control.parameters.get
         home: Vector = tuple(control.program_units(get(first + axis), axis) for axis in range(9))  # type: ignore[assignment]
@@ -228,9 +228,8 @@ def _go_home(first: int, code: int) -> Callable[[Words, Control], None]:
         if words.has_axes():
             control.rapid(end_point(words, control), word)
             named = [letter in words.values for letter in AXES]
-            axes = control.axes()
-            mixed = tuple(home[axis] if named[axis] else axes[axis] for axis in range(9))
-            end = control.point_of(subtract(mixed, state.tool_offset))  # type: ignore[arg-type]
+            # as on the control, the named axes are those of the work system, also where it is turned
+            end = tuple(end[axis] if named[axis] else state.current[axis] for axis in range(9))  # type: ignore[assignment]
         control.rapid(end, word)
         _name_home(control, first, word)
 

@@ -26,12 +26,12 @@ def probe(words: Words, control: Control, code: int) -> None:
         raise Fault("GS150", f"{who} is refused while cutter compensation is on", at=at, hint="say G40 first")
     if state.feed_mode == 930:
         raise Fault("GS180", f"{who} cannot be used under G93", at=at)
+    if state.feed_mode == 950:
+        raise Fault("GS180", f"{who} cannot be used under G95", at=at, hint="say G94 and F before")
     if state.feed == 0.0:
         raise Fault("GS107", f"{who} without a feed: F is 0", at=at, hint="write F before or in this block")
     end = end_point(words, control)
-    if end[3:6] != state.current[3:6]:
-        raise Fault("GS180", f"{who} cannot move rotary axes", at=next(x for x in "abc" if x in words.values))
-    distance = math.dist(end[:3], state.current[:3])
+    distance = math.dist(end, state.current)
     shortest = _SHORTEST_INCH if state.unit == INCH else _SHORTEST_MM
     if distance < shortest:
         raise Fault("GS180", f"{who} starts too close to its end point: {distance:g} of at least {shortest:g}", at=at)

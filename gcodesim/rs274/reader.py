@@ -179,7 +179,9 @@ def _explain(problem: Unreadable, squeezed: str, columns: list[int]) -> Fault:
     wants_value = "NUMBER" in problem.expected
     before = squeezed[at - 1 : at]
     if found == "n" and at > 0:
-        return Fault("GS001", "a line number must stand first in its line", at=here, hint="move the N word to the front")
+        return Fault(
+            "GS001", "a line number must stand first in its line", at=here, hint="move the N word to the front"
+        )
     if squeezed[:1] == "n" and at == 1 or found == "n":
         return Fault("GS005", "a line number is N and digits, without a sign", at=(columns[0], here[1]))
     if _in_flow(squeezed):
@@ -197,7 +199,9 @@ def _explain(problem: Unreadable, squeezed: str, columns: list[int]) -> Fault:
     if re.match(r"[0-9.]+", squeezed[at:]) and re.search(r"[0-9.]\Z", squeezed[:at]):
         number = _number_around(squeezed, at)
         return Fault(
-            "GS005", f"`{squeezed[number[0] : number[1]]}` is not a number", at=(columns[number[0]], columns[number[1] - 1] + 1)
+            "GS005",
+            f"`{squeezed[number[0] : number[1]]}` is not a number",
+            at=(columns[number[0]], columns[number[1] - 1] + 1),
         )
     if squeezed.count("[") > squeezed.count("]") and not found:
         return Fault("GS006", "a bracket is never closed", at=here, hint="add `]`")
@@ -256,7 +260,11 @@ def _number_around(squeezed: str, at: int) -> tuple[int, int]:
 
 def _in_setting(squeezed: str, at: int) -> bool:
     hash_sign = squeezed.rfind("#", 0, at)
-    return hash_sign >= 0 and (hash_sign == 0 or not squeezed[hash_sign - 1].isalpha()) and "=" not in squeezed[hash_sign:at]
+    return (
+        hash_sign >= 0
+        and (hash_sign == 0 or not squeezed[hash_sign - 1].isalpha())
+        and "=" not in squeezed[hash_sign:at]
+    )
 
 
 def _expectation(problem: Unreadable) -> str:
@@ -269,4 +277,3 @@ def _visible(char: str) -> str:
 
 
 __all__ = ["Reader", "prepare", "read_plain"]
-

@@ -137,7 +137,7 @@ class _Executor:
                 return
             control.block_number = self.blocks
             if block.plain:
-                words = read_words(block, self.dialect, control.parameters, self.settings.m_codes, self.settings.has_cell)
+                words = self._words(block)
                 self._execute(words, index)
                 return
             self._settings_and_words(block, index)
@@ -155,7 +155,7 @@ class _Executor:
                 notes.execute(note, control)
             control.parameters.commit()
             return
-        words = read_words(block, self.dialect, control.parameters, self.settings.m_codes, self.settings.has_cell)
+        words = self._words(block)
         settings = _evaluated(block, control.parameters)
         try:
             for number, value, _place in settings:
@@ -174,6 +174,13 @@ class _Executor:
             self._execute(words, index)
         else:
             control.parameters.commit()
+
+    def _words(self, block: Block) -> Words:
+        control = self.control
+        words = read_words(block, self.dialect, control.parameters, self.settings.m_codes, self.settings.has_cell)
+        if control.state.diameter and "x" in words.values:
+            words.values["x"] *= 0.5  # G7: X is a diameter, whatever uses it
+        return words
 
     def _execute(self, words: Words, index: int) -> None:
         control = self.control
@@ -195,8 +202,10 @@ class _Executor:
         control.parameters.commit()
 
     def _program_call(self, words: Words, index: int) -> None:
-        """M98 and M99, which a control refuses to share with motions."""
-        execute(words, self.control)
+        """M98 and M99: the control passes over everything else in the block."""
+        if set(words.values) - {"p", "l"} or words.g or len(words.m_codes) > 1:
+            hint = "put it into a block of its own"
+            self.control.warn("GS194", "the rest of a block with M98 or M99 is not executed", hint)
         if words.m.get(STOPPING) == 99:
             self.flow.end_of_program()
             return
@@ -234,7 +243,9 @@ class _Executor:
         self.recovery.after(fault, block, text)
 
     def _report(self, finding: Diagnostic, line: int | None) -> None:
-        self.run.findings.add(finding, key=(finding.code, finding.message, finding.span.file, finding.span.line, finding.span.column))
+        self.run.findings.add(
+            finding, key=(finding.code, finding.message, finding.span.file, finding.span.line, finding.span.column)
+        )
         if finding.level >= Severity.ERROR and self.run.failed is None:
             self.run.failed = finding
             self.run.failed_line = line
@@ -289,7 +300,9 @@ class _Executor:
         for word, (count, first) in control.not_simulated.items():
             times = "once" if count == 1 else f"{count} times"
             run.findings.add(
-                Diagnostic(code=_code_of_skipped(word), message=f"{word} is read, but not simulated ({times})", span=first)
+                Diagnostic(
+                    code=_code_of_skipped(word), message=f"{word} is read, but not simulated ({times})", span=first
+                )
             )
         run.parameters = {n: v for n, v in sorted(control.parameters.numbers.items()) if v}
         run.sources.update({name: file.source for name, file in self.flow.files.items()})

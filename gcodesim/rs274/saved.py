@@ -28,9 +28,7 @@ def restore(control: Control) -> None:
 
 
 def save_for_return(control: Control) -> None:
-    """M73: like M70, and the end of the subroutine restores."""
-    if control.sub_level == 0:
-        raise Fault("GS191", "M73 works only inside a subroutine", at="m73", hint="use M70 and M72 in the main program")
+    """M73: like M70, and the end of the subroutine restores; in the main program nothing ever does."""
     save(control)
     control.frames[-1].restores = True
 
@@ -48,6 +46,7 @@ def bring_back(control: Control, saved: object) -> None:
     state.speed, state.speed_unit = saved.speed, saved.speed_unit
     state.feed, state.feed_unit = saved.feed, saved.feed_unit
     state.spindle = saved.spindle
+    state.feed_override = state.speed_override = True  # whatever was saved: the control says M48 here
     if saved.system != state.system:
         control.use_system(saved.system)
     if (now.spindle, now.speed, now.surface_speed) != (state.spindle, state.speed, state.surface_speed):

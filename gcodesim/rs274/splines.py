@@ -190,8 +190,15 @@ def flatten(
     for low, high in zip(spans, spans[1:], strict=False):
         count = _FEWEST
         while True:
-            points = [_on_curve(controls, weights, knots, degree, low + (high - low) * n / count) for n in range(2 * count + 1) if n <= count]
-            middles = [_on_curve(controls, weights, knots, degree, low + (high - low) * (n + 0.5) / count) for n in range(count)]
+            points = [
+                _on_curve(controls, weights, knots, degree, low + (high - low) * n / count)
+                for n in range(2 * count + 1)
+                if n <= count
+            ]
+            middles = [
+                _on_curve(controls, weights, knots, degree, low + (high - low) * (n + 0.5) / count)
+                for n in range(count)
+            ]
             miss = max(_from_chord(m, a, b) for m, a, b in zip(middles, points, points[1:], strict=False))
             if miss <= flatness or count >= _MOST:
                 break

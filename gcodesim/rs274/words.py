@@ -12,8 +12,8 @@ from gcodesim.rs274.expressions import checked
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.parameters import Parameters
 
-_NEVER_NEGATIVE: Final = frozenset("dfhlst")
-_WHOLE: Final = frozenset("hlt")
+_NEVER_NEGATIVE: Final = frozenset("fhlst")
+_WHOLE: Final = frozenset("hlt$")
 AXIS_LETTERS: Final = frozenset("xyzabcuvw")
 
 
@@ -85,7 +85,9 @@ def read_words(
             if value < 0.0 and letter in _NEVER_NEGATIVE:
                 raise Fault("GS106", f"{letter.upper()} is negative: {value:g}", at=block.places[position], value=value)
             if letter in _WHOLE and abs(value - round(value)) > 1e-4:
-                raise Fault("GS106", f"{letter.upper()} must be a whole number, not {value:g}", at=block.places[position])
+                raise Fault(
+                    "GS106", f"{letter.upper()} must be a whole number, not {value:g}", at=block.places[position]
+                )
             values[letter] = value
     if len(words.m_codes) > dialect.most_m_codes:
         raise Fault(

@@ -280,6 +280,22 @@ CODES: tuple[Code, ...] = (
         remedy="Write M70 before M72; M73 only inside a subroutine.",
     ),
     Code(
+        code="GS193",
+        severity=Severity.WARNING,
+        title="tool change without a tool",
+        what="M6 stands in the program, but no T word came before it.",
+        why="The control would empty the spindle; the next cut runs without a tool.",
+        remedy="Write the tool: T1 M6.",
+    ),
+    Code(
+        code="GS194",
+        severity=Severity.WARNING,
+        title="words beside M98 or M99",
+        what="A block with M98 or M99 holds other codes; the control passes over them.",
+        why="A move that stands there is never made.",
+        remedy="Put the other words into a block of their own.",
+    ),
+    Code(
         code="GS195",
         severity=Severity.NOTE,
         title="tool length taken along by M6",
