@@ -27,7 +27,7 @@ from gcodesim.motion.columns import Column
 from gcodesim.motion.curve_kernels import OWN, ROUND, TIMED
 from gcodesim.motion.curves import Curves
 from gcodesim.motion.pieces import OVERLAP, PART, AxisLimits, Pieces
-from gcodesim.motion.tool_path import BLEND, LINE, RAPID, ToolPath
+from gcodesim.motion.tool_path import BLEND, HOME, LINE, RAPID, ToolPath
 
 
 def blend(
@@ -52,7 +52,7 @@ def blend(
     curves = _merged(curves, path, row_first, row_last)
     stop = _stops(path, row_last)
     if independent_rapids:
-        _make_independent(curves, path.kind[row_first] == RAPID, limits)
+        _make_independent(curves, np.isin(path.kind[row_first], (RAPID, HOME)), limits)
     # rapids are not joined to feeds, nor lines to what runs by time; the queue does not run empty there
     apart = np.zeros(len(stop), dtype=bool)
     feeding, timed = np.isfinite(path.feed[row_first]), curves.kind >= TIMED
@@ -126,8 +126,8 @@ def _make_independent(curves: Curves, rapid: NDArray[np.bool_], limits: AxisLimi
     curves.length[rows] = time.max(axis=1, initial=0.0)
 
 
-def along_limits(curves: Curves, limits: AxisLimits) -> tuple[Array, Array]:
-    """Speed and acceleration (c,) that the axes allow along each curve.
+def along_limits(curves: Curves, limits: AxisLimits) -> tuple[Array, Array, Array]:
+    """Speed and acceleration (c,) that the axes allow along each curve, and the speed that its bend allows.
 
     A line of direction u: the least of limit_i / |u_i|. An arc: the inscribed
     circle of its plane; it bends with `NORMAL_SHARE` of the acceleration, and
@@ -137,6 +137,7 @@ def along_limits(curves: Curves, limits: AxisLimits) -> tuple[Array, Array]:
     table = limits.arrays
     length = np.where(curves.length > 0.0, curves.length, 1.0)[:, None]
     direction = np.abs(curves.end - curves.start) / length
+    bending = np.full(len(curves), np.inf)
     arc = np.flatnonzero(curves.kind == ROUND)
     if len(arc):
         direction[arc, :3] = np.abs(curves.lift[arc]) / length[arc]
@@ -151,11 +152,13 @@ def along_limits(curves: Curves, limits: AxisLimits) -> tuple[Array, Array]:
         top, most = _in_plane(n, table[0]), _in_plane(n, table[1])
         share = np.maximum(np.abs(curves.sweep[arc]) * radius / curves.length[arc], 1e-12)
         a = np.minimum(acceleration[arc], most / share)
+        across = np.minimum(a, most)  # what bends the path lies in the plane
         bent = np.maximum(radius / share**2, 1e-12)  # radius of curvature of the helix
-        speed[arc] = np.minimum(np.minimum(speed[arc], top / share), np.sqrt(NORMAL_SHARE * a * bent))
-        need = np.minimum(top * top / bent / a, 1.0)
+        bending[arc] = np.sqrt(NORMAL_SHARE * across * bent)
+        speed[arc] = np.minimum(np.minimum(speed[arc], top / share), bending[arc])
+        need = np.minimum(top * top / bent / across, 1.0)
         acceleration[arc] = a * np.where(need > NORMAL_SHARE, TANGENTIAL_SHARE, np.sqrt(1.0 - need**2))
-    return speed, acceleration
+    return speed, acceleration, bending
 
 
 def _in_plane(normal: Array, limits: Array) -> Array:
@@ -177,7 +180,7 @@ def _join(
     n = len(curves)
     first, last = curves.end_tangents()
     table = limits.arrays
-    speed, acceleration = along_limits(curves, limits)
+    speed, acceleration, bending = along_limits(curves, limits)
     speed = np.minimum(speed, path.feed[row_first])
     step = curves.end - curves.start
     turning = np.any(step[:, 3:] != 0.0, axis=1)
@@ -193,9 +196,10 @@ def _join(
         kind, trim_end, trim_start, cap, corner_acceleration, reduction, arc,
     )  # fmt: skip
     overlapped = kind == OVERLAPPED
-    shared = open_end & blended
-    shared |= overlapped
-    shared[1:] |= overlapped[:-1]
+    beside = overlapped.copy()
+    beside[1:] |= overlapped[:-1]
+    speed = np.where(beside, np.minimum(speed, bending * OPEN_END_SHARE**0.5), speed)
+    shared = beside | (open_end & blended)
     acceleration = acceleration * (1.0 - reduction) * np.where(shared, OPEN_END_SHARE, 1.0)
     if overlapped.any():
         left = curves.length - trim_start - trim_end

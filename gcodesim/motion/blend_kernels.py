@@ -223,11 +223,15 @@ def corners(
             p1 = tolerance[i] if tolerance[i] > 0.0 else TOLERANCE_SHARE * length[i]
             p2 = tolerance[i + 1] if tolerance[i + 1] > 0.0 else TOLERANCE_SHARE * length[i + 1]
             v = min(reach, turned_speed(last[i], across, turn, axis_limits[0]))
-            # not larger than the speed needs
-            radius = corner_radius(
-                turn, r1, side1, r2, side2, min(p1, p2), 0.5 * length[i], 0.5 * length[i + 1], v * v / a_n
+            # not larger than the speed needs, but as long as two ramps to a stand at half the acceleration would be
+            ramp = TANGENTIAL_SHARE * most
+            enough = max(v * v / a_n, v * v / (ramp * turn))
+            room = corner_radius(
+                turn, r1, side1, r2, side2, min(p1, p2), 0.5 * length[i], 0.5 * length[i + 1], enough
             )
-            v = min(v, math.sqrt(a_n * radius))
+            v = min(v, math.sqrt(a_n * room))
+            slowed = min(v, math.sqrt(2.0 * ramp * room * math.tan(0.5 * turn)))
+            radius = max(v * v / a_n, min(room, v * slowed / (ramp * turn)))
             if v <= kink_speed or radius <= 0.0:
                 joint[i] = PASS
             else:

@@ -75,6 +75,8 @@ class AxisJoints:
             at, none = self.start[self.axes], np.zeros(len(self.axes), dtype=np.int64)
             return JointExtremes(at, at, none, none)
         low, high = axis_ranges(path)
+        first = path.start[0] + offsets(path)[0]
+        low[0], high[0] = np.minimum(low[0], first), np.maximum(high[0], first)
         low, high = low[:, self.axes], high[:, self.axes]
         return JointExtremes(low.min(axis=0), high.max(axis=0), low.argmin(axis=0), high.argmax(axis=0))
 

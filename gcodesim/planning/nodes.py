@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -51,8 +52,8 @@ class Nodes:
     @cached_property
     def chains(self) -> list[tuple[int, int]]:
         """First node and the one behind the last of every chain."""
-        starts = np.flatnonzero(self.head)
-        return [(int(a), int(b)) for a, b in zip(starts, np.append(starts[1:], len(self)), strict=True)]
+        bounds = np.append(np.flatnonzero(self.head), len(self))
+        return [(int(a), int(b)) for a, b in pairwise(bounds)]
 
     @cached_property
     def segments(self) -> NDArray[np.intp]:

@@ -21,9 +21,11 @@ _SLACK: Final = 1e-9  # [m, rad] rounding of inches and decimals
 
 
 def axis_ranges(path: ToolPath) -> tuple[Array, Array]:
-    """Least and greatest axis values of every row, two arrays (n, 6): control point plus offset, arcs with bulge."""
-    low = np.minimum(path.start, path.end)
-    high = np.maximum(path.start, path.end)
+    """Least and greatest axis values of every row, two arrays (n, 6): control point plus offset, arcs with bulge.
+
+    Where a row starts counts to the row before.
+    """
+    low, high = path.end.copy(), path.end.copy()
     arc = np.flatnonzero(path.kind == ARC)
     if len(arc):
         curves = Curves.of(path).take(arc)
@@ -73,7 +75,6 @@ def report_travel(path: ToolPath, axes: NDArray[np.intp], joints: Joints, findin
     for j, axis in enumerate(axes):
         for limit, values, sign in ((joints.lower[j], low, -1.0), (joints.upper[j], high, 1.0)):
             beyond = sign * (values[:, axis] - limit)
-            # where the machine stands already when the program begins is not the program's fault
             rows = np.flatnonzero(beyond > _SLACK)
             if len(rows):
                 _report_axis(path, rows, int(axis), j, float(limit), values[:, axis], (low, high), joints, findings)

@@ -1,0 +1,221 @@
+"""How rows are joined, mode by mode."""
+
+from __future__ import annotations
+
+from math import pi, sqrt
+
+import numpy as np
+import pytest
+
+from gcodesim.canon import ArcFeed, Axes, Dwell, Event, LinearFeed, PathMode, Rapid
+from gcodesim.diagnostics import Span
+from gcodesim.motion import build_tool_path
+from gcodesim.motion.blend import along_limits, blend
+from gcodesim.motion.blend_kernels import NORMAL_SHARE, OPEN_END_SHARE, TANGENTIAL_SHARE, in_plane, merge_chords
+from gcodesim.motion.curves import Curves
+from gcodesim.motion.pieces import OVERLAP, AxisLimits, Pieces
+
+MM = 1e-3
+LIMITS = AxisLimits(
+    speed=np.array([0.5, 0.5, 0.25, 3.0, 3.0, 3.0]), acceleration=np.array([3.0, 3.0, 2.0, 10.0, 10.0, 10.0])
+)
+
+
+def at(number: int = 1) -> Span:
+    return Span("t", number, 1, number, 2)
+
+
+def line(x: float, y: float = 0.0, z: float = 0.0, a: float = 0.0, feed: float = 0.1) -> LinearFeed:
+    return LinearFeed(span=at(), end=(x, y, z, a, 0.0, 0.0), feed=feed)
+
+
+def rapid(x: float, y: float = 0.0, z: float = 0.0) -> Rapid:
+    return Rapid(span=at(), end=(x, y, z, 0.0, 0.0, 0.0))
+
+
+def mode(kind: str, tolerance: float = 0.0, naive: float = 0.0) -> PathMode:
+    return PathMode(span=at(), mode=kind, tolerance=tolerance, naive=naive)  # type: ignore[arg-type]
+
+
+def joined(*events: Event) -> Pieces:
+    return blend(build_tool_path(events), LIMITS)
+
+
+def test_exact_stop_stands_at_each_end() -> None:
+    pieces = joined(mode("exact_stop"), line(0.1), line(0.2), line(0.2, 0.1))
+
+    assert pieces.junction.tolist() == [0.0, 0.0, 0.0]
+    assert not pieces.joint.any()
+
+
+def test_exact_path_passes_tangents_and_nearly_stands_at_corners() -> None:
+    pieces = joined(mode("exact_path"), line(0.1), line(0.2), line(0.2, 0.1))
+
+    assert pieces.junction[0] > 1.0
+    # the step of direction of a right angle takes a tenth of the acceleration for a millisecond
+    assert pieces.junction[1] == pytest.approx(0.1 * 1e-3 * 3.0)
+    assert pieces.acceleration == pytest.approx([3.0, 2.7, 2.7])
+
+
+def test_a_corner_arc_is_tangent_and_within_tolerance() -> None:
+    pieces = joined(mode("blend", 0.1 * MM), line(0.05), line(0.05, 0.05))
+
+    assert pieces.joint.tolist() == [False, True, False]
+    ends, tangents = pieces.points(np.array([0, 1, 1, 2]), np.array([pieces.length[0], 0.0, pieces.length[1], 0.0]))
+    assert np.allclose(ends[0], ends[1], atol=1e-15) and np.allclose(ends[2], ends[3], atol=1e-15)
+    assert np.allclose(tangents[0], tangents[1]) and np.allclose(tangents[2], tangents[3])
+    middle = pieces.points(np.array([1]), pieces.length[1:2] / 2)[0][0, :2]
+    assert np.hypot(*(middle - [0.05, 0.05 * 0])) == pytest.approx(0.1 * MM)
+    assert pieces.acceleration[1] == pytest.approx(TANGENTIAL_SHARE * 3.0)
+
+
+def test_without_tolerance_a_quarter_of_the_shorter_block_is_the_limit() -> None:
+    """At a speed that needs more than that, R = P s / (1 - s) with P = a quarter of 2 mm, trim at most half."""
+    pieces = joined(mode("blend"), line(0.05, feed=0.5), line(0.05, 2 * MM, feed=0.5))
+
+    s = sqrt(0.5)
+    expected = min(0.5 * MM * s / (1 - s), 1 * MM)
+    assert np.linalg.norm(pieces.curves.radial[pieces.curve[1]]) == pytest.approx(expected)
+
+
+def test_a_corner_is_no_wider_than_the_speed_needs() -> None:
+    slow = joined(mode("blend", 1 * MM), line(0.05, feed=0.01), line(0.05, 0.05, feed=0.01))
+
+    radius = float(np.linalg.norm(slow.curves.radial[slow.curve[1]]))
+    assert slow.speed[1] == pytest.approx(0.01)
+    assert radius == pytest.approx(0.01**2 / (0.5 * 3.0 * pi / 2))
+
+
+def test_rapids_are_not_joined_to_feeds() -> None:
+    pieces = joined(mode("blend", 1 * MM), rapid(0.1), line(0.2), rapid(0.3))
+
+    assert pieces.junction.tolist() == [0.0, 0.0, 0.0]
+    # the queue runs empty only behind the last one
+    assert pieces.acceleration == pytest.approx([3.0, 3.0, 3.0 * OPEN_END_SHARE])
+
+
+def test_a_reversal_overlaps_and_misses_its_end_by_the_tolerance() -> None:
+    tolerance = 0.05 * MM
+    pieces = joined(mode("blend", tolerance), line(0.05), line(0.0))
+
+    assert pieces.kind.tolist() == [0, OVERLAP, 0]
+    farthest = pieces.points(np.array([1]), pieces.length[1:2] / 2)[0][0, 0]
+    assert 0.05 - farthest == pytest.approx(tolerance, rel=1e-9)
+
+
+def test_rotary_moves_overlap_in_g64_and_stand_in_g61() -> None:
+    events = (line(0.05, a=1.0), line(0.1, a=2.0))
+
+    assert OVERLAP in joined(mode("blend"), *events).kind
+    exact = joined(mode("exact_path"), *events)
+    assert exact.junction.tolist() == [0.0, 0.0]
+    assert exact.kind.tolist() == [0, 0]
+
+
+def test_chords_within_tolerance_become_one_line() -> None:
+    points = [line(0.01 * k, 0.004 * MM * (k % 2)) for k in range(1, 6)]
+
+    merged = joined(mode("blend", 0.01 * MM), *points)
+    apart = joined(mode("blend", 0.002 * MM), *points)
+    finer = joined(mode("blend", 0.01 * MM, naive=0.001 * MM), *points)
+
+    assert len(merged) == 1
+    assert (merged.row_first[0], merged.row_last[0]) == (0, 4)
+    assert len(apart) == len(finer) > 1
+
+
+@pytest.mark.parametrize("between", [line(0.02, feed=0.2), Dwell(span=at(), seconds=1.0), line(0.02, a=1.0)])
+def test_chords_are_not_merged_over_what_matters(between: Event) -> None:
+    pieces = joined(mode("blend", 0.01 * MM), line(0.01), between, line(0.03), line(0.04))
+
+    assert np.count_nonzero(~pieces.joint) > 1
+
+
+def test_merging_agrees_with_a_slow_twin() -> None:
+    rng = np.random.default_rng(11)
+    points = np.cumsum(rng.normal(size=(200, 3)) * [1.0, 0.05, 0.05], axis=0)
+    start, end = points[:-1], points[1:]
+    joined_rows = rng.random(199) < 0.95
+    tolerance = np.full(199, 0.2)
+
+    got = merge_chords(start, end, joined_rows, tolerance)
+
+    first = np.arange(199)
+    for i in range(1, 199):
+        head = first[i - 1]
+        if not joined_rows[i] or i - head > 100:
+            continue
+        a, b = start[head], end[i]
+        inner = end[head:i]
+        t = np.clip((inner - a) @ (b - a) / ((b - a) @ (b - a)), 0, 1)
+        if np.linalg.norm(a + t[:, None] * (b - a) - inner, axis=1).max() <= 0.2:
+            first[i] = head
+    assert np.array_equal(got, first)
+
+
+def test_limits_along_a_line_and_an_arc() -> None:
+    half_circle = ArcFeed(
+        span=at(), end=(0.2, 0.0, 0.0, 0.0, 0.0, 0.0), center=(0.1, 0.0, 0.0), normal=(0.0, 0.0, 1.0),
+        ccw=True, turns=1, sweep=pi, feed=9.0,
+    )  # fmt: skip
+    path = build_tool_path([half_circle, line(0.2 + 0.3, 0.4)])
+
+    speed, acceleration, bending = along_limits(Curves.of(path), LIMITS)
+
+    # arc: inscribed circle; sqrt(0.866 a R) = 0.51 is more than 0.5; 0.5² / R = 2.5 of 3.0 bend
+    assert speed[0] == pytest.approx(0.5)
+    assert bending == pytest.approx([sqrt(sqrt(0.75) * 3.0 * 0.1), np.inf])
+    assert acceleration[0] == pytest.approx(3.0 * sqrt(1 - (2.5 / 3.0) ** 2))
+    assert speed[1] == pytest.approx(0.5 / 0.8)
+    assert acceleration[1] == pytest.approx(3.0 / 0.8)
+    assert pytest.approx(sqrt(0.75)) == NORMAL_SHARE
+
+
+def test_inscribed_circle_of_an_oblique_plane() -> None:
+    """In the plane with normal (1, 1, 0)/sqrt 2 a direction may be all Z, or share X and Y."""
+    n = 1 / sqrt(2)
+
+    assert in_plane(n, n, 0.0, np.array([3.0, 3.0, 2.0])) == pytest.approx(2.0)
+    assert in_plane(n, n, 0.0, np.array([1.0, 3.0, 2.0])) == pytest.approx(sqrt(2))
+    assert in_plane(0.0, 0.0, 1.0, np.array([3.0, 2.5, 0.1])) == pytest.approx(2.5)
+
+
+def test_independent_rapids_take_the_slowest_axis() -> None:
+    path = build_tool_path([rapid(0.5, 0.1)])
+
+    pieces = blend(path, LIMITS, independent_rapids=True)
+
+    assert pieces.fixed.tolist() == [True]
+    assert pieces.length[0] == pytest.approx(0.5 / 0.5 + 0.5 / 3.0)
+    # Y is done when X is still on its way: the path is no straight line
+    at_half, _ = pieces.points(np.array([0]), np.array([0.6]))
+    assert at_half[0, 1] == pytest.approx(0.1) and at_half[0, 0] < 0.3
+
+
+def test_rows_with_a_law_of_their_own_stand_at_both_ends() -> None:
+    path = build_tool_path([line(0.1), line(0.1), line(0.3)])
+
+    pieces = blend(path, LIMITS, own_time=np.array([np.nan, 2.0, np.nan]))
+
+    assert pieces.fixed.tolist() == [False, True, False]
+    assert pieces.junction.tolist() == [0.0, 0.0, 0.0]
+    assert pieces.length[1] == 2.0
+
+
+def test_rows_that_do_not_move_are_left_out() -> None:
+    pieces = joined(mode("blend", 1 * MM), line(0.1), line(0.1), line(0.1, 0.1))
+
+    assert pieces.row_first[~pieces.joint].tolist() == [0, 2]
+
+
+def test_an_empty_path_has_no_pieces() -> None:
+    assert len(joined(mode("blend"))) == 0
+
+
+def test_helices_overlap_with_what_they_are_not_tangent_to() -> None:
+    end: Axes = (0.1, 0.0, -0.01, 0.0, 0.0, 0.0)
+    helix = ArcFeed(
+        span=at(), end=end, center=(0.15, 0.0, -0.01), normal=(0.0, 0.0, 1.0), ccw=True, turns=1, sweep=2 * pi, feed=0.1
+    )
+
+    assert joined(mode("blend", 0.1 * MM), line(0.1), helix).kind.tolist() == [0, OVERLAP, 0]
