@@ -25,8 +25,9 @@ from typing import Any, Final
 import numpy as np
 
 from gcodesim.frames import Array, Pose, rotation_from_quaternion
+from gcodesim.kinematics.dynamics import inverse_dynamics
 from gcodesim.world.body import Box, Cylinder, Mesh, RobotBody, Shape, Sphere, StaticBody, ToolBody
-from gcodesim.world.model import Model, joint_name, merged_model
+from gcodesim.world.model import Model, joint_name, merged_model, payload_of
 from gcodesim.world.protocol import STANDARD_GRAVITY, Couple, WorldSteps, WorldUnavailable
 from gcodesim.world.reaction import tool_reaction
 from gcodesim.world.state import WorldBase, wrench_rows
@@ -35,6 +36,10 @@ from gcodesim.world.state import WorldBase, wrench_rows
 UNLIMITED: Final = 1e9
 # a motor that gives this share of its limit is at its limit; the rest is rounding
 SATURATED: Final = 1.0 - 1e-6
+# below this share of the limit a motor surely has enough
+ENOUGH: Final = 0.999
+# a joint farther from its command than the solver leaves it has not kept up [rad, m]
+LATE: Final = 1e-8
 SOLVER_ITERATIONS: Final = 500
 SOLVER_RESIDUAL: Final = 1e-16
 # joint states are turned into arrays so many steps at a time: as tuples they are 20 times as big
@@ -242,6 +247,32 @@ class BulletWorld(WorldBase):
             saturated=np.abs(effort) >= self._limit * SATURATED,
             reaction=tool_reaction(self.machine, self.tool, q, qd, wrench + contact, self.gravity_B, self.dt),
         )
+
+    def keeps_up(self, q_command: Array, wrench: Array) -> bool:
+        """Whether no motor will reach its limit; see `World.keeps_up`. Among fixtures nothing is promised.
+
+        Motors give what Newton and Euler ask for at the state where a step
+        begins, so the answer is known without a step being made.
+        """
+        commands = self._commands(q_command)
+        wrench = wrench_rows(wrench, 0, commands)
+        if self.bodies or np.abs(self._q - self._commanded).max() > LATE:
+            return False
+        if not len(commands) or np.isinf(self._limit).all():
+            return True
+        q = np.vstack([self._q, commands])
+        qd = np.vstack([self._qd, np.diff(q, axis=0) / self.dt])
+        effort = inverse_dynamics(
+            self.robot.chain,
+            q[:-1],
+            qd[:-1],
+            np.diff(qd, axis=0) / self.dt,
+            payload_of(self.tool),
+            wrench,
+            p_FT=(0.0, 0.0, 0.0 if self.tool is None else self.tool.length),
+            gravity=self.gravity_B,
+        )
+        return bool((np.abs(effort) < self._limit * ENOUGH).all())
 
     def _lean_loop(self, commands: Array, push: Push | None, contact: Array | None) -> list[JointStates]:
         """Joint states after each step; the only Python that runs once a step."""

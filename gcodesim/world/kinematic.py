@@ -60,5 +60,9 @@ class KinematicWorld(WorldBase):
             self._q, self._qd = q[-1].copy(), qd[-1].copy()
         return WorldSteps(q=q, qd=qd, qdd=qdd, effort=effort, saturated=np.abs(effort) > self._limit, reaction=reaction)
 
+    def keeps_up(self, q_command: Array, wrench: Array) -> bool:
+        """Always: this world is where it is commanded."""
+        return True
+
     def close(self) -> None:
         """Nothing to free."""

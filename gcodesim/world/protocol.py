@@ -86,5 +86,13 @@ class World(Protocol):
         step, in order, with the position that the step is expected to reach.
         """
 
+    def keeps_up(self, q_command: Array, wrench: Array) -> bool:
+        """Whether every step of `q_command` (n, j) under `wrench` (n, 6) will end on its command.
+
+        Where that is so, a process that was asked for the whole run at once at
+        the commanded joints has answered what it would have answered step by
+        step, and the array can be given to `run`, which is far quicker.
+        """
+
     def close(self) -> None:
         """Free what the world holds; a second call does nothing."""

@@ -210,6 +210,19 @@ def test_the_same_run_gives_the_same_bits(name: str, robot: RobotBody) -> None:
     second.close()
 
 
+def test_what_keeps_up_may_be_asked_all_at_once(world: World, robot: RobotBody) -> None:
+    """Where the world says that it keeps up, it ends every step on its command, and the world stays as it was."""
+    world.attach(SPINDLE)
+    q = machines.swing(robot.chain, 100)
+    load = np.tile([5.0, -4.0, 3.0, 0.2, 0.1, -0.3], (100, 1))
+
+    assert world.keeps_up(q, load)
+    steps = world.run(q, load)
+
+    assert np.abs(steps.q - q).max() < 1e-9
+    assert not steps.saturated.any()
+
+
 def test_closing_twice_does_nothing(world: World) -> None:
     world.close()
     world.close()

@@ -135,6 +135,34 @@ def test_the_process_hears_of_the_lag(world: BulletWorld) -> None:
     assert np.array_equal(asked[1:], steps.q[:-1])
 
 
+@pytest.mark.parametrize("torque", [30.0, 60.0])
+def test_it_knows_beforehand_whether_the_motors_will_do(world: BulletWorld, torque: float) -> None:
+    """A load below and one above what the wrist's 41.6 N·m can bear."""
+    world.attach(PEN)
+    load = np.zeros((30, 6))
+    load[10:20, 4] = torque
+    q = np.tile(REST, (30, 1))
+
+    promised = world.keeps_up(q, load)
+    steps = world.run(q, load)
+
+    assert promised == (torque < 41.0)
+    assert promised == (not steps.saturated.any())
+    assert promised == bool(np.abs(steps.q - q).max() < 1e-9)
+
+
+def test_a_lagging_arm_and_one_among_fixtures_promise_nothing(world: BulletWorld) -> None:
+    load = np.zeros((30, 6))
+    load[:, 4] = 60.0
+    q = np.tile(REST, (30, 1))
+    world.run(q, load)
+    assert not world.keeps_up(q[:1], np.zeros((1, 6)))
+
+    crowded = opened(plate("box", gap=0.1))
+    assert not crowded.keeps_up(q, np.zeros((30, 6)))
+    crowded.close()
+
+
 def test_a_tool_in_its_pocket_is_a_body_that_stands_there(world: BulletWorld) -> None:
     pocket = Pose.from_xyz_rpy((0.4, -0.5, 0.6), (0.1, 0.2, 0.3))
     world.attach(PEN)
