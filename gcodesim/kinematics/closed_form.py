@@ -27,6 +27,7 @@ class Solve(Protocol):
         self,
         X: Array,
         free: int,
+        only: int,
         arm: Array,
         R_PB: Array,
         R_EP: Array,
@@ -36,7 +37,7 @@ class Solve(Protocol):
         out: Array,
         flags: Indices,
         /,
-    ) -> None: ...
+    ) -> float: ...
 
 
 class InversePath(Protocol):
@@ -151,7 +152,7 @@ class ClosedForm(Machine):
         """The eight joint vectors (8, 6) of one pose (4, 4) and their flags (8,)."""
         out, flags = np.empty((8, 6)), np.zeros(8, dtype=np.int64)
         room = np.empty((3, 3, 3))
-        type(self).solve(poses(X_BF)[0], 0, self.arm, self.R_PB, self.R_EP, self.R_FE, previous, room, out, flags)
+        type(self).solve(poses(X_BF)[0], 0, -1, self.arm, self.R_PB, self.R_EP, self.R_FE, previous, room, out, flags)
         return out, flags
 
     def _branch_of(self, q: Array) -> int:

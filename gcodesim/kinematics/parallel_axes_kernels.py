@@ -14,7 +14,7 @@ import numpy as np
 from gcodesim.compiled import kernel
 from gcodesim.frames import Array
 from gcodesim.kinematics.chain import Indices
-from gcodesim.kinematics.path_kernels import OK, SINGULAR, choose
+from gcodesim.kinematics.path_kernels import OK, REACH, SINGULAR, choose, square_distance
 from gcodesim.kinematics.plane_kernels import (
     ELBOW,
     EXISTS,
@@ -33,11 +33,16 @@ from gcodesim.kinematics.plane_kernels import (
 )
 from gcodesim.kinematics.protocol import Statuses
 
+TURNED_OVER = (
+    1.8  # [rad] at least between a wrist and the same turned over: joints 2 to 4 together turn by π, so π / √3
+)
+
 
 @kernel
 def solve(
     X: Array,
     free: int,
+    only: int,
     arm: Array,
     R_PB: Array,
     R_EP: Array,
@@ -46,21 +51,24 @@ def solve(
     room: Array,
     out: Array,
     flags: Indices,
-) -> None:
+) -> float:
     """All eight joint vectors `out` (8, 6) of the flange pose X (4, 4); branch = 4 backward + 2 elbow + wrist.
 
     E has Z along axis 2 and Y along axis 5 at zero; R_FE contains the angle of
-    axis 6 from axis 2. `flags`, `free` and `room` as for the spherical wrist.
+    axis 6 from axis 2. `flags`, `free`, `only`, `room` and the return as for the spherical wrist.
     """
     wrist, turned, left = room[0], room[1], room[2]
     flags[:] = 0
     wx, wy, wz = centre_in_plane(X, arm, R_PB)
     radius, lateral = math.sqrt(wx * wx + wy * wy), arm[7]
     if radius < abs(lateral) - REACH_SLACK:
-        return
+        return 0.0
     forward = math.sqrt(max(0.0, (radius - lateral) * (radius + lateral)))
     rotate_three(R_PB, X, R_FE, left, wrist)
+    apart = abs(math.pi - 2.0 * math.atan2(abs(lateral), forward)) if lateral != 0.0 else math.pi
     for shoulder in range(2):
+        if only >= 0 and only // 4 != shoulder:
+            continue
         reach = forward if shoulder == 0 else -forward
         q1, c1, s1 = heading(wx, wy, radius, reach, lateral, previous[0])
         turn_back(wrist, c1, s1, turned)
@@ -95,7 +103,10 @@ def solve(
                     flag |= ELBOW
                 if sine < NEAR:
                     flag |= WRIST
+                apart = min(apart, 2.0 * bend, 2.0 * (math.pi - bend), TURNED_OVER)
                 for elbow in range(2):
+                    if only >= 0 and only // 2 % 2 != elbow:
+                        continue
                     turn3 = (bend if elbow == 0 else -bend) + arm[19]
                     real, imaginary, _, _ = shoulder_turn(dz, dx, turn3, arm)
                     q2 = math.atan2(imaginary, real)
@@ -109,6 +120,7 @@ def solve(
                 bent = -bent
                 if free == 0:
                     q6 += math.pi
+    return apart
 
 
 @kernel
@@ -136,8 +148,18 @@ def inverse_path(
     revolute = np.ones(6, dtype=np.int64)
     previous = seed.copy()
     for k in range(X.shape[0]):
-        solve(X[k], free, arm, R_PB, R_EP, R_FE, previous, room, candidates, flags)
-        branch, state = choose(candidates, flags, previous, lower, upper, revolute, branch, out[k])
+        # the arm mostly goes on with shoulder and elbow as they are; then the other half of the work is not needed
+        state = REACH
+        if branch >= 0:
+            apart = solve(X[k], free, branch, arm, R_PB, R_EP, R_FE, previous, room, candidates, flags)
+            found, state = choose(candidates, flags, previous, lower, upper, revolute, branch, out[k])
+            if state == OK and square_distance(out[k], previous) < 0.25 * apart * apart:
+                branch = found
+            else:
+                state = REACH
+        if state == REACH:
+            solve(X[k], free, -1, arm, R_PB, R_EP, R_FE, previous, room, candidates, flags)
+            branch, state = choose(candidates, flags, previous, lower, upper, revolute, branch, out[k])
         if state == OK and flags[branch] != EXISTS:
             state = SINGULAR
         status[k] = state

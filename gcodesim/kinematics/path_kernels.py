@@ -36,6 +36,15 @@ def nearest_turn(angle: float, previous: float, lower: float, upper: float) -> f
 
 
 @kernel
+def square_distance(q: Array, previous: Array) -> float:
+    """Squared distance of two joint vectors (j,)."""
+    total = 0.0
+    for i in range(q.shape[0]):
+        total += (q[i] - previous[i]) ** 2
+    return total
+
+
+@kernel
 def longest_turn(q: Array, previous: Array, revolute: Indices) -> float:
     """The greatest step [rad] of a revolute joint from `previous` to q (j,)."""
     most = 0.0

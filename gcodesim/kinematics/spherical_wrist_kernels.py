@@ -13,7 +13,7 @@ import numpy as np
 from gcodesim.compiled import kernel
 from gcodesim.frames import Array
 from gcodesim.kinematics.chain import Indices
-from gcodesim.kinematics.path_kernels import OK, SINGULAR, choose
+from gcodesim.kinematics.path_kernels import OK, REACH, SINGULAR, choose, square_distance
 from gcodesim.kinematics.plane_kernels import (
     ELBOW,
     EXISTS,
@@ -37,6 +37,7 @@ from gcodesim.kinematics.protocol import Statuses
 def solve(
     X: Array,
     free: int,
+    only: int,
     arm: Array,
     R_PB: Array,
     R_EP: Array,
@@ -45,23 +46,28 @@ def solve(
     room: Array,
     out: Array,
     flags: Indices,
-) -> None:
+) -> float:
     """All eight joint vectors `out` (8, 6) of the flange pose X (4, 4); branch = 4 backward + 2 elbow + wrist.
 
     E has Z along axis 4 and Y along axis 5 at zero; R_FE contains the angle of
     axis 6 from axis 4. `flags` (8,): 0 where the branch does not exist. With
     `free` = 1 the turn about axis 6 is left open and joint 6 stays where it was.
-    `room` (3, 3, 3) is space to work in.
+    `room` (3, 3, 3) is space to work in. With `only` a branch number, just the two
+    branches with its shoulder and elbow are computed; returned is how far [rad]
+    at least they are, in joint space, from those left out.
     """
     wrist, turned, left = room[0], room[1], room[2]
     flags[:] = 0
     wx, wy, wz = centre_in_plane(X, arm, R_PB)
     radius, lateral = math.sqrt(wx * wx + wy * wy), arm[7]
     if radius < abs(lateral) - REACH_SLACK:
-        return
+        return 0.0
     forward = math.sqrt(max(0.0, (radius - lateral) * (radius + lateral)))
     rotate_three(R_PB, X, R_FE, left, wrist)
+    apart = abs(math.pi - 2.0 * math.atan2(abs(lateral), forward)) if lateral != 0.0 else math.pi
     for shoulder in range(2):
+        if only >= 0 and only // 4 != shoulder:
+            continue
         reach = forward if shoulder == 0 else -forward
         q1, c1, s1 = heading(wx, wy, radius, reach, lateral, previous[0])
         dx, dz = reach - arm[6], wz
@@ -74,7 +80,10 @@ def solve(
         if elbow_is_straight(bend):
             flag |= ELBOW
         turn_back(wrist, c1, s1, turned)
+        apart = min(apart, 2.0 * bend, 2.0 * (math.pi - bend))
         for elbow in range(2):
+            if only >= 0 and only // 2 % 2 != elbow:
+                continue
             turn3 = (bend if elbow == 0 else -bend) + arm[19]
             real, imaginary, ct, st = shoulder_turn(dz, dx, turn3, arm)
             q2 = math.atan2(imaginary, real)
@@ -109,6 +118,7 @@ def solve(
                     q4 += math.pi
                     bent = -bent
                     q6 += math.pi
+    return apart
 
 
 @kernel
@@ -136,8 +146,18 @@ def inverse_path(
     revolute = np.ones(6, dtype=np.int64)
     previous = seed.copy()
     for k in range(X.shape[0]):
-        solve(X[k], free, arm, R_PB, R_EP, R_FE, previous, room, candidates, flags)
-        branch, state = choose(candidates, flags, previous, lower, upper, revolute, branch, out[k])
+        # the arm mostly goes on with shoulder and elbow as they are; then the other half of the work is not needed
+        state = REACH
+        if branch >= 0:
+            apart = solve(X[k], free, branch, arm, R_PB, R_EP, R_FE, previous, room, candidates, flags)
+            found, state = choose(candidates, flags, previous, lower, upper, revolute, branch, out[k])
+            if state == OK and square_distance(out[k], previous) < 0.25 * apart * apart:
+                branch = found
+            else:
+                state = REACH
+        if state == REACH:
+            solve(X[k], free, -1, arm, R_PB, R_EP, R_FE, previous, room, candidates, flags)
+            branch, state = choose(candidates, flags, previous, lower, upper, revolute, branch, out[k])
         if state == OK and flags[branch] != EXISTS:
             state = SINGULAR
         status[k] = state

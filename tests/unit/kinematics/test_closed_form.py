@@ -229,3 +229,25 @@ def test_an_arm_without_spherical_wrist_is_not_taken_for_one(tmp_path):
         text.replace('<origin xyz="0 0 0"/><axis xyz="-1 0 0"/>', '<origin xyz="0 0 0.05"/><axis xyz="-1 0 0"/>')
     )
     assert SphericalWrist.of(load_urdf(path)[0]) is None
+
+
+@pytest.mark.parametrize("name", ARMS)
+@pytest.mark.parametrize("step", [0.02, 0.3, 1.0])
+def test_the_nearest_of_all_branches_is_taken_on_any_path(name, step):
+    """Twin: all branches, each joint at its turn nearest to the row before, the least square distance within limits."""
+    k = machine(name)
+    rng = np.random.default_rng(18)
+    compared = 0
+    for q in random_joints(k.joints, 60, seed=19, margin=0.1):
+        other = q + rng.uniform(-step, step, 6)
+        X = np.concatenate([k.forward(q), k.forward(other)])
+        found, status = k.inverse(X, q, on_path=True)
+        if status[1] not in (Status.OK, Status.SINGULAR):
+            continue
+        branches = k.branches(X[1])
+        turned = branches + 2 * np.pi * np.rint((q - branches) / (2 * np.pi))
+        inside = np.all((turned >= k.joints.lower) & (turned <= k.joints.upper), axis=1)
+        distances = np.sum((turned[inside] - q) ** 2, axis=1)
+        assert np.sum((found[1] - q) ** 2) <= distances.min() + 1e-8
+        compared += 1
+    assert compared > 10
