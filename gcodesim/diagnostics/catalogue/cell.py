@@ -287,6 +287,14 @@ CODES += (
         why="A run without it would be another run.",
         remedy="Take one of the alternatives that the message names, or a later version.",
     ),
+    Code(
+        code="GS731",
+        severity=Severity.NOTE,
+        title="The kinematic world runs, because pybullet is not there",
+        what="The cell names no world and pybullet is not installed, so the robot follows its program exactly.",
+        why="Gravity, inertia and contacts are left out; process forces and elastic gears are not.",
+        remedy="Install pybullet (there are wheels for Python 3.11 on x86-64 Linux), or write `world: kinematic`.",
+    ),
 )
 
 # robot descriptions (URDF)
