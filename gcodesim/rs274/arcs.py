@@ -133,9 +133,8 @@ def _check_radii(
     if miss > allowed:
         raise Fault(
             "GS111",
-            f"the arc ends off its own circle: radius {at_start / MM:.3f} mm at the start, {at_end / MM:.3f} mm at the end, "
-            f"{miss / MM:.3f} mm apart; {allowed / MM:.3f} mm is allowed",
-            at=None,
+            f"the arc ends off its own circle: radius {at_start / MM:.3f} mm at the start, "
+            f"{at_end / MM:.3f} mm at the end, {miss / MM:.3f} mm apart; {allowed / MM:.3f} mm is allowed",
             hint=_radii_hint(control, start, end, centre),
             value=miss / MM,
             limit=allowed / MM,
@@ -170,7 +169,7 @@ def _centre_by_radius(
     if (half - size) * unit > _SMALLEST_RADIUS:
         raise Fault(
             "GS112",
-            f"the radius {size * unit / MM:.3f} mm is too small to reach the end point, {chord * unit / MM:.3f} mm away",
+            f"the radius {size * unit / MM:.3f} mm is too small to reach the end point {chord * unit / MM:.3f} mm away",
             at="r",
             hint=f"R must be at least {half * unit / MM:.3f} mm",
             value=size * unit / MM,

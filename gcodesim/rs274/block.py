@@ -65,7 +65,7 @@ class Word(NamedTuple):
 class Setting(NamedTuple):
     """`#index=value`; takes effect after its block has been read."""
 
-    index: Node
+    parameter: Node
     value: Node
     place: Place
 

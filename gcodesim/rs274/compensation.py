@@ -198,7 +198,7 @@ def arc(words: Words, control: Control, end: Vector, code: int) -> None:
         if math.dist(op, goal) <= radius:
             _too_short(math.dist(op, goal), radius, control)
         if radius:
-            centre = _entry_centre(op, offset_end, out_normal, words)
+            centre = _entry_centre(op, offset_end, out_normal)
         offset_start = op
     else:
         in_normal = _towards(shape.centre, op, sign)
@@ -224,12 +224,12 @@ def arc(words: Words, control: Control, end: Vector, code: int) -> None:
     state.comp_first = False
 
 
-def _entry_centre(start: Point, end: Point, normal: Point, words: Words) -> Point:
+def _entry_centre(start: Point, end: Point, normal: Point) -> Point:
     """Centre on the radial line through `end` that is as far from `start` as from `end`."""
     chord = (start[0] - end[0], start[1] - end[1])
     along = 2.0 * (chord[0] * normal[0] + chord[1] * normal[1])
     if along == 0.0:
-        raise Fault("GS151", "an entry by this arc has no centre", at=None if not words.names else None)
+        raise Fault("GS151", "an entry by this arc has no centre")
     distance = (chord[0] ** 2 + chord[1] ** 2) / along
     return end[0] + normal[0] * distance, end[1] + normal[1] * distance
 
@@ -238,7 +238,8 @@ def _too_short(length: float, radius: float, control: Control) -> None:
     factor = control.state.unit / MM
     raise Fault(
         "GS151",
-        f"the entry move is {length * factor:.3f} mm long; it must be longer than the tool's radius, {radius * factor:.3f} mm",
+        f"the entry move is {length * factor:.3f} mm long; "
+        f"it must be longer than the tool's radius, {radius * factor:.3f} mm",
         hint="begin further away, or use a smaller tool",
         value=length * factor,
         limit=radius * factor,
@@ -427,14 +428,9 @@ def _shortened(control: Control, move: Held, corner: Point) -> Held:
     """`move` with its end at `corner`; a fault when it would have to run backwards."""
     state = control.state
     before = state.comp_endpoint
-    if before is not None and move.kind == "line" or before is not None and move.kind == "rapid":
-        if move.direction[0] * (corner[0] - before[0]) + move.direction[1] * (corner[1] - before[1]) < 0.0:
-            raise Fault(
-                "GS152",
-                "the inside corner is closer than the tool's radius: the tool would cut into the part",
-                hint=f"the move before is in line {move.span.line}; use a smaller tool",
-            )
-    if before is not None and move.kind == "arc":
+    if before is None:
+        pass
+    elif move.kind == "arc":
         from gcodesim.rs274.arcs import Arc, sweep_of
 
         sweep = sweep_of(before, corner, Arc(move.centre, move.turns))
@@ -444,6 +440,12 @@ def _shortened(control: Control, move: Held, corner: Point) -> Held:
                 "the arc is too short for the inside corner that follows: the tool would cut into the part",
                 hint=f"the arc is in line {move.span.line}; use a smaller tool",
             )
+    elif move.direction[0] * (corner[0] - before[0]) + move.direction[1] * (corner[1] - before[1]) < 0.0:
+        raise Fault(
+            "GS152",
+            "the inside corner is closer than the tool's radius: the tool would cut into the part",
+            hint=f"the move before is in line {move.span.line}; use a smaller tool",
+        )
     return replace(move, end=_with_plane(move.end, control, corner))
 
 
@@ -507,7 +509,7 @@ def _nose(point: Vector, control: Control) -> Vector:
         point[1],
         point[2] + _NOSE_Z.get(way, 0.0) * radius,
         *point[3:],
-    )  # type: ignore[return-value]
+    )
 
 
 # -- small geometry

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Literal
 
 from gcodesim import canon
 from gcodesim.diagnostics import Diagnostic, Span
@@ -26,6 +27,12 @@ _PATH_MODES: dict[int, str] = {610: "exact_path", 611: "exact_stop", 640: "blend
 
 class Control:
     """State, memory and tool table of a control, and the events of the block in hand (`out`)."""
+
+    state: State
+    span: Span
+    sub_level: int
+    returned: float
+    value_returned: bool
 
     def __init__(self, settings: Settings, dialect: Dialect) -> None:
         self.settings = settings
@@ -226,7 +233,7 @@ class Control:
         if not state.spindle:
             self.out.append(canon.Spindle(span=self.span, direction="off", speed=0.0))
             return
-        direction = "cw" if state.spindle > 0 else "ccw"
+        direction: Literal["cw", "ccw"] = "cw" if state.spindle > 0 else "ccw"
         if state.surface_speed:
             # S is m/min under G21 and ft/min under G20, as it was when S was written
             speed = state.speed * (1.0 if state.speed_unit == MM else 0.3048) / MINUTE

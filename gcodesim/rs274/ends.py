@@ -21,7 +21,7 @@ def end_point(words: Words, control: Control) -> Vector:
     state = control.state
     values = words.values
     start = start_point(control)
-    if 530 == words.g.get(0):
+    if words.g.get(0) == 530:
         return _in_machine_coordinates(words, control)
     if words.has_polar():
         return _polar(words, control, start)

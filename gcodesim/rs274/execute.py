@@ -75,7 +75,7 @@ def execute(words: Words, control: Control) -> None:
     """Execute one block; its events are in `control.out`. Raises `Fault`; the caller puts the state back."""
     motion = motion_of(words, control)
     g = words.g
-    if 530 == g.get(NON_MODAL):
+    if g.get(NON_MODAL) == 530:
         _check_machine_coordinates(words, control, motion)
     check_use(words, control.dialect, g_name(motion) if motion >= 0 else "")
 
@@ -115,6 +115,38 @@ def execute(words: Words, control: Control) -> None:
     machine_codes.stop(words, control)
     if control.state.side:
         compensation.settle(control)
+
+
+_PLAIN = frozenset("xyzabcfijkrp")
+_PLAIN_MOTIONS = frozenset((0, 10, 20, 30))
+
+
+def is_plain_move(words: Words, control: Control) -> bool:
+    """Whether the block is nothing but a straight move or an arc, as nearly all blocks of a CAM program."""
+    g = words.g
+    if words.m or (g and (len(g) > 1 or g.get(MOTION) not in _PLAIN_MOTIONS)):
+        return False
+    state = control.state
+    if state.side or state.nurbs_order or not words.values.keys() <= _PLAIN:
+        return False
+    return bool(g) or state.motion in _PLAIN_MOTIONS
+
+
+def execute_move(words: Words, control: Control) -> None:
+    """What `execute` does, for a plain move: all that can change before a fault is the feed."""
+    state = control.state
+    motion = motion_of(words, control)
+    check_use(words, control.dialect, g_name(motion) if motion >= 0 else "")
+    feed = (state.feed, state.feed_unit)
+    modes.feed_rate(words, control)
+    if motion < 0:
+        return
+    try:
+        MOTIONS[motion](words, control, motion)
+    except Fault:
+        state.feed, state.feed_unit = feed
+        raise
+    state.motion = motion
 
 
 def _check_machine_coordinates(words: Words, control: Control, motion: int) -> None:

@@ -118,7 +118,7 @@ class FlowControl:
             last = len(self.frame.file.lines) - 1
             wanted = " or ".join(f"`{k}`" for k in keywords)
             raise Stopped("GS130", f"{show(label)} is never closed: no {wanted} follows", index=last)
-        self.frame.at = found.index
+        self.frame.at = found.at
         self._arrived = True
 
     def _back_to(self, index: int) -> None:
@@ -231,15 +231,15 @@ class FlowControl:
             raise Fault("GS130", message, hint=hint)
         self.subs[label] = (frame.file, index)
         for inner in frame.file.flows:
-            if inner.index > index:
+            if inner.at > index:
                 if inner.keyword == "endsub" and inner.label == label:
-                    frame.at = inner.index + 1
+                    frame.at = inner.at + 1
                     return
                 if inner.keyword == "sub":
                     raise Stopped(
                         "GS130",
                         f"a subroutine inside the subroutine {show(label)}",
-                        index=inner.index,
+                        index=inner.at,
                         hint="close the first one",
                     )
         last = len(frame.file.lines) - 1
@@ -314,16 +314,16 @@ class FlowControl:
                 raise Fault(
                     "GS131", f"{own.name} holds no subroutine {show(label)}", hint=f"it must begin with o<{label}> sub"
                 )
-            self.subs[label] = (own, found.index)
+            self.subs[label] = (own, found.at)
             return self.subs[label]
         found = self.frame.file.find_flow(index, label, frozenset(("sub",)))
         if found is not None:
-            self.subs[label] = (self.frame.file, found.index)
+            self.subs[label] = (self.frame.file, found.at)
             return self.subs[label]
         number = self.frame.file.find_flow(index, label, frozenset(("",)))
         if number is not None:
             raise Stopped(
-                "GS131", f"O{label} is a program for M98, no subroutine", index=number.index, hint=f"M98 P{label}"
+                "GS131", f"O{label} is a program for M98, no subroutine", index=number.at, hint=f"M98 P{label}"
             )
         raise Stopped(
             "GS131",
@@ -377,15 +377,15 @@ class FlowControl:
                 for other in file.flows:
                     if other.label == label and other.keyword == "sub":
                         hint = f"call it by `{show(label)} call`"
-                        raise Stopped("GS131", f"{show(label)} is no program for M98", index=other.index, hint=hint)
+                        raise Stopped("GS131", f"{show(label)} is no program for M98", index=other.at, hint=hint)
                 last = len(file.lines) - 1
                 raise Stopped(
                     "GS131", f"there is no program O{number}", index=last, hint=f"begin it with a line O{number}"
                 )
             file = own
-        self._enter(file, found.index + 1, label, index)
+        self._enter(file, found.at + 1, label, index)
         self.frame.by_m98 = True
-        self.frame.first = found.index
+        self.frame.first = found.at
         self.frame.rounds = rounds
 
     def end_of_program(self) -> None:

@@ -160,7 +160,7 @@ def _assume_length(number: int, control: Control) -> None:
     control.notes.append(
         Diagnostic(
             code="GS195",
-            message=f"the program never says G43: M6 takes the length of the tool along ({length / MM:g} mm for T{number})",
+            message=f"the program never says G43: M6 takes the tool's length along ({length / MM:g} mm for T{number})",
             span=control.span,
             hint="write G43 after M6, or set `tool_length: strict`",
         )

@@ -162,7 +162,7 @@ def _set_tool(words: Words, control: Control, level: int) -> None:
             offset[axis] = value * (control.state.unit if LINEAR[axis] else DEG)
     if level != 1:
         offset = _turned_back(offset, words, control, entry, level, reads)
-    changed = replace(entry, offset=tuple(offset))
+    changed = replace(entry, offset=tuple(offset))  # type: ignore[arg-type]
     if (radius := words.get("r")) is not None:
         changed = replace(changed, diameter=2.0 * radius * control.state.unit)
     if (front := words.get("i")) is not None:
@@ -191,7 +191,7 @@ def _current_for_tool(words: Words, control: Control, level: int) -> Vector:
         point = subtract(axes, origin)
     if turn:
         cos, sin = math.cos(math.radians(turn)), math.sin(math.radians(turn))
-        point = (point[0] * cos + point[1] * sin, point[1] * cos - point[0] * sin, *point[2:])  # type: ignore[assignment]
+        point = (point[0] * cos + point[1] * sin, point[1] * cos - point[0] * sin, *point[2:])
     return subtract(point, g92)
 
 

@@ -17,7 +17,7 @@ _MOST_CACHED = 200_000  # blocks are kept for loops; a program longer than this 
 class FlowLine(NamedTuple):
     """A line that holds an O-word; `label` is empty when it has to be computed."""
 
-    index: int
+    at: int
     label: str
     keyword: str
 
@@ -58,7 +58,7 @@ class ProgramFile:
     def find_flow(self, after: int, label: str, keywords: frozenset[str]) -> FlowLine | None:
         """The next line after index `after` with an O-word of `label` and one of `keywords`."""
         for flow in self.flows:
-            if flow.index > after and flow.label == label and flow.keyword in keywords:
+            if flow.at > after and flow.label == label and flow.keyword in keywords:
                 return flow
         return None
 

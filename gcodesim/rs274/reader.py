@@ -182,7 +182,7 @@ def _explain(problem: Unreadable, squeezed: str, columns: list[int]) -> Fault:
         return Fault(
             "GS001", "a line number must stand first in its line", at=here, hint="move the N word to the front"
         )
-    if squeezed[:1] == "n" and at == 1 or found == "n":
+    if (squeezed[:1] == "n" and at == 1) or found == "n":
         return Fault("GS005", "a line number is N and digits, without a sign", at=(columns[0], here[1]))
     if _in_flow(squeezed):
         return _explain_flow(problem, squeezed, columns, here)
@@ -235,7 +235,7 @@ def _explain_flow(problem: Unreadable, squeezed: str, columns: list[int], here: 
                 "GS008",
                 f"`{word.group()}` is no command of an O-word",
                 at=(columns[at], columns[at + len(word.group()) - 1] + 1),
-                hint="one of sub endsub call return if elseif else endif while endwhile do repeat endrepeat break continue",
+                hint="known are sub endsub call return if elseif else endif while endwhile do repeat endrepeat …",
             )
     return Fault("GS008", "this cannot stand in a line with an O-word", at=here, hint="put it on a line of its own")
 

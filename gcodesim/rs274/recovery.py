@@ -57,7 +57,7 @@ class Recovery:
             self._carry_over(words)
 
     def _doubt(self, text: str, block: Block | None) -> None:
-        if block is not None and block.flow is not None or re.match(r"\s*/?\s*(n[\d.\s]*)?o", text):
+        if (block is not None and block.flow is not None) or re.match(r"\s*/?\s*(n[\d.\s]*)?o", text):
             self.flow = self.parameters = self.position = self.modes = True
         if re.search(r"[xyzabcuvw@^]", text):
             self.position = True
@@ -120,9 +120,9 @@ class Recovery:
             motion = words.g.get(MOTION)
             if motion is not None and motion not in (52, 53):
                 state.motion = motion
-            if motion is not None and motion <= 30 or (motion is None and 0 <= state.motion <= 30 and 0 not in words.g):
-                if not state.side:
-                    state.current = end_point(words, control)
+            moves = 0 <= motion <= 30 if motion is not None else 0 <= state.motion <= 30 and 0 not in words.g
+            if moves and not state.side:
+                state.current = end_point(words, control)
         except (Fault, OverflowError):
             pass
         del control.out[kept:]

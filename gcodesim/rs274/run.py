@@ -13,7 +13,7 @@ from gcodesim.rs274.block import Block
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.dialects import DIALECTS, Dialect
 from gcodesim.rs274.dialects.linuxcnc import STOPPING
-from gcodesim.rs274.execute import execute
+from gcodesim.rs274.execute import execute, execute_move, is_plain_move
 from gcodesim.rs274.expressions import checked
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.flow import FlowControl, Stopped
@@ -144,8 +144,8 @@ class _Executor:
         except Fault as fault:
             self._fault(fault, file, index, text, block, words)
         except (OverflowError, RecursionError):
-            fault = Fault("GS123", "a value is too large to be computed with")
-            self._fault(fault, file, index, text, block, words)
+            too_large = Fault("GS123", "a value is too large to be computed with")
+            self._fault(too_large, file, index, text, block, words)
 
     def _settings_and_words(self, block: Block, index: int) -> None:
         control = self.control
@@ -184,6 +184,9 @@ class _Executor:
 
     def _execute(self, words: Words, index: int) -> None:
         control = self.control
+        if is_plain_move(words, control):
+            execute_move(words, control)
+            return
         before = control.state.copy()
         tool, notes_so_far = control.spindle_tool, len(control.notes)
         try:
@@ -350,10 +353,7 @@ def _wants_auto_length(source: SourceText, settings: Settings) -> bool:
     """Whether M6 has to take the tool length along: no line of the program says G43 or G49."""
     if settings.tool_length != "auto" or settings.auto_length is None:
         return False
-    for line in source.lines:
-        if "4" in line and _LENGTH_WORD.search(re.sub(r"\([^)]*\)?|;.*", "", line)):
-            return False
-    return True
+    return all(not ("4" in line and _LENGTH_WORD.search(re.sub(r"\([^)]*\)?|;.*", "", line))) for line in source.lines)
 
 
 _SKIPPED_CODES = (

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 
 from gcodesim import canon
 from gcodesim.rs274.control import Control
@@ -108,7 +109,7 @@ def nurbs_end(words: Words, control: Control, code: int) -> None:
             limit=order,
         )
     last = points[-1]
-    end: Vector = (last[0], last[1], *state.current[2:])  # type: ignore[assignment]
+    end: Vector = (last[0], last[1], *state.current[2:])
     spans = len(points) - order + 1
     knots = [0.0] * order + [float(n) for n in range(1, spans)] + [float(spans)] * order
     _emit(control, [(x, y) for x, y, _ in points], [w for _, _, w in points], knots, order - 1, end, "G5.2")
@@ -167,8 +168,8 @@ def _emit(
             end=control.si_axes(control.tip(end)),
             block=control.block_number,
             word=word,
-            points=tuple(control.si_point((x, y, z, *tail)) for x, y in polyline),  # type: ignore[arg-type]
-            control_points=tuple(control.si_point((x, y, z, *tail)) for x, y in controls),  # type: ignore[arg-type]
+            points=tuple(control.si_point((x, y, z, *tail)) for x, y in polyline),
+            control_points=tuple(control.si_point((x, y, z, *tail)) for x, y in controls),
             feed=feed,
             feed_unit=feed_unit,
         )
@@ -185,9 +186,9 @@ def flatten(
     second difference of the control polygon, then is doubled while a midpoint
     is still too far from its chord.
     """
-    spans = sorted({knot for knot in knots[degree : len(knots) - degree]})
+    spans = sorted(set(knots[degree : len(knots) - degree]))
     out = [_on_curve(controls, weights, knots, degree, spans[0])]
-    for low, high in zip(spans, spans[1:], strict=False):
+    for low, high in pairwise(spans):
         count = _FEWEST
         while True:
             points = [

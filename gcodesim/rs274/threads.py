@@ -177,8 +177,8 @@ class _Passes:
 
     def _rapid(self, x: float, z: float) -> None:
         now = self.control.state.current
-        self.control.rapid((x, now[1], z, *now[3:]), "G76")  # type: ignore[arg-type]
+        self.control.rapid((x, now[1], z, *now[3:]), "G76")
 
     def _thread(self, x: float, z: float, pitch: float) -> None:
         now = self.control.state.current
-        self.control.line((x, now[1], z, *now[3:]), "G76", pitch * self.control.state.unit)  # type: ignore[arg-type]
+        self.control.line((x, now[1], z, *now[3:]), "G76", pitch * self.control.state.unit)

@@ -1,0 +1,67 @@
+"""The conformance corpus in one process: run a program as its setup says and compare with what is expected."""
+
+import importlib.util
+import sys
+from collections import Counter
+from functools import cache
+from pathlib import Path
+from types import ModuleType
+
+from gcodesim.canon.listing import listing
+from gcodesim.diagnostics import SourceText
+from gcodesim.rs274 import Settings, ToolTable, interpret, read_parameters
+
+FOLDER = Path(__file__).parent.parent / "data" / "conformance" / "rs274"
+
+
+@cache
+def compare() -> ModuleType:
+    """The corpus' own comparison."""
+    spec = importlib.util.spec_from_file_location("conformance_compare", FOLDER / "compare.py")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def programs(kind: str) -> list[Path]:
+    return sorted((FOLDER / kind).glob("*.ngc"))
+
+
+def settings_of(program: Path, setup: dict) -> Settings:
+    table, problems = ToolTable.read(SourceText.read(FOLDER / "tools.tbl"))
+    assert not problems
+    parameters = {}
+    if setup.get("parameters"):
+        parameters, problems = read_parameters(SourceText.read(program.parent / setup["parameters"]))
+        assert not problems
+    return Settings(
+        tool_table=table,
+        parameters=parameters,
+        subroutines=(FOLDER / "subs",),
+        block_delete=bool(setup["block_delete"]),
+    )
+
+
+def differences(program: Path) -> list[str]:
+    """What differs between the expected and the actual listing, at level all, error lines included."""
+    expected = compare().load(str(program.with_suffix(".json")))
+    run = interpret(SourceText.read(program), settings_of(program, expected["setup"]))
+    events = list(run)
+    error = None if run.failed is None else (run.failed.message, run.failed_line)
+    return compare().compare(expected, listing(events, error), "all", lines=True)
+
+
+def by_feature() -> list[str]:
+    """Pass counts, one line a feature: the first part of the programs' names."""
+    good, all_ = Counter(), Counter()
+    for kind in ("valid", "invalid"):
+        for program in programs(kind):
+            feature = f"{kind} {program.stem.split('_')[0]}"
+            all_[feature] += 1
+            good[feature] += not differences(program)
+    return [f"{name:<24}{good[name]:>4} of {all_[name]}" for name in sorted(all_)]
+
+
+if __name__ == "__main__":
+    print("\n".join(by_feature()))
