@@ -24,6 +24,7 @@ from gcodesim.results import Results
 if TYPE_CHECKING:
     from gcodesim.executor import Execution
     from gcodesim.executor.window import StepWindow
+    from gcodesim.material.stock import Stock
     from gcodesim.material.surface import Tiles
     from gcodesim.simulation import Job
     from gcodesim.world import WorldSteps
@@ -32,7 +33,10 @@ LOG_NAME: Final = "run.mcap"
 TILE_PERIOD_NS: Final = 500_000_000
 """Stock is drawn at most this often."""
 
-MOST_TILE_LOOKS: Final = 400
+DRAWN_COLUMNS: Final = 40_000
+"""Columns of a stock that the log draws: finer than a screen shows, and a look costs milliseconds."""
+
+MOST_TILE_LOOKS: Final = 240
 """Looks at the stock in a whole run: a long program is not watched more closely than a short one."""
 
 FORCE_PERIOD_NS: Final = 100_000_000
@@ -51,7 +55,7 @@ class Recorder:
         self._systems = work_systems(self._shop, self._plan.path)
         ways = Ways.of(self._plan, self._shop)
         self._blocks = Blocks.of(self._plan, self._shop, job.sources, ways)
-        self._tiles: list[Tiles] = [placed.stock.tiles(across=self._across) for placed in self._shop.stocks.values()]
+        self._tiles: list[Tiles] = [self._tiles_of(placed.stock) for placed in self._shop.stocks.values()]
         self._tile_ns = self._tile_period(self._plan.trajectory.duration_ns)
         self._next_tile_ns = self._tile_ns
         self._writer = LogWriter(out / LOG_NAME, self._description(ways))
@@ -62,6 +66,11 @@ class Recorder:
         self._tool = -1
 
     # ---- before the run
+
+    def _tiles_of(self, stock: Stock) -> Tiles:
+        area = float(np.prod(stock.grid[2:] * stock.count.shape))
+        spacing = max(float(stock.grid[2:].max()), (area / DRAWN_COLUMNS) ** 0.5)
+        return stock.tiles(across=self._across, spacing=spacing)
 
     @property
     def _across(self) -> int:
