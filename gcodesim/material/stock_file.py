@@ -2,7 +2,7 @@
 
 A line of text, a line of JSON with sorted keys, then the arrays as
 little-endian bytes, compressed by zlib: count, then the intervals of all
-columns one after the other. Only what is used is stored, and equal stocks give
+columns one after the other, then the walls. Only what is used is stored, and equal stocks give
 equal bytes.
 """
 
@@ -35,7 +35,12 @@ def save_stock(stock: Stock, path: Path) -> None:
         "resolution_m": float(stock.resolution),
         "z_range_m": [float(v) for v in stock.z_range],
     }
-    arrays = (stock.count.astype("<i4"), stock.lo[used].astype("<f8"), stock.hi[used].astype("<f8"))
+    arrays = (
+        stock.count.astype("<i4"),
+        stock.lo[used].astype("<f8"),
+        stock.hi[used].astype("<f8"),
+        stock.walls.astype("<f4"),
+    )
     body = b"".join(array.tobytes() for array in arrays)
     text = json.dumps(head, sort_keys=True, ensure_ascii=False).encode() + b"\n"
     path.write_bytes(_MAGIC + text + zlib.compress(body, 1))
@@ -61,12 +66,20 @@ def stock_from_bytes(raw: bytes, name: str) -> Stock:
         count = np.frombuffer(body, "<i4", nx * ny).astype(np.int32).reshape(nx, ny)
         total = int(count.sum())
         ends = np.frombuffer(body, "<f8", 2 * total, 4 * nx * ny).astype(np.float64)
+        walls = np.frombuffer(body, "<f4", 4 * (nx + 1) * (ny + 1), 4 * nx * ny + 16 * total).astype(np.float32)
     except (ValueError, KeyError, TypeError, IndexError, zlib.error) as fault:
         raise StockFileError(f"{name} is damaged: {fault}") from fault
-    if grid.shape != (4,) or min(nx, ny) < 1 or (count < 0).any() or len(body) != 4 * nx * ny + 16 * total:
+    if (
+        grid.shape != (4,)
+        or min(nx, ny) < 1
+        or (count < 0).any()
+        or len(body) != 4 * (nx * ny + walls.size) + 16 * total
+    ):
         raise StockFileError(f"{name} is damaged: its parts do not fit together")
     k = max(1, int(count.max()))
     used = np.arange(k)[None, None, :] < count[:, :, None]
     lo, hi = np.zeros((nx, ny, k)), np.zeros((nx, ny, k))
     lo[used], hi[used] = ends[:total], ends[total:]
-    return Stock(lo=lo, hi=hi, count=count, grid=grid, z_range=z_range, resolution=resolution, material=material)
+    stock = Stock(lo=lo, hi=hi, count=count, grid=grid, z_range=z_range, resolution=resolution, material=material)
+    stock.walls[:] = walls.reshape(stock.walls.shape)
+    return stock
