@@ -92,11 +92,12 @@ def record_of(window: StepWindow, world: WorldSteps, parts: Sequence[Part]) -> S
 
 
 def _rapid_bound(part: Part) -> Array:
-    """Volume (n,) [m³] that a rapid may seem to take where it only grazes a wall: half a cell, as deep as it is in."""
+    """Volume (n,) [m³] that a rapid may seem to take where it only grazes: half a cell of all wall that it passes."""
     stock, window = part.task.target.stock, part.window
-    length = np.linalg.norm(window.piece_end - window.piece_start, axis=1)
+    way = window.piece_end - window.piece_start
     low = np.minimum(window.piece_start[:, 2], window.piece_end[:, 2])
     depth = np.clip(stock.z_range[1] - low, 0.0, stock.z_range[1] - stock.z_range[0])
+    walls = 2.0 * np.hypot(way[:, 0], way[:, 1]) * depth + 2.0 * np.pi * part.task.reach * np.abs(way[:, 2])
     bound = np.zeros(window.steps)
-    np.add.at(bound, window.piece_step, 0.5 * float(stock.grid[2:].max()) * length * depth)
+    np.add.at(bound, window.piece_step, 0.5 * float(stock.grid[2:].max()) * walls)
     return bound
