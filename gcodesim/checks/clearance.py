@@ -74,14 +74,15 @@ def clearance_findings(
         touches = fixture_touches(ToolParts.of(tools[number]), fixtures, tips[mine], tips[mine + 1], axis)
         for touch in touches:
             chord = int(mine[touch.piece])
+            when = float(time[chord] + touch.share * (time[chord + 1] - time[chord]))
             point_B = np.array(touch.tip)
             if table is not None:
-                q = plan.joints(trajectory.sample(time[chord : chord + 1]))
+                q = plan.joints(trajectory.sample(np.array([when])))
                 point_B = Pose.from_matrix(table(q)[0]).apply(point_B)
             state = path.state_of(int(way.row[chord]))
             system, point = place_in_system(X_BM.inverse().apply(point_B), state)
             span = path.span(int(way.row[chord]))
-            found.append((time[chord], collision_finding(touch, span, system, point, float(time[chord]))))
+            found.append((when, collision_finding(touch, span, system, point, when)))
     return [finding for _, finding in sorted(found, key=lambda entry: entry[0])]
 
 

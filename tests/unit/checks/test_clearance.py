@@ -12,7 +12,7 @@ from gcodesim.cell.stock import Box, Cylinder
 from gcodesim.checks.clearance import clearance_findings, fixture_body, place_in_system
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.frames import Pose
-from gcodesim.kinematics import MODELS, kinematics_of, load_urdf
+from gcodesim.kinematics import MODELS, Cartesian, kinematics_of, load_urdf
 from gcodesim.motion.build import build_tool_path
 from gcodesim.motion.tool_path import ToolState
 from gcodesim.planning import plan_machine
@@ -126,3 +126,43 @@ def test_a_round_fixture_is_a_body_too() -> None:
     corners = post.hulls[0].corners
     assert np.hypot(corners[:, 0] - 0.1, corners[:, 1]).min() >= 0.01
     assert (corners[:, 2].min(), corners[:, 2].max()) == (0.0, 0.05)
+
+
+def test_fixtures_turn_with_the_table_they_stand_on() -> None:
+    """A tool stands 50 mm beside the axis of a rotary table; a turn of half a circle brings a clamp to it."""
+    chain, _ = load_urdf(MODELS["mill_xyzac_trunnion"].path)
+    assert chain is not None
+    kinematics = kinematics_of(chain)
+    assert isinstance(kinematics, Cartesian)
+    length = T2.true_length
+    start = (0.05, 0.0, 0.02, 0.0, 0.0, 0.0)
+    events: list[Event] = [
+        ToolChange(span=at(0), tool=2),
+        ToolOffset(span=at(0), offset=(0.0, 0.0, length, 0.0, 0.0, 0.0)),
+        LinearFeed(span=at(1), end=(0.05, 0.0, 0.01, 0.0, 0.0, 0.0), feed=0.01, block=1, word="G1"),
+        LinearFeed(
+            span=at(2),
+            end=(0.05, 0.0, 0.01, 0.0, 0.0, np.pi),
+            feed=1.0,
+            feed_unit="rad/s",
+            block=2,
+            word="G1",
+        ),
+    ]
+    path = build_tool_path(events, start=start)
+    home = np.array([0.05, 0.0, 0.02 + length, 0.0, 0.0])
+    plan = plan_machine(path, kinematics, home=home, tool_frames={2: T2.X_FT})
+    clamp = fixture_body("clamp", Box(lower=(-0.06, -0.005, 0.0), upper=(-0.04, 0.005, 0.02)), Pose.identity())
+    assert clamp is not None
+
+    assert clearance_findings(plan, {2: T2}, [clamp]) == []  # if the clamp stood still, nothing would happen
+    (finding,) = clearance_findings(plan, {2: T2}, [clamp], table=kinematics.table)
+
+    assert (finding.code, finding.span.line) == ("GS301", 2)
+    # the tip itself has not moved in the machine: X50 Y0 Z10
+    x, y, z = (float(word[1:]) for word in finding.message.split(" at ")[1].split()[:3])
+    assert (x, y, z) == pytest.approx((50.0, 0.0, 10.0), abs=2e-3)
+    # it meets the clamp's long side at its radius of 5 mm: 10 mm beside the middle, seen from the table
+    before = np.arcsin(0.010 / 0.05)
+    turned = plan.joints(plan.trajectory.sample(np.array([finding.time])))[0, 4]
+    assert np.pi - abs(turned) == pytest.approx(before, abs=0.02)
