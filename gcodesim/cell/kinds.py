@@ -116,6 +116,7 @@ class Range:
 ANY = Range()
 POSITIVE = Range(above=0.0)
 NOT_NEGATIVE = Range(least=0.0)
+WITHIN_REACH = Range(least=-1e4, most=1e4)  # m; nothing of a cell is ten kilometres away, and squares must not overflow
 
 
 @dataclass(frozen=True, slots=True)

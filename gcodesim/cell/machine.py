@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 from gcodesim.cell.joints import JointList, JointValue, Measure, check_within, in_si, unknown_letter
-from gcodesim.cell.kinds import POSITIVE, Choice, Either, Json, Kind, Quantity, Text, Vector
+from gcodesim.cell.kinds import POSITIVE, WITHIN_REACH, Choice, Either, Json, Kind, Quantity, Text, Vector
 from gcodesim.cell.models import shipped, shipped_chain
 from gcodesim.cell.nodes import Mapping as MappingNode
 from gcodesim.cell.nodes import Node
@@ -36,7 +36,9 @@ Side = Literal["tool", "table"]
 class LinearAxis:
     """An axis X, Y or Z as the cell writes it."""
 
-    travel: tuple[float, float] | None = key(Vector(Quantity("length"), 2), "least and greatest position", default=None)
+    travel: tuple[float, float] | None = key(
+        Vector(Quantity("length", WITHIN_REACH), 2), "least and greatest position", default=None
+    )
     speed: float | None = key(Quantity("speed", POSITIVE), "greatest speed", default=None)
     acceleration: float | None = key(
         Quantity("acceleration", POSITIVE), "acceleration (assumed: full speed in 0.25 s)", default=None

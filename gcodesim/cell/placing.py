@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
-from gcodesim.cell.kinds import Json, Kind, Quantity, Vector, scalar
+from gcodesim.cell.kinds import WITHIN_REACH, Json, Kind, Quantity, Vector, scalar
 from gcodesim.cell.nodes import Node
 from gcodesim.cell.reading import FAULT, Fault, Path, Reading, Reference
 from gcodesim.cell.records import Name, key
@@ -70,7 +70,7 @@ class _FrameName(Kind):
 
 
 FRAME = _FrameName()
-POINT = Vector(Quantity("length"), 3)
+POINT = Vector(Quantity("length", WITHIN_REACH), 3)
 _ANGLES = Vector(Quantity("angle"), 3)
 _ZERO = (0.0, 0.0, 0.0)
 

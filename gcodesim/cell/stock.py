@@ -9,7 +9,7 @@ from pathlib import Path as FilePath
 from typing import Any, Final
 
 from gcodesim.cell.file_kinds import File, FileValue
-from gcodesim.cell.kinds import POSITIVE, Json, Kind, Quantity, Vector, scalar, short
+from gcodesim.cell.kinds import Json, Kind, Quantity, Range, Vector, scalar, short
 from gcodesim.cell.mesh_size import MESH_SUFFIXES, bounds
 from gcodesim.cell.nodes import Listing, Node
 from gcodesim.cell.nodes import Mapping as MappingNode
@@ -31,6 +31,8 @@ _WORDS: Final = {
 }
 _CENTRES: Final = ("center", "centre", "middle")
 _LEAST_SIDE: Final = 1e-6  # m; below a micrometre it is a slip of units
+_SIDE: Final = Range(above=0.0, most=1e3)  # m
+_GRID: Final = Range(least=1e-7, most=1.0)  # m
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -139,8 +141,8 @@ CORNERS: Final = (
 class CylinderSize:
     """A cylinder whose axis is Z."""
 
-    diameter: float = key(Quantity("length", POSITIVE), "diameter")
-    height: float = key(Quantity("length", POSITIVE), "height")
+    diameter: float = key(Quantity("length", _SIDE), "diameter")
+    height: float = key(Quantity("length", _SIDE), "height")
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,7 +155,7 @@ class _CylinderKind(Kind):
 
     def read(self, node: Node, to: Reading, path: Path) -> CylinderSize | Fault:
         if isinstance(node, Listing):
-            pair = Vector(Quantity("length", POSITIVE), 2).read(node, to, path)
+            pair = Vector(Quantity("length", _SIDE), 2).read(node, to, path)
             return FAULT if isinstance(pair, Fault) else CylinderSize(diameter=pair[0], height=pair[1])
         value: CylinderSize | Fault = Record(CylinderSize, "a cylinder").read(node, to, path)
         return value
@@ -200,7 +202,7 @@ class Body:
     `zero` is the point of a box (or of a cylinder) that stands at `xyz`.
     """
 
-    box: Point | None = key(Vector(Quantity("length", POSITIVE), 3), "edge lengths", default=None)
+    box: Point | None = key(Vector(Quantity("length", _SIDE), 3), "edge lengths", default=None)
     zero: str | None = key(_Corner(), "the point that stands at `xyz` (default bottom-front-left)", default=None)
     min: Point | None = key(POINT, "least corner of a box", default=None)
     max: Point | None = key(POINT, "greatest corner of a box", default=None)
@@ -367,7 +369,7 @@ class StockSpec(Body):
     material: str | None = key(
         _MaterialName(), "id or alias of a material; without one it is cut without force", default=None
     )
-    resolution: float | None = key(Quantity("length", POSITIVE), "grid of the stock", default=None)
+    resolution: float | None = key(Quantity("length", _GRID), "grid of the stock", default=None)
     shape: Shape = field(default=Box(lower=(0.0, 0.0, 0.0), upper=(0.0, 0.0, 0.0)))
 
     def checked(self, to: Reading, path: Path) -> StockSpec | Fault:
@@ -404,7 +406,7 @@ class Target:
     mesh: FileValue = key(File("a mesh file"), "the finished part")
     unit: str | None = key(LENGTH_UNIT, "unit of the mesh file", default=None)
     place: Place = inline(Place)
-    tolerance: float = key(Quantity("length", POSITIVE), "largest deviation that is no finding", default=1e-4)
+    tolerance: float = key(Quantity("length", _SIDE), "largest deviation that is no finding", default=1e-4)
     shape: Mesh | None = None
 
     def checked(self, to: Reading, path: Path) -> Target | Fault:

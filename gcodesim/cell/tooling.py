@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
-from gcodesim.cell.kinds import NOT_NEGATIVE, Json, Kind, Quantity, Text, Whole, scalar, short
+from gcodesim.cell.kinds import Json, Kind, Quantity, Range, Text, Whole, scalar, short
 from gcodesim.cell.nodes import Mapping, Node, Scalar
 from gcodesim.cell.reading import FAULT, Fault, Path, Reading, suggestion
 from gcodesim.cell.records import Key, Name, known_keys, not_a_mapping, object_schema
@@ -16,12 +16,15 @@ from gcodesim.tools import TOOLS, Parameter, parameters
 if TYPE_CHECKING:
     from gcodesim.tools.tool import Tool
 
+# below zero a tool says itself what is wrong with it; the bounds keep squares and cubes finite
+_TOOL_LENGTH: Final = Range(least=-1e2, most=1e2)  # m
+
 _KINDS: Final[dict[str, Callable[[], Kind]]] = {
-    "length": lambda: Quantity("length"),
+    "length": lambda: Quantity("length", _TOOL_LENGTH),
     "angle": lambda: Quantity("angle"),
     "mass": lambda: Quantity("mass"),
     "ratio": lambda: Quantity("ratio"),
-    "count": lambda: Whole(NOT_NEGATIVE),
+    "count": lambda: Whole(Range(least=0.0, most=1000.0)),
     "text": lambda: Text(),
 }
 
