@@ -35,6 +35,8 @@ LEAST_ADVANCE = 1.0e-4
 # Up to this tangent of kappa an element of a falling tool is asked so deep that its wall counts as full.
 STEEPEST = 4.0
 
+THIN = 1.0e-7  # [m] least height over which material is asked for
+
 # columns of the result of `cutting_force`
 FORCE, TORQUE, CHIP, DEPTH, WIDTH, ENTRY, EXIT, CONTACT = 0, 6, 7, 8, 9, 10, 11, 12
 RESULT = 13
@@ -56,45 +58,39 @@ def power_at(table: Array, component: int, left: int, part: float) -> float:
 
 
 @kernel
-def probe(r: float, outer: float, sine: float, cosine: float, cell: float, level: float) -> tuple[float, float]:
-    """Where to ask for material ahead of the point at radius r and angle phi: (x, y) along u and l [m].
+def probe(r: float, outer: float, sine: float, cosine: float, cell: float, level: float) -> tuple[float, float, float]:
+    """Where to ask for material ahead of the point at radius r and angle phi: (x, y) along u and l, way d [m].
 
-    outer: largest radius of the element; level: share of the feed that is horizontal; without any the point stays.
+    outer: largest radius of the element; level: share of the feed that is horizontal. d is the way along the feed.
     """
     x, y = r * sine, r * cosine
     if sine <= 0.0:
-        return x + level * cell, y
+        return x + level * cell, y, cell
     inside = max(r - cell, 0.0)
     wide = min(max(y, -inside), inside)
-    ahead = np.sqrt((outer + cell) * (outer + cell) - wide * wide)
-    return x + level * (ahead - x), y + level * (wide - y)
+    way = np.sqrt((outer + cell) * (outer + cell) - wide * wide) - x
+    return x + level * way, y + level * (wide - y), way
 
 
 @kernel
-def span(rows: Array, i: int, cell: float, climb: float) -> tuple[float, float]:
-    """Heights above the tip (low, high) [m] between which row i is asked, moved ahead along a climbing or falling feed.
-
-    Falling, it goes so deep that the columns a cell nearer to the axis, whose floor is lower, count as full too;
-    and half a cell more is asked for below, so that contact grows gradually.
-    """
-    low, high = rows[i, 5], rows[i, 6]
-    if climb >= 0.0:
-        drop = 0.5 * cell * climb
-        return low + drop, max(high, low + 1.0e-7) + drop
+def plunge_way(rows: Array, i: int, cell: float, level: float) -> float:
+    """Least way d [m] for row i: falling, so far that columns a cell nearer to the axis, with lower floor, are full."""
     steep = STEEPEST if rows[i, 2] > STEEPEST * rows[i, 3] else rows[i, 2] / rows[i, 3]
-    drop = climb * (0.5 * (high - low) + cell * steep)
-    return low + drop + min(0.5 * cell * climb, -1.0e-7), high + drop
+    return float((1.0 - level) * (0.5 * (rows[i, 6] - rows[i, 5]) + cell * steep))
 
 
 @kernel
 def share_at(
-    lo: Array, hi: Array, count: Ints, grid: Array, tip: Array, ux: float, uy: float, level: float, cell: float,
-    rows: Array, i: int, low: float, high: float, sine: float, cosine: float,
+    lo: Array, hi: Array, count: Ints, grid: Array, tip: Array, ux: float, uy: float, level: float, climb: float,
+    cell: float, rows: Array, i: int, sine: float, cosine: float,
 ) -> float:  # fmt: skip
-    """Share [-] of row i, asked between heights low and high above the tip, that is in material at one angle."""
-    px, py = probe(rows[i, 0], rows[i, 7], sine, cosine, cell, level)
+    """Share [-] of row i that is in material at one angle; see `contact_of_row`."""
+    px, py, way = probe(rows[i, 0], rows[i, 7], sine, cosine, cell, level)
     x, y = tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py
-    return float(occupancy(lo, hi, count, grid, x, y, tip[2] + low, tip[2] + high))
+    rise = climb * max(way, plunge_way(rows, i, cell, level) if climb < 0.0 else 0.0)
+    low = tip[2] + rows[i, 5] + rise + min(0.5 * (1.0 - level) * cell * climb, 0.0)
+    high = max(tip[2] + rows[i, 6] + rise, low + THIN)
+    return float(occupancy(lo, hi, count, grid, x, y, low, high))
 
 
 @kernel
@@ -104,6 +100,8 @@ def contact_of_row(
 ) -> bool:  # fmt: skip
     """Fill weights[i, :last]: share of the element in material at each angle at which it advances, else 0.
 
+    The element is asked where it will be a way d further along the feed; falling, half a cell more is asked for
+    below, so that contact grows gradually.
     Where contact begins or ends between two angles, the limit is found by halving and the weight is shared out.
     The columns are read here and not by `occupancy`: nearly all have one interval, and this is the innermost loop.
     """
@@ -112,9 +110,10 @@ def contact_of_row(
     radius, outer = rows[i, 0], rows[i, 7] + cell
     inside = max(radius - cell, 0.0)
     sin_kappa, fall = rows[i, 2], climb * rows[i, 3]
-    low, high = span(rows, i, cell, climb)
-    z0, z1 = tip[2] + low, tip[2] + high
-    scale = 1.0 / (z1 - z0)
+    least_way = plunge_way(rows, i, cell, level) if climb < 0.0 else 0.0
+    bottom, top = tip[2] + rows[i, 5] + min(0.5 * (1.0 - level) * cell * climb, 0.0), tip[2] + rows[i, 6]
+    top = max(top, bottom + THIN)
+    scale = 1.0 / (top - bottom)
     to_x, to_y = 1.0 / grid[2], 1.0 / grid[3]
     earlier = -1.0
     touched = False
@@ -125,12 +124,14 @@ def contact_of_row(
             earlier = -1.0
             continue
         px, py = radius * sine, radius * cosine
+        way = cell
         if sine > 0.0:
             wide = min(max(py, -inside), inside)
-            px += level * (np.sqrt(outer * outer - wide * wide) - px)
+            way = np.sqrt(outer * outer - wide * wide) - px
             py += level * (wide - py)
-        else:
-            px += level * cell
+        px += level * way
+        rise = climb * max(way, least_way)
+        z0, z1 = bottom + rise, top + rise
         u = (tip[0] + ux * px - uy * py - grid[0]) * to_x - 0.5
         v = (tip[1] + uy * px + ux * py - grid[1]) * to_y - 0.5
         a, b = int(np.floor(u)), int(np.floor(v))
@@ -140,7 +141,7 @@ def contact_of_row(
             # unsigned indices spare the check for negative ones
             i0, i1, j0, j1 = np.uint64(a), np.uint64(a + 1), np.uint64(b), np.uint64(b + 1)
             if count[i0, j0] != 1 or count[i1, j0] != 1 or count[i0, j1] != 1 or count[i1, j1] != 1:
-                w = share_at(lo, hi, count, grid, tip, ux, uy, level, cell, rows, i, low, high, sine, cosine)
+                w = share_at(lo, hi, count, grid, tip, ux, uy, level, climb, cell, rows, i, sine, cosine)
             else:
                 wx, wy = u - a, v - b
                 near = (1.0 - wx) * max(min(hi[i0, j0, 0], z1) - max(lo[i0, j0, 0], z0), 0.0)
@@ -149,7 +150,7 @@ def contact_of_row(
                 far += wx * max(min(hi[i1, j1, 0], z1) - max(lo[i1, j1, 0], z0), 0.0)
                 w = scale * ((1.0 - wy) * near + wy * far)
         else:
-            w = share_at(lo, hi, count, grid, tip, ux, uy, level, cell, rows, i, low, high, sine, cosine)
+            w = share_at(lo, hi, count, grid, tip, ux, uy, level, climb, cell, rows, i, sine, cosine)
         weights[i, k] = w
         if earlier >= 0.0 and abs(w - earlier) > 0.5:
             least, most = 0.0, 1.0
@@ -157,7 +158,7 @@ def contact_of_row(
                 middle = 0.5 * (least + most)
                 angle = (k - 0.5 + middle) * (2.0 * np.pi / ANGLES)
                 between = share_at(
-                    lo, hi, count, grid, tip, ux, uy, level, cell, rows, i, low, high, np.sin(angle), np.cos(angle)
+                    lo, hi, count, grid, tip, ux, uy, level, climb, cell, rows, i, np.sin(angle), np.cos(angle)
                 )
                 if (between > 0.5 * (w + earlier)) == (w > earlier):
                     most = middle
@@ -183,13 +184,13 @@ def locate_edge(weights: Array, i: int, k: int, fraction: float) -> None:
 @kernel
 def contact_of_cylinder(
     lo: Array, hi: Array, count: Ints, grid: Array, circle: Array, tip: Array, ux: float, uy: float, level: float,
-    rows: Array, first: int, number: int, weights: Array, line: Array,
+    climb: float, rows: Array, first: int, number: int, weights: Array, line: Array,
 ) -> bool:  # fmt: skip
     """The same for all rows of a cylinder at once, first..first+number: they stand above each other."""
     cell = max(grid[2], grid[3])
     half = ANGLES // 2
-    z0, z1 = tip[2] + rows[first, 5], tip[2] + rows[first + number - 1, 6]
-    height = (z1 - z0) / number
+    bottom, top = tip[2] + rows[first, 5], tip[2] + rows[first + number - 1, 6]
+    height = (top - bottom) / number
     earlier = -1.0
     touched = False
     for k in range(half):
@@ -197,8 +198,9 @@ def contact_of_cylinder(
             weights[first : first + number, k] = 0.0
             earlier = -1.0
             continue
-        px, py = probe(rows[first, 0], rows[first, 7], circle[0, k], circle[1, k], cell, level)
+        px, py, way = probe(rows[first, 0], rows[first, 7], circle[0, k], circle[1, k], cell, level)
         x, y = tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py
+        z0, z1 = bottom + climb * way, top + climb * way
         simple, share = solid(lo, hi, count, grid, x, y, z0, z1)
         if simple == 1 and (share == 0.0 or share >= 1.0 - 1.0e-9):
             share = 0.0 if share == 0.0 else 1.0
@@ -214,7 +216,8 @@ def contact_of_cylinder(
             for _ in range(4):
                 middle = 0.5 * (least + most)
                 angle = (k - 0.5 + middle) * (2.0 * np.pi / ANGLES)
-                px, py = probe(rows[first, 0], rows[first, 7], np.sin(angle), np.cos(angle), cell, level)
+                px, py, way = probe(rows[first, 0], rows[first, 7], np.sin(angle), np.cos(angle), cell, level)
+                z0, z1 = bottom + climb * way, top + climb * way
                 x, y = tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py
                 between = occupancy(lo, hi, count, grid, x, y, z0, z1)
                 if (between > 0.5 * (total + earlier)) == (total > earlier):
@@ -393,7 +396,7 @@ def cutting_force(
             continue  # no angle at which this piece advances: a flat bottom in a level cut
         if edge[piece, 0] == 0.0 and rows[first, 3] < 1.0e-12:
             touched = contact_of_cylinder(
-                lo, hi, count, grid, circle, tip, ux, uy, level, rows, first, number, weights, line
+                lo, hi, count, grid, circle, tip, ux, uy, level, climb, rows, first, number, weights, line
             )
         else:
             for i in range(first, first + number):

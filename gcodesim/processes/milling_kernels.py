@@ -33,6 +33,7 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
 Indices = NDArray[np.int64]
 Bytes = NDArray[np.uint8]
+Singles = NDArray[np.float32]
 
 # columns of `motion` (n, 9)
 AXIS, VELOCITY, SPINDLE, RAPID, ACTIVE = 0, 3, 6, 7, 8
@@ -43,8 +44,8 @@ AXIS, VELOCITY, SPINDLE, RAPID, ACTIVE = 0, 3, 6, 7, 8
 ) = (0, 6, 7, 8, 9, 10, 11, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24)  # fmt: skip
 OUTPUTS = 25
 # places in `state` (STATE,)
-DELTA, RELAXATION, FEED_X, FEED_Y, FREEDOM, CUTTING, TIP, HAS_TIP, STEP, PIECE, BEFORE, PATCH_X, PATCH_Y = (
-    0, 3, 4, 5, 6, 7, 8, 11, 12, 13, 14, 17, 18,
+DELTA, RELAXATION, FEED_X, FEED_Y, FREEDOM, CUTTING, TIP, HAS_TIP, STEP, PIECE, BEFORE, PATCH_X, PATCH_Y, CREDIT = (
+    0, 3, 4, 5, 6, 7, 8, 11, 12, 13, 14, 17, 18, 19,
 )  # fmt: skip
 STATE = 20
 PLACED, BLOCKED, FREE = 0.0, 1.0, 2.0  # values of FREEDOM
@@ -53,6 +54,14 @@ LEAST_SPEED = 1.0e-7  # [m/s]; slower is a dwell
 LEAST_TOUCH = 1.0e-6  # [m] of depth below which a tool only touches the surface
 LARGEST_TILT = 1.0e-3  # [-] horizontal part of the axis from which on a tool is not upright
 CLEARANCE = 1.0e-6  # [m] by which a shank is taken to be thinner, so that it does not rub in its own cut
+
+# A tool that passes by material must not feel it because force looks a cell ahead. It feels something as long as it
+# has moved less than CREDIT_CELLS since it last removed: a section of PLAIN_SECTION cells, a column cut by COLUMN_CUT
+# of a cell, or anything at all when looked at closely.
+CREDIT_CELLS = 1.5
+PLAIN_SECTION = 0.5
+COLUMN_CUT = 0.02
+LEAST_VOLUME = 1.0e-15  # [m³]; less is rounding
 
 EVALUATIONS = 10  # looks at the stock for one step, at most
 CLOSE_RELATIVE = 0.01  # residual, as a share of the deflection, up to which the stock is not asked again
@@ -91,6 +100,16 @@ def tighten_tops(
     for i in range(max(pi - reach_i, 0), min(pi + reach_i + 1, tops.shape[0])):
         for j in range(max(pj - reach_j, 0), min(pj + reach_j + 1, tops.shape[1])):
             tops[i, j] = patch_top(hi, count, i, j)
+
+
+@kernel
+def travel_between(before: Array, after: Array, state: Array) -> float:
+    """Way [m] of the displaced tip in a step from `before` to `after` (3,)."""
+    square = 0.0
+    for axis in range(3):
+        d = after[axis] - before[axis] + state[DELTA + axis] - state[BEFORE + axis]
+        square += d * d
+    return float(np.sqrt(square))
 
 
 @kernel
@@ -177,10 +196,10 @@ def solve_step(
 
 @kernel
 def mill(
-    lo: Array, hi: Array, count: Ints, grid: Array, dirty: Bytes, walls: Array, tops: Array, starts: Array, ends: Array,
-    first_piece: Indices, motion: Array, compliance: Array, tool: Array, edge: Array, laws: Array, table: Array,
-    circle: Array, shapes: Array, rows: Array, weights: Array, force: Array, sums: Array, turning: Array, state: Array,
-    out: Array,
+    lo: Array, hi: Array, count: Ints, grid: Array, dirty: Bytes, walls: Singles, tops: Array, starts: Array,
+    ends: Array, first_piece: Indices, motion: Array, compliance: Array, tool: Array, edge: Array, laws: Array,
+    table: Array, circle: Array, shapes: Array, rows: Array, weights: Array, force: Array, sums: Array, turning: Array,
+    state: Array, out: Array,
 ) -> int:  # fmt: skip
     """Run n steps; returns n, or the step in which a column had no room (grow `lo`, `hi` and call again).
 
@@ -261,7 +280,17 @@ def mill(
             used = 0
             result[:] = 0.0
             turning_in = spindle > 0.0 and not rapid and lowest < top
-            if turning_in and (speed > LEAST_SPEED or state[CUTTING] > 0.0):
+            if speed <= LEAST_SPEED:
+                turning_in = turning_in and state[CUTTING] > 0.0
+            elif turning_in and state[CREDIT] <= 0.0:
+                for axis in range(3):
+                    q[axis] = after[axis] + state[DELTA + axis]
+                    p[axis] = before[axis] + state[DELTA + axis]
+                shared, _ = touch_piece(lo, hi, count, grid, tops, p, q, shapes[0])
+                turning_in = shared > LEAST_VOLUME
+                if turning_in:
+                    state[CREDIT] = CREDIT_CELLS * cell
+            if turning_in:
                 chip = speed * 2.0 * np.pi / (spindle * tool[1]) if speed > LEAST_SPEED else 0.0
                 used = solve_step(
                     lo, hi, count, grid, tool, edge, laws, table, circle,
@@ -308,7 +337,12 @@ def mill(
                     column = SHANK if body == 1 else HOLDER
                     out[k, column] = max(out[k, column], depth)
             piece += 1
-        if out[k, REMOVED] > 0.0:
+        way = travel_between(before, after, state)
+        if out[k, REMOVED] > min(PLAIN_SECTION * way, COLUMN_CUT * cell) * cell * cell and way > 0.0:
+            state[CREDIT] = CREDIT_CELLS * cell
+        else:
+            state[CREDIT] -= way
+        if out[k, REMOVED] > LEAST_VOLUME:
             out[k, ENGAGED] = 1.0
             if not rapid:
                 if spindle == 0.0:
