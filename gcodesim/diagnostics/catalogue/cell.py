@@ -84,8 +84,7 @@ CODES += (
         severity=Severity.ERROR,
         title="A unit is missing",
         what=(
-            "Only lengths, angles, counts and ratios may be plain numbers; every other quantity but 0 carries its"
-            " unit."
+            "Only lengths, angles, counts and ratios may be plain numbers; every other quantity but 0 carries its unit."
         ),
         why="3000 may be W or rpm, mm/min or mm/s, and the wrong guess is off by a factor of sixty.",
         remedy="Write the unit behind the number; in a list, that of the last entry holds for those without one.",
@@ -200,8 +199,7 @@ CODES += (
         severity=Severity.ERROR,
         title="The step does not divide the log period",
         what=(
-            "The simulation step is a whole number of nanoseconds and fits a whole number of times into the log "
-            "period."
+            "The simulation step is a whole number of nanoseconds and fits a whole number of times into the log period."
         ),
         why="Times would drift, and two runs would not be equal.",
         remedy="Take one of the rates in the message, or another log period.",
@@ -378,5 +376,21 @@ CODES += (
         what="A link that moves has no <inertial>, so joint efforts do not contain its weight and inertia.",
         why="Margins to the torque limits look better than they are.",
         remedy="Add <inertial> with mass, centre of mass and inertia from the maker or an estimate.",
+    ),
+    Code(
+        code="GS730",
+        severity=Severity.WARNING,
+        title="The control believes another tool length",
+        what="The tool table and `tools:` of the cell give different lengths for a tool.",
+        why="The control moves as the table says, so the tip is off by the difference: a crash or a part of wrong depth.",
+        remedy="Measure the tool and correct the table, or correct `length` and `holder` of the cell.",
+    ),
+    Code(
+        code="GS731",
+        severity=Severity.NOTE,
+        title="The run has no dynamics",
+        what="pybullet is not installed here and the cell names no world, so the kinematic world runs.",
+        why="Joints follow the command exactly; inertia and contacts are left out. Cutting and deflection are the same.",
+        remedy="Nothing, or install pybullet; `simulation: {world: kinematic}` says that it is meant.",
     ),
 )

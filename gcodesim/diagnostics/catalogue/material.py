@@ -56,4 +56,20 @@ CODES: tuple[Code, ...] = (
         why="Forces and removal for this piece of the program are missing from all results.",
         remedy="Put the stock into a frame whose Z is parallel to the tool, or check the orientation of the tool.",
     ),
+    Code(
+        code="GS410",
+        severity=Severity.ERROR,
+        title="No stock of an earlier run",
+        what="`stock: {from: …}` names a folder that holds no stock, or a damaged one.",
+        why="Without it the next setup would start from the wrong part.",
+        remedy="Name the folder that `gcodesim run --out` wrote, and run the earlier setup first.",
+    ),
+    Code(
+        code="GS411",
+        severity=Severity.ERROR,
+        title="Stock too fine for the memory",
+        what="The stock has so many cells at this `resolution` that they would not fit into memory.",
+        why="The run would be killed by the system after minutes; so it does not begin.",
+        remedy="Take the resolution that the hint names, or a smaller stock.",
+    ),
 )

@@ -11,8 +11,7 @@ CODES: tuple[Code, ...] = (
         what="Coolant is read and shown in the listing, but has no effect on the simulated process.",
         why="What depends on it on the real machine is not in the results.",
         remedy=(
-            "Map the code in the cell under `m_codes` if it matters, or make it an error with `checks: "
-            "{GS9xx: error}`."
+            "Map the code in the cell under `m_codes` if it matters, or make it an error with `checks: {GS9xx: error}`."
         ),
     ),
     Code(
@@ -22,8 +21,7 @@ CODES: tuple[Code, ...] = (
         what="Override switches are read, but the simulation has no operator who would turn a knob.",
         why="What depends on it on the real machine is not in the results.",
         remedy=(
-            "Map the code in the cell under `m_codes` if it matters, or make it an error with `checks: "
-            "{GS9xx: error}`."
+            "Map the code in the cell under `m_codes` if it matters, or make it an error with `checks: {GS9xx: error}`."
         ),
     ),
     Code(
@@ -33,8 +31,7 @@ CODES: tuple[Code, ...] = (
         what="The spindle's angle is read, but does not matter to a rotating tool.",
         why="What depends on it on the real machine is not in the results.",
         remedy=(
-            "Map the code in the cell under `m_codes` if it matters, or make it an error with `checks: "
-            "{GS9xx: error}`."
+            "Map the code in the cell under `m_codes` if it matters, or make it an error with `checks: {GS9xx: error}`."
         ),
     ),
     Code(
@@ -44,8 +41,7 @@ CODES: tuple[Code, ...] = (
         what="An output is set, and the cell does not say what it does.",
         why="What depends on it on the real machine is not in the results.",
         remedy=(
-            "Map the code in the cell under `m_codes` if it matters, or make it an error with `checks: "
-            "{GS9xx: error}`."
+            "Map the code in the cell under `m_codes` if it matters, or make it an error with `checks: {GS9xx: error}`."
         ),
     ),
     Code(
@@ -55,8 +51,7 @@ CODES: tuple[Code, ...] = (
         what="Inputs read 0: nothing in the simulation sets them.",
         why="What depends on it on the real machine is not in the results.",
         remedy=(
-            "Map the code in the cell under `m_codes` if it matters, or make it an error with `checks: "
-            "{GS9xx: error}`."
+            "Map the code in the cell under `m_codes` if it matters, or make it an error with `checks: {GS9xx: error}`."
         ),
     ),
     Code(
@@ -66,8 +61,7 @@ CODES: tuple[Code, ...] = (
         what="Pallets are not simulated.",
         why="What depends on it on the real machine is not in the results.",
         remedy=(
-            "Map the code in the cell under `m_codes` if it matters, or make it an error with `checks: "
-            "{GS9xx: error}`."
+            "Map the code in the cell under `m_codes` if it matters, or make it an error with `checks: {GS9xx: error}`."
         ),
     ),
     Code(
@@ -77,8 +71,7 @@ CODES: tuple[Code, ...] = (
         what="The control would run a program of its own for this code; the cell maps nothing to it.",
         why="What depends on it on the real machine is not in the results.",
         remedy=(
-            "Map the code in the cell under `m_codes` if it matters, or make it an error with `checks: "
-            "{GS9xx: error}`."
+            "Map the code in the cell under `m_codes` if it matters, or make it an error with `checks: {GS9xx: error}`."
         ),
     ),
     Code(
@@ -88,8 +81,7 @@ CODES: tuple[Code, ...] = (
         what="Moves of U, V and W are read, but no simulated machine has these axes.",
         why="What depends on it on the real machine is not in the results.",
         remedy=(
-            "Map the code in the cell under `m_codes` if it matters, or make it an error with `checks: "
-            "{GS9xx: error}`."
+            "Map the code in the cell under `m_codes` if it matters, or make it an error with `checks: {GS9xx: error}`."
         ),
     ),
 )
