@@ -377,20 +377,4 @@ CODES += (
         why="Margins to the torque limits look better than they are.",
         remedy="Add <inertial> with mass, centre of mass and inertia from the maker or an estimate.",
     ),
-    Code(
-        code="GS730",
-        severity=Severity.WARNING,
-        title="The control believes another tool length",
-        what="The tool table and `tools:` of the cell give different lengths for a tool.",
-        why="The control moves as the table says, so the tip is off by the difference: a crash or a part of wrong depth.",
-        remedy="Measure the tool and correct the table, or correct `length` and `holder` of the cell.",
-    ),
-    Code(
-        code="GS731",
-        severity=Severity.NOTE,
-        title="The run has no dynamics",
-        what="pybullet is not installed here and the cell names no world, so the kinematic world runs.",
-        why="Joints follow the command exactly; inertia and contacts are left out. Cutting and deflection are the same.",
-        remedy="Nothing, or install pybullet; `simulation: {world: kinematic}` says that it is meant.",
-    ),
 )
