@@ -41,7 +41,7 @@ class Caps:
 
 
 def event_durations(tool_change_time: float) -> Callable[[Event], float]:
-    """How long an event takes [s]: dwells their time, tool changes `tool_change_time`, all others nothing."""
+    """How long events last [s]: dwells their time, tool changes `tool_change_time`, all others nothing."""
 
     def duration(event: Event) -> float:
         if isinstance(event, Dwell):
@@ -161,7 +161,7 @@ def _row_times(phases: Phases, pieces: Pieces) -> tuple[Array, Array]:
 
 
 def _row_ends(pieces: Pieces) -> tuple[NDArray[np.int64], Array, NDArray[np.int64]]:
-    """Where rows end: piece, s and row, in the order of motion."""
+    """Where rows end: piece, s (infinite: at its end) and row, in the order of motion."""
     count = len(pieces)
     if not count:
         return np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0, dtype=np.int64)
@@ -172,7 +172,7 @@ def _row_ends(pieces: Pieces) -> tuple[NDArray[np.int64], Array, NDArray[np.int6
     # pieces that end with their row: no joint piece follows
     plain = np.flatnonzero(~pieces.joint & np.append(~pieces.joint[1:], True))
     piece = np.concatenate([inner_piece, joints, plain])
-    s = np.concatenate([inner_s, 0.5 * pieces.length[joints], pieces.length[plain]])
+    s = np.concatenate([inner_s, 0.5 * pieces.length[joints], np.full(len(plain), np.inf)])
     row = np.concatenate([inner_row, first[joints], last[plain]])
     order = np.argsort(row, kind="stable")
     return piece[order], s[order], row[order]

@@ -94,7 +94,7 @@ def times_at(
     phase_speed: Column,
     phase_acceleration: Column,
 ) -> Column:
-    """Times (b,) at which places (piece, s), given in order of motion, are reached."""
+    """Times (b,) at which places (piece, s), given in order of motion, are reached; s infinite: the piece's end."""
     out = np.empty(len(boundary_s))
     p = 0
     n = len(phase_piece)
@@ -104,7 +104,7 @@ def times_at(
             phase_piece[p + 1] < piece or (phase_piece[p + 1] == piece and phase_s[p + 1] <= s)
         ):
             p += 1
-        if phase_piece[p] < piece:  # the piece has no phase: it takes no time
+        if phase_piece[p] < piece or s == np.inf:  # the piece has no phase, so takes no time; or its end is asked
             out[b] = phase_time[p] + phase_duration[p]
             continue
         way = max(s - phase_s[p], 0.0)

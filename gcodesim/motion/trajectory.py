@@ -8,10 +8,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.canon import Event
+from gcodesim.canon import Event, ToolChange
 from gcodesim.frames import Array
 from gcodesim.motion.pieces import Pieces
-from gcodesim.motion.tool_path import ToolPath
+from gcodesim.motion.tool_path import HOME, RAPID, ToolPath
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,6 +46,18 @@ class TimedEvent:
     duration: float
     row: int
     event: Event
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Totals:
+    """Where the time [s] goes and how far [m] the control point is programmed to move; times add up to the duration."""
+
+    feed: float
+    rapid: float
+    dwell: float
+    tool_change: float
+    feed_distance: float
+    rapid_distance: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -109,6 +121,21 @@ class Trajectory:
     def row_time(self) -> Array:
         """Seconds that each row takes (n,)."""
         return self.row_end - self.row_start
+
+    @property
+    def totals(self) -> Totals:
+        """Time and way by kind; every stand that is no tool change counts as dwell."""
+        rapid = np.isin(self.path.kind, (RAPID, HOME))
+        time, way = self.row_time, self.path.length
+        changes = sum(e.duration for e in self.events if isinstance(e.event, ToolChange))
+        return Totals(
+            feed=float(time[~rapid].sum()),
+            rapid=float(time[rapid].sum()),
+            dwell=sum(e.duration for e in self.events) - changes,
+            tool_change=changes,
+            feed_distance=float(way[~rapid].sum()),
+            rapid_distance=float(way[rapid].sum()),
+        )
 
     def sample(self, t: Array) -> Samples:
         """The trajectory at times `t` (n,) [s], in any order; times outside are held at the ends."""

@@ -32,7 +32,7 @@ from gcodesim.planning.joint_rows import with_joint_rows
 from gcodesim.planning.machine_tool import offsets
 from gcodesim.planning.nodes import Nodes
 from gcodesim.planning.orientation import Orientation, flange_origins, flange_poses, spin_of
-from gcodesim.planning.plan import JointExtremes, Plan
+from gcodesim.planning.plan import JointExtremes, Plan, with_times
 from gcodesim.planning.reach import report_poses, report_slow_joints
 from gcodesim.planning.travel import report_missing_axes
 
@@ -156,7 +156,8 @@ def plan_arm(
     moves = _joint_moves(kinematics, pieces, nodes, q_nodes, home)
     caps = _caps(kinematics, pieces, nodes, q_nodes, findings)
     follower = ArmJoints(kinematics, flange, nodes, q_nodes, home, moves)
-    return Plan(time_law(pieces, caps, duration_of), findings, kinematics, follower, tool_frames or {})
+    trajectory = time_law(pieces, caps, duration_of)
+    return Plan(trajectory, with_times(findings, trajectory), kinematics, follower, tool_frames or {})
 
 
 def _solve(

@@ -19,7 +19,7 @@ from gcodesim.motion.timing import time_law
 from gcodesim.motion.tool_path import ToolPath
 from gcodesim.motion.trajectory import Samples
 from gcodesim.planning.feeds import report_fast_feeds, without_zero_feeds
-from gcodesim.planning.plan import JointExtremes, Plan
+from gcodesim.planning.plan import JointExtremes, Plan, with_times
 from gcodesim.planning.travel import axis_ranges, report_missing_axes, report_travel
 
 if TYPE_CHECKING:
@@ -112,4 +112,5 @@ def plan_machine(
     pieces = blend(path, limits, independent_rapids=rapids == "independent")
     trajectory = time_law(pieces, duration_of=duration_of)
     start = np.array(start_of_machine(joints.names, home))
+    findings = with_times(findings, trajectory)
     return Plan(trajectory, findings, kinematics, AxisJoints(pieces, axes, start), tool_frames or {})

@@ -157,6 +157,20 @@ def test_events_have_their_times_and_the_machine_stands() -> None:
     assert trajectory.sample(np.array([7.0])).event.tolist() == [-1]
 
 
+def test_totals_add_up_to_the_duration() -> None:
+    rapid = Rapid(span=at(3), end=(0.1, 0.0, 0.0, 0.0, 0.0, 0.0))
+    events = (ToolChange(span=at(2), tool=1), rapid, line(0.3), Dwell(span=at(9), seconds=0.25), line(0.3, 0.2))
+    trajectory = run(*events, tool_change_time=6.0)
+
+    totals = trajectory.totals
+
+    assert (totals.tool_change, totals.dwell) == (6.0, 0.25)
+    assert totals.rapid == pytest.approx(0.1 / 0.5 + 0.5 / 3.0)
+    assert (totals.feed_distance, totals.rapid_distance) == pytest.approx((0.4, 0.1))
+    parts = totals.feed + totals.rapid + totals.dwell + totals.tool_change
+    assert parts == pytest.approx(trajectory.duration, rel=1e-12)
+
+
 def test_a_program_that_only_waits() -> None:
     trajectory = run(Dwell(span=at(1), seconds=2.0))
 
