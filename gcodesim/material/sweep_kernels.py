@@ -91,6 +91,16 @@ def bull_nose_reach(flat: float, corner: float, c: float, slope: float) -> float
 
 
 @kernel
+def rises_at(flat: float, corner: float, c2: float, slope: float, u: float) -> bool:
+    """Whether slope * u + b(rho) of a bull nose rises with u there; multiplied out, so that the rim has no pole."""
+    rho = np.sqrt(u * u + c2)
+    beyond = rho - flat
+    if beyond <= 0.0:
+        return slope > 0.0
+    return bool(slope * rho * np.sqrt(max(corner * corner - beyond * beyond, 0.0)) + beyond * u > 0.0)
+
+
+@kernel
 def lowest_at(shape: Array, c2: float, slope: float, first: float, last: float) -> float:
     """The u [m] at which slope * u + b(rho) is least; first <= u <= last, all of it over the column; c2 = c^2."""
     if slope == 0.0:
@@ -100,6 +110,11 @@ def lowest_at(shape: Array, c2: float, slope: float, first: float, last: float) 
     if kind == 1.0:
         reach = steep * np.sqrt(max(shape[1] * shape[1] - c2, 0.0)) / np.sqrt(1.0 + slope * slope)
     elif kind == 2.0:
+        # short pieces are mostly lowest at an end, which is quick to see
+        if rises_at(shape[3], shape[2], c2, slope, first):
+            return first
+        if not rises_at(shape[3], shape[2], c2, slope, last):
+            return last
         reach = bull_nose_reach(shape[3], shape[2], np.sqrt(c2), steep)
     elif kind == 3.0:
         reach = np.sqrt(max(shape[3] * shape[3] - c2, 0.0))
