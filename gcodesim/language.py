@@ -74,7 +74,7 @@ def _differing(cell: Cell, channel: str, table: ToolTable, lengths: dict[int, fl
     span = cell.channel_span(channel, "tool_table")
     return [
         Diagnostic(
-            code="GS730",
+            code="GS732",
             span=span,
             message=f"the tool table says T{number} is {table[number].offset[2] / MM:.3f} mm long; "
             f"`tools:` says {length / MM:.3f} mm",

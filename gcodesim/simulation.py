@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import date
 from importlib.metadata import version
@@ -17,6 +17,7 @@ from gcodesim.cell import Cell, LoadedCell, load_cell
 from gcodesim.cell.cell import MAIN
 from gcodesim.cell.machine import MachineTool
 from gcodesim.diagnostics import Diagnostic, Findings, Severity, SourceText, Span
+from gcodesim.frames import Array
 from gcodesim.language import settings_of_cell
 from gcodesim.motion.build import build_tool_path
 from gcodesim.motion.timing import event_durations
@@ -25,10 +26,16 @@ from gcodesim.results import Results, StockResult, Times, joint_rows, line_rows,
 from gcodesim.rs274 import Run, Settings, interpret
 from gcodesim.shop import Shop, mover_of, open_shop, with_stock
 from gcodesim.verdict import final_findings
+from gcodesim.whole_file import write_whole
 
 if TYPE_CHECKING:
     from gcodesim.executor import Execution, Progress
     from gcodesim.planning import Plan
+
+LOG_NAME: Final = "run.mcap"
+RESULTS_NAME: Final = "results.json"
+LINES_NAME: Final = "lines.csv"
+STOCK_SUFFIXES: Final = (".stl", ".stock")
 
 KINEMATIC: Final = "kinematic"
 BULLET: Final = "bullet"
@@ -66,6 +73,10 @@ class Job:
     def stopped_at(self) -> Span | None:
         """The block at which reading ended early."""
         return self.reading.failed.span if self.reading is not None and self.reading.failed is not None else None
+
+    def shown(self, findings: Iterable[Diagnostic]) -> list[Diagnostic]:
+        """`findings` with the severities of the cell, without those that it suppresses."""
+        return final_findings(findings, self.cell, self.program, self.options.today)
 
     @property
     def world(self) -> str:
@@ -155,6 +166,28 @@ def _plan(job: Job, shop: Shop, events: Sequence[Event], start: Any) -> None:
         )
     job.plan = plan
     job.findings.extend(plan.findings)
+    job.findings.extend(_clearance(shop, plan))
+
+
+def _clearance(shop: Shop, plan: Plan) -> list[Diagnostic]:
+    """Where the tool runs into a fixture."""
+    if not shop.cell.fixtures:
+        return []
+    from gcodesim.checks.clearance import clearance_findings, fixture_body
+    from gcodesim.kinematics import Cartesian
+
+    X_BW = shop.X_WB.inverse()
+    bodies = [
+        fixture_body(name, fixture.shape, X_BW @ shop.placement.fixtures[name])
+        for name, fixture in shop.cell.fixtures.items()
+    ]
+    return clearance_findings(
+        plan,
+        shop.cell.tools,
+        [body for body in bodies if body is not None],
+        X_BM=shop.X_BM,
+        table=shop.kinematics.table if isinstance(shop.kinematics, Cartesian) else None,
+    )
 
 
 def _orientation(shop: Shop) -> Any:
@@ -190,17 +223,23 @@ def check(job: Job) -> Results:
 def run(
     job: Job, out: Path | None = None, progress: Callable[[Progress], None] | None = None
 ) -> tuple[Results, Execution | None]:
-    """Run the job with its stock; with `out` the log, the results and the stocks are written there."""
+    """Run the job with its stock; with `out` the log, the results and the stocks are written there.
+
+    What an earlier run left in `out` under the same names goes first, so that
+    nothing old stands beside the results of a run that failed.
+    """
     from gcodesim.executor import execute
     from gcodesim.inspection import Inspector
 
     if job.shop is None or job.plan is None or job.cell is None:
-        return _results(job, None), None
+        return _not_run(job, out), None
     job.shop, problems = with_stock(job.shop)
     job.findings.extend(problems)
     if any(problem.level >= Severity.ERROR for problem in problems):
-        return _results(job, None, failed=True), None
+        return _not_run(job, out), None
     recorder = None
+    if out is not None:
+        _forget(out, job.shop)
     if out is not None:
         from gcodesim.recorder import Recorder
 
@@ -213,7 +252,7 @@ def run(
             job.shop,
             world_name=job.world,
             dt_ns=job.cell.simulation.step_ns,
-            inspect=inspector.fresh,
+            inspect=lambda record, rows, joints: job.shown(inspector.fresh(record, rows, joints)),
             watcher=recorder,
             progress=progress,
         )
@@ -225,6 +264,25 @@ def run(
         if recorder is not None:
             recorder.abandon()
     return results, execution
+
+
+def _not_run(job: Job, out: Path | None) -> Results:
+    """Results of a job that a fault of the cell or its stock keeps from starting."""
+    results = _results(job, None, failed=True)
+    results = replace(results, stopped_at=_first_error(results.findings))
+    if out is not None:
+        _forget(out, job.shop)
+        out.mkdir(parents=True, exist_ok=True)
+        write_whole(out / RESULTS_NAME, results.text().encode())
+    return results
+
+
+def _forget(out: Path, shop: Shop | None) -> None:
+    """Remove the files that a run writes, as far as an earlier one left them."""
+    stocks = () if shop is None or shop.cell is None else shop.cell.stocks
+    names = [LOG_NAME, RESULTS_NAME, LINES_NAME, *(f"{name}{suffix}" for name in stocks for suffix in STOCK_SUFFIXES)]
+    for name in names:
+        (out / name).unlink(missing_ok=True)
 
 
 def simulate(program: Path | str, cell: Path | str, out: Path | str | None = None) -> Results:
@@ -266,7 +324,7 @@ def _is_called(job: Job, source: SourceText) -> bool:
 
 
 def _results(job: Job, execution: Execution | None, *, failed: bool = False) -> Results:
-    findings = final_findings(job.findings, job.cell, job.program, job.options.today)
+    findings = job.shown(job.findings)
     interrupted = execution is not None and execution.interrupted
     failed = failed or job.cell is None or job.stopped_at is not None or interrupted
     worst = max((finding.level for finding in findings), default=None)
@@ -289,6 +347,9 @@ def _results(job: Job, execution: Execution | None, *, failed: bool = False) -> 
     length = path.length
     rapid = (path.kind == RAPID) | (path.kind == HOME)
     row_time = plan.trajectory.row_time
+    if interrupted and execution is not None:  # what never ran does not count
+        ran = np.arange(len(path)) <= execution.last_row
+        length, row_time = np.where(ran, length, 0.0), np.where(ran, row_time, 0.0)
     names = {number: tool.name for number, tool in shop.cell.tools.items()}
     stopped = job.stopped_at
     if interrupted and stopped is None and execution is not None:
@@ -298,7 +359,7 @@ def _results(job: Job, execution: Execution | None, *, failed: bool = False) -> 
         stopped_at=stopped,
         inputs=inputs_of(job),
         findings=findings,
-        times=_times(plan, rapid, execution),
+        times=_times(plan, rapid, row_time, execution),
         feed_distance=float(length[~rapid].sum()),
         rapid_distance=float(length[rapid].sum()),
         stocks={} if execution is None else _stock_results(shop, execution),
@@ -313,14 +374,16 @@ def _first_error(findings: Sequence[Diagnostic]) -> Span | None:
     return next((finding.span for finding in findings if finding.level >= Severity.ERROR), None)
 
 
-def _times(plan: Plan, rapid: Any, execution: Execution | None) -> Times:
+def _times(plan: Plan, rapid: Any, row_time: Array, execution: Execution | None) -> Times:
     """Where the time goes, from the time law."""
     from gcodesim.canon import ToolChange
 
-    trajectory = plan.trajectory
-    row_time = trajectory.row_time
-    change = sum(e.duration for e in trajectory.events if isinstance(e.event, ToolChange))
-    dwell = sum(e.duration for e in trajectory.events if not isinstance(e.event, ToolChange))
+    events = list(plan.trajectory.events)
+    if execution is not None and execution.interrupted:
+        end = plan.trajectory.duration * execution.steps / max(execution.planned, 1)
+        events = [event for event in events if event.time <= end]
+    change = sum(e.duration for e in events if isinstance(e.event, ToolChange))
+    dwell = sum(e.duration for e in events if not isinstance(e.event, ToolChange))
     feed = float(row_time[~rapid].sum())
     engaged = 0.0
     if execution is not None and len(row_time):

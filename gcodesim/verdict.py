@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from datetime import date
 
 from gcodesim.cell import Cell
 from gcodesim.cell.settings import Suppression
-from gcodesim.diagnostics import Diagnostic, Findings, SourceText
+from gcodesim.diagnostics import Diagnostic, SourceText
 
 
 def final_findings(
-    findings: Findings, cell: Cell | None, program: SourceText, today: date | None = None
+    findings: Iterable[Diagnostic], cell: Cell | None, program: SourceText, today: date | None = None
 ) -> list[Diagnostic]:
-    """All findings in order, with the cell's severities, without those that it suppresses.
+    """All findings in their order, with the cell's severities, without those that it suppresses.
 
     A suppression whose day is past (`until` before `today`) no longer counts;
     without `today` it is the system's date. No date enters the result.

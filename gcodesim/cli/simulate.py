@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import argparse
+import os
 import resource
+import signal
 import sys
+import threading
 import time
-from typing import TYPE_CHECKING
+from pathlib import Path
+from types import FrameType
+from typing import TYPE_CHECKING, Any
 
 from gcodesim.cell import load_cell
 from gcodesim.cli.exits import INTERRUPTED, UsageError, status_of
@@ -15,7 +20,17 @@ from gcodesim.cli.options import read_source
 from gcodesim.cli.output import note, print_findings, print_json, print_table, verdict
 from gcodesim.diagnostics import Severity
 from gcodesim.results import Results
-from gcodesim.simulation import Job, Options, check, prepare, run
+from gcodesim.simulation import (
+    LINES_NAME,
+    LOG_NAME,
+    RESULTS_NAME,
+    STOCK_SUFFIXES,
+    Job,
+    Options,
+    check,
+    prepare,
+    run,
+)
 
 if TYPE_CHECKING:
     from gcodesim.executor import Progress
@@ -24,6 +39,7 @@ if TYPE_CHECKING:
 def _prepared(arguments: argparse.Namespace) -> Job:
     program = read_source(arguments.program, "program")
     read_source(arguments.cell, "cell")
+    _announce_compiling()
     loaded = load_cell(arguments.cell, arguments.allow_path)
     options = Options(
         world=getattr(arguments, "world", None),
@@ -54,25 +70,67 @@ def run_program(arguments: argparse.Namespace) -> int:
     if arguments.out.exists() and not arguments.out.is_dir():
         raise UsageError(f"{arguments.out} is a file, not a folder")
     try:
-        with _Bar() as progress:
+        with _Stop() as stop, _Bar() as bar:
+
+            def progress(now: Progress) -> None:
+                bar(now)
+                stop.obey()
+
             results, execution = run(job, arguments.out, progress)
     except WorldUnavailable as reason:
         raise UsageError(str(reason)) from None
     except (LogWriteError, OSError) as error:
-        raise UsageError(f"{arguments.out} cannot be written: {error}") from None
+        raise UsageError(f"folder {arguments.out} cannot be written: {error.strerror or error}") from None
     if arguments.format == "json":
         print_json(results.as_json())
     else:
         _print_verdict(job, results)
         if execution is not None:
-            _print_files(arguments, results)
+            _print_files(arguments.out, results)
     seconds = time.perf_counter() - begin
     if execution is not None and seconds > 0.0:
         memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
-        note(f"{seconds:.1f} s, {results.times.total / seconds:.0f} x real time, {memory:.0f} MB")
-    if execution is not None and execution.interrupted:
+        ratio = f"{results.times.total / seconds:.3g}"
+        note(f"{seconds:.1f} s of computing, {ratio} simulated seconds in a real one, peak memory {memory:.0f} MB")
+    if stop.asked:
         return INTERRUPTED
     return status_of(results.findings, arguments.fail_on)
+
+
+def _announce_compiling() -> None:
+    """The first run of a version compiles its kernels, which takes a while: not in silence."""
+    from gcodesim.compiled import cache_folder
+
+    if cache_folder is not None and not any(cache_folder.rglob("*.nbi")):
+        note("compiling the kernels, once for this version: about a minute (`gcodesim warm-up` does it beforehand)")
+
+
+class _Stop:
+    """Ctrl-C while a run goes on: the first lets the steps in hand end and closes the log, a second one stops at once."""
+
+    asked = False
+
+    def __enter__(self) -> _Stop:
+        self._before: Any = None
+        if threading.current_thread() is threading.main_thread() and signal.getsignal(signal.SIGINT) != signal.SIG_IGN:
+            self._before = signal.signal(signal.SIGINT, self._ask)
+        return self
+
+    def _ask(self, _signal: int, _frame: FrameType | None) -> None:
+        if self.asked:
+            raise KeyboardInterrupt
+        self.asked = True
+        # not print: a signal may come while a stream is in use
+        os.write(2, b"gcodesim: stopping; the log is closed first (Ctrl-C again stops at once)\n")
+
+    def obey(self) -> None:
+        """End the run when that was asked."""
+        if self.asked:
+            raise KeyboardInterrupt
+
+    def __exit__(self, *_: object) -> None:
+        if self._before is not None:
+            signal.signal(signal.SIGINT, self._before)
 
 
 class _Bar:
@@ -107,12 +165,14 @@ class _Bar:
 
 def _print_verdict(job: Job, results: Results) -> None:
     print_findings(results.findings, job.sources)
-    stopped = results.stopped_at
-    if stopped is not None and stopped.line:
-        print(f"stopped at {stopped.file}:{stopped.line}; nothing after it was simulated")
     print(f"{job.program.name}: {verdict(results.findings)}")
-    if job.plan is None:
+    stopped = results.stopped_at
+    if job.plan is None or (results.status == "failed" and stopped is None):
+        print("nothing was simulated, because of what is wrong with the cell")
         return
+    if stopped is not None:
+        where = f"{stopped.file}:{stopped.line}" if stopped.line else stopped.file
+        print(f"stopped at {where}; this block and what follows was not simulated")
     print()
     print_table(_rows(results))
 
@@ -156,9 +216,9 @@ def _rows(results: Results) -> list[list[str]]:
     return rows
 
 
-def _print_files(arguments: argparse.Namespace, results: Results) -> None:
-    out = arguments.out
-    names = ["run.mcap", "results.json", "lines.csv"] + [f"{name}.stl" for name in results.stocks]
+def _print_files(out: Path, results: Results) -> None:
+    stocks = [f"{name}{suffix}" for name in results.stocks for suffix in STOCK_SUFFIXES]
+    names = [LOG_NAME, RESULTS_NAME, LINES_NAME, *stocks]
     print()
     print(f"  files in {out}: {', '.join(names)}")
-    print(f"  look at it: open {out / 'run.mcap'} in Foxglove or Lichtblick, with the layout that is inside")
+    print(f"  look at it: open {out / LOG_NAME} in Foxglove or Lichtblick, with the layout that is inside")

@@ -140,7 +140,7 @@ class Recorder:
         from gcodesim.executor.record import record_of
 
         self._tcp = self._actual(world.q, window.row, np.zeros((1, 6)))[0]
-        for finding in self._job.findings:
+        for finding in self._job.shown(self._job.findings):
             self._event(0, finding)
         self._changes_of_tool(0, -1, window)
         for index, tiles in enumerate(self._tiles):

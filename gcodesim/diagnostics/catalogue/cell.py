@@ -293,6 +293,14 @@ CODES += (
         why="Gravity, inertia and contacts are left out; process forces and elastic gears are not.",
         remedy="Install pybullet (there are wheels for Python 3.11 on x86-64 Linux), or write `world: kinematic`.",
     ),
+    Code(
+        code="GS732",
+        severity=Severity.WARNING,
+        title="The tool table believes another length",
+        what="The control's tool table and `tools:` of the cell give one tool different lengths.",
+        why="The tip goes off by the difference, on the machine as in the simulation: into the part or into the air.",
+        remedy="Measure the tool, and correct the tool table or `length` in the cell.",
+    ),
 )
 
 # robot descriptions (URDF)

@@ -78,13 +78,4 @@ CODES: tuple[Code, ...] = (
         why="The control refuses the program, or turns at its limit and changes chip load and cutting speed.",
         remedy="Change S, or the limits of the spindle in the cell if they are wrong.",
     ),
-    Code(
-        code="GS520",
-        severity=Severity.WARNING,
-        title="Cutting constants in doubt",
-        what="The cell uses a material of the library whose source contradicts itself.",
-        why="Forces may be wrong by a multiple.",
-        remedy="Choose another entry (the note of the entry says what is wrong), or give own constants under "
-        "`materials`.",
-    ),
 )
