@@ -61,6 +61,7 @@ CLEARANCE = 1.0e-6  # [m] by which a shank is taken to be thinner, so that it do
 CREDIT_CELLS = 1.5
 PLAIN_SECTION = 0.5
 COLUMN_CUT = 0.02
+SMALL_BEND = 0.25  # a tool that is bent by more cells leans on the material, even where it slides along it
 LEAST_VOLUME = 1.0e-15  # [m³]; less is rounding
 
 EVALUATIONS = 10  # looks at the stock for one step, at most
@@ -110,6 +111,12 @@ def travel_between(before: Array, after: Array, state: Array) -> float:
         d = after[axis] - before[axis] + state[DELTA + axis] - state[BEFORE + axis]
         square += d * d
     return float(np.sqrt(square))
+
+
+@kernel
+def bend(state: Array) -> float:
+    """Deflection [m] of the tip."""
+    return float(np.sqrt(state[DELTA] ** 2 + state[DELTA + 1] ** 2 + state[DELTA + 2] ** 2))
 
 
 @kernel
@@ -282,7 +289,7 @@ def mill(
             turning_in = spindle > 0.0 and not rapid and lowest < top
             if speed <= LEAST_SPEED:
                 turning_in = turning_in and state[CUTTING] > 0.0
-            elif turning_in and state[CREDIT] <= 0.0:
+            elif turning_in and state[CREDIT] <= 0.0 and bend(state) < SMALL_BEND * cell:
                 for axis in range(3):
                     q[axis] = after[axis] + state[DELTA + axis]
                     p[axis] = before[axis] + state[DELTA + axis]

@@ -96,6 +96,20 @@ def test_following_the_own_slot_is_no_cut():
         assert not again.wrench[inside].any()
 
 
+@pytest.mark.parametrize("kind", ["flat_end_mill", "ball_end_mill"])
+@pytest.mark.parametrize("drop", [0.0, 2e-3])
+def test_running_into_the_end_of_an_own_slot_is_no_cut(kind, drop):
+    """The wall at its end stands where the first pass left it: looking ahead must not make a force of it."""
+    process = Milling(cutter=TOOLS[kind](diameter=10e-3), law=ALUMINIUM)
+    path = line((-8e-3, 20.1e-3, -3e-3), (20e-3, 20.1e-3, -3e-3 - drop), 140)
+    stock = box()
+    first, _ = run(path, stock=stock, process=process)
+    again, _ = run(path, stock=stock, process=process)
+
+    assert first.wrench[-1].any()
+    assert not again.wrench.any()
+
+
 def test_force_stands_when_the_tool_stands():
     """A dwell in the cut: no chip, the edge still rubs; a law without edge forces gives zero."""
     still = np.repeat(SLOT[-1:], 11, axis=0)
