@@ -10,6 +10,7 @@ from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.motions import MOTIONS
 from gcodesim.rs274.words import Words, check_use
 
+_NOT_MODELLED = "uvw"
 _CLAIMS_AXES = frozenset((100, 280, 300, 520, 920))
 _LENGTH_CLAIMS_AXES = frozenset((431, 432))
 _CARRIES_ON_WITH_CENTRE = frozenset((20, 30))
@@ -81,6 +82,10 @@ def execute(words: Words, control: Control) -> None:
 
     if words.values.get("$"):
         raise Fault("GS106", f"there is no spindle ${words.values['$']:g}: one spindle is simulated", at="$")
+
+    for letter in _NOT_MODELLED:
+        if letter in words.values:
+            control.skip(letter.upper())
 
     modes.spindle_mode(words, control)
     modes.feed_mode(words, control)

@@ -10,7 +10,7 @@ from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.parameters import Parameters
 
 _NEAR = 1e-4  # EQ and NE treat numbers nearer than this as equal
-LARGEST = 1e12  # beyond this a number cannot mean anything on a machine, and squares lose all digits
+LARGEST = 1e30  # beyond this a number means nothing on any machine, and its square may be no number
 
 
 def evaluate(node: Node, parameters: Parameters) -> float:

@@ -65,7 +65,7 @@ class _Build(Transformer[Token, Any]):
         return "setting", (hash_sign.start_pos, index, value)
 
     def note(self, text: Token) -> tuple[str, Any]:
-        body = text.value[1:-1] if text.value.startswith("(") else text.value[1:]
+        body = text.value[1:-1] if text.value.startswith("(") else ""  # after a semicolon nothing is active
         return "note", (text.start_pos, body)
 
     def flow(self, letter: Token, label: Node, *rest: Any) -> tuple[str, Any]:

@@ -10,7 +10,7 @@ from gcodesim.rs274.control import Control
 from gcodesim.rs274.expressions import evaluate
 from gcodesim.rs274.fault import Fault
 
-_KEY = re.compile(r"[ \t]*([A-Za-z]+)[ \t]*,(.*)", re.DOTALL)
+_KEY = re.compile(r"[ \t]*([A-Za-z]+),(.*)", re.DOTALL)
 _FORMAT = re.compile(r"%(?:(d|f)|\.([0-9])f)")
 
 
@@ -54,7 +54,7 @@ def filled(text: str, control: Control) -> str:
 
 
 def _shown(value: float, places: int) -> str:
-    return f"{value:.{places}f}" if places else str(int(value))
+    return f"{value:.{places}f}" if places else f"{value:.0f}"
 
 
 def _value(text: str, at: int, control: Control) -> tuple[float | None, int]:

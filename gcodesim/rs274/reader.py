@@ -136,9 +136,9 @@ class Reader:
 
 
 def _whole_comment(squeezed: str) -> str | None:
-    """The text of a line that is one comment and nothing else."""
+    """What a line that is one comment and nothing else has to say."""
     if squeezed[0] == ";":
-        return squeezed[1:]
+        return ""  # after a semicolon nothing is active
     return squeezed[1:-1] if squeezed.find(")") == len(squeezed) - 1 else None
 
 

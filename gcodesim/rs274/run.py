@@ -101,11 +101,10 @@ class _Executor:
                 break
             frame.at = index + 1
             text = frame.file.lines[index]
-            if text == "%" or text.strip() == "%":
-                if frame.file is self.file and self.file.has_percent:
-                    control.span = Span.of_line(frame.file.name, index + 1, text, frame.callers)
-                    out.append(canon.EndOfFile(span=control.span))
-                    control.finished = True
+            if self.file.has_percent and frame.file is self.file and text.strip() == "%":
+                control.span = Span.of_line(frame.file.name, index + 1, text, frame.callers)
+                out.append(canon.EndOfFile(span=control.span))
+                control.finished = True
             elif text:
                 self._line(frame.file, index, text)
             if out:
@@ -301,12 +300,8 @@ class _Executor:
         run.findings.extend(_merged(control.notes))
         run.not_simulated = dict(control.not_simulated)
         for word, (count, first) in control.not_simulated.items():
-            times = "once" if count == 1 else f"{count} times"
-            run.findings.add(
-                Diagnostic(
-                    code=_code_of_skipped(word), message=f"{word} is read, but not simulated ({times})", span=first
-                )
-            )
+            message = f"{word} is read, but not simulated"
+            run.findings.add(Diagnostic(code=_code_of_skipped(word), message=message, span=first, count=count))
         run.parameters = {n: v for n, v in sorted(control.parameters.numbers.items()) if v}
         run.sources.update({name: file.source for name, file in self.flow.files.items()})
         run.blocks = self.blocks

@@ -24,15 +24,12 @@ def _check_spindle(words: Words, control: Control, who: str) -> None:
 
 
 def _thread_hint(words: Words) -> str:
-    """`G33.0 Z3` is most likely a slip for `G0 Z33` or `G0 Z3`."""
-    block = words.block
+    """A block without K, as `G33.0 Z3`, is most likely a slip for a rapid move."""
     if "k" in words.values:
         return ""
     for letter in "zxy":
         if letter in words.values:
-            value = words.values[letter]
-            written = f"{value:g}"
-            return f"G33 cuts a thread; was G0 {letter.upper()}{written} meant? (line: {block.text.strip()[:40]})"
+            return f"G33 cuts a thread; was `G0 {letter.upper()}{words.values[letter]:g}` meant?"
     return ""
 
 

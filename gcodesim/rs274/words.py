@@ -67,7 +67,7 @@ def read_words(
     words = Words(block)
     values = words.values
     for position, (letter, node) in enumerate(block.words):
-        value = node if type(node) is float and -1e12 < node < 1e12 else _value(block, position, node, parameters)
+        value = node if type(node) is float and -1e30 < node < 1e30 else _value(block, position, node, parameters)
         if letter == "g":
             _add_g(words, position, value, dialect)
         elif letter == "m":
