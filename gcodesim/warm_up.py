@@ -18,6 +18,7 @@ _GANTRY: Final = (
     "stock: {{box: [20, 15, 8], zero: top-front-left, material: {material}, resolution: 0.5}}\n"
     "tools: {{1: {{type: {tool}, diameter: 6, length: 40, flute_length: 20, "
     "holder: {{diameter: 20, length: 20}}{more}}}}}\n"
+    "fixtures: {{clamp: {{box: [5, 5, 5], in: world, xyz: [0, 0, -300]}}}}\n"
 )
 _ARM: Final = (
     "gcodesim: 1\nrobots: {{arm: {{model: {model}}}}}\n"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -82,6 +83,22 @@ class Stretch:
                 if part.task.process.pushes:
                     wrench[i] += part.step(first + i, before, moved)
         return wrench
+
+    def whole(self) -> Array:
+        """What the tool feels (n, 6) if the machine follows its command."""
+        return self(0, self._steps.q[self.begin : self.end])
+
+    def save(self) -> Callable[[], None]:
+        """Remember stocks and processes; the answer puts them back."""
+        kept = [(part, part.task.state.values.copy(), part.task.target.stock.memento()) for part in self.parts]
+
+        def restore() -> None:
+            for part, values, back in kept:
+                part.task.state.values[:] = values
+                part.answer = None
+                back()
+
+        return restore
 
     def finish(self) -> None:
         """After the world has moved: all answers are in."""

@@ -15,7 +15,7 @@ from gcodesim.executor.record import StepRecord, record_of
 from gcodesim.executor.tasks import RowColumns
 from gcodesim.executor.totals import JointTotals, RowTotals
 from gcodesim.executor.window import StepWindow, first_carry, window_of
-from gcodesim.frames import Pose
+from gcodesim.frames import Array, Pose
 from gcodesim.shop import Shop
 from gcodesim.world import RobotBody, WorldSteps, open_world, tool_body
 
@@ -141,7 +141,7 @@ def _run(world: World, shop: Shop, coupling: Coupling, window: StepWindow) -> tu
     for begin, end in zip([0, *bounds], [*bounds, len(window)], strict=True):
         _attach(world, shop, int(window.tool[begin]))
         stretch = coupling.stretch(window, begin, end)
-        moved.append(world.run(window.q[begin:end], stretch if stretch.parts else None))
+        moved.append(_move(world, stretch, window.q[begin:end]))
         stretch.finish()
         stretches.append(stretch)
     steps = moved[0] if len(moved) == 1 else _joined(moved)
@@ -156,6 +156,19 @@ def _add_volumes(volumes: dict[str, tuple[float, float]], parts: Sequence[Part])
         before = volumes.get(part.task.target.name, (0.0, 0.0))
         gone, come = (change, 0.0) if part.task.process.takes else (0.0, -change)
         volumes[part.task.target.name] = (before[0] + gone, before[1] + come)
+
+
+def _move(world: World, stretch: Stretch, q: Array) -> WorldSteps:
+    """Move through a stretch. Where the motors keep up, the cut is known before the motion and done in one go;
+    else the world and the process go step by step."""
+    if not any(part.task.process.pushes for part in stretch.parts):
+        return world.run(q)
+    restore = stretch.save() if world.may_lag else None
+    wrench = stretch.whole()
+    if restore is None or world.keeps_up(q, wrench):
+        return world.run(q, wrench)
+    restore()
+    return world.run(q, stretch)
 
 
 def _joined(parts: list[WorldSteps]) -> WorldSteps:

@@ -9,7 +9,7 @@ at the borders of the columns (`walls`), so that volumes are far better.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import ceil, sqrt
 from typing import TYPE_CHECKING
@@ -215,6 +215,17 @@ class Stock:
         twin.dirty[:] = self.dirty
         twin.walls[:] = self.walls
         return twin
+
+    def memento(self) -> Callable[[], None]:
+        """Remember the state; the answer puts it back."""
+        names = ("lo", "hi", "count", "dirty", "tops", "walls")
+        kept = {name: getattr(self, name).copy() for name in names}
+
+        def restore() -> None:
+            for name, values in kept.items():
+                setattr(self, name, values.copy())
+
+        return restore
 
     def grow(self) -> None:
         """Double the intervals that a column can hold."""

@@ -77,6 +77,8 @@ def import_pybullet() -> Any:
 class BulletWorld(WorldBase):
     """A robot with masses, motors and gravity in PyBullet; see `gcodesim.world.protocol.World`."""
 
+    may_lag = True
+
     def __init__(
         self,
         robot: RobotBody,

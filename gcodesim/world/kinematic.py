@@ -16,6 +16,8 @@ from gcodesim.world.state import WorldBase, wrench_rows
 class KinematicWorld(WorldBase):
     """Follows every command exactly and says what effort that takes; see `gcodesim.world.protocol.World`."""
 
+    may_lag = False
+
     def __init__(
         self,
         robot: RobotBody,

@@ -56,6 +56,8 @@ class World(Protocol):
     """A robot that obeys joint commands; one of WORLDS."""
 
     step_ns: int
+    may_lag: bool
+    """Whether joints can be elsewhere than commanded."""
 
     @property
     def tool(self) -> ToolBody | None:
