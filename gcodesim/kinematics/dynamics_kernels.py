@@ -7,7 +7,7 @@ import numpy as np
 from gcodesim.compiled import kernel
 from gcodesim.frames import Array
 from gcodesim.kinematics.chain import Indices
-from gcodesim.kinematics.tree_kernels import joint_frames, place
+from gcodesim.kinematics.tree_kernels import copy_row, joint_frames, place
 
 
 @kernel
@@ -21,7 +21,8 @@ def add_cross(out: Array, a: Array, b: Array) -> None:
 @kernel
 def add_carried(out: Array, spin: Array, spin_rate: Array, arm: Array, room: Array) -> None:
     """out += α × r + ω × (ω × r): what a point at `arm` feels on a body that turns."""
-    room[:] = 0.0
+    for r in range(3):
+        room[r] = 0.0
     add_cross(room, spin, arm)
     add_cross(out, spin, room)
     add_cross(out, spin_rate, arm)
@@ -70,18 +71,23 @@ def efforts_along(
                 origin[i, r] = origin[p, r] if p >= 0 else -gravity[r]
                 arm[r] = frames[i, r, 3] - (frames[p, r, 3] if p >= 0 else 0.0)
             add_carried(origin[i], spin[i], spin_rate[i], arm, room)
-            room[:] = z[i] * qd[k, i]
+            for r in range(3):
+                room[r] = z[i, r] * qd[k, i]
             if prismatic[i] == 1:
-                add_cross(origin[i], spin[i], 2.0 * room)  # Coriolis
-                origin[i] += z[i] * qdd[k, i]
+                add_cross(origin[i], spin[i], room)
+                add_cross(origin[i], spin[i], room)  # twice: Coriolis
+                for r in range(3):
+                    origin[i, r] += z[i, r] * qdd[k, i]
             else:
                 add_cross(spin_rate[i], spin[i], room)
-                spin_rate[i] += z[i] * qdd[k, i]
-                spin[i] += room
+                for r in range(3):
+                    spin_rate[i, r] += z[i, r] * qdd[k, i]
+                    spin[i, r] += room[r]
             # the body's own balance
-            force[i] = origin[i]
+            copy_row(origin[i], force[i])
             add_carried(force[i], spin[i], spin_rate[i], c[i], room)
-            force[i] *= mass[i]
+            for r in range(3):
+                force[i, r] *= mass[i]
             for r in range(3):
                 arm[r] = frames[i, 0, r] * spin[i, 0] + frames[i, 1, r] * spin[i, 1] + frames[i, 2, r] * spin[i, 2]
                 room[r] = (

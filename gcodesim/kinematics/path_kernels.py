@@ -9,6 +9,7 @@ import numpy as np
 from gcodesim.compiled import kernel
 from gcodesim.frames import Array
 from gcodesim.kinematics.chain import Indices
+from gcodesim.kinematics.tree_kernels import copy_row
 
 TURN = 2.0 * math.pi
 PER_TURN = 1.0 / TURN
@@ -118,15 +119,15 @@ def choose(
         if inside and distance < least - TIE:
             best, least = b, distance
     if best >= 0:
-        out[:] = candidates[best]
+        copy_row(candidates[best], out)
         most = longest_turn(out, previous, revolute)
         if last_branch < 0 or most <= JUMP or (best == last_branch and most <= WINDING):
             return best, OK
     anywhere = nearest_anywhere(candidates, usable, previous, revolute, out)
     if anywhere < 0:
-        out[:] = previous
+        copy_row(previous, out)
         return last_branch, REACH
     if best < 0 or longest_turn(out, previous, revolute) <= JUMP:
         return anywhere, LIMIT
-    out[:] = candidates[best]
+    copy_row(candidates[best], out)
     return best, FLIP

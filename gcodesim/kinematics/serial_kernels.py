@@ -10,6 +10,7 @@ from gcodesim.kinematics.chain import Indices
 from gcodesim.kinematics.newton_kernels import newton
 from gcodesim.kinematics.path_kernels import FLIP, JUMP, LIMIT, LIMIT_SLACK, OK, REACH, SINGULAR, nearest_turn
 from gcodesim.kinematics.protocol import Statuses
+from gcodesim.kinematics.tree_kernels import copy_row
 
 GOOD = 1e-9  # [m], [rad] of residual that counts as reached
 PIVOT = 1e-11  # relative pivot of J Jᵀ below which the arm counts as singular
@@ -67,10 +68,11 @@ def inverse_path(
     count = seed.shape[0]
     frames, J, A = np.empty((count, 4, 4)), np.empty((6, count)), np.empty((6, 6))
     X, e = np.empty((4, 4)), np.empty(6)
-    previous, q, best = seed.copy(), np.empty(count), np.empty(count)
+    previous, q, best = np.empty(count), np.empty(count), np.empty(count)
+    copy_row(seed, previous)
     lost, most = 0, 0.0
     for k in range(targets.shape[0]):
-        q[:] = previous
+        copy_row(previous, q)
         residual, pivot = newton(
             targets[k], free, q, parent, before, axis, prismatic, path, carrier, offset, frames, J, A, X, e
         )
@@ -82,10 +84,10 @@ def inverse_path(
                 state = OK if inside else LIMIT
         # along a path what goes on smoothly is taken; else the nearest of all that a search finds within limits
         if not going or (state == REACH and lost % SEARCH_EVERY == 0) or (state == OK and most > JUMP):
-            best[:] = q
+            copy_row(q, best)
             found = state
             for s in range(starts.shape[0]):
-                q[:] = starts[s]
+                copy_row(starts[s], q)
                 miss, pivot2 = newton(
                     targets[k], free, q, parent, before, axis, prismatic, path, carrier, offset, frames, J, A, X, e
                 )
@@ -95,19 +97,19 @@ def inverse_path(
                 if found == REACH or (inside and found == LIMIT) or (inside == (found == OK) and distance < least):
                     found = OK if inside else LIMIT
                     least, most, pivot = distance, turn, pivot2
-                    best[:] = q
-            q[:] = best
+                    copy_row(q, best)
+            copy_row(best, q)
             state = found
             if state == OK and going and most > JUMP:
                 state = FLIP
         if state == OK and count >= 6 and pivot < PIVOT:  # with fewer joints J Jᵀ never is regular
             state = SINGULAR
         if state == REACH:
-            q[:] = previous
+            copy_row(previous, q)
         lost = lost + 1 if state == REACH else 0
         status[k] = state
-        out[k] = q
-        previous[:] = q
+        copy_row(q, out[k])
+        copy_row(q, previous)
 
 
 @kernel
@@ -129,6 +131,6 @@ def all_solutions(
     frames, J, A = np.empty((count, 4, 4)), np.empty((6, count)), np.empty((6, 6))
     X, e = np.empty((4, 4)), np.empty(6)
     for s in range(starts.shape[0]):
-        out[s] = starts[s]
+        copy_row(starts[s], out[s])
         miss, _ = newton(target, 0, out[s], parent, before, axis, prismatic, path, carrier, offset, frames, J, A, X, e)
         found[s] = 1 if miss < GOOD else 0

@@ -31,6 +31,7 @@ from gcodesim.kinematics.plane_kernels import (
     turn_back,
 )
 from gcodesim.kinematics.protocol import Statuses
+from gcodesim.kinematics.tree_kernels import copy_row
 
 
 @kernel
@@ -57,7 +58,8 @@ def solve(
     at least they are, in joint space, from those left out.
     """
     wrist, turned, left = room[0], room[1], room[2]
-    flags[:] = 0
+    for b in range(8):
+        flags[b] = 0
     wx, wy, wz = centre_in_plane(X, arm, R_PB)
     radius, lateral = math.sqrt(wx * wx + wy * wy), arm[7]
     if radius < abs(lateral) - REACH_SLACK:
@@ -144,7 +146,8 @@ def inverse_path(
     room = np.empty((3, 3, 3))
     flags = np.zeros(8, dtype=np.int64)
     revolute = np.ones(6, dtype=np.int64)
-    previous = seed.copy()
+    previous = np.empty(6)
+    copy_row(seed, previous)
     for k in range(X.shape[0]):
         # the arm mostly goes on with shoulder and elbow as they are; then the other half of the work is not needed
         state = REACH
@@ -161,4 +164,4 @@ def inverse_path(
         if state == OK and flags[branch] != EXISTS:
             state = SINGULAR
         status[k] = state
-        previous[:] = out[k]
+        copy_row(out[k], previous)

@@ -10,6 +10,13 @@ from gcodesim.kinematics.chain import Indices
 
 
 @kernel
+def copy_row(source: Array, target: Array) -> None:
+    """target[:] = source for vectors (n,); a loop, because slice assignment takes seconds to compile."""
+    for i in range(source.shape[0]):
+        target[i] = source[i]
+
+
+@kernel
 def joint_frames(q: Array, parent: Indices, before: Array, axis: Array, prismatic: Indices, out: Array) -> None:
     """Poses of the moved joint frames, `out` (j, 4, 4), of one joint vector q (j,)."""
     for i in range(q.shape[0]):
@@ -48,7 +55,9 @@ def joint_frames(q: Array, parent: Indices, before: Array, axis: Array, prismati
 def place(frames: Array, carrier: int, offset: Array, out: Array) -> None:
     """Pose `out` (4, 4) of something that rides on joint `carrier` (−1: base) at `offset` (4, 4)."""
     if carrier < 0:
-        out[:, :] = offset
+        for r in range(4):
+            for k in range(4):
+                out[r, k] = offset[r, k]
         return
     for r in range(3):
         f0, f1, f2 = frames[carrier, r, 0], frames[carrier, r, 1], frames[carrier, r, 2]
