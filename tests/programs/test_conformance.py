@@ -7,7 +7,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from corpus import differences, programs  # noqa: E402
+from corpus import differences, programs
 
 
 def test_the_corpus_is_complete():
