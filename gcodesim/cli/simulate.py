@@ -56,7 +56,7 @@ def check_program(arguments: argparse.Namespace) -> int:
     if arguments.format == "json":
         print_json(results.as_json())
     else:
-        _print_verdict(job, results)
+        _print_verdict(job, results, simulated=job.plan is not None)
     return status_of(results.findings, arguments.fail_on)
 
 
@@ -84,7 +84,7 @@ def run_program(arguments: argparse.Namespace) -> int:
     if arguments.format == "json":
         print_json(results.as_json())
     else:
-        _print_verdict(job, results)
+        _print_verdict(job, results, simulated=execution is not None)
         if execution is not None:
             _print_files(arguments.out, results)
     seconds = time.perf_counter() - begin
@@ -106,7 +106,7 @@ def _announce_compiling() -> None:
 
 
 class _Stop:
-    """Ctrl-C while a run goes on: the first lets the steps in hand end and closes the log, a second one stops at once."""
+    """Ctrl-C while a run goes on: the first lets the steps in hand end and the log be closed, a second does not."""
 
     asked = False
 
@@ -163,16 +163,16 @@ class _Bar:
             self._bar.stop()
 
 
-def _print_verdict(job: Job, results: Results) -> None:
+def _print_verdict(job: Job, results: Results, *, simulated: bool) -> None:
     print_findings(results.findings, job.sources)
     print(f"{job.program.name}: {verdict(results.findings)}")
     stopped = results.stopped_at
-    if job.plan is None or (results.status == "failed" and stopped is None):
-        print("nothing was simulated, because of what is wrong with the cell")
+    if not simulated:
+        print("nothing was simulated, because of what is wrong in the cell")
         return
     if stopped is not None:
         where = f"{stopped.file}:{stopped.line}" if stopped.line else stopped.file
-        print(f"stopped at {where}; this block and what follows was not simulated")
+        print(f"stopped at {where}; what follows was not simulated")
     print()
     print_table(_rows(results))
 

@@ -19,7 +19,7 @@ def add_parser(commands: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from gcodesim.canon import listing
+    import gcodesim.canon.listing as listing
     from gcodesim.cli.language import settings_of
     from gcodesim.cli.output import note, print_findings, print_json
     from gcodesim.rs274 import interpret

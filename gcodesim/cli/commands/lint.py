@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from typing import Any
 
 from gcodesim.cli.exits import FINDINGS, status_of
@@ -20,18 +21,23 @@ def add_parser(commands: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from gcodesim.cli.language import settings_of
+    from gcodesim.cli.language import assumed_tools, settings_of
     from gcodesim.cli.output import findings_as_json, print_findings, print_json, verdict
-    from gcodesim.rs274 import lint
+    from gcodesim.rs274 import interpret
 
     program = read_source(arguments.program, "program")
     settings = settings_of(arguments)
     if settings is None:
         return FINDINGS
-    findings = lint(program, settings)
+    if arguments.cell is None and arguments.tools is None:
+        settings = replace(settings, tool_table=assumed_tools(program))
+    reading = interpret(program, settings)
+    for _ in reading:
+        pass
+    findings = reading.findings
     if arguments.format == "json":
         print_json({"findings": findings_as_json(findings)})
     else:
-        print_findings(findings, {program.name: program})
+        print_findings(findings, reading.sources)
         print(f"{program.name}: {verdict(findings)}")
     return status_of(findings, arguments.fail_on)
