@@ -304,7 +304,9 @@ class Control:
                 "GS160",
                 f"tool T{number} is not in the tool table",
                 at=at,
-                hint=f"known tools: {_listed(self.tools)}" if self.tools else "no tool is known; name a cell or a tool table",
+                hint=f"known tools: {_listed(self.tools)}"
+                if self.tools
+                else "no tool is known; name a cell or a tool table",
             )
         return entry
 

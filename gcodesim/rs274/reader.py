@@ -14,6 +14,7 @@ from gcodesim.rs274.block import Block, Flow, Note, Place, Setting, Word
 from gcodesim.rs274.fault import Fault
 
 if TYPE_CHECKING:
+    from gcodesim.rs274.dialects import Dialect
     from gcodesim.rs274.grammar import Parsed, Unreadable
 
 _NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)"
@@ -94,9 +95,9 @@ def prepare(text: str) -> tuple[str, list[int]]:
 class Reader:
     """Reads lines of one dialect; `read` gives the block or raises `Fault`."""
 
-    def __init__(self, grammar: str, longest_line: int) -> None:
-        self._grammar = grammar
-        self._longest_line = longest_line
+    def __init__(self, dialect: Dialect) -> None:
+        self._dialect = dialect
+        self._longest_line = dialect.longest_line
         self._parse: Callable[[str], Parsed] | None = None
 
     def read(self, line: int, text: str) -> Block:
@@ -125,14 +126,26 @@ class Reader:
         if self._parse is None:
             from gcodesim.rs274.grammar import parser_of  # Lark costs 50 ms, so only when a line needs it
 
-            self._parse = parser_of(self._grammar)
+            self._parse = parser_of(self._dialect.grammar)
         from gcodesim.rs274.grammar import Unreadable
 
         try:
             parsed = self._parse(squeezed)
         except Unreadable as problem:
             raise _explain(problem, squeezed, columns) from None
-        return _to_block(line, text, squeezed, columns, parsed)
+        block = _to_block(line, text, squeezed, columns, parsed)
+        self._check_extensions(block, squeezed, columns)
+        return block
+
+    def _check_extensions(self, block: Block, squeezed: str, columns: list[int]) -> None:
+        """Raise `Fault` for parts of the language that this dialect does not have."""
+        dialect = self._dialect
+        if block.flow is not None and not dialect.flow_words:
+            raise Fault("GS008", f"{dialect.name} has no O-words", at=block.flow.place)
+        if not dialect.named_parameters and "#<" in squeezed:
+            at = squeezed.index("#<")
+            if not any(first <= columns[at] < last for _, (first, last) in block.notes):
+                raise Fault("GS007", f"{dialect.name} has no named parameters", at=(columns[at], columns[at] + 2))
 
 
 def _whole_comment(squeezed: str) -> str | None:

@@ -75,7 +75,7 @@ class _Executor:
         self.run = run
         self.settings = settings
         self.dialect: Dialect = DIALECTS[settings.dialect]
-        self.reader = Reader(self.dialect.grammar, self.dialect.longest_line)
+        self.reader = Reader(self.dialect)
         self.file = ProgramFile(run.source, self.reader)
         self.control = Control(settings, self.dialect)
         self.control.auto_length = _wants_auto_length(run.source, settings)

@@ -3,6 +3,10 @@
 from gcodesim.family import Family
 from gcodesim.rs274.dialects.dialect import Dialect, g_name
 
-DIALECTS = Family("dialects", linuxcnc="gcodesim.rs274.dialects.linuxcnc:LINUXCNC")
+DIALECTS = Family(
+    "dialects",
+    linuxcnc="gcodesim.rs274.dialects.linuxcnc:LINUXCNC",
+    rs274="gcodesim.rs274.dialects.rs274:RS274",
+)
 
 __all__ = ["DIALECTS", "Dialect", "g_name"]

@@ -27,6 +27,8 @@ class Dialect:
     user_m_codes: range
     letters: frozenset[str]
     needs_end: bool = True
+    flow_words: bool = True
+    named_parameters: bool = True
 
 
 def g_name(code: int) -> str:

@@ -4,12 +4,13 @@ import random
 
 import pytest
 
+from gcodesim.rs274.dialects import DIALECTS
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.reader import Reader, prepare, read_plain
 
 
 def reader():
-    return Reader("rs274", 252)
+    return Reader(DIALECTS["linuxcnc"])
 
 
 @pytest.mark.parametrize(
