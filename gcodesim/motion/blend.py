@@ -9,6 +9,8 @@ of one line become one line.
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -28,6 +30,8 @@ from gcodesim.motion.curve_kernels import OWN, ROUND, TIMED
 from gcodesim.motion.curves import Curves
 from gcodesim.motion.pieces import OVERLAP, PART, AxisLimits, Pieces
 from gcodesim.motion.tool_path import BLEND, HOME, LINE, RAPID, ToolPath
+
+LEAST: Final = 1e-12  # [m, rad]
 
 
 def blend(
@@ -272,7 +276,9 @@ def _assemble(
     timed = np.zeros(slots, dtype=bool)
     timed[main] = curves.kind >= TIMED
     columns["speed"][timed] = 1.0
-    keep = (columns["length"] > 0.0) | timed
+    # what two joints leave of a curve may be rounding
+    least = np.where(np.isinf(columns["junction"]), LEAST, 0.0)
+    keep = (columns["length"] > least) | timed
     everything = Curves(
         **{
             name: np.concatenate([getattr(curves, name), getattr(bends, name)])

@@ -40,6 +40,9 @@ if TYPE_CHECKING:
     from gcodesim.kinematics.protocol import Kinematics
 
 _REFINEMENTS: Final = 3
+_CLOSE: Final = 1e-6  # [m]
+_REACH: Final = 1  # statuses of the inverse kinematics that leave the path
+_FLIP: Final = 4
 
 
 def start_of_arm(kinematics: Kinematics, home: Array) -> Axes:
@@ -70,12 +73,16 @@ class Flange:
 
 @dataclass(frozen=True, eq=False)
 class ArmJoints:
-    """Joints along a trajectory: exact inverse kinematics from the nearest node, straight lines in joint moves."""
+    """Joints along a trajectory: exact inverse kinematics from the nearest node, straight lines in joint moves.
+
+    Where the path cannot be had (`bridged`, by the node that ends the segment) joints run straight from node to node.
+    """
 
     kinematics: Kinematics
     flange: Flange
     nodes: Nodes
     q_nodes: Array
+    bridged: NDArray[np.bool_]
     home: Array
     moves: dict[int, tuple[Array, Array]]  # joints at start and end of pieces in joint space
 
@@ -86,17 +93,27 @@ class ArmJoints:
         if not len(pieces) or not len(samples):
             return q
         own = pieces.fixed[samples.piece]
-        # runs of samples on one joint move, or between two of them
-        run = np.where(own, 2 * samples.piece, 2 * np.cumsum(pieces.fixed)[samples.piece] + 1)
-        starts = np.flatnonzero(np.append(True, (run[1:] != run[:-1]) | (own[1:] != own[:-1])))
+        after = self.nodes.at_or_after(samples.piece, samples.s, pieces.length)
+        bridge = ~own & self.bridged[after]
+        # runs of samples on one joint move, on one bridge, or of exact joints between them
+        run = np.where(own, 3 * samples.piece, 3 * np.cumsum(pieces.fixed)[samples.piece] + 1 + bridge)
+        starts = np.flatnonzero(np.append(True, run[1:] != run[:-1]))
         for a, b in zip(starts, np.append(starts[1:], len(run)), strict=True):
-            piece = int(samples.piece[a])
             if own[a]:
-                q[a:b] = self._in_joint_space(piece, samples.s[a:b])
+                q[a:b] = self._in_joint_space(int(samples.piece[a]), samples.s[a:b])
+            elif bridge[a]:
+                q[a:b] = self._on_bridge(after[a:b], samples.piece[a:b], samples.s[a:b])
             else:
                 X = self.flange.poses(samples.piece[a:b], samples.position[a:b, :3])
-                seed = self.q_nodes[self.nodes.before(piece, float(samples.s[a]))]
-                q[a:b] = self.kinematics.inverse(X, seed)[0]
+                seed = int(after[a]) - (not self.nodes.head[after[a]])
+                q[a:b] = self.kinematics.inverse(X, self.q_nodes[seed])[0]
+        return q
+
+    def _on_bridge(self, node: NDArray[np.intp], piece: NDArray[np.int64], s: Array) -> Array:
+        nodes = self.nodes
+        begin = np.where(nodes.piece[node] == nodes.piece[node - 1], nodes.s[node - 1], 0.0)
+        share = np.clip((s - begin) / np.maximum(nodes.s[node] - begin, 1e-300), 0.0, 1.0)[:, None]
+        q: Array = self.q_nodes[node - 1] + share * (self.q_nodes[node] - self.q_nodes[node - 1])
         return q
 
     def _in_joint_space(self, piece: int, t: Array) -> Array:
@@ -135,7 +152,7 @@ def plan_arm(
 
     The flange stands at end + offset, the offset in axes of the orientation's
     frame. `rapids` independent: every G0 is a joint move. Where poses cannot be
-    had the joints stay where they were, and the finding tells; the plan goes on.
+    had the joints run straight to where they can again; the finding tells.
     """
     findings = Findings()
     orientation = orientation or Orientation()
@@ -153,9 +170,10 @@ def plan_arm(
     at_home = pieces.fixed & rows.home[pieces.row_first]
     nodes, q_nodes, status = _solve(kinematics, flange, Nodes.of(pieces, at_home), attitude, home)
     report_poses(kinematics, flange, nodes, q_nodes, status, probe, attitude, home, findings)
+    bridged = _bridge(nodes, q_nodes, status)
     moves = _joint_moves(kinematics, pieces, nodes, q_nodes, home)
-    caps = _caps(kinematics, pieces, nodes, q_nodes, findings)
-    follower = ArmJoints(kinematics, flange, nodes, q_nodes, home, moves)
+    caps = _caps(kinematics, pieces, nodes, q_nodes, bridged, findings)
+    follower = ArmJoints(kinematics, flange, nodes, q_nodes, bridged, home, moves)
     trajectory = time_law(pieces, caps, duration_of)
     return Plan(trajectory, with_times(findings, trajectory), kinematics, follower, tool_frames or {})
 
@@ -177,6 +195,21 @@ def _solve(
             break
         nodes = finer
     return nodes, q, status
+
+
+def _bridge(nodes: Nodes, q: Array, status: NDArray[np.uint8]) -> NDArray[np.bool_]:
+    """Lay joints of nodes out of reach between those in reach, in place; marks nodes whose segment is no exact path."""
+    away = status == _REACH
+    for a, b in nodes.chains if away.any() else ():
+        here = np.flatnonzero(~away[a:b])
+        if len(here):
+            at = np.arange(b - a)
+            for j in range(q.shape[1]):
+                q[a:b, j] = np.interp(at, here, q[a + here, j])
+    bridged: NDArray[np.bool_] = away | (status == _FLIP)
+    bridged[1:] |= away[:-1]
+    bridged[nodes.head] = False
+    return bridged
 
 
 def _joint_moves(
@@ -202,7 +235,9 @@ def _joint_moves(
     return moves
 
 
-def _caps(kinematics: Kinematics, pieces: Pieces, nodes: Nodes, q: Array, findings: Findings) -> Caps:
+def _caps(
+    kinematics: Kinematics, pieces: Pieces, nodes: Nodes, q: Array, bridged: NDArray[np.bool_], findings: Findings
+) -> Caps:
     """Caps of every segment between nodes, and of joint moves one segment each."""
     joints, i = kinematics.joints, nodes.segments
     piece, begin = nodes.piece[i], nodes.begin
@@ -214,16 +249,20 @@ def _caps(kinematics: Kinematics, pieces: Pieces, nodes: Nodes, q: Array, findin
     leaving[i - 1] = pieces.points(piece, begin)[1][:, :3]
     arriving[i] = pieces.points(piece, begin + length)[1][:, :3]
     rates = joint_rates(J, leaving, arriving)
-    start_rate, end_rate = rates[0][i - 1], rates[1][i]
+    # between close nodes the difference of joints is rounding; the rates at their ends tell enough
+    mean_rate = np.where(length[:, None] > _CLOSE, (q[i] - q[i - 1]) / length[:, None], 0.0)
+    bridge = bridged[i, None]
+    start_rate, end_rate = np.where(bridge, mean_rate, rates[0][i - 1]), np.where(bridge, mean_rate, rates[1][i])
     wanted = _wanted_speed(pieces)[piece]
     possible, speed = wanted.copy(), np.empty(len(i))
     acceleration = np.where(pieces.kind[piece] == OVERLAP, 0.0, np.inf)
     slowest = np.empty(len(i), dtype=np.int64)
     joint_caps(
-        start_rate, end_rate, (q[i] - q[i - 1]) / length[:, None], length, possible, NORMAL_SHARE,
+        start_rate, end_rate, mean_rate, length, possible, NORMAL_SHARE,
         speed_limit, acceleration_limit, speed, acceleration, slowest,
     )  # fmt: skip
-    report_slow_joints(kinematics, pieces, piece, wanted, possible, slowest, start_rate, findings)
+    exact = ~bridged[i]
+    report_slow_joints(kinematics, pieces, piece[exact], wanted[exact], possible[exact], slowest[exact], findings)
     last = np.append(piece[1:] != piece[:-1], True)[: len(i)]
     junction = np.where(last, pieces.junction[piece], np.inf)
     fixed = np.flatnonzero(pieces.fixed)

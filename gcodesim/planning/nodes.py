@@ -68,10 +68,13 @@ class Nodes:
         start: Array = np.where(self.piece[i] == self.piece[i - 1], self.s[i - 1], 0.0)
         return start
 
-    def before(self, piece: int, s: float) -> int:
-        """The last node ahead of place `s` of `piece`; the head of its chain at least."""
-        low, high = np.searchsorted(self.piece, [piece, piece + 1])
-        return max(int(low + np.searchsorted(self.s[low:high], s, side="left")) - 1, 0)
+    def at_or_after(self, piece: NDArray[np.int64], s: Array, lengths: Array) -> NDArray[np.intp]:
+        """For places `s` (n,) of `piece` (n,) the node that ends their segment; `lengths` are those of the pieces."""
+        # places as shares of pieces grow along the path; rounding is far below the distance of nodes
+        whole = np.maximum(lengths, 1e-300)
+        own = self.piece + np.where(self.head, 1.0, self.s / whole[self.piece])
+        asked = piece + np.clip(s / whole[piece], 0.0, 1.0)
+        return np.minimum(np.searchsorted(own, asked, side="left"), max(len(self) - 1, 0))
 
     def refined(self, q: Array) -> Nodes | None:
         """More nodes where joints `q` (k, j) move far between two; None when they do nowhere."""

@@ -155,7 +155,6 @@ def report_slow_joints(
     wanted: Array,
     possible: Array,
     slowest: NDArray[np.int64],
-    rate: Array,
     findings: Findings,
 ) -> None:
     """Report segments on which a joint's top speed keeps the feed down: near singularities, and otherwise."""

@@ -94,6 +94,17 @@ def test_joints_keep_their_limits_of_speed_and_acceleration() -> None:
     assert np.abs(acceleration / joints.acceleration).max() > 0.9  # and are made use of
 
 
+def test_fine_chords_give_no_false_alarm() -> None:
+    """Corner arcs and what they leave of the lines may be micrometres long: no joint is asked to hurry."""
+    x = np.linspace(0.55, 0.65, 101)
+    chords = [line(k, u, 0.0, 0.3 + 0.001 * np.sin(40 * u), feed=0.04) for k, u in enumerate(x, start=3)]
+
+    plan = planned(PathMode(span=at(1), mode="blend", tolerance=5e-6), rapid(2, x[0], 0.0, 0.31), *chords)
+
+    assert not len(plan.findings)
+    assert plan.trajectory.totals.feed == pytest.approx(0.1 / 0.04, rel=0.05)
+
+
 def test_windows_give_the_same_joints_as_the_whole() -> None:
     plan = planned(*SQUARE)
     samples, q, _ = sampled(plan)
@@ -200,6 +211,16 @@ def test_out_of_reach_tells_where_why_and_a_shift() -> None:
     share = reachable_share(np.array([0.9, 0.0, 0.3]), np.array([1.25, 0.0, 0.3]))
     assert f"from {100 * share:.0f} % of the block" in found.message
     assert "shifted by X-" in found.hint
+
+
+def test_joints_do_not_leap_where_the_path_cannot_be_had() -> None:
+    there_and_back = [line(4, 1.3, 0.0, 0.3, 0.5), line(5, 1.0, 0.3, 0.3, 0.5), line(6, 0.6, 0.3, 0.3, 0.5)]
+    plan = planned(rapid(2, 0.8, 0.0, 0.35), line(3, 0.9, 0.0, 0.3), *there_and_back)
+
+    _, q, _ = sampled(plan)
+
+    assert {f.code for f in plan.findings} >= {"GS202"}
+    assert np.all(np.abs(np.diff(q, axis=0)) / DT <= 1.02 * arm().joints.speed)
 
 
 def reachable_share(start: np.ndarray, end: np.ndarray) -> float:

@@ -59,11 +59,12 @@ def test_refining_halves_what_moves_far() -> None:
     assert nodes.refined(np.zeros((len(nodes), 2))) is None
 
 
-def test_the_node_before_a_place() -> None:
+def test_the_node_that_ends_the_segment_of_a_place() -> None:
     p = pieces()
     nodes = Nodes.of(p, np.zeros(len(p), dtype=bool))
 
-    assert nodes.before(1, 0.0) == 0
-    second = nodes.before(1, float(nodes.s[1]) + 1e-6)
-    assert second == 1
-    assert nodes.piece[nodes.before(2, p.length[2] / 2)] <= 2
+    s = np.array([0.0, float(nodes.s[1]), float(nodes.s[1]) + 1e-6, 0.0])
+    found = nodes.at_or_after(np.array([1, 1, 1, 2]), s, p.length)
+
+    assert found[:3].tolist() == [0, 1, 2]
+    assert nodes.piece[found[3]] == 1 and nodes.s[found[3]] == pytest.approx(p.length[1])
