@@ -190,15 +190,15 @@ class Stock:
     def error_bound(self) -> float:
         """How far [m^3] the volume cut or added may be off on this grid; 0 when nothing changed.
 
-        Half a cell at every wall that was made, and the bend of slopes; it shrinks with the cell. Cuts narrower than
-        a cell can slip between the columns and are not in it.
+        A tenth to a half of a cell at every wall that was made, and the bend of slopes; it shrinks with the cell.
+        Cuts narrower than a cell can slip between the columns and are not in it.
         """
         from gcodesim.material.error_kernels import changes, error_bound
 
         change = np.zeros(self.count.shape)
         if changes(self.lo, self.hi, self.count, *self.original, change) == 0.0:
             return 0.0
-        return float(error_bound(self.lo, self.hi, self.count, change, self.grid))
+        return float(error_bound(self.lo, self.hi, self.count, self.walls, change, self.grid))
 
     def copy(self) -> Stock:
         """An independent stock in the same state."""

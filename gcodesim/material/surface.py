@@ -90,7 +90,7 @@ def _mesh(stock: Stock, lattice: _Lattice, i0: int, i1: int, j0: int, j1: int) -
     ix, iy, xs, ys = lattice.ix, lattice.iy, lattice.xs, lattice.ys
     limit = STEP_JOINED * max(xs[1] - xs[0], ys[1] - ys[0])
     start, bits, rising, below, vertex, extra, points = build_chains(
-        stock.lo, stock.hi, stock.count, ix, iy, xs, ys, i0, i1, j0, j1, limit
+        stock.lo, stock.hi, stock.count, stock.walls, ix, iy, xs, ys, i0, i1, j0, j1, limit
     )
     flat = find_flat(stock.lo, stock.hi, stock.count, *stock.original, ix, iy, i0, i1, j0, j1)
     faces, cut = build_faces(

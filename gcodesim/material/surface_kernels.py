@@ -7,8 +7,8 @@ Between four neighbouring columns stands a prism; its corner columns are numbere
 
 around the lattice point (a, b). Going up in a prism, columns begin (rise) and end (fall); which of the four are
 material is the mask, four bits. Neighbouring changes of one direction within a small height are one group, and a
-group is one vertex: the mean height at the lattice point. So in each prism runs a chain of vertices, with walls
-between them where the mask is neither empty nor full.
+group is one vertex: at the mean height and the lattice point, moved to where the stock's walls really stand. So in
+each prism runs a chain of vertices, with walls between them where the mask is neither empty nor full.
 
 Every end of a column gives a quadrilateral between its four prisms, every stretch in which one of two neighbours is
 material gives a wall between their two prisms. Where only two opposite columns are material the chain has two
@@ -26,6 +26,7 @@ from gcodesim.material.flat_kernels import FLAT_SIDE
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
 Bytes = NDArray[np.uint8]
+Singles = NDArray[np.float32]
 
 DIAGONAL_02 = 0b0101
 DIAGONAL_13 = 0b1010
@@ -40,8 +41,28 @@ def corner_column(a: int, b: int, corner: int) -> tuple[int, int]:
 
 
 @kernel
-def strand_shift(mask: int, only: int) -> tuple[float, float, int]:
-    """Sum of the middles (in cells, from the lattice point) of the borders in a mask, and their number.
+def wall_shifts(walls: Singles, a: int, b: int, shifts: Array) -> None:
+    """Fill `shifts` (4,): how far [cells] the wall at each border of a prism stands from it, in x (0, 2) or y (1, 3).
+
+    Border c lies between corners c and c + 1.
+    """
+    _, wide, deep = walls.shape
+    for corner in range(4):
+        axis = corner & 1
+        i = a - 1 if corner == 3 else a
+        j = b - 1 if corner == 0 else b
+        place = float(walls[axis, i, j]) if 0 <= i < wide and 0 <= j < deep else 0.0
+        if place > 0.0:
+            shifts[corner] = 2.0 - place
+        elif place < 0.0:
+            shifts[corner] = -place - 2.0
+        else:
+            shifts[corner] = 0.0
+
+
+@kernel
+def strand_shift(mask: int, only: int, shifts: Array) -> tuple[float, float, int]:
+    """Sum of the places (in cells, from the lattice point) of the walls in a mask, and their number.
 
     `only` >= 0: the borders around that corner alone.
     """
@@ -53,13 +74,17 @@ def strand_shift(mask: int, only: int) -> tuple[float, float, int]:
         if only >= 0 and corner != only and following != only:
             continue
         if corner == 0:
+            x += shifts[0]
             y -= 0.5
         elif corner == 1:
             x += 0.5
+            y += shifts[1]
         elif corner == 2:
+            x += shifts[2]
             y += 0.5
         else:
             x -= 0.5
+            y += shifts[3]
         borders += 1
     return x, y, borders
 
@@ -71,10 +96,21 @@ def is_diagonal(mask: int) -> bool:
 
 
 @kernel
+def rim_shift(below: int, above: int, shifts: Array, first: int, second: int) -> float:
+    """Shift [cells] along the stock's side of a wall that runs out there, at one of two borders; 0 without a wall."""
+    for corner in (first, second):
+        following = (corner + 1) & 3
+        if ((below >> corner) ^ (below >> following) | (above >> corner) ^ (above >> following)) & 1:
+            return float(shifts[corner])
+    return 0.0
+
+
+@kernel
 def build_chains(
     lo: Array,
     hi: Array,
     count: Ints,
+    walls: Singles,
     ix: Ints,
     iy: Ints,
     xs: Array,
@@ -87,10 +123,11 @@ def build_chains(
 ) -> tuple[Ints, Bytes, Bytes, Bytes, Ints, Ints, Array]:
     """Groups and vertices of the prisms around columns [i0, i1) x [j0, j1).
 
-    ix (mx), iy (my): which columns of the arrays are drawn; xs (mx + 1), ys (my + 1): the lattice [m]; limit [m]: the
-    greatest height of a group. Returns, prism by prism (a from i0 to i1, b from j0 to j1): `start` (p + 1,) of its
-    groups; of each group: bits of the columns that change, whether they rise, mask below, its first vertex, the
-    vertex in the middle of the second strand above it (-1: none); and the vertices (v, 3) [m].
+    walls: of the stock, used when all columns are drawn; ix (mx), iy (my): which columns are; xs (mx + 1),
+    ys (my + 1): the lattice [m]; limit [m]: the greatest height of a group. Returns, prism by prism (a from i0 to i1,
+    b from j0 to j1): `start` (p + 1,) of its groups; of each group: bits of the columns that change, whether they rise,
+    mask below, its first vertex, the vertex in the middle of the second strand above it (-1: none); and the vertices
+    (v, 3) [m].
     """
     mx, my = ix.shape[0], iy.shape[0]
     rows, columns = i1 - i0 + 1, j1 - j0 + 1
@@ -114,10 +151,15 @@ def build_chains(
     heights = np.empty(4)
     place_i = np.empty(4, np.int64)
     place_j = np.empty(4, np.int64)
+    shifts = np.zeros(4)
+    all_drawn = mx == count.shape[0] and my == count.shape[1]
     for a in range(i0, i1 + 1):
         for b in range(j0, j1 + 1):
             start[(a - i0) * columns + b - j0] = groups
-            rim = a == 0 or a == mx or b == 0 or b == my
+            rim_a, rim_b = a == 0 or a == mx, b == 0 or b == my
+            rim = rim_a or rim_b
+            if all_drawn:
+                wall_shifts(walls, a, b, shifts)
             for corner in range(4):
                 i, j = corner_column(a, b, corner)
                 cursor[corner], ends[corner] = 0, 0
@@ -150,7 +192,7 @@ def build_chains(
                     if is_diagonal(wider):
                         for corner in range(4):
                             if (group_bits >> corner) & 1:
-                                dx, dy, _ = strand_shift(wider, corner)
+                                dx, dy, _ = strand_shift(wider, corner, shifts)
                                 points[made, 0], points[made, 1] = xs[a], ys[b]
                                 if not rim:
                                     points[made, 0] += 0.25 * dx * (xs[a + 1] - xs[a - 1])
@@ -165,12 +207,16 @@ def build_chains(
                                 number += 1
                         x, y = xs[a], ys[b]
                         if not rim:
-                            x_below, y_below, n_below = strand_shift(group_below, -1)
-                            x_above, y_above, n_above = strand_shift(mask, -1)
+                            x_below, y_below, n_below = strand_shift(group_below, -1, shifts)
+                            x_above, y_above, n_above = strand_shift(mask, -1, shifts)
                             borders = n_below + n_above
                             if borders > 0:
                                 x += 0.5 * (x_below + x_above) / borders * (xs[a + 1] - xs[a - 1])
                                 y += 0.5 * (y_below + y_above) / borders * (ys[b + 1] - ys[b - 1])
+                        elif rim_b and not rim_a:
+                            x += 0.5 * rim_shift(group_below, mask, shifts, 0, 2) * (xs[a + 1] - xs[a - 1])
+                        elif rim_a and not rim_b:
+                            y += 0.5 * rim_shift(group_below, mask, shifts, 1, 3) * (ys[b + 1] - ys[b - 1])
                         points[made, 0], points[made, 1], points[made, 2] = x, y, total / number
                         made += 1
                         before = groups - 1

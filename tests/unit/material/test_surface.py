@@ -93,6 +93,35 @@ def test_slanted_walls_are_not_stairs():
     assert np.ptp(below) < 1e-3 * MM
 
 
+def test_walls_stand_where_the_tool_left_them():
+    """A ring groove beside the grid: its walls on two circles to a hundredth of a cell, its volume to match."""
+    stock = Stock.box((0, 0, -15 * MM), (50.3 * MM, 50 * MM, 0), 0.4 * MM)
+    angle = np.linspace(0, 2 * math.pi, 400)
+    ring = np.c_[25 + 15 * np.cos(angle), 25 + 15 * np.sin(angle), np.full(400, -3.0)] * MM
+    stock.remove(ring[:-1], ring[1:], shape.flat(6 * MM, 20 * MM))
+    surface = stock.surface()
+    assert_closed(surface)
+    points = surface.vertices[np.unique(surface.faces[surface.cut == 1])]
+    rims = points[points[:, 2] > -1e-9]
+    radii = np.hypot(rims[:, 0] - 25 * MM, rims[:, 1] - 25 * MM)
+    off = np.minimum(np.abs(radii - 12 * MM), np.abs(radii - 18 * MM))
+    assert len(rims) > 300
+    assert off.max() < 0.02 * 0.4 * MM
+    assert surface.volume == pytest.approx(stock.volume, rel=1e-5)
+    assert stock.volume == pytest.approx((50.3 * 50 * 15 - 3 * math.pi * (18**2 - 12**2)) * MM**3, rel=1e-5)
+
+
+def test_a_slot_beside_the_grid_runs_out_straight():
+    stock = block(0.5)
+    stock.remove(np.array([[-9, 15.13, -4]]) * MM, np.array([[49, 15.13, -4]]) * MM, shape.flat(7.3 * MM, 30 * MM))
+    surface = stock.surface()
+    assert_closed(surface)
+    assert surface.volume == pytest.approx((40 * 30 * 15 - 40 * 7.3 * 4) * MM**3, rel=1e-6)
+    floor = surface.vertices[np.abs(surface.vertices[:, 2] + 4 * MM) < 1e-9]
+    assert floor[:, 1].min() == pytest.approx((15.13 - 3.65) * MM, abs=1e-8)
+    assert floor[:, 1].max() == pytest.approx((15.13 + 3.65) * MM, abs=1e-8)
+
+
 def test_flat_parts_take_few_triangles():
     stock = Stock.box((0, 0, -15 * MM), (80 * MM, 50 * MM, 0), 0.2 * MM)
     assert len(stock.surface().faces) < 0.05 * 4 * stock.count.size
@@ -112,8 +141,25 @@ def random_columns(rng, cells, most):
     return stock
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_any_cuts_give_a_closed_surface(seed):
+    """Cuts across each other, with walls beside the borders everywhere, thin fins and overhangs."""
+    rng = np.random.default_rng(seed)
+    stock = block(1.0)
+    for tool in (
+        shape.flat(4.3 * MM, 3 * MM),
+        shape.ball(5.1 * MM, 7 * MM),
+        shape.bull_nose(3.7 * MM, 0.6 * MM, 20 * MM),
+    ):
+        points = rng.uniform((-2, -2, -16), (42, 32, 0), (25, 3)) * MM
+        stock.remove(points[:-1], points[1:], tool)
+    surface = stock.surface()
+    assert_closed(surface)
+    assert abs(surface.volume - stock.volume) <= stock.error_bound()
+
+
 @pytest.mark.parametrize("seed", range(12))
-def test_any_columns_give_a_closed_surface(seed):
+def test_any_columns_columns_give_a_closed_surface(seed):
     rng = np.random.default_rng(seed)
     for _ in range(25):
         surface = random_columns(rng, tuple(rng.integers(1, 7, 2)), 4).surface()
