@@ -96,7 +96,7 @@ def share_at(
 @kernel
 def contact_of_row(
     lo: Array, hi: Array, count: Ints, grid: Array, circle: Array, tip: Array, ux: float, uy: float, level: float,
-    climb: float, rows: Array, i: int, last: int, weights: Array,
+    climb: float, rows: Array, i: int, last: int, weights: Array, places: Array,
 ) -> bool:  # fmt: skip
     """Fill weights[i, :last]: share of the element in material at each angle at which it advances, else 0.
 
@@ -115,6 +115,18 @@ def contact_of_row(
     top = max(top, bottom + THIN)
     scale = 1.0 / (top - bottom)
     to_x, to_y = 1.0 / grid[2], 1.0 / grid[3]
+    # where to ask, for all angles first: this loop has no branches and no dependence between its turns
+    for k in range(last):
+        sine, cosine = circle[0, k], circle[1, k]
+        px, py = radius * sine, radius * cosine
+        wide = min(max(py, -inside), inside)
+        ahead = sine > 0.0
+        way = np.sqrt(outer * outer - wide * wide) - px if ahead else cell
+        py = py + level * (wide - py) if ahead else py
+        px += level * way
+        places[0, k] = (tip[0] + ux * px - uy * py - grid[0]) * to_x - 0.5
+        places[1, k] = (tip[1] + uy * px + ux * py - grid[1]) * to_y - 0.5
+        places[2, k] = climb * max(way, least_way)
     earlier = -1.0
     touched = False
     for k in range(last):
@@ -123,27 +135,18 @@ def contact_of_row(
             weights[i, k] = 0.0
             earlier = -1.0
             continue
-        px, py = radius * sine, radius * cosine
-        way = cell
-        if sine > 0.0:
-            wide = min(max(py, -inside), inside)
-            way = np.sqrt(outer * outer - wide * wide) - px
-            py += level * (wide - py)
-        px += level * way
-        rise = climb * max(way, least_way)
-        z0, z1 = bottom + rise, top + rise
-        u = (tip[0] + ux * px - uy * py - grid[0]) * to_x - 0.5
-        v = (tip[1] + uy * px + ux * py - grid[1]) * to_y - 0.5
-        a, b = int(np.floor(u)), int(np.floor(v))
-        if a < -1 or b < -1 or a >= nx or b >= ny:
+        u, v = places[0, k], places[1, k]
+        z0, z1 = bottom + places[2, k], top + places[2, k]
+        if not (-1.0 <= u < nx and -1.0 <= v < ny):
             w = 0.0
-        elif 0 <= a < nx - 1 and 0 <= b < ny - 1:
-            # unsigned indices spare the check for negative ones
-            i0, i1, j0, j1 = np.uint64(a), np.uint64(a + 1), np.uint64(b), np.uint64(b + 1)
+        elif 0.0 <= u < nx - 1 and 0.0 <= v < ny - 1:
+            # truncation is the floor here; unsigned indices spare the check for negative ones
+            i0, j0 = np.uint64(u), np.uint64(v)
+            i1, j1 = i0 + np.uint64(1), j0 + np.uint64(1)
             if count[i0, j0] != 1 or count[i1, j0] != 1 or count[i0, j1] != 1 or count[i1, j1] != 1:
                 w = share_at(lo, hi, count, grid, tip, ux, uy, level, climb, cell, rows, i, sine, cosine)
             else:
-                wx, wy = u - a, v - b
+                wx, wy = u - np.float64(i0), v - np.float64(j0)
                 near = (1.0 - wx) * max(min(hi[i0, j0, 0], z1) - max(lo[i0, j0, 0], z0), 0.0)
                 near += wx * max(min(hi[i1, j0, 0], z1) - max(lo[i1, j0, 0], z0), 0.0)
                 far = (1.0 - wx) * max(min(hi[i0, j1, 0], z1) - max(lo[i0, j1, 0], z0), 0.0)
@@ -366,7 +369,7 @@ def cutting_force(
     tool (4,): radius, flutes, tan(helix), height of the edge; circle (2, ANGLES): sine, cosine of phi;
     ux, uy: horizontal direction of the feed; level, climb: its horizontal and vertical share (unit vector);
     chip [m]: feed per tooth; top [m]: no material is higher near the tool.
-    force (3, ROWS, ANGLES) [N]: on one tooth per row and angle, along u, l, z; sums (SUMS + 3, ANGLES): scratch.
+    force (3, ROWS, ANGLES) [N]: on one tooth per row and angle, along u, l, z; sums (SUMS + 6, ANGLES): scratch.
     result (RESULT,): wrench about the tip in S (6), torque, greatest chip thickness, axial depth, radial width,
     entry and exit angle, and the sum of engaged elements (0: no contact).
     """
@@ -380,7 +383,7 @@ def cutting_force(
     for component in range(3):
         scale[component] = laws[component, 0] * chip ** laws[component, 1] if chip > 0.0 else 0.0
     line = np.empty(SLICES)
-    unit = sums[SUMS:]
+    unit = sums[SUMS : SUMS + 3]
     sums[:SUMS] = 0.0
     used = 0
     steepest = 0.0
@@ -400,7 +403,9 @@ def cutting_force(
             )
         else:
             for i in range(first, first + number):
-                found = contact_of_row(lo, hi, count, grid, circle, tip, ux, uy, level, climb, rows, i, last, weights)
+                found = contact_of_row(
+                    lo, hi, count, grid, circle, tip, ux, uy, level, climb, rows, i, last, weights, sums[SUMS + 3 :]
+                )
                 touched = touched or found
         if not touched:
             continue

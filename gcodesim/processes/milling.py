@@ -123,7 +123,7 @@ class Milling:
             np.zeros((ROWS, 8)),
             np.zeros((ROWS, ANGLES)),
             np.zeros((3, ROWS, ANGLES)),
-            np.zeros((SUMS + 3, ANGLES)),
+            np.zeros((SUMS + 6, ANGLES)),
             np.zeros((3, 2 * ANGLES + 2)),
         )
         return (tool, cutter.edge, laws, table, circle, shapes, *scratch)
