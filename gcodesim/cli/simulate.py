@@ -195,9 +195,10 @@ def _rows(results: Results) -> list[list[str]]:
     for name, stock in results.stocks.items():
         value = stock.as_json()
         bound = f"± {value['error_bound_mm3']:.1f} mm³"
-        rows.append([f"{name}: removed", f"{value['removed_mm3']:.1f} mm³", bound])
+        if stock.removed or not stock.deposited:
+            rows.append([f"{name}: removed", f"{value['removed_mm3']:.1f} mm³", bound])
         if stock.deposited:
-            rows.append([f"{name}: deposited", f"{value['deposited_mm3']:.1f} mm³"])
+            rows.append([f"{name}: deposited", f"{value['deposited_mm3']:.1f} mm³", bound])
         rows.append([f"{name}: remaining", f"{value['remaining_mm3']:.1f} mm³"])
     for tool in results.tools:
         if tool["max_force_N"]:
