@@ -102,7 +102,7 @@ def execute(
         _attach(world, shop, int(rows.tool[0]))
         world.reset(q0)
         if watcher is not None:
-            still = window_of(plan, rows, 0, 1, dt_ns, first_carry(plan, rows))
+            still = window_of(plan, rows, -1, 1, dt_ns, first_carry(plan, rows))
             watcher.start(world.run(q0[None]), still)
             world.reset(q0)
         while done < planned:
