@@ -95,8 +95,9 @@ class ProcessStep:
 class ProcessState:
     """What a process carries from one window to the next: it belongs to one tool in one stock.
 
-    `values` is laid out by the kernels (see `STATE` in `milling_kernels`), empty where nothing is remembered. A new state means: tool just placed; when
-    that is inside the stock it cuts nothing until it has left it.
+    `values` is laid out by the kernels (see `STATE` in `milling_kernels`), empty where nothing is remembered.
+    A new state means: tool just placed; when that is inside the stock it cuts
+    nothing until it has left it.
     """
 
     values: Array = field(default_factory=lambda: np.zeros(0))
