@@ -137,9 +137,9 @@ def line_rows(path: ToolPath, time: Array, distance: Array, totals: RowTotals | 
     count = len(places)
     seconds = np.bincount(index, weights=time, minlength=count)
     metres = np.bincount(index, weights=distance, minlength=count)
-    removed, force = np.zeros(count), np.zeros(count)
     removed: Array = np.zeros(count)
     force: Array = np.zeros(count)
+    if totals is not None:
         removed = np.bincount(index, weights=totals.removed - totals.added, minlength=count)
         np.maximum.at(force, index, totals.force)
     speed = np.divide(metres, seconds, out=np.zeros(count), where=seconds > 0.0)

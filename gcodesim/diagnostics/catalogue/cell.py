@@ -311,7 +311,10 @@ CODES += (
         title="The robot description cannot be read",
         what="The file that `urdf:` names is missing, is not well-formed XML, or is not a URDF.",
         why="Without a description there is no robot that could move.",
-        remedy="Check the path and the line named here. A xacro template has to be expanded first: `xacro FILE > robot.urdf`.",
+        remedy=(
+            "Check the path and the line named here. A xacro template has to be expanded first: `xacro FILE > "
+            "robot.urdf`."
+        ),
     ),
     Code(
         code="GS761",
@@ -341,15 +344,23 @@ CODES += (
         code="GS764",
         severity=Severity.ERROR,
         title="Links and joints make no tree",
-        what="A joint names a link that is not there, two joints hold one link, a name is used twice, or there is not one root.",
+        what=(
+            "A joint names a link that is not there, two joints hold one link, a name is used twice, or there is "
+            "not one root."
+        ),
         why="The pose of the flange is defined only by one unbroken chain from one base.",
-        remedy="Correct the `parent` and `child` of the joints; every link but the base is the child of exactly one joint.",
+        remedy=(
+            "Correct the `parent` and `child` of the joints; every link but the base is the child of exactly one joint."
+        ),
     ),
     Code(
         code="GS765",
         severity=Severity.ERROR,
         title="A value in the robot description cannot be",
-        what="An attribute is not a number or not as many numbers as it should be, a body is unknown, or an axis is zero.",
+        what=(
+            "An attribute is not a number or not as many numbers as it should be, a body is unknown, or an axis "
+            "is zero."
+        ),
         why="Guessing a dimension would move the tool somewhere else than on the real robot.",
         remedy="Write plain decimal numbers in m, rad and kg, separated by spaces.",
     ),
@@ -373,7 +384,9 @@ CODES += (
         code="GS768",
         severity=Severity.NOTE,
         title="A joint stands still",
-        what="A movable joint is not on the way from the base to the flange (a finger, a second arm); it stays at zero.",
+        what=(
+            "A movable joint is not on the way from the base to the flange (a finger, a second arm); it stays at zero."
+        ),
         why="Its link is drawn and collides where it stands at zero.",
         remedy="Nothing, if that is meant; describe a gripper as a tool of its own.",
     ),
