@@ -31,7 +31,7 @@ from gcodesim.motion.curves import Curves
 from gcodesim.motion.pieces import OVERLAP, PART, AxisLimits, Pieces
 from gcodesim.motion.tool_path import BLEND, HOME, LINE, RAPID, ToolPath
 
-LEAST: Final = 1e-12  # [m, rad]
+LEAST: Final = 1e-12  # [m, rad] what is shorter does not move
 
 
 def blend(
@@ -50,7 +50,7 @@ def blend(
         own = np.isfinite(own_time)
         curves.kind[own] = OWN
         curves.length[own] = own_time[own]
-    kept = np.flatnonzero((curves.length > 0.0) | (curves.kind == OWN))
+    kept = np.flatnonzero((curves.length > 4.0 * LEAST) | (curves.kind == OWN))
     chains = _chains(path, kept)
     row_first, row_last = kept[chains], kept[np.append(chains[1:], len(kept))[: len(chains)] - 1]
     curves = _merged(curves, path, row_first, row_last)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
@@ -41,6 +42,9 @@ if TYPE_CHECKING:
 
 _REFINEMENTS: Final = 3
 _CLOSE: Final = 1e-6  # [m]
+# A joint is nowhere this much faster than on average between its nodes: on a singularity the Jacobian says infinity,
+# while the joint only turns by what lies between the nodes.
+_STEEPEST: Final = 10.0
 _REACH: Final = 1  # statuses of the inverse kinematics that leave the path
 _FLIP: Final = 4
 
@@ -93,7 +97,7 @@ class ArmJoints:
         if not len(pieces) or not len(samples):
             return q
         own = pieces.fixed[samples.piece]
-        after = self.nodes.at_or_after(samples.piece, samples.s, pieces.length)
+        after = self.nodes.at_or_after(self._keys, samples.piece, samples.s, pieces.length)
         bridge = ~own & self.bridged[after]
         # runs of samples on one joint move, on one bridge, or of exact joints between them
         run = np.where(own, 3 * samples.piece, 3 * np.cumsum(pieces.fixed)[samples.piece] + 1 + bridge)
@@ -108,6 +112,10 @@ class ArmJoints:
                 seed = int(after[a]) - (not self.nodes.head[after[a]])
                 q[a:b] = self.kinematics.inverse(X, self.q_nodes[seed])[0]
         return q
+
+    @cached_property
+    def _keys(self) -> Array:
+        return self.nodes.keys(self.flange.pieces.length)
 
     def _on_bridge(self, node: NDArray[np.intp], piece: NDArray[np.int64], s: Array) -> Array:
         nodes = self.nodes
@@ -252,7 +260,11 @@ def _caps(
     # between close nodes the difference of joints is rounding; the rates at their ends tell enough
     mean_rate = np.where(length[:, None] > _CLOSE, (q[i] - q[i - 1]) / length[:, None], 0.0)
     bridge = bridged[i, None]
-    start_rate, end_rate = np.where(bridge, mean_rate, rates[0][i - 1]), np.where(bridge, mean_rate, rates[1][i])
+    most = _STEEPEST * _neighbourhood(np.abs(mean_rate))
+    most[length <= _CLOSE] = np.inf
+    start_rate, end_rate = (
+        np.where(bridge, mean_rate, np.clip(rate, -most, most)) for rate in (rates[0][i - 1], rates[1][i])
+    )
     wanted = _wanted_speed(pieces)[piece]
     possible, speed = wanted.copy(), np.empty(len(i))
     acceleration = np.where(pieces.kind[piece] == OVERLAP, 0.0, np.inf)
@@ -277,6 +289,14 @@ def _caps(
         (junction, zeros),
     )
     return Caps(*(np.concatenate(pair)[order] for pair in columns))
+
+
+def _neighbourhood(values: Array) -> Array:
+    """Greatest of each row (k, j) and the rows beside it."""
+    most = values.copy()
+    most[1:] = np.maximum(most[1:], values[:-1])
+    most[:-1] = np.maximum(most[:-1], values[1:])
+    return most
 
 
 def _wanted_speed(pieces: Pieces) -> Array:

@@ -64,7 +64,7 @@ class AxisJoints:
         if not len(pieces):
             return np.tile(self.start[self.axes], (len(samples), 1))
         # the offset of the row that the piece belongs to: while the machine stands the row is already the next one
-        offset = offsets(pieces.path)[pieces.row_first[samples.piece]]
+        offset = offsets(pieces.path, pieces.row_first[samples.piece])
         q: Array = (samples.position + offset)[:, self.axes]
         return q
 
@@ -81,9 +81,10 @@ class AxisJoints:
         return JointExtremes(low.min(axis=0), high.max(axis=0), low.argmin(axis=0), high.argmax(axis=0))
 
 
-def offsets(path: ToolPath) -> Array:
-    """The tool length offset of every row (n, 6) [m, rad]."""
-    table: Array = np.array([s.offset for s in path.states], dtype=float).reshape(-1, 6)[path.state]
+def offsets(path: ToolPath, rows: NDArray[np.intp] | NDArray[np.int32] | None = None) -> Array:
+    """The tool length offset of `rows`, default all of them, (n, 6) [m, rad]."""
+    state = path.state if rows is None else path.state[rows]
+    table: Array = np.array([s.offset for s in path.states], dtype=float).reshape(-1, 6)[state]
     return table
 
 

@@ -68,13 +68,17 @@ class Nodes:
         start: Array = np.where(self.piece[i] == self.piece[i - 1], self.s[i - 1], 0.0)
         return start
 
-    def at_or_after(self, piece: NDArray[np.int64], s: Array, lengths: Array) -> NDArray[np.intp]:
-        """For places `s` (n,) of `piece` (n,) the node that ends their segment; `lengths` are those of the pieces."""
-        # places as shares of pieces grow along the path; rounding is far below the distance of nodes
-        whole = np.maximum(lengths, 1e-300)
-        own = self.piece + np.where(self.head, 1.0, self.s / whole[self.piece])
-        asked = piece + np.clip(s / whole[piece], 0.0, 1.0)
-        return np.minimum(np.searchsorted(own, asked, side="left"), max(len(self) - 1, 0))
+    def keys(self, lengths: Array) -> Array:
+        """Numbers (k,) that grow along the path: piece and share of it; `lengths` are those of the pieces."""
+        share = np.where(self.head, 1.0, self.s / np.maximum(lengths[self.piece], 1e-300))
+        growing: Array = np.add(self.piece, share, dtype=np.float64)
+        return growing
+
+    def at_or_after(self, keys: Array, piece: NDArray[np.int64], s: Array, lengths: Array) -> NDArray[np.intp]:
+        """For places `s` (n,) of `piece` (n,) the node that ends their segment, with `keys` for the same `lengths`."""
+        asked = piece + np.clip(s / np.maximum(lengths[piece], 1e-300), 0.0, 1.0)
+        found: NDArray[np.intp] = np.searchsorted(keys, asked, side="left")
+        return np.minimum(found, max(len(self) - 1, 0))
 
     def refined(self, q: Array) -> Nodes | None:
         """More nodes where joints `q` (k, j) move far between two; None when they do nowhere."""

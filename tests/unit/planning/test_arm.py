@@ -256,6 +256,18 @@ def test_a_wrist_singularity_slows_the_feed_and_says_which_joint() -> None:
     assert np.all(np.abs(np.diff(q, axis=0)) / DT <= 1.02 * arm().joints.speed)
 
 
+def test_a_path_straight_through_a_singularity_takes_a_while_not_for_ever() -> None:
+    """Joints 4 and 6 turn half round on the spot, which takes them about half a turn's time."""
+    level = Orientation(upright=rotation_about(np.array([0.0, 1.0, 0.0]), -pi / 2), spin=0.0)
+    p = arm().forward(np.radians([[0.0, -60.0, 60.0, 0.0, 0.0, 0.0]]))[0, :3, 3].tolist()
+
+    plan = planned(rapid(2, p[0], p[1], p[2] + 0.05), line(3, p[0], p[1], p[2] - 0.05, feed=0.1), orientation=level)
+
+    assert 1.0 <= plan.trajectory.totals.feed <= 6.0
+    _, q, _ = sampled(plan)
+    assert np.all(np.abs(np.diff(q, axis=0)) / DT <= 1.05 * arm().joints.speed)
+
+
 def test_a_feed_beyond_the_joints_is_a_note_or_warning_not_an_error() -> None:
     plan = planned(rapid(2, 0.6, -0.3, 0.3), line(3, 0.6, 0.3, 0.3, feed=10.0))
 

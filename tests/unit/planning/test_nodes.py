@@ -64,7 +64,7 @@ def test_the_node_that_ends_the_segment_of_a_place() -> None:
     nodes = Nodes.of(p, np.zeros(len(p), dtype=bool))
 
     s = np.array([0.0, float(nodes.s[1]), float(nodes.s[1]) + 1e-6, 0.0])
-    found = nodes.at_or_after(np.array([1, 1, 1, 2]), s, p.length)
+    found = nodes.at_or_after(nodes.keys(p.length), np.array([1, 1, 1, 2]), s, p.length)
 
     assert found[:3].tolist() == [0, 1, 2]
     assert nodes.piece[found[3]] == 1 and nodes.s[found[3]] == pytest.approx(p.length[1])
