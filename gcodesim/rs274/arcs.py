@@ -41,7 +41,6 @@ def arc(words: Words, control: Control, code: int) -> None:
     who = f"G{code // 10}"
     check_feed(words, control, who)
     end = end_point(words, control)
-    control.state.spline_tangent = None
     if control.state.side:
         compensation.arc(words, control, end, code)
         return

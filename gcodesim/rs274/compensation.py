@@ -27,6 +27,7 @@ Point = tuple[float, float]
 _PLANE = {170: (0, 1, 2), 180: (2, 0, 1), 190: (1, 2, 0)}
 _STRAIGHT_ON = 0.05  # [rad] corners flatter than this are passed without an arc or an intersection
 _SWEEP_SLACK_MM = 0.0254
+_AT_ONCE = (canon.ToolSelect, canon.ToolNumber)  # these do not wait with a held move
 # lathe tools: where the controlled point lies from the centre of the nose, by orientation, in radii along X and Z
 _NOSE_X = {1: -1.0, 2: -1.0, 6: -1.0, 3: 1.0, 4: 1.0, 8: 1.0}
 _NOSE_Z = {2: -1.0, 3: -1.0, 7: -1.0, 1: 1.0, 4: 1.0, 5: 1.0}
@@ -97,7 +98,10 @@ def leave(control: Control) -> None:
     state = control.state
     if not state.side:
         return
+    settle(control)
+    before, control.out[:] = list(control.out), []
     _flush(control)
+    control.out[:0] = before
     if not state.comp_first:
         state.current = state.comp_programmed
         state.comp_leaving = state.comp_radius > 0.0
@@ -108,8 +112,9 @@ def settle(control: Control) -> None:
     """After a block: whatever follows a held move waits with it."""
     state, out = control.state, control.out
     if state.held:
-        state.held = (*state.held, *out)
-        out.clear()
+        at_once = [event for event in out if type(event) in _AT_ONCE]
+        state.held = (*state.held, *(event for event in out if type(event) not in _AT_ONCE))
+        out[:] = at_once
         return
     for index, event in enumerate(out):
         if type(event) is Held:
@@ -275,7 +280,7 @@ def _corner(
     """Join the held move with the next one, which leaves `op` with `normal`."""
     state = control.state
     turn = _turn_outward(state.comp_normal, normal, state.side)
-    if -_STRAIGHT_ON <= turn <= _STRAIGHT_ON:
+    if -_STRAIGHT_ON <= turn <= _STRAIGHT_ON or not state.comp_radius:
         _flush(control)
     elif _STRAIGHT_ON < turn <= _outside_limit(control, turns):
         held_end = state.current
@@ -315,10 +320,14 @@ def _outside_limit(control: Control, following_turns: int) -> float:
     return math.pi - _STRAIGHT_ON if around else math.pi + _STRAIGHT_ON
 
 
+def _in_plane(move: Held) -> bool:
+    return move.kind == "arc" or move.direction != (0.0, 0.0)
+
+
 def _held_move(control: Control) -> Held:
     """The move in the plane that waits; those across the plane follow it."""
     held = (event for event in control.state.held if type(event) is Held)
-    return next(move for move in held if move.kind == "arc" or move.direction != (0.0, 0.0))
+    return next(move for move in held if _in_plane(move))
 
 
 def _turn_outward(before: Point, after: Point, side: int) -> float:
@@ -420,7 +429,11 @@ def _flush(control: Control, corner: Point | None = None) -> None:
         if type(event) is not Held:
             control.out.append(event)
             continue
-        _emit(control, event if corner is None else _shortened(control, event, corner))
+        if corner is None and not _in_plane(event):
+            _emit(control, event)
+        else:
+            first, second, _ = _PLANE[state.plane]
+            _emit(control, _shortened(control, event, corner or (event.end[first], event.end[second])))
     control.out.extend(later)
 
 

@@ -9,6 +9,8 @@ from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.state import AXES, Vector, subtract
 from gcodesim.rs274.words import Words
 
+_AXIS_OF = {letter: axis for axis, letter in enumerate(AXES)}
+
 
 def start_point(control: Control) -> Vector:
     """Where the program believes to be: with cutter compensation the programmed point, not the offset one."""
@@ -25,10 +27,11 @@ def end_point(words: Words, control: Control) -> Vector:
         return _in_machine_coordinates(words, control)
     if words.has_polar():
         return _polar(words, control, start)
-    if state.incremental:
-        ends = [start[axis] + values.get(letter, 0.0) for axis, letter in enumerate(AXES)]
-    else:
-        ends = [values.get(letter, start[axis]) for axis, letter in enumerate(AXES)]
+    ends = list(start)
+    for letter, value in values.items():
+        axis = _AXIS_OF.get(letter)
+        if axis is not None:
+            ends[axis] = start[axis] + value if state.incremental else value
     return tuple(ends)  # type: ignore[return-value]
 
 

@@ -116,12 +116,13 @@ def execute(words: Words, control: Control) -> None:
     offsets.non_modal(words, control)
     if motion >= 0:
         MOTIONS[motion](words, control, motion)
-        control.state.motion = motion
+        control.state.motion = -1 if motion in _NOT_MODAL else motion
     machine_codes.stop(words, control)
     if control.state.side:
         compensation.settle(control)
 
 
+_NOT_MODAL = frozenset((50, 51, 53))  # splines are called by name each time
 _PLAIN = frozenset("xyzabcfijkrp")
 _PLAIN_MOTIONS = frozenset((0, 10, 20, 30))
 

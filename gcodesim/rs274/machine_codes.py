@@ -121,7 +121,7 @@ def change_tool(words: Words, control: Control) -> None:
     if m is None:
         return
     state = control.state
-    if state.side:
+    if state.side and m == 6:
         raise Fault("GS150", "the tool cannot change while cutter compensation is on", at=f"m{m}", hint="say G40 first")
     if m == 6:
         if state.selected < 0:

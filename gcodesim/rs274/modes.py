@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from gcodesim.rs274 import compensation
 from gcodesim.rs274.control import Control
+from gcodesim.rs274.dialects import g_name
 from gcodesim.rs274.dialects.linuxcnc import (
     CENTRE,
     DIAMETER,
@@ -92,6 +93,9 @@ def path_control(words: Words, control: Control) -> None:
     if code is None:
         return
     state = control.state
+    if state.side:
+        hint = "say G40 first"
+        raise Fault("GS150", "path control cannot change while cutter compensation is on", at=g_name(code), hint=hint)
     state.path = code
     if code == 640:
         tolerance, naive = words.get("p"), words.get("q")

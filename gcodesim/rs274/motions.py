@@ -27,7 +27,6 @@ def straight(words: Words, control: Control, code: int) -> None:
     if not words.has_axes():
         return
     end = end_point(words, control)
-    control.state.spline_tangent = None
     if control.state.side:
         compensation.straight(words, control, end, rapid=code == 0)
     elif code == 0:
@@ -35,7 +34,8 @@ def straight(words: Words, control: Control, code: int) -> None:
         control.rapid(end)
     else:
         control.state.comp_leaving = False
-        resolve_inverse_time(words, control, straight_length(control.state.current, end))
+        if control.state.feed_mode == 930:
+            resolve_inverse_time(words, control, straight_length(control.state.current, end))
         control.line(end)
 
 

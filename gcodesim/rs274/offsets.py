@@ -249,6 +249,8 @@ def _name_home(control: Control, first: int, word: str) -> None:
 
 def _store_home(first: int) -> Callable[[Words, Control], None]:
     def act(_: Words, control: Control) -> None:
+        if control.state.side:
+            raise Fault("GS150", "a home cannot be stored while cutter compensation is on", hint="say G40 first")
         for axis, value in enumerate(control.axes()):
             control.parameters.set(first + axis, control.machine_units(value, axis))
 
@@ -301,7 +303,8 @@ def _use_g92(control: Control, offset: Vector, *, on: bool) -> None:
 
 
 def _clear_g92(_: Words, control: Control) -> None:
-    _refuse_in_compensation(control, "g92.1")
+    if control.state.g92 != ZERO:
+        _refuse_in_compensation(control, "g92.1")
     for axis in range(9):
         control.parameters.set(numbers.G92_OFFSET + axis, 0.0)
     _use_g92(control, ZERO, on=False)

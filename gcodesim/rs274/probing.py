@@ -49,7 +49,6 @@ def probe(words: Words, control: Control, code: int) -> None:
         )
     )
     state.current = end
-    state.spline_tangent = None
 
 
 def tripped(control: Control, event: canon.Probe, reply: canon.Axes | None) -> None:

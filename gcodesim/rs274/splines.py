@@ -32,7 +32,8 @@ def cubic_spline(words: Words, control: Control, code: int) -> None:
     elif state.spline_tangent is not None:
         tangent = state.spline_tangent
     else:
-        raise Fault("GS170", "the first G5 of a chain needs I and J", at="g5" if "g5" in words.names else None)
+        tangent = (0.0, 0.0)
+        control.warn("GS192", "the first G5 of a chain has no I and J: it starts without a direction", "add I and J")
     end = _end(words, control, "G5")
     start = state.current
     controls = [
@@ -50,28 +51,24 @@ def quadratic_spline(words: Words, control: Control, code: int) -> None:
     del code
     _check(words, control, "G5.1")
     values, state = words.values, control.state
-    if "i" not in values and "j" not in values:
-        raise Fault("GS170", "G5.1 needs I or J", at="g5.1" if "g5.1" in words.names else None)
-    tangent = (values.get("i", 0.0), values.get("j", 0.0))
-    if tangent == (0.0, 0.0):
-        raise Fault("GS170", "I and J of G5.1 are both 0", at="i" if "i" in values else "j")
+    _need_pair(words, "i", "j", "G5.1")
+    tangent = (values["i"], values["j"])
     end = _end(words, control, "G5.1")
     start = state.current
     controls = [(start[0], start[1]), (start[0] + tangent[0], start[1] + tangent[1]), (end[0], end[1])]
     _emit(control, controls, [1.0] * 3, [0.0] * 3 + [1.0] * 3, 2, end, "G5.1")
-    state.spline_tangent = None
 
 
 def nurbs_start(words: Words, control: Control, code: int) -> None:
     """G5.2 and the blocks after it: control points with weight P; L is the order."""
     del code
     _check(words, control, "G5.2")
-    state, values = control.state, words.values
+    state = control.state
     at = "g5.2" if "g5.2" in words.names else None
     if "g5.2" in words.names and state.nurbs_order:
         raise Fault("GS170", "G5.2 inside a G5.2 block", at=at, hint="end it with G5.3")
     opening = not state.nurbs_order
-    weight = values.get("p", 1.0)
+    weight = words.need("p", "GS170", "G5.2", "P is the weight of the control point")
     if weight <= 0.0:
         raise Fault("GS170", f"the weight P{weight:g} must be positive", at="p")
     if opening:
@@ -84,6 +81,7 @@ def nurbs_start(words: Words, control: Control, code: int) -> None:
         state.nurbs_points = ((now[0], now[1], weight),)
     if words.has_axes():
         _only_plane(words, "G5.2")
+        _need_pair(words, "x", "y", "G5.2")
         end = end_point(words, control)
         state.nurbs_points = (*state.nurbs_points, (end[0], end[1], weight))
     elif not opening:
@@ -114,7 +112,6 @@ def nurbs_end(words: Words, control: Control, code: int) -> None:
     knots = [0.0] * order + [float(n) for n in range(1, spans)] + [float(spans)] * order
     _emit(control, [(x, y) for x, y, _ in points], [w for _, _, w in points], knots, order - 1, end, "G5.2")
     state.nurbs_order, state.nurbs_points = 0, ()
-    state.spline_tangent = None
 
 
 def _check(words: Words, control: Control, who: str) -> None:

@@ -46,7 +46,6 @@ def thread(words: Words, control: Control, code: int) -> None:
     pitch = _pitch(words, "G33")
     _check_spindle(words, control, "G33")
     end = end_point(words, control)
-    control.state.spline_tangent = None
     control.line(end, "G33", pitch * control.state.unit)
 
 
@@ -56,7 +55,6 @@ def rigid_tap(words: Words, control: Control, code: int) -> None:
     pitch = _pitch(words, "G33.1")
     _check_spindle(words, control, "G33.1")
     end = end_point(words, control)
-    control.state.spline_tangent = None
     control.out.append(
         canon.Tap(
             span=control.span,
@@ -72,24 +70,20 @@ def thread_cycle(words: Words, control: Control, code: int) -> None:
     """G76: a thread cut in passes along Z; the drive line is the start position in X."""
     del code
     state = control.state
-    if state.plane != 180:
-        raise Fault("GS175", "G76 works in the XZ plane only", at="g76", hint="say G18")
     if state.feed_mode == 930:
         raise Fault("GS175", "G76 cannot be used under G93", at="g76")
     for letter, what in (("p", "pitch"), ("i", "offset of the thread peak"), ("j", "first cut"), ("k", "full depth")):
         words.need(letter, "GS175", "G76", f"it is the {what}")
-    for letter in "xyabcuvw":
+    for letter in "yabcuvw":
         if letter in words.values:
             raise Fault("GS175", f"G76 takes no {letter.upper()} word", at=letter)
     values = words.values
-    pitch, peak, first_cut, depth = values["p"], values["i"], values["j"], values["k"]
+    pitch, peak, first_cut, depth = values["p"], *(values[x] * (0.5 if state.diameter else 1.0) for x in "ijk")
     if pitch <= 0.0 or first_cut <= 0.0 or depth <= 0.0:
         raise Fault("GS175", "P, J and K of G76 must be positive", at=next(x for x in "pjk" if values[x] <= 0.0))
     if first_cut > depth:
         raise Fault("GS175", f"the first cut J{first_cut:g} is deeper than the thread K{depth:g}", at="j")
-    degression = values.get("r", 1.0)
-    if degression < 1.0:
-        raise Fault("GS175", f"the depth degression R{degression:g} must be 1 or more", at="r")
+    degression = max(values.get("r", 1.0), 1.0)
     taper = values.get("e", 0.0)
     taper_kind = words.whole("l", "G76") or 0
     if not 0 <= taper_kind <= 3:
@@ -103,7 +97,9 @@ def thread_cycle(words: Words, control: Control, code: int) -> None:
     if taper_kind and abs(taper) * 2.0 > abs(end[2] - start[2]):
         raise Fault("GS175", "the tapers E are longer than the thread", at="e")
     _check_spindle(words, control, "G76")
-    _Passes(control, start, end[2], pitch, peak, depth, taper, taper_kind).cut(first_cut, degression, angle, springs)
+    _Passes(control, start, (end[0], end[2]), pitch, peak, depth, taper, taper_kind).cut(
+        first_cut, degression, angle, springs
+    )
 
 
 class _Passes:
@@ -116,7 +112,7 @@ class _Passes:
         self,
         control: Control,
         start: Vector,
-        end_z: float,
+        end: tuple[float, float],
         pitch: float,
         peak: float,
         depth: float,
@@ -125,13 +121,13 @@ class _Passes:
     ) -> None:
         self.control = control
         self.start = start
-        self.end_z = end_z
+        self.end_x, self.end_z = end
         self.pitch = pitch
         self.outward = -1.0 if peak > 0.0 else 1.0
         self.peak = abs(peak)
         self.depth = depth
         taper = abs(taper)
-        self.taper = taper if start[2] >= end_z else -taper
+        self.taper = taper if start[2] >= self.end_z else -taper
         self.taper_pitch = pitch * math.hypot(taper, depth) / taper if taper else pitch
         self.entry, self.exit = taper_kind in (1, 3), taper_kind in (2, 3)
 
@@ -149,7 +145,7 @@ class _Passes:
             depth = first_cut * number ** (1.0 / degression)
         for _ in range(springs + 1):
             self._pass(self.depth, slope)
-        self._rapid(self.start[0], self.end_z)
+        self._rapid(self.end_x, self.end_z)
 
     def _pass(self, depth: float, slope: float) -> None:
         """One pass, `depth` below the peak, moved along the thread by the flank."""
@@ -160,9 +156,11 @@ class _Passes:
         end = self.end_z + (self.depth - depth) * slope
         lifted = cut + self.outward * self.depth
         self._rapid(clear, begin)
-        self._rapid(lifted if self.entry else cut, begin)
+        if not self.entry:
+            self._rapid(cut, begin)
         control.say_overrides(feed=False)
         if self.entry:
+            self._thread(lifted, begin, self.taper_pitch)
             self._thread(cut, begin - self.taper, self.taper_pitch)
         if self.exit:
             self._thread(cut, end + self.taper, self.pitch)

@@ -280,6 +280,14 @@ CODES: tuple[Code, ...] = (
         remedy="Write M70 before M72; M73 only inside a subroutine.",
     ),
     Code(
+        code="GS192",
+        severity=Severity.WARNING,
+        title="spline without a starting direction",
+        what="The first G5 of a chain has no I and J.",
+        why="The curve leaves its start in a direction that nobody gave.",
+        remedy="Give I and J, the first control point counted from the start.",
+    ),
+    Code(
         code="GS193",
         severity=Severity.WARNING,
         title="tool change without a tool",

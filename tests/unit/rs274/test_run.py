@@ -100,7 +100,7 @@ def test_encodings(program, raw):
         ("T1 M6 F9\nG41 G1 X9\nG55", "GS150", 3),
         ("G19\nG41 D1", "GS153", 2),
         ("T55", "GS160", 1),
-        ("F1\nG5 X1 P1 Q1", "GS170", 2),
+        ("F1\nG5 X1 I1 P1 Q1", "GS170", 2),
         ("F1\nG38.2 X0", "GS180", 2),
         ("G18\nG0 @1 ^1", "GS185", 2),
         ("(abort,no)", "GS190", 1),
