@@ -1,4 +1,4 @@
-"""A program in a cell: read, planned, checked, run. The way in for the command line and for Python."""
+"""A program in a cell: read, planned, checked, run. What the command line and the Python API both call."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from gcodesim.canon import Event
-from gcodesim.cell import Cell, LoadedCell, load_cell
+from gcodesim.cell import Cell, LoadedCell
 from gcodesim.cell.cell import MAIN
 from gcodesim.cell.machine import MachineTool
 from gcodesim.diagnostics import Diagnostic, Findings, Severity, SourceText, Span
@@ -283,17 +283,6 @@ def _forget(out: Path, shop: Shop | None) -> None:
     names = [LOG_NAME, RESULTS_NAME, LINES_NAME, *(f"{name}{suffix}" for name in stocks for suffix in STOCK_SUFFIXES)]
     for name in names:
         (out / name).unlink(missing_ok=True)
-
-
-def simulate(program: Path | str, cell: Path | str, out: Path | str | None = None) -> Results:
-    """Run a program in a cell; with `out`, a folder, also write `run.mcap`, `results.json` and the stocks there.
-
-    OSError when the program or the cell cannot be read. Faults of the program
-    or cell are findings in the results.
-    """
-    job = prepare(SourceText.read(Path(program)), load_cell(Path(cell)))
-    results, _ = run(job, None if out is None else Path(out))
-    return results
 
 
 def inputs_of(job: Job) -> dict[str, Any]:

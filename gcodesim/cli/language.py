@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import re
 from dataclasses import replace
 
 from gcodesim.cli.exits import UsageError
 from gcodesim.cli.options import read_source
 from gcodesim.cli.output import print_findings
-from gcodesim.diagnostics import SourceText
-from gcodesim.rs274 import Settings, ToolEntry, ToolTable, read_parameters
-
-_TOOL_WORD = re.compile(r"[THD][ \t]*0*([0-9]{1,5})(?![0-9.])", re.IGNORECASE | re.ASCII)
-_USUAL_TOOLS = range(1, 100)
+from gcodesim.rs274 import Settings, ToolTable, read_parameters
 
 
 def settings_of(arguments: argparse.Namespace) -> Settings | None:
@@ -62,12 +57,3 @@ def with_options(settings: Settings, arguments: argparse.Namespace) -> Settings:
     if arguments.time_limit is not None:
         settings = replace(settings, time_limit=arguments.time_limit)
     return settings
-
-
-def assumed_tools(program: SourceText) -> ToolTable:
-    """A table with every tool that the program may name.
-
-    A program alone says nothing of the tools in the machine, so a missing one is no fault of the program.
-    """
-    numbers = {*_USUAL_TOOLS, *(int(number) for number in _TOOL_WORD.findall(program.text))}
-    return ToolTable({number: ToolEntry(number=number, pocket=number) for number in sorted(numbers)})

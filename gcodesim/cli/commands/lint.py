@@ -21,9 +21,10 @@ def add_parser(commands: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from gcodesim.cli.language import assumed_tools, settings_of
+    from gcodesim.cli.language import settings_of
     from gcodesim.cli.output import findings_as_json, print_findings, print_json, verdict
     from gcodesim.rs274 import interpret
+    from gcodesim.rs274.assumed import assumed_tools
 
     program = read_source(arguments.program, "program")
     settings = settings_of(arguments)

@@ -1,0 +1,72 @@
+"""What `import gcodesim` offers to a Python program: `read`, `load_cell`, `simulate`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from gcodesim import simulation
+from gcodesim.cell import Cell, LoadedCell
+from gcodesim.cell import load_cell as read_cell_file
+from gcodesim.cell.files import InputFile
+from gcodesim.cell.show import cell_as_text
+from gcodesim.diagnostics import Diagnostic, Findings, Severity, SourceText
+from gcodesim.diagnostics.show import as_text
+from gcodesim.motion import ToolPath, build_tool_path
+from gcodesim.motion.tool_path import ZERO
+from gcodesim.results import Results
+from gcodesim.rs274 import Settings, interpret
+from gcodesim.rs274.assumed import assumed_tools
+
+
+class InputError(ValueError):
+    """A program or a cell with errors, where the caller wanted what it describes; `findings` are all of them."""
+
+    def __init__(self, findings: Sequence[Diagnostic], sources: Mapping[str, SourceText]) -> None:
+        self.findings = tuple(findings)
+        super().__init__("\n".join(as_text(finding, sources) for finding in self.findings))
+
+
+def read(program: Path | str, settings: Settings | None = None) -> ToolPath:
+    """The tool path of a program [m, rad], from machine zero on, as the program alone describes it.
+
+    Without `settings` there is no tool table: every tool that the program names
+    counts as there, with length 0. Raises `InputError` with all findings when
+    one is an error, OSError when the file cannot be read.
+    """
+    source = SourceText.read(Path(program))
+    reading = interpret(source, settings or Settings(tool_table=assumed_tools(source)))
+    events = list(reading)
+    if any(finding.level >= Severity.ERROR for finding in reading.findings):
+        raise InputError(list(reading.findings), reading.sources)
+    return build_tool_path(events, ZERO)
+
+
+def load_cell(path: Path | str, allow_paths: Sequence[Path] = ()) -> Cell:
+    """The cell that a file describes. Raises `InputError` when it has errors, OSError when it cannot be read."""
+    loaded = read_cell_file(Path(path), tuple(allow_paths))
+    if loaded.cell is None:
+        raise InputError(list(loaded.findings), loaded.sources)
+    return loaded.cell
+
+
+def simulate(program: Path | str, cell: Cell | Path | str, out: Path | str | None = None) -> Results:
+    """Run `program` in `cell`; with `out`, a folder, write there what `gcodesim run` writes.
+
+    `cell` is a file, or a `Cell`, which may have been changed since it was read: then the log carries what
+    `gcodesim cell show` prints of it in place of the file, and the results the hash of that.
+
+    Faults of the program or the cell are findings in the results, as on the command line. OSError when a file
+    cannot be read or written, `WorldUnavailable` when the world cannot be opened here.
+    """
+    loaded = _as_loaded(cell) if isinstance(cell, Cell) else read_cell_file(Path(cell))
+    job = simulation.prepare(SourceText.read(Path(program)), loaded)
+    results, _ = simulation.run(job, None if out is None else Path(out))
+    return results
+
+
+def _as_loaded(cell: Cell) -> LoadedCell:
+    """A cell without a file, described by its own listing."""
+    source = SourceText(cell.name, cell_as_text(cell).encode())
+    own = InputFile(name=source.name, path=Path(source.name), sha256=source.sha256)
+    return LoadedCell(cell=cell, findings=Findings(), sources={source.name: source}, files=(own,), path=own.path)
