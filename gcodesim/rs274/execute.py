@@ -38,8 +38,8 @@ def motion_of(words: Words, control: Control) -> int:
         _need_axes(words, claimed, has_axes)
         return own
     if own >= 0:
-        if claims or length_claims:
-            other = g_name(claimed if claims else words.g[LENGTH])
+        if claims:
+            other = g_name(claimed)
             raise Fault(
                 "GS102",
                 f"{other.upper()} and {g_name(own).upper()} both claim the axis words",

@@ -119,5 +119,8 @@ def distance(words: Words, control: Control) -> None:
 def retract(words: Words, control: Control) -> None:
     """G98, G99."""
     code = words.g.get(RETRACT)
+    if code is not None and control.state.side:
+        hint = "say G40 first"
+        raise Fault("GS150", f"G{code // 10} is refused while cutter compensation is on", at=g_name(code), hint=hint)
     if code is not None:
         control.state.retract = code
