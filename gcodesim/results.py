@@ -140,7 +140,7 @@ def line_rows(path: ToolPath, time: Array, distance: Array, totals: RowTotals | 
     removed: Array = np.zeros(count)
     force: Array = np.zeros(count)
     if totals is not None:
-        removed = np.bincount(index, weights=totals.removed - totals.added, minlength=count)
+        removed += np.bincount(index, weights=totals.removed - totals.added, minlength=count)
         np.maximum.at(force, index, totals.force)
     speed = np.divide(metres, seconds, out=np.zeros(count), where=seconds > 0.0)
     return [
