@@ -30,15 +30,10 @@ def run(arguments: argparse.Namespace) -> int:
         return FINDINGS
     reading = interpret(program, settings)
     if arguments.format == "json":
-        events = [listing.as_json(event) for event in reading]
+        events = list(reading)
         failed = reading.failed
-        print_json(
-            {
-                "status": "error" if failed else "ok",
-                "error": {"message": failed.message, "line": failed.span.line} if failed else None,
-                "events": events,
-            }
-        )
+        line = failed.span.line if failed and reading.failed_line is None else reading.failed_line
+        print_json(listing.listing(events, (failed.message, line) if failed else None))
         return FINDINGS if failed else OK
     for event in reading:
         print(listing.as_text(event))
