@@ -19,6 +19,7 @@ from gcodesim.cli.language import with_options
 from gcodesim.cli.options import read_source
 from gcodesim.cli.output import note, print_findings, print_json, print_table, verdict
 from gcodesim.diagnostics import Severity
+from gcodesim.report import summary_rows
 from gcodesim.results import Results
 from gcodesim.simulation import (
     LINES_NAME,
@@ -174,47 +175,7 @@ def _print_verdict(job: Job, results: Results, *, simulated: bool) -> None:
         where = f"{stopped.file}:{stopped.line}" if stopped.line else stopped.file
         print(f"stopped at {where}; what follows was not simulated")
     print()
-    print_table(_rows(results))
-
-
-def _rows(results: Results) -> list[list[str]]:
-    times = results.times
-    rows = [
-        ["time", f"{times.total:.1f} s"],
-        ["  feed", f"{times.feed:.1f} s"],
-        ["  rapid", f"{times.rapid:.1f} s"],
-    ]
-    if times.dwell:
-        rows.append(["  dwell", f"{times.dwell:.1f} s"])
-    if times.tool_change:
-        rows.append(["  tool changes", f"{times.tool_change:.1f} s"])
-    rows += [
-        ["feed distance", f"{results.feed_distance * 1e3:.1f} mm"],
-        ["rapid distance", f"{results.rapid_distance * 1e3:.1f} mm"],
-    ]
-    for name, stock in results.stocks.items():
-        value = stock.as_json()
-        bound = f"± {value['error_bound_mm3']:.1f} mm³"
-        if stock.removed or not stock.deposited:
-            rows.append([f"{name}: removed", f"{value['removed_mm3']:.1f} mm³", bound])
-        if stock.deposited:
-            rows.append([f"{name}: deposited", f"{value['deposited_mm3']:.1f} mm³", bound])
-        rows.append([f"{name}: remaining", f"{value['remaining_mm3']:.1f} mm³"])
-    for tool in results.tools:
-        if tool["max_force_N"]:
-            where = f"line {tool['line_of_max_force']}"
-            rows.append([f"{tool['name']}: greatest force", f"{tool['max_force_N']:.1f} N", where])
-            rows.append(
-                [f"{tool['name']}: torque, power", f"{tool['max_torque_Nm']:.2f} N·m", f"{tool['max_power_W']:.0f} W"]
-            )
-    for joint in results.joints:
-        if joint["margin"] is not None:
-            where = f"line {joint['line_of_margin']}" if joint["line_of_margin"] else ""
-            rows.append([f"{joint['name']}: least margin", f"{joint['margin']:.1f} {joint['unit']}", where])
-    count = sum(entry["count"] for entry in results.not_simulated)
-    words = ", ".join(f"{entry['word']} ({entry['count']})" for entry in results.not_simulated)
-    rows.append(["words not simulated", str(count), words])
-    return rows
+    print_table(summary_rows(results))
 
 
 def _print_files(out: Path, results: Results) -> None:

@@ -1,0 +1,5 @@
+"""What people read of a run."""
+
+from gcodesim.report.summary import summary_rows
+
+__all__ = ["summary_rows"]

@@ -1,0 +1,46 @@
+"""The numbers of a run that a person reads first."""
+
+from __future__ import annotations
+
+from gcodesim.results import Results
+
+
+def summary_rows(results: Results) -> list[list[str]]:
+    """Rows of the table that ends a run or a check: a name, a value with its unit, a remark."""
+    times = results.times
+    rows = [
+        ["time", f"{times.total:.1f} s"],
+        ["  feed", f"{times.feed:.1f} s"],
+        ["  rapid", f"{times.rapid:.1f} s"],
+    ]
+    if times.dwell:
+        rows.append(["  dwell", f"{times.dwell:.1f} s"])
+    if times.tool_change:
+        rows.append(["  tool changes", f"{times.tool_change:.1f} s"])
+    rows += [
+        ["feed distance", f"{results.feed_distance * 1e3:.1f} mm"],
+        ["rapid distance", f"{results.rapid_distance * 1e3:.1f} mm"],
+    ]
+    for name, stock in results.stocks.items():
+        value = stock.as_json()
+        bound = f"± {value['error_bound_mm3']:.1f} mm³"
+        if stock.removed or not stock.deposited:
+            rows.append([f"{name}: removed", f"{value['removed_mm3']:.1f} mm³", bound])
+        if stock.deposited:
+            rows.append([f"{name}: deposited", f"{value['deposited_mm3']:.1f} mm³", bound])
+        rows.append([f"{name}: remaining", f"{value['remaining_mm3']:.1f} mm³"])
+    for tool in results.tools:
+        if tool["max_force_N"]:
+            where = f"line {tool['line_of_max_force']}"
+            rows.append([f"{tool['name']}: greatest force", f"{tool['max_force_N']:.1f} N", where])
+            rows.append(
+                [f"{tool['name']}: torque, power", f"{tool['max_torque_Nm']:.2f} N·m", f"{tool['max_power_W']:.0f} W"]
+            )
+    for joint in results.joints:
+        if joint["margin"] is not None:
+            where = f"line {joint['line_of_margin']}" if joint["line_of_margin"] else ""
+            rows.append([f"{joint['name']}: least margin", f"{joint['margin']:.1f} {joint['unit']}", where])
+    count = sum(entry["count"] for entry in results.not_simulated)
+    words = ", ".join(f"{entry['word']} ({entry['count']})" for entry in results.not_simulated)
+    rows.append(["words not simulated", str(count), words])
+    return rows

@@ -1,0 +1,67 @@
+"""Comparison of results by quantity and tolerance."""
+
+from copy import deepcopy
+
+import pytest
+
+from gcodesim.regress import compare_results
+
+OLD = {
+    "schema": "gcodesim-results/1",
+    "status": "ok",
+    "inputs": {"program": {"sha256": "a"}},
+    "findings": [{"code": "GS195", "severity": "note", "message": "no G43", "line": 2}],
+    "time": {"total_s": 10.0},
+    "stocks": {"stock": {"removed_mm3": 656.5, "error_bound_mm3": 3.0}},
+    "tools": [{"number": 1, "max_force_N": 80.0, "line_of_max_force": 7}],
+}
+
+
+def changed(*path: object, to: object) -> dict[str, object]:
+    new = deepcopy(OLD)
+    place: object = new
+    for key in path[:-1]:
+        place = place[key]  # type: ignore[index]
+    place[path[-1]] = to  # type: ignore[index]
+    return new
+
+
+def test_a_run_equals_itself() -> None:
+    assert compare_results(OLD, deepcopy(OLD)) == []
+
+
+@pytest.mark.parametrize(
+    "new",
+    [
+        changed("inputs", "program", "sha256", to="b"),
+        changed("findings", 0, "line", to=3),
+        changed("tools", 0, "line_of_max_force", to=8),
+        changed("time", "total_s", to=10.009),
+        changed("stocks", "stock", "removed_mm3", to=656.9),
+    ],
+)
+def test_what_does_not_count(new: dict[str, object]) -> None:
+    assert compare_results(OLD, new) == []
+
+
+@pytest.mark.parametrize(
+    ("new", "quantity"),
+    [
+        (changed("time", "total_s", to=10.02), "time.total_s"),
+        (changed("stocks", "stock", "removed_mm3", to=687.9), "stocks.stock.removed_mm3"),
+        (changed("tools", 0, "max_force_N", to=82.0), "tools.1.max_force_N"),
+        (changed("status", to="findings"), "status"),
+        (changed("findings", to=[]), "findings"),
+        (changed("tools", to=[]), "tools.1"),
+    ],
+)
+def test_what_counts_is_named(new: dict[str, object], quantity: str) -> None:
+    (change,) = compare_results(OLD, new)
+    assert change.quantity == quantity
+    assert change.text.startswith(quantity)
+
+
+def test_an_entry_more_does_not_shift_the_others() -> None:
+    new = deepcopy(OLD)
+    new["tools"] = [{"number": 2, "max_force_N": 5.0}, *OLD["tools"]]  # type: ignore[misc]
+    assert [change.quantity for change in compare_results(OLD, new)] == ["tools.2"]
