@@ -38,7 +38,7 @@ _NAMES: Final = ("number", "name", "word")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Change:
-    """One quantity that differs: `quantity` as a path such as ``stocks.stock.removed_mm3``; None where it is missing."""
+    """One quantity that differs, `quantity` as a path: ``stocks.stock.removed_mm3``; None where it is missing."""
 
     quantity: str
     old: Any
@@ -66,8 +66,7 @@ def compare_results(
     Findings are the same when code and message are: lines may move when a
     program is renumbered. Hashes, names of inputs and line numbers do not count.
     """
-    changes = list(_compare("", old, new, tolerances))
-    return changes
+    return list(_compare("", old, new, tolerances))
 
 
 def _compare(path: str, old: Any, new: Any, tolerances: Mapping[str, Tolerance]) -> Iterator[Change]:
