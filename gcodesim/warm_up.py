@@ -9,7 +9,8 @@ from typing import Final
 
 from gcodesim.cell.loader import read_cell
 from gcodesim.diagnostics import SourceText
-from gcodesim.simulation import Options, prepare, run
+from gcodesim.job import Options
+from gcodesim.simulation import prepare, run
 
 _HEAD: Final = "G21 G90 G17 G94 G64 P0.01\nT1 M6\nG43 H1\nS8000 M3\nG0 X5 Y5 Z5\n"
 _BODY: Final = "G1 Z-1 F300\nG1 X15\nG1 X15.5 Y5.2\nG3 X15 Y9 R2.5\nG1 X8\nG0 Z5\nM5\nM2\n"

@@ -19,6 +19,7 @@ from gcodesim.cli.language import with_options
 from gcodesim.cli.options import read_source
 from gcodesim.cli.output import note, print_findings, print_json, print_table, verdict
 from gcodesim.diagnostics import Severity
+from gcodesim.job import Job, Options
 from gcodesim.report import summary_rows
 from gcodesim.results import Results
 from gcodesim.simulation import (
@@ -26,8 +27,6 @@ from gcodesim.simulation import (
     LOG_NAME,
     RESULTS_NAME,
     STOCK_SUFFIXES,
-    Job,
-    Options,
     check,
     prepare,
     run,

@@ -24,9 +24,9 @@ from gcodesim.results import Results
 if TYPE_CHECKING:
     from gcodesim.executor import Execution
     from gcodesim.executor.window import StepWindow
+    from gcodesim.job import Job
     from gcodesim.material.stock import Stock
     from gcodesim.material.surface import Tiles
-    from gcodesim.simulation import Job
     from gcodesim.world import WorldSteps
 
 LOG_NAME: Final = "run.mcap"

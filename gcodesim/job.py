@@ -1,0 +1,66 @@
+"""A program in a cell, as far as it has come, and what was said besides."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from datetime import date
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Final
+
+from gcodesim.canon import Event
+from gcodesim.cell import Cell, LoadedCell
+from gcodesim.diagnostics import Diagnostic, Findings, Severity, SourceText, Span
+from gcodesim.rs274 import Run, Settings
+from gcodesim.shop import Shop
+from gcodesim.verdict import final_findings
+
+if TYPE_CHECKING:
+    from gcodesim.planning import Plan
+
+KINEMATIC: Final = "kinematic"
+BULLET: Final = "bullet"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Options:
+    """What the command line may say over the cell: `world`, settings of the reader, the day for dated suppressions."""
+
+    world: str | None = None
+    settings: Callable[[Settings], Settings] = lambda settings: settings
+    today: date | None = None
+    fail_on: Severity | None = Severity.ERROR
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class Job:
+    """A program in a cell, as far as it has come. `plan` is None when the cell or the program gives nothing to move."""
+
+    program: SourceText
+    loaded: LoadedCell
+    options: Options
+    findings: Findings
+    shop: Shop | None = None
+    reading: Run | None = None
+    plan: Plan | None = None
+    events: Sequence[Event] = ()
+    sources: dict[str, SourceText] = field(default_factory=dict)
+
+    @property
+    def cell(self) -> Cell | None:
+        return self.loaded.cell
+
+    @property
+    def stopped_at(self) -> Span | None:
+        """The block at which reading ended early."""
+        return self.reading.failed.span if self.reading is not None and self.reading.failed is not None else None
+
+    def shown(self, findings: Iterable[Diagnostic]) -> list[Diagnostic]:
+        """`findings` with the severities of the cell, without those that it suppresses."""
+        return final_findings(findings, self.cell, self.program, self.options.today)
+
+    @property
+    def world(self) -> str:
+        """Which world runs this: asked for, else named by the cell, else bullet for arms where it is installed."""
+        named = self.options.world or (self.cell.simulation.world if self.cell is not None else None)
+        return named or (BULLET if find_spec("pybullet") is not None else KINEMATIC)

@@ -1,0 +1,157 @@
+"""From a job and its execution to the results that files and people get."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from importlib.metadata import version
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gcodesim.diagnostics import Diagnostic, Severity, SourceText, Span
+from gcodesim.frames import Array
+from gcodesim.job import Job
+from gcodesim.motion.tool_path import HOME, RAPID
+from gcodesim.results import Results, StockResult, Times, joint_rows, line_rows, tool_rows
+from gcodesim.shop import Shop
+
+if TYPE_CHECKING:
+    from gcodesim.executor import Execution
+    from gcodesim.planning import Plan
+
+
+def inputs_of(job: Job) -> dict[str, Any]:
+    """What went in, by name and hash; no folder of this machine."""
+    simulation = job.cell.simulation if job.cell is not None else None
+    own, *others = job.loaded.files
+    return {
+        "gcodesim": version("gcodesim"),
+        "seed": simulation.seed if simulation is not None else None,
+        "world": job.world,
+        "program": {"name": job.program.name, "sha256": job.program.sha256},
+        "cell": {"name": own.name, "sha256": own.sha256},
+        "files": [
+            {"name": name, "sha256": digest}
+            for name, digest in sorted(
+                {
+                    **{file.name: file.sha256 for file in others},
+                    **{s.name: s.sha256 for s in job.sources.values() if _is_called(job, s)},
+                }.items()
+            )
+        ],
+    }
+
+
+def _is_called(job: Job, source: SourceText) -> bool:
+    """Whether `source` is a subprogram: read with the program, but not it."""
+    return job.reading is not None and source.name in job.reading.sources and source.name != job.program.name
+
+
+def results_of(job: Job, execution: Execution | None, *, failed: bool = False) -> Results:
+    findings = job.shown(job.findings)
+    interrupted = execution is not None and execution.interrupted
+    failed = failed or job.cell is None or job.stopped_at is not None or interrupted
+    worst = max((finding.level for finding in findings), default=None)
+    fail_on = job.options.fail_on
+    bad = worst is not None and fail_on is not None and worst >= fail_on
+    if job.plan is None or job.shop is None:
+        return Results(
+            status="failed",
+            stopped_at=first_error(findings),
+            inputs=inputs_of(job),
+            findings=findings,
+            times=Times(),
+            feed_distance=0.0,
+            rapid_distance=0.0,
+            not_simulated=_not_simulated(job),
+        )
+    plan, shop = job.plan, job.shop
+    path = plan.path
+    totals = None if execution is None else execution.rows
+    length = path.length
+    rapid = (path.kind == RAPID) | (path.kind == HOME)
+    row_time = plan.trajectory.row_time
+    if interrupted and execution is not None:  # what never ran does not count
+        ran = np.arange(len(path)) <= execution.last_row
+        length, row_time = np.where(ran, length, 0.0), np.where(ran, row_time, 0.0)
+    names = {number: tool.name for number, tool in shop.cell.tools.items()}
+    stopped = job.stopped_at
+    if interrupted and stopped is None and execution is not None:
+        stopped = path.span(execution.last_row) if len(path) else None
+    return Results(
+        status="failed" if failed else "findings" if bad else "ok",
+        stopped_at=stopped,
+        inputs=inputs_of(job),
+        findings=findings,
+        times=_times(plan, rapid, row_time, execution),
+        feed_distance=float(length[~rapid].sum()),
+        rapid_distance=float(length[rapid].sum()),
+        stocks={} if execution is None else _stock_results(shop, execution),
+        tools=tool_rows(path, names, row_time, totals),
+        joints=_joints(plan, shop, execution),
+        not_simulated=_not_simulated(job),
+        lines=line_rows(path, row_time, length, totals),
+    )
+
+
+def first_error(findings: Sequence[Diagnostic]) -> Span | None:
+    return next((finding.span for finding in findings if finding.level >= Severity.ERROR), None)
+
+
+def _times(plan: Plan, rapid: Any, row_time: Array, execution: Execution | None) -> Times:
+    """Where the time goes, from the time law."""
+    from gcodesim.canon import ToolChange
+
+    events = list(plan.trajectory.events)
+    if execution is not None and execution.interrupted:
+        end = plan.trajectory.duration * execution.steps / max(execution.planned, 1)
+        events = [event for event in events if event.time <= end]
+    change = sum(e.duration for e in events if isinstance(e.event, ToolChange))
+    dwell = sum(e.duration for e in events if not isinstance(e.event, ToolChange))
+    feed = float(row_time[~rapid].sum())
+    engaged = 0.0
+    if execution is not None and len(row_time):
+        engaged = float(np.minimum(execution.rows.engaged, row_time)[~rapid].sum())
+    return Times(feed=feed, engaged=engaged, rapid=float(row_time[rapid].sum()), dwell=dwell, tool_change=change)
+
+
+def _stock_results(shop: Shop, execution: Execution) -> dict[str, StockResult]:
+    results = {}
+    for name, placed in shop.stocks.items():
+        stock = placed.stock
+        removed, added = execution.volumes.get(name, (0.0, 0.0))
+        results[name] = StockResult(
+            material=stock.material,
+            initial=placed.initial,
+            removed=removed,
+            deposited=added,
+            remaining=stock.volume,
+            resolution=float(stock.grid[2:].max()),
+            error_bound=stock.error_bound(),
+        )
+    return results
+
+
+def _joints(plan: Plan, shop: Shop, execution: Execution | None) -> list[dict[str, Any]]:
+    from gcodesim.executor.totals import JointTotals
+
+    joints = shop.kinematics.joints
+    if execution is not None:
+        totals = execution.joints
+    else:
+        extremes = plan.extremes()
+        totals = JointTotals.start(extremes.least)
+        totals.least, totals.most = extremes.least, extremes.most
+        totals.least_row, totals.most_row = extremes.row_of_least, extremes.row_of_most
+    return joint_rows(shop.joint_names, joints, totals, plan.path)
+
+
+def _not_simulated(job: Job) -> list[Mapping[str, Any]]:
+    if job.reading is None:
+        return []
+    return [
+        {"word": word, "count": count, "first_line": span.line}
+        for word, (count, span) in sorted(
+            job.reading.not_simulated.items(), key=lambda item: (item[1][1].line, item[0])
+        )
+    ]
