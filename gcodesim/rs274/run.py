@@ -27,6 +27,7 @@ from gcodesim.rs274.words import Words, place_of, read_words
 
 Feedback = canon.Axes | None
 _CHECK_CLOCK_EVERY = 4096
+_MOST_BLOCKS, _MOST_ROUNDS = 500_000, 10  # blocks that a program of n lines may execute: so many, and so many a line
 _MOST_FINDINGS = 1000  # a file that is no program would fill the screen
 
 
@@ -84,6 +85,8 @@ class _Executor:
         self.recovery = Recovery(self.control)
         self.deadline = None if settings.time_limit is None else time.monotonic() + settings.time_limit
         self.blocks = 0
+        allowed = _MOST_BLOCKS + _MOST_ROUNDS * len(run.source.lines)
+        self.most_blocks = allowed if settings.max_blocks is None else settings.max_blocks
 
     def events(self) -> Generator[canon.Event, Feedback, None]:
         control, flow = self.control, self.flow
@@ -271,7 +274,7 @@ class _Executor:
 
     def _exhausted(self, index: int) -> bool:
         """Whether the budget of blocks or time is used up; reported once."""
-        limit = self.settings.max_blocks
+        limit = self.most_blocks
         if self.blocks > limit:
             message, value, unit = f"the program did not end within {limit} blocks", float(limit), "blocks"
             code = "GS134"
@@ -290,6 +293,8 @@ class _Executor:
             file, line = self.flow.loop
         span = Span.of_line(file.name, line + 1, file.lines[line], self.flow.frame.callers)
         hint = "the loop that begins here has no end" if self.flow.loop is not None else ""
+        if code == "GS134":
+            hint = f"{hint or 'look for a loop or call without an end'}; --max-blocks allows more"
         self._report(
             Diagnostic(code=code, message=message, span=span, hint=hint, limit=value, unit=unit or None), index + 1
         )
