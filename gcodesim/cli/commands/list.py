@@ -6,7 +6,6 @@ import argparse
 from typing import Any
 
 from gcodesim.cli.exits import OK
-from gcodesim.cli.output import print_table
 
 WHAT = ("codes", "dialects", "kinematics", "machines", "materials", "processes", "tools", "worlds")
 
@@ -18,7 +17,10 @@ def add_parser(commands: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    print_table(_rows(arguments.what), indent="")
+    rows = _rows(arguments.what)
+    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
+    for row in rows:
+        print("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
     return OK
 
 
@@ -26,7 +28,7 @@ def _rows(what: str) -> list[list[str]]:
     if what == "codes":
         from gcodesim.diagnostics import codes
 
-        return [[code.code, code.severity.word.ljust(7), code.title] for code in codes()]
+        return [[code.code, code.severity.word, code.title] for code in codes()]
     if what == "materials":
         from gcodesim.processes.materials import LIBRARY
 
@@ -34,7 +36,7 @@ def _rows(what: str) -> list[list[str]]:
     if what == "machines":
         from gcodesim.kinematics.models import MODELS
 
-        return [[name] for name in sorted(MODELS)]
+        return [[name, model.title] for name, model in sorted(MODELS.items())]
     from importlib import import_module
 
     place = {
