@@ -10,38 +10,52 @@ from gcodesim.diagnostics import SourceText
 
 
 def add_format(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--format", choices=("text", "json"), default="text", help="text for people, JSON for programs")
+    parser.add_argument(
+        "--format", choices=("text", "json"), default="text", help="text for people (default), JSON for programs"
+    )
 
 
 def add_fail_on(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "--fail-on", choices=FAIL_ON, default="error", help="exit with status 1 from this severity on (default: error)"
+        "--fail-on",
+        choices=FAIL_ON,
+        default="error",
+        help="exit with status 1 when a finding is this severe or more (default: error)",
     )
 
 
 def add_program(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("program", type=Path, metavar="PROGRAM", help="the RS274 program")
+    parser.add_argument("program", type=Path, metavar="PROGRAM", help="the G-code program (.nc, .ngc, any name)")
 
 
 def add_cell(parser: argparse.ArgumentParser, *, required: bool) -> None:
-    parser.add_argument("--cell", type=Path, metavar="CELL", required=required, help="the cell file (YAML)")
+    parser.add_argument(
+        "--cell", type=Path, metavar="CELL", required=required, help="the cell file (YAML); `gcodesim init` writes one"
+    )
     parser.add_argument(
         "--allow-path",
         type=Path,
         action="append",
         default=[],
         metavar="DIR",
-        help="a folder outside the cell's own from which it may take files; may be given several times",
+        help="a folder besides the cell's own from which the cell may take files; may be given several times",
     )
 
 
 def add_language(parser: argparse.ArgumentParser) -> None:
     """What the language reader may be told on the command line; a cell's own keys come second."""
-    group = parser.add_argument_group("language")
-    group.add_argument("--dialect", help="linuxcnc (default), rs274 …; see `gcodesim list dialects`")
-    group.add_argument("--tools", type=Path, metavar="FILE", help="tool table (tool.tbl)")
-    group.add_argument("--subs", type=Path, action="append", default=[], metavar="DIR", help="folder of subroutines")
-    group.add_argument("--parameters", type=Path, metavar="FILE", help="parameter file (.var)")
+    group = parser.add_argument_group("language", "how the program is read; these come before what the cell says")
+    group.add_argument("--dialect", metavar="NAME", help="linuxcnc (default), rs274 …; see `gcodesim list dialects`")
+    group.add_argument("--tools", type=Path, metavar="FILE", help="tool table of the control (tool.tbl)")
+    group.add_argument(
+        "--subs",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="DIR",
+        help="folder with subroutine files; may be given several times",
+    )
+    group.add_argument("--parameters", type=Path, metavar="FILE", help="parameter file of the control (.var)")
     group.add_argument(
         "--block-delete",
         nargs="?",
@@ -49,7 +63,7 @@ def add_language(parser: argparse.ArgumentParser) -> None:
         default=None,
         type=_switch,
         metavar="0|1",
-        help="skip blocks that begin with /",
+        help="1 (or no value): skip blocks that begin with /; 0: run them",
     )
     group.add_argument("--max-blocks", type=int, metavar="N", help="stop a program after N executed blocks")
     group.add_argument("--time-limit", type=float, metavar="S", help="stop reading a program after S seconds")

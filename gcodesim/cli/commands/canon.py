@@ -10,7 +10,12 @@ from gcodesim.cli.options import add_cell, add_format, add_language, add_program
 
 
 def add_parser(commands: Any) -> None:
-    parser = commands.add_parser("canon", help="print the canonical events of a program")
+    parser = commands.add_parser(
+        "canon",
+        help="print the canonical events of a program",
+        description="Print what the program tells the machine, event by event: moves in machine coordinates, spindle, "
+        "tool changes. No physics. A cell gives its tools, work offsets and M-codes.",
+    )
     add_program(parser)
     add_cell(parser, required=False)
     add_language(parser)

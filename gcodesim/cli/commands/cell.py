@@ -20,7 +20,14 @@ def add_parser(commands: Any) -> None:
     ):
         action = actions.add_parser(name, help=what)
         action.add_argument("cell", type=Path, metavar="CELL", help="the cell file (YAML)")
-        action.add_argument("--allow-path", type=Path, action="append", default=[], metavar="DIR")
+        action.add_argument(
+            "--allow-path",
+            type=Path,
+            action="append",
+            default=[],
+            metavar="DIR",
+            help="a folder besides the cell's own from which it may take files",
+        )
         add_format(action)
         add_fail_on(action)
         action.set_defaults(run=function)

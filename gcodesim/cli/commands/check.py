@@ -9,7 +9,12 @@ from gcodesim.cli.options import add_cell, add_fail_on, add_format, add_language
 
 
 def add_parser(commands: Any) -> None:
-    parser = commands.add_parser("check", help="limits, reach and time of a program in a cell; no material")
+    parser = commands.add_parser(
+        "check",
+        help="limits, reach, fixtures and time of a program in a cell; no material",
+        description="Plan the motion of a program in a cell: travel and joint limits, reach, collisions of tools with "
+        "fixtures, time. Nothing is cut and no file is written.",
+    )
     add_program(parser)
     add_cell(parser, required=True)
     add_language(parser)

@@ -11,7 +11,11 @@ from gcodesim.cli.exits import OK, UsageError
 
 
 def add_parser(commands: Any) -> None:
-    parser = commands.add_parser("explain", help="what a finding means, why it matters, what to do")
+    parser = commands.add_parser(
+        "explain",
+        help="what a finding means, why it matters, what to do",
+        description="Explain a finding by its code. `gcodesim list codes` shows all.",
+    )
     parser.add_argument("code", metavar="CODE", help="a code such as GS203")
     parser.set_defaults(run=run)
 

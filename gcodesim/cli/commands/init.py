@@ -11,10 +11,18 @@ from gcodesim.cli.options import read_source
 
 
 def add_parser(commands: Any) -> None:
-    parser = commands.add_parser("init", help="write a commented program and cell that run")
+    parser = commands.add_parser(
+        "init",
+        help="write a commented program and cell that run",
+        description="Write part.nc and cell.yaml, both with comments, into a folder. No file is overwritten.",
+    )
     parser.add_argument("folder", type=Path, metavar="DIR", help="folder to write into; made when it is not there")
     parser.add_argument(
-        "--from", dest="program", type=Path, metavar="PROGRAM", help="make a cell for this program, from its T words"
+        "--from",
+        dest="program",
+        type=Path,
+        metavar="PROGRAM",
+        help="write only a cell, with the tools and the stock size that this program suggests",
     )
     parser.set_defaults(run=run)
 

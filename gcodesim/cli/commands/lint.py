@@ -11,7 +11,12 @@ from gcodesim.cli.options import add_cell, add_fail_on, add_format, add_language
 
 
 def add_parser(commands: Any) -> None:
-    parser = commands.add_parser("lint", help="find what is wrong with a program, without a cell")
+    parser = commands.add_parser(
+        "lint",
+        help="find what is wrong with a program, without a cell",
+        description="Report every fault of a program that shows without a machine. With --cell the tools, work offsets "
+        "and M-codes of the cell are known.",
+    )
     add_program(parser)
     add_cell(parser, required=False)
     add_language(parser)

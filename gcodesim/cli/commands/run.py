@@ -10,13 +10,22 @@ from gcodesim.cli.options import add_cell, add_fail_on, add_format, add_language
 
 
 def add_parser(commands: Any) -> None:
-    parser = commands.add_parser("run", help="simulate a program in a cell: material, forces, log, results")
+    parser = commands.add_parser(
+        "run",
+        help="simulate a program in a cell: material, forces, log, results",
+        description="Simulate a program in a cell. Prints findings and a summary; writes run.mcap (the log), "
+        "results.json, lines.csv and the shape of each stock.",
+    )
     add_program(parser)
     add_cell(parser, required=True)
     parser.add_argument(
         "--out", type=Path, default=Path("out"), metavar="DIR", help="folder for the files (default: out)"
     )
-    parser.add_argument("--world", choices=("kinematic", "bullet"), help="instead of what the cell says")
+    parser.add_argument(
+        "--world",
+        choices=("kinematic", "bullet"),
+        help="instead of what the cell says: kinematic has no dynamics; bullet has inertia, gravity and motors",
+    )
     add_language(parser)
     add_format(parser)
     add_fail_on(parser)
