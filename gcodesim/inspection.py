@@ -90,6 +90,7 @@ class Inspector:
             steps=joints.saturated_steps,
             dt=self._dt,
             spans=self._span,
+            starts=self._starts,
         )
 
     def _limits(self, totals: RowTotals) -> list[Diagnostic]:

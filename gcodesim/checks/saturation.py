@@ -23,11 +23,13 @@ def saturation_findings(
     steps: NDArray[np.int64],
     dt: float,
     spans: Spans,
+    starts: Array,
 ) -> list[Diagnostic]:
     """One finding GS230 for each joint that was at its effort limit.
 
     Columns (j,): `limit` and greatest `effort` [N·m, N], `first_row` of the path
-    at which it happened (-1: never), `steps` for how long, each `dt` [s].
+    at which it happened (-1: never), `steps` for how long, each `dt` [s];
+    `starts` [s] tells when each path row begins.
     """
     found = []
     for joint, name in enumerate(names):
@@ -42,6 +44,7 @@ def saturation_findings(
                 code="GS230",
                 message=f"{name} is at its limit of {allowed:.1f} {unit}, {what}, for {float(steps[joint]) * dt:.3f} s",
                 span=spans(int(first_row[joint])),
+                time=float(starts[first_row[joint]]),
                 hint="cut less deep or slower, hold the tool closer to the robot, or use a stronger one",
                 value=needed,
                 limit=allowed,

@@ -1,0 +1,152 @@
+"""A KR 10 that gives way under its cut: floors and walls of whole runs against J K⁻¹ Jᵀ F."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gcodesim.kinematics import compliance, shift_jacobian
+from gcodesim.kinematics.models import MODELS
+from gcodesim.units import MM
+from tests.physics.runs import Ran, height_at, run_texts
+
+FULL = np.array(MODELS["kuka_kr10_r1100_2"].stiffness)
+RESOLUTION = 0.15  # 40 cells across the tool: the force then changes little from cell to cell
+
+CELL = """
+gcodesim: 1
+robots:
+  arm:
+    model: kuka_kr10_r1100_2
+    home: [0, -90, 90, 0, 90, 0]
+    stiffness: {stiffness}
+    payload: {{mass: 3 kg, xyz: [0, 0, 60]}}
+frames:
+  table: {{in: world, xyz: [550, 100, 300]}}
+work_offsets: {{G54: {{in: table}}}}
+orientation: {{tool_axis: -Z of G54, spin: free}}
+stock: {{min: [0, 0, -8], max: [16, 20, 0], in: table, material: seed_42crmo4, resolution: {resolution}}}
+tools:
+  1: {{type: flat_end_mill, diameter: 6, flutes: 2, helix: 30, length: 60}}
+log: {{period: 4 ms}}
+"""
+
+SLOT = """G21 G90 G17 G94 G61
+T1 M6
+G43 H1
+S2000 M3
+G0 X-6 Y10 Z5
+G0 Z-{depth}
+G1 X20 F{feed}
+G0 Z20
+M5
+M2
+"""
+
+SIDE = """G21 G90 G17 G94 G61
+T1 M6
+G43 H1
+S2000 M3
+G0 X20 Y-2 Z5
+G0 Z-3
+G1 X-4 F{feed}
+G0 Z20
+M5
+M2
+"""
+
+
+def cell(stiffness: float | None, resolution: float = RESOLUTION) -> str:
+    """The cell with `stiffness` times what the model ships with, None for rigid gears."""
+    text = "rigid"
+    if stiffness is not None:
+        text = "[" + ", ".join(f"{k * stiffness:.6g}" for k in FULL) + " N·m/rad]"
+    return CELL.format(stiffness=text, resolution=resolution)
+
+
+def run_cut(
+    folder: Path, program: str, stiffness: float | None, world: str, feed: float = 200.0, depth: float = 1.0
+) -> Ran:
+    ran = run_texts(program.format(feed=feed, depth=depth), cell(stiffness), folder, world=world)
+    assert not ran.bad, [f.message for f in ran.bad]
+    return ran
+
+
+def cutting(ran: Ran, low: float, high: float) -> np.ndarray:
+    """Flags (n,) of the log's rows at which the commanded tip is between X `low` and `high` [m] of G54, and down."""
+    x, z = (ran.column("/motion", name)[:, 0] for name in ("x_m", "z_m"))
+    force = ran.column("/process", "force_n")[:, 0]
+    return (x > low) & (x < high) & (z < -0.1 * MM) & (force > 0.0)
+
+
+def bend(ran: Ran, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Of the log's `rows`: how far (n, 3) [m] the tip is off the command in G54, and J K⁻¹ Jᵀ of the logged wrench."""
+    xyz = [f"pose.position.{axis}" for axis in "xyz"]
+    moved = (ran.column("/tcp", *xyz) - ran.column("/target", *xyz))[rows]
+    names = [f"{what}.{axis}" for what in ("force", "torque") for axis in "xyz"]
+    wrench = ran.column("/wrench", *names)[rows]
+    q = ran.column("/joint_states", *[f"joints[{i}].position" for i in range(6)])[rows]
+    kinematics = ran.shop.kinematics
+    tool = ran.shop.tool(1)
+    assert tool is not None
+    C = compliance(shift_jacobian(kinematics.jacobian(q), kinematics.forward(q), tool.X_FT.p), ran.shop.stiffness)
+    return moved, np.einsum("nij,nj->ni", C[:, :3], wrench)
+
+
+@pytest.mark.parametrize("world", ["kinematic", "bullet"])
+def test_the_floor_of_a_slot_follows_the_arm(world: str, tmp_path: Path) -> None:
+    """Floor in the stock = floor of a rigid arm + z of J K⁻¹ Jᵀ F: within 5 % and half a cell."""
+    soft = run_cut(tmp_path / "soft", SLOT, 1.0, world)
+    rigid = run_cut(tmp_path / "rigid", SLOT, None, world)
+    assert height_at(rigid, 8 * MM, 10 * MM) == pytest.approx(-1.0 * MM, abs=1e-9)
+    for x in (6, 8, 10):
+        rows = cutting(soft, (x - 3.0) * MM, (x + 3.0) * MM)
+        _, closed = bend(soft, rows)
+        floor = height_at(soft, x * MM, 10 * MM) - height_at(rigid, x * MM, 10 * MM)
+        mean = closed[:, 2].mean()
+        assert mean < -10e-6
+        assert floor == pytest.approx(mean, rel=0.08)
+        # a floor is cut by the lowest place of all that pass over it, while the force moves from cell to cell
+        assert floor == pytest.approx(closed[:, 2].min(), rel=0.02)
+
+
+@pytest.mark.parametrize("world", ["kinematic", "bullet"])
+def test_a_wall_gives_way_sideways(world: str, tmp_path: Path) -> None:
+    """Milling along a side: the wall in the stock stands where J K⁻¹ Jᵀ F moves the cutter, within half a cell."""
+    soft = run_cut(tmp_path / "soft", SIDE, 1.0, world)
+    rigid = run_cut(tmp_path / "rigid", SIDE, None, world)
+    for x in (6, 8, 10):
+        rows = cutting(soft, (x - 0.5) * MM, (x + 0.5) * MM)
+        _, closed = bend(soft, rows)
+        stands, stood = wall_at(soft, x * MM, -2 * MM), wall_at(rigid, x * MM, -2 * MM)
+        assert stood == pytest.approx(1.0 * MM, abs=0.5 * RESOLUTION * MM)
+        assert closed[:, 1].mean() < -RESOLUTION * MM
+        assert stands == pytest.approx(1.0 * MM + closed[:, 1].mean(), abs=0.5 * RESOLUTION * MM)
+
+
+def wall_at(ran: Ran, x: float, z: float) -> float:
+    """Y [m] of the wall: where the material that is at height z in column row x begins."""
+    (placed,) = ran.shop.stocks.values()
+    stock = placed.stock
+    i = int((x - stock.grid[0]) / stock.grid[2])
+    there = [
+        any(stock.lo[i, j, k] < z < stock.hi[i, j, k] for k in range(stock.count[i, j]))
+        for j in range(stock.count.shape[1])
+    ]
+    return float(stock.grid[1] + stock.grid[3] * there.index(True))  # half-way between the centres beside it
+
+
+@pytest.mark.parametrize("share", [1.0, 0.3, 0.1])
+@pytest.mark.parametrize("world", ["kinematic", "bullet"])
+def test_constant_engagement_settles_without_ringing(world: str, share: float, tmp_path: Path) -> None:
+    """Every step of a slot stands at its own J K⁻¹ Jᵀ F; from step to step nothing swings to and fro."""
+    ran = run_cut(tmp_path, SLOT, share, world, feed=60.0, depth=0.3)
+    rows = cutting(ran, 4 * MM, 12 * MM)
+    moved, closed = bend(ran, rows)
+    size = np.linalg.norm(closed, axis=1)
+    miss = np.linalg.norm(moved - closed, axis=1) / size
+    swing = (moved[2:] - 2.0 * moved[1:-1] + moved[:-2]) / 4.0  # of a bend that flips every step: its amplitude
+    assert miss.max() < 0.01
+    assert np.linalg.norm(swing, axis=1).mean() < 0.005 * size.mean()
