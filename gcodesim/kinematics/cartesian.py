@@ -25,11 +25,13 @@ _VECTORS: Final = dict(zip(LETTERS, np.vstack([np.eye(3), np.eye(3)]), strict=Tr
 class Axis:
     """One axis of a machine tool. Travel, speed, acceleration, effort in m, rad, s, N, N·m; `point` [m] in M.
 
-    `vector` is the direction of positive motion of what the axis carries (default:
-    the letter's own axis of M). A rotary axis on the table side turns the work
-    right-handed about `vector`; give −`vector` for a machine whose letter means
-    the tool's motion as seen from the work. `point` None: somewhere, only time is
-    known; it counts as machine zero. `side` default: X, Y, Z tool, A, B, C table.
+    `vector` is the direction of positive motion of what the axis carries. Default:
+    the letter's own axis of M for what carries the tool and for every rotary axis,
+    the opposite for a linear axis of the table, so that +X always moves the tool
+    towards +X of the work (ISO 841). A rotary axis on the table side turns the
+    work right-handed about `vector`, as LinuxCNC has it; give −`vector` for a
+    machine whose letter means the tool's motion as seen from the work. `point` None: somewhere, only time is
+    known: it turns and moves nothing. `side` default: X, Y, Z tool, A, B, C table.
     """
 
     letter: str
@@ -62,9 +64,10 @@ def chain_of_axes(axes: Sequence[Axis], name: str = "machine") -> Chain:
             rotary = axis.letter in "ABC"
             if side != (axis.side or ("table" if rotary else "tool")):
                 continue
+            usual = _VECTORS[axis.letter] if rotary or side == "tool" else -_VECTORS[axis.letter]
             parent, at = ends[side]
             point = np.array(axis.point if rotary and axis.point is not None else at, dtype=float)
-            vector = np.array(axis.vector or _VECTORS[axis.letter], dtype=float)
+            vector = np.array(usual if axis.vector is None else axis.vector, dtype=float)
             child = f"link_{axis.letter}"
             mass = (
                 None
@@ -88,7 +91,8 @@ def chain_of_axes(axes: Sequence[Axis], name: str = "machine") -> Chain:
                     effort=axis.effort,
                 )
             )
-            ends[side] = child, point
+            if not (rotary and axis.point is None):  # else nobody knows where the axis is: it carries nothing
+                ends[side] = child, point
     for link, (parent, at), X in (("flange", ends["tool"], nose), ("table", ends["table"], np.eye(4))):
         back = Pose(-at, np.eye(3)).matrix
         links.append(Link(name=link))
@@ -139,6 +143,25 @@ class Cartesian(Machine):
             return np.tile(np.eye(4), (len(q), 1, 1))
         index = self.link_names.index(self.chain.table)
         return self._link(q, index) @ np.linalg.inv(self._link(np.zeros((1, q.shape[1])), index))
+
+    def table_travel(self, q: Array) -> Array:
+        """How far (n, 3) [m] in M the table's linear axes have carried it; turns of the table left out.
+
+        A work system goes along with that, and not with the turns: a control adds
+        its offsets to the positions of the axes.
+        """
+        q = rows(q)
+        index = self.link_names.index(self.chain.table) if self.chain.table is not None else 0
+        on_table = {int(j) for j in np.flatnonzero(self.chain.tree.prismatic)} - {
+            int(j) for j in np.flatnonzero(self.chain.tree.path)
+        }
+        if self.chain.table is None or not on_table:
+            return np.zeros((len(q), 3))
+        still = np.zeros_like(q)
+        for joint in sorted(on_table):
+            still[:, joint] = q[:, joint]
+        travel: Array = self._link(still, index)[:, :3, 3] - self._link(np.zeros((1, q.shape[1])), index)[:, :3, 3]
+        return travel
 
     def forward_from_table(self, q: Array) -> Array:
         """X_CF (n, 4, 4): the spindle nose as the work sees it."""

@@ -89,7 +89,7 @@ class Frames:
         """Poses (n, F, 7) of the moving frames in their parents.
 
         `q` (n, j), `tcp` (n, 4, 4) actual tip in W, `tools` (n, 4, 4) X_FT,
-        `part` (n, 4, 4) active work system in W.
+        `part` (n, 4, 4) active work system in W where it is now (`carried`).
         """
         shop = self.shop
         links = shop.kinematics.links(q)
@@ -104,6 +104,24 @@ class Frames:
             stands = [p.X_WS for p in shop.stocks.values()] or [shop.placement.X_W("G54")]
             columns += [X_WC @ (shop.X_WB.inverse() @ X_WS).matrix for X_WS in stands]
         return np.stack([seven(X) for X in columns], axis=1)
+
+    def carried(self, q: Array, X_WP: Array) -> Array:
+        """Work systems (n, 4, 4) in W, given for a table at zero, where the table's linear axes at `q` bring them."""
+        if not self.moving_stock:
+            return X_WP
+        assert isinstance(self.shop.kinematics, Cartesian)
+        X = X_WP.copy()
+        X[:, :3, 3] += self.shop.kinematics.table_travel(q) @ self.shop.X_WB.R.T
+        return X
+
+    def seen_from_table(self, q: Array, X_W: Array) -> Array:
+        """Poses (n, 4, 4) in W as the table sees them, which is the same where no axis moves a table."""
+        if not self.moving_stock:
+            return X_W
+        assert isinstance(self.shop.kinematics, Cartesian)
+        X_WB = self.shop.X_WB.matrix
+        X: Array = np.linalg.inv(X_WB @ self.shop.kinematics.table(q)) @ X_W
+        return X
 
 
 def _table_moves(shop: Shop) -> bool:
