@@ -37,7 +37,10 @@ MOST_DEFAULT_COLUMNS: Final = 4_000_000
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PlacedStock:
-    """A workpiece and where it stands: `X_WS` is its frame S in the world (table axes at zero)."""
+    """A workpiece and where it stands: `X_WS` is the frame of its columns in the world (table axes at zero).
+
+    That is its own frame S, unless it lies on another side (`stock.turn`).
+    """
 
     name: str
     spec: StockSpec
@@ -147,15 +150,27 @@ def with_stock(shop: Shop) -> tuple[Shop, list[Diagnostic]]:
         material = shop.cell.material(spec)
         if material is None and made.material:
             material = _material_named(shop.cell, made.material)
+        X_WS = shop.placement.stocks[name]
+        made = _upright(shop, made, X_WS)
         stocks[name] = PlacedStock(
             name=name,
             spec=spec,
             stock=made,
-            X_WS=shop.placement.stocks[name],
+            X_WS=X_WS @ Pose(np.zeros(3), made.turn),
             material=material,
             initial=made.volume,
         )
     return replace(shop, stocks=stocks), findings
+
+
+def _upright(shop: Shop, stock: Stock, X_WS: Pose) -> Stock:
+    """The stock with its columns along the axis of S that points to the spindle; most stand so from the start."""
+    from gcodesim.material.turning import turn_for, turned
+
+    own = shop.cell.channels[shop.channel].orientation
+    up = -shop.placement.tool_axis(own) if shop.is_arm else shop.placement.X_WM.R[:, 2]
+    R = turn_for((X_WS.R @ stock.turn).T @ up)
+    return stock if np.array_equal(R, np.eye(3)) else turned(stock, R)
 
 
 def _material_named(cell: Cell, name: str) -> Material | None:

@@ -76,9 +76,15 @@ def finest_resolution(size: Vector, budget: int) -> float:
 
 
 class Stock:
-    """A workpiece in its frame S. Arrays change in place; everything else stays."""
+    """A workpiece in its frame S. Arrays change in place; everything else stays.
 
-    __slots__ = ("count", "dirty", "grid", "hi", "lo", "material", "original", "resolution", "tops", "walls", "z_range")
+    `turn` (3, 3) is nearly always the identity: axes of the frame in which the columns stand, seen from the part's
+    own frame, when the part was laid on another side (`turning`). All arrays and points are in the former.
+    """
+
+    __slots__ = (
+        "count", "dirty", "grid", "hi", "lo", "material", "original", "resolution", "tops", "turn", "walls", "z_range"
+    )  # fmt: skip
 
     def __init__(
         self,
@@ -100,6 +106,7 @@ class Stock:
 
         self.lo, self.hi, self.count, self.grid = lo, hi, count, grid
         self.z_range, self.resolution, self.material = z_range, resolution, material
+        self.turn: Array = np.eye(3)
         self.original = original if original is not None else (lo.copy(), hi.copy(), count.copy())
         patches = (-(-count.shape[0] // PATCH), -(-count.shape[1] // PATCH))
         self.dirty: Bytes = np.zeros(patches, dtype=np.uint8)
@@ -214,6 +221,7 @@ class Stock:
         )
         twin.dirty[:] = self.dirty
         twin.walls[:] = self.walls
+        twin.turn = self.turn.copy()
         return twin
 
     def memento(self) -> Callable[[], None]:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import json
 import zlib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -28,13 +29,15 @@ def save_stock(stock: Stock, path: Path) -> None:
     """Write the stock as it is now; `original` becomes this state when it is loaded."""
     nx, ny, k = stock.lo.shape
     used = np.arange(k)[None, None, :] < stock.count[:, :, None]
-    head = {
+    head: dict[str, Any] = {
         "grid_m": [float(v) for v in stock.grid],
         "columns": [nx, ny],
         "material": stock.material,
         "resolution_m": float(stock.resolution),
         "z_range_m": [float(v) for v in stock.z_range],
     }
+    if (stock.turn != np.eye(3)).any():
+        head["turn"] = [[int(v) for v in row] for row in stock.turn]
     arrays = (
         stock.count.astype("<i4"),
         stock.lo[used].astype("<f8"),
@@ -63,6 +66,7 @@ def stock_from_bytes(raw: bytes, name: str) -> Stock:
         grid = np.array(head["grid_m"], dtype=np.float64)
         z_range = (float(head["z_range_m"][0]), float(head["z_range_m"][1]))
         resolution, material = float(head["resolution_m"]), str(head["material"])
+        turn = np.array(head.get("turn", np.eye(3)), dtype=np.float64)
         count = np.frombuffer(body, "<i4", nx * ny).astype(np.int32).reshape(nx, ny)
         total = int(count.sum())
         ends = np.frombuffer(body, "<f8", 2 * total, 4 * nx * ny).astype(np.float64)
@@ -71,6 +75,7 @@ def stock_from_bytes(raw: bytes, name: str) -> Stock:
         raise StockFileError(f"{name} is damaged: {fault}") from fault
     if (
         grid.shape != (4,)
+        or turn.shape != (3, 3)
         or min(nx, ny) < 1
         or (count < 0).any()
         or len(body) != 4 * (nx * ny + walls.size) + 16 * total
@@ -82,4 +87,5 @@ def stock_from_bytes(raw: bytes, name: str) -> Stock:
     lo[used], hi[used] = ends[:total], ends[total:]
     stock = Stock(lo=lo, hi=hi, count=count, grid=grid, z_range=z_range, resolution=resolution, material=material)
     stock.walls[:] = walls.reshape(stock.walls.shape)
+    stock.turn = turn
     return stock

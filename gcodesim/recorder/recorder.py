@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     from gcodesim.executor.window import StepWindow
     from gcodesim.job import Job
     from gcodesim.material.stock import Stock
-    from gcodesim.material.surface import Tiles
+    from gcodesim.material.surface import Surface, Tiles
     from gcodesim.world import WorldSteps
 
 LOG_NAME: Final = "run.mcap"
@@ -139,7 +140,7 @@ class Recorder:
         """The state at time 0."""
         from gcodesim.executor.record import record_of
 
-        self._tcp = self._actual(world.q, window.row, np.zeros((1, 6)))[0]
+        self._tcp = self._frames.seen_from_table(world.q, self._actual(world.q, window.row, np.zeros((1, 6))))[0]
         for finding in self._job.shown(self._job.findings):
             self._event(0, finding)
         self._changes_of_tool(0, -1, window)
@@ -218,9 +219,10 @@ class Recorder:
         """Columns of the log instants `t_ns` (m,), which are steps `at` (m,) of the record."""
         window, world = record.window, record.world
         tcp = self._actual(world.q, window.row, record.deflection)
-        before = np.concatenate([self._tcp[None], tcp[:-1]])
-        speed = np.linalg.norm(tcp[:, :3, 3] - before[:, :3, 3], axis=1) / window.dt
-        self._tcp = tcp[-1]
+        cut = self._frames.seen_from_table(world.q, tcp)  # feed is the tool's way over the work
+        before = np.concatenate([self._tcp[None], cut[:-1]])
+        speed = np.linalg.norm(cut[:, :3, 3] - before[:, :3, 3], axis=1) / window.dt
+        self._tcp = cut[-1]
         removed = self._removed + np.cumsum(record.removed)
         self._removed = float(removed[-1])
         if not len(at):
@@ -229,6 +231,7 @@ class Recorder:
         target = X_WB @ window.tip[at]
         X_WT = tcp[at]
         part = self._systems[self._plan.path.state[window.row[at]] if len(self._plan.path) else np.zeros(len(at), int)]
+        part = self._frames.carried(world.q[at], part)
         local = np.einsum("nji,nj->ni", part[:, :3, :3], X_WT[:, :3, 3] - part[:, :3, 3])
         wrench = _in_world(X_WB, record.wrench[at])
         force = np.linalg.norm(wrench[:, :3], axis=1)
@@ -318,7 +321,7 @@ class Recorder:
 
         for name, placed in self._shop.stocks.items():
             mesh = BytesIO()
-            write_stl(placed.stock.surface(), mesh)
+            write_stl(_as_placed(placed.stock), mesh)
             _replace(self._out / f"{name}.stl", mesh.getvalue())
             part = self._out / f"{name}{SUFFIX}.part"
             save_stock(placed.stock, part)
@@ -361,3 +364,9 @@ def _angles(A: Array, B: Array) -> Array:
     )
     angles: Array = np.arctan2(sine, 0.5 * (np.trace(R, axis1=1, axis2=2) - 1.0))
     return angles
+
+
+def _as_placed(stock: Stock) -> Surface:
+    """The surface in the part's own frame, on whichever side it lies."""
+    surface = stock.surface()
+    return replace(surface, vertices=surface.vertices @ stock.turn.T)

@@ -1,0 +1,152 @@
+"""A stock set down on another side: its columns counted anew along another axis of the part.
+
+Tools cut stock whose Z is up. A part that lies on its back or on an edge keeps
+its frame S; only the columns stand along another axis, in a frame that
+`Stock.turn` (3, 3) places in S. Turning over (Z to −Z) is exact. Laying a part on an edge
+asks every old row of columns at the middle of the new ones: floors that lie
+between them move by up to half a cell, walls stand where the tool left them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.material.stock import Stock, cells_along
+
+Array = NDArray[np.float64]
+Singles = NDArray[np.float32]
+
+_QUARTER = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])  # y becomes x
+_ON_EDGE = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])  # x becomes z
+
+
+def turn_for(up: Array) -> Array:
+    """The axes turn (3, 3) that brings the axis of S nearest to `up` (3,) to Z; the identity when that is Z itself."""
+    axis = int(np.argmax(np.abs(up) + np.array([0.0, 0.0, 1e-9])))
+    if axis == 2:
+        return np.eye(3) if up[2] > 0.0 else np.diag([1.0, -1.0, -1.0])
+    to_z: Array = _ON_EDGE @ (np.eye(3) if axis == 0 else _QUARTER)
+    over: Array = np.diag([1.0, -1.0, -1.0]) @ to_z
+    return to_z if up[axis] > 0.0 else over
+
+
+def turned(stock: Stock, R: Array) -> Stock:
+    """The same material with columns along another axis: points p of its grid's frame become R p.
+
+    `R` (3, 3) turns axes onto axes, ValueError otherwise. `turn` of the result
+    keeps the part's frame S; what the stock is now counts as how it came.
+    """
+    whole = np.round(R)
+    if np.abs(R - whole).max() > 1e-9 or np.linalg.det(whole) < 0.5 or (np.abs(whole).sum(axis=0) != 1.0).any():
+        raise ValueError("a stock can only be turned by quarter turns about its axes")
+    done, rest = stock, whole
+    if rest[2, 1] != 0.0:
+        done, rest = _flat(done, _QUARTER), rest @ _QUARTER.T
+    if rest[2, 0] != 0.0:
+        done, rest = _on_edge(done), rest @ _ON_EDGE.T
+    done = _flat(done, rest)
+    done.turn = stock.turn @ whole.T
+    return done
+
+
+def _flat(stock: Stock, R: Array) -> Stock:
+    """Turned so that Z stays or becomes −Z; exact."""
+    lo, hi, count, walls, grid = stock.lo, stock.hi, stock.count, stock.walls, stock.grid.copy()
+    z_range = stock.z_range
+    if R[0, 0] == 0.0:  # x and y change places
+        lo, hi, count = lo.transpose(1, 0, 2), hi.transpose(1, 0, 2), count.T
+        walls, grid = walls[[1, 0, 3, 2]].transpose(0, 2, 1), grid[[1, 0, 3, 2]]
+    signs = R.sum(axis=1)
+    for axis in range(2):
+        if signs[axis] < 0.0:
+            lo, hi, count = np.flip(lo, axis), np.flip(hi, axis), np.flip(count, axis)
+            walls = _mirrored(walls, axis)
+            grid[axis] = -(grid[axis] + count.shape[axis] * grid[2 + axis])
+    if signs[2] < 0.0:
+        lo, hi = _upside_down(lo, hi, count)
+        z_range = (-z_range[1], -z_range[0])
+    return _like(stock, lo, hi, count, grid, z_range, walls)
+
+
+def _like(
+    stock: Stock,
+    lo: Array,
+    hi: Array,
+    count: NDArray[np.int32],
+    grid: Array,
+    z_range: tuple[float, float],
+    walls: Singles | None = None,
+) -> Stock:
+    made = Stock(
+        lo=np.ascontiguousarray(lo),
+        hi=np.ascontiguousarray(hi),
+        count=np.ascontiguousarray(count),
+        grid=grid,
+        z_range=z_range,
+        resolution=stock.resolution,
+        material=stock.material,
+    )
+    if walls is not None:
+        made.walls[:] = walls
+    return made
+
+
+def _mirrored(walls: Singles, axis: int) -> Singles:
+    """Walls of a stock mirrored along x (0) or y (1): borders run the other way, and so do the sides that stand."""
+    out = np.zeros_like(walls)
+    cells = walls.shape[1 + axis] - 1
+    for kind in range(4):
+        across = kind % 2 == axis  # borders along the mirrored direction: one more than columns
+        flipped = np.flip(walls[kind], axis)
+        if across:
+            out[kind] = -flipped if kind < 2 else flipped
+        elif axis == 0:
+            out[kind, :cells] = flipped[1:]
+        else:
+            out[kind, :, :cells] = flipped[:, 1:]
+    return out
+
+
+def _upside_down(lo: Array, hi: Array, count: NDArray[np.int32]) -> tuple[Array, Array]:
+    """Intervals of −Z in rising order."""
+    k = lo.shape[2]
+    order = np.clip(count[:, :, None] - 1 - np.arange(k)[None, None, :], 0, k - 1)
+    used = np.arange(k)[None, None, :] < count[:, :, None]
+    low = np.where(used, -np.take_along_axis(hi, order, axis=2), 0.0)
+    high = np.where(used, -np.take_along_axis(lo, order, axis=2), 0.0)
+    return low, high
+
+
+def _on_edge(stock: Stock) -> Stock:
+    """Laid so that x points up and z to −x: rows along x become columns."""
+    nx, ny = stock.count.shape
+    low, high = stock.z_range
+    slices = cells_along(high - low, stock.resolution)
+    step = (high - low) / slices
+    begins: list[NDArray[np.intp]] = []
+    ends: list[NDArray[np.intp]] = []
+    most = 1
+    used = np.arange(stock.lo.shape[2])[None, None, :] < stock.count[:, :, None]
+    for s in range(slices):
+        z = high - (s + 0.5) * step
+        full = (used & (stock.lo <= z) & (z < stock.hi)).any(axis=2)
+        change = np.diff(full.astype(np.int8), axis=0, prepend=0, append=0)
+        begins.append(np.argwhere(change.T == 1))  # (row j, border i), sorted by row
+        ends.append(np.argwhere(change.T == -1))
+        most = max(most, int(np.bincount(begins[-1][:, 0], minlength=1).max(initial=0)))
+    lo, hi = np.zeros((slices, ny, most)), np.zeros((slices, ny, most))
+    count = np.zeros((slices, ny), dtype=np.int32)
+    wall = stock.walls[0]
+    origin, width = float(stock.grid[0]), float(stock.grid[2])
+    for s in range(slices):
+        rows = np.bincount(begins[s][:, 0], minlength=ny)
+        count[s] = rows
+        place = np.arange(len(begins[s])) - np.repeat(np.cumsum(rows) - rows, rows)
+        for borders, into, side in ((begins[s], lo, -1.0), (ends[s], hi, 1.0)):
+            j, i = borders[:, 0], borders[:, 1]
+            held = wall[i, j] * side
+            beyond = np.where(held > 0.0, held - 2.0, 0.0)
+            into[s, j, place] = origin + (i - side * beyond) * width
+    grid = np.array([-high, stock.grid[1], step, stock.grid[3]])
+    return _like(stock, lo, hi, count, grid, (origin, origin + nx * width))

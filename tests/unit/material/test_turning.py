@@ -1,0 +1,85 @@
+"""Stock set down on another side."""
+
+from __future__ import annotations
+
+from itertools import permutations, product
+
+import numpy as np
+import pytest
+
+from gcodesim.material import Stock
+from gcodesim.material.shape import flat
+from gcodesim.material.stock_file import load_stock, save_stock
+from gcodesim.material.turning import turn_for, turned
+
+MM = 1e-3
+TURNS = [
+    R
+    for order in permutations(range(3))
+    for signs in product((1.0, -1.0), repeat=3)
+    if np.linalg.det(R := np.diag(signs)[list(order)]) > 0.0
+]
+
+
+def milled() -> Stock:
+    """A block with a slot along a slanted line, neither on the grid."""
+    stock = Stock.box((0, 0, -12 * MM), (40 * MM, 30 * MM, 0), 0.5 * MM, "steel")
+    path = np.array([[3.1, 4.3, -5.0], [33.3, 21.7, -5.0]]) * MM
+    stock.remove(path[:1], path[1:], flat(6 * MM, 50 * MM))
+    return stock
+
+
+def full(stock: Stock, points: np.ndarray) -> np.ndarray:
+    """Whether each point (p, 3) of the columns' frame is in material."""
+    i, j = ((points[:, :2] - stock.grid[:2]) // stock.grid[2:]).astype(int).T
+    lo, hi = stock.lo[i, j], stock.hi[i, j]
+    used = np.arange(lo.shape[1])[None] < stock.count[i, j][:, None]
+    return (used & (lo <= points[:, 2:]) & (points[:, 2:] < hi)).any(axis=1)
+
+
+def test_there_are_24_turns():
+    assert len(TURNS) == 24
+
+
+@pytest.mark.parametrize("R", TURNS)
+def test_every_turn_keeps_material_where_it_is(R):
+    stock = milled()
+    other = turned(stock, R)
+    points = np.random.default_rng(1).uniform([0, 0, -12 * MM], [40 * MM, 30 * MM, 0], (4000, 3))
+    agree = full(stock, points) == full(other, points @ R.T)
+    exact = abs(R[2, 2]) == 1.0
+    assert agree.mean() == 1.0 if exact else agree.mean() > 0.99
+    assert other.volume == pytest.approx(stock.volume, rel=1e-9 if exact else 2e-3)
+    assert other.error_bound() == 0.0
+    assert np.allclose(other.turn, R.T)
+
+
+@pytest.mark.parametrize("R", [R for R in TURNS if abs(R[2, 2]) == 1.0])
+def test_turning_over_and_back_is_the_same_to_the_bit(R):
+    stock = milled()
+    back = turned(turned(stock, R), R.T)
+    used = np.arange(stock.lo.shape[2])[None, None] < stock.count[:, :, None]
+    assert np.array_equal(back.count, stock.count)
+    assert np.array_equal(back.lo[used], stock.lo[used]) and np.array_equal(back.hi[used], stock.hi[used])
+    assert np.array_equal(back.walls, stock.walls)
+    assert back.grid == pytest.approx(stock.grid, abs=1e-15)
+    assert np.array_equal(back.turn, np.eye(3))
+
+
+@pytest.mark.parametrize("up", np.vstack([np.eye(3), -np.eye(3), [[0.4, 0.1, 0.9], [0.1, -0.9, 0.3]]]))
+def test_the_axis_that_points_up_becomes_z(up):
+    R = turn_for(up)
+    assert np.linalg.det(R) == pytest.approx(1.0)
+    assert (R @ up)[2] == np.abs(up).max()
+
+
+def test_only_quarter_turns():
+    with pytest.raises(ValueError, match="quarter turns"):
+        turned(milled(), np.diag([1.0, 1.0, -1.0]))
+
+
+def test_a_file_keeps_the_side_it_lies_on(tmp_path):
+    stock = turned(milled(), np.diag([1.0, -1.0, -1.0]))
+    save_stock(stock, tmp_path / "a.stock")
+    again = load_stock(tmp_path / "a.stock")
+    assert np.array_equal(again.turn, stock.turn) and again.volume == stock.volume
