@@ -1,0 +1,120 @@
+"""What only whole processes show: imports, signals, and equal bytes in every process and folder."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+CHECK_LOG = Path(__file__).parents[1] / "data" / "log" / "check_log.py"
+HEAVY = {"numpy", "numba", "scipy", "pybullet", "rich", "trimesh", "mcap"}
+
+
+def _spawn(*arguments: object, cwd: Path, **more: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, "-m", "gcodesim", *map(str, arguments)],
+        cwd=cwd,
+        env={**os.environ, **more},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def _modules(arguments: list[str], cwd: Path) -> set[str]:
+    code = (
+        "import sys\nfrom gcodesim.cli import main\n"
+        f"try:\n    main({arguments!r})\nexcept SystemExit:\n    pass\n"
+        "print('MODULES', *sorted({name.partition('.')[0] for name in sys.modules}))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=cwd, capture_output=True, text=True, check=True)
+    return set(done.stdout.rpartition("MODULES")[2].split())
+
+
+@pytest.mark.parametrize(
+    "arguments", [["--help"], ["run", "--help"], ["canon", "slot.nc"], ["lint", "slot.nc"], ["explain", "GS203"]]
+)
+def test_light_commands_import_nothing_heavy(cli, tmp_path: Path, arguments: list[str]) -> None:
+    assert _modules(arguments, tmp_path) & HEAVY == set()
+
+
+def test_statuses_of_the_program_itself(cli, write, tmp_path: Path) -> None:
+    write("bad.nc", "G21 G90\nG1 X5 Y\nM2\n")
+    ends = {}
+    for name, arguments in {
+        "clean": ("lint", "slot.nc"),
+        "findings": ("lint", "bad.nc"),
+        "usage": ("lint", "absent.nc"),
+        "option": ("lint", "--frobnicate"),
+    }.items():
+        process = _spawn(*arguments, cwd=tmp_path)
+        _, said = process.communicate(timeout=60)
+        ends[name] = process.returncode
+        assert "Traceback" not in said
+    assert ends == {"clean": 0, "findings": 1, "usage": 2, "option": 2}
+
+
+def test_output_into_a_pipe_that_closes(cli, write, tmp_path: Path) -> None:
+    write("long.nc", "G21 G90\n" + "G0 X1\nG0 X2\n" * 20_000 + "M2\n")
+    process = _spawn("canon", "long.nc", cwd=tmp_path)
+    assert process.stdout is not None and process.stderr is not None
+    process.stdout.readline()
+    process.stdout.close()
+    assert "Traceback" not in process.stderr.read()
+    process.stderr.close()
+    assert process.wait(60) == 0
+
+
+def test_an_interrupt_leaves_a_log_that_opens(cli, write, tmp_path: Path) -> None:
+    body = "".join(f"G1 X{10 + i % 60} Y{5 + i % 40} F200\n" for i in range(6000))
+    write("part.nc", "G21 G90 G17 G94\nT1 M6\nG43 H1\nS8000 M3\nG0 Z5\nG1 Z-0.2 F300\n" + body + "G0 Z20\nM5\nM2\n")
+    process = _spawn("run", "part.nc", "--cell", "cell.yaml", cwd=tmp_path)
+    begin = time.monotonic()
+    part = tmp_path / "out" / "run.mcap.part"
+    while time.monotonic() - begin < 60 and not (part.exists() and part.stat().st_size > 300_000):
+        assert process.poll() is None
+        time.sleep(0.02)
+    process.send_signal(signal.SIGINT)
+    said, errors = process.communicate(timeout=60)
+
+    assert process.returncode == 130, said + errors
+    assert "Traceback" not in errors
+    assert "stopped at part.nc:" in said
+    assert (tmp_path / "out" / "run.mcap").exists() and not part.exists()
+    told = cli("info", "out/run.mcap")
+    assert told.status == 0
+    line = int(told.out.split("incomplete, stopped at part.nc:")[1].split()[0])
+    assert 6 < line < 6006
+    assert '"status": "failed"' in (tmp_path / "out" / "results.json").read_text()
+
+
+@pytest.mark.parametrize("cell", ["cell.yaml", "arm.yaml"])
+@pytest.mark.parametrize("world", ["kinematic", "bullet"])
+def test_the_same_bytes_in_every_process_and_folder(cli, tmp_path: Path, cell: str, world: str) -> None:
+    runs = []
+    for number in (1, 2):
+        folder = tmp_path / ("a" * number)
+        folder.mkdir()
+        for name in ("slot.nc", cell):
+            (folder / name).write_bytes((tmp_path / name).read_bytes())
+        seed = str(number * 1234)
+        out = f"out{number}"
+        arguments = ("run", "slot.nc", "--cell", cell, "--world", world, "--out", out)
+        runs.append((_spawn(*arguments, cwd=folder, PYTHONHASHSEED=seed), folder / out))
+    contents = []
+    for process, folder in runs:
+        said, errors = process.communicate(timeout=120)
+        assert process.returncode == 0, said + errors
+        contents.append({path.name: path.read_bytes() for path in sorted(folder.iterdir())})
+
+    first, second = contents
+    assert set(first) == {"run.mcap", "results.json", "lines.csv", "stock.stl", "stock.stock"}
+    assert [name for name in first if first[name] != second[name]] == []
+    assert not any(str(tmp_path).encode() in data for data in first.values())
+    checked = subprocess.run([sys.executable, CHECK_LOG, runs[0][1] / "run.mcap"], capture_output=True, text=True)
+    assert checked.returncode == 0, checked.stdout + checked.stderr

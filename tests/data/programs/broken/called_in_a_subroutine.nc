@@ -1,0 +1,13 @@
+G21 G90 G17 G94
+T1 M6
+G43 H1
+S8000 M3
+G0 X0 Y0 Z5
+o100 sub
+G1 X10 Y F300
+o100 endsub
+o100 call
+o100 call
+G0 Z25
+M5
+M2

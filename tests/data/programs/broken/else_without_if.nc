@@ -1,0 +1,11 @@
+G21 G90 G17 G94
+T1 M6
+G43 H1
+S8000 M3
+G0 X0 Y0 Z5
+o1 else
+G0 X1
+o1 endif
+G0 Z25
+M5
+M2

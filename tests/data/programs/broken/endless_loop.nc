@@ -1,0 +1,13 @@
+G21 G90 G17 G94
+T1 M6
+G43 H1
+S8000 M3
+G0 X0 Y0 Z5
+#1=1
+o1 while [#1 GT 0]
+  G0 X#1
+  G0 X0
+o1 endwhile
+G0 Z25
+M5
+M2
