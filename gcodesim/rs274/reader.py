@@ -191,11 +191,11 @@ def _explain(problem: Unreadable, squeezed: str, columns: list[int]) -> Fault:
     here = (columns[at], columns[at] + 1) if found else (max(columns[-1] - 1, 0), columns[-1])
     wants_value = "NUMBER" in problem.expected
     before = squeezed[at - 1 : at]
-    if found == "n" and at > 0:
+    if found == "n" and at > 0 and not (wants_value and before.isalpha() and _is_word_letter(squeezed, at - 1)):
         return Fault(
             "GS001", "a line number must stand first in its line", at=here, hint="move the N word to the front"
         )
-    if (squeezed[:1] == "n" and at == 1) or found == "n":
+    if (squeezed[:1] == "n" and at == 1) or (found == "n" and at == 0):
         return Fault("GS005", "a line number is N and digits, without a sign", at=(columns[0], here[1]))
     if _in_flow(squeezed):
         return _explain_flow(problem, squeezed, columns, here)
