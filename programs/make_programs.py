@@ -59,13 +59,15 @@ def bracket() -> Lines:
         yield "G1 X68 Y40 F900"
         yield f"G3 X68 Y40 I-8 J0 {at(z=z)} F700"
         yield "G3 X68 Y40 I-8 J0 F1200"
-        for ring in range(1, 3):
-            half_y, half_x = 8.0 + 2.5 * ring, 20.0 + 2.5 * ring
-            yield f"G1 {at(x=60 + half_x, y=40 - half_y)} F1200"
+        yield "G1 X73 F1200"
+        yield "G1 X47"
+        for half_y in (4.5, 9.0, 13.0):
+            half_x = half_y + 12.0
+            yield f"G1 {at(x=60 - half_x, y=40 - half_y)}"
+            yield f"G1 {at(x=60 + half_x)}"
             yield f"G1 {at(y=40 + half_y)}"
             yield f"G1 {at(x=60 - half_x)}"
             yield f"G1 {at(y=40 - half_y)}"
-            yield f"G1 {at(x=60 + half_x)}"
         yield "G1 X60 Y40"
     yield "G0 Z50"
     yield from _tool(4, "bores 16, through", 9500)
