@@ -1,6 +1,6 @@
 """Draw the part that a run left: `python scripts/picture.py out/demo/stock.stl docs/bracket.png`.
 
-An orthographic view from the front right, from above; shaded by the direction of each face. numpy alone: the
+An orthographic view from the front left, from above; shaded by the direction and the height of each face. The
 triangles are covered with points less than a pixel apart, and of all points in a pixel the nearest is seen.
 """
 
@@ -41,7 +41,8 @@ def cover(corners: Array, spacing: float) -> Iterator[tuple[Array, NDArray[np.in
     """Points (p, 3) on triangles (t, 3, 3), at most `spacing` apart, and the triangle of each; some at a time."""
     edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
     parts = np.maximum(np.ceil(edges / spacing), 1.0).astype(int)
-    parts = np.where(parts > 8, -(-parts // 64) * 64, 8)  # few different sizes, so that many go at once
+    # few different sizes, so that many go at once
+    parts = np.where(parts > 8, -(-parts // 64) * 64, 2 ** np.ceil(np.log2(parts)).astype(int))
     for n in np.unique(parts):
         mine = np.flatnonzero(parts == n)
         i, j = np.meshgrid(np.arange(n + 1), np.arange(n + 1), indexing="ij")
@@ -62,6 +63,8 @@ def draw(corners: Array, width: int) -> NDArray[np.uint8]:
     seen, normal = seen[facing], normal[facing] / length[facing, None]
     light = LIGHT / np.linalg.norm(LIGHT)
     shade = 0.35 + 0.65 * np.clip(normal @ light, 0.0, 1.0)
+    height = corners[facing, :, 2].mean(axis=1)
+    shade *= 0.8 + 0.2 * (height - height.min()) / max(float(np.ptp(height)), 1e-9)  # floors are darker than the top
     fine = width * FINER
     low, high = seen.min(axis=(0, 1)), seen.max(axis=(0, 1))
     scale = fine * (1.0 - 2.0 * MARGIN) / (high[0] - low[0])

@@ -123,7 +123,7 @@ def _into(X: Array, points: Array) -> Array:
 
 def _is_near(task: Task, start: Array, stop: Array) -> bool:
     stock, reach = task.target.stock, task.reach + NEAR
-    if task.process.kind == "extrusion":
+    if not task.process.takes:
         return True
     low, high = np.minimum(start, stop).min(axis=0), np.maximum(start, stop).max(axis=0)
     corner = stock.grid[:2] + stock.grid[2:] * stock.count.shape

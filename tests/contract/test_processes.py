@@ -52,7 +52,7 @@ def test_is_named_as_in_the_table(name):
 def test_volume_removed_is_what_the_stock_lost(tool):
     process, stock = process_of(tool), room()
     before = stock.volume
-    z = 2e-3 if process.kind == "extrusion" else -2e-3
+    z = -2e-3 if process.takes else 2e-3
 
     found = process.run(stock, window(z), process.begin())
 
