@@ -28,6 +28,10 @@ SLICES = 16  # elements along the engaged part of one piece of the edge
 ROWS = 4 * SLICES  # room for four pieces
 TABLE = 1025  # points of x**p on 0..1
 
+# Nearly all rows touch material at few angles, so each keeps the range of those; nothing else is worked on.
+FROM, TO = 8, 9  # columns of `rows` (ROWS, COLUMNS)
+COLUMNS = 10
+
 # An edge that moves into material at less than this share of its speed slides on it and does not cut: the flat bottom
 # of an end mill in a horizontal cut, whose commanded height is never exactly constant.
 LEAST_ADVANCE = 1.0e-4
@@ -73,6 +77,15 @@ def probe(r: float, outer: float, sine: float, cosine: float, cell: float, level
 
 
 @kernel
+def turned(sine: float, cosine: float, angle: float) -> tuple[float, float]:
+    """Sine and cosine a small `angle` (up to 0.1 rad) further on; series, exact to the last digits."""
+    b = angle * angle
+    s = angle * (1.0 - b / 6.0 * (1.0 - b / 20.0 * (1.0 - b / 42.0)))
+    c = 1.0 - b / 2.0 * (1.0 - b / 12.0 * (1.0 - b / 30.0 * (1.0 - b / 56.0)))
+    return sine * c + cosine * s, cosine * c - sine * s
+
+
+@kernel
 def plunge_way(rows: Array, i: int, cell: float, level: float) -> float:
     """Least way d [m] for row i: falling, so far that columns a cell nearer to the axis, with lower floor, are full."""
     steep = STEEPEST if rows[i, 2] > STEEPEST * rows[i, 3] else rows[i, 2] / rows[i, 3]
@@ -90,6 +103,9 @@ def share_at(
     rise = climb * max(way, plunge_way(rows, i, cell, level) if climb < 0.0 else 0.0)
     low = tip[2] + rows[i, 5] + rise + min(0.5 * (1.0 - level) * cell * climb, 0.0)
     high = max(tip[2] + rows[i, 6] + rise, low + THIN)
+    simple, share = solid(lo, hi, count, grid, x, y, low, high)
+    if simple == 1:
+        return share
     return float(occupancy(lo, hi, count, grid, x, y, low, high))
 
 
@@ -99,6 +115,8 @@ def contact_of_row(
     climb: float, rows: Array, i: int, last: int, weights: Array, places: Array,
 ) -> bool:  # fmt: skip
     """Fill weights[i, :last]: share of the element in material at each angle at which it advances, else 0.
+
+    Returns whether there is any, and keeps the range of those angles in the row.
 
     The element is asked where it will be a way d further along the feed; falling, half a cell more is asked for
     below, so that contact grows gradually.
@@ -128,7 +146,7 @@ def contact_of_row(
         places[1, k] = (tip[1] + uy * px + ux * py - grid[1]) * to_y - 0.5
         places[2, k] = climb * max(way, least_way)
     earlier = -1.0
-    touched = False
+    begin, end = last, 0
     for k in range(last):
         sine, cosine = circle[0, k], circle[1, k]
         if level * sine * sin_kappa - fall <= LEAST_ADVANCE:
@@ -159,18 +177,23 @@ def contact_of_row(
             least, most = 0.0, 1.0
             for _ in range(4):
                 middle = 0.5 * (least + most)
-                angle = (k - 0.5 + middle) * (2.0 * np.pi / ANGLES)
+                fine_sine, fine_cosine = turned(circle[0, k - 1], circle[1, k - 1], middle * (2.0 * np.pi / ANGLES))
                 between = share_at(
-                    lo, hi, count, grid, tip, ux, uy, level, climb, cell, rows, i, np.sin(angle), np.cos(angle)
+                    lo, hi, count, grid, tip, ux, uy, level, climb, cell, rows, i, fine_sine, fine_cosine
                 )
                 if (between > 0.5 * (w + earlier)) == (w > earlier):
                     most = middle
                 else:
                     least = middle
             locate_edge(weights, i, k, 0.5 * (least + most))
+            begin = min(begin, k - 1)
+            end = k + 1
         earlier = w
-        touched = touched or w > 0.0
-    return touched
+        if w > 0.0:
+            begin = min(begin, k)
+            end = k + 1
+    rows[i, FROM], rows[i, TO] = begin, end
+    return end > begin
 
 
 @kernel
@@ -195,7 +218,7 @@ def contact_of_cylinder(
     bottom, top = tip[2] + rows[first, 5], tip[2] + rows[first + number - 1, 6]
     height = (top - bottom) / number
     earlier = -1.0
-    touched = False
+    begin, end = half, 0
     for k in range(half):
         if level * circle[0, k] <= LEAST_ADVANCE:
             weights[first : first + number, k] = 0.0
@@ -218,8 +241,8 @@ def contact_of_cylinder(
             least, most = 0.0, 1.0
             for _ in range(4):
                 middle = 0.5 * (least + most)
-                angle = (k - 0.5 + middle) * (2.0 * np.pi / ANGLES)
-                px, py, way = probe(rows[first, 0], rows[first, 7], np.sin(angle), np.cos(angle), cell, level)
+                fine_sine, fine_cosine = turned(circle[0, k - 1], circle[1, k - 1], middle * (2.0 * np.pi / ANGLES))
+                px, py, way = probe(rows[first, 0], rows[first, 7], fine_sine, fine_cosine, cell, level)
                 z0, z1 = bottom + climb * way, top + climb * way
                 x, y = tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py
                 between = occupancy(lo, hi, count, grid, x, y, z0, z1)
@@ -229,10 +252,16 @@ def contact_of_cylinder(
                     least = middle
             for i in range(first, first + number):
                 locate_edge(weights, i, k, 0.5 * (least + most))
+            begin = min(begin, k - 1)
+            end = k + 1
         earlier = total
-        touched = touched or total > 0.0
+        if total > 0.0:
+            begin = min(begin, k)
+            end = k + 1
     weights[first : first + number, half:] = 0.0
-    return touched
+    rows[first : first + number, FROM] = begin
+    rows[first : first + number, TO] = end
+    return end > begin
 
 
 @kernel
@@ -297,15 +326,15 @@ def lay_rows(edge: Array, height: float, rows: Array, piece: int) -> int:
 @kernel
 def unit_forces(
     laws: Array, table: Array, scale: Array, circle: Array, level: float, climb: float, sin_kappa: float,
-    cos_kappa: float, last: int, unit: Array,
+    cos_kappa: float, begin: int, end: int, unit: Array,
 ) -> None:  # fmt: skip
-    """Fill `unit` (3, ANGLES) with force per width [N/m] at each angle: tangential, inward (radial), along the axis.
+    """Fill unit[:, begin:end] with force per width [N/m] at each angle: tangential, inward (radial), along the axis.
 
     scale (3,): K c**p of each component; angles at which the edge does not advance get 0.
     """
     common = laws[0, 1] == laws[1, 1] and laws[0, 1] == laws[2, 1]
     linear = common and laws[0, 1] == 1.0
-    for k in range(last):
+    for k in range(begin, end):
         advance = level * circle[0, k] * sin_kappa - climb * cos_kappa
         if advance <= LEAST_ADVANCE:
             unit[0, k], unit[1, k], unit[2, k] = 0.0, 0.0, 0.0
@@ -329,14 +358,16 @@ def unit_forces(
 
 @kernel
 def add_row(
-    circle: Array, unit: Array, weights: Array, r: float, z: float, width: float, last: int, force_u: Array,
-    force_l: Array, force_z: Array, sums: Array,
+    circle: Array, unit: Array, weights: Array, r: float, z: float, width: float, begin: int, end: int,
+    force_u: Array, force_l: Array, force_z: Array, sums: Array,
 ) -> None:  # fmt: skip
     """Force of one row (ANGLES,) on one tooth along u, l, z [N], and its part in `sums` (SUMS, ANGLES).
 
+    Only angles begin..end, the others carry none and are not written.
+
     Sums over rows stay apart by angle: so this loop has no dependence between its turns.
     """
-    for k in range(last):
+    for k in range(begin, end):
         b = weights[k] * width
         tangential, inward = b * unit[0, k], b * unit[1, k]
         a_u = -tangential * circle[1, k] - inward * circle[0, k]
@@ -369,7 +400,8 @@ def cutting_force(
     tool (4,): radius, flutes, tan(helix), height of the edge; circle (2, ANGLES): sine, cosine of phi;
     ux, uy: horizontal direction of the feed; level, climb: its horizontal and vertical share (unit vector);
     chip [m]: feed per tooth; top [m]: no material is higher near the tool.
-    force (3, ROWS, ANGLES) [N]: on one tooth per row and angle, along u, l, z; sums (SUMS + 6, ANGLES): scratch.
+    rows (ROWS, COLUMNS), sums (SUMS + 6, ANGLES): scratch;
+    force (3, ROWS, ANGLES) [N]: on one tooth per row and angle, along u, l, z, within the range of each row.
     result (RESULT,): wrench about the tip in S (6), torque, greatest chip thickness, axial depth, radial width,
     entry and exit angle, and the sum of engaged elements (0: no contact).
     """
@@ -410,11 +442,20 @@ def cutting_force(
         if not touched:
             continue
         used += number
+        straight = edge[piece, 0] == 0.0
+        if straight:  # rows of one slope share the force per width
+            begin, end = last, 0
+            for i in range(first, used):
+                begin, end = min(begin, int(rows[i, FROM])), max(end, int(rows[i, TO]))
+            unit_forces(laws, table, scale, circle, level, climb, rows[first, 2], rows[first, 3], begin, end, unit)
         for i in range(first, used):
-            if i == first or edge[piece, 0] > 0.0:
-                unit_forces(laws, table, scale, circle, level, climb, rows[i, 2], rows[i, 3], last, unit)
+            begin, end = int(rows[i, FROM]), int(rows[i, TO])
+            if begin >= end:
+                continue
+            if not straight:
+                unit_forces(laws, table, scale, circle, level, climb, rows[i, 2], rows[i, 3], begin, end, unit)
             add_row(
-                circle, unit, weights[i], rows[i, 0], rows[i, 1], rows[i, 4], last, force[0, i], force[1, i],
+                circle, unit, weights[i], rows[i, 0], rows[i, 1], rows[i, 4], begin, end, force[0, i], force[1, i],
                 force[2, i], sums,
             )  # fmt: skip
         steepest = max(steepest, rows[used - 1, 2])
@@ -459,41 +500,46 @@ def cutting_force(
 
 
 @kernel
-def peak_force(tool: Array, rows: Array, force: Array, used: int, last: int, turning: Array) -> float:
+def peak_force(tool: Array, rows: Array, force: Array, used: int, turning: Array) -> float:
     """Greatest force [N] within a revolution: all teeth and heights at once, each height late by its helix lag.
 
-    Rows lag by z tan(helix) / radius; forces between the angles are interpolated. last: angles that carry force;
-    turning (3, 2 ANGLES): scratch, one tooth's force over its angle at the tip.
+    Rows lag by z tan(helix) / radius; forces between the angles are interpolated.
+    turning (3, 2 ANGLES): scratch; one tooth's force over its angle at the tip, then that of all teeth behind it.
     """
     delta = 2.0 * np.pi / ANGLES
     teeth = int(tool[1])
     turning[:] = 0.0
     for i in range(used):
+        begin, end = int(rows[i, FROM]), int(rows[i, TO])
+        if begin >= end:
+            continue
         place = (rows[i, 1] * tool[2] / tool[0] / delta) % ANGLES
         whole = int(place)
         part = place - whole
         for axis in range(3):
             source = force[axis, i]
             target = turning[axis, whole:]
-            for k in range(last):
+            for k in range(begin, end):
                 target[k] += (1.0 - part) * source[k]
-            for k in range(last):
+            for k in range(begin, end):
                 target[k + 1] += part * source[k]
     for axis in range(3):
+        one, all_teeth = turning[axis, :ANGLES], turning[axis, ANGLES : 2 * ANGLES]
         for k in range(ANGLES):
-            turning[axis, k] += turning[axis, k + ANGLES]
+            one[k] += all_teeth[k]
+            all_teeth[k] = 0.0
+        for tooth in range(teeth):
+            place = tooth * ANGLES / teeth
+            whole = int(place)
+            part = place - whole
+            for k in range(ANGLES):
+                here = k + whole if k + whole < ANGLES else k + whole - ANGLES
+                following = here + 1 if here + 1 < ANGLES else 0
+                all_teeth[k] += (1.0 - part) * one[here] + part * one[following]
     greatest = 0.0
     for k in range(ANGLES):
         square = 0.0
         for axis in range(3):
-            total = 0.0
-            for tooth in range(teeth):
-                place = k + tooth * ANGLES / teeth
-                whole = int(place)
-                part = place - whole
-                total += (1.0 - part) * turning[axis, whole % ANGLES]
-                if part > 0.0:
-                    total += part * turning[axis, (whole + 1) % ANGLES]
-            square += total * total
+            square += turning[axis, ANGLES + k] ** 2
         greatest = max(greatest, square)
     return float(np.sqrt(greatest))

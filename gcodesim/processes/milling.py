@@ -100,7 +100,7 @@ class Milling:
     @cached_property
     def _packed(self) -> tuple[Array, ...]:
         """Constants and scratch arrays of the kernel, in its order."""
-        from gcodesim.processes.engagement_kernels import ANGLES, ROWS, SUMS, TABLE, power_table
+        from gcodesim.processes.engagement_kernels import ANGLES, COLUMNS, ROWS, SUMS, TABLE, power_table
         from gcodesim.processes.milling_kernels import CLEARANCE
 
         cutter = self.cutter
@@ -120,7 +120,7 @@ class Milling:
                 shapes[row, 1] -= CLEARANCE
                 shapes[row, 3] -= CLEARANCE
         scratch = (
-            np.zeros((ROWS, 8)),
+            np.zeros((ROWS, COLUMNS)),
             np.zeros((ROWS, ANGLES)),
             np.zeros((3, ROWS, ANGLES)),
             np.zeros((SUMS + 6, ANGLES)),

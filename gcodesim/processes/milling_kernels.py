@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from gcodesim.compiled import kernel
 from gcodesim.material.kernels import PATCH_SHIFT, patch_top, remove_piece, touch_piece
 from gcodesim.processes.engagement_kernels import (
-    ANGLES,
     CHIP,
     DEPTH,
     ENTRY,
@@ -311,7 +310,7 @@ def mill(
             state[CUTTING] = 1.0 if used > 0 else 0.0
             if used > 0:
                 out[k, WRENCH : WRENCH + 6] = result[:6]
-                out[k, PEAK] = peak_force(tool, rows, force, used, ANGLES if climb < 0.0 else ANGLES // 2, turning)
+                out[k, PEAK] = peak_force(tool, rows, force, used, turning)
                 out[k, OUT_TORQUE] = result[TORQUE]
                 out[k, POWER] = result[TORQUE] * spindle
                 out[k, ENGAGED] = 1.0
