@@ -72,6 +72,25 @@ import numba  # noqa: E402  (the cache folder has to be chosen first)
 numba.config.CACHE_DIR = str(cache_folder or "")
 
 
+def _load_without_scipy() -> None:
+    """Let numba load its linear algebra while it cannot see scipy's.
+
+    It asks scipy for BLAS as soon as the first kernel is called, which takes
+    longer than all else at the start of a command; no kernel here uses BLAS.
+    """
+    name = "scipy.linalg"
+    if name in sys.modules:
+        return
+    sys.modules[name] = None  # type: ignore[assignment]
+    try:
+        import numba.np.arraymath  # noqa: F401
+    finally:
+        del sys.modules[name]
+
+
+_load_without_scipy()
+
+
 def kernel(function: F) -> F:
     """Compile `function` on first call: no fast-math, no parallel reductions, so results are repeatable."""
     return numba.njit(cache=cache_folder is not None, error_model="numpy", nogil=True)(function)  # type: ignore[no-any-return]
