@@ -7,15 +7,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gcodesim.canon import Event
-from gcodesim.checks.misuse import RowUse, end_findings, stock_findings
+from gcodesim.canon import Event, ToolChange
+from gcodesim.cell.machine import LETTERS, MachineTool
+from gcodesim.checks.events import Flags
+from gcodesim.checks.misuse import RowUse, blind_findings, end_findings, stock_findings
 from gcodesim.checks.saturation import saturation_findings
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.executor.record import StepRecord
 from gcodesim.executor.tasks import RowColumns
 from gcodesim.executor.totals import JointTotals, RowTotals
 from gcodesim.frames import Array
-from gcodesim.shop import Shop
+from gcodesim.shop import Shop, mover_of
 from gcodesim.units import KW, RPM
 
 if TYPE_CHECKING:
@@ -31,12 +33,17 @@ class Inspector:
         self._rows = RowColumns.of(plan.path)
         self._names = {number: tool.name for number, tool in shop.cell.tools.items()}
         self._known: set[tuple[str, Span]] = set()
+        self._changes = {
+            timed.row: timed.event.span for timed in plan.path.events if isinstance(timed.event, ToolChange)
+        }
+        self._blind = _blind_turns(plan, shop)
         self._starts = plan.trajectory.row_start if len(plan.path) else np.zeros(1)
 
     def fresh(self, record: StepRecord, totals: RowTotals, joints: JointTotals) -> list[Diagnostic]:
         """Findings that came up in the steps of `record`."""
         use = record.rapid & (record.removed > 0.0) | record.stopped | record.reversed | record.inside | record.tilted
         use |= (record.shank_depth > 0.0) | (record.holder_depth > 0.0)
+        use |= (record.removed > 0.0) if self._blind else False
         found = self._misuse(totals) if use.any() else []
         if record.world.saturated.any():
             found += self._saturation(joints)
@@ -77,7 +84,10 @@ class Inspector:
             inside=totals.inside,
             tilted=totals.tilted,
         )
-        return stock_findings(use, self._span, self._names)
+        return [
+            *stock_findings(use, self._span, self._names, self._changes),
+            *blind_findings(self._blind, totals.removed, self._starts, self._span),
+        ]
 
     def _saturation(self, joints: JointTotals) -> list[Diagnostic]:
         own = self._shop.kinematics.joints
@@ -156,3 +166,16 @@ class Inspector:
             elif isinstance(event, Action) and event.target == "tool":
                 process = "the process tool" if event.verb == "activate" else None
         return end_findings(last, spindle=spindle, process=process, flood=flood, mist=mist)
+
+
+def _blind_turns(plan: Plan, shop: Shop) -> dict[str, Flags]:
+    """Rows (n,) in which a rotary axis turns whose place the cell does not tell, by its letter; only those that do."""
+    mover = mover_of(shop)
+    if not isinstance(mover, MachineTool) or not len(plan.path):
+        return {}
+    turns = {
+        axis.letter: plan.path.start[:, LETTERS.index(axis.letter)] != plan.path.end[:, LETTERS.index(axis.letter)]
+        for axis in mover.axes
+        if axis.rotary and axis.at is None
+    }
+    return {letter: rows for letter, rows in turns.items() if rows.any()}

@@ -53,13 +53,18 @@ class RowUse:
     tilted: Array
 
 
-def stock_findings(use: RowUse, spans: Spans, names: Mapping[int, str]) -> list[Diagnostic]:
-    """GS401 to GS406, GS501 and GS502 of a run; `names` maps tool numbers to names (default T and the number)."""
+def stock_findings(
+    use: RowUse, spans: Spans, names: Mapping[int, str], changes: Mapping[int, Span] | None = None
+) -> list[Diagnostic]:
+    """GS401 to GS406, GS501 and GS502 of a run; `names` maps tool numbers to names (default T and the number).
+
+    `changes` tells for rows before which a tool came into the spindle where the program asks for that.
+    """
     fault = (use.shank > 0.0) | (use.holder > 0.0) | (use.stopped_cut > 0.0) | (use.reversed_cut > 0.0)
     away = use.rapid & ~fault & (use.rapid_cut <= use.rapid_bound) & (use.inside <= 0.0)
     return [
         *_rapids(use, spans, names),
-        *_inside(use, spans, names),
+        *_inside(use, spans, names, changes or {}),
         *_parts(use, away, spans, names),
         *_tilted(use, away, spans, names),
         *_spindle(use, away, spans, names),
@@ -103,6 +108,33 @@ def end_findings(
     return found
 
 
+def blind_findings(moving: Mapping[str, Flags], removed: Array, time: Array, spans: Spans) -> list[Diagnostic]:
+    """GS407: cuts while a rotary axis turns whose place nobody knows, one for each stretch of such rows.
+
+    `moving` tells for each such axis, by letter, in which rows (n,) it turns;
+    `removed` [m³] in each row, `time` [s] at which it begins.
+    """
+    found = []
+    for letter, turns in moving.items():
+        for rows in runs(turns & (removed > 0.0)):
+            first, taken = int(rows[0]), float(removed[rows].sum()) / MM3
+            found.append(
+                Diagnostic(
+                    code="GS407",
+                    message=f"{taken:.1f} mm³ of stock are cut while axis {letter} turns, whose place is not known; "
+                    "the cut is computed as if it stood still",
+                    span=spans(first),
+                    hint=f"give axis {letter} of the machine its `at: [x, y, z]`, a point on the axis",
+                    count=len(rows),
+                    time=float(time[first]),
+                    value=taken,
+                    limit=0.0,
+                    unit="mm^3",
+                )
+            )
+    return found
+
+
 def _name(names: Mapping[int, str], number: int) -> str:
     return names.get(number, f"T{number}")
 
@@ -125,7 +157,7 @@ def _rapids(use: RowUse, spans: Spans, names: Mapping[int, str]) -> Iterator[Dia
         )
 
 
-def _inside(use: RowUse, spans: Spans, names: Mapping[int, str]) -> Iterator[Diagnostic]:
+def _inside(use: RowUse, spans: Spans, names: Mapping[int, str], changes: Mapping[int, Span]) -> Iterator[Diagnostic]:
     for rows in runs(use.inside > 0.0, group=np.cumsum(use.changed)):
         first = int(rows[0])
         tool = _name(names, int(use.tool[first]))
@@ -136,7 +168,7 @@ def _inside(use: RowUse, spans: Spans, names: Mapping[int, str]) -> Iterator[Dia
             code="GS403" if late else "GS402",
             message=f"{tool} stands in stock {when}; it cuts nothing for {use.inside[rows].sum():.3f} s, "
             "until it has left the stock",
-            span=spans(first),
+            span=changes.get(first) or spans(first),
             hint="retract before the tool change" if late else "check `stock`, `work_offsets` and `home` of the cell",
             time=float(use.time[first]),
             value=float(use.inside[rows].sum()),

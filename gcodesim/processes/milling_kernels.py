@@ -258,8 +258,12 @@ def mill(
             k += 1
             continue
         if not resumed and state[FREEDOM] != FREE:
-            _, depth = touch_piece(lo, hi, count, grid, tops, before, before, shapes[0])
-            state[FREEDOM] = BLOCKED if depth > LEAST_TOUCH else FREE
+            deepest = 0.0
+            for body in range(3):  # a long tool may stand through the stock with its edges below it
+                if shapes[body, 1] > 0.0:
+                    _, depth = touch_piece(lo, hi, count, grid, tops, before, before, shapes[body])
+                    deepest = max(deepest, depth)
+            state[FREEDOM] = BLOCKED if deepest > LEAST_TOUCH else FREE
         if state[FREEDOM] == BLOCKED:
             out[k, INSIDE] = 1.0
             k += 1

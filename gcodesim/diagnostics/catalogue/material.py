@@ -57,6 +57,16 @@ CODES: tuple[Code, ...] = (
         remedy="Put the stock into a frame whose Z is parallel to the tool, or check the orientation of the tool.",
     ),
     Code(
+        code="GS407",
+        severity=Severity.ERROR,
+        title="Cut while an axis of unknown place turns",
+        what="A rotary axis of the machine has no `at`, so the cell does not say where it is: it costs time and moves "
+        "nothing. The program cuts while this axis turns.",
+        why="Where the tool meets the stock during such a move cannot be computed; volume and forces of these lines "
+        "are those of a machine whose axis stands still.",
+        remedy="Give the axis `at: [x, y, z]`, a point on its axis in machine coordinates, and `side`.",
+    ),
+    Code(
         code="GS410",
         severity=Severity.ERROR,
         title="No stock of an earlier run",
