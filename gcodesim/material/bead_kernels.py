@@ -19,6 +19,7 @@ Ints = NDArray[np.int32]
 Bytes = NDArray[np.uint8]
 
 FULL = 1.0 - 1.0e-9  # a layer filled so far counts as full
+SHARPEST = -0.6  # cosine of the turn (127 degrees) up to which the outside of a corner is a mitre
 
 
 @kernel
@@ -124,7 +125,8 @@ def add_piece(
 
     Ends are flat, so pieces in line abut. `previous` is where the strand's piece before began (`start`: none), what
     it laid is not laid twice; `following` is where the next one ends (`end`: none), and the outside of the corner to
-    it is filled by a round sector. With `trial` nothing is added: it asks whether there is room.
+    it is filled by a mitre, which holds what the overlap on its inside lacks; where the strand turns back, by a round
+    sector. With `trial` nothing is added: it asks whether there is room.
     """
     nx, ny = count.shape
     x0, y0, z0, ux, uy, length, slope = piece_line(start, end)
@@ -132,10 +134,14 @@ def add_piece(
         return 0.0
     _, _, _, vx, vy, next_length, _ = piece_line(end, following)
     corner = next_length > 0.0
+    bend = ux * vx + uy * vy
+    mitre = corner and bend >= SHARPEST
     wx0, wy0, _, wx, wy, before_length, _ = piece_line(previous, start)
     before_cell = abs(wy) * grid[2] + abs(wx) * grid[3]
     cell = abs(uy) * grid[2] + abs(ux) * grid[3]
     reach = 0.5 * width + 0.5 * (grid[2] + grid[3])
+    if mitre:
+        reach /= np.sqrt(0.5 * (1.0 + bend))
     total = 0.0
     first_i, last_i = row_range(
         grid[0], grid[2], NUDGE_X, nx, min(x0, x0 + ux * length) - reach, max(x0, x0 + ux * length) + reach
@@ -161,9 +167,15 @@ def add_piece(
                 ex, ey = x - end[0], y - end[1]
                 if not corner or ex * vx + ey * vy >= 0.0:
                     continue
-                away = np.sqrt(ex * ex + ey * ey)
-                wide = cell if away == 0.0 else (abs(ex) * grid[2] + abs(ey) * grid[3]) / away
-                thickness = bead_thickness(away, wide, width, height)
+                if mitre:
+                    across, next_across = ey * ux - ex * uy, ey * vx - ex * vy
+                    far = abs(next_across) > abs(across)
+                    wide = abs(vy) * grid[2] + abs(vx) * grid[3] if far else cell
+                    thickness = bead_thickness(max(abs(across), abs(next_across)), wide, width, height)
+                else:
+                    away = np.sqrt(ex * ex + ey * ey)
+                    wide = cell if away == 0.0 else (abs(ex) * grid[2] + abs(ey) * grid[3]) / away
+                    thickness = bead_thickness(away, wide, width, height)
                 tip = end[2]
             if thickness <= 0.0:
                 continue
