@@ -37,7 +37,7 @@ TILE_PERIOD_NS: Final = 500_000_000
 DRAWN_COLUMNS: Final = 40_000
 """Columns of a stock that the log draws: finer than a screen shows, and a look costs milliseconds."""
 
-MOST_TILE_LOOKS: Final = 240
+MOST_TILE_LOOKS: Final = 120
 """Looks at the stock in a whole run: a long program is not watched more closely than a short one."""
 
 FORCE_PERIOD_NS: Final = 100_000_000
