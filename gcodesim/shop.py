@@ -141,7 +141,7 @@ def _loaded(chain: Chain, payload: Payload | None) -> Chain:
 def with_stock(shop: Shop) -> tuple[Shop, list[Diagnostic]]:
     """The shop with its workpieces; a finding for each that does not fit into memory or cannot be read."""
     stocks: dict[str, PlacedStock] = {}
-    findings: list[Diagnostic] = []
+    findings = _undrawn(shop)
     for name, spec in shop.cell.stocks.items():
         made = _stock(shop, name, spec)
         if isinstance(made, Diagnostic):
@@ -161,6 +161,20 @@ def with_stock(shop: Shop) -> tuple[Shop, list[Diagnostic]]:
             initial=made.volume,
         )
     return replace(shop, stocks=stocks), findings
+
+
+def _undrawn(shop: Shop) -> list[Diagnostic]:
+    """A finding for each mesh of the robot that cannot be read."""
+    from gcodesim.material.mesh import read_mesh
+
+    findings = []
+    for mesh in dict.fromkeys(shape.mesh for shape in shop.kinematics.link_shapes if shape.mesh is not None):
+        try:
+            read_mesh(mesh)
+        except ValueError as fault:
+            message = f"a mesh of `{shop.name}` cannot be drawn: {fault}"
+            findings.append(Diagnostic(code="GS770", span=shop.cell.span("robots", shop.name), message=message))
+    return findings
 
 
 def _upright(shop: Shop, stock: Stock, X_WS: Pose) -> Stock:

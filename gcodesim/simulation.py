@@ -13,6 +13,7 @@ from gcodesim.canon import Event
 from gcodesim.cell import LoadedCell
 from gcodesim.cell.cell import MAIN
 from gcodesim.cell.machine import MachineTool
+from gcodesim.checks.idle import blind_axis_findings, idle_findings
 from gcodesim.diagnostics import Diagnostic, Findings, Severity, SourceText, Span
 from gcodesim.job import KINEMATIC, Job, Options
 from gcodesim.language import settings_of_cell
@@ -52,6 +53,7 @@ def prepare(program: SourceText, loaded: LoadedCell, options: Options | None = N
     job.shop = shop
     job.findings.extend(notes)
     job.findings.extend(_world_notes(job))
+    job.findings.extend(idle_findings(cell, shop.channel))
     settings, problems = settings_of_cell(cell, shop.channel, shop.placement)
     job.findings.extend(problems)
     settings = replace(options.settings(settings), start=_start(shop))
@@ -115,6 +117,7 @@ def _plan(job: Job, shop: Shop, events: Sequence[Event], start: Any) -> None:
         )
     job.plan = plan
     job.findings.extend(plan.findings)
+    job.findings.extend(blind_axis_findings(plan.path, mover))
     job.findings.extend(_clearance(shop, plan))
 
 

@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Final, Literal
 
+import numpy as np
+
 from gcodesim.cell.joints import JointList, JointValue, Measure, check_within, in_si, unknown_letter
 from gcodesim.cell.kinds import POSITIVE, WITHIN_REACH, Choice, Either, Json, Kind, Quantity, Text, Vector
 from gcodesim.cell.models import shipped, shipped_chain
@@ -21,7 +23,7 @@ from gcodesim.frames import Pose
 
 if TYPE_CHECKING:
     from gcodesim.kinematics.cartesian import Axis as Part
-    from gcodesim.kinematics.chain import Chain
+    from gcodesim.kinematics.chain import Chain, Link
 
 LINEAR: Final = ("X", "Y", "Z")
 ROTARY: Final = ("A", "B", "C")
@@ -425,7 +427,24 @@ class MachineTool:
                 acceleration=None if axis.assumed_acceleration else axis.acceleration,
                 effort=axis.effort,
             )
-        return replace(self.shipped, joints=tuple(joints))
+        return replace(self.shipped, joints=tuple(joints), links=self._links(self.shipped))
+
+    def _links(self, chain: Chain) -> tuple[Link, ...]:
+        """The links of a shipped machine, with the masses that the cell gives."""
+        from gcodesim.kinematics.chain import Inertial
+
+        masses = {
+            chain.joints[index].child: axis.moving_mass
+            for axis, index in zip(self.axes, chain.driven, strict=True)
+            if axis.moving_mass is not None
+        }
+        nothing = np.zeros((3, 3))
+        return tuple(
+            replace(link, inertial=Inertial(mass=masses[link.name], com=np.zeros(3), inertia=nothing))
+            if link.name in masses
+            else link
+            for link in chain.links
+        )
 
     def at(self, X_WM: Pose) -> MachineTool:
         return replace(self, X_WM=X_WM)

@@ -24,11 +24,14 @@ class OpenMeshError(ValueError):
 def read_mesh(path: Path, scale: float = 1.0) -> tuple[Array, Ints]:
     """Vertices (v, 3) [m] and faces (f, 3) of an STL, OBJ, PLY … file whose unit is `scale` metres.
 
-    Raises whatever the reader raises on a file that it cannot read; ValueError when there are no triangles in it.
+    ValueError when the file cannot be read or holds no triangles; the text says why.
     """
     import trimesh
 
-    mesh = trimesh.load(str(path), force="mesh", process=False)
+    try:
+        mesh = trimesh.load(str(path), force="mesh", process=False)
+    except Exception as fault:  # each kind of file has a reader that fails in its own ways
+        raise ValueError(f"{path.name}: {fault or type(fault).__name__}") from fault
     vertices = np.ascontiguousarray(mesh.vertices, dtype=np.float64) * scale
     faces = np.ascontiguousarray(mesh.faces, dtype=np.int32)
     if len(faces) == 0:

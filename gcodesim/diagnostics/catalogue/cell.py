@@ -398,4 +398,12 @@ CODES += (
         why="Margins to the torque limits look better than they are.",
         remedy="Add <inertial> with mass, centre of mass and inertia from the maker or an estimate.",
     ),
+    Code(
+        code="GS770",
+        severity=Severity.WARNING,
+        title="A body that cannot be drawn",
+        what="A mesh file of the robot is damaged, or of a kind that cannot be read.",
+        why="The robot moves as it should, but the log does not show this link.",
+        remedy="Convert the mesh to STL or OBJ.",
+    ),
 )

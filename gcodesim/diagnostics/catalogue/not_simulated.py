@@ -85,3 +85,31 @@ CODES: tuple[Code, ...] = (
         ),
     ),
 )
+
+# keys of the cell
+CODES += (
+    Code(
+        code="GS909",
+        severity=Severity.NOTE,
+        title="A part of the cell has no effect",
+        what="The cell describes something that this run leaves out.",
+        why="Who wrote it counts on it.",
+        remedy="Do what the hint says, or make it an error with `checks: {GS9xx: error}`.",
+    ),
+    Code(
+        code="GS910",
+        severity=Severity.WARNING,
+        title="A channel does not run",
+        what="The cell has several channels; a run carries out one program in one of them.",
+        why="Robots that work beside each other may meet, and this run cannot see it.",
+        remedy="Run each program by itself, and look at the common room by hand.",
+    ),
+    Code(
+        code="GS911",
+        severity=Severity.WARNING,
+        title="A rotary axis turns nothing",
+        what="The program moves a rotary axis of the machine for which the cell gives no point (`at`).",
+        why="Without its place the axis takes time only. What is cut while it moves or stands turned is not right.",
+        remedy="Give `at: [x, y, z]`, a point on the axis in machine coordinates.",
+    ),
+)

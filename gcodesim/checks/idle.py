@@ -1,0 +1,66 @@
+"""What a cell says and a run does not follow: no key may be without effect in silence."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from gcodesim.cell import Cell
+from gcodesim.cell.cell import MACHINE
+from gcodesim.cell.machine import MachineTool
+from gcodesim.cell.robot import Robot
+from gcodesim.diagnostics import Diagnostic
+from gcodesim.motion.tool_path import ToolPath
+
+_LETTERS = "XYZABC"
+
+
+def idle_findings(cell: Cell, channel: str) -> Iterator[Diagnostic]:
+    """GS909, GS910: keys without effect, channels that do not run and robots that nobody moves."""
+    if cell.target is not None:
+        yield Diagnostic(
+            code="GS909",
+            span=cell.span("target"),
+            message="`target` has no effect: this version does not compare the part with a target",
+            hint="compare the STL that the run writes with the target",
+        )
+    running = cell.channels[channel].robot or MACHINE
+    movers = [*([MACHINE] if cell.machine is not None else []), *cell.robots]
+    running = running if running in movers else movers[0]
+    for name, other in cell.channels.items():
+        if name != channel:
+            yield Diagnostic(
+                code="GS910",
+                span=cell.span("channels", name),
+                message=f"channel `{name}` does not run: one program is run, in channel `{channel}`",
+                hint=f"its {other.robot or MACHINE} is left out; run its program with a cell of its own",
+            )
+    for name in movers:
+        if name != running and not any((other.robot or MACHINE) == name for other in cell.channels.values()):
+            path = ("machine",) if name == MACHINE else ("robots", name)
+            yield Diagnostic(
+                code="GS909",
+                span=cell.span(*path),
+                message=f"`{name}` is left out: no channel runs it",
+                hint="a robot that stands still is not in the way of anything either",
+            )
+
+
+def blind_axis_findings(path: ToolPath, mover: MachineTool | Robot) -> Iterator[Diagnostic]:
+    """GS911: rotary axes that move although nobody knows where they are; at the first row of each."""
+    if not isinstance(mover, MachineTool) or not len(path):
+        return
+    for axis in mover.axes:
+        if not axis.rotary or axis.at is not None or mover.shipped is not None:
+            continue
+        column = _LETTERS.index(axis.letter)
+        moved = np.flatnonzero(np.abs(path.end[:, column] - path.start[:, column]) > 1e-12)
+        if len(moved):
+            yield Diagnostic(
+                code="GS911",
+                span=path.span(int(moved[0])),
+                message=f"axis {axis.letter} takes time only: the cell does not say where it is, so nothing turns",
+                hint=f"give a point on it: `{axis.letter}: {{at: [x, y, z], …}}`",
+                count=len(np.unique(path.block[moved])),
+            )
