@@ -1,6 +1,6 @@
 """Speed of inverse kinematics along a path, against pybullet's own on the same poses in the same run.
 
-    .venv/bin/python benchmarks/inverse_kinematics.py [POSES]
+    python -m benchmarks.inverse_kinematics [POSES]
 
 Prints poses a second (best of five), the ratio to `calculateInverseKinematics`
 with its defaults on 2000 of the poses, and the greatest position error of each.
@@ -59,8 +59,7 @@ def theirs(X: Array, home: Array, kinematics: Kinematics) -> tuple[float, float]
     return len(X) / spent, float(np.abs(kinematics.forward(np.array(q)) - X)[:, :3, 3].max())
 
 
-def main() -> None:
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 200_000
+def main(count: int = 200_000) -> None:
     chain, _ = load_urdf(MODELS[ARM].path)
     assert chain is not None
     home = np.array(MODELS[ARM].home)
@@ -74,4 +73,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    main(*map(int, sys.argv[1:]))

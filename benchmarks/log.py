@@ -1,6 +1,6 @@
 """Speed of the log: columns against `mcap` with new message objects, in the same run.
 
-    .venv/bin/python benchmarks/log.py [INSTANTS]
+    python -m benchmarks.log [INSTANTS]
 
 Prints instants a second for the seven periodic topics of a six-joint arm (ten
 moving frames), the ratio, and the cost of a program block and of a part tile.
@@ -172,8 +172,7 @@ def tiles(path: Path, count: int, side: int = 100) -> tuple[float, int]:
     return time.perf_counter() - start, count * (len(points) * 29 + len(triangles) * 12)
 
 
-def main() -> None:
-    n = int(sys.argv[1]) if len(sys.argv) > 1 else 100_000
+def main(n: int = 100_000) -> None:
     all_topics = tuple(topic.name for topic in PERIODIC)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "bench.mcap"
@@ -191,4 +190,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    main(*map(int, sys.argv[1:]))

@@ -1,0 +1,68 @@
+"""Every benchmark runs, at a tiny size; how fast it is does not matter here."""
+
+import importlib
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+TINY = {"reading": 200, "time_law": 200, "removal": 300, "log": 200, "inverse_kinematics": 50}
+
+
+@pytest.fixture(autouse=True)
+def _from_the_root(monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT))
+
+
+@pytest.mark.parametrize("name", TINY)
+def test_it_prints_a_ratio(name, capsys):
+    if name == "inverse_kinematics":
+        pytest.importorskip("pybullet")
+    importlib.import_module(f"benchmarks.{name}").main(TINY[name])
+
+    numbers = [float(text.replace(",", "")) for text in re.findall(r"[0-9][0-9,]*\.?[0-9]*", capsys.readouterr().out)]
+    assert len(numbers) >= 3
+    assert max(numbers) > 0.0
+
+
+def test_the_reference_job_is_that_of_the_goals():
+    job = importlib.import_module("benchmarks.job")
+    lines = list(job.lines())
+
+    assert sum(line.startswith("G1 X") for line in lines) == job.BLOCKS
+    assert lines[9] == "F2000"
+    assert lines[-2] == "M2"
+    assert list(job.lines(250)) != list(job.lines(251))
+
+
+def test_stages_add_up_to_a_whole_run(tmp_path):
+    job = importlib.import_module("benchmarks.job")
+    program, cell = job.write(tmp_path, "gantry", 10)
+    times = tmp_path / "stages.json"
+    order = ["run", str(program), "--cell", str(cell), "--world", "kinematic", "--out", str(tmp_path / "out")]
+
+    done = subprocess.run(
+        [sys.executable, "-m", "benchmarks.stages", str(times), *order],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+    assert done.returncode in (0, 1), done.stderr
+    stages = json.loads(times.read_text())
+    assert all(seconds > -1e-3 for seconds in stages.values())
+    for stage in ("read", "plan", "sample + joints", "material + process", "log: columns", "results + STL"):
+        assert stages[stage] > 0.0, stage
+
+
+def test_an_unknown_name_is_told(capsys, monkeypatch):
+    monkeypatch.setattr(sys, "argv", ["benchmarks", "nonsense"])
+
+    assert importlib.import_module("benchmarks.__main__").main() == 2
+    assert "nonsense" in capsys.readouterr().err
