@@ -23,9 +23,10 @@ from gcodesim.world.body import Box, Cylinder, Sphere, ToolBody
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-# a joint that carries no mass has no equation of motion; this much is no burden to any motor [kg], [kg·m²]
-LEAST_MASS: Final = 1e-4
-LEAST_INERTIA: Final = 1e-8
+# a joint that carries no mass has no equation of motion; this much is no burden to any motor, and enough for
+# the solver to hold a cutting force (with a hundredth of it an arm gave way by 2 mm) [kg], [kg·m²]
+LEAST_MASS: Final = 1e-2
+LEAST_INERTIA: Final = 1e-5
 NOTHING: Final = Inertial(mass=0.0, com=np.zeros(3), inertia=np.zeros((3, 3)))
 
 Solid = Box | Cylinder | Sphere

@@ -185,3 +185,64 @@ def test_a_robot_whose_mesh_cannot_be_read_still_runs(tmp_path):
     results, _ = run(job, tmp_path / "out")
     assert "GS770" in codes(results) and results.status == "ok"
     assert results.stocks["stock"].removed == pytest.approx(slot(2.0), abs=results.stocks["stock"].error_bound)
+
+
+MODELS = {
+    "kuka_kr10_r1100_2": (600, 200),
+    "kuka_kr210_r2700_2": (1500, 600),
+    "ur10e": (600, 200),
+    "abb_irb1200_5_90": (450, 150),
+    "abb_irb6700_200_260": (1500, 700),
+    "fanuc_m20ia": (900, 300),
+    "kuka_kr10_r1100_sixx": (600, 200),
+}
+
+
+@pytest.mark.parametrize("world", ["kinematic", "bullet"])
+@pytest.mark.parametrize("model", MODELS)
+def test_every_arm_mills_what_the_program_says(tmp_path, model, world):
+    x, z = MODELS[model]
+    cell = f"robots: {{arm: {{model: {model}, stiffness: rigid}}}}\nwork_offsets: {{G54: {{xyz: [{x}, 0, {z}]}}}}\n"
+    _, results = run_of(tmp_path, cell + TOOLS + ON_TABLE, world=world)
+    cut = results.stocks["stock"]
+    assert results.status == "ok"
+    assert cut.removed == pytest.approx(slot(2.0), abs=cut.error_bound)
+
+
+@pytest.mark.parametrize("table", ["", ", rpy: [0, 30, 0]", ", rpy: [0, 0, 30]"])
+def test_an_arm_stands_where_the_program_says_on_a_turned_table(tmp_path, table):
+    from gcodesim.log.reader import read_messages
+
+    cell = (
+        "robots: {arm: {model: kuka_kr10_r1100_2, stiffness: rigid}}\n"
+        f"frames: {{table: {{xyz: [550, 0, 200]{table}}}}}\nwork_offsets: {{G54: {{in: table}}}}\n"
+    )
+    job = job_of(tmp_path, cell + TOOLS + ON_TABLE, SLOT.replace("M2", "G4 P0.5\nM2"))
+    run(job, tmp_path / "out")
+    last = [message for _, message in read_messages(tmp_path / "out" / "run.mcap", "/motion")][-1]
+    assert [last.x_m, last.y_m, last.z_m] == pytest.approx([0.040, 0.010, 0.005], abs=1e-6)
+
+
+def test_an_arm_without_masses_follows_its_command_in_bullet(tmp_path):
+    places = (
+        ("base", "0 0 0.4", "0 0 1"),
+        ("l1", "0.03 0 0", "0 1 0"),
+        ("l2", "0 0 0.5", "0 1 0"),
+        ("l3", "0 0 0.04", "1 0 0"),
+        ("l4", "0.5 0 0", "0 1 0"),
+        ("l5", "0.08 0 0", "1 0 0"),
+    )
+    body = '<link name="base"/>' + "".join(
+        f'<link name="l{i}"/><joint name="j{i}" type="revolute"><parent link="{parent}"/><child link="l{i}"/>'
+        f'<origin xyz="{xyz}"/><axis xyz="{axis}"/><limit lower="-3" upper="3" velocity="3" effort="300"/></joint>'
+        for i, (parent, xyz, axis) in enumerate(places, 1)
+    )
+    body += (
+        '<link name="flange"/><joint name="f" type="fixed"><parent link="l6"/><child link="flange"/>'
+        '<origin rpy="0 1.5707963267948966 0"/></joint>'
+    )
+    (tmp_path / "r.urdf").write_text(f'<robot name="r">{body}</robot>')
+    cell = "robots: {arm: {urdf: r.urdf, home: [0, 0, 0.3, 0, 0.5, 0]}}\nwork_offsets: {G54: {xyz: [500, 0, 200]}}\n"
+    _, results = run_of(tmp_path, cell + TOOLS + ON_TABLE, world="bullet")
+    assert "GS769" in codes(results)
+    assert results.stocks["stock"].removed == pytest.approx(slot(2.0), abs=results.stocks["stock"].error_bound)
