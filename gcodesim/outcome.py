@@ -142,7 +142,9 @@ def _joints(plan: Plan, shop: Shop, execution: Execution | None) -> list[dict[st
         extremes = plan.extremes()
         totals = JointTotals.start(extremes.least)
         totals.least, totals.most = extremes.least, extremes.most
-        totals.least_row, totals.most_row = extremes.row_of_least, extremes.row_of_most
+        # as in a run: what is least or most at the start belongs to no row
+        totals.least_row = np.where(extremes.least == shop.home, -1, extremes.row_of_least)
+        totals.most_row = np.where(extremes.most == shop.home, -1, extremes.row_of_most)
     return joint_rows(shop.joint_names, joints, totals, plan.path)
 
 

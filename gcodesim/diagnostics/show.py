@@ -37,9 +37,11 @@ def excerpt(span: Span, text: str) -> list[str]:
 
 def as_text(finding: Diagnostic, sources: Mapping[str, SourceText]) -> str:
     """A finding for people: headline, excerpt with caret, callers, hint."""
-    times = f" ({finding.count} times)" if finding.count > 1 else ""
-    at = f" at {finding.time:.3f} s" if finding.time is not None else ""
-    lines = [f"{place(finding.span)}: {finding.level.word} {finding.code}: {finding.message}{times}{at}"]
+    remarks = [f"{finding.count} times"] if finding.count > 1 else []
+    if finding.time is not None:
+        remarks.append(f"{'first ' if finding.count > 1 else ''}at {finding.time:.3f} s")
+    remark = f" ({', '.join(remarks)})" if remarks else ""
+    lines = [f"{place(finding.span)}: {finding.level.word} {finding.code}: {finding.message}{remark}"]
     source = sources.get(finding.span.file)
     if source is not None and finding.span.line:
         lines += excerpt(finding.span, source.line(finding.span.line))

@@ -37,8 +37,9 @@ def summary_rows(results: Results) -> list[list[str]]:
                 [f"{tool['name']}: torque, power", f"{tool['max_torque_Nm']:.2f} N·m", f"{tool['max_power_W']:.0f} W"]
             )
     for joint in results.joints:
-        if joint["margin"] is not None:
-            where = f"line {joint['line_of_margin']}" if joint["line_of_margin"] else ""
+        # a margin that is least where the machine stands at the start says nothing about the program
+        if joint["margin"] is not None and joint["line_of_margin"] is not None:
+            where = f"line {joint['line_of_margin']}"
             rows.append([f"{joint['name']}: least margin", f"{joint['margin']:.1f} {joint['unit']}", where])
     count = sum(entry["count"] for entry in results.not_simulated)
     words = ", ".join(f"{entry['word']} ({entry['count']})" for entry in results.not_simulated)

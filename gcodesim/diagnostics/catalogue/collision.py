@@ -12,7 +12,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS301",
         severity=Severity.ERROR,
-        title="cutter hits a fixture",
+        title="Cutter hits a fixture",
         what="The cutting part of the tool enters a fixture." + _HOW,
         why="The cutter breaks, the clamp is cut or torn off, and the part comes loose.",
         remedy="Go round the fixture or above it, or move the fixture. The message says where in the work system; when"
@@ -21,7 +21,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS302",
         severity=Severity.ERROR,
-        title="shank hits a fixture",
+        title="Shank hits a fixture",
         what="The part of the tool between flutes and holder enters a fixture." + _HOW,
         why="The tool bends or breaks.",
         remedy="Keep more distance to the fixture, or use a longer tool.",
@@ -29,7 +29,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS303",
         severity=Severity.ERROR,
-        title="holder hits a fixture",
+        title="Holder hits a fixture",
         what="The tool holder enters a fixture." + _HOW,
         why="The holder is much stronger than the tool: spindle, fixture and part are damaged.",
         remedy="Use a longer tool or a slimmer holder, or a lower fixture.",
@@ -37,7 +37,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS304",
         severity=Severity.ERROR,
-        title="process tool hits a fixture",
+        title="Process tool hits a fixture",
         what="The nozzle or body of a process tool enters a fixture." + _HOW,
         why="The tool is bent or torn off, and its calibration is lost.",
         remedy="Lift the tool before it passes the fixture, or move the fixture.",

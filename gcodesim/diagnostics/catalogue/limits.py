@@ -7,7 +7,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS201",
         severity=Severity.ERROR,
-        title="travel exceeded",
+        title="Travel exceeded",
         what="A move takes an axis beyond its travel. Judged is the axis itself, that is the programmed point plus the"
         " active tool length offset, in machine coordinates; arcs count with their bulge.",
         why="The control refuses the block or the axis runs into its limit switch, often late in a long job.",
@@ -17,7 +17,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS202",
         severity=Severity.ERROR,
-        title="out of reach",
+        title="Out of reach",
         what="From a point of this block on, the arm cannot bring the tool there: the wrist centre would be farther"
         " from the shoulder than upper arm and forearm together, or closer than they can fold.",
         why="The robot stops in the middle of the block, with the tool in the cut.",
@@ -26,7 +26,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS203",
         severity=Severity.ERROR,
-        title="joint limit",
+        title="Joint limit",
         what="The pose can be reached, but a joint would have to turn beyond its limit, with the spin of the tool"
         " that suits the whole program best.",
         why="The robot stops in the middle of the block.",
@@ -35,7 +35,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS204",
         severity=Severity.WARNING,
-        title="singularity slows the tool",
+        title="Singularity slows the tool",
         what="Near this point the arm loses a direction of motion: a joint would have to move faster than it can, and"
         " the feed falls below half of what is programmed.",
         why="The tool dwells in the cut, chips become thin, marks remain; some controls stop with a fault.",
@@ -45,7 +45,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS205",
         severity=Severity.ERROR,
-        title="arm has to flip",
+        title="Arm has to flip",
         what="The path can only be continued with the arm in another configuration (elbow, wrist, shoulder or turn of"
         " an axis), which cannot be reached without leaving the path.",
         why="The robot stops, or swings through the cell.",
@@ -54,7 +54,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS206",
         severity=Severity.NOTE,
-        title="feed above what the machine can do",
+        title="Feed above what the machine can do",
         what="The programmed feed is more than the axes or joints allow in this direction; the block runs slower.",
         why="Machining time and chip load differ from what the program intends.",
         remedy="Nothing, if this is known; otherwise program the feed that the machine can do.",
@@ -62,7 +62,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS207",
         severity=Severity.ERROR,
-        title="no such axis",
+        title="No such axis",
         what="The program moves an axis that this machine does not have.",
         why="The control refuses the block; here the word has no effect.",
         remedy="Add the axis to the cell, or choose a post-processor for this machine.",
@@ -70,7 +70,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS208",
         severity=Severity.ERROR,
-        title="feed is zero",
+        title="Feed is zero",
         what="A feed move has no speed: F is 0, or the feed is per revolution and the spindle stands.",
         why="The machine would wait in this block for ever. Here the block is run as slowly as 1 mm/min.",
         remedy="Program F, or start the spindle before the block.",
@@ -78,7 +78,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS230",
         severity=Severity.ERROR,
-        title="joint effort at its limit",
+        title="Joint effort at its limit",
         what="Gravity, inertia and process together ask a joint for more torque or force than its motor can give.",
         why="The joint falls behind its command: the tool leaves its path, or the control stops with a servo error.",
         remedy="Take less depth, width or feed on this line, accelerate less, or move the part to where the arm is less"

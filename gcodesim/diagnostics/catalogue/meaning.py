@@ -7,7 +7,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS101",
         severity=Severity.ERROR,
-        title="axis words without a motion",
+        title="Axis words without a motion",
         what="X, Y, Z … stand in a block, but no motion code is active.",
         why="The control cannot know whether to move at rapid or to cut.",
         remedy="Write G0 or G1 into the block.",
@@ -15,7 +15,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS102",
         severity=Severity.ERROR,
-        title="axis words claimed twice",
+        title="Axis words claimed twice",
         what="Two codes of the block both want the axis words, as G1 and G92.",
         why="Only one of them can be meant.",
         remedy="Put the codes into two blocks.",
@@ -23,7 +23,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS103",
         severity=Severity.ERROR,
-        title="axis words missing",
+        title="Axis words missing",
         what="The code needs at least one axis word.",
         why="Without one it would do nothing, so something was forgotten.",
         remedy="Add the axis words.",
@@ -31,7 +31,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS104",
         severity=Severity.ERROR,
-        title="word that nothing uses",
+        title="Word that nothing uses",
         what="No code of the block uses this word.",
         why="A forgotten code changes what the block does; dropping the word silently would hide it.",
         remedy="Add the code that the word belongs to, or remove the word.",
@@ -39,7 +39,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS105",
         severity=Severity.ERROR,
-        title="word missing",
+        title="Word missing",
         what="A code lacks a word that it needs, as the P of G4.",
         why="The code cannot be executed.",
         remedy="Add the word.",
@@ -47,7 +47,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS106",
         severity=Severity.ERROR,
-        title="value not allowed",
+        title="Value not allowed",
         what="A word has a value that its code does not take: negative, not whole, or out of range.",
         why="The control would refuse the block.",
         remedy="Correct the value.",
@@ -55,7 +55,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS107",
         severity=Severity.ERROR,
-        title="feed missing",
+        title="Feed missing",
         what="A feed move starts and F is 0, or under G93 the block has no F of its own.",
         why="The machine would stand still for ever.",
         remedy="Write F before the move. G93, G94 and G95 discard the F before them when the mode changes.",
@@ -63,7 +63,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS108",
         severity=Severity.ERROR,
-        title="spindle does not turn",
+        title="Spindle does not turn",
         what="The move depends on the spindle, but it stands still or turns the wrong way.",
         why="Feeds per revolution, threads and taps need a turning spindle.",
         remedy="Write S and M3 or M4 before.",
@@ -79,7 +79,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS110",
         severity=Severity.ERROR,
-        title="arc described wrongly",
+        title="Arc described wrongly",
         what=(
             "The words of G2 or G3 do not describe an arc: centre and radius together, neither, or a centre "
             "outside the plane."
@@ -90,7 +90,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS111",
         severity=Severity.ERROR,
-        title="arc ends off its circle",
+        title="Arc ends off its circle",
         what="Start and end of the arc have different distances from the centre.",
         why="The tool would have to jump; usually a sign or an offset of the centre is wrong.",
         remedy="Check I J K and the end point. Without G90.1 the centre counts from the start of the arc.",
@@ -98,7 +98,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS112",
         severity=Severity.ERROR,
-        title="arc without a fitting radius",
+        title="Arc without a fitting radius",
         what="The radius is zero, or too small to reach the end point.",
         why="There is no such arc.",
         remedy="Correct R or the end point.",
@@ -106,7 +106,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS120",
         severity=Severity.ERROR,
-        title="parameter without a value",
+        title="Parameter without a value",
         what="A named parameter is read that was never set.",
         why="Taking it for 0 would move the machine to a place that nobody chose.",
         remedy="Set it before, or ask with EXISTS[#<name>].",
@@ -114,7 +114,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS121",
         severity=Severity.ERROR,
-        title="parameter number out of range",
+        title="Parameter number out of range",
         what="A parameter's number is not whole or not within 1 to 5601.",
         why="There is no such parameter.",
         remedy="Correct the number; an index that is computed may have gone astray.",
@@ -122,7 +122,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS122",
         severity=Severity.ERROR,
-        title="parameter that cannot be set",
+        title="Parameter that cannot be set",
         what="The parameter shows the state of the machine.",
         why="Writing it would not move the machine.",
         remedy="Use another parameter.",
@@ -130,7 +130,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS123",
         severity=Severity.ERROR,
-        title="value that cannot be computed",
+        title="Value that cannot be computed",
         what="A division by zero, a root of a negative number, a value beyond all bounds.",
         why="The word has no value.",
         remedy="Check the values that go into the expression.",
@@ -146,7 +146,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS131",
         severity=Severity.ERROR,
-        title="subroutine not found",
+        title="Subroutine not found",
         what="The program calls a subroutine that neither the file nor the folders of subroutines hold.",
         why="The control would stop in mid-program.",
         remedy="Define it in the file, or name the folder of subroutines.",
@@ -154,7 +154,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS132",
         severity=Severity.ERROR,
-        title="calls too deep",
+        title="Calls too deep",
         what="Subroutines call each other deeper than the control allows.",
         why="Mostly a subroutine that calls itself without an end.",
         remedy="End the recursion with an `if`.",
@@ -162,7 +162,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS133",
         severity=Severity.ERROR,
-        title="too many arguments",
+        title="Too many arguments",
         what="A call has more than 30 arguments.",
         why="There are only 30 numbered parameters for them.",
         remedy="Pass the rest in global parameters #<_name>.",
@@ -170,7 +170,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS134",
         severity=Severity.ERROR,
-        title="program does not end",
+        title="Program does not end",
         what="The program executed more blocks than the budget allows.",
         why="Mostly a loop whose condition never becomes false.",
         remedy="Correct the loop, or raise --max-blocks.",
@@ -178,7 +178,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS135",
         severity=Severity.ERROR,
-        title="reading took too long",
+        title="Reading took too long",
         what="The time limit was reached before the program ended.",
         why="Mostly a loop whose condition never becomes false.",
         remedy="Correct the loop, or raise the time limit.",
@@ -186,7 +186,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS140",
         severity=Severity.ERROR,
-        title="canned cycle wrong",
+        title="Canned cycle wrong",
         what="A drilling cycle lacks a word, or its values contradict each other.",
         why="The hole would be drilled wrong or not at all.",
         remedy="Give R and the depth, P where it dwells, Q where it pecks; R must lie above the depth.",
@@ -194,7 +194,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS150",
         severity=Severity.ERROR,
-        title="refused in cutter compensation",
+        title="Refused in cutter compensation",
         what="The code cannot be executed while cutter compensation is on.",
         why="The offset path would jump.",
         remedy="Switch the compensation off with G40 before.",
@@ -202,7 +202,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS151",
         severity=Severity.ERROR,
-        title="cutter compensation left or entered wrongly",
+        title="Cutter compensation left or entered wrongly",
         what="The first move is too short, or the move after G40 is an arc.",
         why="The tool cannot reach the offset path without marking the part.",
         remedy="Enter with a straight move longer than the tool radius, leave with a straight move.",
@@ -210,7 +210,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS152",
         severity=Severity.ERROR,
-        title="corner or arc too tight for the tool",
+        title="Corner or arc too tight for the tool",
         what="With compensation the tool does not fit into an inside corner or arc.",
         why="It would cut into the part.",
         remedy="Use a smaller tool, or larger radii.",
@@ -218,7 +218,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS153",
         severity=Severity.ERROR,
-        title="cutter compensation cannot be switched on",
+        title="Cutter compensation cannot be switched on",
         what="The plane does not allow it, it is on already, or the diameter is missing.",
         why="The control would refuse the block.",
         remedy="Use G17 or G18, G40 before a new side, D with a tool of the table.",
@@ -226,7 +226,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS160",
         severity=Severity.ERROR,
-        title="tool not in the tool table",
+        title="Tool not in the tool table",
         what="The program names a tool number that the table does not have.",
         why="The control would stop at the change, or use wrong lengths.",
         remedy="Add the tool to the tool table, or correct the number.",
@@ -234,7 +234,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS170",
         severity=Severity.ERROR,
-        title="spline described wrongly",
+        title="Spline described wrongly",
         what="G5, G5.1, G5.2 or G5.3 lacks words or stands at the wrong place.",
         why="The curve is not determined.",
         remedy="G5 needs I J at the start of a chain and P Q always; G5.2 … G5.3 enclose the control points.",
@@ -242,7 +242,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS175",
         severity=Severity.ERROR,
-        title="thread described wrongly",
+        title="Thread described wrongly",
         what="G33, G33.1 or G76 lacks words, or they contradict each other.",
         why="The thread would be wrong.",
         remedy="K is the travel per turn of G33 and G33.1; G76 needs P Z I J K.",
@@ -250,7 +250,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS180",
         severity=Severity.ERROR,
-        title="probing impossible",
+        title="Probing impossible",
         what="The probing move is too short or moves rotary axes.",
         why="The control would refuse it.",
         remedy="Start further away from the end point.",
@@ -258,7 +258,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS185",
         severity=Severity.ERROR,
-        title="polar words used wrongly",
+        title="Polar words used wrongly",
         what="@ and ^ stand outside the XY plane, together with X or Y, or without an angle at the origin.",
         why="The end point is not determined.",
         remedy="Use polar words in G17, with the angle ^ when the tool is at the origin.",
@@ -266,7 +266,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS190",
         severity=Severity.ERROR,
-        title="stopped by the program",
+        title="Stopped by the program",
         what="The program itself asks to stop, by (ABORT, …).",
         why="It found a condition under which it must not go on.",
         remedy="See the message.",
@@ -274,7 +274,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS191",
         severity=Severity.ERROR,
-        title="saved modes missing",
+        title="Saved modes missing",
         what="M72 has nothing to restore, or M73 stands outside a subroutine.",
         why="Modes would stay as they happen to be.",
         remedy="Write M70 before M72; M73 only inside a subroutine.",
@@ -282,7 +282,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS192",
         severity=Severity.WARNING,
-        title="spline without a starting direction",
+        title="Spline without a starting direction",
         what="The first G5 of a chain has no I and J.",
         why="The curve leaves its start in a direction that nobody gave.",
         remedy="Give I and J, the first control point counted from the start.",
@@ -290,7 +290,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS193",
         severity=Severity.WARNING,
-        title="tool change without a tool",
+        title="Tool change without a tool",
         what="M6 stands in the program, but no T word came before it.",
         why="The control would empty the spindle; the next cut runs without a tool.",
         remedy="Write the tool: T1 M6.",
@@ -298,7 +298,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS194",
         severity=Severity.WARNING,
-        title="words beside M98 or M99",
+        title="Words beside M98 or M99",
         what="A block with M98 or M99 holds other codes; the control passes over them.",
         why="A move that stands there is never made.",
         remedy="Put the other words into a block of their own.",
@@ -306,7 +306,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS195",
         severity=Severity.NOTE,
-        title="tool length taken along by M6",
+        title="Tool length taken along by M6",
         what="The program never says G43 or G49, so M6 acts like M6 G43.",
         why="On a control without such a setting the lengths would be missing.",
         remedy="Write G43 after each M6, or set `tool_length: strict` in the cell.",

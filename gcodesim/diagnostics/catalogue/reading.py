@@ -7,7 +7,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS001",
         severity=Severity.ERROR,
-        title="character that cannot stand here",
+        title="Character that cannot stand here",
         what="The line holds a character or word that the language has no place for at this spot.",
         why="The control would stop at this line, or worse, take the rest for something else.",
         remedy="Remove it, or put it into a comment in parentheses. A line number N has to come first in its line.",
@@ -15,7 +15,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS002",
         severity=Severity.ERROR,
-        title="line too long",
+        title="Line too long",
         what="The line has more characters than the control reads.",
         why="A control that cuts a line off may run half a move.",
         remedy="Split the line into several blocks; long comments go on lines of their own.",
@@ -23,7 +23,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS003",
         severity=Severity.ERROR,
-        title="comment not closed or nested",
+        title="Comment not closed or nested",
         what="A `(` opens a comment that never closes, or a second `(` stands inside a comment.",
         why="Everything behind the parenthesis is lost to the control.",
         remedy="Close the comment with `)`. A comment to the end of the line starts with `;`.",
@@ -31,7 +31,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS004",
         severity=Severity.ERROR,
-        title="word without a number",
+        title="Word without a number",
         what="A letter has no number behind it, or a sign stands alone.",
         why="A coordinate that a post-processor left empty would otherwise be taken from the block before.",
         remedy="Write the number, or drop the letter.",
@@ -39,7 +39,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS005",
         severity=Severity.ERROR,
-        title="number that cannot be read",
+        title="Number that cannot be read",
         what="A number has two decimal points, or a line number is no row of digits.",
         why="Guessing a number would move the machine to a place that nobody wrote.",
         remedy="Write digits with at most one decimal point; there is no exponent notation.",
@@ -47,7 +47,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS006",
         severity=Severity.ERROR,
-        title="expression that cannot be read",
+        title="Expression that cannot be read",
         what="An expression in brackets is incomplete, or names a function or operator that does not exist.",
         why="The value of the word cannot be known.",
         remedy="Check brackets and names: `( )` is a comment, never grouping; functions take their argument in `[ ]`.",
@@ -55,7 +55,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS007",
         severity=Severity.ERROR,
-        title="parameter setting that cannot be read",
+        title="Parameter setting that cannot be read",
         what="`#…` at this place has to be a setting such as #1=2, or the name is not closed.",
         why="The value would not be stored, and what reads it later would be wrong.",
         remedy="Write #5=1.5 or #<name>=1.5.",
@@ -71,7 +71,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS009",
         severity=Severity.ERROR,
-        title="word twice in one block",
+        title="Word twice in one block",
         what="A letter other than G and M stands twice in a block.",
         why="Which of the two is meant nobody can say.",
         remedy="Drop one of the two, or split the block.",
@@ -79,7 +79,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS010",
         severity=Severity.ERROR,
-        title="program without end",
+        title="Program without end",
         what="The file ends without M2, M30 or the closing `%`.",
         why="A file cut off in transfer looks the same; the rest of the part may be missing.",
         remedy="End the program with M2 or M30, or close what `%` opened.",
@@ -87,7 +87,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS011",
         severity=Severity.ERROR,
-        title="codes that exclude each other",
+        title="Codes that exclude each other",
         what="Two codes of one modal group stand in one block, as G0 and G1, or M3 and M5.",
         why="They contradict each other, and which one acts differs from control to control.",
         remedy="Keep one of them, or use two blocks.",
@@ -95,7 +95,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS012",
         severity=Severity.ERROR,
-        title="unknown G code",
+        title="Unknown G code",
         what="The dialect has no such G code.",
         why="A control that skips it moves in a mode that nobody asked for.",
         remedy="Correct the number, or choose the dialect of the control that the program was written for.",
@@ -103,7 +103,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS013",
         severity=Severity.ERROR,
-        title="unknown M code",
+        title="Unknown M code",
         what="The dialect has no such M code and the cell maps none.",
         why="A function of the machine that is missing may be the one that holds the part.",
         remedy="Correct the number, or map the code in the cell under `m_codes`.",
@@ -111,7 +111,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS014",
         severity=Severity.ERROR,
-        title="too many M codes in one block",
+        title="Too many M codes in one block",
         what="The block has more M codes than the control accepts.",
         why="The control would stop here.",
         remedy="Spread them over several blocks.",
@@ -119,7 +119,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS015",
         severity=Severity.ERROR,
-        title="too many findings",
+        title="Too many findings",
         what="So much is wrong that the rest is not read.",
         why="The file is probably no program of this dialect, or no program at all.",
         remedy="Check that it is the right file, and the `dialect` of the cell.",
@@ -127,7 +127,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS020",
         severity=Severity.WARNING,
-        title="tool table line that cannot be read",
+        title="Tool table line that cannot be read",
         what="A line of the tool table file is malformed; the tool is left out.",
         why="A tool that is left out is an error where the program calls it.",
         remedy="A line reads T1 P1 Z50.0 D6.0 ;comment.",
@@ -135,7 +135,7 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS021",
         severity=Severity.WARNING,
-        title="parameter file line that cannot be read",
+        title="Parameter file line that cannot be read",
         what="A line of the parameter file is malformed and is left out.",
         why="An offset that is left out counts as zero.",
         remedy="A line reads: number, blank, value.",
