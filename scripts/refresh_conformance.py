@@ -1,33 +1,35 @@
 #!/usr/bin/env python3
-"""Copy the conformance corpus into tests/data.
+"""Copy the conformance corpora into tests/data.
 
     scripts/refresh_conformance.py FOLDER
 
-FOLDER holds `valid/`, `invalid/`, `subs/`, `tools.tbl` and `compare.py`, as
-the corpus is handed out. What is here already is replaced.
+FOLDER holds `rs274/` and `fanuc/`, as the corpora are handed out: `valid/`,
+`invalid/`, `tools.tbl`, and for RS274 `subs/` and `compare.py`. What is here
+already is replaced.
 """
 
 import shutil
 import sys
 from pathlib import Path
 
-TARGET = Path(__file__).parent.parent / "tests" / "data" / "conformance" / "rs274"
-PARTS = ("valid", "invalid", "subs", "tools.tbl", "compare.py")
+TARGET = Path(__file__).parent.parent / "tests" / "data" / "conformance"
+PARTS = {
+    "rs274": ("valid", "invalid", "subs", "tools.tbl", "compare.py"),
+    "fanuc": ("valid", "invalid", "tools.tbl"),
+}
 
 
 def main() -> int:
     if len(sys.argv) != 2:
         sys.exit(__doc__)
-    source = Path(sys.argv[1])
-    for part in PARTS:
-        origin, target = source / part, TARGET / part
+    for origin, target in [(Path(sys.argv[1], d, p), TARGET / d / p) for d, parts in PARTS.items() for p in parts]:
         if origin.is_dir():
             shutil.rmtree(target, ignore_errors=True)
             shutil.copytree(origin, target)
         else:
             target.parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(origin, target)
-    print(f"{len(list(TARGET.glob('*/*.ngc')))} programs in {TARGET}")
+    print(f"{len(list(TARGET.glob('*/*/*.ngc')))} programs in {TARGET}")
     return 0
 
 

@@ -18,7 +18,7 @@ from gcodesim.cell.scalars import measured
 from gcodesim.rs274.dialects import DIALECTS
 from gcodesim.rs274.settings import canonical_m_code
 
-PLANNED_DIALECTS: Final = ("rs274", "fanuc", "grbl", "marlin")
+PLANNED_DIALECTS: Final = ("marlin",)
 DEFAULT_PATH_CONTROL: Final = "G64"
 
 _AXIS = re.compile(r"\s*([+-]?)\s*([XYZxyz])(?:\s+of\s+(\S+))?\s*")

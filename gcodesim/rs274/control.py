@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import Literal
 
 from gcodesim import canon
-from gcodesim.diagnostics import Diagnostic, Span
+from gcodesim.diagnostics import Diagnostic, Severity, Span
 from gcodesim.rs274 import parameters as numbers
 from gcodesim.rs274.dialects import Dialect
 from gcodesim.rs274.fault import Fault
@@ -37,8 +37,9 @@ class Control:
     def __init__(self, settings: Settings, dialect: Dialect) -> None:
         self.settings = settings
         self.dialect = dialect
-        self.state = State()
-        self.parameters = Parameters(self._read_only, self._predefined)
+        self.state = self._first_state()
+        self.state.motion = dialect.first_motion
+        self.parameters = self._memory()
         self.parameters.numbers.update(settings.parameters)
         self.tools: dict[int, ToolEntry] = dict(settings.tool_table.entries)
         self.spindle_tool: ToolEntry = ToolEntry(number=0)
@@ -56,6 +57,12 @@ class Control:
         self.returned = 0.0
         self.value_returned = False
         self._restore_systems()
+
+    def _first_state(self) -> State:
+        return State()
+
+    def _memory(self) -> Parameters:
+        return Parameters(self._read_only, self._predefined)
 
     # -- frames
 
@@ -280,7 +287,9 @@ class Control:
 
     def warn(self, code: str, message: str, hint: str = "") -> None:
         """A finding that does not stop the block; once a place."""
-        self.notes.append(Diagnostic(code=code, message=message, span=self.span, hint=hint))
+        self.notes.append(
+            Diagnostic(code=code, message=message, span=self.span, hint=hint, severity=Severity.WARNING)
+        )
 
     def change_unit(self, unit: float) -> None:
         """G20 or G21: everything that is kept in program units is converted; nothing moves."""

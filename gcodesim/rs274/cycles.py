@@ -134,7 +134,7 @@ def _run(
     state = control.state
     end = end_point(words, control)
     step = (end[first] - state.current[first], end[second] - state.current[second])
-    head = _Head(control, axes, who)
+    head = Head(control, axes, who)
     if base < hole.clear:
         head.rapid_to(hole.clear)
         base = hole.clear
@@ -155,7 +155,7 @@ def _run(
         control.say_path()
 
 
-class _Head:
+class Head:
     """The tool over the holes: moves along the normal and in the plane."""
 
     def __init__(self, control: Control, axes: tuple[int, int, int], who: str) -> None:
@@ -189,7 +189,7 @@ class _Head:
         self.control.say_spindle()
 
 
-def _drill(head: _Head, hole: Hole, level: float) -> None:
+def _drill(head: Head, hole: Hole, level: float) -> None:
     """G81, G82: feed down, dwell, out."""
     head.feed_to(hole.bottom)
     if hole.dwell and head.who == "G82":
@@ -197,11 +197,11 @@ def _drill(head: _Head, hole: Hole, level: float) -> None:
     head.rapid_to(level)
 
 
-def _clearance(head: _Head) -> float:
+def _clearance(head: Head) -> float:
     return _CLEARANCE_INCH if head.control.state.unit == INCH else _CLEARANCE_MM
 
 
-def _peck(head: _Head, hole: Hole, level: float) -> None:
+def _peck(head: Head, hole: Hole, level: float) -> None:
     """G83: full retract after each peck."""
     gap = _clearance(head)
     depth = hole.clear - hole.step
@@ -214,7 +214,7 @@ def _peck(head: _Head, hole: Hole, level: float) -> None:
     head.rapid_to(level)
 
 
-def _chip_break(head: _Head, hole: Hole, level: float) -> None:
+def _chip_break(head: Head, hole: Hole, level: float) -> None:
     """G73: a short step back after each peck."""
     gap = _clearance(head)
     depth = hole.clear - hole.step
@@ -226,7 +226,7 @@ def _chip_break(head: _Head, hole: Hole, level: float) -> None:
     head.rapid_to(level)
 
 
-def _tap(head: _Head, hole: Hole, level: float) -> None:
+def _tap(head: Head, hole: Hole, level: float) -> None:
     """G84, G74: feed both ways, the spindle reverses at the bottom; overrides are off meanwhile."""
     control = head.control
     direction = control.state.spindle
@@ -240,21 +240,21 @@ def _tap(head: _Head, hole: Hole, level: float) -> None:
     head.turn(direction)
 
 
-def _bore(head: _Head, hole: Hole, level: float) -> None:
+def _bore(head: Head, hole: Hole, level: float) -> None:
     """G85: feed down, feed up to R, out."""
     head.feed_to(hole.bottom)
     head.feed_to(hole.clear)
     head.rapid_to(level)
 
 
-def _bore_dwell(head: _Head, hole: Hole, level: float) -> None:
+def _bore_dwell(head: Head, hole: Hole, level: float) -> None:
     """G89: feed down, dwell, feed all the way up."""
     head.feed_to(hole.bottom)
     head.control.dwell(hole.dwell)
     head.feed_to(level)
 
 
-def _bore_stop(head: _Head, hole: Hole, level: float) -> None:
+def _bore_stop(head: Head, hole: Hole, level: float) -> None:
     """G86: dwell and stop the spindle at the bottom, out at rapid."""
     direction = head.control.state.spindle
     head.feed_to(hole.bottom)
@@ -264,7 +264,7 @@ def _bore_stop(head: _Head, hole: Hole, level: float) -> None:
     head.turn(direction)
 
 
-def _back_bore(head: _Head, hole: Hole, level: float) -> None:
+def _back_bore(head: Head, hole: Hole, level: float) -> None:
     """G87: through the hole with the spindle oriented, then bore back up to K and return the same way."""
     control = head.control
     direction = control.state.spindle
@@ -285,7 +285,7 @@ def _back_bore(head: _Head, hole: Hole, level: float) -> None:
     head.turn(direction)
 
 
-def _bore_manual(head: _Head, hole: Hole, level: float) -> None:
+def _bore_manual(head: Head, hole: Hole, level: float) -> None:
     """G88: dwell, stop spindle and program at the bottom; the operator brings the tool out."""
     del level
     direction = head.control.state.spindle
@@ -296,7 +296,7 @@ def _bore_manual(head: _Head, hole: Hole, level: float) -> None:
     head.turn(direction)
 
 
-_SHAPES: dict[int, Callable[[_Head, Hole, float], None]] = {
+_SHAPES: dict[int, Callable[[Head, Hole, float], None]] = {
     730: _chip_break,
     740: _tap,
     810: _drill,

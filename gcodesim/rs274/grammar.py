@@ -44,7 +44,7 @@ class _Build(Transformer[Token, Any]):
         deleted = False
         for part in parts:
             if isinstance(part, Token):
-                deleted = deleted or part.type == "SLASH"
+                deleted = deleted or part.type in ("SLASH", "SKIP")
                 continue
             kind, value = part
             if kind == "word":
@@ -53,6 +53,9 @@ class _Build(Transformer[Token, Any]):
                 settings.append(value)
             elif kind == "note":
                 notes.append(value)
+            elif kind == "then":
+                flow, then = value
+                settings.append(then)
             else:
                 flow, tail = value
                 notes += tail
@@ -85,6 +88,29 @@ class _Build(Transformer[Token, Any]):
     def label_computed(self, value: Node) -> Node:
         return value
 
+    # statements of custom macros (fanuc.lark)
+
+    def program(self, letter: Token, number: Token) -> tuple[str, Any]:
+        return "flow", ((letter.start_pos, float(number), "program", ()), [])
+
+    def goto(self, word: Token, target: Node) -> tuple[str, Any]:
+        return "flow", ((word.start_pos, target, "goto", ()), [])
+
+    def if_goto(self, word: Token, condition: Node, _: Token, target: Node) -> tuple[str, Any]:
+        return "flow", ((word.start_pos, target, "goto", (condition,)), [])
+
+    def if_then(self, word: Token, condition: Node, _: Token, then: tuple[str, Any]) -> tuple[str, Any]:
+        return "then", ((word.start_pos, 0.0, "then", (condition,)), then[1])
+
+    def while_loop(self, word: Token, condition: Node, _: Token, number: Token) -> tuple[str, Any]:
+        return "flow", ((word.start_pos, float(number), "do", (condition,)), [])
+
+    def loop(self, word: Token, number: Token) -> tuple[str, Any]:
+        return "flow", ((word.start_pos, float(number), "do", ()), [])
+
+    def loop_end(self, word: Token, number: Token) -> tuple[str, Any]:
+        return "flow", ((word.start_pos, float(number), "end", ()), [])
+
     def bracket(self, value: Node) -> Node:
         return value
 
@@ -107,6 +133,10 @@ class _Build(Transformer[Token, Any]):
     def arctangent(self, *parts: Any) -> Node:
         first, second = (part for part in parts if not isinstance(part, Token))
         return Function("atan", first, second)
+
+    def function_of_two(self, name: Token, *parts: Any) -> Node:
+        first, second = (part for part in parts if not isinstance(part, Token))
+        return Function(name.value, first, second)
 
     def exists(self, _: Token, index: Node) -> Node:
         return Exists(index)

@@ -73,7 +73,7 @@ def work_system(words: Words, control: Control) -> None:
             at=g_name(code),
             hint="say G40 first",
         )
-    index = _SYSTEM_INDEX[code]
+    index = _SYSTEM_INDEX.get(code, control.state.system)
     if index != control.state.system:  # a program that wrote #5221 itself has to change the system to see it
         control.use_system(index)
 

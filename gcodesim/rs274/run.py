@@ -52,7 +52,7 @@ class Run:
         self.blocks = 0
 
     def __iter__(self) -> Generator[canon.Event, Feedback, None]:
-        return _Executor(self).events()
+        return _executor_of(DIALECTS[self.settings.dialect])(self).events()
 
 
 def interpret(source: SourceText, settings: Settings | None = None) -> Run:
@@ -68,7 +68,7 @@ def lint(source: SourceText, settings: Settings | None = None) -> Findings:
     return run.findings
 
 
-class _Executor:
+class Executor:
     """One execution of a run."""
 
     def __init__(self, run: Run) -> None:
@@ -77,16 +77,20 @@ class _Executor:
         self.settings = settings
         self.dialect: Dialect = DIALECTS[settings.dialect]
         self.reader = Reader(self.dialect)
-        self.file = ProgramFile(run.source, self.reader)
-        self.control = Control(settings, self.dialect)
+        self.file, self.control, self.flow = self._parts(run.source)
         self.control.auto_length = _wants_auto_length(run.source, settings)
-        self.flow = FlowControl(self.control, self.file, self.reader, settings.subroutines)
         self.control.frames = self.flow.frames
         self.recovery = Recovery(self.control)
         self.deadline = None if settings.time_limit is None else time.monotonic() + settings.time_limit
         self.blocks = 0
         allowed = _MOST_BLOCKS + _MOST_ROUNDS * len(run.source.lines)
         self.most_blocks = allowed if settings.max_blocks is None else settings.max_blocks
+
+    def _parts(self, source: SourceText) -> tuple[ProgramFile, Control, FlowControl]:
+        """The program, the control that runs it and what moves between its lines, of this dialect."""
+        file = ProgramFile(source, self.reader)
+        control = Control(self.settings, self.dialect)
+        return file, control, FlowControl(control, file, self.reader, self.settings.subroutines)
 
     def events(self) -> Generator[canon.Event, Feedback, None]:
         control, flow = self.control, self.flow
@@ -131,23 +135,24 @@ class _Executor:
     def _line(self, file: ProgramFile, index: int, text: str) -> None:
         control = self.control
         block: Block | None = None
-        words: Words | None = None
         control.span = Span.of_line(file.name, index + 1, text, self.flow.frame.callers)
         try:
             block = file.block(index)
             if block.deleted and self.settings.block_delete:
                 return
             control.block_number = self.blocks
-            if block.plain:
-                words = self._words(block)
-                self._execute(words, index)
-                return
-            self._settings_and_words(block, index)
+            self._block(block, index)
         except Fault as fault:
-            self._fault(fault, file, index, text, block, words)
+            self._fault(fault, file, index, text, block)
         except (OverflowError, RecursionError):
             too_large = Fault("GS123", "a value is too large to be computed with")
-            self._fault(too_large, file, index, text, block, words)
+            self._fault(too_large, file, index, text, block)
+
+    def _block(self, block: Block, index: int) -> None:
+        if block.plain:
+            self._execute(self._words(block), index)
+        else:
+            self._settings_and_words(block, index)
 
     def _settings_and_words(self, block: Block, index: int) -> None:
         control = self.control
@@ -186,7 +191,7 @@ class _Executor:
 
     def _execute(self, words: Words, index: int) -> None:
         control = self.control
-        if is_plain_move(words, control):
+        if self._is_plain(words):
             execute_move(words, control)
             return
         before = control.state.copy()
@@ -195,7 +200,7 @@ class _Executor:
             if {98, 99} & set(words.m_codes):
                 self._program_call(words, index)
             else:
-                execute(words, control)
+                self._obey(words)
         except (Fault, OverflowError):
             control.state.restore(before)
             control.spindle_tool = tool
@@ -205,6 +210,12 @@ class _Executor:
             del control.notes[notes_so_far:]
             raise
         control.parameters.commit()
+
+    def _is_plain(self, words: Words) -> bool:
+        return is_plain_move(words, self.control)
+
+    def _obey(self, words: Words) -> None:
+        execute(words, self.control)
 
     def _program_call(self, words: Words, index: int) -> None:
         """M98 and M99: the control passes over everything else in the block."""
@@ -223,10 +234,8 @@ class _Executor:
 
     # -- findings
 
-    def _fault(
-        self, fault: Fault, file: ProgramFile, index: int, text: str, block: Block | None, words: Words | None
-    ) -> None:
-        place = place_of(words, block, fault.at) if block else (fault.at if isinstance(fault.at, tuple) else None)
+    def _fault(self, fault: Fault, file: ProgramFile, index: int, text: str, block: Block | None) -> None:
+        place = place_of(block, fault.at) if block else (fault.at if isinstance(fault.at, tuple) else None)
         span = self.control.span
         if place is not None:
             span = Span(file.name, index + 1, place[0] + 1, index + 1, max(place[1], place[0] + 1) + 1, span.callers)
@@ -314,10 +323,20 @@ class _Executor:
     def _initial_path_control(self) -> None:
         """The path mode that is in force before the program's own."""
         block = self.reader.read(0, self.settings.path_control)
-        words = read_words(block, self.dialect, self.control.parameters, {}, False)
+        words = read_words(block, DIALECTS["linuxcnc"], self.control.parameters, {}, False)
         from gcodesim.rs274.modes import path_control
 
         path_control(words, self.control)
+
+
+def _executor_of(dialect: Dialect) -> type[Executor]:
+    """What runs programs of the dialect: this module's executor, or one of the dialect's own."""
+    if not dialect.executor:
+        return Executor
+    from importlib import import_module
+
+    module, _, name = dialect.executor.partition(":")
+    return getattr(import_module(module), name)  # type: ignore[no-any-return]
 
 
 def _evaluated(block: Block, parameters: Parameters) -> list[tuple[int | str, float, tuple[int, int]]]:

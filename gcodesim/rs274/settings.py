@@ -29,6 +29,7 @@ class Settings:
     without any G43 or G49 takes it at M6. `path_control` is what stands before
     the program's first G61 or G64. `has_cell` makes user M-codes legal.
     `start` [m, rad] is where the axes stand before the first block.
+    `decimal_point` says what X10 is to Fanuc: 10 mm, or 10 increments of 0.001 mm.
     `max_blocks` and `time_limit` [s] end an endless program; without the first,
     its length says how much is too much.
     """
@@ -45,6 +46,7 @@ class Settings:
     tool_length: Literal["auto", "strict"] = "auto"
     auto_length: Mapping[int, float] | None = None
     path_control: str = "G64"
+    decimal_point: Literal["calculator", "increments"] = "calculator"
     max_blocks: int | None = None
     time_limit: float | None = None
 

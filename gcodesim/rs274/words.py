@@ -117,7 +117,7 @@ def _code_order(name: str) -> tuple[str, float]:
     return name[0], float(name[1:])
 
 
-def place_of(words: Words | None, block: Block, at: Place | str | None) -> Place | None:
+def place_of(block: Block, at: Place | str | None) -> Place | None:
     """Columns of what a fault names: a place, a letter, or a code such as `g43`."""
     if at is None or isinstance(at, tuple):
         return at

@@ -7,7 +7,7 @@ from gcodesim.diagnostics import SourceText
 from gcodesim.rs274 import Settings, interpret
 from gcodesim.rs274.dialects import DIALECTS, g_name
 
-CORE = b"N1 G21 G17 G90 G94\nG0 X1 Y2 Z3\nG1 Z-1 F100\nG2 X11 Y2 I5 J0\nG91 G1 X-1\nG90\nS500 M3\nG4 P1\nM5\nM2\n"
+CORE = b"N1 G21 G17 G90 G94\nG0 X1 Y2 Z3\nG1 Z-1 F100\nG2 X11 Y2 I5 J0\nG91 G1 X-1\nG90\nS500 M3\nM5\nM2\n"
 
 
 @pytest.mark.parametrize("name", DIALECTS)

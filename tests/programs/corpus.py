@@ -1,4 +1,4 @@
-"""The conformance corpus in one process: run a program as its setup says and compare with what is expected."""
+"""The conformance corpora in one process: run a program as its setup says and compare with what is expected."""
 
 import importlib.util
 import sys
@@ -11,7 +11,8 @@ from gcodesim.canon.listing import listing
 from gcodesim.diagnostics import SourceText
 from gcodesim.rs274 import Settings, ToolTable, interpret, read_parameters
 
-FOLDER = Path(__file__).parent.parent / "data" / "conformance" / "rs274"
+CORPORA = Path(__file__).parent.parent / "data" / "conformance"
+FOLDER = CORPORA / "rs274"
 
 
 @cache
@@ -24,18 +25,19 @@ def compare() -> ModuleType:
     return module
 
 
-def programs(kind: str) -> list[Path]:
-    return sorted((FOLDER / kind).glob("*.ngc"))
+def programs(kind: str, corpus: str = "rs274") -> list[Path]:
+    return sorted((CORPORA / corpus / kind).glob("*.ngc"))
 
 
 def settings_of(program: Path, setup: dict) -> Settings:
-    table, problems = ToolTable.read(SourceText.read(FOLDER / "tools.tbl"))
+    table, problems = ToolTable.read(SourceText.read(program.parent.parent / "tools.tbl"))
     assert not problems
     parameters = {}
     if setup.get("parameters"):
         parameters, problems = read_parameters(SourceText.read(program.parent / setup["parameters"]))
         assert not problems
     return Settings(
+        dialect=setup.get("dialect") or "linuxcnc",
         tool_table=table,
         parameters=parameters,
         subroutines=(FOLDER / "subs",),
@@ -43,13 +45,13 @@ def settings_of(program: Path, setup: dict) -> Settings:
     )
 
 
-def differences(program: Path) -> list[str]:
-    """What differs between the expected and the actual listing, at level all, error lines included."""
+def differences(program: Path, level: str = "all") -> list[str]:
+    """What differs between the expected and the actual listing, error lines included."""
     expected = compare().load(str(program.with_suffix(".json")))
     run = interpret(SourceText.read(program), settings_of(program, expected["setup"]))
     events = list(run)
     error = None if run.failed is None else (run.failed.message, run.failed_line)
-    return compare().compare(expected, listing(events, error), "all", lines=True)
+    return compare().compare(expected, listing(events, error), level, lines=True)
 
 
 def by_feature() -> list[str]:

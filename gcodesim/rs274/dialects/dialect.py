@@ -14,7 +14,10 @@ class Dialect:
 
     `g_groups` and `m_groups` give each code's modal group; `users` says which
     codes use a letter (`g43`, `m66` …), so that a word that nothing uses is a
-    finding; letters that stand in no entry are always allowed.
+    finding; letters that stand in no entry are always allowed. `first_motion`
+    is the motion in force at the start, -1 for none. `executor` names the
+    class (`module:Class`) that runs programs of a control whose blocks mean
+    something else than those of RS274.
     """
 
     name: str
@@ -29,6 +32,8 @@ class Dialect:
     needs_end: bool = True
     flow_words: bool = True
     named_parameters: bool = True
+    first_motion: int = -1
+    executor: str = ""
 
 
 def g_name(code: int) -> str:

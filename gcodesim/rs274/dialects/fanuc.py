@@ -1,0 +1,86 @@
+"""Fanuc 0i/30i for milling, as data. What its blocks mean lives in `gcodesim/rs274/fanuc/`, file by file:
+
+| Question | Fanuc | where |
+| --- | --- | --- |
+| structure of a file | `%`, O numbers, several programs in one file or folder | `program.py` |
+| going elsewhere | GOTO, IF, WHILE DO END, M98, M99 P, G65, G66, G66.1, G67 | `flow.py` |
+| arguments of macros | lists I and II | `arguments.py` |
+| variables | vacant ones, levels, system variables | `variables.py`, `expressions.py` |
+| work systems | external offset, G54.1, G52 and G92 apart, G68 | `control.py`, `offsets.py` |
+| figures | G51 scaling, G51.1 mirror image | `figure.py` |
+| drilling | heights pass on, K repeats, X Y before R | `cycles.py` |
+| a block from first to last | ignored words are warned of, not refused | `execute.py` |
+"""
+
+from __future__ import annotations
+
+from gcodesim.rs274.dialects.dialect import Dialect
+from gcodesim.rs274.dialects.linuxcnc import (
+    CANCEL,
+    CHANGING,
+    COMPENSATION,
+    COOLANT,
+    DISTANCE,
+    FEED_MODE,
+    LENGTH,
+    MOTION,
+    NON_MODAL,
+    OVERRIDE,
+    PATH,
+    PLANE,
+    RETRACT,
+    SPINDLE,
+    SPINDLE_MODE,
+    STOPPING,
+    SYSTEM,
+    UNITS,
+)
+
+# groups that RS274 does not have
+SCALING, MIRROR, TURN, MACRO, STROKE = 21, 22, 23, 24, 25
+
+CYCLES = (730, 740, 760, 810, 820, 830, 840, 850, 860, 870, 880, 890)
+
+_G_GROUPS = {
+    NON_MODAL: (40, 51, 80, 90, 100, 110, 270, 280, 290, 300, 310, 520, 530, 650, 920),
+    MOTION: (0, 10, 20, 30, 330, *CYCLES),
+    CANCEL: (800,),
+    PLANE: (170, 180, 190),
+    DISTANCE: (900, 910),
+    FEED_MODE: (930, 940, 950),
+    UNITS: (200, 210),
+    COMPENSATION: (400, 410, 420),
+    LENGTH: (430, 434, 440, 490),
+    RETRACT: (980, 990),
+    SYSTEM: (540, 541, 550, 560, 570, 580, 590),
+    PATH: (610, 620, 630, 640),
+    SPINDLE_MODE: (960, 970),
+    SCALING: (500, 510),
+    MIRROR: (501, 511),
+    TURN: (680, 690),
+    MACRO: (660, 661, 670),
+    STROKE: (220, 230),
+}
+
+_M_GROUPS = {
+    STOPPING: (0, 1, 2, 30, 98, 99),
+    CHANGING: (6,),
+    SPINDLE: (3, 4, 5, 19, 29),
+    COOLANT: (7, 8, 9),
+    OVERRIDE: (48, 49),
+}
+
+FANUC = Dialect(
+    name="fanuc",
+    grammar="fanuc",
+    longest_line=4096,
+    most_m_codes=3,
+    g_groups={code: group for group, codes in _G_GROUPS.items() for code in codes},
+    m_groups={code: group for group, codes in _M_GROUPS.items() for code in codes},
+    users={},  # a control passes over a word that nothing uses; `execute.py` warns
+    user_m_codes=range(10, 1000),
+    letters=frozenset("abcdefghijklmpqrstuvwxyz"),
+    named_parameters=False,
+    first_motion=0,
+    executor="gcodesim.rs274.fanuc.executor:FanucExecutor",
+)

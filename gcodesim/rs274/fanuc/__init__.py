@@ -1,0 +1,1 @@
+"""Fanuc's own machinery behind the dialect `fanuc`: custom macros, work systems, figures and cycles."""

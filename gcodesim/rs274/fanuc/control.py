@@ -1,0 +1,195 @@
+"""Fanuc's frames: work offset, external offset, preset, local shift and turn, each on its own.
+
+    axes = turn(point - centre) + centre + G52 + G92 + G5x + external + tool offset
+
+The turn is about Z. It fits the base class, which knows `R(point + g92) + origin`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any, Self
+
+from gcodesim.rs274.control import Control
+from gcodesim.rs274.fanuc import variables as numbers
+from gcodesim.rs274.fanuc.variables import Variables
+from gcodesim.rs274.state import ZERO, State, Vector, add, scaled, subtract
+from gcodesim.units import MM
+
+ADDITIONAL = 100  # the index of G54.1 P1 is one more
+
+
+@dataclass(slots=True)
+class FanucState(State):
+    """What Fanuc remembers besides."""
+
+    preset: Vector = ZERO  # G92
+    local: Vector = ZERO  # G52
+    turn: float | None = None  # G68 [deg]
+    turn_centre: tuple[float, float] = (0.0, 0.0)
+    mirror: tuple[float | None, float | None, float | None] = (None, None, None)  # G51.1
+    scale: tuple[float, float, float] = (1.0, 1.0, 1.0)  # G51
+    scale_centre: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    length_mode: int = 490
+    length_number: int = 0  # H
+    radius_number: int = 0  # D
+    before_cycle: int = 0  # the motion of group 1 that goes on after G80
+    clear: float | None = None  # heights of the chain of cycles, in the work system
+    bottom: float | None = None
+
+    def copy(self) -> Self:
+        twin = object.__new__(type(self))
+        for name in _NAMES:
+            setattr(twin, name, getattr(self, name))
+        return twin
+
+    def restore(self, earlier: State) -> None:
+        for name in _NAMES:
+            setattr(self, name, getattr(earlier, name))
+
+
+_NAMES = tuple(f.name for f in fields(FanucState))
+
+
+class FanucControl(Control):
+    """The control with Fanuc's memory and frames."""
+
+    state: FanucState
+    parameters: Variables
+
+    def _first_state(self) -> State:
+        return FanucState()
+
+    def _memory(self) -> Variables:
+        return Variables(self)
+
+    # -- frames
+
+    def base(self) -> Vector:
+        """Where the program's zero lies without G68; program units."""
+        state = self.state
+        shift = add(self.stored(numbers.EXTERNAL), self.system_offset(state.system)[0])
+        return add(add(shift, state.preset), state.local)
+
+    def stored(self, first: int) -> Vector:
+        """Six stored numbers in program units."""
+        get = self.parameters.numbers.get
+        values = [self.program_units(get(first + axis, 0.0), axis) for axis in range(6)]
+        return (*values, 0.0, 0.0, 0.0)  # type: ignore[return-value]
+
+    def reframe(self, **changes: Any) -> None:
+        """Change what frames depend on; the axes stay where they are."""
+        axes = self.axes()
+        state = self.state
+        for name, value in changes.items():
+            setattr(state, name, value)
+        base = self.base()
+        if state.turn is None:
+            state.origin, state.rotation, state.g92 = base, 0.0, ZERO
+        else:
+            x, y = state.turn_centre
+            state.origin = (base[0] + x, base[1] + y, *base[2:])
+            state.rotation = state.turn
+            state.g92 = (-x, -y, *ZERO[2:])
+        self.stay_at(axes)
+        self.say_system()
+
+    def system_offset(self, index: int) -> tuple[Vector, float]:
+        return self.stored(first_of(index)), 0.0
+
+    def use_system(self, index: int) -> None:
+        self.reframe(system=index)
+
+    def _restore_systems(self) -> None:
+        x, y, z, a, b, c = self.settings.start
+        degrees = [self.machine_angle(v) for v in (a, b, c)]
+        self.state.current = (x / MM, y / MM, z / MM, *degrees, 0.0, 0.0, 0.0)  # type: ignore[assignment]
+        axes = self.state.current
+        self.state.origin = self.base()
+        self.stay_at(axes)
+
+    @staticmethod
+    def machine_angle(radians: float) -> float:
+        from gcodesim.units import DEG
+
+        return radians / DEG
+
+    def change_unit(self, unit: float) -> None:
+        state = self.state
+        factor = state.unit / unit
+        if factor != 1.0:
+            state.preset, state.local = scaled(state.preset, factor), scaled(state.local, factor)
+            state.turn_centre = (state.turn_centre[0] * factor, state.turn_centre[1] * factor)
+            state.mirror = tuple(None if v is None else v * factor for v in state.mirror)  # type: ignore[assignment]
+            state.scale_centre = tuple(v * factor for v in state.scale_centre)  # type: ignore[assignment]
+            state.clear = None if state.clear is None else state.clear * factor
+            state.bottom = None if state.bottom is None else state.bottom * factor
+            state.cycle_start *= factor
+        super().change_unit(unit)
+
+    # -- tool data
+
+    def tool_data(self, kind: int, number: int) -> float:
+        """Length or radius [mm], geometry or wear, of offset `number`: as set, or from the tool table."""
+        known = self.parameters.numbers.get(kind + number)
+        if known is not None:
+            return known
+        entry = self.tools.get(number)
+        if entry is None or kind in (numbers.LENGTH_WEAR, numbers.RADIUS_WEAR):
+            return 0.0
+        return (entry.offset[2] if kind == numbers.LENGTH_GEOMETRY else entry.diameter / 2.0) / MM
+
+    # -- what programs may ask
+
+    def position_variable(self, number: int) -> float | None:
+        """#5001 … block end, #5021 … machine, #5041 … present, #5061 … skip, #5081 … tool offset."""
+        kind, axis = divmod(number - 5001, 20)
+        if axis >= 6:
+            return None
+        if kind in (0, 2):
+            return subtract(self.tip(self.state.current), self.base())[axis]
+        if kind == 1:
+            return self.axes()[axis]
+        if kind == 3:
+            return self.parameters.numbers.get(number, 0.0)
+        if kind == 4:
+            return self.state.tool_offset[axis]
+        return 0.0
+
+    def mode_variable(self, number: int) -> float | None:
+        """#4001 …: G codes by group, and the last B D F H M N O S T words, as far as they are known."""
+        state = self.state
+        motion = state.motion if state.motion != 800 else state.before_cycle
+        known: dict[int, float] = {
+            1: motion / 10.0 if motion <= 30 else state.before_cycle / 10.0,
+            2: state.plane / 10.0,
+            3: 91.0 if state.incremental else 90.0,
+            5: state.feed_mode / 10.0,
+            6: 21.0 if state.unit == MM else 20.0,
+            7: {0: 40.0, 1: 41.0, -1: 42.0}[state.side],
+            8: state.length_mode / 10.0,
+            9: motion / 10.0 if motion >= 730 else 80.0,
+            10: state.retract / 10.0,
+            14: 53.0 + state.system if state.system <= 6 else 54.1,
+            16: 69.0 if state.turn is None else 68.0,
+            107: float(state.radius_number),
+            109: state.feed * state.feed_unit / state.unit,
+            111: float(state.length_number),
+            119: state.speed,
+            120: float(max(state.selected, 0)),
+            130: float(max(state.system - ADDITIONAL, 0)),
+        }
+        return known.get(number - 4000, 0.0)
+
+
+def first_of(index: int) -> int:
+    """The first variable of a work system's offsets."""
+    if index <= 6:
+        return numbers.FIRST_SYSTEM + 20 * (index - 1)
+    additional = index - ADDITIONAL
+    if additional <= 48:
+        return numbers.FIRST_ADDITIONAL + 20 * (additional - 1)
+    return numbers.FIRST_FURTHER + 20 * (additional - 49)
+
+
+__all__ = ["ADDITIONAL", "FanucControl", "FanucState", "first_of"]

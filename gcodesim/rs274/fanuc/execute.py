@@ -1,0 +1,224 @@
+"""One Fanuc block from first to last."""
+
+from __future__ import annotations
+
+from gcodesim import canon
+from gcodesim.rs274 import compensation, machine_codes, modes
+from gcodesim.rs274 import parameters as numbers
+from gcodesim.rs274.dialects import g_name
+from gcodesim.rs274.dialects.fanuc import CYCLES, MIRROR, SCALING, STROKE, TURN
+from gcodesim.rs274.dialects.linuxcnc import CANCEL, COMPENSATION, MOTION, NON_MODAL, PATH, SPINDLE, STOPPING
+from gcodesim.rs274.ends import end_point
+from gcodesim.rs274.fanuc import figure, offsets
+from gcodesim.rs274.fanuc.control import FanucControl
+from gcodesim.rs274.fanuc.cycles import cycle
+from gcodesim.rs274.fault import Fault
+from gcodesim.rs274.feeds import check_feed
+from gcodesim.rs274.motions import MOTIONS
+from gcodesim.rs274.words import AXIS_LETTERS, Words
+
+# one-shot codes to which the axis words of their block belong
+_CLAIMS_AXES = frozenset((40, 51, 80, 100, 110, 270, 280, 290, 300, 520, 920))
+_NOT_SIMULATED = {51: "G5.1", 80: "G8", 110: "G11", 270: "G27", 290: "G29"}
+_ARC_WORDS = frozenset("ijkr")
+_USED = frozenset("nofst") | AXIS_LETTERS
+
+
+def execute(words: Words, control: FanucControl, has_point: dict[str, bool]) -> None:
+    """Execute one block; its events are in `control.out`. Raises `Fault`; the caller puts the state back.
+
+    `has_point` says of each letter whether its number was written with a point.
+    """
+    g, state = words.g, control.state
+    modes.units(words, control)  # before F, unlike RS274
+    modes.plane(words, control)
+    modes.distance(words, control)
+    modes.spindle_mode(words, control)
+    modes.feed_mode(words, control)
+    modes.feed_rate(words, control)
+    machine_codes.spindle_speed(words, control)
+    machine_codes.select_tool(words, control)
+    machine_codes.change_tool(words, control)
+    _turn_spindle(words, control)
+    machine_codes.coolant(words, control)
+    machine_codes.overrides(words, control)
+    machine_codes.user_codes(words, control)
+    claimed = g.get(NON_MODAL, -1)
+    if claimed == 40:
+        _dwell(words, control)
+    _compensation(words, control)
+    _path(words, control)
+    modes.retract(words, control)
+    offsets.tool_length(words, control)
+    offsets.work_system(words, control)
+    used = _USED | _letters_of(words)
+    claims = claimed in _CLAIMS_AXES or not {SCALING, MIRROR, TURN, STROKE}.isdisjoint(g)
+    figure.switch(words, control, has_point)
+    if claimed in _NOT_SIMULATED or STROKE in g:
+        control.skip(_NOT_SIMULATED.get(claimed) or g_name(g[STROKE]).upper())
+    elif claimed in (100, 280, 300, 520, 920):
+        offsets.non_modal(words, control)
+    _cancel_cycle(words, control)
+    own = g.get(MOTION, -1)
+    motion = own if own >= 0 else state.motion
+    if claimed == 530:
+        _machine_coordinates(words, control)
+        motion = own
+    elif claimed == 310:
+        _skip_function(words, control)
+        motion = own
+    elif claims:
+        motion = own
+    else:
+        used |= _moved_by(words, control, motion, own)
+    if own >= 0 and own not in CYCLES:
+        state.cycle = -1
+        state.motion = own
+    _name_unused(words, control, used)
+    if words.m.get(STOPPING) in (2, 30):
+        machine_codes.end_program(control, shuttle=False)
+    else:
+        machine_codes.stop(words, control)
+    if state.side:
+        compensation.settle(control)
+
+
+def _moved_by(words: Words, control: FanucControl, motion: int, own: int) -> frozenset[str]:
+    """Execute the motion when the block has words for it; the letters that it uses."""
+    arc = motion in (20, 30)
+    state = control.state
+    if motion in CYCLES:
+        figure.apply(words, control, motion)
+        cycle(words, control, motion)
+        state.motion = motion
+        return frozenset("rpqkl")
+    if not words.has_axes() and not (arc and {"i", "j", "k"} & words.values.keys()):
+        return frozenset()
+    if arc:
+        words.values.pop("p", None)
+    kept = state.motion
+    motion = figure.apply(words, control, motion)
+    MOTIONS[motion](words, control, motion)
+    state.motion = own if own >= 0 else kept
+    return _ARC_WORDS if arc else frozenset("k" if motion == 330 else "")
+
+
+def _cancel_cycle(words: Words, control: FanucControl) -> None:
+    """G80: the motion before the cycle goes on."""
+    if words.g.get(CANCEL) == 800:
+        state = control.state
+        if state.motion in CYCLES:
+            state.motion = state.before_cycle
+        state.cycle = -1
+
+
+def _turn_spindle(words: Words, control: FanucControl) -> None:
+    if words.m.get(SPINDLE) in (19, 29):
+        control.skip(f"M{words.m[SPINDLE]}")
+    else:
+        machine_codes.turn_spindle(words, control)
+
+
+def _dwell(words: Words, control: FanucControl) -> None:
+    """G04 X or U in seconds, P in milliseconds."""
+    values = words.values
+    if "p" in values:
+        seconds = values["p"] * 1e-3
+    elif "x" in values or "u" in values:
+        seconds = values.get("x", values.get("u", 0.0))
+    else:
+        raise Fault("GS105", "G4 needs P or X", at="g4", hint="P is the time in milliseconds, X in seconds")
+    if seconds < 0.0:
+        raise Fault("GS106", f"the dwell is negative: {seconds:g} s", value=seconds)
+    control.dwell(seconds)
+
+
+def _path(words: Words, control: FanucControl) -> None:
+    """G61 stops exactly at each end; G62, G63 and G64 go through."""
+    code = words.g.get(PATH)
+    if code is not None:
+        control.state.path = 611 if code == 610 else 640
+        control.say_path()
+
+
+def _compensation(words: Words, control: FanucControl) -> None:
+    code = words.g.get(COMPENSATION)
+    if code is None:
+        return
+    if code == 400:
+        compensation.leave(control)
+        return
+    figure.side(words, control)
+    radius = offsets.check_radius_number(words, control)
+    given = words.values.pop("d", None)
+    compensation.switch(words, control)
+    state = control.state
+    state.comp_radius, state.comp_orientation = abs(radius), 0
+    if radius < 0.0:
+        state.side = -state.side
+    if given is not None:
+        words.values["d"] = given
+
+
+def _machine_coordinates(words: Words, control: FanucControl) -> None:
+    """G53: a rapid for one block; in G91 a control passes over it."""
+    if control.state.side:
+        raise Fault("GS150", "G53 is refused while cutter compensation is on", at="g53", hint="switch it off with G40")
+    if control.state.incremental:
+        control.warn("GS109", "G53 does nothing in G91", "say G90 before")
+        return
+    if words.has_axes():
+        control.rapid(end_point(words, control), "G53")
+
+
+def _skip_function(words: Words, control: FanucControl) -> None:
+    """G31: a straight feed that ends where the skip signal comes."""
+    state = control.state
+    if state.side:
+        raise Fault("GS150", "G31 is refused while cutter compensation is on", at="g31", hint="say G40 first")
+    check_feed(words, control, "G31")
+    figure.apply(words, control, 10)
+    end = end_point(words, control)
+    feed, unit = control.feed(control.moves_linear(end))
+    control.out.append(
+        canon.Probe(
+            span=control.span,
+            end=control.si_axes(control.tip(end)),
+            block=control.block_number,
+            word="G31",
+            feed=feed,
+            feed_unit=unit,
+            towards=True,
+            must_trip=False,
+        )
+    )
+    state.current = end
+    for axis in range(6):
+        control.parameters.set(numbers.PROBE + axis, end[axis])
+
+
+def _letters_of(words: Words) -> frozenset[str]:
+    """Letters that codes other than motions use."""
+    used = set()
+    claimed = words.g.get(NON_MODAL)
+    if claimed in (40, 300, 310):
+        used |= {"p", "q"}
+    if claimed in (51, 80):
+        used |= {"p", "q", "r"}
+    if claimed == 100:
+        used |= {"p", "r", "l", "q"}
+    if COMPENSATION in words.g:
+        used |= {"d", "h"}
+    if STROKE in words.g:
+        used |= {"i", "j", "k", "p", "q"}
+    if words.m_codes:
+        used |= {"p", "q", "r"}
+    return frozenset(used | {"h", "d"})
+
+
+def _name_unused(words: Words, control: FanucControl, used: frozenset[str]) -> None:
+    """Words that a control passes over without a word."""
+    for letter in words.values:
+        if letter not in used:
+            name = letter.upper()
+            control.warn("GS104", f"nothing in this block uses the word {name}: the control passes over it")

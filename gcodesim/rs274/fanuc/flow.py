@@ -1,0 +1,234 @@
+"""GOTO, loops, M98 and M99, macro calls: where a Fanuc program goes on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from gcodesim.diagnostics import Caller, SourceText
+from gcodesim.rs274.block import Flow
+from gcodesim.rs274.fanuc.control import FanucControl
+from gcodesim.rs274.fanuc.expressions import number_of
+from gcodesim.rs274.fanuc.program import MOST_LOOPS, FanucFile, Part
+from gcodesim.rs274.fault import Fault
+from gcodesim.rs274.flow import FlowControl, Stopped
+from gcodesim.rs274.frame import Frame
+from gcodesim.rs274.machine_codes import end_program
+from gcodesim.rs274.reader import Reader
+
+MOST_LEVELS = 10
+MOST_MACRO_LEVELS = 5
+_SUFFIXES = ("", ".nc", ".NC", ".ngc", ".txt", ".tap", ".cnc")
+_NO_PART = Part(None, 0, 0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Modal:
+    """A macro that G66 or G66.1 calls again and again."""
+
+    number: int
+    rounds: int
+    arguments: dict[int, float]
+    every_block: bool
+
+
+@dataclass(slots=True)
+class FanucFrame(Frame):
+    """`part` is the running program. `calls` are the modal macros in force here, shared with programs called by M98."""
+
+    part: Part = _NO_PART
+    macro: bool = False
+    macro_arguments: dict[int, float] = field(default_factory=dict)
+    outer: dict[int, float] = field(default_factory=dict)  # the caller's #1 to #33
+    calls: list[Modal] = field(default_factory=list)
+
+
+class FanucFlow(FlowControl):
+    """The stack of running programs and macros."""
+
+    control: FanucControl
+
+    def __init__(self, control: FanucControl, main: FanucFile, reader: Reader, folders: tuple[Path, ...]) -> None:
+        super().__init__(control, main, reader, folders)
+        self.frames = [FanucFrame(main, main.first, part=main.parts[0])]
+
+    @property
+    def running(self) -> FanucFrame:
+        frame = self.frame
+        assert isinstance(frame, FanucFrame)
+        return frame
+
+    @property
+    def _lines(self) -> FanucFile:
+        file = self.frame.file
+        assert isinstance(file, FanucFile)
+        return file
+
+    # -- jumps and loops
+
+    def execute(self, flow: Flow, index: int) -> None:
+        """A statement that stands alone: GOTO, DO, END, or the O of the running program."""
+        if flow.keyword == "program":
+            return
+        if flow.keyword == "goto":
+            if not flow.operands or self._holds(flow):
+                self.go_to(self._whole(number_of(flow.label, self.control.parameters), "GOTO"), index)
+            return
+        number = round(number_of(flow.label, self.control.parameters))
+        if not 1 <= number <= MOST_LOOPS:
+            message = f"{flow.keyword.upper()}{number}: loops are numbered 1, 2 and 3"
+            raise Fault("GS130", message, at=flow.place, hint="the same number may be used again after its END")
+        loops = self._lines.loops(self.running.part)
+        if index in loops.wrong:
+            raise Stopped("GS130", loops.wrong[index], hint="each DO needs its END, and loops may only nest")
+        if flow.keyword == "end":
+            self._back_to(loops.starts[index])
+        elif flow.operands and not self._holds(flow):
+            self.frame.at = loops.ends[index] + 1
+
+    def _holds(self, flow: Flow) -> bool:
+        return number_of(flow.operands[0], self.control.parameters) != 0.0
+
+    @staticmethod
+    def _whole(value: float, who: str) -> int:
+        number = round(value)
+        if abs(value - number) > 1e-4 or number < 0:
+            raise Fault("GS106", f"{who} {value:g}: it must be a whole number")
+        return number
+
+    def go_to(self, number: int, index: int) -> None:
+        """Go on at block N`number` of the running program."""
+        target = self._lines.sequence(number, index)
+        if target is None:
+            raise Stopped("GS130", f"there is no block N{number} in this program", hint=f"write N{number} before it")
+        if target <= index:
+            self._back_to(target)
+        else:
+            self.frame.at = target
+
+    # -- subprograms
+
+    def call_program(self, number: int, rounds: int, index: int) -> None:
+        """M98."""
+        if rounds <= 0:
+            return
+        calls = self.running.calls
+        file, part = self._find_program(number)
+        self._push(file, part, number, rounds, index).calls = calls
+
+    def repeats_of(self, word: float, rounds: int | None) -> tuple[int, int]:
+        """Program and rounds of M98 P L; P of five digits and more is rounds and the four digits of the program."""
+        number = self._whole(word, "P")
+        if rounds is not None:
+            return number, rounds
+        if number > 9999 and self._lines.program(number) is None:
+            return number % 10000, number // 10000
+        return number, 1
+
+    def end_of_program(self, block: int | None = None) -> None:
+        """M99: the next round, or back to the caller, there to N`block`."""
+        frame = self.running
+        if len(self.frames) == 1:
+            if block is not None:
+                self.go_to(block, frame.at - 1)
+            else:
+                end_program(self.control, shuttle=False)  # a control would start again from the top
+            return
+        frame.rounds -= 1
+        if frame.rounds > 0:
+            self._back_to(frame.first)
+            if frame.macro:
+                self.control.parameters.local = dict(frame.macro_arguments)
+            return
+        self.frames.pop()
+        self.control.sub_level = len(self.frames) - 1
+        if frame.macro:
+            self.control.parameters.local = frame.outer
+        if block is not None:
+            self.go_to(block, self.frame.at - 1)
+
+    # -- macros
+
+    def call_macro(self, number: int, rounds: int, arguments: dict[int, float], index: int) -> None:
+        """G65: variables of its own, modal calls of its caller."""
+        self._push_macro(number, rounds, arguments, index, self.running.calls)
+
+    def begin_modal(self, modal: Modal) -> None:
+        """G66 and G66.1; the program has to be there already."""
+        self._find_program(modal.number)
+        if len(self.running.calls) >= MOST_MACRO_LEVELS:
+            raise Fault("GS132", f"more than {MOST_MACRO_LEVELS} modal macros at once", hint="end them with G67")
+        self.running.calls.append(modal)
+
+    def end_modal(self) -> None:
+        """G67."""
+        if self.running.calls:
+            self.running.calls.pop()
+
+    def call_modal(self, index: int, arguments: dict[int, float] | None = None) -> None:
+        """Call the last modal macro; moves inside it call the one before."""
+        *others, modal = self.running.calls
+        if arguments is not None:
+            modal = replace(modal, arguments={**modal.arguments, **arguments})
+        self._push_macro(modal.number, modal.rounds, modal.arguments, index, others)
+
+    def _push_macro(
+        self, number: int, rounds: int, arguments: dict[int, float], index: int, calls: list[Modal]
+    ) -> None:
+        if rounds <= 0:
+            return
+        if sum(isinstance(frame, FanucFrame) and frame.macro for frame in self.frames) >= MOST_MACRO_LEVELS:
+            raise Stopped("GS132", f"macros are called more than {MOST_MACRO_LEVELS} deep")
+        file, part = self._find_program(number)
+        frame = self._push(file, part, number, rounds, index)
+        frame.calls = calls
+        frame.macro, frame.macro_arguments = True, arguments
+        frame.outer = self.control.parameters.local
+        self.control.parameters.local = dict(arguments)
+
+    def _push(self, file: FanucFile, part: Part, number: int, rounds: int, index: int) -> FanucFrame:
+        if len(self.frames) > MOST_LEVELS:
+            hint = "a program that calls itself needs an IF that ends it"
+            raise Stopped("GS132", f"programs are called more than {MOST_LEVELS} deep", hint=hint)
+        caller = Caller(self.frame.file.name, index + 1, f"O{number}")
+        frame = FanucFrame(
+            file,
+            part.first,
+            name=str(number),
+            first=part.first,
+            rounds=rounds,
+            callers=(*self.frame.callers, caller),
+            part=part,
+        )
+        self.frames.append(frame)
+        self.control.sub_level = len(self.frames) - 1
+        self.jumps += 1
+        return frame
+
+    def _find_program(self, number: int) -> tuple[FanucFile, Part]:
+        """In the running file, in the main one, or in a file of its name."""
+        main = self.frames[0].file
+        for file in (self._lines, main, self._file_of_number(number)):
+            part = file.program(number) if isinstance(file, FanucFile) else None
+            if part is not None:
+                assert isinstance(file, FanucFile)
+                return file, part
+        hint = f"begin it with a line O{number:04d}, or put it as O{number:04d}.nc into a folder of subroutines"
+        raise Stopped("GS131", f"there is no program O{number:04d}", hint=hint)
+
+    def _file_of_number(self, number: int) -> FanucFile | None:
+        names = [f"{head}{digits}" for head in ("O", "o", "") for digits in (f"{number:04d}", str(number))]
+        for folder in self.folders:
+            for name in dict.fromkeys(name + suffix for name in names for suffix in _SUFFIXES):
+                known = self.files.get(name)
+                if isinstance(known, FanucFile):
+                    return known
+                path = folder / name
+                try:
+                    if path.is_file():
+                        file = FanucFile(SourceText.read(path), self.reader)
+                        self.files[name] = file
+                        return file
+                except OSError:
+                    continue
+        return None

@@ -1,0 +1,139 @@
+"""A Fanuc file: programs by their O numbers, blocks by their N numbers, loops by their DO and END."""
+
+from __future__ import annotations
+
+import re
+from functools import cached_property
+from typing import NamedTuple
+
+from gcodesim.diagnostics import SourceText
+from gcodesim.rs274.program_file import ProgramFile
+from gcodesim.rs274.reader import Reader
+
+_BLANK_OR_NOTE = r"(?:\s|\([^)]*\))*"
+_PROGRAM = re.compile(rf"{_BLANK_OR_NOTE}(?:[Oo]|:)\s*0*([0-9]+)")
+_SEQUENCE = re.compile(rf"{_BLANK_OR_NOTE}(?:/[1-9]?\s*)?[Nn]\s*0*([0-9]+)")
+_LOOP = re.compile(r"(DO|END)\s*([0-9]+)")
+_NOTE = re.compile(r"\([^)]*\)|;.*")
+MOST_LOOPS = 3
+
+
+class Part(NamedTuple):
+    """One program of a file: `first` is its first line to execute, `end` the one after its last."""
+
+    number: int | None
+    first: int
+    end: int
+
+
+class Loops(NamedTuple):
+    """Lines of DO and of END that belong together, and what is wrong with others."""
+
+    ends: dict[int, int]
+    starts: dict[int, int]
+    wrong: dict[int, str]
+
+
+class FanucFile(ProgramFile):
+    """Lines outside the percent signs belong to no program."""
+
+    def __init__(self, source: SourceText, reader: Reader) -> None:
+        super().__init__(source, reader)
+        self.begin, self.end = _between_percents(self.lines)
+        self.has_percent = False  # a program that runs into the second % has no end, so it is no end by itself
+        self.first = self.parts[0].first
+
+    @cached_property
+    def parts(self) -> list[Part]:
+        """The programs in their order; text before the first O is a program without number when it says anything."""
+        heads = [
+            (index, int(match[1]))
+            for index in range(self.begin, self.end)
+            if (match := _PROGRAM.match(self.lines[index])) is not None
+        ]
+        if not heads:
+            return [Part(None, self.begin, self.end)]
+        parts = []
+        if any(_NOTE.sub("", line).strip() for line in self.lines[self.begin : heads[0][0]]):
+            parts.append(Part(None, self.begin, heads[0][0]))
+        for (index, number), following in zip(heads, [*heads[1:], (self.end, 0)], strict=True):
+            parts.append(Part(number, index, following[0]))
+        return parts
+
+    def program(self, number: int) -> Part | None:
+        """The first program with `number`."""
+        return next((part for part in self.parts if part.number == number), None)
+
+    def part_at(self, index: int) -> Part:
+        """The program that line `index` belongs to."""
+        return next((part for part in self.parts if part.first <= index < part.end), self.parts[-1])
+
+    @cached_property
+    def _sequences(self) -> dict[int, list[int]]:
+        found: dict[int, list[int]] = {}
+        for index in range(self.begin, self.end):
+            match = _SEQUENCE.match(self.lines[index])
+            if match is not None:
+                found.setdefault(int(match[1]), []).append(index)
+        return found
+
+    def sequence(self, number: int, index: int) -> int | None:
+        """The line of block N`number` in the program of line `index`: the next one, else the first from the top."""
+        part = self.part_at(index)
+        lines = [at for at in self._sequences.get(number, ()) if part.first <= at < part.end]
+        return next((at for at in lines if at > index), lines[0] if lines else None)
+
+    def loops(self, part: Part) -> Loops:
+        """The loops of a program; found once."""
+        known = self._loops.get(part.first)
+        if known is None:
+            known = self._loops[part.first] = _find_loops(self.lines, part)
+        return known
+
+    @cached_property
+    def _loops(self) -> dict[int, Loops]:
+        return {}
+
+
+def _between_percents(lines: list[str]) -> tuple[int, int]:
+    """Index of the first line of the programs and of the one after the last."""
+    marks = [index for index, line in enumerate(lines) if line.lstrip().startswith("%")]
+    if not marks:
+        return 0, len(lines)
+    if len(marks) == 1 and not any(line.strip() for line in lines[marks[0] + 1 :]):
+        return 0, marks[0]
+    return marks[0] + 1, marks[1] if len(marks) > 1 else len(lines)
+
+
+def _find_loops(lines: list[str], part: Part) -> Loops:
+    loops = Loops({}, {}, {})
+    stack: list[tuple[int, int]] = []
+    for index in range(part.first, part.end):
+        text = _NOTE.sub("", lines[index]).upper()
+        if "D" not in text:
+            continue
+        match = _LOOP.search(text)
+        if match is None:
+            continue
+        number = int(match[2])
+        if match[1] == "DO":
+            if any(number == other for other, _ in stack):
+                loops.wrong[index] = f"DO{number} inside DO{number}: nested loops need numbers of their own"
+            stack.append((number, index))
+            continue
+        if not stack:
+            loops.wrong[index] = f"END{number} has no DO{number} before it"
+        elif stack[-1][0] == number:
+            start = stack.pop()[1]
+            loops.ends[start], loops.starts[index] = index, start
+        elif any(number == other for other, _ in stack):
+            message = f"the loops cross: END{number} stands inside DO{stack[-1][0]}"
+            loops.wrong[index] = message
+            while stack[-1][0] != number:
+                loops.wrong.setdefault(stack.pop()[1], message)
+            loops.wrong.setdefault(stack.pop()[1], message)
+        else:
+            loops.wrong[index] = f"END{number} has no DO{number} before it"
+    for number, index in stack:
+        loops.wrong.setdefault(index, f"DO{number} has no END{number}")
+    return loops

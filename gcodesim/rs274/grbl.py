@@ -1,0 +1,76 @@
+"""Running a Grbl program: what the small control leaves out, where a table of codes cannot say it."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+from gcodesim.diagnostics import SourceText, Span
+from gcodesim.rs274.control import Control
+from gcodesim.rs274.dialects.linuxcnc import LENGTH
+from gcodesim.rs274.fault import Fault
+from gcodesim.rs274.flow import FlowControl
+from gcodesim.rs274.program_file import ProgramFile
+from gcodesim.rs274.run import Executor, Run
+from gcodesim.rs274.words import Words
+
+_REALTIME = "?!~"  # single characters that act at once, wherever they stand
+_LAST_SYSTEM = 6
+_LONGEST = 79  # characters in its buffer, without blanks and comments
+_NOTE_OR_BLANK = re.compile(r"\([^)]*\)?|;.*|\s")
+
+
+class GrblExecutor(Executor):
+    """Blocks as in RS274, after what Grbl refuses."""
+
+    def __init__(self, run: Run) -> None:
+        super().__init__(run)
+        self.settings = replace(self.settings, block_delete=False)  # it passes over the slash itself
+
+    def _parts(self, source: SourceText) -> tuple[ProgramFile, Control, FlowControl]:
+        file, control, flow = super()._parts(source)
+        file.has_percent, file.first = False, 0  # a percent sign is no end here, but an error
+        flow.frame.at = 0
+        return file, control, flow
+
+    def _line(self, file: ProgramFile, index: int, text: str) -> None:
+        problem = _refusal(text)
+        if problem is None:
+            super()._line(file, index, text)
+            return
+        self.control.span = Span.of_line(file.name, index + 1, text)
+        self._fault(problem, file, index, text, None)
+
+    def _obey(self, words: Words) -> None:
+        if words.g.get(0) == 100:
+            number = words.whole("p", "G10")
+            level = words.whole("l", "G10")
+            if level not in (2, 20):
+                raise Fault("GS105", "G10 knows L2 and L20 only", at="l" if "l" in words.values else "g10")
+            if number is not None and number > _LAST_SYSTEM:
+                raise Fault("GS106", f"G10 P{number}: P runs from 0 to 6", at="p", value=number, limit=_LAST_SYSTEM)
+        if words.g.get(LENGTH) == 431 and {"x", "y"} & words.values.keys():
+            raise Fault("GS106", "G43.1 takes Z only", at="g43.1")
+        super()._obey(words)
+
+
+def _refusal(text: str) -> Fault | None:
+    """What is wrong with a line before it is read as a block."""
+    head = text.lstrip()[:1]
+    if head == "$":
+        what = text.strip()
+        hint = "send it to the control before the program, not with it"
+        return Fault("GS001", f"`{what}` is a command to Grbl, not a block", at=(0, len(text)), hint=hint)
+    if head == "%":
+        return Fault("GS001", "Grbl knows no percent sign", at=(text.index("%"), text.index("%") + 1))
+    length = len(_NOTE_OR_BLANK.sub("", text))
+    if length > _LONGEST:
+        message = f"the line has {length} characters besides blanks and comments; {_LONGEST} are allowed"
+        return Fault("GS002", message, hint="split the line", value=length, limit=_LONGEST)
+    for at, char in enumerate(text):
+        if char in "(;":
+            return None
+        if char in _REALTIME:
+            message = f"`{char}` acts on the running machine at once; it is no part of a block"
+            return Fault("GS001", message, at=(at, at + 1))
+    return None

@@ -1,0 +1,224 @@
+"""What the Fanuc corpus leaves out; ends of moves were worked out by hand from the rules named in each test."""
+
+import pytest
+
+
+@pytest.fixture
+def fanuc(program):
+    def done(text, **settings):
+        return program(text, dialect="fanuc", **settings)
+
+    return done
+
+
+def body(*lines):
+    return "%\nO0001\n" + "\n".join(lines) + "\n%\n"
+
+
+def test_argument_list_two_counts_i_j_k_in_triples(fanuc):
+    """I2. J3. K4. are #4 #5 #6, the next I #7; K after I #9; a J after that K opens the third triple: #11."""
+    done = fanuc(
+        body(
+            "G65 P9000 A1. I2. J3. K4. I5. K6. J7.",
+            "M30",
+            "O9000",
+            "G00 X[#1+#4*10.] Y[#5+#6*10.] Z[#7+#9*10.+#11*100.]",
+            "M99",
+        )
+    )
+
+    assert done.ends == [[21, 43, 765]]
+    assert not done.findings
+
+
+def test_list_two_gives_33_variables_at_most(fanuc):
+    done = fanuc(body("G65 P9000 " + "I1." * 11, "M30", "O9000", "M99"))
+
+    assert [(f.code, f.span.line) for f in done.errors] == [("GS133", 3)]
+
+
+def test_g66_1_calls_in_every_block_with_the_block_as_arguments(fanuc):
+    """Nothing of the block itself is executed; its last G is #10."""
+    done = fanuc(
+        body("G66.1 P9000", "G01 X3. F50.", "Y4.", "G67", "G00 X0.", "M30", "O9000", "G00 X#24 Y#25 Z#10", "M99")
+    )
+
+    assert done.ends == [[3, 0, 1], [3, 4, 1], [0, 4, 1]]
+    assert not done.acts("line")
+
+
+def test_modal_calls_nest_the_inner_ones_moves_call_the_outer(fanuc):
+    """The move calls O2; the move in O2 calls O1, whose own moves call nothing."""
+    done = fanuc(
+        body("G66 P1000", "G66 P2000", "G00 X1.", "G67", "G67", "X5.", "M30")[:-2]
+        + "O1000\nG91 Z1.\nG90\nM99\nO2000\nG00 Y7.\nM99\n%\n"
+    )
+
+    assert done.ends == [[1, 0, 0], [1, 7, 0], [1, 7, 1], [5, 7, 1]]
+
+
+def test_skip_function_stores_where_it_ended(fanuc):
+    done = fanuc(body("G90 G31 X20. F50.", "G00 Y#5061", "M30"))
+
+    assert done.acts("probe")[0]["end"][:3] == [20, 0, 0]
+    assert done.acts("probe")[0]["feed"] == 50
+    assert done.ends[-1] == [20, 20, 0]
+
+
+def test_second_reference_point_by_way_of_a_point(fanuc):
+    done = fanuc(
+        body("G90 G00 X10. Y10. Z5.", "G91 G30 P2 X0. Z5.", "M30"), parameters={5181: 100.0, 5182: 50.0, 5183: 20.0}
+    )
+
+    assert done.ends == [[10, 10, 5], [10, 10, 10], [100, 10, 20]]
+
+
+def test_mirror_image_turns_arcs_round(fanuc):
+    """About X0 the clockwise half circle 5 → 15 becomes a counterclockwise one −5 → −15."""
+    done = fanuc(body("G51.1 X0.", "G90 G00 X5. Y0.", "G02 X15. I5. F100.", "G50.1 X0.", "G00 X5.", "M30"))
+
+    arc = done.acts("arc")[0]
+    assert done.ends == [[-5, 0, 0], [-15, 0, 0], [5, 0, 0]]
+    assert (arc["center"], arc["ccw"], arc["sweep"]) == ([-10, 0, 0], True, 180)
+
+
+def test_mirror_in_both_axes_keeps_the_sense(fanuc):
+    done = fanuc(body("G51.1 X1. Y2.", "G90 G00 X5. Y0.", "G02 X15. I5. F100.", "M30"))
+
+    assert done.ends == [[-3, 4, 0], [-13, 4, 0]]
+    assert done.acts("arc")[0]["ccw"] is False
+
+
+def test_mirror_of_incremental_moves_changes_the_sign_only(fanuc):
+    done = fanuc(body("G51.1 X100.", "G91 G00 X5. Y1.", "M30"))
+
+    assert done.ends == [[-5, 1, 0]]
+
+
+def test_scaling_about_a_point(fanuc):
+    """P2000 is twice the size: (5, 5) about (1, 0) goes to (9, 10); I grows too."""
+    done = fanuc(body("G51 X1. Y0. Z0. P2000", "G90 G00 X5. Y5.", "G02 X10. I2.5 F100.", "G50", "G00 X0. Y0.", "M30"))
+
+    assert done.ends == [[9, 10, 0], [19, 10, 0], [0, 0, 0]]
+    assert done.acts("arc")[0]["center"] == [14, 10, 0]
+
+
+def test_scaling_by_axis_and_with_points(fanuc):
+    done = fanuc(body("G51 X0. Y0. Z0. I2. J0.5 K1.", "G90 G01 X3. Y4. Z-1. F100.", "G02 X5. R1.", "M30"))
+
+    assert done.ends[0] == [6, 2, -1]
+    assert [(f.code, f.span.line) for f in done.errors] == [("GS110", 5)]
+
+
+def test_scaling_leaves_the_depth_of_holes_alone(fanuc):
+    done = fanuc(body("G51 X0. Y0. Z0. P3.", "G90 G00 X1. Y0. Z0.", "G99 G81 X2. Z-3. R0. F100.", "M30"))
+
+    assert done.ends == [[3, 0, 0], [6, 0, 0], [6, 0, 0], [6, 0, -3], [6, 0, 0]]
+
+
+def test_turn_applies_after_mirror(fanuc):
+    """(5, 0) mirrored about X0 is (−5, 0), turned by 90 degrees (0, −5)."""
+    done = fanuc(body("G68 X0. Y0. R90.", "G51.1 X0.", "G90 G00 X5. Y0.", "M30"))
+
+    assert done.ends[0] == pytest.approx([0, -5, 0])
+
+
+def test_cutter_compensation_inside_a_corner(fanuc):
+    """D1 is 6 mm across. Entering left of +Y ends at X-3; the left turn into −X is an inside corner: (−3, 17)."""
+    done = fanuc(body("G90 G00 X0. Y-10.", "G41 D01 G01 Y0. F100.", "Y20.", "X-20.", "G40 G00 X-30. Y30.", "M30"))
+
+    assert done.ends == [[0, -10, 0], [-3, 0, 0], [-3, 17, 0], [-20, 17, 0], [-30, 30, 0]]
+
+
+def test_d_takes_radius_and_wear_from_g10(fanuc):
+    """L12 sets the radius 4, L13 the wear −0.5."""
+    done = fanuc(body("G90 G10 L12 P5 R4.", "G10 L13 P5 R-.5", "G42 D05 G01 Y10. F100.", "Y20.", "G40 X20.", "M30"))
+
+    assert done.ends[:2] == [[3.5, 10, 0], [3.5, 20, 0]]
+
+
+def test_mirror_swaps_the_side_of_compensation(fanuc):
+    done = fanuc(body("G51.1 X0.", "G41 D01 G01 Y10. F100.", "Y20.", "G40 X20.", "M30"))
+
+    assert done.ends[:2] == [[3, 10, 0], [3, 20, 0]]
+
+
+@pytest.mark.parametrize("name", ["O2000", "O2000.nc", "o2000.ngc", "2000.ngc"])
+def test_subprograms_in_a_folder(fanuc, tmp_path, name):
+    (tmp_path / name).write_text("%\nO2000(SUB)\nG00 X1.\nM99\n%\n")
+    done = fanuc(body("M98 P2000", "G00 Y2.", "M30"), subroutines=(tmp_path,))
+
+    assert done.ends == [[1, 0, 0], [1, 2, 0]]
+    assert done.events[-1]["kind"] == "end"
+
+
+def test_numbers_without_a_point_in_increments(fanuc):
+    """IS-B: 0.001 mm, 0.0001 inch; feeds in mm/min as written; dwell X in milliseconds."""
+    text = body("G90 G00 X1000 Y1.", "G01 Z-500 F100", "G02 X2000 I500", "G04 X1500", "G20 G00 X10000", "M30")
+
+    done = fanuc(text, decimal_point="increments")
+
+    assert done.ends == [[1, 1, 0], [1, 1, -0.5], [2, 1, -0.5], [25.4, 1, -0.5]]
+    assert done.acts("line")[0]["feed"] == 100
+    assert done.acts("dwell")[0]["seconds"] == 1.5
+    assert fanuc(text.replace("X1000", "X5")).ends[0] == [5, 1, 0]
+
+
+def test_locals_of_a_macro_are_its_own_and_m98_shares_them(fanuc):
+    done = fanuc(
+        body("#1=5.", "G65 P9000 A1.", "M98 P8000", "G00 Z#1", "M30", "O9000", "#1=9.", "M99", "O8000", "#1=#1+1.")[:-2]
+        + "M99\n%\n"
+    )
+
+    assert done.ends == [[0, 0, 6]]
+
+
+def test_words_that_nothing_uses_are_a_warning(fanuc):
+    done = fanuc(body("G00 X1. Q5.", "M30"))
+
+    assert done.ends == [[1, 0, 0]]
+    assert [f.code for f in done.findings] == ["GS104"]
+    assert not done.errors
+
+
+def test_of_two_codes_of_a_group_the_last_counts(fanuc):
+    done = fanuc(body("G90 G91 G00 X1.", "X1.", "M30"))
+
+    assert done.ends == [[1, 0, 0], [2, 0, 0]]
+    assert not done.errors
+
+
+def test_motion_code_beside_g28_sets_the_mode_only(fanuc):
+    done = fanuc(body("G90 G01 Z-5. F100.", "G00 G91 G28 Z0.", "G90 X5.", "M30"))
+
+    assert done.ends == [[0, 0, -5], [0, 0, -5], [0, 0, 0], [5, 0, 0]]
+
+
+def test_fine_boring_lifts_the_edge(fanuc):
+    done = fanuc(body("S100 M03", "G90 G00 Z10.", "G98 G76 X5. Z-3. R1. Q.5 F50.", "M30"))
+
+    assert done.ends[1:] == [[5, 0, 10], [5, 0, 1], [5, 0, -3], [5.5, 0, -3], [5.5, 0, 10], [5, 0, 10]]
+
+
+def test_a_program_that_runs_into_the_next_one_has_no_end(fanuc):
+    done = fanuc("%\nO1\nG00 X1.\nO2\nG00 X2.\nM30\n%\n")
+
+    assert [f.code for f in done.errors] == ["GS010"]
+
+
+def test_endless_recursion_is_a_finding(fanuc):
+    done = fanuc(body("M98 P1", "M30"))
+
+    assert [f.code for f in done.errors] == ["GS132"]
+
+
+def test_statement_beside_words_is_refused(fanuc):
+    done = fanuc(body("#1=2. G00 X1.", "M30"))
+
+    assert [(f.code, f.span.line) for f in done.errors] == [("GS008", 3)]
+
+
+def test_atan_of_two_covers_the_circle(fanuc):
+    done = fanuc(body("G00 X[ATAN[-1.]/[-1.]] Y[POW[2.,3.]] Z[7 AND 12]", "M30"))
+
+    assert done.ends == [[225, 8, 4]]
