@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final, Protocol
 import numpy as np
 
 from gcodesim.diagnostics import Diagnostic
+from gcodesim.executor.behind import Behind
 from gcodesim.executor.coupling import Coupling, Stretch
 from gcodesim.executor.part import Part
 from gcodesim.executor.record import StepRecord, record_of
@@ -47,8 +48,12 @@ class Watcher(Protocol):
     def start(self, world_steps: WorldSteps, window: StepWindow) -> None:
         """The state before the first step, as a window of one step that does not move."""
 
-    def take(self, record: StepRecord, found: Sequence[Diagnostic]) -> None:
-        """The next window, and the findings that came up in it."""
+    def take(self, record: StepRecord, found: Sequence[Diagnostic]) -> Callable[[], None]:
+        """The next window, and the findings that came up in it; stock has to be looked at now.
+
+        The answer is work that needs the record alone; it is done in order, in another thread, while the next
+        window runs.
+        """
 
     @property
     def interval_steps(self) -> int:
@@ -97,6 +102,7 @@ def execute(
     coupling = Coupling(plan, shop, rows)
     most = MOST_STEPS if watcher is None else max(1, min(MOST_STEPS, watcher.interval_steps))
     done, interrupted, last_row = 0, False, 0
+    behind = Behind()
     volumes: dict[str, tuple[float, float]] = {}
     try:
         _attach(world, shop, int(rows.tool[0]))
@@ -113,7 +119,7 @@ def execute(
             _sum_up(record, totals, joints)
             found = inspect(record, totals, joints) if inspect is not None else []
             if watcher is not None:
-                watcher.take(record, found)
+                behind.do(watcher.take(record, found))
             done += count
             last_row = int(window.row[-1])
             if progress is not None:
@@ -122,6 +128,7 @@ def execute(
         interrupted = True
     finally:
         world.close()
+        behind.close()
     return Execution(
         rows=totals,
         joints=joints,

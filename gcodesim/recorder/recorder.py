@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from gcodesim.executor.window import StepWindow
     from gcodesim.job import Job
     from gcodesim.material.stock import Stock
-    from gcodesim.material.surface import Surface, Tiles
+    from gcodesim.material.surface import Surface, Tile, Tiles
     from gcodesim.world import WorldSteps
 
 LOG_NAME: Final = "run.mcap"
@@ -149,8 +149,19 @@ class Recorder:
         self._write(record_of(window, world, []), np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64))
         self._writer.blocks(self._blocks.between(0, 1))
 
-    def take(self, record: StepRecord, found: Sequence[Diagnostic]) -> None:
-        """The next window, and the findings that came up in it."""
+    def take(self, record: StepRecord, found: Sequence[Diagnostic]) -> Callable[[], None]:
+        """The next window, and the findings that came up in it; answers the work of writing it down.
+
+        Stock is looked at here, as the window leaves it; all else can wait while the next one runs.
+        """
+        end_ns = (record.window.first + len(record.window)) * self._step_ns
+        drawn: list[Sequence[Tile]] = []
+        if end_ns >= self._next_tile_ns:
+            drawn = [tiles.changed() for tiles in self._tiles]
+            self._next_tile_ns += self._tile_ns
+        return lambda: self._write_down(record, found, drawn)
+
+    def _write_down(self, record: StepRecord, found: Sequence[Diagnostic], drawn: Sequence[Sequence[Tile]]) -> None:
         window = record.window
         ends = (window.first + 1 + np.arange(len(window), dtype=np.int64)) * self._step_ns
         logged = np.flatnonzero(ends % self._period_ns == 0)
@@ -160,15 +171,10 @@ class Recorder:
         self._changes_of_tool(self._now_ns, int(ends[-1]), window)
         self._write(record, ends[logged], logged)
         self._now_ns = int(ends[-1])
-        if self._now_ns >= self._next_tile_ns:
-            self._look_at_stock()
-            self._next_tile_ns += self._tile_ns
+        for index, tiles in enumerate(drawn):
+            self._draw(self._now_ns, index, tiles)
 
-    def _look_at_stock(self) -> None:
-        for index, tiles in enumerate(self._tiles):
-            self._draw(self._now_ns, index, tiles.changed())
-
-    def _draw(self, t_ns: int, index: int, tiles: Sequence[Any]) -> None:
+    def _draw(self, t_ns: int, index: int, tiles: Sequence[Tile]) -> None:
         first = sum(len(before) for before in self._tiles[:index])
         frame = stock_frame(index, list(self._shop.stocks)[index])
         for tile in tiles:
@@ -302,7 +308,8 @@ class Recorder:
 
     def finish(self, results: Results, execution: Execution) -> None:
         """Close the log and write results and stocks beside it."""
-        self._look_at_stock()
+        for index, tiles in enumerate(self._tiles):
+            self._draw(self._now_ns, index, tiles.changed())
         if execution.interrupted:
             stopped = results.stopped_at
             place = {"file": stopped.file, "line": stopped.line} if stopped is not None else {}
