@@ -550,7 +550,11 @@ TX2 = Model(
         (Tube((0, -0.038, 0), (0, 0.038, 0), 0.043), Tube((0, 0, 0.02), (0, 0, 0.085), 0.036)),
         (Tube((0, 0, 0.085), (0, 0, 0.1), 0.038),),
     ),
-    masses=shared_masses(114.0, _TX2_BOXES),
+    # shared out by size, the arm could not carry itself: its shell is wide, its forearm light
+    masses=tuple(
+        box_mass(mass, low, high, remark="mass and inertia assumed: 114 kg, most of it near the base, solid boxes")
+        for mass, (low, high) in zip((45.0, 25.0, 22.0, 12.0, 6.0, 3.0, 1.0), _TX2_BOXES, strict=True)
+    ),
 )
 
 GANTRY = Model(
