@@ -28,14 +28,13 @@ import pybullet_industrial as pi
 urdf, program = sys.argv[1:]
 p.connect(p.DIRECT)
 robot = pi.RobotBase(urdf, [0, 0, 0], [0, 0, 0, 1])
-processor = pi.GCodeProcessor(robot=robot)
-text = open(program).read()
-processor.gcode = processor.read_g_code(program)
+lines = open(program).read()
+processor = pi.GCodeProcessor(lines, robot)
 begin = time.process_time()
 count = 0
 for line in processor:
     count += 1
-print(len(processor.gcode) / (time.process_time() - begin))
+print(len(lines.splitlines()) / (time.process_time() - begin))
 """
 
 
@@ -50,7 +49,7 @@ def rate(lines: int) -> float | str:
         if done.returncode:
             return (done.stderr.strip().splitlines() or ["pip failed"])[-1]
         program = folder / "lines.nc"
-        program.write_text("\n".join(f"G1 X{0.6 + 0.0005 * i:.4f} Y0.0 Z0.6" for i in range(lines)) + "\n")
+        program.write_text("\n".join(f"G1 X{0.6 + 0.0005 * i:.4f} Y0.0 Z0.6 A0 B0 C0" for i in range(lines)) + "\n")
         (folder / "lines.py").write_text(SCRIPT)
         done = subprocess.run(
             [python, str(folder / "lines.py"), str(MODELS["kuka_kr10_r1100_2"].path), str(program)],
