@@ -106,7 +106,7 @@ CODES += (
     ),
     Code(
         code="GS911",
-        severity=Severity.WARNING,
+        severity=Severity.NOTE,
         title="A rotary axis turns nothing",
         what="The program moves a rotary axis of the machine for which the cell gives no point (`at`).",
         why="Without its place the axis takes time only. What is cut while it moves or stands turned is not right.",
