@@ -65,7 +65,7 @@ def main(blocks: int = job.BLOCKS) -> None:
                     small, _ = job.write(folder / "small", cell, 20)
                     run(["gcodesim", "run", str(small), *order[2:]])
                 wall, spent = run(["gcodesim", *order])
-                seconds = sum(json.loads((out / "results.json").read_text())["time_s"].values())
+                seconds = json.loads((out / "results.json").read_text())["time"]["total_s"]
                 goal = f", goal {GOALS[world]:g} s" if blocks == job.BLOCKS else ""
                 print(f"{cell}, {world}: {wall:.2f} s wall{goal}, {spent:.2f} s processor, ", end="")
                 print(f"{seconds / wall:.0f} x real time ({seconds:.0f} s of machine time)")

@@ -34,7 +34,7 @@ LOG_NAME: Final = "run.mcap"
 TILE_PERIOD_NS: Final = 500_000_000
 """Stock is drawn at most this often."""
 
-DRAWN_COLUMNS: Final = 40_000
+DRAWN_COLUMNS: Final = 25_000
 """Columns of a stock that the log draws: finer than a screen shows, and a look costs milliseconds."""
 
 MOST_TILE_LOOKS: Final = 120
