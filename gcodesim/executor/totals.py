@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 from gcodesim.frames import Array
 
 Rows = NDArray[np.int64]
+
+TREMBLE: Final = 1e-9
+"""[m, rad] by which a motor that stands still may be off its place; no new extreme of the joint."""
 
 
 @dataclass(slots=True, eq=False)
@@ -92,9 +95,10 @@ class JointTotals:
             return
         index = np.arange(q.shape[1])
         low, high = q.argmin(axis=0), q.argmax(axis=0)
-        lower, higher = q[low, index] < self.least, q[high, index] > self.most
+        lower, higher = q[low, index] < self.least - TREMBLE, q[high, index] > self.most + TREMBLE
         self.least_row[lower], self.most_row[higher] = rows[low][lower], rows[high][higher]
-        self.least, self.most = np.minimum(self.least, q[low, index]), np.maximum(self.most, q[high, index])
+        self.least = np.where(lower, q[low, index], self.least)
+        self.most = np.where(higher, q[high, index], self.most)
         self.speed = np.maximum(self.speed, np.abs(qd).max(axis=0))
         self.acceleration = np.maximum(self.acceleration, np.abs(qdd).max(axis=0))
         top = np.abs(effort).argmax(axis=0)
