@@ -94,8 +94,3 @@ _load_without_scipy()
 def kernel(function: F) -> F:
     """Compile `function` on first call: no fast-math, no parallel reductions, so results are repeatable."""
     return numba.njit(cache=cache_folder is not None, error_model="numpy", nogil=True)(function)  # type: ignore[no-any-return]
-
-
-def inline_kernel(function: F) -> F:
-    """Like `kernel`, for small helpers that other kernels call in their innermost loop."""
-    return numba.njit(cache=cache_folder is not None, error_model="numpy", inline="always")(function)  # type: ignore[no-any-return]

@@ -40,10 +40,6 @@ class Machine:
     def link_shapes(self) -> tuple[LinkShape, ...]:
         return self.chain.shapes()
 
-    @cached_property
-    def collision_shapes(self) -> tuple[LinkShape, ...]:
-        return self.chain.shapes("collision")
-
     def _poses(self, q: Array, carrier: Indices, offset: Array) -> Array:
         q, tree = rows(q), self.chain.tree
         out = np.empty((len(q), len(carrier), 4, 4))
