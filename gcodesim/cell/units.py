@@ -73,6 +73,7 @@ DIMENSIONS: Final[dict[str, Dimension]] = {
         _dimension("force per length", "N/mm", "N_mm", "13 N/mm"),
         _dimension("stiffness", "N/mm", "N_mm", "1e5 N/mm"),
         _dimension("torsional stiffness", "N·m/rad", "Nm_rad", "1.5e5 N·m/rad"),
+        _dimension("volume", "mm^3", "mm3", "5 mm^3"),
         _dimension("volume flow", "mm^3/s", "mm3_s", "12 mm^3/s"),
         _dimension("density", "kg/m^3", "kg_m3", "2700 kg/m^3"),
     )
@@ -139,6 +140,8 @@ UNITS: Final[tuple[Unit, ...]] = (
     Unit("N·m/rad", "torsional stiffness", 1.0, ("Nm/rad",)),
     Unit("kN·m/rad", "torsional stiffness", 1e3, ("kNm/rad",)),
     Unit("N·m/deg", "torsional stiffness", 1.0 / si.DEG, ("Nm/deg",)),
+    Unit("mm^3", "volume", si.MM3),
+    Unit("cm^3", "volume", 1e-6, ("ml",)),
     Unit("mm^3/s", "volume flow", si.MM3),
     Unit("cm^3/min", "volume flow", 1e-6 / si.MINUTE),
     Unit("l/min", "volume flow", 1e-3 / si.MINUTE),
@@ -157,7 +160,7 @@ def normal(text: str) -> str:
     """A unit as the table writes it: no blanks, one middle dot, `^2` for ², `u` for µ, `deg` for °."""
     text = text.strip().translate(_SPELLING)
     text = text.replace(" / ", "/").replace("/ ", "/").replace(" /", "/").replace(" · ", "·")
-    return "·".join(text.split()).replace("s2", "s^2").replace("mm2", "mm^2").replace("^^", "^")
+    return "·".join(text.split()).replace("s2", "s^2").replace("mm2", "mm^2").replace("mm3", "mm^3").replace("^^", "^")
 
 
 @cache

@@ -3,92 +3,47 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, Final
 
+from gcodesim.regress.changes import Change
+from gcodesim.regress.tolerance import DEFAULTS, Tolerances, quantity_of
 
-@dataclass(frozen=True, slots=True)
-class Tolerance:
-    """A difference is none up to ``max(absolute, relative * old)``; `absolute` in the unit of the quantity."""
-
-    absolute: float
-    relative: float = 0.0
-
-    def allows(self, old: float, new: float) -> bool:
-        return abs(new - old) <= max(self.absolute, self.relative * abs(old))
-
-
-# by the end of a quantity's name, as units stand in the names; the first that fits counts
-TOLERANCES: Final[Mapping[str, Tolerance]] = {
-    "_mm3": Tolerance(0.5, 1e-3),
-    "_s": Tolerance(0.01, 1e-3),
-    "_mm": Tolerance(0.01, 1e-4),
-    "_N": Tolerance(0.5, 0.01),
-    "_Nm": Tolerance(0.01, 0.01),
-    "_W": Tolerance(1.0, 0.01),
-    "": Tolerance(1e-3, 1e-3),
-}
-
-# what identifies a run or places a number, but is no result
+# what identifies a run or places a number, but is no result; findings are compared on their own
 _NOT_COMPARED: Final = frozenset(
-    {"inputs", "schema", "line_of_max_force", "line_of_margin", "first_line", "error_bound_mm3"}
+    {
+        *("inputs", "schema", "findings", "stopped_at"),
+        *("line_of_max_force", "line_of_margin", "first_line", "error_bound_mm3"),
+    }
 )
 _NAMES: Final = ("number", "name", "word")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Change:
-    """One quantity that differs, `quantity` as a path: ``stocks.stock.removed_mm3``; None where it is missing."""
-
-    quantity: str
-    old: Any
-    new: Any
-    allowed: float | None = None
-
-    @property
-    def text(self) -> str:
-        """One line for people."""
-        if isinstance(self.old, (int, float)) and isinstance(self.new, (int, float)):
-            limit = "" if self.allowed is None else f", {self.allowed:.4g} is allowed"
-            return f"{self.quantity}: {self.old:.6g} → {self.new:.6g} ({self.new - self.old:+.4g}{limit})"
-        return f"{self.quantity}: {_shown(self.old)} → {_shown(self.new)}"
-
-
-def _shown(value: Any) -> str:
-    return "nothing" if value is None else str(value)
-
-
 def compare_results(
-    old: Mapping[str, Any], new: Mapping[str, Any], tolerances: Mapping[str, Tolerance] = TOLERANCES
+    old: Mapping[str, Any], new: Mapping[str, Any], tolerances: Tolerances = DEFAULTS
 ) -> list[Change]:
-    """What differs in meaning between two contents of `results.json`, in the order of the file.
+    """What differs in meaning between two contents of `results.json` besides findings, in the order of the file.
 
-    Findings are the same when code and message are: lines may move when a
-    program is renumbered. Hashes, names of inputs and line numbers do not count.
+    Hashes, names of inputs and line numbers do not count.
     """
     return list(_compare("", old, new, tolerances))
 
 
-def _compare(path: str, old: Any, new: Any, tolerances: Mapping[str, Tolerance]) -> Iterator[Change]:
-    if path == "findings":
-        yield from _findings(old or [], new or [])
-    elif isinstance(old, Mapping) and isinstance(new, Mapping):
+def _compare(path: str, old: Any, new: Any, tolerances: Tolerances) -> Iterator[Change]:
+    if isinstance(old, Mapping) and isinstance(new, Mapping):
         for key in [*old, *(key for key in new if key not in old)]:
-            if key not in _NOT_COMPARED and key != "stopped_at":
+            if key not in _NOT_COMPARED:
                 yield from _compare(f"{path}.{key}" if path else key, old.get(key), new.get(key), tolerances)
     elif isinstance(old, list) and isinstance(new, list):
         yield from _compare(path, _by_name(old), _by_name(new), tolerances)
-    elif _is_number(old) and _is_number(new):
-        tolerance = next(t for end, t in tolerances.items() if path.endswith(end))
-        if not tolerance.allows(old, new):
-            yield Change(
-                quantity=path, old=old, new=new, allowed=max(tolerance.absolute, tolerance.relative * abs(old))
-            )
+    elif is_number(old) and is_number(new):
+        name = quantity_of(path)
+        if not tolerances[name].allows(old, new):
+            yield Change(quantity=path, old=old, new=new, allowed=tolerances[name].limit(old), tolerance=name)
     elif old != new:
         yield Change(quantity=path, old=old, new=new)
 
 
-def _is_number(value: Any) -> bool:
+def is_number(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
@@ -97,15 +52,17 @@ def _by_name(entries: Sequence[Mapping[str, Any]]) -> dict[str, Mapping[str, Any
     return {str(next((entry[name] for name in _NAMES if name in entry), i)): entry for i, entry in enumerate(entries)}
 
 
-def _findings(old: Sequence[Mapping[str, Any]], new: Sequence[Mapping[str, Any]]) -> Iterator[Change]:
-    def told(findings: Sequence[Mapping[str, Any]]) -> list[str]:
-        return [f"{finding['severity']} {finding['code']}: {finding['message']}" for finding in findings]
+def value_at(results: Mapping[str, Any], path: str) -> Any:
+    """The value at a path such as ``tools.1.max_force_N``; KeyError when there is none.
 
-    before, after = told(old), told(new)
-    for text in before:
-        if text in after:
-            after.remove(text)
-        else:
-            yield Change(quantity="findings", old=text, new=None)
-    for text in after:
-        yield Change(quantity="findings", old=None, new=text)
+    Names may contain dots (`stocks.my.stock.removed_mm3`): the longest key that fits is taken.
+    """
+    if not path:
+        return results
+    inner = {key: _by_name(value) if isinstance(value, list) else value for key, value in results.items()}
+    for key in sorted(inner, key=len, reverse=True):
+        if path == key:
+            return inner[key]
+        if path.startswith(f"{key}.") and isinstance(inner[key], Mapping):
+            return value_at(inner[key], path[len(key) + 1 :])
+    raise KeyError(path)

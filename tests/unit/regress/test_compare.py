@@ -34,7 +34,6 @@ def test_a_run_equals_itself() -> None:
     "new",
     [
         changed("inputs", "program", "sha256", to="b"),
-        changed("findings", 0, "line", to=3),
         changed("tools", 0, "line_of_max_force", to=8),
         changed("time", "total_s", to=10.009),
         changed("stocks", "stock", "removed_mm3", to=656.9),
@@ -51,7 +50,6 @@ def test_what_does_not_count(new: dict[str, object]) -> None:
         (changed("stocks", "stock", "removed_mm3", to=687.9), "stocks.stock.removed_mm3"),
         (changed("tools", 0, "max_force_N", to=82.0), "tools.1.max_force_N"),
         (changed("status", to="findings"), "status"),
-        (changed("findings", to=[]), "findings"),
         (changed("tools", to=[]), "tools.1"),
     ],
 )

@@ -1,0 +1,94 @@
+"""What may differ: one table of quantities, each with its unit and how much of a difference is none."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+
+@dataclass(frozen=True, slots=True)
+class Tolerance:
+    """A difference is none up to ``max(absolute, relative * |old|)``; `absolute` in the unit of the quantity."""
+
+    absolute: float
+    relative: float = 0.0
+
+    def limit(self, old: float) -> float:
+        """The greatest difference from `old` that is none."""
+        return max(self.absolute, self.relative * abs(old))
+
+    def allows(self, old: float, new: float) -> bool:
+        # the last bits of what a file holds in decimal are no difference
+        return abs(new - old) <= self.limit(old) * (1.0 + 1e-9) + 1e-12
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Quantity:
+    """A row of the table: `dimension` is one of the cell file's, `unit` what files and messages show."""
+
+    dimension: str
+    unit: str
+    default: Tolerance
+    what: str
+
+
+QUANTITIES: Final[Mapping[str, Quantity]] = {
+    "position": Quantity(
+        dimension="length", unit="mm", default=Tolerance(0.001), what="ends of moves, middles of arcs, tool offsets"
+    ),
+    "angle": Quantity(dimension="angle", unit="deg", default=Tolerance(0.001), what="ends of moves of A, B, C"),
+    "feed": Quantity(dimension="speed", unit="mm/min", default=Tolerance(0.0, 1e-3), what="feed of a move"),
+    "spindle": Quantity(dimension="rotational speed", unit="rpm", default=Tolerance(0.0, 1e-3), what="spindle speed"),
+    "dwell": Quantity(dimension="time", unit="s", default=Tolerance(0.001), what="a dwell of the program"),
+    "word": Quantity(dimension="ratio", unit="", default=Tolerance(1e-6), what="other numbers of the program"),
+    "time": Quantity(dimension="time", unit="s", default=Tolerance(0.01, 1e-3), what="all times of the results"),
+    "distance": Quantity(dimension="length", unit="mm", default=Tolerance(0.01, 1e-4), what="feed and rapid distance"),
+    "volume": Quantity(
+        dimension="volume", unit="mm³", default=Tolerance(0.5, 1e-3), what="removed, deposited, remaining volume"
+    ),
+    "surface": Quantity(dimension="length", unit="mm", default=Tolerance(0.01), what="height of a stock's surface"),
+    "force": Quantity(dimension="force", unit="N", default=Tolerance(0.5, 0.01), what="greatest force of a tool"),
+    "torque": Quantity(dimension="torque", unit="N·m", default=Tolerance(0.01, 0.01), what="torque of a tool"),
+    "power": Quantity(dimension="power", unit="W", default=Tolerance(1.0, 0.01), what="power of a tool"),
+    "joint": Quantity(
+        dimension="ratio", unit="", default=Tolerance(0.01, 1e-3), what="travel and margin of joints, in deg or mm"
+    ),
+    "joint_speed": Quantity(dimension="ratio", unit="", default=Tolerance(0.01, 0.02), what="greatest joint speeds"),
+    "joint_acceleration": Quantity(
+        dimension="ratio", unit="", default=Tolerance(1.0, 0.1), what="greatest joint accelerations, in deg or mm per s²"
+    ),
+    "joint_effort": Quantity(
+        dimension="ratio", unit="", default=Tolerance(0.5, 0.02), what="greatest joint efforts, in N·m or N"
+    ),
+    "count": Quantity(dimension="ratio", unit="", default=Tolerance(0.0), what="counts, as of words not simulated"),
+    "finding": Quantity(dimension="ratio", unit="", default=Tolerance(0.01, 0.02), what="numbers inside findings"),
+}
+
+Tolerances = Mapping[str, Tolerance]
+DEFAULTS: Final[Tolerances] = {name: quantity.default for name, quantity in QUANTITIES.items()}
+
+# which quantity a path of the results is; the first that matches counts
+_PATHS: Final = tuple(
+    (re.compile(pattern), name)
+    for pattern, name in (
+        (r"joints\..*\.(least|most|margin)$", "joint"),
+        (r"joints\..*\.max_speed$", "joint_speed"),
+        (r"joints\..*\.max_acceleration$", "joint_acceleration"),
+        (r"joints\..*\.max_effort$", "joint_effort"),
+        (r"_mm3$", "volume"),
+        (r"_mm$", "distance"),
+        (r"_s$", "time"),
+        (r"_N$", "force"),
+        (r"_Nm$", "torque"),
+        (r"_W$", "power"),
+        (r"(^|\.)count$", "count"),
+        (r"", "word"),
+    )
+)
+
+
+def quantity_of(path: str) -> str:
+    """The name in `QUANTITIES` of a path of the results, such as ``stocks.stock.removed_mm3``."""
+    return next(name for pattern, name in _PATHS if pattern.search(path))
