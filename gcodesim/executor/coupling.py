@@ -65,6 +65,11 @@ class Stretch:
         self._coupling, self._plan, self._steps = coupling, plan, steps
         self.begin, self.end, self.parts = begin, end, parts
 
+    @property
+    def pushes(self) -> bool:
+        """Whether a world would feel what the tool does."""
+        return any(part.task.process.pushes for part in self.parts)
+
     def __call__(self, first: int, q: Array) -> Array:
         """What the tool feels in steps `first` … of the stretch, joints being at `q` (m, j) after each; (m, 6)."""
         commanded = self._steps.q[self.begin + first : self.begin + first + len(q)]
@@ -73,7 +78,9 @@ class Stretch:
             return wrench
         if len(q) == self.end - self.begin and np.array_equal(q, commanded):
             for part in self.parts:
-                wrench += part.run()
+                part.run()
+                if part.wrench is not None:
+                    wrench += part.wrench
             return wrench
         for i in range(len(q)):
             k = self.begin + first + i
@@ -95,12 +102,12 @@ class Stretch:
         def restore() -> None:
             for part, values, back in kept:
                 part.task.state.values[:] = values
-                part.answer = None
+                part.forget()
                 back()
 
         return restore
 
     def finish(self) -> None:
-        """After the world has moved: all answers are in."""
+        """After the world has moved step by step: all answers are in."""
         for part in self.parts:
             part.finish()

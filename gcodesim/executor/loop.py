@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Final, Protocol
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 import numpy as np
 
 from gcodesim.diagnostics import Diagnostic
+from gcodesim.executor.ahead import Cut, Cutter
 from gcodesim.executor.behind import Behind
-from gcodesim.executor.coupling import Coupling, Stretch
+from gcodesim.executor.coupling import Coupling
 from gcodesim.executor.part import Part
 from gcodesim.executor.record import StepRecord, record_of
 from gcodesim.executor.tasks import RowColumns
@@ -48,11 +49,16 @@ class Watcher(Protocol):
     def start(self, world_steps: WorldSteps, window: StepWindow) -> None:
         """The state before the first step, as a window of one step that does not move."""
 
-    def take(self, record: StepRecord, found: Sequence[Diagnostic]) -> Callable[[], None]:
-        """The next window, and the findings that came up in it; stock has to be looked at now.
+    def look(self, window: StepWindow) -> Any:
+        """Look at the stocks as `window` leaves them; in the thread that cuts, before the next window is cut.
 
-        The answer is work that needs the record alone; it is done in order, in another thread, while the next
-        window runs.
+        What it answers comes back to `take`, unless the cut is taken back; then it is asked again.
+        """
+
+    def take(self, record: StepRecord, found: Sequence[Diagnostic], seen: Any) -> Callable[[], None]:
+        """The next window, the findings that came up in it, and what `look` saw at its end.
+
+        The answer is work that needs these alone; it is done in order, in another thread, while the next window runs.
         """
 
     @property
@@ -88,22 +94,23 @@ def execute(
 ) -> Execution:
     """Run the whole plan in a world; stock changes in place.
 
-    KeyboardInterrupt ends the run after the window in hand; what was done until
+    KeyboardInterrupt ends the run after the windows in hand; what was done until
     then is in the result. Raises `WorldUnavailable` when the world cannot be
     opened here.
     """
     rows = RowColumns.of(plan.path)
     totals = RowTotals.zeros(len(rows.tool))
-    carry = first_carry(plan, rows)
     q0 = plan.joints(plan.trajectory.sample(np.zeros(1)))[0]
     joints = JointTotals.start(q0)
     planned = int(-(-plan.trajectory.duration_ns // dt_ns))
     world = open_world(world_name, RobotBody(chain=shop.kinematics.chain, X_WB=shop.X_WB), dt_ns)
-    coupling = Coupling(plan, shop, rows)
     most = MOST_STEPS if watcher is None else max(1, min(MOST_STEPS, watcher.interval_steps))
+    cuts = _cuts(plan, shop, rows, planned, most, dt_ns)
     done, interrupted, last_row = 0, False, 0
+    cutter = Cutter(None if watcher is None else watcher.look, undoable=world.may_lag)
     behind = Behind()
     volumes: dict[str, tuple[float, float]] = {}
+    in_hand: list[Cut] = []
     try:
         _attach(world, shop, int(rows.tool[0]))
         world.reset(q0)
@@ -111,24 +118,36 @@ def execute(
             still = window_of(plan, rows, -1, 1, dt_ns, first_carry(plan, rows))
             watcher.start(world.run(q0[None]), still)
             world.reset(q0)
-        while done < planned:
-            count = min(most, planned - done)
-            window = window_of(plan, rows, done, count, dt_ns, carry)
-            record, parts = _run(world, shop, coupling, window)
-            _add_volumes(volumes, parts)
+        follows = True
+        cut = next(cuts, None)
+        while cut is not None:
+            cutter.begin(cut)
+            following = next(cuts, None)
+            in_hand = [cut] if following is None else [cut, following]
+            cutter.wait(cut)
+            if following is not None and follows:
+                cutter.begin(following)
+            steps, follows = _move(world, shop, cutter, cut, following)
+            record = record_of(cut.window, steps, cut.parts)
+            _add_volumes(volumes, cut.parts)
+            del in_hand[0]
             _sum_up(record, totals, joints)
             found = inspect(record, totals, joints) if inspect is not None else []
             if watcher is not None:
-                behind.do(watcher.take(record, found))
-            done += count
-            last_row = int(window.row[-1])
+                behind.do(watcher.take(record, found, cut.seen))
+            done += len(record)
+            last_row = int(record.window.row[-1])
+            cut = following
             if progress is not None:
                 progress(Progress(step=done, steps=planned, time=done * dt_ns * 1e-9, row=last_row))
     except KeyboardInterrupt:
         interrupted = True
     finally:
         world.close()
+        cutter.close()
         behind.close()
+    for cut in in_hand:  # what an interrupted run has cut ahead of its motion
+        _add_volumes(volumes, cut.parts)
     return Execution(
         rows=totals,
         joints=joints,
@@ -140,42 +159,50 @@ def execute(
     )
 
 
-def _run(world: World, shop: Shop, coupling: Coupling, window: StepWindow) -> tuple[StepRecord, list[Part]]:
-    """Move through a window, tool by tool."""
-    bounds = (np.flatnonzero(np.diff(window.tool)) + 1).tolist()
-    stretches: list[Stretch] = []
+def _cuts(plan: Plan, shop: Shop, rows: RowColumns, planned: int, most: int, dt_ns: int) -> Iterator[Cut]:
+    """All windows in order, sampled and divided where the tool changes; nothing is cut yet."""
+    carry, coupling = first_carry(plan, rows), Coupling(plan, shop, rows)
+    for first in range(0, planned, most):
+        window = window_of(plan, rows, first, min(most, planned - first), dt_ns, carry)
+        bounds = (np.flatnonzero(np.diff(window.tool)) + 1).tolist()
+        borders = zip([0, *bounds], [*bounds, len(window)], strict=True)
+        yield Cut(window=window, stretches=[coupling.stretch(window, begin, end) for begin, end in borders])
+
+
+def _move(world: World, shop: Shop, cutter: Cutter, cut: Cut, following: Cut | None) -> tuple[WorldSteps, bool]:
+    """Move through a window, tool by tool; also whether the motors kept up.
+
+    Where they do, the cut is known already; else it is taken back, and world and process go step by step.
+    """
     moved: list[WorldSteps] = []
-    for begin, end in zip([0, *bounds], [*bounds, len(window)], strict=True):
-        _attach(world, shop, int(window.tool[begin]))
-        stretch = coupling.stretch(window, begin, end)
-        moved.append(_move(world, stretch, window.q[begin:end]))
-        stretch.finish()
-        stretches.append(stretch)
-    steps = moved[0] if len(moved) == 1 else _joined(moved)
-    parts = [part for stretch in stretches for part in stretch.parts]
-    return record_of(window, steps, parts), parts
+    follows = True
+    for index, stretch in enumerate(cut.stretches):
+        _attach(world, shop, int(cut.window.tool[stretch.begin]))
+        q = cut.window.q[stretch.begin : stretch.end]
+        if not stretch.pushes:
+            moved.append(world.run(q))
+        elif world.keeps_up(q, cut.wrenches[index]):
+            moved.append(world.run(q, cut.wrenches[index]))
+        else:
+            follows = False
+            if following is not None:
+                cutter.take_back(following)
+            cutter.take_back(cut, first=index)
+            moved.append(world.run(q, stretch))
+            stretch.finish()
+            cut.wrenches.append(np.zeros(0))
+            cutter.cut(cut)
+    return moved[0] if len(moved) == 1 else _joined(moved), follows
 
 
 def _add_volumes(volumes: dict[str, tuple[float, float]], parts: Sequence[Part]) -> None:
     for part in parts:
-        assert part.answer is not None
+        if part.answer is None:
+            continue
         change = float(part.answer.removed.sum())
         before = volumes.get(part.task.target.name, (0.0, 0.0))
         gone, come = (change, 0.0) if part.task.process.takes else (0.0, -change)
         volumes[part.task.target.name] = (before[0] + gone, before[1] + come)
-
-
-def _move(world: World, stretch: Stretch, q: Array) -> WorldSteps:
-    """Move through a stretch. Where the motors keep up, the cut is known before the motion and done in one go;
-    else the world and the process go step by step."""
-    if not any(part.task.process.pushes for part in stretch.parts):
-        return world.run(q)
-    restore = stretch.save() if world.may_lag else None
-    wrench = stretch.whole()
-    if restore is None or world.keeps_up(q, wrench):
-        return world.run(q, wrench)
-    restore()
-    return world.run(q, stretch)
 
 
 def _joined(parts: list[WorldSteps]) -> WorldSteps:

@@ -24,7 +24,8 @@ class Part:
     """Steps `begin` to `end` of a window. `window` is their commanded motion in S, `X_BS` (n, 4, 4) where S is.
 
     `share` (c, 2) tells where in its step each piece begins and ends. `answer`
-    is what the process did.
+    is what the process did, None while the tool stays away from the stock, and
+    `wrench` (n, 6) what the tool felt, in base axes.
     """
 
     task: Task
@@ -34,12 +35,14 @@ class Part:
     X_BS: Array
     share: Array
     answer: ProcessStep | None = None
+    wrench: Array | None = None
     _loop: Any = field(default=None)
 
-    def run(self) -> Array:
-        """All steps at once, as commanded; the wrench (n, 6) in base axes."""
-        self.answer = self.task.process.run(self.task.target.stock, self.window, self.task.state)
-        return in_base(self.answer.wrench, self.X_BS)
+    def run(self) -> None:
+        """All steps at once, as commanded."""
+        stock, window = self.task.target.stock, self.window
+        if _is_near(self.task, window.piece_start, window.piece_end, float(stock.tops.max())):
+            self._keep(self.task.process.run(stock, window, self.task.state))
 
     def step(self, k: int, moved_before: Array, moved: Array) -> Array:
         """Step `k` of this part, its tip off the command by `moved_before` … `moved` (3,) [m]; wrench (6,); in B."""
@@ -50,11 +53,19 @@ class Part:
         return np.concatenate([R @ wrench[:3], R @ wrench[3:]])
 
     def finish(self) -> None:
-        """After the last step of a loop: collect what the process did."""
+        """After the last step: collect what the process did; all at once where it was not asked step by step."""
         if self._loop is not None:
-            self.answer, self._loop = self._loop.finish(), None
+            self._keep(self._loop.finish())
+            self._loop = None
         elif self.answer is None:
             self.run()
+
+    def forget(self) -> None:
+        """Nothing has been done."""
+        self.answer = self.wrench = None
+
+    def _keep(self, answer: ProcessStep) -> None:
+        self.answer, self.wrench = answer, in_base(answer.wrench, self.X_BS)
 
 
 def part_of(
@@ -82,7 +93,7 @@ def part_of(
             steps.piece_share[first:last],
             steps.piece_row[first:last],
         )
-    if not _is_near(task, start, stop):
+    if not _is_near(task, start, stop, task.target.stock.z_range[1]):
         return None
     R_SB = X_BS[:, :3, :3].transpose(0, 2, 1)
     axis = -np.einsum("nij,nj->ni", R_SB, steps.tip[begin:end, :3, 2])
@@ -121,14 +132,15 @@ def _into(X: Array, points: Array) -> Array:
     return local
 
 
-def _is_near(task: Task, start: Array, stop: Array) -> bool:
+def _is_near(task: Task, start: Array, stop: Array, top: float) -> bool:
+    """Whether the tool may touch the stock, whose material ends at height `top` [m], on its way."""
     stock, reach = task.target.stock, task.reach + NEAR
     if not task.process.takes:
         return True
     low, high = np.minimum(start, stop).min(axis=0), np.maximum(start, stop).max(axis=0)
     corner = stock.grid[:2] + stock.grid[2:] * stock.count.shape
     return bool(
-        low[2] - NEAR < stock.tops.max()
+        low[2] - NEAR < top
         and (low[:2] - reach < corner).all()
         and (high[:2] + reach > stock.grid[:2]).all()
     )

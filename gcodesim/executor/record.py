@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.executor.part import Part, deflection_of, in_base
+from gcodesim.executor.part import Part, deflection_of
 from gcodesim.executor.window import StepWindow
 from gcodesim.frames import Array
 
@@ -66,10 +66,10 @@ def record_of(window: StepWindow, world: WorldSteps, parts: Sequence[Part]) -> S
     kind, bound = np.zeros(n, dtype=np.int64), np.zeros(n)
     for part in parts:
         answer = part.answer
-        if answer is None:
+        if answer is None or part.wrench is None:
             continue
         here = slice(part.begin, part.end)
-        wrench[here] += in_base(answer.wrench, part.X_BS)
+        wrench[here] += part.wrench
         deflection[here] += deflection_of(part)
         for name, values in columns.items():
             values[here] += getattr(answer, name)

@@ -58,7 +58,6 @@ class Recorder:
         self._blocks = Blocks.of(self._plan, self._shop, job.sources, ways)
         self._tiles: list[Tiles] = [self._tiles_of(placed.stock) for placed in self._shop.stocks.values()]
         self._tile_ns = self._tile_period(self._plan.trajectory.duration_ns)
-        self._next_tile_ns = self._tile_ns
         self._writer = LogWriter(out / LOG_NAME, self._description(ways))
         self._removed = 0.0
         self._tcp: Array = np.zeros((4, 4))
@@ -149,17 +148,22 @@ class Recorder:
         self._write(record_of(window, world, []), np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64))
         self._writer.blocks(self._blocks.between(0, 1))
 
-    def take(self, record: StepRecord, found: Sequence[Diagnostic]) -> Callable[[], None]:
-        """The next window, and the findings that came up in it; answers the work of writing it down.
+    def look(self, window: StepWindow) -> Sequence[Sequence[Tile]]:
+        """Of each stock the tiles that have changed, as `window` leaves them, when it is time to look."""
+        begin_ns = window.first * self._step_ns
+        end_ns = begin_ns + len(window) * self._step_ns
+        if end_ns // self._tile_ns == begin_ns // self._tile_ns:
+            return []
+        return [tiles.changed() for tiles in self._tiles]
 
-        Stock is looked at here, as the window leaves it; all else can wait while the next one runs.
+    def take(
+        self, record: StepRecord, found: Sequence[Diagnostic], seen: Sequence[Sequence[Tile]]
+    ) -> Callable[[], None]:
+        """The next window, the findings that came up in it, and the tiles that were seen to change.
+
+        Answers the work of writing it down, which can wait while the next window runs.
         """
-        end_ns = (record.window.first + len(record.window)) * self._step_ns
-        drawn: list[Sequence[Tile]] = []
-        if end_ns >= self._next_tile_ns:
-            drawn = [tiles.changed() for tiles in self._tiles]
-            self._next_tile_ns += self._tile_ns
-        return lambda: self._write_down(record, found, drawn)
+        return lambda: self._write_down(record, found, seen)
 
     def _write_down(self, record: StepRecord, found: Sequence[Diagnostic], drawn: Sequence[Sequence[Tile]]) -> None:
         window = record.window

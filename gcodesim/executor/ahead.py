@@ -1,0 +1,84 @@
+"""Cutting ahead: what the tools do in a window if the machine follows its command, found out in a second thread.
+
+Where motors keep up, the cut follows from the command alone, so the stock may be a window ahead of the world. When a
+motor turns out to be too weak, what was cut ahead is taken back and the cut goes on with the motion, step by step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+from gcodesim.executor.coupling import Stretch
+from gcodesim.executor.part import Part
+from gcodesim.executor.window import StepWindow
+from gcodesim.frames import Array
+
+Look = Callable[[StepWindow], Any]
+"""Looks at the stocks as a window leaves them; called before the next one changes them."""
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class Cut:
+    """One window with its stretches, each of one tool; `wrenches` are what these feel, `seen` is what `Look` saw."""
+
+    window: StepWindow
+    stretches: Sequence[Stretch]
+    wrenches: list[Array] = field(default_factory=list)
+    seen: Any = None
+    undo: list[Callable[[], None]] = field(default_factory=list)
+    work: Future[None] | None = None
+
+    @property
+    def parts(self) -> list[Part]:
+        """All that tools did, in order."""
+        return [part for stretch in self.stretches for part in stretch.parts]
+
+
+class Cutter:
+    """A thread that cuts window after window, in order; kernels leave the interpreter to the others.
+
+    `undoable` keeps each stock as it was, so that `take_back` works. What fails in the thread is raised by `wait`.
+    """
+
+    def __init__(self, look: Look | None, *, undoable: bool) -> None:
+        self._thread: Final = ThreadPoolExecutor(1)
+        self._look, self._undoable = look, undoable
+
+    def begin(self, cut: Cut) -> None:
+        """Cut this window as soon as the one before is done; nothing happens when that was said before."""
+        if cut.work is None:
+            cut.work = self._thread.submit(self.cut, cut)
+
+    def cut(self, cut: Cut) -> None:
+        """Cut what is left of a window, here and now, and look at the stocks."""
+        for stretch in cut.stretches[len(cut.wrenches) :]:
+            if self._undoable:
+                cut.undo.append(stretch.save())
+            cut.wrenches.append(stretch.whole())
+        self.see(cut)
+
+    def see(self, cut: Cut) -> None:
+        """Look at the stocks as this window leaves them."""
+        cut.seen = None if self._look is None else self._look(cut.window)
+
+    @staticmethod
+    def wait(cut: Cut) -> None:
+        """Until the window is cut."""
+        if cut.work is not None:
+            cut.work.result()
+
+    def take_back(self, cut: Cut, first: int = 0) -> None:
+        """Undo the stretches from `first` on."""
+        self.wait(cut)
+        while len(cut.wrenches) > first:
+            cut.wrenches.pop()
+            cut.undo.pop()()
+        if first == 0:
+            cut.work = None
+
+    def close(self) -> None:
+        """Wait until everything that was begun is done."""
+        self._thread.shutdown()
