@@ -312,3 +312,107 @@ CODES: tuple[Code, ...] = (
         remedy="Write G43 after each M6, or set `tool_length: strict` in the cell.",
     ),
 )
+
+# what a control accepts and a machinist would not
+CODES += (
+    Code(
+        code="GS136",
+        severity=Severity.WARNING,
+        title="Subroutine that nothing calls",
+        what="The file defines a subroutine, and no line of it calls that name or number.",
+        why="Mostly the call is misspelt or was lost, and a part of the job is missing.",
+        remedy="Call it, or remove it. A file that holds a subroutine of its own name serves other programs.",
+    ),
+    Code(
+        code="GS137",
+        severity=Severity.WARNING,
+        title="Lines behind the end",
+        what="Blocks stand behind the M2 or M30 that ends the program, and nothing leads to them.",
+        why="They never run: an M30 left over from a test cuts off the rest of the job.",
+        remedy="Move the end behind them, or remove them.",
+    ),
+    Code(
+        code="GS141",
+        severity=Severity.WARNING,
+        title="Place without effect in a canned cycle",
+        what="On Fanuc a drilling cycle with K0 (or L0) stores its data and goes nowhere, yet the block names a place.",
+        why="The hole that is written there is not drilled.",
+        remedy="Leave K0 away to drill it, or leave the place away to store the data only.",
+    ),
+    Code(
+        code="GS154",
+        severity=Severity.WARNING,
+        title="Rapid along the contour",
+        what=(
+            "With cutter compensation on, a G0 goes sideways lower than where the last rapid went before it was "
+            "switched on."
+        ),
+        why="The tool is at the contour there; a G0 in place of a G1 breaks it, or marks the part.",
+        remedy="Retract first, or write G1. A rapid straight up sets a new safe height.",
+    ),
+    Code(
+        code="GS155",
+        severity=Severity.WARNING,
+        title="Cutter compensation on at the end",
+        what="The program ends in G41 or G42.",
+        why="The tool stays beside the contour, and the last corner is not finished as the drawing has it.",
+        remedy="Leave the contour and say G40 before the end.",
+    ),
+    Code(
+        code="GS161",
+        severity=Severity.WARNING,
+        title="Length of another tool",
+        what=(
+            "G43 names an H that is not the number of the tool in the spindle. H twenty, thirty … above it counts as a "
+            "second set of offsets of the same tool."
+        ),
+        why="The tip ends too high or too deep by the difference of the two lengths: scrap, or a crash.",
+        remedy="Use the same number for T and H.",
+    ),
+    Code(
+        code="GS162",
+        severity=Severity.WARNING,
+        title="Tool without its length",
+        what=(
+            "After a tool change the tool moves along Z or cuts before G43, in a program that uses G43 elsewhere. "
+            "Moves to machine places (G28, G30, G53) and probing do not count."
+        ),
+        why="M6 leaves the length of the tool before in force; the new tip is off by the difference.",
+        remedy="Say G43 H… in the first move along Z after each tool change.",
+    ),
+    Code(
+        code="GS176",
+        severity=Severity.WARNING,
+        title="Cut with the spindle off",
+        what=(
+            "The tool is fed sideways or down into a hole with the spindle off, no higher than where the same program "
+            "does so with the spindle on. Programs that never turn a spindle are not meant."
+        ),
+        why="A standing cutter is pushed into the material. M6 stops the spindle, so it has to be started again.",
+        remedy="Write S and M3 or M4 before the cut.",
+    ),
+    Code(
+        code="GS177",
+        severity=Severity.WARNING,
+        title="Spindle on after the end",
+        what="The program ends by the closing %, which unlike M2 and M30 stops nothing, with the spindle on.",
+        why="The spindle goes on turning when the operator opens the door.",
+        remedy="Write M5, or end with M2 or M30.",
+    ),
+    Code(
+        code="GS186",
+        severity=Severity.WARNING,
+        title="Unit changes in mid-program",
+        what="G20 or G21 stands after cuts in the other unit.",
+        why="Mostly two programs were put together; one number now means 25.4 times as much or as little.",
+        remedy="Write the whole program in one unit and name it in the first lines.",
+    ),
+    Code(
+        code="GS187",
+        severity=Severity.WARNING,
+        title="Shift of the origin left in force",
+        what="The program ends while its G92 or G52 is in force; on Fanuc also G51, G51.1 or G68.",
+        why="Controls keep it beyond the end, so the next program, or the same one again, runs at another place.",
+        remedy="Cancel it before the end: G92.1, G52 of zero, G50, G50.1, G69. Work systems G54 … do not need it.",
+    ),
+)

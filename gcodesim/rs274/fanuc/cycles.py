@@ -11,6 +11,7 @@ from gcodesim.rs274.cycles import Head
 from gcodesim.rs274.ends import end_point
 from gcodesim.rs274.fanuc.control import FanucControl
 from gcodesim.rs274.fault import Fault
+from gcodesim.rs274.state import Vector
 from gcodesim.rs274.words import Words
 from gcodesim.units import INCH
 
@@ -54,10 +55,14 @@ def cycle(words: Words, control: FanucControl, code: int) -> None:
         repeats = words.whole("l", who)
     if repeats is not None and repeats < 0:
         raise Fault("GS140", f"{who} with K{repeats}: K is 0 or more", at="k")
-    if repeats == 0 or {"x", "y", "z", "r"}.isdisjoint(values):
+    end = end_point(words, control)
+    if repeats == 0:
+        _name_unused_place(end, control, (first, second), who)
+        return
+    if {"x", "y", "z", "r", "a", "b", "c"}.isdisjoint(values):
         return
     hole = _hole(words, control, code, who, at, letter, data)
-    end = end_point(words, control)
+    _turn(end, control, who)
     head = Head(control, (first, second, normal), who)
     step = (end[first] - state.current[first], end[second] - state.current[second])
     place = (state.current[first], state.current[second])
@@ -67,6 +72,24 @@ def cycle(words: Words, control: FanucControl, code: int) -> None:
         if code != 870:  # goes through the hole aside first
             head.rapid_to(hole.clear)
         _SHAPES[code](head, hole)
+
+
+def _name_unused_place(end: Vector, control: FanucControl, plane: tuple[int, int], who: str) -> None:
+    """K0 stores the data of the cycle and goes nowhere."""
+    lost = [f"{'XYZ'[axis]}{end[axis]:g}" for axis in sorted(plane) if end[axis] != control.state.current[axis]]
+    if lost:
+        control.warn(
+            "GS141",
+            f"{who} with K0 drills no hole and goes nowhere: {' '.join(lost)} is without effect",
+            "leave K0 away, or the place",
+        )
+
+
+def _turn(end: Vector, control: FanucControl, who: str) -> None:
+    """Rotary axes are positioned before the first hole."""
+    now = control.state.current
+    if end[3:6] != now[3:6]:
+        control.rapid((*now[:3], *end[3:6], *now[6:]), who)
 
 
 def _take_heights(words: Words, control: FanucControl, letter: str) -> None:

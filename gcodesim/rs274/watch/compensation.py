@@ -1,0 +1,120 @@
+"""Cutter compensation: rapids below the safe height, and on when the program ends."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from gcodesim import canon
+from gcodesim.diagnostics import Diagnostic, Span
+from gcodesim.rs274.dialects import g_name
+from gcodesim.rs274.dialects.linuxcnc import COMPENSATION, STOPPING
+from gcodesim.rs274.watch.watch import TINY, Watch, word_span
+from gcodesim.rs274.words import Words
+from gcodesim.units import MM
+
+if TYPE_CHECKING:
+    from gcodesim.canon.batch import MoveBatch
+    from gcodesim.rs274.control import Control
+
+_OFF = 400
+_ENDS = frozenset((2, 30))
+
+
+class RapidInCompensation(Watch):
+    """GS154: a rapid goes sideways on the offset path, lower than where rapids went before it was switched on.
+
+    Whoever offsets the path from the contour is at the contour.
+    """
+
+    def __init__(self) -> None:
+        self._on = False
+        self._safe: float | None = None  # where the last rapid ended that was not in compensation, or rose
+        self._at: tuple[float, ...] | None = None
+        self._zero = 0.0
+        self._found: list[Diagnostic] = []
+
+    def block(self, words: Words, control: Control) -> None:
+        self._on = self._on or words.g.get(COMPENSATION, _OFF) != _OFF
+
+    def settled(self, words: Words, control: Control) -> None:
+        if words.g.get(COMPENSATION) == _OFF or words.m.get(STOPPING) in _ENDS:
+            self._on = False
+
+    def event(self, event: canon.Event) -> None:
+        if isinstance(event, canon.WorkSystem):
+            self._zero = event.offset[2] + event.g92[2]
+        if not isinstance(event, canon.Motion):
+            return
+        at, self._at = self._at, event.end
+        if not isinstance(event, canon.Rapid):
+            return
+        z = event.end[2]
+        if not self._on or self._safe is None or at is None:
+            self._safe = z
+            return
+        sideways = abs(event.end[0] - at[0]) > TINY or abs(event.end[1] - at[1]) > TINY
+        low = min(z, at[2])
+        if not sideways:
+            self._safe = min(self._safe, z) if z > at[2] else self._safe
+        elif low < self._safe - TINY:
+            self._report(event.span, (low - self._zero) / MM, (self._safe - self._zero) / MM)
+
+    def _report(self, span: Span, z: float, safe: float) -> None:
+        self._found.append(
+            Diagnostic(
+                code="GS154",
+                message=f"a rapid along the compensated path at Z{z:.3f} mm; the last safe height was Z{safe:.3f} mm",
+                span=span,
+                hint="retract before, or use G1 with a feed",
+                value=z,
+                limit=safe,
+                unit="mm",
+            )
+        )
+
+    def moves(self, batch: MoveBatch) -> None:
+        if self._on:
+            self.one_by_one(batch)
+            return
+        import numpy as np
+
+        fast = np.flatnonzero(batch.kind == 0)
+        if len(fast):
+            self._safe = float(batch.end[fast[-1], 2])
+        self._at = tuple(batch.end[-1].tolist())
+
+    def findings(self, *, finished: bool) -> Iterable[Diagnostic]:
+        return self._found
+
+
+class CompensationLeftOn(Watch):
+    """GS155: the program ends in G41 or G42."""
+
+    def __init__(self) -> None:
+        self._since: tuple[str, Span] | None = None
+        self._found: list[Diagnostic] = []
+
+    def block(self, words: Words, control: Control) -> None:
+        code = words.g.get(COMPENSATION)
+        if code == _OFF:
+            self._since = None
+        elif code is not None:
+            name = g_name(code)
+            self._since = (name.upper(), word_span(words, name, control))
+
+    def event(self, event: canon.Event) -> None:
+        if isinstance(event, canon.End | canon.EndOfFile) and self._since is not None:
+            name, since = self._since
+            self._found.append(
+                Diagnostic(
+                    code="GS155",
+                    message=f"the program ends with cutter compensation on ({name} in line {since.line})",
+                    span=event.span,
+                    hint="leave the contour, retract, and say G40 before the end",
+                    related=since,
+                )
+            )
+
+    def findings(self, *, finished: bool) -> Iterable[Diagnostic]:
+        return self._found

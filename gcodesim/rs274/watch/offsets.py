@@ -1,0 +1,77 @@
+"""Shifts of the origin that outlive the program."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from gcodesim.diagnostics import Diagnostic, Span
+from gcodesim.rs274.dialects.fanuc import MIRROR, SCALING, TURN
+from gcodesim.rs274.dialects.linuxcnc import NON_MODAL
+from gcodesim.rs274.state import ZERO, Vector
+from gcodesim.rs274.watch.watch import Watch, word_span
+from gcodesim.rs274.words import Words
+
+if TYPE_CHECKING:
+    from gcodesim.rs274.control import Control
+
+_SHIFTS = {520: ("G52", "G52 X0 Y0 Z0"), 920: ("G92", "G92.1"), 923: ("G92.3", "G92.1")}
+_FIGURES = {SCALING: (510, "G51", "G50"), MIRROR: (511, "G51.1", "G50.1"), TURN: (680, "G68", "G69")}
+_LETTERS = "XYZABCUVW"
+
+
+class OffsetsLeftOn(Watch):
+    """GS187: a shift (G52, G92), on Fanuc also a turn, scale or mirror image, is in force when the program ends.
+
+    A control keeps them for the next program. G54 comes back by itself, so the work system is no matter.
+    """
+
+    def __init__(self) -> None:
+        self._control: Control | None = None
+        self._shift: tuple[str, Span] | None = None
+        self._figures: dict[int, Span] = {}
+
+    def block(self, words: Words, control: Control) -> None:
+        self._control = control
+        code = words.g.get(NON_MODAL)
+        if (code in _SHIFTS and words.has_axes()) or code == 923:
+            assert code is not None
+            name = _SHIFTS[code][0]
+            self._shift = (name, word_span(words, name.lower(), control))
+        for group, (on, name, _) in _FIGURES.items():
+            if group in words.g and control.dialect.name == "fanuc":
+                self._figures.pop(group, None)
+                if words.g[group] == on:
+                    self._figures[group] = word_span(words, name.lower(), control)
+
+    def findings(self, *, finished: bool) -> Iterable[Diagnostic]:
+        control = self._control
+        if not finished or control is None:
+            return
+        shift = _shift_of(control)
+        if self._shift is not None and shift != ZERO:
+            name, span = self._shift
+            shown = " ".join(f"{letter}{value:g}" for letter, value in zip(_LETTERS, shift, strict=True) if value)
+            off = next(cancel for known, cancel in _SHIFTS.values() if known == name)
+            off = "G92 or G52 of zero" if control.dialect.name == "fanuc" else off
+            yield self._left(f"{name}: the next program would be off by {shown}", span, f"cancel it by {off}")
+        for group, span in self._figures.items():
+            _, name, off = _FIGURES[group]
+            yield self._left(f"{name}: the next program would be drawn the same way", span, f"cancel it by {off}")
+
+    @staticmethod
+    def _left(what: str, span: Span, hint: str) -> Diagnostic:
+        return Diagnostic(
+            code="GS187", message=f"left in force at the end of the program, {what}", span=span, hint=hint
+        )
+
+
+def _shift_of(control: Control) -> Vector:
+    """What G92 and G52 add, in program units."""
+    from gcodesim.rs274.fanuc.control import FanucControl
+
+    if isinstance(control, FanucControl):
+        from gcodesim.rs274.state import add
+
+        return add(control.state.preset, control.state.local)
+    return control.state.g92

@@ -1,0 +1,178 @@
+"""The spindle: off in a cut, on after the end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, NamedTuple
+
+from gcodesim import canon
+from gcodesim.diagnostics import Diagnostic, Span
+from gcodesim.rs274.watch.watch import FEEDS, TINY, Watch
+from gcodesim.units import MM, RPM
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from gcodesim.canon.batch import MoveBatch
+
+
+class _Low(NamedTuple):
+    """A feed move that goes sideways or turns back at height `z` of the machine frame, `zero` above part zero."""
+
+    z: float
+    zero: float
+    span: Span
+    tool: int
+
+
+class FeedWithoutSpindle(Watch):
+    """GS176: a cut with the spindle off, in a program that cuts with it on.
+
+    A program alone does not tell what is a cut. One that feeds sideways, or
+    down and up again, no higher than where the same program does so with the
+    spindle on after having fed down from a rapid, surely is. A program that
+    never turns a spindle (extruder, plotter) has no such height, nor has one
+    that only switches a laser.
+    """
+
+    def __init__(self) -> None:
+        self._turning = False
+        self._tool = 0
+        self._zero = 0.0  # height of part zero in the machine frame
+        self._at: tuple[float, float, float] | None = None
+        self._rapid_z: float | None = None  # height at which the last rapid ended
+        self._fall: Span | None = None  # the feed move that went straight down last
+        self._level: float | None = None  # highest cut with the spindle on
+        self._lows: list[list[_Low]] = [[]]  # for each stretch with the spindle off: ever lower moves
+
+    def event(self, event: canon.Event) -> None:
+        kind = type(event)
+        if isinstance(event, canon.Motion):
+            end = event.end[:3]
+            if kind is canon.Rapid:
+                self._turn_up(end[2])
+                self._rapid_z = end[2]
+            elif isinstance(event, FEEDS) and getattr(event, "pitch", None) is None:
+                self._feed(end, event.span, circle=kind is not canon.LinearFeed)
+            self._at = end
+        elif isinstance(event, canon.Spindle):
+            turning = event.direction != "off" and event.speed > 0.0
+            if turning != self._turning:
+                self._fall = None
+                if not turning:
+                    self._lows.append([])
+            self._turning = turning
+        elif isinstance(event, canon.ToolChange | canon.ToolNumber):
+            self._tool = event.tool
+            self._fall = None
+        elif isinstance(event, canon.WorkSystem):
+            self._zero = event.offset[2] + event.g92[2]
+
+    def _feed(self, end: tuple[float, float, float], span: Span, *, circle: bool) -> None:
+        at = self._at
+        if at is None:
+            return
+        fall = self._fall
+        self._turn_up(end[2])
+        falls, rises = end[2] < at[2] - TINY, end[2] > at[2] + TINY
+        sideways = circle or abs(end[0] - at[0]) > TINY or abs(end[1] - at[1]) > TINY
+        if sideways and not rises:
+            self._cut(end[2], fall or span)  # the tool has gone down with the spindle off, if it has
+        self._fall = span if falls and not sideways else None
+
+    def _turn_up(self, z: float) -> None:
+        """A straight fall that is followed by a rise was a hole."""
+        if self._fall is not None and self._at is not None and z > self._at[2] + TINY:
+            self._cut(self._at[2], self._fall)
+        self._fall = None
+
+    def _cut(self, z: float, span: Span) -> None:
+        if self._turning:
+            fed_down = self._rapid_z is not None and z < self._rapid_z - TINY
+            if fed_down and (self._level is None or z > self._level):
+                self._level = z
+            return
+        lows = self._lows[-1]
+        if not lows or z < lows[-1].z - TINY:
+            lows.append(_Low(z, self._zero, span, self._tool))
+
+    def moves(self, batch: MoveBatch) -> None:
+        """With the spindle on only heights matter, and those are found by columns."""
+        if not self._turning or self._at is None or self._rapid_z is None or self._fall is not None:
+            self.one_by_one(batch)
+            return
+        import numpy as np
+
+        xyz = batch.end[:, :3]
+        rapid = batch.kind == 0
+        step = np.diff(xyz, axis=0, prepend=np.array([self._at]))
+        sideways = (np.abs(step[:, :2]) > TINY).any(axis=1) | (batch.kind > 1)
+        falls = ~rapid & ~sideways & (step[:, 2] < -TINY)
+        last: NDArray[np.int64] = np.maximum.accumulate(np.where(rapid, np.arange(len(batch)), -1))
+        # of the rapid before each move
+        rapid_z: NDArray[np.float64] = np.where(last >= 0, xyz[np.maximum(last, 0), 2], self._rapid_z)
+        bottoms = np.zeros(len(batch), dtype=bool)
+        bottoms[:-1] = falls[:-1] & (step[1:, 2] > TINY)
+        level = ~rapid & sideways & (step[:, 2] <= TINY)
+        cuts = (level | bottoms) & (xyz[:, 2] < rapid_z - TINY)
+        if cuts.any():
+            highest = float(xyz[cuts, 2].max())
+            self._level = highest if self._level is None else max(highest, self._level)
+        x, y, z = xyz[-1].tolist()
+        self._at = (x, y, z)
+        self._rapid_z = float(rapid_z[-1])
+        self._fall = batch.span(len(batch) - 1) if falls[-1] else None
+
+    def findings(self, *, finished: bool) -> Iterable[Diagnostic]:
+        if self._level is None:
+            return
+        for lows in self._lows:
+            low = next((low for low in lows if low.z <= self._level + TINY), None)
+            if low is None:
+                continue
+            z, level = (low.z - low.zero) / MM, (self._level - low.zero) / MM
+            who = f"T{low.tool}" if low.tool else "the tool"
+            yield Diagnostic(
+                code="GS176",
+                message=f"{who} is fed at Z{z:.3f} mm with the spindle off; "
+                f"elsewhere the program cuts from Z{level:.3f} mm down with it turning",
+                span=low.span,
+                hint="say S and M3 or M4 before; M6 stops the spindle",
+                value=z,
+                limit=level,
+                unit="mm",
+            )
+
+
+class SpindleLeftOn(Watch):
+    """GS177: the closing % ends the program, but stops nothing."""
+
+    def __init__(self) -> None:
+        self._speed = 0.0
+        self._word = ""
+        self._started: Span | None = None
+        self._found: list[Diagnostic] = []
+
+    def event(self, event: canon.Event) -> None:
+        if isinstance(event, canon.Spindle):
+            self._speed = 0.0 if event.direction == "off" else event.speed
+            self._word = "M3" if event.direction == "cw" else "M4"
+            self._started = event.span
+        elif isinstance(event, canon.EndOfFile) and self._speed > 0.0:
+            self._found.append(
+                Diagnostic(
+                    code="GS177",
+                    message=f"the program ends by % while the spindle turns ({self._word}, "
+                    f"{self._speed / RPM:.0f} rpm): only M2 and M30 stop it",
+                    span=event.span,
+                    hint="put M5 or M2 before the %",
+                    related=self._started,
+                    value=self._speed / RPM,
+                    limit=0.0,
+                    unit="rpm",
+                )
+            )
+
+    def findings(self, *, finished: bool) -> Iterable[Diagnostic]:
+        return self._found

@@ -1,0 +1,55 @@
+"""One rule that looks on while a program runs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from gcodesim import canon
+from gcodesim.diagnostics import Diagnostic, Span
+from gcodesim.rs274.words import Words, place_of
+
+if TYPE_CHECKING:
+    from gcodesim.canon.batch import MoveBatch
+    from gcodesim.rs274.control import Control
+
+FEEDS = (canon.LinearFeed, canon.ArcFeed, canon.SplineFeed)
+TINY = 1e-6  # [m], what no machinist would call a move
+
+
+class Watch:
+    """A rule. It sees each block that is more than a plain move, each event, and at the end says what it found.
+
+    Nothing is seen from the first error on, because what follows may be its
+    consequence; `finished` is then False in `findings`.
+    """
+
+    def block(self, words: Words, control: Control) -> None:
+        """A block was executed that is no plain move; its events come next."""
+
+    def event(self, event: canon.Event) -> None:
+        """An event of any block."""
+
+    def settled(self, words: Words, control: Control) -> None:
+        """The events of that block have been seen."""
+
+    def moves(self, batch: MoveBatch) -> None:
+        """A run of plain moves at once, in place of their events; a rule that looks at moves looks at them here too."""
+
+    def one_by_one(self, batch: MoveBatch) -> None:
+        """The moves as events, for the rare times at which a rule has to see each."""
+        for event in batch.events():
+            self.event(event)
+
+    def findings(self, *, finished: bool) -> Iterable[Diagnostic]:
+        """What was found; `finished` when the program came to its end without an error."""
+        return ()
+
+
+def word_span(words: Words, at: str, control: Control) -> Span:
+    """The place of a word (`h`) or code (`g43`) of the block at hand; the block when it is not written as such."""
+    place = place_of(words.block, at)
+    if place is None:
+        return control.span
+    span = control.span
+    return Span(span.file, span.line, place[0] + 1, span.line, place[1] + 1, span.callers)
