@@ -7,7 +7,21 @@ from importlib import import_module
 
 from gcodesim import __version__
 
-COMMANDS = ("run", "check", "lint", "canon", "cell", "init", "info", "diff", "explain", "list", "warm_up")
+COMMANDS = (
+    "run",
+    "check",
+    "lint",
+    "canon",
+    "cell",
+    "init",
+    "info",
+    "export",
+    "plot",
+    "diff",
+    "explain",
+    "list",
+    "warm_up",
+)
 
 _EXAMPLES = """examples:
   gcodesim init demo                            a commented program and cell to start from

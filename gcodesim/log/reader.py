@@ -161,7 +161,7 @@ def read_all(path: Path, topics: Sequence[str] = ()) -> Iterator[tuple[str, int,
         channel = log.channel_id(topic)
         if channel is None:
             raise KeyError(topic)
-        wanted[channel] = (topic, _decoder_of(log, channel))
+        wanted[channel] = (topic, decoder_of(log, channel))
     for message in log.messages():
         if message.channel in wanted:
             topic, decode = wanted[message.channel]
@@ -173,12 +173,12 @@ def _decoded(log: LogFile, topic: str, wanted: str = "", *, backwards: bool = Fa
     channel = log.channel_id(topic)
     if channel is None or (wanted and log.schema_name(channel) != wanted):
         return
-    decode = _decoder_of(log, channel)
+    decode = decoder_of(log, channel)
     for message in log.messages(channel, backwards=backwards):
         yield message.t_ns, decode(message)
 
 
-def _decoder_of(log: LogFile, channel: int) -> Callable[[RawMessage], Any]:
+def decoder_of(log: LogFile, channel: int) -> Callable[[RawMessage], Any]:
     """A function that decodes messages of a channel. LogReadError when its schema is damaged or no protobuf."""
     topic, schema = log.channels[channel].topic, log.schemas.get(log.channels[channel].schema_id)
     if schema is None or schema.encoding != "protobuf":

@@ -1,0 +1,55 @@
+"""`gcodesim plot LOG -o FIGURE`: charts of a run over time and program line."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from gcodesim.cli.exits import OK, UsageError
+from gcodesim.cli.moments import add_range, chosen_range, open_recording
+
+_USUAL = "force,power,feed,error"
+
+
+def add_parser(commands: Any) -> None:
+    parser = commands.add_parser(
+        "plot",
+        help="charts of force, power, feed, joints … as SVG or PNG",
+        description="Draw numbers of a log over time, with the program lines along the top.",
+        epilog="quantities: force, torque, power, removal, removed, spindle, feed, error, joints, speed, effort",
+    )
+    parser.add_argument("log", type=Path, metavar="LOG", help="a run.mcap, or the folder of a run")
+    parser.add_argument("--what", default=_USUAL, metavar="A,B", help=f"the quantities (default: {_USUAL})")
+    add_range(parser)
+    parser.add_argument(
+        "-o", "--out", type=Path, metavar="FILE", help="a .svg, .png or .pdf (default: the program's name with .svg)"
+    )
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    from gcodesim.playback.quantities import QUANTITIES, charts_of
+    from gcodesim.report.plot import FORMATS, NoPlotError, draw
+    from gcodesim.whole_file import write_whole
+
+    recording = open_recording(arguments.log)
+    what = [name.strip() for name in arguments.what.split(",") if name.strip()]
+    for name in what:
+        if name not in QUANTITIES:
+            raise UsageError(f"there is no quantity {name}; there are {', '.join(QUANTITIES)}")
+    out = arguments.out if arguments.out is not None else Path(f"{Path(recording.name).stem}.svg")
+    kind = out.suffix.lower().lstrip(".")
+    if kind not in FORMATS:
+        raise UsageError(f"{out.name}: a picture ends in .svg, .png or .pdf")
+    first_ns, last_ns = chosen_range(arguments, recording)
+    try:
+        picture = draw(recording, charts_of(recording, what), kind, first_ns=first_ns, last_ns=last_ns)
+    except NoPlotError as reason:
+        raise UsageError(str(reason)) from None
+    try:
+        write_whole(out, picture)
+    except OSError as error:
+        raise UsageError(f"{out} cannot be written: {error.strerror}") from None
+    print(f"wrote {out}")
+    return OK

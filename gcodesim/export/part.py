@@ -1,0 +1,99 @@
+"""The part at a moment, as STL."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import BinaryIO, NamedTuple
+
+import numpy as np
+
+from gcodesim.material.stl import write_stl
+from gcodesim.material.surface import Surface
+from gcodesim.playback.recording import Recording
+from gcodesim.playback.scenes import Drawing
+from gcodesim.playback.solids import merged, solid_of
+
+
+class NoPartError(ValueError):
+    """There is no such part to write; the text says why."""
+
+
+class Written(NamedTuple):
+    """What an STL holds; `exact`: it is the stock as computed, not as drawn by the log."""
+
+    triangles: int
+    exact: bool
+
+
+def stock_names(recording: Recording) -> tuple[str, ...]:
+    """The stocks of the run: the first one's frame is `stock`, another one's `stock/<name>`."""
+    named = tuple(recording.results.get("stocks", {}))
+    return named or ("stock",)
+
+
+def frame_of(recording: Recording, stock: str | None) -> str:
+    """The frame of a stock by its name, of the only one without a name. NoPartError when that does not name one."""
+    names = stock_names(recording)
+    if stock is None:
+        if len(names) > 1:
+            raise NoPartError(f"the run has several stocks; choose one of {', '.join(names)}")
+        return "stock"
+    if stock not in names:
+        raise NoPartError(f"the run has no stock {stock}; it has {', '.join(names)}")
+    return "stock" if names.index(stock) == 0 else f"stock/{stock}"
+
+
+def write_part(
+    recording: Recording, out: BinaryIO, *, t_ns: int | None = None, stock: str | None = None, world: bool = False
+) -> Written:
+    """Write the surface of a stock in mm, in its own frame or in the world.
+
+    `t_ns` None is the end: there the stock file beside the log gives the
+    surface as it was computed. At any other moment, and without that file, the
+    log gives it as drawn, which may be coarser. NoPartError when there is none.
+    """
+    frame = frame_of(recording, stock)
+    exact = _computed(recording, stock) if t_ns is None and not world else None
+    if exact is not None:
+        write_stl(exact, out)
+        return Written(len(exact.faces), exact=True)
+    moment = recording.end_ns if t_ns is None else t_ns
+    drawn = [drawing for drawing in recording.stock_at(moment) if drawing.frame == frame]
+    surface = _drawn(drawn)
+    if not len(surface.faces):
+        raise NoPartError("the log draws no stock at that moment")
+    if world:
+        X = recording.frames().at(frame, moment)
+        surface = _surface(surface.vertices @ X[:3, :3].T + X[:3, 3], surface.faces)
+    write_stl(surface, out)
+    return Written(len(surface.faces), exact=False)
+
+
+def _computed(recording: Recording, stock: str | None) -> Surface | None:
+    """The surface of the stock file in the output folder, if it is there."""
+    from dataclasses import replace
+
+    from gcodesim.material.stock_file import SUFFIX, load_stock
+
+    name = stock or stock_names(recording)[0]
+    file = None if recording.folder is None else recording.folder / f"{Path(name).name}{SUFFIX}"
+    if file is None or not file.is_file():
+        return None
+    loaded = load_stock(file)
+    surface = loaded.surface()
+    return replace(surface, vertices=surface.vertices @ loaded.turn.T)
+
+
+def _drawn(drawings: list[Drawing]) -> Surface:
+    """All tiles as one: points that neighbours share become one, so that the surface is closed where the tiles are."""
+    points, triangles = merged([solid_of(shape) for drawing in drawings for shape in drawing.shapes])
+    if not len(points):
+        return _surface(points, triangles)
+    unique, number = np.unique(points, axis=0, return_inverse=True)
+    triangles = number.reshape(-1)[triangles]
+    a, b, c = triangles.T
+    return _surface(unique, triangles[(a != b) & (b != c) & (c != a)])
+
+
+def _surface(vertices: np.ndarray, faces: np.ndarray) -> Surface:
+    return Surface(vertices=vertices, faces=faces.astype(np.int32), cut=np.zeros(len(faces), dtype=bool))

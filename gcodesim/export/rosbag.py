@@ -1,0 +1,243 @@
+"""A log as a ROS 2 bag: motion, poses, wrench and program lines in the messages that ROS tools know."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from gcodesim.export.select import Part
+from gcodesim.export.table import NoTableError
+from gcodesim.playback.recording import Recording
+
+TOPICS: Final = ("/tf_static", "/tf", "/joint_states", "/target", "/tcp", "/motion", "/process", "/wrench", "/log")
+_LEVELS: Final = {"note": 20, "warning": 30, "error": 40}  # rcl_interfaces/msg/Log
+_NS: Final = 1_000_000_000
+_NO_FRAME = "world"
+
+Message = tuple[int, str, str, Any]  # time [ns], topic, type, content
+
+
+class NoRosError(Exception):
+    """The library that writes bags is not installed."""
+
+
+def write_bag(recording: Recording, folder: Path, topics: Sequence[str] = (), part: Part | None = None) -> int:
+    """Write a bag (version 9, MCAP storage, CDR) into the new `folder`; returns how many messages.
+
+    `/motion` and `/process` become one `std_msgs/Float64` topic a number, and
+    `/log` has the block texts and findings. URDFs of the run are on
+    `robot_description`, kept for late readers like `/tf_static`. FileExistsError
+    when the folder is there; NoRosError without `rosbags`; NoTableError for a
+    topic that has no ROS message.
+    """
+    try:
+        from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
+        from rosbags.rosbag2 import StoragePlugin, Writer
+        from rosbags.typesys import Stores, get_typestore
+    except ImportError:
+        raise NoRosError("ROS 2 bags need the package rosbags: pip install 'gcodesim[ros]'") from None
+    for topic in topics:
+        if topic not in TOPICS:
+            raise NoTableError(f"{topic} has no message of ROS; there are {', '.join(TOPICS)}")
+    if folder.exists():
+        raise FileExistsError(f"{folder} is there already; a bag is a new folder")
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    latched = Qos(
+        history=QosHistory.KEEP_LAST,
+        depth=1,
+        reliability=QosReliability.RELIABLE,
+        durability=QosDurability.TRANSIENT_LOCAL,
+        deadline=(forever := QosTime(0, 0)),
+        lifespan=forever,
+        liveliness=QosLiveliness.AUTOMATIC,
+        liveliness_lease_duration=forever,
+        avoid_ros_namespace_conventions=False,
+    )
+    messages = list(_messages(recording, store.types, tuple(topics) or TOPICS, part or Part()))
+    order = sorted(range(len(messages)), key=lambda i: (messages[i][0], i))
+    with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        connections: dict[str, Any] = {}
+        for i in order:
+            t_ns, topic, kind, content = messages[i]
+            if topic not in connections:
+                kept = topic == "/tf_static" or topic.endswith("robot_description")
+                connections[topic] = writer.add_connection(
+                    topic, kind, typestore=store, offered_qos_profiles=[latched] if kept else []
+                )
+            writer.write(connections[topic], t_ns, store.serialize_cdr(content, kind))
+    return len(messages)
+
+
+def _messages(recording: Recording, types: Any, topics: Sequence[str], part: Part) -> Iterator[Message]:
+    """All messages, topic by topic in the order of `TOPICS`."""
+    ros = _Types(types)
+    for name in recording.log.attachments:
+        if name.endswith(".urdf") and "/tf_static" in topics:
+            urdfs = [other for other in recording.log.attachments if other.endswith(".urdf")]
+            topic = "/robot_description" if len(urdfs) == 1 else f"/{name[: -len('.urdf')]}/robot_description"
+            text = recording.log.attachment(name).decode("utf-8", "replace")
+            yield part.first_ns, topic, "std_msgs/msg/String", types["std_msgs/msg/String"](data=text)
+    writers: dict[str, Callable[[Recording, _Types, Part], Iterator[Message]]] = {
+        "/tf_static": _static,
+        "/tf": _moving,
+        "/joint_states": _joints,
+        "/target": _pose("/target"),
+        "/tcp": _pose("/tcp"),
+        "/motion": _numbers("/motion"),
+        "/process": _numbers("/process"),
+        "/wrench": _wrench,
+        "/log": _log,
+    }
+    for topic in TOPICS:
+        if topic in topics:
+            yield from writers[topic](recording, ros, part)
+
+
+class _Types:
+    """The message types that are needed, made from numbers."""
+
+    def __init__(self, types: Any) -> None:
+        self.types = types
+
+    def stamp(self, t_ns: int) -> Any:
+        return self.types["builtin_interfaces/msg/Time"](sec=t_ns // _NS, nanosec=t_ns % _NS)
+
+    def header(self, t_ns: int, frame: str) -> Any:
+        return self.types["std_msgs/msg/Header"](stamp=self.stamp(t_ns), frame_id=frame)
+
+    def vector(self, row: Sequence[float]) -> Any:
+        return self.types["geometry_msgs/msg/Vector3"](x=float(row[0]), y=float(row[1]), z=float(row[2]))
+
+    def quaternion(self, row: Sequence[float]) -> Any:
+        x, y, z, w = (float(value) for value in row)
+        return self.types["geometry_msgs/msg/Quaternion"](x=x, y=y, z=z, w=w)
+
+    def transform(self, t_ns: int, parent: str, child: str, row: Sequence[float]) -> Any:
+        transform = self.types["geometry_msgs/msg/Transform"](
+            translation=self.vector(row[:3]), rotation=self.quaternion(row[3:])
+        )
+        header = self.header(t_ns, parent)
+        return self.types["geometry_msgs/msg/TransformStamped"](
+            header=header, child_frame_id=child, transform=transform
+        )
+
+
+def _static(recording: Recording, ros: _Types, part: Part) -> Iterator[Message]:
+    from gcodesim.frames import quaternion_from_rotation
+
+    tree = recording.frames()
+    still = [name for name, poses in tree.poses.items() if len(poses) == 1 and name not in _moving_frames(recording)]
+    transforms = []
+    for child in still:
+        X = tree.poses[child][0]
+        row = [*X[:3, 3], *quaternion_from_rotation(X[:3, :3])]
+        transforms.append(ros.transform(part.first_ns, tree.parents[child], child, row))
+    kind = "tf2_msgs/msg/TFMessage"
+    yield part.first_ns, "/tf_static", kind, ros.types[kind](transforms=transforms)
+
+
+def _moving_frames(recording: Recording) -> dict[str, str]:
+    """Parent by child of the frames on `/tf`."""
+    series = recording.series("/tf")
+    return {
+        texts[0]: series.texts[name.replace("child_frame_id", "parent_frame_id")][0]
+        for name, texts in series.texts.items()
+        if name.endswith(".child_frame_id")
+    }
+
+
+def _moving(recording: Recording, ros: _Types, part: Part) -> Iterator[Message]:
+    series, frames = recording.series("/tf"), _moving_frames(recording)
+    fields = [f"translation.{a}" for a in "xyz"] + [f"rotation.{a}" for a in "xyzw"]
+    columns = [series.columns(*(f"transforms[{child}].{field}" for field in fields)) for child in frames]
+    kind = "tf2_msgs/msg/TFMessage"
+    for i in part.chosen(series.t_ns):
+        t_ns = int(series.t_ns[i])
+        transforms = [
+            ros.transform(t_ns, parent, child, rows[i])
+            for (child, parent), rows in zip(frames.items(), columns, strict=True)
+        ]
+        yield t_ns, "/tf", kind, ros.types[kind](transforms=transforms)
+
+
+def _joints(recording: Recording, ros: _Types, part: Part) -> Iterator[Message]:
+    series = recording.series("/joint_states")
+    names = [name for key, (name, *_) in series.texts.items() if key.endswith("].name")]
+    position, velocity, effort = (
+        series.columns(*(f"joints[{name}].{what}" for name in names)) for what in ("position", "velocity", "effort")
+    )
+    kind = "sensor_msgs/msg/JointState"
+    for i in part.chosen(series.t_ns):
+        t_ns = int(series.t_ns[i])
+        content = ros.types[kind](
+            header=ros.header(t_ns, ""), name=names, position=position[i], velocity=velocity[i], effort=effort[i]
+        )
+        yield t_ns, "/joint_states", kind, content
+
+
+def _pose(topic: str) -> Callable[[Recording, _Types, Part], Iterator[Message]]:
+    def messages(recording: Recording, ros: _Types, part: Part) -> Iterator[Message]:
+        series = recording.series(topic)
+        position = series.columns(*(f"pose.position.{a}" for a in "xyz"))
+        orientation = series.columns(*(f"pose.orientation.{a}" for a in "xyzw"))
+        frame, kind = _frame(series), "geometry_msgs/msg/PoseStamped"
+        point = ros.types["geometry_msgs/msg/Point"]
+        for i in part.chosen(series.t_ns):
+            t_ns = int(series.t_ns[i])
+            x, y, z = (float(value) for value in position[i])
+            pose = ros.types["geometry_msgs/msg/Pose"](
+                position=point(x=x, y=y, z=z), orientation=ros.quaternion(orientation[i])
+            )
+            yield t_ns, topic, kind, ros.types[kind](header=ros.header(t_ns, frame), pose=pose)
+
+    return messages
+
+
+def _wrench(recording: Recording, ros: _Types, part: Part) -> Iterator[Message]:
+    series = recording.series("/wrench")
+    force = series.columns(*(f"force.{a}" for a in "xyz"))
+    torque = series.columns(*(f"torque.{a}" for a in "xyz"))
+    frame, kind = _frame(series), "geometry_msgs/msg/WrenchStamped"
+    for i in part.chosen(series.t_ns):
+        t_ns = int(series.t_ns[i])
+        wrench = ros.types["geometry_msgs/msg/Wrench"](force=ros.vector(force[i]), torque=ros.vector(torque[i]))
+        yield t_ns, "/wrench", kind, ros.types[kind](header=ros.header(t_ns, frame), wrench=wrench)
+
+
+def _numbers(topic: str) -> Callable[[Recording, _Types, Part], Iterator[Message]]:
+    def messages(recording: Recording, ros: _Types, part: Part) -> Iterator[Message]:
+        series, kind = recording.series(topic), "std_msgs/msg/Float64"
+        chosen = part.chosen(series.t_ns)
+        for name, column in zip(series.names, series.values.T, strict=True):
+            for i in chosen:
+                yield int(series.t_ns[i]), f"{topic}/{name}", kind, ros.types[kind](data=float(column[i]))
+
+    return messages
+
+
+def _log(recording: Recording, ros: _Types, part: Part) -> Iterator[Message]:
+    kind = "rcl_interfaces/msg/Log"
+    timeline = recording.timeline
+    texts = [
+        (int(t_ns), 20, timeline.modals[modal].file, int(line), text)
+        for t_ns, line, text, modal in zip(timeline.t_ns, timeline.line, timeline.text, timeline.modal, strict=True)
+        if line
+    ]
+    texts += [(e.t_ns, _LEVELS.get(e.severity, 20), e.file, e.line, f"{e.code} {e.message}") for e in recording.events]
+    inside = np.zeros(0, dtype=np.int64)
+    times = np.array([text[0] for text in texts], dtype=np.int64)
+    order = np.argsort(times, kind="stable")
+    inside = order[Part(first_ns=part.first_ns, last_ns=part.last_ns).chosen(times[order])] if len(order) else order
+    for i in inside:
+        t_ns, level, file, line, text = texts[i]
+        content = ros.types[kind](
+            stamp=ros.stamp(t_ns), level=level, name="gcodesim", msg=text, file=file, function="", line=line
+        )
+        yield t_ns, "/log", kind, content
+
+
+def _frame(series: Any) -> str:
+    return next(iter(series.texts.get("frame_id", ())), _NO_FRAME)

@@ -1,0 +1,82 @@
+"""Names with units for the numbers of a log, as tables and charts show them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Final, Literal, NamedTuple
+
+from gcodesim.playback.recording import Recording
+from gcodesim.units import DEG, MM, MM3, MM_PER_MINUTE, RPM
+
+Units = Literal["si", "mm"]
+
+_JOINT: Final = re.compile(r"joints\[(.+)\]\.(position|velocity|effort)")
+_FRAME: Final = re.compile(r"transforms\[(.+)\]\.(translation|rotation)\.([xyzw])")
+_POSE: Final = re.compile(r"pose\.(position|orientation)\.([xyzw])")
+_VECTOR: Final = re.compile(r"(force|torque)\.([xyz])")
+_SPELLING: Final = {"_n": "_N", "_nm": "_Nm", "_w": "_W"}  # field names of a log are in lower case
+
+# what a name in SI ends in: what it ends in on the shop floor, and how much SI one of those is
+_SHOP_FLOOR: Final[Mapping[str, tuple[str, float]]] = {
+    "_m3_s": ("_mm3_s", MM3),
+    "_m3": ("_mm3", MM3),
+    "_m_s": ("_mm_min", MM_PER_MINUTE),
+    "_m": ("_mm", MM),
+    "_rad_s": ("_deg_s", DEG),
+    "_rad": ("_deg", DEG),
+}
+
+
+class Column(NamedTuple):
+    """A column: its name, which ends in the unit, and by what a number in SI is divided."""
+
+    name: str
+    divisor: float
+
+
+def joint_kinds(recording: Recording) -> dict[str, str]:
+    """`revolute` or `prismatic` by joint name, as far as the results of the run tell."""
+    return {
+        joint["name"]: "prismatic" if joint["unit"] == "mm" else "revolute"
+        for joint in recording.results.get("joints", ())
+    }
+
+
+def column_of(topic: str, field: str, kinds: Mapping[str, str], units: Units = "si") -> Column:
+    """The column of a field of a periodic topic, such as `force_n` of `/process`: `process.force_N`."""
+    name = _si_name(topic, field, kinds)
+    if units == "mm":
+        for suffix, (shown, divisor) in _SHOP_FLOOR.items():
+            if name.endswith(suffix):
+                if "spindle" in name:
+                    shown, divisor = "_rpm", RPM
+                elif name.startswith("joint.") and shown == "_mm_min":
+                    shown, divisor = "_mm_s", MM
+                return Column(name[: -len(suffix)] + shown, divisor)
+    return Column(name, 1.0)
+
+
+def _si_name(topic: str, field: str, kinds: Mapping[str, str]) -> str:
+    group = topic.strip("/").replace("/", ".")
+    if found := _JOINT.fullmatch(field):
+        joint, what = found.groups()
+        slides = kinds.get(joint)
+        if slides is None:
+            return f"joint.{joint}.{what}"
+        unit = {"position": "m" if slides == "prismatic" else "rad", "effort": "N" if slides == "prismatic" else "Nm"}
+        unit["velocity"] = f"{unit['position']}_s"
+        return f"joint.{joint}.{what}_{unit[what]}"
+    if found := _FRAME.fullmatch(field):
+        frame, what, axis = found.groups()
+        return f"tf.{frame}.{axis}_m" if what == "translation" else f"tf.{frame}.q{axis}"
+    if found := _POSE.fullmatch(field):
+        what, axis = found.groups()
+        return f"{group}.{axis}_m" if what == "position" else f"{group}.q{axis}"
+    if found := _VECTOR.fullmatch(field):
+        what, axis = found.groups()
+        return f"{group}.{what}_{axis}_{'N' if what == 'force' else 'Nm'}"
+    for ending, spelled in _SPELLING.items():
+        if field.endswith(ending):
+            return f"{group}.{field[: -len(ending)]}{spelled}"
+    return f"{group}.{field}"

@@ -1,0 +1,186 @@
+"""A run on disk: its log, and what lies beside it."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from gcodesim.diagnostics import SourceText
+from gcodesim.log.logfile import LogFile, LogReadError, RawMessage
+from gcodesim.log.reader import decoder_of
+from gcodesim.log.series import Series, read_series
+from gcodesim.log.topics import PERIODIC
+from gcodesim.playback.frames import FrameTree
+from gcodesim.playback.scenes import Drawing, drawing_of
+from gcodesim.playback.timeline import LogEvent, Timeline
+
+LOG_NAME: Final = "run.mcap"
+PERIODIC_TOPICS: Final = tuple(topic.name for topic in PERIODIC)
+_TILES: Final = ("/scene/stock/", "/scene/added/")
+_OTHER_FILES: Final = ("layout.json", "results.json", "cell.yaml", "program.nc")
+
+
+class RecordingError(Exception):
+    """There is no log, or it cannot be read; the text says why."""
+
+
+@dataclass(eq=False)
+class Recording:
+    """One run. `folder` is the output folder when that was named, else None: a log alone has no files beside it."""
+
+    log: LogFile
+    folder: Path | None
+    _series: dict[tuple[str, int], Series] = field(default_factory=dict)
+
+    @staticmethod
+    def open(path: Path) -> Recording:
+        """The run in an output folder, or the log at `path`. RecordingError when there is none."""
+        folder = path if path.is_dir() else None
+        file = path / LOG_NAME if folder is not None else path
+        try:
+            return Recording(LogFile.open(file), folder)
+        except FileNotFoundError:
+            where = f"folder {path} holds no {LOG_NAME}" if folder is not None else f"log {path} is not there"
+            raise RecordingError(where) from None
+        except (LogReadError, OSError) as error:
+            raise RecordingError(f"log {file} cannot be read: {error}") from None
+
+    @property
+    def end_ns(self) -> int:
+        return self.log.end_ns
+
+    @property
+    def run(self) -> dict[str, str]:
+        """The record of what went in: program, cell, seed, versions."""
+        return dict(self.log.metadata.get("gcodesim.run", {}))
+
+    @property
+    def name(self) -> str:
+        """Name of the program."""
+        return self.run.get("program", self.log.path.name)
+
+    @cached_property
+    def results(self) -> dict[str, Any]:
+        """The results that the log carries, else those beside it; {} when the run did not come to its end."""
+        if "results.json" in self.log.attachments:
+            value = json.loads(self.log.attachment("results.json"))
+        elif self.folder is not None and (self.folder / "results.json").is_file():
+            value = json.loads((self.folder / "results.json").read_bytes())
+        else:
+            value = {}
+        return value if isinstance(value, dict) else {}
+
+    @cached_property
+    def line_rows(self) -> list[dict[str, str]] | None:
+        """Rows of `lines.csv` of the output folder; None without one."""
+        file = None if self.folder is None else self.folder / "lines.csv"
+        if file is None or not file.is_file():
+            return None
+        with file.open(encoding="utf-8", newline="") as stream:
+            return list(csv.DictReader(stream))
+
+    @cached_property
+    def sources(self) -> dict[str, SourceText]:
+        """The program and its subprograms by the names that the log uses."""
+        found, ran = {}, self.timeline.files()
+        for name in self.log.attachments:
+            if name == "program.nc":
+                found[self.name] = SourceText(self.name, self.log.attachment(name))
+            elif name in ran and name not in _OTHER_FILES:
+                found[name] = SourceText(name, self.log.attachment(name))
+        return found
+
+    @cached_property
+    def _changes(self) -> dict[str, list[tuple[int, Any]]]:
+        """Time and message of all topics that are neither periodic nor tiles, from one walk through the log."""
+        wanted: dict[int, tuple[str, Callable[[RawMessage], Any]]] = {}
+        for topic in ("/tf_static", "/program", "/event", "/scene/cell", "/scene/path", "/scene/tool"):
+            channel = self.log.channel_id(topic)
+            if channel is not None:
+                wanted[channel] = (topic, decoder_of(self.log, channel))
+        found: dict[str, list[tuple[int, Any]]] = {topic: [] for topic, _ in wanted.values()}
+        for message in self.log.messages():
+            if message.channel in wanted:
+                topic, decode = wanted[message.channel]
+                found[topic].append((message.t_ns, decode(message)))
+        return found
+
+    @cached_property
+    def timeline(self) -> Timeline:
+        return Timeline.of(self._changes.get("/program", []))
+
+    @cached_property
+    def events(self) -> tuple[LogEvent, ...]:
+        return tuple(
+            LogEvent(
+                t_ns=t_ns,
+                code=m.code,
+                severity=m.severity,
+                file=m.file,
+                line=m.line,
+                message=m.message,
+                value=m.value,
+            )
+            for t_ns, m in self._changes.get("/event", [])
+        )
+
+    def series(self, topic: str, every_ns: int = 0) -> Series:
+        """A periodic topic as columns, empty when the log has none; all seven are read at once."""
+        if (topic, every_ns) not in self._series:
+            topics = PERIODIC_TOPICS if topic in PERIODIC_TOPICS else (topic,)
+            read = read_series(self.log, topics, every_ns=every_ns)
+            nothing = Series(np.zeros(0, dtype=np.int64), (), np.zeros((0, 0)), {})
+            for name in topics:
+                self._series[name, every_ns] = read.get(name, nothing)
+        return self._series[topic, every_ns]
+
+    def frames(self, every_ns: int = 0) -> FrameTree:
+        static = self._changes.get("/tf_static", [])
+        return FrameTree.of(static[-1][1] if static else None, self.series("/tf", every_ns))
+
+    def drawings(self, topic: str) -> list[tuple[int, tuple[Drawing, ...]]]:
+        """Time and content of a scene topic that is no tile, in order."""
+        return [(t_ns, drawing_of(update)) for t_ns, update in self._changes.get(topic, [])]
+
+    # ---- stock, which is most of a log
+
+    @property
+    def tile_topics(self) -> tuple[str, ...]:
+        """All topics that draw a tile of stock or of added material, sorted."""
+        names = (channel.topic for channel in self.log.channels.values())
+        return tuple(sorted(name for name in names if name.startswith(_TILES)))
+
+    def tile_times(self) -> dict[str, list[int]]:
+        """When each tile changes [ns]."""
+        channels = {self.log.channel_id(topic): topic for topic in self.tile_topics}
+        times: dict[str, list[int]] = {topic: [] for topic in self.tile_topics}
+        for message in self.log.messages():
+            if message.channel in channels:
+                times[channels[message.channel]].append(message.t_ns)
+        return times
+
+    def tiles(self, wanted: Mapping[str, Sequence[int]]) -> Iterator[tuple[int, str, tuple[Drawing, ...]]]:
+        """Time, topic and content of the tiles that were sent at the `wanted` times [ns] of each topic."""
+        by_channel = {self.log.channel_id(topic): (topic, set(times)) for topic, times in wanted.items()}
+        decoders: dict[int, Callable[[RawMessage], Any]] = {}
+        for message in self.log.messages():
+            if message.channel not in by_channel:
+                continue
+            topic, times = by_channel[message.channel]
+            if message.t_ns in times:
+                if message.channel not in decoders:
+                    decoders[message.channel] = decoder_of(self.log, message.channel)
+                yield message.t_ns, topic, drawing_of(decoders[message.channel](message))
+
+    def stock_at(self, t_ns: int) -> list[Drawing]:
+        """Every tile as it was last drawn up to `t_ns`."""
+        last = {topic: [max(t for t in times if t <= t_ns)] for topic, times in self.tile_times().items() if times}
+        found = {topic: drawing for _, topic, drawing in self.tiles(last)}
+        return [drawing for topic in sorted(found) for drawing in found[topic]]

@@ -1,0 +1,123 @@
+"""Scenes of a log as shapes and lines again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from io import BytesIO
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.log import Box, Cone, Cylinder, Mesh, Shape, Sphere
+from gcodesim.log.shapes import STEEL, Color
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Lines:
+    """Segments (s, 2) of point indices between points (n, 3) [m]; `pixels` wide on a screen."""
+
+    points: Array
+    segments: NDArray[np.int64]
+    color: Color
+    pixels: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Drawing:
+    """One entity of a scene, in its frame."""
+
+    id: str
+    frame: str
+    shapes: tuple[Shape, ...]
+    lines: tuple[Lines, ...]
+
+
+def drawing_of(update: Any) -> tuple[Drawing, ...]:
+    """What a `foxglove.SceneUpdate` shows, which begins with a deletion of all."""
+    return tuple(
+        Drawing(
+            id=entity.id,
+            frame=entity.frame_id,
+            shapes=tuple(_shapes(entity)),
+            lines=tuple(_lines(line) for line in entity.lines),
+        )
+        for entity in update.entities
+    )
+
+
+def _shapes(entity: Any) -> Iterator[Shape]:
+    for cube in entity.cubes:
+        yield Box(size=(cube.size.x, cube.size.y, cube.size.z), **_place(cube))
+    for ball in entity.spheres:
+        yield Sphere(radius=0.5 * ball.size.x, **_place(ball))
+    for c in entity.cylinders:
+        bottom, top = 0.5 * c.size.x * c.bottom_scale, 0.5 * c.size.x * c.top_scale
+        if bottom == top:
+            yield Cylinder(radius=bottom, length=c.size.z, **_place(c))
+        else:
+            yield Cone(bottom_radius=bottom, top_radius=top, length=c.size.z, **_place(c))
+    for triangles in entity.triangles:
+        if len(triangles.indices):
+            indices = np.array(triangles.indices, dtype=np.int64).reshape(-1, 3)
+            yield Mesh(points=_points(triangles.points), triangles=indices, **_place(triangles))
+    for model in entity.models:
+        yield from _model(model)
+
+
+def _model(model: Any) -> Iterator[Shape]:
+    """The meshes of an embedded file, such as a GLB."""
+    import trimesh
+
+    if not model.data:  # it names a file that a log has not
+        return
+    kind = {"model/gltf-binary": "glb", "model/stl": "stl", "model/obj": "obj"}.get(model.media_type, "glb")
+    place = _place(model)
+    scale = np.array([model.scale.x, model.scale.y, model.scale.z])
+    for mesh in trimesh.load_scene(BytesIO(model.data), file_type=kind).dump():
+        if not isinstance(mesh, trimesh.Trimesh):
+            continue
+        color = place["color"]
+        if not model.override_color:
+            own = getattr(mesh.visual, "main_color", None)
+            own = mesh.visual.material.main_color if own is None and hasattr(mesh.visual, "material") else own
+            color = STEEL if own is None else tuple(float(c) / 255.0 for c in own)
+        points = np.asarray(mesh.vertices, dtype=float) * np.where(scale == 0.0, 1.0, scale)
+        yield Mesh(points=points, triangles=np.asarray(mesh.faces), p=place["p"], q=place["q"], color=color)
+
+
+def _lines(line: Any) -> Lines:
+    from foxglove_schemas_protobuf.LinePrimitive_pb2 import LinePrimitive
+
+    points = _points(line.points)
+    index = np.array(line.indices, dtype=np.int64) if len(line.indices) else np.arange(len(points))
+    if line.type == LinePrimitive.LINE_LIST:
+        segments = index[: len(index) // 2 * 2].reshape(-1, 2)
+    else:
+        segments = np.stack([index[:-1], index[1:]], axis=1)
+        if line.type == LinePrimitive.LINE_LOOP and len(index) > 2:
+            segments = np.concatenate([segments, [[index[-1], index[0]]]])
+    place = _place(line)
+    from gcodesim.frames import rotation_from_quaternion
+
+    moved = points @ rotation_from_quaternion(place["q"]).T + place["p"]
+    return Lines(points=moved, segments=segments, color=place["color"], pixels=line.thickness)
+
+
+def _place(primitive: Any) -> dict[str, Any]:
+    pose = primitive.pose
+    q = np.array([pose.orientation.x, pose.orientation.y, pose.orientation.z, pose.orientation.w])
+    color = primitive.color
+    return {
+        "p": np.array([pose.position.x, pose.position.y, pose.position.z]),
+        "q": q if q.any() else np.array([0.0, 0.0, 0.0, 1.0]),
+        "color": (color.r, color.g, color.b, color.a),
+    }
+
+
+def _points(points: Any) -> Array:
+    flat = np.array([c for p in points for c in (p.x, p.y, p.z)], dtype=float)
+    return flat.reshape(-1, 3)

@@ -1,0 +1,106 @@
+"""When which program line ran, and what happened at which moment."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LogEvent:
+    """A message of `/event`: a finding, a tool change, the start, the end."""
+
+    t_ns: int
+    code: str
+    severity: str
+    file: str
+    line: int
+    message: str
+    value: float
+
+    @property
+    def is_finding(self) -> bool:
+        return self.code.startswith("GS")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Modal:
+    """What many blocks have in common; feed [m/s], spindle [rad/s, + = M3]."""
+
+    file: str
+    motion: str
+    tool: int
+    tool_name: str
+    wcs: str
+    feed: float
+    spindle: float
+    state: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Timeline:
+    """m blocks in the order in which they ran: begin `t_ns` (m,), `line` (m,), `text` (m), `modal` (m,) of `modals`."""
+
+    t_ns: Ints
+    line: Ints
+    text: tuple[str, ...]
+    modal: Ints
+    modals: tuple[Modal, ...]
+
+    @staticmethod
+    def of(messages: Iterable[tuple[int, Any]]) -> Timeline:
+        """From time [ns] and message of `/program`, in order."""
+        known: dict[Modal, int] = {}
+        t_ns, line, text, modal = [], [], [], []
+        for time, m in messages:
+            state = Modal(
+                file=m.file,
+                motion=m.motion,
+                tool=m.tool,
+                tool_name=m.tool_name,
+                wcs=m.wcs,
+                feed=m.feed_m_s,
+                spindle=m.spindle_rad_s,
+                state=m.state,
+            )
+            t_ns.append(time)
+            line.append(m.line)
+            text.append(m.text)
+            modal.append(known.setdefault(state, len(known)))
+        return Timeline(
+            t_ns=np.array(t_ns, dtype=np.int64),
+            line=np.array(line, dtype=np.int64),
+            text=tuple(text),
+            modal=np.array(modal, dtype=np.int64),
+            modals=tuple(known),
+        )
+
+    def __len__(self) -> int:
+        return len(self.t_ns)
+
+    def at(self, t_ns: Ints) -> Ints:
+        """The block (n,) that runs at each time; −1 before the first."""
+        index: Ints = np.searchsorted(self.t_ns, t_ns, side="right") - 1
+        return index
+
+    def files(self) -> tuple[str, ...]:
+        """Names of the program files that ran, in the order in which they first did."""
+        return tuple(dict.fromkeys(self.modals[i].file for i in self.modal if self.modals[i].file))
+
+    def span_of_lines(self, first: int, last: int, end_ns: int, file: str | None = None) -> tuple[int, int] | None:
+        """Begin of the first and end of the last block [ns] of the lines first ≤ line ≤ last; None when none ran."""
+        files = np.array([modal.file for modal in self.modals])
+        inside = (self.line >= first) & (self.line <= last)
+        if len(files):
+            inside &= files[self.modal] == (file or next(iter(self.files()), ""))
+        chosen = np.flatnonzero(inside)
+        if not len(chosen):
+            return None
+        after = int(chosen[-1]) + 1
+        return int(self.t_ns[chosen[0]]), int(self.t_ns[after]) if after < len(self) else end_ns
