@@ -1,10 +1,12 @@
 """Force on an upright cutter from the stock around it, averaged over a revolution and at its worst angle.
 
 Which part of the edge is in material is asked where the edge will be next: a
-point of the cutter's surface at height z and angle phi is moved ahead by about
-one cell, onto a circle that is one cell larger, and kept one cell inside the
-width that the tool sweeps. So a slot counts as full from wall to wall, and a
-tool that follows its own finished wall touches nothing.
+point of the cutter's surface at height z and angle phi is moved ahead, onto a
+circle that is larger by the diagonal of a cell, and kept inside the width that
+the tool sweeps. So none of the four columns that are asked is one that the
+tool has cut already: a slot counts as full from wall to wall wherever it lies
+on the grid, and force does not ripple from cell to cell. A tool that follows
+its own finished wall touches nothing.
 
 Frame K: X (u) along the horizontal feed, Y (l) to its left, Z up to the holder; phi runs clockwise from Y
 (spindle M3). On an element of edge of width b with chip thickness h = c (v . n):
@@ -62,17 +64,29 @@ def power_at(table: Array, component: int, left: int, part: float) -> float:
 
 
 @kernel
-def probe(r: float, outer: float, sine: float, cosine: float, cell: float, level: float) -> tuple[float, float, float]:
+def clearances(grid: Array, ux: float, uy: float) -> tuple[float, float]:
+    """How far [m] ahead of the cutter, and inside its width, to ask: no column around such a place is under it.
+
+    Ahead it is the diagonal of a cell, for any direction; aside the width of a cell seen along the feed (ux, uy).
+    """
+    return float(np.sqrt(grid[2] * grid[2] + grid[3] * grid[3])), float(grid[2] * abs(uy) + grid[3] * abs(ux))
+
+
+@kernel
+def probe(
+    r: float, outer: float, sine: float, cosine: float, ahead: float, aside: float, level: float
+) -> tuple[float, float, float]:
     """Where to ask for material ahead of the point at radius r and angle phi: (x, y) along u and l, way d [m].
 
-    outer: largest radius of the element; level: share of the feed that is horizontal. d is the way along the feed.
+    outer: largest radius of the element; ahead, aside: see `clearances`; level: share of the feed that is horizontal.
+    d is the way along the feed.
     """
     x, y = r * sine, r * cosine
     if sine <= 0.0:
-        return x + level * cell, y, cell
-    inside = max(r - cell, 0.0)
+        return x + level * ahead, y, ahead
+    inside = max(r - aside, 0.0)
     wide = min(max(y, -inside), inside)
-    way = np.sqrt((outer + cell) * (outer + cell) - wide * wide) - x
+    way = np.sqrt((outer + ahead) * (outer + ahead) - wide * wide) - x
     return x + level * way, y + level * (wide - y), way
 
 
@@ -98,7 +112,8 @@ def share_at(
     cell: float, rows: Array, i: int, sine: float, cosine: float,
 ) -> float:  # fmt: skip
     """Share [-] of row i that is in material at one angle; see `contact_of_row`."""
-    px, py, way = probe(rows[i, 0], rows[i, 7], sine, cosine, cell, level)
+    ahead, aside = clearances(grid, ux, uy)
+    px, py, way = probe(rows[i, 0], rows[i, 7], sine, cosine, ahead, aside, level)
     x, y = tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py
     rise = climb * max(way, plunge_way(rows, i, cell, level) if climb < 0.0 else 0.0)
     low = tip[2] + rows[i, 5] + rise + min(0.5 * (1.0 - level) * cell * climb, 0.0)
@@ -125,8 +140,9 @@ def contact_of_row(
     """
     cell = max(grid[2], grid[3])
     nx, ny = count.shape
-    radius, outer = rows[i, 0], rows[i, 7] + cell
-    inside = max(radius - cell, 0.0)
+    ahead, aside = clearances(grid, ux, uy)
+    radius, outer = rows[i, 0], rows[i, 7] + ahead
+    inside = max(radius - aside, 0.0)
     sin_kappa, fall = rows[i, 2], climb * rows[i, 3]
     least_way = plunge_way(rows, i, cell, level) if climb < 0.0 else 0.0
     bottom, top = tip[2] + rows[i, 5] + min(0.5 * (1.0 - level) * cell * climb, 0.0), tip[2] + rows[i, 6]
@@ -138,9 +154,9 @@ def contact_of_row(
         sine, cosine = circle[0, k], circle[1, k]
         px, py = radius * sine, radius * cosine
         wide = min(max(py, -inside), inside)
-        ahead = sine > 0.0
-        way = np.sqrt(outer * outer - wide * wide) - px if ahead else cell
-        py = py + level * (wide - py) if ahead else py
+        front = sine > 0.0
+        way = np.sqrt(outer * outer - wide * wide) - px if front else ahead
+        py = py + level * (wide - py) if front else py
         px += level * way
         places[0, k] = (tip[0] + ux * px - uy * py - grid[0]) * to_x - 0.5
         places[1, k] = (tip[1] + uy * px + ux * py - grid[1]) * to_y - 0.5
@@ -213,7 +229,7 @@ def contact_of_cylinder(
     climb: float, rows: Array, first: int, number: int, weights: Array, line: Array,
 ) -> bool:  # fmt: skip
     """The same for all rows of a cylinder at once, first..first+number: they stand above each other."""
-    cell = max(grid[2], grid[3])
+    ahead, aside = clearances(grid, ux, uy)
     half = ANGLES // 2
     bottom, top = tip[2] + rows[first, 5], tip[2] + rows[first + number - 1, 6]
     height = (top - bottom) / number
@@ -224,7 +240,7 @@ def contact_of_cylinder(
             weights[first : first + number, k] = 0.0
             earlier = -1.0
             continue
-        px, py, way = probe(rows[first, 0], rows[first, 7], circle[0, k], circle[1, k], cell, level)
+        px, py, way = probe(rows[first, 0], rows[first, 7], circle[0, k], circle[1, k], ahead, aside, level)
         x, y = tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py
         z0, z1 = bottom + climb * way, top + climb * way
         simple, share = solid(lo, hi, count, grid, x, y, z0, z1)
@@ -242,7 +258,7 @@ def contact_of_cylinder(
             for _ in range(4):
                 middle = 0.5 * (least + most)
                 fine_sine, fine_cosine = turned(circle[0, k - 1], circle[1, k - 1], middle * (2.0 * np.pi / ANGLES))
-                px, py, way = probe(rows[first, 0], rows[first, 7], fine_sine, fine_cosine, cell, level)
+                px, py, way = probe(rows[first, 0], rows[first, 7], fine_sine, fine_cosine, ahead, aside, level)
                 z0, z1 = bottom + climb * way, top + climb * way
                 x, y = tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py
                 between = occupancy(lo, hi, count, grid, x, y, z0, z1)

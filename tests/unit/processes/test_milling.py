@@ -142,6 +142,26 @@ def test_steps_without_pieces_stand_still():
     assert not found.removed.any()
 
 
+@pytest.mark.parametrize("kind", ["flat_end_mill", "ball_end_mill", "bull_nose_end_mill"])
+@pytest.mark.parametrize("resolution", [0.3e-3, 0.5e-3, 1e-3])
+def test_a_slot_feels_one_force_wherever_it_lies_on_the_grid(kind, resolution):
+    """From step to step and in every direction, seen along its own feed: only rounding changes it."""
+    more = {"corner_radius": 2e-3} if kind.startswith("bull") else {}
+    process = Milling(cutter=TOOLS[kind](diameter=10e-3, **more), law=ALUMINIUM)
+    seen = []
+    for angle in (0.0, 17.0, 45.0, 90.0, 143.0):
+        u = np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle)), 0.0])
+        middle = np.array([30e-3, 20e-3, -2e-3])
+        path = line(middle - 60e-3 * u, middle + 5e-3 * u, 325)
+        found, _ = run(path, stock=box(resolution), process=process)
+        fx, fy, fz = found.wrench[-25:, :3].T
+        seen.append(np.column_stack([fx * u[0] + fy * u[1], fy * u[0] - fx * u[1], fz]))
+    forces = np.concatenate(seen)
+
+    assert np.linalg.norm(forces[0]) > 50.0
+    assert np.ptp(forces, axis=0).max() < 1e-9 * np.linalg.norm(forces[0])
+
+
 @pytest.mark.parametrize(("spindle", "flag"), [(0.0, "stopped"), (-OMEGA, "reversed")])
 def test_wrong_spindle_removes_without_force_and_is_told(spindle, flag):
     found, _ = run(spindle=np.full(140, spindle))
