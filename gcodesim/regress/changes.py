@@ -135,12 +135,17 @@ class FindingChange:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Comparison:
-    """All that differs beyond tolerance; `remarks` say what could not be compared, and do not count as differences."""
+    """All that differs beyond tolerance.
+
+    `totals` are the quantities that people ask for first, as far as they changed at all; `remarks` say what could not
+    be compared. Neither makes a difference.
+    """
 
     moves: tuple[MoveChange, ...] = ()
     changes: tuple[Change, ...] = ()
     surfaces: tuple[SurfaceChange, ...] = ()
     findings: tuple[FindingChange, ...] = ()
+    totals: tuple[Change, ...] = ()
     remarks: tuple[str, ...] = ()
 
     @property

@@ -18,9 +18,7 @@ _NOT_COMPARED: Final = frozenset(
 _NAMES: Final = ("number", "name", "word")
 
 
-def compare_results(
-    old: Mapping[str, Any], new: Mapping[str, Any], tolerances: Tolerances = DEFAULTS
-) -> list[Change]:
+def compare_results(old: Mapping[str, Any], new: Mapping[str, Any], tolerances: Tolerances = DEFAULTS) -> list[Change]:
     """What differs in meaning between two contents of `results.json` besides findings, in the order of the file.
 
     Hashes, names of inputs and line numbers do not count.

@@ -57,7 +57,10 @@ QUANTITIES: Final[Mapping[str, Quantity]] = {
     ),
     "joint_speed": Quantity(dimension="ratio", unit="", default=Tolerance(0.01, 0.02), what="greatest joint speeds"),
     "joint_acceleration": Quantity(
-        dimension="ratio", unit="", default=Tolerance(1.0, 0.1), what="greatest joint accelerations, in deg or mm per s²"
+        dimension="ratio",
+        unit="",
+        default=Tolerance(1.0, 0.1),
+        what="greatest joint accelerations, deg or mm per s²",
     ),
     "joint_effort": Quantity(
         dimension="ratio", unit="", default=Tolerance(0.5, 0.02), what="greatest joint efforts, in N·m or N"

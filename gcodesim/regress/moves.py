@@ -1,0 +1,332 @@
+"""Two motions against each other: which steps came, went or changed, and by how much."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final, TypeVar
+
+from gcodesim.regress.align import GAP, Pair, align
+from gcodesim.regress.changes import FieldChange, MoveChange, Place
+from gcodesim.regress.motion import LETTERS, MOVES, Step
+from gcodesim.regress.tolerance import DEFAULTS, QUANTITIES, Tolerances
+
+LineText = Callable[[str, int], str]
+_V = TypeVar("_V")
+
+_GRID: Final = 1e-4  # mm; positions of one key are equal after rounding to it
+_PARTS: Final = tuple(i / 16 for i in range(17))
+_UNLIKE: Final = 3.0 * GAP
+
+# how words and numbers of steps are called and measured: (kind or "", field) → name, tolerance
+_NAMES: Final[Mapping[tuple[str, str], tuple[str, str]]] = {
+    ("", "feed"): ("feed", "feed"),
+    ("", "pitch"): ("pitch", "feed"),
+    ("spindle", "speed"): ("spindle speed", "spindle"),
+    ("spindle", "max_rpm"): ("spindle speed limit", "spindle"),
+    ("spindle", "dir"): ("spindle", ""),
+    ("dwell", "seconds"): ("dwell", "dwell"),
+    ("arc", "ccw"): ("arc direction", ""),
+    ("path_mode", "mode"): ("path mode", ""),
+    ("path_mode", "tolerance"): ("path tolerance", "position"),
+    ("path_mode", "naive"): ("path tolerance Q", "position"),
+    ("orient", "angle"): ("spindle angle", "angle"),
+    ("tool_change", "tool"): ("tool", ""),
+    ("tool_select", "tool"): ("selected tool", ""),
+    ("tool_number", "tool"): ("tool number", ""),
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MotionComparison:
+    """What differs, and `lines`: (file, line) of the old program → line of the new one, as steps were paired."""
+
+    changes: tuple[MoveChange, ...]
+    lines: Mapping[tuple[str, int], int]
+
+
+def compare_motion(
+    old: Sequence[Step],
+    new: Sequence[Step],
+    tolerances: Tolerances = DEFAULTS,
+    *,
+    old_text: LineText | None = None,
+    new_text: LineText | None = None,
+) -> MotionComparison:
+    """Steps that were inserted, removed or changed; the `texts` give program lines for the places.
+
+    A move that was cut into several, or several joined into one, is no difference as long as they go the same way and
+    no exact stop lies between.
+    """
+    pairs = align(
+        old,
+        new,
+        same=lambda a, b: _same(a, b, tolerances),
+        keys=(_exactly, _target, _displacement),
+        unlikeness=lambda a, b: _unlikeness(a, b, tolerances),
+    )
+    texts = (old_text or _no_text, new_text or _no_text)
+    hunks = _hunks(pairs, old, new, tolerances)
+    changes = [
+        (number, change) for number, hunk in enumerate(hunks) for change in _changes(hunk, old, new, tolerances, texts)
+    ]
+    lines: dict[tuple[str, int], int] = {}
+    for a, b in pairs:
+        if a is not None and b is not None:
+            lines.setdefault((old[a].file, old[a].line), new[b].line)
+    return MotionComparison(changes=_folded(changes), lines=lines)
+
+
+def _no_text(_file: str, _line: int) -> str:
+    return ""
+
+
+def _rounded(values: Sequence[float]) -> tuple[int, ...]:
+    return tuple(round(v / _GRID) for v in values)
+
+
+def _exactly(step: Step) -> Hashable:
+    through = tuple(_rounded(point) for point in step.through)
+    return (step.kind, step.words, step.numbers, None if step.end is None else _rounded(step.end), through)
+
+
+def _target(step: Step) -> Hashable:
+    return (step.kind, step.words if step.end is None else _rounded(step.end))
+
+
+def _displacement(step: Step) -> Hashable:
+    if step.end is None:
+        return (step.kind, step.words)
+    return (step.kind, _rounded([e - s for e, s in zip(step.end, step.start, strict=True)]))
+
+
+def _unlikeness(a: Step, b: Step, tolerances: Tolerances) -> float:
+    if a.kind != b.kind:
+        if a.kind not in MOVES or b.kind not in MOVES or a.end is None or b.end is None:
+            return _UNLIKE
+        return 0.6 if math.dist(a.end, b.end) < tolerances["position"].absolute + _GRID else 0.95
+    fields = len(differing(a, b, tolerances))
+    return 0.0 if not fields else 0.2 + 0.6 * min(1.0, fields / 6.0)
+
+
+def _same(a: Step, b: Step, tolerances: Tolerances) -> bool:
+    if a.end == b.end and a.kind == b.kind and a.numbers == b.numbers and a.words == b.words and not a.through:
+        return True
+    return not differing(a, b, tolerances)
+
+
+def differing(a: Step, b: Step, tolerances: Tolerances) -> list[FieldChange]:
+    """The fields in which two steps differ beyond tolerance."""
+    if a.kind != b.kind:
+        return [FieldChange(name="move", old=_called(a.kind), new=_called(b.kind)), *_ends(a, b, tolerances)]
+    found = [
+        FieldChange(name=_name(a.kind, field)[0], old=_direction(field, x), new=_direction(field, y))
+        for field, x, y in _both(a.words, b.words)
+        if x != y
+    ]
+    for field, x, y in _both(a.numbers, b.numbers):
+        name, tolerance = _name(a.kind, field)
+        if x is None or y is None or not tolerances[tolerance].allows(x, y):
+            found.append(
+                FieldChange(
+                    name=name,
+                    old=x,
+                    new=y,
+                    unit=_unit(a, field, tolerance),
+                    allowed=None if x is None else tolerances[tolerance].limit(x),
+                    tolerance=tolerance,
+                )
+            )
+    return [*_ends(a, b, tolerances), *_ways(a, b, tolerances, shaped=not found), *found]
+
+
+def _both(a: Sequence[tuple[str, _V]], b: Sequence[tuple[str, _V]]) -> Iterator[tuple[str, _V | None, _V | None]]:
+    left, right = dict(a), dict(b)
+    for name in [*left, *(name for name in right if name not in left)]:
+        yield name, left.get(name), right.get(name)
+
+
+def _ends(a: Step, b: Step, tolerances: Tolerances) -> list[FieldChange]:
+    """Ends that differ: in the program's own coordinates where those differ, else in the machine's."""
+    if a.end is None or b.end is None:
+        return []
+    off = [
+        i
+        for i, (x, y) in enumerate(zip(a.end, b.end, strict=True))
+        if not tolerances["position" if i < 3 else "angle"].allows(x, y)
+    ]
+    if not off:
+        return []
+    own_a, own_b = a.system.to_program(a.end), b.system.to_program(b.end)
+    own = [i for i in range(6) if not tolerances["position" if i < 3 else "angle"].allows(own_a[i], own_b[i])]
+    from_a, from_b, prefix = (own_a, own_b, "") if own else (a.end, b.end, "machine ")
+    return [_axis(prefix + LETTERS[i], i, from_a[i], from_b[i], tolerances) for i in own or off]
+
+
+def _axis(name: str, axis: int, old: float, new: float, tolerances: Tolerances) -> FieldChange:
+    tolerance = "position" if axis < 3 else "angle"
+    return FieldChange(
+        name=name,
+        old=_plain(old),
+        new=_plain(new),
+        unit=QUANTITIES[tolerance].unit,
+        allowed=tolerances[tolerance].limit(old),
+        tolerance=tolerance,
+    )
+
+
+def _ways(a: Step, b: Step, tolerances: Tolerances, *, shaped: bool) -> list[FieldChange]:
+    """Another way to the same end: how far apart the middles are. Where ends or words differ, they say enough."""
+    if not shaped or len(a.through) != len(b.through) or _ends(a, b, tolerances):
+        return []
+    apart = max((math.dist(p, q) for p, q in zip(a.through, b.through, strict=True)), default=0.0)
+    if tolerances["position"].allows(0.0, apart):
+        return []
+    return [
+        FieldChange(
+            name="arc" if a.arc is not None else "way",
+            old=0.0,
+            new=_plain(apart),
+            unit="mm",
+            allowed=tolerances["position"].limit(0.0),
+            tolerance="position",
+        )
+    ]
+
+
+def _plain(value: float) -> float:
+    return round(value, 6) + 0.0
+
+
+def _name(kind: str, field: str) -> tuple[str, str]:
+    """How a field is called in messages, and its tolerance."""
+    if (kind, field) in _NAMES:
+        return _NAMES[kind, field]
+    if ("", field) in _NAMES:
+        return _NAMES["", field]
+    if field in LETTERS:
+        return f"{_called(kind)} {field}", "position" if field in "XYZ" else "angle"
+    return f"{_called(kind)} {field}".replace("_", " "), "word"
+
+
+def _called(kind: str) -> str:
+    return kind.replace("_", " ")
+
+
+def _direction(field: str, value: str | None) -> str | None:
+    if field == "ccw" and value is not None:
+        return "counterclockwise" if value == "yes" else "clockwise"
+    return value
+
+
+def _unit(step: Step, field: str, tolerance: str) -> str:
+    if field == "feed":
+        return dict(step.words).get("feed_unit", "mm/min")
+    return "mm/rev" if field == "pitch" else QUANTITIES[tolerance].unit
+
+
+def _hunks(pairs: Sequence[Pair], old: Sequence[Step], new: Sequence[Step], tolerances: Tolerances) -> list[list[Pair]]:
+    """Runs of pairs that are not equal."""
+    hunks: list[list[Pair]] = []
+    run: list[Pair] = []
+    for a, b in pairs:
+        if a is not None and b is not None and _same(old[a], new[b], tolerances):
+            if run:
+                hunks.append(run)
+            run = []
+        else:
+            run.append((a, b))
+    return [*hunks, run] if run else hunks
+
+
+def _changes(
+    hunk: Sequence[Pair],
+    old: Sequence[Step],
+    new: Sequence[Step],
+    tolerances: Tolerances,
+    texts: tuple[LineText, LineText],
+) -> Iterator[MoveChange]:
+    before = [old[a] for a, _ in hunk if a is not None]
+    after = [new[b] for _, b in hunk if b is not None]
+    if len(before) != len(after) and _same_way(before, after, tolerances):
+        return
+    for a, b in hunk:
+        left = None if a is None else _place(old[a], texts[0])
+        right = None if b is None else _place(new[b], texts[1])
+        step = old[a] if a is not None else new[b or 0]
+        yield MoveChange(
+            kind="removed" if b is None else "inserted" if a is None else "changed",
+            what=_called(step.kind),
+            old=left,
+            new=right,
+            fields=() if a is None or b is None else tuple(differing(old[a], new[b], tolerances)),
+            way_mm=0.0 if a is not None and b is not None else _plain(step.length),
+        )
+
+
+def _place(step: Step, text: LineText) -> Place:
+    return Place(file=step.file, line=step.line, text=" ".join(text(step.file, step.line).split()))
+
+
+def _same_way(a: Sequence[Step], b: Sequence[Step], tolerances: Tolerances) -> bool:
+    """Whether two runs of cuts (or of rapids) go the same way in the same manner, however they are divided."""
+    if not a or not b or any(step.kind not in ("line", "arc") or step.stops for step in (*a, *b)):
+        return False
+    if len({dict(step.words).get("feed_unit") for step in (*a, *b)}) > 1:
+        return False
+    feeds = [dict(step.numbers).get("feed", math.nan) for step in (*a, *b)]
+    if not all(tolerances["feed"].allows(feeds[0], feed) for feed in feeds):
+        return False
+    if any(s.start[3:] != (s.end or s.start)[3:] for s in (*a, *b)):
+        return False
+    p, q = _sampled(a), _sampled(b)
+    return all(tolerances["position"].allows(0.0, math.dist(x, y)) for x, y in zip(p, q, strict=True))
+
+
+def _sampled(steps: Sequence[Step]) -> list[tuple[float, float, float]]:
+    """Points at equal parts of the way along a run of moves, and its length as one more."""
+    lengths = [step.length for step in steps]
+    total = sum(lengths)
+    points = []
+    for part in _PARTS:
+        left = part * total
+        for step, length in zip(steps, lengths, strict=True):
+            if left <= length or step is steps[-1]:
+                points.append(step.point(min(1.0, left / length) if length else 1.0))
+                break
+            left -= length
+    return [*points, (total, 0.0, 0.0)]
+
+
+def _folded(changes: Sequence[tuple[int, MoveChange]]) -> tuple[MoveChange, ...]:
+    """Neighbours that change in the same way as one, with a count; what came or went only within its hunk."""
+    folded: list[MoveChange] = []
+    hunk = -1
+    for number, change in changes:
+        if folded and _alike(folded[-1], change) and (change.kind == "changed" or number == hunk):
+            last = folded[-1]
+            folded[-1] = replace(
+                last,
+                count=last.count + 1,
+                last_old=change.old,
+                last_new=change.new,
+                way_mm=_plain(last.way_mm + change.way_mm),
+            )
+        else:
+            folded.append(change)
+        hunk = number
+    return tuple(folded)
+
+
+def _alike(a: MoveChange, b: MoveChange) -> bool:
+    if a.kind != b.kind or len(a.fields) != len(b.fields):
+        return False
+    if a.kind != "changed":
+        return (a.what in MOVES) == (b.what in MOVES)
+    return all(_way_of(x) == _way_of(y) for x, y in zip(a.fields, b.fields, strict=True))
+
+
+def _way_of(field: FieldChange) -> tuple[object, ...]:
+    delta = field.delta
+    return (field.name, field.old, field.new) if delta is None else (field.name, round(delta, 4))

@@ -1,0 +1,206 @@
+"""The surface of a stock at the end, coarse enough for a repository, and where two surfaces differ.
+
+A coarse surface has at most `ACROSS` cells a side. Each knows the lowest top of its columns and the mean height of its
+material, so a narrow groove shows in the first and whatever takes volume, also from below, in the second. Heights are
+whole micrometres in the stock's own axes.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.regress.changes import SurfaceChange
+from gcodesim.units import MM, UM
+
+if TYPE_CHECKING:
+    from gcodesim.material.stock import Stock
+
+ACROSS: Final = 24
+
+Array = NDArray[np.float64]
+_RUN = re.compile(r"(?:([0-9]+)\*)?(-?[0-9]+|_)")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Coarse:
+    """`corner` and `cell` (x, y) [m]; `lowest` and `mean` (i, j) [m], NaN where no column has material."""
+
+    corner: tuple[float, float]
+    cell: tuple[float, float]
+    lowest: Array
+    mean: Array
+
+    def as_json(self) -> dict[str, Any]:
+        """For the file of accepted results: rows along Y as text, runs as `12*-2000`, equal rows as `3x 12*-2000`."""
+        return {
+            "corner_mm": [_mm(v) for v in self.corner],
+            "cell_mm": [_mm(v) for v in self.cell],
+            "lowest_um": _rows(self.lowest),
+            "mean_um": _rows(self.mean),
+        }
+
+    @staticmethod
+    def from_json(value: Mapping[str, Any]) -> Coarse:
+        """ValueError, KeyError or TypeError when `value` is none."""
+        x, y = (float(v) * MM for v in value["corner_mm"])
+        dx, dy = (float(v) * MM for v in value["cell_mm"])
+        lowest, mean = (
+            np.array([row for text in value[key] for row in _heights(text)]) for key in ("lowest_um", "mean_um")
+        )
+        if lowest.ndim != 2 or lowest.shape != mean.shape or not lowest.size:
+            raise ValueError("rows of the surface differ in length")
+        return Coarse(corner=(x, y), cell=(dx, dy), lowest=lowest, mean=mean)
+
+
+def _mm(value: float) -> float:
+    rounded = round(value / MM, 6) + 0.0
+    return int(rounded) if rounded.is_integer() else rounded
+
+
+def _rows(heights: Array) -> list[str]:
+    texts = [" ".join(_runs(["_" if np.isnan(h) else str(round(h / UM)) for h in row], "*")) for row in heights]
+    return _runs(texts, "x ")
+
+
+def _runs(texts: Sequence[str], sign: str) -> list[str]:
+    """Equal neighbours as one, with their number before `sign`."""
+    return [
+        text if count == 1 else f"{count}{sign}{text}" for text, count in ((k, len([*g])) for k, g in groupby(texts))
+    ]
+
+
+def _heights(text: str) -> list[list[float]]:
+    """The rows that one line of text stands for."""
+    times, cross, row = text.rpartition("x ")
+    heights: list[float] = []
+    for part in row.split():
+        match = _RUN.fullmatch(part)
+        if match is None:
+            raise ValueError(f"`{part}` is no height")
+        heights += [np.nan if match[2] == "_" else int(match[2]) * UM] * int(match[1] or 1)
+    return [heights] * (int(times) if cross else 1)
+
+
+def tops_of(stock: Stock) -> tuple[Array, Array]:
+    """Height of the top of each column (nx, ny) [m], NaN where it is empty, and length of its material [m]."""
+    used = np.arange(stock.lo.shape[2])[None, None, :] < stock.count[:, :, None]
+    tops = np.max(np.where(used, stock.hi, -np.inf), axis=2)
+    lengths = np.where(used, stock.hi - stock.lo, 0.0).sum(axis=2)
+    return np.where(np.isfinite(tops), tops, np.nan), lengths
+
+
+def coarse_of(stock: Stock) -> Coarse:
+    """The coarse surface of a stock as it is now."""
+    tops, lengths = tops_of(stock)
+    i, j = (_borders(n) for n in tops.shape)
+    # an empty column is as deep as the stock's floor: it counts, as the deepest
+    filled = np.where(np.isnan(tops), stock.z_range[0], tops)
+    lowest = np.minimum.reduceat(np.minimum.reduceat(filled, i[:-1], axis=0), j[:-1], axis=1)
+    area = np.diff(i)[:, None] * np.diff(j)[None, :]
+    mean = np.add.reduceat(np.add.reduceat(lengths, i[:-1], axis=0), j[:-1], axis=1) / area
+    empty = np.logical_and.reduceat(np.logical_and.reduceat(np.isnan(tops), i[:-1], axis=0), j[:-1], axis=1)
+    size = np.array(tops.shape) * stock.grid[2:]
+    cells = (float(size[0]) / len(lowest), float(size[1]) / lowest.shape[1])
+    return Coarse(
+        corner=(float(stock.grid[0]), float(stock.grid[1])),
+        cell=cells,
+        lowest=np.where(empty, np.nan, lowest),
+        mean=np.where(empty, np.nan, mean),
+    )
+
+
+def _borders(columns: int) -> NDArray[np.int64]:
+    """Borders of at most `ACROSS` nearly equal runs of columns."""
+    runs = min(ACROSS, columns)
+    return np.arange(runs + 1, dtype=np.int64) * columns // runs
+
+
+def compare_coarse(name: str, old: Coarse, new: Coarse, allowed_mm: float) -> SurfaceChange | None:
+    """Where two coarse surfaces differ most; None within `allowed_mm` or on other grids (volumes tell then)."""
+    if old.lowest.shape != new.lowest.shape or not np.allclose(
+        (*old.corner, *old.cell), (*new.corner, *new.cell), atol=1e-9
+    ):
+        return None
+    area = old.cell[0] * old.cell[1]
+    found = [
+        _most(name, old.corner, old.cell, a, b, allowed_mm, area, exact=False)
+        for a, b in ((old.lowest, new.lowest), (old.mean, new.mean))
+    ]
+    sound = [change for change in found if change is not None]
+    return max(sound, key=lambda change: change.deviation_mm, default=None)
+
+
+def compare_stocks(name: str, old: Stock, new: Stock, allowed_mm: float) -> SurfaceChange | None:
+    """Where the tops of two stocks differ most, column by column; None within `allowed_mm`.
+
+    Columns on other places are compared in the nearest of the old grid.
+    """
+    before, after = tops_of(old)[0], tops_of(new)[0]
+    if old.count.shape != new.count.shape or not np.allclose(old.grid, new.grid, atol=1e-9):
+        nx, ny = before.shape
+        x = old.grid[0] + (np.arange(nx) + 0.5) * old.grid[2]
+        y = old.grid[1] + (np.arange(ny) + 0.5) * old.grid[3]
+        i = np.floor((x - new.grid[0]) / new.grid[2]).astype(int)
+        j = np.floor((y - new.grid[1]) / new.grid[3]).astype(int)
+        inside = ((i >= 0) & (i < after.shape[0]))[:, None] & ((j >= 0) & (j < after.shape[1]))[None, :]
+        nearest = after[np.clip(i, 0, after.shape[0] - 1)][:, np.clip(j, 0, after.shape[1] - 1)]
+        after = np.where(inside, nearest, np.nan)
+    corner = (float(old.grid[0]), float(old.grid[1]))
+    cell = (float(old.grid[2]), float(old.grid[3]))
+    return _most(name, corner, cell, before, after, allowed_mm, cell[0] * cell[1], exact=True)
+
+
+def _most(
+    name: str,
+    corner: Sequence[float],
+    cell: Sequence[float],
+    old: Array,
+    new: Array,
+    allowed_mm: float,
+    area: float,
+    *,
+    exact: bool,
+) -> SurfaceChange | None:
+    """The place of the greatest difference; where one side has no material, the whole height counts.
+
+    A wall that stands one cell beside its place is none: the last bit of a coordinate may move it over the middle of a
+    column. So a height differs only when it lies outside of all heights that the other surface has around there.
+    """
+    bottom = float(np.nanmin([np.nanmin(old, initial=np.inf), np.nanmin(new, initial=np.inf)]))
+    floor = bottom if np.isfinite(bottom) else 0.0
+    a, b = np.where(np.isnan(old), floor, old), np.where(np.isnan(new), floor, new)
+    # files hold whole micrometres: half of one on either side is no difference
+    slack = allowed_mm * MM + (1e-9 if exact else UM)
+    off = _outside(a, b, slack) | _outside(b, a, slack)
+    if not off.any():
+        return None
+    apart = np.abs(b - a)
+    i, j = np.unravel_index(int(np.argmax(np.where(off, apart, -1.0))), apart.shape)
+    return SurfaceChange(
+        stock=name,
+        x_mm=_mm(corner[0] + (int(i) + 0.5) * cell[0]),
+        y_mm=_mm(corner[1] + (int(j) + 0.5) * cell[1]),
+        old_mm=None if np.isnan(old[i, j]) else _mm(float(old[i, j])),
+        new_mm=None if np.isnan(new[i, j]) else _mm(float(new[i, j])),
+        deviation_mm=_mm(float(apart[i, j])),
+        area_mm2=round(float(off.sum()) * area / MM**2, 3),
+        allowed_mm=allowed_mm,
+        exact=exact,
+    )
+
+
+def _outside(heights: Array, among: Array, slack: float) -> NDArray[np.bool_]:
+    """Where `heights` are below or above all that `among` has in that cell and the eight around it."""
+    padded = np.pad(among, 1, mode="edge")
+    nx, ny = among.shape
+    around = [padded[i : i + nx, j : j + ny] for i in range(3) for j in range(3)]
+    low, high = np.minimum.reduce(around), np.maximum.reduce(around)
+    outside: NDArray[np.bool_] = (heights < low - slack) | (heights > high + slack)
+    return outside
