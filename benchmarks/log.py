@@ -46,6 +46,7 @@ def columns(n: int) -> dict[str, Any]:
     q = np.cos(t[:, None] * np.arange(1, 7))
     wrench = np.stack([np.sin(k * t) * 100 for k in range(1, 7)], axis=1)
     names = ("feed", "feed_command", "position_error", "orientation_error", "block_fraction")
+    names += ("travel_used", "speed_used", "effort_used")
     motion = MotionColumns(**{name: np.sin(t) for name in names}, position=tf[:, 0, :3], limit=t < 0)
     names = ("spindle", "force", "torque", "power", "removal", "removed")
     process = ProcessColumns(kind=np.ones(n, dtype=int), engaged=t > 0, **{name: np.cos(t) for name in names})

@@ -47,6 +47,8 @@ class Inspector:
         found = self._misuse(totals) if use.any() else []
         if record.world.saturated.any():
             found += self._saturation(joints)
+        if self._above_limits(record):
+            found += self._limits(totals)
         fresh = [finding for finding in found if (finding.code, finding.span) not in self._known]
         self._known |= {(finding.code, finding.span) for finding in fresh}
         return fresh
@@ -103,6 +105,16 @@ class Inspector:
             starts=self._starts,
         )
 
+    def _above_limits(self, record: StepRecord) -> bool:
+        """Whether a step asks for more than the cell's `limits` allow."""
+        limits = self._shop.cell.limits
+        return (
+            _above(record.power, limits.spindle_power)
+            or _above(record.torque, limits.spindle_torque)
+            or _above(self._rows.spindle[record.window.row], limits.spindle_speed)
+            or (limits.force is not None and _above(np.linalg.norm(record.wrench[:, :3], axis=1), limits.force))
+        )
+
     def _limits(self, totals: RowTotals) -> list[Diagnostic]:
         """What the cell's `limits` allow, against what the run asked for."""
         limits = self._shop.cell.limits
@@ -125,6 +137,7 @@ class Inspector:
                     span=self._span(int(over[0])),
                     hint=f"the greatest value is in line {self._span(worst).line}; cut less deep, less wide or slower",
                     count=len(np.unique(self._plan.path.block[over])) if len(self._plan.path) else 1,
+                    time=float(self._starts[over[0]]),
                     value=most / unit,
                     limit=limit / unit,
                     unit=name,
@@ -140,6 +153,7 @@ class Inspector:
                         message=f"the program asks for {asked / RPM:.0f} rpm; "
                         f"the spindle turns {limits.spindle_speed / RPM:.0f} rpm at most",
                         span=self._span(int(fast[0])),
+                        time=float(self._starts[fast[0]]),
                         value=asked / RPM,
                         limit=limits.spindle_speed / RPM,
                         unit="rpm",
@@ -166,6 +180,10 @@ class Inspector:
             elif isinstance(event, Action) and event.target == "tool":
                 process = "the process tool" if event.verb == "activate" else None
         return end_findings(last, spindle=spindle, process=process, flood=flood, mist=mist)
+
+
+def _above(values: Array, limit: float | None) -> bool:
+    return limit is not None and bool((np.abs(values) > limit).any())
 
 
 def _blind_turns(plan: Plan, shop: Shop) -> dict[str, Flags]:

@@ -230,4 +230,5 @@ def collision_finding(touch: Touch, span: Span, system: str, point: Array, time:
         value=touch.depth / MM,
         limit=0.0,
         unit="mm",
+        bodies=(touch.tool, touch.fixture),
     )

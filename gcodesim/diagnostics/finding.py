@@ -55,7 +55,8 @@ class Diagnostic:
     """A finding. `severity` None means: what the catalogue says for this code.
 
     `value` and `limit` carry the two numbers in `unit`; `time` is simulated
-    time [s]; `count` how often the same event came (the first one is shown).
+    time [s]; `count` how often the same event came (the first one is shown);
+    `bodies` are the two that touch, in a collision.
     """
 
     code: str
@@ -69,6 +70,7 @@ class Diagnostic:
     value: float | None = None
     limit: float | None = None
     unit: str | None = None
+    bodies: tuple[str, ...] = ()
 
     @property
     def level(self) -> Severity:

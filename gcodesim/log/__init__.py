@@ -3,7 +3,7 @@
 from gcodesim.log.blocks import BlockColumns
 from gcodesim.log.container import LogWriteError
 from gcodesim.log.description import LogDescription, MotionColumns, ProcessColumns, StaticFrame
-from gcodesim.log.messages import ProgramState
+from gcodesim.log.messages import Output, ProgramState
 from gcodesim.log.shapes import Box, Capsule, Cone, Cylinder, Entity, Mesh, Polylines, Shape, Sphere
 from gcodesim.log.writer import LogWriter
 
@@ -19,6 +19,7 @@ __all__ = [
     "LogWriter",
     "Mesh",
     "MotionColumns",
+    "Output",
     "Polylines",
     "ProcessColumns",
     "ProgramState",

@@ -29,7 +29,7 @@ class LogDescription:
 
     `run` is the metadata record: program, program_sha256, cell, cell_sha256,
     seed, step_ns, log_period_ns, versions; `log_format` and `gcodesim` are
-    added. `moving_frames` are (parent, child) in the order of the columns given
+    added; `records` are further ones by name. `moving_frames` are (parent, child) in the order of the columns given
     to `LogWriter.window`. `wrench_frame` names the frame whose axes the wrench
     follows. `process_kinds` is the list into which the column `kind` points.
     `cell` are the robot links and fixtures, `feed_path` and `rapid_path` the
@@ -49,6 +49,7 @@ class LogDescription:
     process_kinds: tuple[str, ...] = ("", "milling", "extrusion")
     stock_tiles: int = 1
     added_tiles: int = 0
+    records: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     attachments: Mapping[str, bytes] = field(default_factory=dict)
 
 
@@ -57,7 +58,9 @@ class MotionColumns:
     """How the machine follows, at n log instants. Shapes (n,), `position` (n, 3).
 
     Tip speeds [m/s], errors against the target [m], [rad], part of the block
-    that is done, tip in the active work coordinates [m], held by a limit.
+    that is done, tip in the active work coordinates [m], held by a limit. The
+    three `…_used` tell how near the nearest joint is to its limit of travel,
+    speed and effort: 1 is at the limit.
     """
 
     feed: Array
@@ -67,6 +70,9 @@ class MotionColumns:
     block_fraction: Array
     position: Array
     limit: NDArray[np.bool_]
+    travel_used: Array
+    speed_used: Array
+    effort_used: Array
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Final
+from typing import Final, NamedTuple
 
 from gcodesim.log.description import StaticFrame
 from gcodesim.log.wire import FIXED32, chunk, double, stamp, tag, text, unsigned
@@ -17,6 +17,14 @@ from gcodesim.log.wire import FIXED32, chunk, double, stamp, tag, text, unsigned
 SEVERITIES: Final = {"note": 2, "warning": 3, "error": 4}  # as levels of foxglove.Log: info, warning, error
 STATES: Final = ("running", "paused", "toolchange", "finished", "failed")
 _LOG_LINE: Final = tag(6, FIXED32)
+
+
+class Output(NamedTuple):
+    """An output of the control with its value, or a device of the cell with the verb that it was told last."""
+
+    name: str
+    value: float = 0.0
+    verb: str = ""
 
 
 @dataclass(slots=True)
@@ -34,12 +42,18 @@ class ProgramState:
     spindle: float = 0.0
     state: str = "running"
     block: int = 0
+    flood: bool = False
+    mist: bool = False
+    outputs: tuple[Output, ...] = ()
 
 
 def program_frame(s: ProgramState) -> tuple[bytes, bytes]:
     """The parts of a `gcodesim.Program` that many blocks share: before its line and after its text."""
     names = text(5, s.motion) + unsigned(6, s.tool) + text(7, s.tool_name) + text(8, s.wcs)
-    return text(2, s.file), names + double(9, s.feed) + double(10, s.spindle) + text(11, s.state)
+    numbers = double(9, s.feed) + double(10, s.spindle)
+    coolant = unsigned(13, int(s.flood)) + unsigned(14, int(s.mist))
+    outputs = b"".join(chunk(15, text(1, o.name) + double(2, o.value) + text(3, o.verb)) for o in s.outputs)
+    return text(2, s.file), names + numbers + text(11, s.state) + coolant + outputs
 
 
 def program_message(t_ns: int, s: ProgramState) -> bytes:

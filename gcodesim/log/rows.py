@@ -57,6 +57,8 @@ def _messages(description: LogDescription, kind: str) -> tuple[Piece, ...]:
     ):
         motion += double_slot(number, array, column)
     motion += bool_slot(10, "limit")
+    for number, array in enumerate(("travel_used", "speed_used", "effort_used"), start=11):
+        motion += double_slot(number, array)
     process = stamp_slot(1) + text_piece(2, kind) + bool_slot(3, "engaged")
     for number, array in enumerate(("spindle", "force", "torque", "power", "removal", "removed"), start=4):
         process += double_slot(number, array)

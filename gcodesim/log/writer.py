@@ -90,6 +90,8 @@ class LogWriter:
         d = self._description
         run = {"log_format": LOG_FORMAT, "gcodesim": version("gcodesim"), **d.run}
         self._container.add_metadata("gcodesim.run", run)
+        for name, record in d.records.items():
+            self._container.add_metadata(name, record)
         inputs = dict(d.attachments)
         inputs.setdefault("layout.json", default_layout(d.joint_names))
         for name, data in inputs.items():

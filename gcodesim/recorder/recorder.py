@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from importlib.metadata import version
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -14,11 +15,14 @@ from gcodesim.canon import ToolChange
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.executor.record import KINDS, StepRecord
 from gcodesim.frames import Array
+from gcodesim.job import BULLET
 from gcodesim.log import LogDescription, LogWriter, MotionColumns, ProcessColumns
 from gcodesim.motion.tool_path import HOME, RAPID
 from gcodesim.recorder.blocks import Blocks
 from gcodesim.recorder.bodies import cell_entities, tile_meshes, tool_shapes
 from gcodesim.recorder.frames import Frames, seven, stock_frame, work_systems
+from gcodesim.recorder.limits import Limits
+from gcodesim.recorder.reporter import Reporter
 from gcodesim.recorder.ways import Ways
 from gcodesim.results import Results
 
@@ -42,6 +46,9 @@ MOST_TILE_LOOKS: Final = 120
 
 FORCE_PERIOD_NS: Final = 100_000_000
 
+LIBRARIES: Final = ("mcap", "numba", "numpy", "pybullet", "zstandard")
+"""Those whose version may move a number or a byte."""
+
 
 class Recorder:
     """The log of one job in folder `out`; OSError when the folder cannot be written."""
@@ -58,7 +65,9 @@ class Recorder:
         self._blocks = Blocks.of(self._plan, self._shop, job.sources, ways)
         self._tiles: list[Tiles] = [self._tiles_of(placed.stock) for placed in self._shop.stocks.values()]
         self._tile_ns = self._tile_period(self._plan.trajectory.duration_ns)
+        self._limits = Limits.of(self._shop)
         self._writer = LogWriter(out / LOG_NAME, self._description(ways))
+        self._reporter = Reporter(self._writer, job.shown(job.findings))
         self._removed = 0.0
         self._tcp: Array = np.zeros((4, 4))
         self._force_shown = False
@@ -95,7 +104,8 @@ class Recorder:
         attachments = {"program.nc": job.program.raw, "cell.yaml": job.loaded.sources[own.name].raw}
         for name, source in sorted(job.sources.items()):
             if job.reading is not None and name in job.reading.sources and name != job.program.name:
-                attachments[name] = source.raw
+                # a subprogram may be called like one of the files above
+                attachments[name if name not in attachments else f"subprogram/{name}"] = source.raw
         urdf = self._urdf()
         if urdf is not None:
             attachments[f"{self._shop.name}.urdf"] = urdf
@@ -108,6 +118,7 @@ class Recorder:
             "step_ns": str(self._step_ns),
             "log_period_ns": str(self._period_ns),
             "world": job.world,
+            **{name: version(name) for name in LIBRARIES if job.world == BULLET or name != "pybullet"},
         }
         return LogDescription(
             run=run,
@@ -119,6 +130,7 @@ class Recorder:
             rapid_path=ways.polylines(rapid),
             process_kinds=KINDS,
             stock_tiles=max(1, sum(len(tiles) for tiles in self._tiles)),
+            records={"gcodesim.joints": self._limits.record},
             attachments=attachments,
         )
 
@@ -140,8 +152,7 @@ class Recorder:
         from gcodesim.executor.record import record_of
 
         self._tcp = self._frames.seen_from_table(world.q, self._actual(world.q, window.row, np.zeros((1, 6))))[0]
-        for finding in self._job.shown(self._job.findings):
-            self._event(0, finding)
+        self._reporter.until(0)
         self._changes_of_tool(0, -1, window)
         for index, tiles in enumerate(self._tiles):
             self._draw(0, index, tiles.all())
@@ -170,8 +181,7 @@ class Recorder:
         ends = (window.first + 1 + np.arange(len(window), dtype=np.int64)) * self._step_ns
         logged = np.flatnonzero(ends % self._period_ns == 0)
         self._writer.blocks(self._blocks.between(self._now_ns + 1, int(ends[-1]) + 1))
-        for finding in found:
-            self._event(round((finding.time or 0.0) * 1e9), finding)
+        self._reporter.until(int(ends[-1]), found, begin_ns=self._now_ns + 1)
         self._changes_of_tool(self._now_ns, int(ends[-1]), window)
         self._write(record, ends[logged], logged)
         self._now_ns = int(ends[-1])
@@ -202,18 +212,6 @@ class Recorder:
             if isinstance(timed.event, ToolChange) and timed.event.tool == number:
                 return timed.event.span.file, timed.event.span.line
         return "", 0
-
-    def _event(self, t_ns: int, finding: Diagnostic) -> None:
-        span = finding.span
-        self._writer.event(
-            t_ns,
-            finding.code,
-            finding.message,
-            severity=finding.level.word,
-            file=span.file,
-            line=span.line,
-            value=finding.value or 0.0,
-        )
 
     def _actual(self, q: Array, row: Any, deflection: Array) -> Array:
         """X_WT (n, 4, 4) of the tip on the link side: motors at `q`, gears bent by `deflection` (n, 6) in B."""
@@ -246,6 +244,7 @@ class Recorder:
         wrench = _in_world(X_WB, record.wrench[at])
         force = np.linalg.norm(wrench[:, :3], axis=1)
         spindle = self._spindle(window.row[at])
+        travel, pace, load = self._limits.used(world.q[at], world.qd[at], world.effort[at])
         self._writer.window(
             t_ns,
             tf=self._frames.at(world.q[at], X_WT, self._tools(window.tool[at]), part),
@@ -262,6 +261,9 @@ class Recorder:
                 block_fraction=np.clip(self._fractions(window, at), 0.0, 1.0),
                 position=local,
                 limit=world.saturated[at].any(axis=1),
+                travel_used=travel,
+                speed_used=pace,
+                effort_used=load,
             ),
             process=ProcessColumns(
                 kind=record.kind[at],
@@ -314,6 +316,7 @@ class Recorder:
         """Close the log and write results and stocks beside it."""
         for index, tiles in enumerate(self._tiles):
             self._draw(self._now_ns, index, tiles.changed())
+        self._reporter.rest(self._now_ns, results.findings)
         if execution.interrupted:
             stopped = results.stopped_at
             place = {"file": stopped.file, "line": stopped.line} if stopped is not None else {}

@@ -95,6 +95,9 @@ def columns(t_ns, joints=6, kind=1):
             block_fraction=t % 1.0,
             position=pose[:, :3],
             limit=t > 1.0,
+            travel_used=np.abs(np.sin(t)),
+            speed_used=np.abs(np.cos(t)),
+            effort_used=0.5 * np.abs(np.cos(t)),
         ),
         "process": ProcessColumns(
             kind=np.broadcast_to(kind, n),

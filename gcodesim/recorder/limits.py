@@ -1,0 +1,64 @@
+"""The limits of the joints as the log tells them, and how much of them a motion uses."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gcodesim.frames import Array
+
+if TYPE_CHECKING:
+    from gcodesim.shop import Shop
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Limits:
+    """Limits (j,) of the joints of a shop, infinite where there are none; SI."""
+
+    shop: Shop
+    middle: Array
+    reach: Array
+
+    @staticmethod
+    def of(shop: Shop) -> Limits:
+        joints = shop.kinematics.joints
+        bounded = np.isfinite(joints.lower) & np.isfinite(joints.upper)
+        lower, upper = np.where(bounded, joints.lower, 0.0), np.where(bounded, joints.upper, 0.0)
+        reach = np.where(upper > lower, 0.5 * (upper - lower), np.inf)
+        return Limits(shop=shop, middle=0.5 * (lower + upper), reach=reach)
+
+    def used(self, q: Array, qd: Array, effort: Array) -> tuple[Array, Array, Array]:
+        """Share (n,) that the nearest joint uses of its travel, speed and effort, from those of all joints (n, j)."""
+        joints = self.shop.kinematics.joints
+        travel = np.abs(q - self.middle) / self.reach
+        return _most(travel), _most(np.abs(qd) / joints.speed), _most(np.abs(effort) / joints.effort)
+
+    @property
+    def record(self) -> dict[str, str]:
+        """One entry a joint: its limits as a JSON object, without those that it does not have."""
+        joints = self.shop.kinematics.joints
+        return {
+            name: json.dumps(
+                {
+                    "kind": joints.kinds[i],
+                    **_finite("lower", joints.lower[i]),
+                    **_finite("upper", joints.upper[i]),
+                    **_finite("speed", joints.speed[i]),
+                    **_finite("acceleration", joints.acceleration[i]),
+                    **_finite("effort", joints.effort[i]),
+                }
+            )
+            for i, name in enumerate(self.shop.joint_names)
+        }
+
+
+def _most(share: Array) -> Array:
+    most: Array = np.nan_to_num(share, posinf=0.0).max(axis=1, initial=0.0)
+    return most
+
+
+def _finite(name: str, value: Any) -> dict[str, float]:
+    return {name: float(value)} if np.isfinite(value) else {}

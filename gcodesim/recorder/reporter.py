@@ -1,0 +1,63 @@
+"""Says findings as events of the log, each at its time and each once."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Final
+
+from gcodesim.cell.units import UNITS
+from gcodesim.diagnostics import Diagnostic
+from gcodesim.units import MM3
+
+if TYPE_CHECKING:
+    from gcodesim.log import LogWriter
+
+_FACTORS: Final = {unit.name: unit.factor for unit in reversed(UNITS)} | {"mm^3": MM3}
+
+
+class Reporter:
+    """Findings on their way into a log.
+
+    What planning has found is known before the run, with the time at which it
+    will happen: it waits for its turn, so that a run that ends early does not
+    tell what never happened.
+    """
+
+    def __init__(self, writer: LogWriter, known: Sequence[Diagnostic]) -> None:
+        self._writer = writer
+        self._waiting = deque(sorted(known, key=_time_ns))
+        self._said: set[tuple[str, str, int]] = set()
+
+    def until(self, end_ns: int, fresh: Sequence[Diagnostic] = (), *, begin_ns: int = 0) -> None:
+        """Say what waits for a time up to `end_ns`, and the findings that came up between `begin_ns` and then."""
+        while self._waiting and _time_ns(self._waiting[0]) <= end_ns:
+            finding = self._waiting.popleft()
+            self._say(_time_ns(finding), finding)
+        for finding in fresh:
+            # a finding has the time at which its block begins, which may be long ago
+            self._say(min(max(_time_ns(finding), begin_ns), end_ns), finding)
+
+    def rest(self, end_ns: int, findings: Sequence[Diagnostic]) -> None:
+        """At the end say those of all findings that nobody could say before; those of later blocks are left out."""
+        for finding in findings:
+            if _time_ns(finding) <= end_ns and (finding.code, finding.span.file, finding.span.line) not in self._said:
+                self._say(end_ns, finding)
+
+    def _say(self, t_ns: int, finding: Diagnostic) -> None:
+        span = finding.span
+        self._said.add((finding.code, span.file, span.line))
+        self._writer.event(
+            t_ns,
+            finding.code,
+            finding.message,
+            severity=finding.level.word,
+            file=span.file,
+            line=span.line,
+            bodies=finding.bodies,
+            value=(finding.value or 0.0) * _FACTORS.get(finding.unit or "", 1.0),
+        )
+
+
+def _time_ns(finding: Diagnostic) -> int:
+    return max(0, round((finding.time or 0.0) * 1e9))
