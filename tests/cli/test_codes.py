@@ -9,6 +9,7 @@ import pytest
 
 import gcodesim
 from gcodesim.diagnostics import codes
+from gcodesim.diagnostics.examples import example_of
 
 PACKAGE = Path(gcodesim.__file__).parent
 CODES = list(codes())
@@ -41,7 +42,10 @@ def test_explain(cli, code) -> None:
     assert done.status == 0
     assert done.out.startswith(f"{code.code}: {code.title} ({code.severity.word})\n")
     assert "Why it matters:" in done.out and "What to do:" in done.out
-    assert max(map(len, done.out.splitlines())) <= 88
+    prose, example, _ = done.out.partition("\nExample ")
+    assert max(map(len, prose.splitlines())) <= 88
+    if example_of(code.code) is not None:
+        assert example and "What `gcodesim " in done.out and f" {code.code}: " in done.out
 
 
 def test_list_names_all(cli) -> None:

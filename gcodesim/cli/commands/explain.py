@@ -1,4 +1,4 @@
-"""`gcodesim explain CODE`: what a finding means, why it matters, what to do."""
+"""`gcodesim explain CODE`: what a finding means, why it matters, what to do, and an example."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ def add_parser(commands: Any) -> None:
     parser = commands.add_parser(
         "explain",
         help="what a finding means, why it matters, what to do",
-        description="Explain a finding by its code. `gcodesim list codes` shows all.",
+        description="Explain a finding by its code: what it means, why it matters, what to do, and a small example "
+        "with what is printed about it. `gcodesim list codes` shows all.",
     )
     parser.add_argument("code", metavar="CODE", help="a code such as GS203")
     parser.set_defaults(run=run)
@@ -37,4 +38,18 @@ def run(arguments: argparse.Namespace) -> int:
             if head:
                 print(f"{head}:")
             print(textwrap.fill(" ".join(text.split()), 88, initial_indent="  ", subsequent_indent="  "))
+    _print_example(code.code)
     return OK
+
+
+def _print_example(code: str) -> None:
+    from gcodesim.diagnostics.examples import example_of
+
+    example = example_of(code)
+    if example is None:
+        return
+    for name, text in example.files.items():
+        print(f"\nExample {name}:")
+        print(textwrap.indent(text.rstrip("\n"), "  ", lambda _: True))
+    print(f"\nWhat `gcodesim {example.command}` prints:")
+    print(textwrap.indent(example.printed.rstrip("\n"), "  ", lambda _: True))

@@ -1,0 +1,40 @@
+"""Running the examples of findings: what `scripts/make_examples.py` and the tests have in common."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+import re
+import shutil
+from importlib.resources import files
+from pathlib import Path
+from typing import Final
+
+from gcodesim.cli.main import main
+
+FOLDER: Final = Path(str(files("gcodesim"))) / "data" / "examples"
+_VERDICT = re.compile(r"^\S+: (?:\d+|no) errors?, ")
+
+
+def transcript_of(command: str, folder: Path) -> str:
+    """`$ gcodesim COMMAND` and the findings that it prints, run in `folder` beside copies of all example files.
+
+    Everything from the verdict on is left out: it is no matter of the finding.
+    """
+    for path in FOLDER.iterdir():
+        if path.suffix != ".txt":
+            shutil.copy(path, folder / path.name)
+    before, out = Path.cwd(), io.StringIO()
+    os.chdir(folder)
+    try:
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(io.StringIO()):
+            main(command.split())
+    finally:
+        os.chdir(before)
+    lines = []
+    for line in out.getvalue().splitlines():
+        if _VERDICT.match(line):
+            break
+        lines.append(line)
+    return "\n".join([f"$ gcodesim {command}", *lines]) + "\n"

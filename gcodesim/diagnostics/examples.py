@@ -1,0 +1,41 @@
+"""An example of each finding: small files, the command that reads them, and what it prints."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib.resources import files
+
+_PROMPT = "$ gcodesim "
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Example:
+    """`files` by name with their text, `command` after `gcodesim`, and the findings as it prints them."""
+
+    files: dict[str, str]
+    command: str
+    printed: str
+
+
+def command_of(transcript: str) -> str:
+    """The command that stands in the first line of a transcript."""
+    first = transcript.partition("\n")[0]
+    if not first.startswith(_PROMPT):
+        raise ValueError(f"a transcript begins with `{_PROMPT}…`, not with `{first}`")
+    return first.removeprefix(_PROMPT)
+
+
+def example_of(code: str) -> Example | None:
+    """The example of `code` (GSnnn); None when it has none."""
+    folder = files("gcodesim") / "data" / "examples"
+    transcript = folder / f"{code}.txt"
+    if not transcript.is_file():
+        return None
+    text = transcript.read_text(encoding="utf-8")
+    command = command_of(text)
+    named = [word for word in command.split() if (folder / word).is_file()]
+    return Example(
+        files={name: (folder / name).read_text(encoding="utf-8") for name in named},
+        command=command,
+        printed=text.partition("\n")[2],
+    )
