@@ -104,8 +104,7 @@ class Recorder:
         attachments = {"program.nc": job.program.raw, "cell.yaml": job.loaded.sources[own.name].raw}
         for name, source in sorted(job.sources.items()):
             if job.reading is not None and name in job.reading.sources and name != job.program.name:
-                # a subprogram may be called like one of the files above
-                attachments[name if name not in attachments else f"subprogram/{name}"] = source.raw
+                attachments[name] = source.raw
         urdf = self._urdf()
         if urdf is not None:
             attachments[f"{self._shop.name}.urdf"] = urdf
@@ -201,8 +200,8 @@ class Recorder:
             t_ns = 0 if to_ns < 0 else (window.first + int(k)) * self._step_ns
             tool = self._shop.tool(number)
             self._writer.tool(t_ns, tool_shapes(tool))
-            if to_ns >= 0:
-                span = self._change_span(number)
+            span = self._change_span(number)
+            if to_ns >= 0 or span[1]:  # at the start: put there by the first change, or by nobody
                 name = "no tool" if number == 0 else tool.name if tool is not None else f"T{number}"
                 self._writer.event(t_ns, "toolchange", name, file=span[0], line=span[1])
             self._tool = number
