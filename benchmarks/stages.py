@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 STAGES = {
-    "read": ("gcodesim.rs274.run:Run.__iter__",),
+    "read": ("gcodesim.rs274.run:Run.stream",),
     "plan": ("gcodesim.simulation:_plan",),
     "cell": ("gcodesim.cli.simulate:load_cell", "gcodesim.simulation:open_shop", "gcodesim.simulation:with_stock"),
     "sample + joints": ("gcodesim.executor.loop:window_of",),

@@ -36,10 +36,10 @@ def read(program: Path | str, settings: Settings | None = None) -> ToolPath:
     """
     source = SourceText.read(Path(program))
     reading = interpret(source, settings or Settings(tool_table=assumed_tools(source)))
-    events = list(reading)
+    path = build_tool_path(reading.stream(), ZERO)
     if any(finding.level >= Severity.ERROR for finding in reading.findings):
         raise InputError(list(reading.findings), reading.sources)
-    return build_tool_path(events, ZERO)
+    return path
 
 
 def load_cell(path: Path | str, allow_paths: Sequence[Path] = ()) -> Cell:

@@ -43,7 +43,7 @@ class Job:
     shop: Shop | None = None
     reading: Run | None = None
     plan: Plan | None = None
-    events: Sequence[Event] = ()
+    events: Sequence[Event] = ()  # without moves
     sources: dict[str, SourceText] = field(default_factory=dict)
 
     @property

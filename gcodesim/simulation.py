@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from gcodesim.canon import Event
 from gcodesim.cell import LoadedCell
 from gcodesim.cell.cell import MAIN
 from gcodesim.cell.machine import MachineTool
@@ -17,7 +16,7 @@ from gcodesim.checks.idle import blind_axis_findings, idle_findings
 from gcodesim.diagnostics import Diagnostic, Findings, Severity, SourceText, Span
 from gcodesim.job import KINEMATIC, Job, Options
 from gcodesim.language import settings_of_cell
-from gcodesim.motion.build import build_tool_path
+from gcodesim.motion import ToolPath, build_tool_path
 from gcodesim.motion.timing import event_durations
 from gcodesim.outcome import first_error, results_of
 from gcodesim.results import Results
@@ -58,10 +57,11 @@ def prepare(program: SourceText, loaded: LoadedCell, options: Options | None = N
     job.findings.extend(problems)
     settings = replace(options.settings(settings), start=_start(shop))
     job.reading = interpret(program, settings)
-    job.events = events = list(job.reading)
+    path = build_tool_path(job.reading.stream(), settings.start)
+    job.events = [noted.event for noted in path.events]
     job.sources |= job.reading.sources
     job.findings.extend(job.reading.findings)
-    _plan(job, shop, events, settings.start)
+    _plan(job, shop, path)
     return job
 
 
@@ -90,10 +90,9 @@ def _start(shop: Shop) -> tuple[float, float, float, float, float, float]:
     return (float(x), float(y), float(z), 0.0, 0.0, 0.0)
 
 
-def _plan(job: Job, shop: Shop, events: Sequence[Event], start: Any) -> None:
+def _plan(job: Job, shop: Shop, path: ToolPath) -> None:
     from gcodesim.planning import plan_arm, plan_machine
 
-    path = build_tool_path(events, start)
     duration_of = event_durations(shop.cell.magazine.change_time)
     tool_frames = {number: tool.X_FT for number, tool in shop.cell.tools.items()}
     mover = mover_of(shop)

@@ -4,11 +4,20 @@ from __future__ import annotations
 
 import hashlib
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from gcodesim.diagnostics.line_table import LineTable
 
 _LINE_END = re.compile(r"\r\n|\n|\r")
+_BYTE_ORDER_MARK = b"\xef\xbb\xbf"
+
+LONG: Final = 400_000
+"""Bytes from which on a text is long: its lines are then no list of strings, and compiling their way pays."""
 
 
 @dataclass(frozen=True)
@@ -24,20 +33,43 @@ class SourceText:
         return SourceText(name or path.name, path.read_bytes())
 
     @cached_property
-    def text(self) -> str:
-        """UTF-8 with or without byte order mark, else Latin-1, which accepts every byte."""
+    def encoding(self) -> str:
+        """UTF-8 when every byte fits, else Latin-1, which accepts every byte."""
+        if self.raw.isascii():
+            return "utf-8"
         try:
-            return self.raw.decode("utf-8-sig")
+            self.raw.decode("utf-8")
         except UnicodeDecodeError:
-            return self.raw.decode("latin-1")
+            return "latin-1"
+        return "utf-8"
 
     @cached_property
-    def lines(self) -> list[str]:
+    def text(self) -> str:
+        """The whole text, without a byte order mark. A long one is better taken line by line."""
+        return self.raw[self._begin :].decode(self.encoding)
+
+    @property
+    def _begin(self) -> int:
+        """Where the text begins: a byte order mark is none of it, unless the bytes are no UTF-8."""
+        marked = self.raw.startswith(_BYTE_ORDER_MARK) and self.encoding == "utf-8"
+        return len(_BYTE_ORDER_MARK) if marked else 0
+
+    @cached_property
+    def lines(self) -> Sequence[str]:
         """Lines without their ends. Only LF, CRLF and CR end a line; an end after the last line opens no new one."""
+        if len(self.raw) >= LONG:
+            return self.table
         lines = _LINE_END.split(self.text)
         if lines and lines[-1] == "":
             lines.pop()
         return lines
+
+    @cached_property
+    def table(self) -> LineTable:
+        """The lines as offsets into the bytes."""
+        from gcodesim.diagnostics.line_table import LineTable
+
+        return LineTable(self.raw, self._begin, self.encoding)
 
     @cached_property
     def sha256(self) -> str:

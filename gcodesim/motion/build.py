@@ -34,8 +34,10 @@ from gcodesim.canon import (
     ToolSelect,
     WorkSystem,
 )
-from gcodesim.diagnostics import Span
+from gcodesim.canon.batch import RAPID as RAPID_MOVE
+from gcodesim.canon.batch import WORDS, MoveBatch
 from gcodesim.frames import Pose
+from gcodesim.motion.rows import Rows, Tags
 from gcodesim.motion.tool_path import (
     ARC,
     BLEND,
@@ -57,7 +59,7 @@ _PASSED = (Message, Print, Log, Override, PathMode, ToolSelect)
 
 
 def build_tool_path(
-    events: Iterable[Event],
+    events: Iterable[Event | MoveBatch],
     start: Axes = ZERO,
     *,
     path_control: PathMode | None = None,
@@ -84,35 +86,40 @@ class _Builder:
         self.at: Axes = start
         self.first = start
         self.tilts = tilts
-        self.mode, self.tolerance, self.naive = BLEND, 0.0, 0.0
+        self.tags = Tags(BLEND, 0.0, 0.0, False)
         if path_control is not None:
             self._path_mode(path_control)
-        self.active = False
         self.spindle_speed = 0.0  # |S| [rad/s], kept while the spindle stands
         self.current = ToolState()
         self.states: dict[ToolState, int] = {}
         self.state = -1  # -1: not yet in `states`
-        self.spans: list[Span] = []
-        self.last_span: Span | None = None
         self.events: list[PathEvent] = []
-        self.kind: list[int] = []
-        self.ends: list[Axes] = []
-        self.feed: list[float] = []
-        self.rotary: list[bool] = []
-        # mode, tolerance, naive, state, source, block, active of each row
-        self.tags: list[tuple[int, float, float, int, int, int, bool]] = []
-        self.stops: list[int] = []
-        self.arcs: list[tuple[int, float, float, float, float, float, float, float]] = []
-        self.jumps: list[tuple[int, Axes]] = []  # rows that begin elsewhere than the last one ended: offsets changed
+        self.rows = Rows()
 
-    def add(self, event: Event) -> None:
-        kind = type(event)
-        if kind is LinearFeed:
-            self._linear(event)  # type: ignore[arg-type]
+    def add(self, event: Event | MoveBatch) -> None:
+        if type(event) is LinearFeed:
+            self._linear(event)
+        elif type(event) is MoveBatch:
+            self._batch(event)
         elif isinstance(event, Motion):
             self._motion(event)
-        else:
+        elif isinstance(event, Event):
             self._other(event)
+
+    def _batch(self, batch: MoveBatch) -> None:
+        if self.tilts:
+            for event in batch.events():
+                self.add(event)
+            return
+        kinds = [kind for kind in range(len(WORDS)) if (batch.kind == kind).any()]
+        states = np.zeros(len(WORDS), dtype=np.int32)
+        for kind in sorted(kinds, key=lambda kind: int(np.argmax(batch.kind == kind))):
+            states[kind] = self._state_with(WORDS[kind])
+        self._state_with(WORDS[batch.kind[-1]])
+        feed = batch.feed * self._revolutions() if batch.per_revolution else batch.feed.copy()
+        feed[batch.kind == RAPID_MOVE] = np.inf
+        self.rows.add_batch(batch, feed=feed, state=states[batch.kind], tags=self.tags)
+        self.at = tuple(batch.end[-1].tolist())
 
     def _linear(self, event: LinearFeed) -> None:
         if event.pitch is not None:
@@ -130,7 +137,7 @@ class _Builder:
             if tilt is not None:
                 center = tuple(tilt.p + tilt.R @ (np.array(center) - tilt.p))
                 normal = tuple(tilt.R @ np.array(normal))
-            self.arcs.append((len(self.kind), *center, *normal, event.sweep))
+            self.rows.shape(center, normal, event.sweep)
             self._row(ARC, event, event.end, self._speed(event.feed, event.feed_unit), event.feed_unit[0] == "r")
         elif isinstance(event, SplineFeed):
             feed = self._speed(event.feed, event.feed_unit)
@@ -139,7 +146,7 @@ class _Builder:
                     self._row(LINE, event, (*point, *event.end[3:]), feed, False)
         elif isinstance(event, Probe):
             self._stand()
-            self.events.append(PathEvent(len(self.kind), event))
+            self.events.append(PathEvent(len(self.rows), event))
             self._row(LINE, event, event.end, self._speed(event.feed, event.feed_unit), event.feed_unit[0] == "r")
             self._stand()
         elif isinstance(event, Tap):
@@ -178,16 +185,16 @@ class _Builder:
                 )
             )
         elif isinstance(event, Action) and event.verb in ("activate", "deactivate"):
-            self.active = event.verb == "activate"
+            self.tags = self.tags._replace(active=event.verb == "activate")
         passed = isinstance(event, _PASSED) or (isinstance(event, Output) and event.with_motion)
         if not passed and not (isinstance(event, Dwell) and event.seconds <= 0.0):
             self._stand()
-        self.events.append(PathEvent(len(self.kind), event))
+        self.events.append(PathEvent(len(self.rows), event))
 
     def _path_mode(self, event: PathMode) -> None:
-        self.mode, self.tolerance = _MODES[event.mode], event.tolerance
         # P alone merges too; without P nothing is merged unless Q says so
-        self.naive = event.naive or event.tolerance
+        naive = event.naive or event.tolerance
+        self.tags = Tags(_MODES[event.mode], event.tolerance, naive, self.tags.active)
 
     def _offset(self, offset: Axes) -> None:
         """The axes stay where they are, so the controlled point jumps against the change of offset."""
@@ -200,15 +207,14 @@ class _Builder:
         if tilt is not None:
             step[:3] = tilt.R @ step[:3]
         self.at = tuple(float(v) for v in np.array(self.at) + step)  # type: ignore[assignment]
-        self.jumps.append((len(self.kind), self.at))
+        self.rows.jump(self.at)
 
     def _set(self, state: ToolState) -> None:
         if state != self.current:
             self.current, self.state = state, -1
 
     def _stand(self) -> None:
-        if self.kind:
-            self.stops.append(len(self.kind) - 1)
+        self.rows.stop()
 
     def _revolutions(self) -> float:
         """Spindle speed [rev/s]; 0 when it stands."""
@@ -237,58 +243,25 @@ class _Builder:
             if tilt is not None and kind != HOME:
                 p = tilt.p + tilt.R @ (np.array(end[:3]) - tilt.p)
                 end = (float(p[0]), float(p[1]), float(p[2]), *end[3:])
-        if event.word != self.current.word:
-            self._set(replace(self.current, word=event.word))
-        if self.state < 0:
-            self.state = self.states.setdefault(self.current, len(self.states))
-        if event.span is not self.last_span:
-            self.last_span = event.span
-            self.spans.append(event.span)
-        self.kind.append(kind)
-        self.ends.append(end)
-        self.feed.append(feed)
-        self.rotary.append(rotary)
-        self.tags.append(
-            (self.mode, self.tolerance, self.naive, self.state, len(self.spans) - 1, event.block, self.active)
+        self.rows.add(
+            kind,
+            end,
+            feed,
+            rotary=rotary,
+            block=event.block,
+            state=self._state_with(event.word),
+            span=event.span,
+            tags=self.tags,
         )
         self.at = end
 
+    def _state_with(self, word: str) -> int:
+        """The index of the tool state in force, with `word` as its motion word."""
+        if word != self.current.word:
+            self._set(replace(self.current, word=word))
+        if self.state < 0:
+            self.state = self.states.setdefault(self.current, len(self.states))
+        return self.state
+
     def finish(self) -> ToolPath:
-        n = len(self.kind)
-        end = np.array(self.ends, dtype=float).reshape(n, 6)
-        start = np.concatenate([np.array([self.first], dtype=float), end[:-1]])[:n]
-        for row, at in self.jumps:
-            if row < n:
-                start[row] = at
-        center, normal, sweep = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(n)
-        if self.arcs:
-            table = np.array(self.arcs)
-            rows = table[:, 0].astype(int)
-            center[rows], normal[rows], sweep[rows] = table[:, 1:4], table[:, 4:7], table[:, 7]
-        tags = list(zip(*self.tags, strict=True)) if n else [()] * 7
-        mode = np.array(tags[0], dtype=np.uint8)
-        stop = mode == EXACT_STOP
-        stop[self.stops] = True
-        if n:
-            stop[-1] = True
-        return ToolPath(
-            kind=np.array(self.kind, dtype=np.uint8),
-            start=start,
-            end=end,
-            center=center,
-            normal=normal,
-            sweep=sweep,
-            feed=np.array(self.feed, dtype=float),
-            rotary_feed=np.array(self.rotary, dtype=bool),
-            mode=mode,
-            tolerance=np.array(tags[1], dtype=float),
-            naive=np.array(tags[2], dtype=float),
-            state=np.array(tags[3], dtype=np.int32),
-            source=np.array(tags[4], dtype=np.int32),
-            block=np.array(tags[5], dtype=np.int32),
-            active=np.array(tags[6], dtype=bool),
-            stop=stop,
-            states=tuple(self.states) or (ToolState(),),
-            spans=tuple(self.spans) or (Span(""),),
-            events=tuple(self.events),
-        )
+        return self.rows.path(self.first, tuple(self.states), tuple(self.events))

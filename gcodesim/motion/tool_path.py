@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, Final
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from gcodesim.canon import Axes, Event
 from gcodesim.diagnostics import Span
+from gcodesim.diagnostics.span_table import SpanTable, join
 from gcodesim.frames import Array, Pose, quaternion_from_rotation, rotation_from_quaternion
 
 # kinds of rows
@@ -89,7 +90,7 @@ class ToolPath:
     active: NDArray[np.bool_]
     stop: NDArray[np.bool_]
     states: tuple[ToolState, ...] = (ToolState(),)
-    spans: tuple[Span, ...] = (_NOWHERE,)
+    spans: Sequence[Span] = (_NOWHERE,)
     events: tuple[PathEvent, ...] = ()
 
     @staticmethod
@@ -184,7 +185,7 @@ class ToolPath:
         return ToolPath(
             **columns,
             states=self.states + other.states,
-            spans=self.spans + other.spans,
+            spans=join([SpanTable.of(self.spans), SpanTable.of(other.spans)]),
             events=self.events + moved,
         )
 

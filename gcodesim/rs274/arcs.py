@@ -112,6 +112,12 @@ def arc_of(words: Words, control: Control, start: Vector, end: Vector, code: int
     return Arc(centre, signed_turns)
 
 
+def apart(a: tuple[float, float], b: tuple[float, float]) -> float:
+    """Distance by the plain square root, which compiled code has to the same last bit (`math.dist` it has not)."""
+    dx, dy = b[0] - a[0], b[1] - a[1]
+    return math.sqrt(dx * dx + dy * dy)
+
+
 def _check_radii(
     words: Words,
     control: Control,
@@ -156,7 +162,7 @@ def _centre_by_radius(
     radius: float, start: tuple[float, float], end: tuple[float, float], turns: int, control: Control
 ) -> tuple[float, float]:
     unit = control.state.unit
-    chord = math.dist(start, end)
+    chord = apart(start, end)
     if chord == 0.0:
         raise Fault(
             "GS110",
@@ -199,8 +205,9 @@ def helix_length(control: Control, start: Vector, end: Vector, shape: Arc) -> fl
     """Length of the arc with its rise along the normal, in program units."""
     first, second, normal = PLANE_AXES[control.state.plane]
     a, b = (start[first], start[second]), (end[first], end[second])
-    flat = abs(sweep_of(a, b, shape)) * math.dist(a, shape.centre)
-    return math.hypot(flat, end[normal] - start[normal])
+    flat = abs(sweep_of(a, b, shape)) * apart(a, shape.centre)
+    lift = end[normal] - start[normal]
+    return math.sqrt(flat * flat + lift * lift)
 
 
 def emit_arc(control: Control, end: Vector, shape: Arc, word: str) -> None:

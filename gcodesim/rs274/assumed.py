@@ -8,7 +8,10 @@ from typing import Final
 from gcodesim.diagnostics import SourceText
 from gcodesim.rs274.tool_table import ToolEntry, ToolTable
 
-_TOOL_WORD: Final = re.compile(r"[THD][ \t]*0*([0-9]{1,5})(?![0-9.])", re.IGNORECASE | re.ASCII)
+# one search a letter: with a literal first byte a search skips everything else quickly
+_TOOL_WORDS: Final = [
+    re.compile(letter + rb"[ \t]*0*([0-9]{1,5})(?![0-9.])") for letter in (b"T", b"H", b"D", b"t", b"h", b"d")
+]
 _USUAL_TOOLS: Final = range(1, 100)
 
 
@@ -17,5 +20,6 @@ def assumed_tools(program: SourceText) -> ToolTable:
 
     A program alone says nothing of the tools in the machine, so a missing one is no fault of the program.
     """
-    numbers = {*_USUAL_TOOLS, *(int(number) for number in _TOOL_WORD.findall(program.text))}
+    named = (int(number) for word in _TOOL_WORDS for number in word.findall(program.raw))
+    numbers = {*_USUAL_TOOLS, *named}
     return ToolTable({number: ToolEntry(number=number, pocket=number) for number in sorted(numbers)})

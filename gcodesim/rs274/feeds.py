@@ -31,7 +31,8 @@ def straight_length(start: Vector, end: Vector) -> float:
     """Length of a straight move as G93 counts it: X Y Z, else U V W, else the rotary axes [program units or deg]."""
     delta = [b - a for a, b in zip(start, end, strict=True)]
     for group in ((0, 1, 2), (6, 7, 8), (3, 4, 5)):
-        length = math.hypot(*(delta[axis] for axis in group))
+        x, y, z = (delta[axis] for axis in group)
+        length = math.sqrt(x * x + y * y + z * z)  # not `hypot`: the compiled lane has to have the same last bit
         if length:
             return length
     return 0.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from functools import cached_property
 from typing import NamedTuple
 
@@ -47,13 +48,16 @@ class ProgramFile:
     def flows(self) -> list[FlowLine]:
         """All lines with an O-word, found by their look: skipped lines are never read in earnest."""
         found = []
-        for index, line in enumerate(self.lines):
-            if "o" not in line and "O" not in line:
-                continue
-            match = _FLOW.match(line)
+        for index in self._lines_with_o():
+            match = _FLOW.match(self.lines[index])
             if match:
                 found.append(FlowLine(index, plain_label(match[1]), re.sub(r"\s", "", match[2]).lower()))
         return found
+
+    def _lines_with_o(self) -> list[int]:
+        if not isinstance(self.lines, list):
+            return self.source.table.with_any(b"oO")
+        return [index for index, line in enumerate(self.lines) if "o" in line or "O" in line]
 
     def find_flow(self, after: int, label: str, keywords: frozenset[str]) -> FlowLine | None:
         """The next line after index `after` with an O-word of `label` and one of `keywords`."""
@@ -73,7 +77,7 @@ def plain_label(text: str) -> str:
     return str(int(squeezed))
 
 
-def _opening(lines: list[str]) -> tuple[int, bool]:
+def _opening(lines: Sequence[str]) -> tuple[int, bool]:
     """Index of the first line to execute, and whether a `%` opened the program."""
     for index, line in enumerate(lines):
         text = line.strip()

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 import time
-from collections.abc import Generator, Iterator
+from collections.abc import Generator
 
 from gcodesim import canon
+from gcodesim.canon.batch import MoveBatch
 from gcodesim.diagnostics import Diagnostic, Findings, Severity, SourceText, Span
 from gcodesim.rs274 import notes
 from gcodesim.rs274.block import Block
@@ -17,12 +18,15 @@ from gcodesim.rs274.execute import execute, execute_move, is_plain_move
 from gcodesim.rs274.expressions import checked
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.flow import FlowControl, Stopped
+from gcodesim.rs274.lanes import Lanes
 from gcodesim.rs274.parameters import Parameters
 from gcodesim.rs274.probing import tripped
 from gcodesim.rs274.program_file import ProgramFile
 from gcodesim.rs274.reader import Reader
 from gcodesim.rs274.recovery import Recovery
 from gcodesim.rs274.settings import Settings
+from gcodesim.rs274.watch import Watches
+from gcodesim.rs274.watch.structure import structure_findings
 from gcodesim.rs274.words import Words, place_of, read_words
 
 Feedback = canon.Axes | None
@@ -52,6 +56,22 @@ class Run:
         self.blocks = 0
 
     def __iter__(self) -> Generator[canon.Event, Feedback, None]:
+        """The events one by one."""
+        stream = self.stream()
+        reply: Feedback = None
+        while True:
+            try:
+                item = stream.send(reply)
+            except StopIteration:
+                return
+            reply = None
+            if type(item) is MoveBatch:
+                yield from item.events()
+            else:
+                reply = yield item  # type: ignore[misc]
+
+    def stream(self) -> Generator[canon.Event | MoveBatch, Feedback, None]:
+        """The events, where runs of plain moves may come as one batch each: for long programs."""
         return _executor_of(DIALECTS[self.settings.dialect])(self).events()
 
 
@@ -63,7 +83,7 @@ def interpret(source: SourceText, settings: Settings | None = None) -> Run:
 def lint(source: SourceText, settings: Settings | None = None) -> Findings:
     """All findings of the program."""
     run = interpret(source, settings)
-    for _ in run:
+    for _ in run.stream():
         pass
     return run.findings
 
@@ -81,8 +101,11 @@ class Executor:
         self.control.auto_length = _wants_auto_length(run.source, settings)
         self.control.frames = self.flow.frames
         self.recovery = Recovery(self.control)
+        self.watches = Watches()
         self.deadline = None if settings.time_limit is None else time.monotonic() + settings.time_limit
         self.blocks = 0
+        self.next_clock = _CHECK_CLOCK_EVERY
+        self.lanes = Lanes(run.source, settings, self.dialect) if type(self) is Executor else None
         allowed = _MOST_BLOCKS + _MOST_ROUNDS * len(run.source.lines)
         self.most_blocks = allowed if settings.max_blocks is None else settings.max_blocks
 
@@ -92,12 +115,13 @@ class Executor:
         control = Control(self.settings, self.dialect)
         return file, control, FlowControl(control, file, self.reader, self.settings.subroutines)
 
-    def events(self) -> Generator[canon.Event, Feedback, None]:
+    def events(self) -> Generator[canon.Event | MoveBatch, Feedback, None]:
         control, flow = self.control, self.flow
         out = control.out
         control.span = Span(self.file.name)
         self._initial_path_control()
         control.say_system()
+        self.watches.events(out)
         yield from out
         out.clear()
         while not control.finished:
@@ -106,12 +130,25 @@ class Executor:
             if index >= len(frame.file.lines):
                 self._end_of_lines()
                 break
+            if self.lanes is not None and (lane := self.lanes.lane_at(frame.file.source, self.blocks, control)):
+                last = min(len(frame.file.lines), index + max(self.most_blocks - self.blocks, 0))
+                frame.at, batch = lane.run(control, index, last, self.blocks, frame.callers)
+                self.blocks += frame.at - index
+                if batch is not None and self.run.failed is None:
+                    self.watches.moves(batch)
+                    yield batch
+                if frame.at > index:
+                    if self._exhausted(frame.at - 1):
+                        break
+                    continue
             frame.at = index + 1
             text = frame.file.lines[index]
             if self.file.has_percent and frame.file is self.file and text.strip() == "%":
                 control.span = Span.of_line(frame.file.name, index + 1, text, frame.callers)
                 out.append(canon.EndOfFile(span=control.span))
                 control.finished = True
+                if self.run.failed is None:
+                    self.watches.events(out)
             elif text:
                 self._line(frame.file, index, text)
             if out:
@@ -193,6 +230,8 @@ class Executor:
         control = self.control
         if self._is_plain(words):
             execute_move(words, control)
+            if self.run.failed is None:
+                self.watches.events(control.out)
             return
         before = control.state.copy()
         tool, notes_so_far = control.spindle_tool, len(control.notes)
@@ -210,6 +249,8 @@ class Executor:
             del control.notes[notes_so_far:]
             raise
         control.parameters.commit()
+        if self.run.failed is None:
+            self.watches.block(words, control)
 
     def _is_plain(self, words: Words) -> bool:
         return is_plain_move(words, self.control)
@@ -287,7 +328,7 @@ class Executor:
         if self.blocks > limit:
             message, value, unit = f"the program did not end within {limit} blocks", float(limit), "blocks"
             code = "GS134"
-        elif self.deadline is not None and self.blocks % _CHECK_CLOCK_EVERY == 0 and time.monotonic() > self.deadline:
+        elif self._is_late():
             limit_s = self.settings.time_limit or 0.0
             message, value, unit = f"reading the program took longer than {limit_s:g} s", limit_s, "s"
             code = "GS135"
@@ -309,9 +350,21 @@ class Executor:
         )
         return True
 
+    def _is_late(self) -> bool:
+        """Whether the time is used up; the clock is looked at now and then only."""
+        if self.deadline is None or self.blocks < self.next_clock:
+            return False
+        self.next_clock = self.blocks + _CHECK_CLOCK_EVERY
+        return time.monotonic() > self.deadline
+
     def _finish(self) -> None:
         run, control = self.run, self.control
-        run.findings.extend(_merged(control.notes))
+        finished = run.failed is None and control.finished
+        for note in control.notes:
+            run.findings.add(note, key=(note.code, note.message))
+        run.findings.extend(self.watches.findings(finished=finished))
+        if finished:
+            run.findings.extend(structure_findings(self.file, control.span))
         run.not_simulated = dict(control.not_simulated)
         for word, (count, first) in control.not_simulated.items():
             message = f"{word} is read, but not simulated"
@@ -356,23 +409,22 @@ def _evaluated(block: Block, parameters: Parameters) -> list[tuple[int | str, fl
     return out
 
 
-def _merged(found: list[Diagnostic]) -> Iterator[Diagnostic]:
-    """One note a code: the first."""
-    seen = set()
-    for finding in found:
-        if finding.code not in seen:
-            seen.add(finding.code)
-            yield finding
-
-
-_LENGTH_WORD = re.compile(r"[Gg][ \t]*0*4[ \t]*(?:3|9)")
+# one search a letter: with a literal first byte a search skips everything else quickly
+_LENGTH_WORDS = [re.compile(letter + rb"[ \t]*0*4[ \t]*[39]") for letter in (b"G", b"g")]
+_NOTE = re.compile(rb"\([^)]*\)?|;.*")
 
 
 def _wants_auto_length(source: SourceText, settings: Settings) -> bool:
     """Whether M6 has to take the tool length along: no line of the program says G43 or G49."""
     if settings.tool_length != "auto" or settings.auto_length is None:
         return False
-    return all(not ("4" in line and _LENGTH_WORD.search(re.sub(r"\([^)]*\)?|;.*", "", line))) for line in source.lines)
+    raw = source.raw
+    for word in _LENGTH_WORDS:
+        for found in word.finditer(raw):
+            begin = max(raw.rfind(b"\n", 0, found.start()), raw.rfind(b"\r", 0, found.start())) + 1
+            if word.search(_NOTE.sub(b"", raw[begin : found.end()])):
+                return False
+    return True
 
 
 _SKIPPED_CODES = (

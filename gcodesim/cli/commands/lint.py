@@ -38,7 +38,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.cell is None and arguments.tools is None:
         settings = replace(settings, tool_table=assumed_tools(program))
     reading = interpret(program, settings)
-    for _ in reading:
+    for _ in reading.stream():
         pass
     findings = reading.findings
     if arguments.format == "json":

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from functools import cached_property
 from typing import NamedTuple
 
@@ -95,7 +96,7 @@ class FanucFile(ProgramFile):
         return {}
 
 
-def _between_percents(lines: list[str]) -> tuple[int, int]:
+def _between_percents(lines: Sequence[str]) -> tuple[int, int]:
     """Index of the first line of the programs and of the one after the last."""
     marks = [index for index, line in enumerate(lines) if line.lstrip().startswith("%")]
     if not marks:
@@ -105,7 +106,7 @@ def _between_percents(lines: list[str]) -> tuple[int, int]:
     return marks[0] + 1, marks[1] if len(marks) > 1 else len(lines)
 
 
-def _find_loops(lines: list[str], part: Part) -> Loops:
+def _find_loops(lines: Sequence[str], part: Part) -> Loops:
     loops = Loops({}, {}, {})
     stack: list[tuple[int, int]] = []
     for index in range(part.first, part.end):

@@ -1,0 +1,38 @@
+"""Which lane reads the next line: the compiled one costs its import, so short programs do without."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from gcodesim.diagnostics import SourceText
+from gcodesim.diagnostics.text import LONG
+from gcodesim.rs274.control import Control
+from gcodesim.rs274.dialects import Dialect
+from gcodesim.rs274.settings import Settings
+
+if TYPE_CHECKING:
+    from gcodesim.rs274.plain.lane import PlainLane
+
+_MANY_BLOCKS: Final = 20_000
+"""Blocks after which a short program, which then has a loop, has cost as much as the import."""
+
+
+class Lanes:
+    """The compiled lanes of the files of one run, opened when they pay."""
+
+    def __init__(self, source: SourceText, settings: Settings, dialect: Dialect) -> None:
+        self._dialect = dialect
+        self._lanes: dict[str, PlainLane] = {}
+        self._eager = settings.lane == "compiled"
+        self._from = {"grammar": None, "compiled": 0}.get(settings.lane, 0 if len(source.raw) >= LONG else _MANY_BLOCKS)
+
+    def lane_at(self, source: SourceText, block: int, control: Control) -> PlainLane | None:
+        """The compiled lane, when the line at hand of `source` may be tried in it; `block` counts those so far."""
+        if self._from is None or block < self._from:
+            return None
+        lane = self._lanes.get(source.name)
+        if lane is None:
+            from gcodesim.rs274.plain.lane import PlainLane  # brings numba
+
+            lane = self._lanes[source.name] = PlainLane(source, self._dialect.longest_line, eager=self._eager)
+        return lane if lane.is_open(control) else None

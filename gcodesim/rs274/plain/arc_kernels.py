@@ -1,0 +1,68 @@
+"""Centre, turns and sweep of an arc from its words: `rs274/arcs.py` in compiled form, step by step the same."""
+
+from __future__ import annotations
+
+import math
+
+from gcodesim.compiled import kernel
+
+# as in arcs.py
+_RELATIVE_MISS = 1e-3
+_ALWAYS_MM, _ALWAYS_INCH = 0.02 * math.sqrt(2.0) * 1e-3, 0.002 * math.sqrt(2.0) * 25.4e-3
+_NEVER_FACTOR = 100.0
+_SMALLEST_RADIUS = 1.27e-6
+_FULL_CIRCLE_ANGLE = 1e-6 * (math.pi / 180.0)
+
+# what is nearer than this to a limit is left to the grammar's lane, which measures by `math.dist`
+_SURE = 1e-9
+
+
+@kernel
+def apart(ax: float, ay: float, bx: float, by: float) -> float:
+    """Distance of two points of the plane."""
+    dx, dy = bx - ax, by - ay
+    return math.sqrt(dx * dx + dy * dy)
+
+
+@kernel
+def radii_agree(ax: float, ay: float, bx: float, by: float, cx: float, cy: float, unit: float, inch: int) -> bool:
+    """Whether an arc about `c` from `a` to `b` is accepted for sure; program units of `unit` [m]."""
+    at_start, at_end = apart(ax, ay, cx, cy) * unit, apart(bx, by, cx, cy) * unit
+    least = _SMALLEST_RADIUS * (1.0 + _SURE)
+    if not (at_start > least and at_end > least):
+        return False
+    always = _ALWAYS_INCH if inch else _ALWAYS_MM
+    allowed = min(max(always, _RELATIVE_MISS * max(at_start, at_end)), always * _NEVER_FACTOR)
+    return abs(at_start - at_end) < allowed * (1.0 - 1e-6)
+
+
+@kernel
+def centre_by_radius(
+    radius: float, ax: float, ay: float, bx: float, by: float, turns: int, unit: float
+) -> tuple[bool, float, float]:
+    """Whether there is a centre, and the centre."""
+    chord = apart(ax, ay, bx, by)
+    size, half = abs(radius), chord / 2.0
+    if chord == 0.0 or size == 0.0 or not (half - size) * unit < _SMALLEST_RADIUS * (1.0 - _SURE):
+        return False, 0.0, 0.0
+    if half / size > 1.0 - 1e-12:
+        return True, (ax + bx) / 2.0, (ay + by) / 2.0
+    height = math.sqrt(max(size * size - half * half, 0.0))
+    left = (turns > 0) == (radius > 0.0)
+    dx, dy = (bx - ax) / chord, (by - ay) / chord
+    sign = height if left else -height
+    return True, (ax + bx) / 2.0 - dy * sign, (ay + by) / 2.0 + dx * sign
+
+
+@kernel
+def sweep_of(ax: float, ay: float, bx: float, by: float, cx: float, cy: float, turns: int) -> float:
+    """Signed swept angle [rad], full turns included."""
+    ux, uy, vx, vy = ax - cx, ay - cy, bx - cx, by - cy
+    angle = math.atan2(ux * vy - uy * vx, ux * vx + uy * vy)
+    if turns > 0:
+        if angle <= _FULL_CIRCLE_ANGLE:
+            angle = angle + 2.0 * math.pi
+        return angle + 2.0 * math.pi * (turns - 1)
+    if angle >= -_FULL_CIRCLE_ANGLE:
+        angle = angle - 2.0 * math.pi
+    return angle + 2.0 * math.pi * (turns + 1)

@@ -1,0 +1,242 @@
+"""Both lanes, the grammar's and the compiled one, say the same of any program: events, findings, memory."""
+
+import random
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gcodesim import canon
+from gcodesim.canon.batch import MoveBatch
+from gcodesim.diagnostics import SourceText
+from gcodesim.motion import build_tool_path
+from gcodesim.rs274 import Settings, ToolTable, interpret
+
+CORPUS = Path(__file__).parents[2] / "data" / "conformance" / "rs274"
+TOOLS, _ = ToolTable.read(SourceText.read(CORPUS / "tools.tbl"))
+
+HEAD = "G21 G90 G17 G94\nS1000 M3\nF300\n"
+
+
+def both(text, **settings):
+    """What each lane makes of a program: events, findings, what else a run tells; and the compiled lane's stream."""
+    source = SourceText("p.ngc", text if isinstance(text, bytes) else text.encode())
+    said = []
+    for lane in ("grammar", "compiled"):
+        run = interpret(source, Settings(tool_table=TOOLS, lane=lane, subroutines=(CORPUS / "subs",), **settings))
+        stream = list(run.stream())
+        events = [event for item in stream for event in (item.events() if isinstance(item, MoveBatch) else [item])]
+        said.append(
+            (
+                [repr(event) for event in events],
+                [repr(finding) for finding in run.findings],
+                (run.failed, run.failed_line, run.blocks, run.parameters, run.not_simulated),
+            )
+        )
+    return said[0], said[1], stream
+
+
+def assert_same(text, **settings):
+    grammar, compiled, stream = both(text, **settings)
+    for slow, fast in zip(grammar, compiled, strict=True):
+        assert fast == slow, text if len(text) < 3000 else ""
+    return stream
+
+
+def moves_in_batches(stream):
+    return sum(len(item) for item in stream if isinstance(item, MoveBatch))
+
+
+PLAIN = {
+    "straight moves": "G0 X1 Y2 Z3\nG1 X4.5 F100\nY-.25\nz+7. a10\nB-5 C1\nX4.5\n\n(c) G1 Z1 (d)\nN7 Z2 ; e, f\n",
+    "rotary alone": "G1 A10 F5\nA20\nX1 A30\nA30\n",
+    "modal arcs": "G0 X0 Y0\nG2 X10 I5\nX0 I-5\nI5\nG3 X10 Y10 R10\nX0 Y0 R-20\nG2 X10 Y0 I5 P3\nG1 X0\n",
+    "helix": "G0 X0 Y0 Z0\nG3 X10 Z5 I5 J0\nG2 X0 I-5 Z0\nX0 I5 P2 Z9\n",
+    "planes": "G18 G0 X0 Z0\nG2 X10 I5\nG3 X0 Z3 R7\nG19\nG1 Y0 Z0\nG2 Y10 J5\nG17 G2 X5 Y5 R30\n",
+    "incremental": "G91\nG1 X1 Y1\nX1\nG2 X2 I1\nG90\nX5 I1 J0.5 Y8\nG91 G1 A1\nA1\nG90 X0\n",
+    "absolute centre": "G0 X0 Y0\nG90.1\nG2 X10 I5 J0\nG91.1 X0 I-5\n",
+    "inverse time": "G93\nG1 X10 F2\nX20 F3\nA10 F2\nG2 X30 I5 F1\nX30 A10 F1\nG0 X1\n",
+    "feeds": "G1 X1 F10\nG94\nG1 X2 F10\nG95 F.1\nX3\nX3 A5\nA7\n",
+    "inches": "G20 G1 X1 F10\nY2\nG2 X2 I.5\nG21 G1 X10\nX20\n",
+    "numbers": "G1 X0.1 Y-0. Z00012.500\nX123456789012345 Y.000000000000001\nX1234567890123456\nX0.30000000000000004\n",
+    "redundant codes": "G90 G1 X1\nG1 G90 G17 G21 G94 G40 X2\nG01 X3\nG1.0 X4\nG001 X5\n",
+    "frames": "G10 L2 P1 X1.5 Y-2 R30\nG54\nG1 X10\nY10\nG17 G3 X5 Y5 R9\nG92 X1 Y1\nX2\nG92.1\nX3\n",
+    "turned planes": "G10 L2 P1 X1.5 Y-2 R30\nG54\nG1 X10\nG18 G2 X0 Z0 I-5 K0\nG19 G3 Y5 Z5 R9\n",
+    "no motion word": "G1\nX1\nG0\nX2\nF20\nG1 F30\nX3\n",
+}
+
+
+@pytest.mark.parametrize("name", PLAIN)
+def test_plain_moves_are_the_same_to_the_last_bit(name):
+    stream = assert_same(HEAD + PLAIN[name] + "M2\n")
+
+    assert moves_in_batches(stream) >= 2
+
+
+GUILTY = [
+    "G2 X10", "G2 X10 I5 K1", "G2 X20 I5", "G2 R5", "G2 X10 R1", "G2 X10 I5 R5", "G2 X10 I5 P0", "G2 X10 I5 P1.5",
+    "G1 X1 I2", "G0 X1 R2", "X1 X2", "G1 G1 X1", "G1 G2 X1", "G90 G91 X1", "F-1 X1", "G1 X1 F0", "G1X1X", "X1.2.3",
+    "X--1", "X1 N5", "G17.5 X1", "G-1 X1", "X", "(open", "(a (b)", "G1 X1 &", "x 1 . 5", "N10.5 X1", "O5", "/X3", "%",
+    "T1 M6", "#1=5", "X#1", "X[1+2]", "(MSG, hello)", "(debug, #5420)", "(a, b)", "M0", "S5", "U1", "G53 G0 X0",
+    "G41 D1", "G81 X1 Z-1 R1", "X99999999999999999999", "G5.1 X1 Y1 I1 J1", "X1" + " " * 260, "G1 X1 ;" + "c" * 300,
+    "x1 \x0b", "x1 (ä)", "x1\x00", "G1 X1 E5",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("line", GUILTY)
+def test_a_line_that_is_not_plain_is_left_to_the_grammar(line):
+    text = HEAD + "G0 X0 Y0 Z0\nG1 X5\n" + line + "\nX6\nG1 X7 F200\nY8\nG40 G80 G0 X9\nM2\n"
+
+    assert_same(text)
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+@pytest.mark.parametrize("last", ["", "END"])
+def test_line_ends(end, last):
+    text = end.join(["G0 X1", "  G1 X2 F3", "", "\tX3  ", "G1 X4 (ä)", "X5", "M2"]) + last.replace("END", end)
+
+    assert_same(text)
+    assert_same(text.encode("latin-1"))
+    assert_same(b"\xef\xbb\xbf" + text.encode())
+
+
+def test_loops_and_calls_have_spans_with_callers():
+    body = "\n".join(f"G1 X{n} Y{n}.5" for n in range(20))
+    text = f"F100\nO1 sub\n{body}\nO1 endsub\nO2 repeat [3]\nO1 call\nG0 Z1\nO2 endrepeat\nM2\n"
+
+    stream = assert_same(text)
+
+    callers = {item.callers for item in stream if isinstance(item, MoveBatch)}
+    assert any(chain for chain in callers)
+
+
+def test_budget_ends_both_lanes_at_the_same_block():
+    text = "F100\n" + "G1 X1\nG1 X2\n" * 50 + "M2\n"
+    for limit in (1, 2, 17, 50, 101, 102, 103):
+        assert_same(text, max_blocks=limit)
+    assert_same("F100\nO1 while [1]\nG1 X1\nX2\nO1 endwhile\nM2\n", max_blocks=300)
+
+
+def test_after_an_error_no_more_moves_come_but_later_faults_are_found():
+    text = HEAD + "G1 X1\nX2\nX3 Q5\nX4\nX5\nY1 Y2\nX6\nM2\n"
+
+    stream = assert_same(text)
+
+    assert moves_in_batches(stream) == 2
+
+
+PLANES = {"G17": ("XY", "IJ", "K"), "G18": ("XZ", "IK", "J"), "G19": ("YZ", "JK", "I")}
+OTHERS = [
+    "(note)", "", "F250", "N5", "X[1+1]", "#3=7", "G92 X1", "G54", "G55", "M8", "(MSG, x)", "G40", "G80", "G4 P1",
+    "G1 X#3 Y2", "G28", "G81 X1 Y1 Z-2 R1", "G0 X1", "G43 H1", "T2 M6", "G64 P.1", "G52 X2", "G91.1", "G94", "G95",
+]  # fmt: skip
+
+
+def random_program(rng):
+    """A program with all that the compiled lane knows and some that it does not; mostly right."""
+    plane = rng.choice(list(PLANES))
+    lines = [rng.choice(["G21", "G20"]), rng.choice(["G90", "G91"]), plane, "F100", "S500 M3"]
+    if rng.random() < 0.2:
+        lines.append(f"G10 L2 P1 X1 Y2 Z3 R{rng.choice([0, 30, -45.5])} G54")
+
+    def number():
+        some = [str(rng.randint(-9, 9)), f"{rng.uniform(-20, 20):.3f}", f"{rng.uniform(-1, 1):.5f}", ".5", "-3."]
+        return rng.choice(some)
+
+    for _ in range(rng.randint(20, 60)):
+        pick = rng.random()
+        (a, b), (i, j), across = PLANES[plane]
+        if pick < 0.45:
+            words = [f"{axis}{number()}" for axis in rng.sample("XYZABC", rng.randint(1, 3))]
+            lines.append(" ".join([*rng.choice([[], ["G1"], ["G0"], ["g01"]]), *words]))
+        elif pick < 0.6:
+            radius = rng.choice(["90", "-90.5", "90", "200", number()])
+            lines.append(
+                f"{rng.choice(['G2', 'G3'])} {a}{number()} {b}{number()} R{radius} {rng.choice(['', '', 'F9'])}"
+            )
+        elif pick < 0.8:
+            centre = f"{i}{rng.choice(['5', '-7.25', number()])} {j}{rng.choice(['3', '-1.5'])}"
+            third = {"K": "Z", "J": "Y", "I": "X"}[across]
+            lines.append(f"{rng.choice(['G2', 'G3'])} {centre} {rng.choice(['', 'P2', third + number()])}")
+        elif pick < 0.86:
+            plane = rng.choice(list(PLANES))
+            lines.append(plane)
+        elif pick < 0.92:
+            lines.append(rng.choice(["G90", "G91", "G90.1", "G91.1", "G20", "G21", "G93", "G94", "G95"]))
+        elif pick < 0.98:
+            lines.append(rng.choice(OTHERS))
+        else:
+            lines.append(rng.choice(["%", "G41 D2", "M0", "o9 call [1]", "G2 X1", "X1 X1"]))
+    return "\n".join([*lines, "M2"]) + "\n"
+
+
+def mutated(rng, text):
+    chars = list(text)
+    for _ in range(rng.randint(1, 4)):
+        at = rng.randrange(len(chars))
+        what = rng.random()
+        if what < 0.4:
+            chars[at] = rng.choice("XYZGFIJKR0123456789.-+ ()[];#\n\t/%äN")
+        elif what < 0.7:
+            del chars[at]
+        else:
+            chars.insert(at, rng.choice("XYZGFIJKRMN0123456789.-+ (),;#\n"))
+    return "".join(chars)
+
+
+def test_random_programs():
+    rng = random.Random(5)
+    batched = 0
+    for _ in range(60):
+        batched += moves_in_batches(assert_same(random_program(rng)))
+    assert batched > 300
+
+
+def test_mutated_programs():
+    rng = random.Random(6)
+    for _ in range(120):
+        assert_same(mutated(rng, random_program(rng)))
+
+
+@pytest.mark.slow
+def test_many_random_and_mutated_programs():
+    rng = random.Random(7)
+    for _ in range(4000):
+        assert_same(mutated(rng, random_program(rng)))
+
+
+@pytest.mark.parametrize("kind", ["valid", "invalid"])
+def test_corpus(kind):
+    programs = sorted((CORPUS / kind).glob("*.ngc"))
+    assert len(programs) > 20
+    for program in programs:
+        assert_same(program.read_bytes())
+
+
+def test_a_batch_builds_the_path_that_its_events_build():
+    rng = random.Random(8)
+    for _ in range(20):
+        _, _, stream = both(random_program(rng))
+        singly = [event for item in stream for event in (item.events() if isinstance(item, MoveBatch) else [item])]
+        batches, events = build_tool_path(stream), build_tool_path(singly)
+        for name in ("kind", "start", "end", "center", "normal", "sweep", "feed", "rotary_feed", "mode", "tolerance",
+                     "naive", "state", "source", "block", "active", "stop"):  # fmt: skip
+            assert np.array_equal(getattr(batches, name), getattr(events, name)), name
+        assert batches.states == events.states
+        assert batches.events == events.events
+        assert list(batches.spans) == list(events.spans)
+
+
+def test_feedback_reaches_a_probe_between_batches():
+    source = SourceText("p.ngc", b"F100\nG1 X1\nX2\nG38.2 Z-10\n#1=#5063\nG1 X3\nG1 X#1\nM2\n")
+    run = iter(interpret(source, Settings(lane="compiled")))
+    reply, ends = None, []
+    while True:
+        try:
+            event = run.send(reply)
+        except StopIteration:
+            break
+        reply = (0.002, 0.0, -0.004, 0.0, 0.0, 0.0) if isinstance(event, canon.Probe) else None
+        if isinstance(event, canon.LinearFeed):
+            ends.append(event.end[0])
+    assert ends[-1] == pytest.approx(-0.004)
