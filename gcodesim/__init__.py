@@ -10,8 +10,9 @@ Names are imported on first use, so that a light command does not pay for the he
 from __future__ import annotations
 
 from importlib import import_module
-from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
+
+from gcodesim.version import __version__
 
 if TYPE_CHECKING:
     from gcodesim.api import InputError, load_cell, read, simulate
@@ -24,11 +25,6 @@ if TYPE_CHECKING:
         spline_interpolation,
     )
     from gcodesim.results import Results
-
-try:
-    __version__ = version("gcodesim")
-except PackageNotFoundError:  # run from a source tree that was never installed
-    __version__ = "0+unknown"
 
 _PLACES = {
     "Cell": "gcodesim.cell",

@@ -1,33 +1,111 @@
-"""The one way to numba: where compiled kernels are cached, and how they are declared.
+"""The one way to numba: how kernels are declared, when they are compiled, and where they are cached.
 
-Import `kernel` from here and nowhere else. The cache folder is chosen before
-numba is imported, because numba decides at import; its name carries a hash of
-all kernel sources, the numba version and the processor, because numba's own
-check does not see that a kernel in another file has changed. When no folder is
-writable the kernels run uncached instead of failing.
+Import `kernel` from here and nowhere else. Declaring a kernel costs nothing:
+numba is loaded when the first one is needed in its compiled form. The cache
+folder's name carries a hash of all kernel sources, the numba version and the
+processor, because numba's own check does not see that a kernel in another file
+has changed. When no folder is writable the kernels run uncached instead of failing.
 """
 
 from __future__ import annotations
 
-import hashlib
-import os
-import platform
 import sys
-import tempfile
 from collections.abc import Callable
-from importlib.metadata import version
+from functools import cache, cached_property
 from pathlib import Path
-from typing import Any, TypeVar
+from types import FunctionType
+from typing import Any, Final, TypeVar, cast, overload
+
+from gcodesim.user_cache import user_cache
 
 F = TypeVar("F", bound=Callable[..., Any])
 
+# A call about so many rows is interpreted, where a kernel allows it: some 50 µs a row, while loading numba
+# and what it has cached takes 0.3 s.
+SHORT: Final = 256
 
-def _sources_digest() -> str:
+# what is called before a long compilation, so that nobody has to wait in silence
+when_cold: Callable[[], None] | None = None
+
+
+class Kernel:
+    """A function of arrays and scalars that is compiled when it is called first.
+
+    A `short` kernel gets as many rows as its first argument is long, and is
+    interpreted when they are few. That depends on nothing but the arguments,
+    so equal input takes the same way in every process.
+    """
+
+    def __init__(self, function: Callable[..., Any], *, short: bool) -> None:
+        self.py_func = function
+        self.short = short
+        self.__doc__ = function.__doc__
+        self.__wrapped__ = function
+
+    def __call__(self, *arguments: Any) -> Any:
+        if self.short and len(arguments[0]) <= SHORT:
+            return self.interpreted(*arguments)
+        return self.compiled(*arguments)
+
+    @cached_property
+    def compiled(self) -> Callable[..., Any]:
+        """The compiled function: no fast-math, no parallel reductions, so results are repeatable."""
+        numba, folder = _numba()
+        return numba.njit(cache=folder is not None, error_model="numpy", nogil=True)(self.py_func)  # type: ignore[no-any-return]
+
+    @cached_property
+    def interpreted(self) -> Callable[..., Any]:
+        """The function as plain Python, with all kernels that it calls."""
+        import numpy as np
+
+        function = cast(FunctionType, self.py_func)
+        names = {
+            name: value.interpreted if isinstance(value, Kernel) else value
+            for name, value in function.__globals__.items()
+            if name in function.__code__.co_names
+        }
+        plain = FunctionType(function.__code__, names, function.__name__, function.__defaults__)
+        return np.errstate(all="ignore")(plain)  # as the compiled one: infinity, no warning
+
+    @property
+    def _numba_type_(self) -> Any:
+        """What a kernel is to numba when another kernel calls it."""
+        return self.compiled._numba_type_  # type: ignore[attr-defined]
+
+
+@overload
+def kernel(function: F) -> F: ...
+@overload
+def kernel(*, short: bool) -> Callable[[F], F]: ...
+def kernel(function: F | None = None, *, short: bool = False) -> F | Callable[[F], F]:
+    """Declare a kernel; `short`: see `Kernel`."""
+    if function is None:
+        return lambda function: cast(F, Kernel(function, short=short))
+    return cast(F, Kernel(function, short=short))
+
+
+@cache
+def _numba() -> tuple[Any, Path | None]:
+    """numba, told where to cache, and the folder; None when there is none to write to."""
+    import numba
+
+    folder = user_cache(_digest(numba.__version__))
+    numba.config.CACHE_DIR = str(folder or "")
+    _load_without_scipy()
+    if when_cold is not None and (folder is None or not any(folder.rglob("*.nbi"))):
+        when_cold()
+    return numba, folder
+
+
+def _digest(version: str) -> str:
     """Hash of every kernel source of this package, the compiler's version and the processor."""
+    import hashlib
+    import platform
+
     digest = hashlib.sha256()
     for path in sorted(Path(__file__).parent.rglob("*kernels.py")):
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
-    digest.update(f"{version('numba')} {sys.version_info[:2]} {platform.machine()} {_processor()}".encode())
+    digest.update(f"{version} {sys.version_info[:2]} {platform.machine()} {_processor()}".encode())
     return digest.hexdigest()[:16]
 
 
@@ -36,40 +114,10 @@ def _processor() -> str:
     try:
         lines = Path("/proc/cpuinfo").read_text(errors="replace").splitlines()
     except OSError:
+        import platform
+
         return platform.processor()
     return "".join(sorted({line for line in lines if line.startswith(("model name", "flags"))}))
-
-
-def _writable(folder: Path) -> bool:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            return True
-    except OSError:
-        return False
-
-
-def _choose_cache() -> Path | None:
-    """The first writable folder of: NUMBA_CACHE_DIR, the user's cache, the temporary folder."""
-    user = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
-    roots = [Path(user) / "gcodesim", Path(tempfile.gettempdir()) / f"gcodesim-{os.getuid()}"]
-    if "NUMBA_CACHE_DIR" in os.environ:
-        roots.insert(0, Path(os.environ["NUMBA_CACHE_DIR"]))
-    digest = _sources_digest()
-    for root in roots:
-        folder = root / digest
-        if _writable(folder):
-            return folder
-    return None
-
-
-cache_folder: Path | None = _choose_cache()
-if cache_folder is not None:
-    os.environ["NUMBA_CACHE_DIR"] = str(cache_folder)
-
-import numba  # noqa: E402  (the cache folder has to be chosen first)
-
-numba.config.CACHE_DIR = str(cache_folder or "")
 
 
 def _load_without_scipy() -> None:
@@ -86,11 +134,3 @@ def _load_without_scipy() -> None:
         import numba.np.arraymath  # noqa: F401
     finally:
         del sys.modules[name]
-
-
-_load_without_scipy()
-
-
-def kernel(function: F) -> F:
-    """Compile `function` on first call: no fast-math, no parallel reductions, so results are repeatable."""
-    return numba.njit(cache=cache_folder is not None, error_model="numpy", nogil=True)(function)  # type: ignore[no-any-return]

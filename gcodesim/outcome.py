@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from gcodesim.job import Job
 from gcodesim.motion.tool_path import HOME, RAPID
 from gcodesim.results import Results, StockResult, Times, joint_rows, line_rows, tool_rows
 from gcodesim.shop import Shop
+from gcodesim.version import __version__
 
 if TYPE_CHECKING:
     from gcodesim.executor import Execution
@@ -25,7 +25,7 @@ def inputs_of(job: Job) -> dict[str, Any]:
     simulation = job.cell.simulation if job.cell is not None else None
     own, *others = job.loaded.files
     return {
-        "gcodesim": version("gcodesim"),
+        "gcodesim": __version__,
         "seed": simulation.seed if simulation is not None else None,
         "world": job.world,
         "program": {"name": job.program.name, "sha256": job.program.sha256},

@@ -13,6 +13,7 @@ from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Any
 
+from gcodesim import compiled
 from gcodesim.cell import load_cell
 from gcodesim.cli.exits import INTERRUPTED, UsageError, status_of
 from gcodesim.cli.language import with_options
@@ -39,7 +40,7 @@ if TYPE_CHECKING:
 def _prepared(arguments: argparse.Namespace) -> Job:
     program = read_source(arguments.program, "program")
     read_source(arguments.cell, "cell")
-    _announce_compiling()
+    compiled.when_cold = _announce_compiling
     loaded = load_cell(arguments.cell, arguments.allow_path)
     options = Options(
         world=getattr(arguments, "world", None),
@@ -99,10 +100,7 @@ def run_program(arguments: argparse.Namespace) -> int:
 
 def _announce_compiling() -> None:
     """The first run of a version compiles its kernels, which takes a while: not in silence."""
-    from gcodesim.compiled import cache_folder
-
-    if cache_folder is not None and not any(cache_folder.rglob("*.nbi")):
-        note("compiling the kernels, once for this version: about a minute (`gcodesim warm-up` does it beforehand)")
+    note("compiling the kernels, once for this version: about a minute (`gcodesim warm-up` does it beforehand)")
 
 
 class _Stop:

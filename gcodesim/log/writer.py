@@ -13,7 +13,6 @@ from collections import deque
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import fields, replace
-from importlib.metadata import version
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Final, Self
@@ -41,6 +40,7 @@ from gcodesim.log.scene import entities_update, force_update, path_update, polyl
 from gcodesim.log.schema import schema_data
 from gcodesim.log.shapes import Entity, Mesh, Shape
 from gcodesim.log.topics import PERIODIC, tile_topic, topic_table
+from gcodesim.version import __version__
 
 LOG_FORMAT: Final = "1"
 ROOT: Final = "world"
@@ -70,7 +70,7 @@ class LogWriter:
         self._description = description
         self._frames = _checked_frames(description)
         topics = topic_table(description.stock_tiles, description.added_tiles)
-        library = f"gcodesim {version('gcodesim')}"
+        library = f"gcodesim {__version__}"
         data = {schema: schema_data(schema) for schema in dict.fromkeys(topic.schema for topic in topics)}
         self._container = Container(Path(path), library, [(topic, data[topic.schema]) for topic in topics])
         self._channels = {topic.name: i for i, topic in enumerate(topics, start=1)}
@@ -88,7 +88,7 @@ class LogWriter:
 
     def _begin(self) -> None:
         d = self._description
-        run = {"log_format": LOG_FORMAT, "gcodesim": version("gcodesim"), **d.run}
+        run = {"log_format": LOG_FORMAT, "gcodesim": __version__, **d.run}
         self._container.add_metadata("gcodesim.run", run)
         for name, record in d.records.items():
             self._container.add_metadata(name, record)

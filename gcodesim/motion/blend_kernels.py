@@ -43,7 +43,7 @@ ROUNDED = 2
 OVERLAPPED = 3
 
 
-@kernel
+@kernel(short=True)
 def merge_chords(start: Column, end: Column, joined: Column, tolerance: Column) -> Column:
     """For each row (n,) the first row of the chain it belongs to.
 
@@ -111,6 +111,12 @@ def turned_speed(first: Column, turned: Column, angle: float, limits: Column) ->
 
 
 @kernel
+def length_of(v: Column) -> float:
+    """Length of the vector (3,)."""
+    return math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+
+
+@kernel
 def bend_of(
     i: int,
     n: Column,
@@ -127,8 +133,8 @@ def bend_of(
         return 0.0, 1.0
     if kind[i] != ROUND:
         return -1.0, 1.0
-    r = math.sqrt(radial[i, 0] ** 2 + radial[i, 1] ** 2 + radial[i, 2] ** 2)
-    rise = math.sqrt(lift[i, 0] ** 2 + lift[i, 1] ** 2 + lift[i, 2] ** 2)
+    r = length_of(radial[i])
+    rise = length_of(lift[i])
     if rise > FLAT or abs(growth[i]) * r > FLAT:
         return -1.0, 1.0
     m0 = radial[i, 1] * sideways[i, 2] - radial[i, 2] * sideways[i, 1]
@@ -141,7 +147,7 @@ def bend_of(
     return (r * (1.0 + growth[i]) if at_end else r), side
 
 
-@kernel
+@kernel(short=True)
 def corners(
     stop: Column,
     blended: Column,
@@ -258,7 +264,7 @@ def corners(
         reduction[i + 1] = KINK_SHARE
 
 
-@kernel
+@kernel(short=True)
 def overlaps(
     kind: Column,
     first: Column,

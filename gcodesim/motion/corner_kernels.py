@@ -41,7 +41,7 @@ def corner_center(turn: float, r1: float, side1: float, r2: float, side2: float,
     else:
         ax, ay, rho1 = 0.0, side1 * r1, r1 - side1 * radius
         bx, by, rho2 = -side2 * r2 * s, side2 * r2 * c, r2 - side2 * radius
-        gap = math.hypot(bx - ax, by - ay)
+        gap = math.sqrt((bx - ax) * (bx - ax) + (by - ay) * (by - ay))
         if rho1 <= 0.0 or rho2 <= 0.0 or gap == 0.0:
             return math.nan, math.nan
         along = (gap * gap + rho1 * rho1 - rho2 * rho2) / (2.0 * gap)
@@ -51,7 +51,8 @@ def corner_center(turn: float, r1: float, side1: float, r2: float, side2: float,
         ex, ey = (bx - ax) / gap, (by - ay) / gap
         fx, fy, dx, dy = ax + along * ex, ay + along * ey, -ey, ex
     h = math.sqrt(square)
-    if (fx + h * dx - x0) ** 2 + (fy + h * dy - y0) ** 2 > (fx - h * dx - x0) ** 2 + (fy - h * dy - y0) ** 2:
+    # of the points f + h d and f − h d the one nearer to that of the tangents
+    if h * ((fx - x0) * dx + (fy - y0) * dy) > 0.0:
         h = -h
     return fx + h * dx, fy + h * dy
 
@@ -93,7 +94,7 @@ def corner_radius(
         if fits:
             trim1 = -way_from_corner(x, y, 0.0, r1, side1)
             trim2 = way_from_corner(x, y, turn, r2, side2)
-            fits = math.hypot(x, y) - radius <= tolerance and 0.0 <= trim1 <= room1 and 0.0 <= trim2 <= room2
+            fits = math.sqrt(x * x + y * y) - radius <= tolerance and 0.0 <= trim1 <= room1 and 0.0 <= trim2 <= room2
         if fits:
             low = radius
         else:

@@ -10,7 +10,7 @@ from gcodesim.compiled import kernel
 from gcodesim.motion.columns import Column
 
 
-@kernel
+@kernel(short=True)
 def end_speeds(
     length: Column, speed: Column, acceleration: Column, junction: Column, ratio: Column, fixed: Column
 ) -> tuple[Column, Column]:
@@ -45,7 +45,7 @@ def end_speeds(
     return start, end
 
 
-@kernel
+@kernel(short=True)
 def trapezoids(
     length: Column, speed: Column, acceleration: Column, start: Column, end: Column, fixed: Column
 ) -> tuple[Column, Column, Column, Column, Column]:
@@ -83,7 +83,7 @@ def trapezoids(
     return segment[:p].copy(), duration[:p].copy(), place[:p].copy(), v_start[:p].copy(), a_phase[:p].copy()
 
 
-@kernel
+@kernel(short=True)
 def times_at(
     boundary_piece: Column,
     boundary_s: Column,

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 from lark import Lark, Token, Transformer, UnexpectedCharacters, UnexpectedInput, UnexpectedToken, v_args
 
 from gcodesim.rs274.block import Binary, Exists, Function, Name, Node, Parameter, Signed, Word
+from gcodesim.user_cache import user_cache
 
 
 class Parsed(NamedTuple):
@@ -149,7 +150,16 @@ class _Build(Transformer[Token, Any]):
 def parser_of(name: str) -> Callable[[str], Parsed]:
     """The parser of `grammars/<name>.lark`; its call raises `Unreadable`."""
     text = files("gcodesim.rs274").joinpath("grammars", f"{name}.lark").read_text(encoding="utf-8")
-    lark = Lark(text, parser="lalr", lexer="contextual", transformer=_Build(), maybe_placeholders=False)
+    folder = user_cache("grammars")
+    lark = Lark(
+        text,
+        parser="lalr",
+        lexer="contextual",
+        transformer=_Build(),
+        maybe_placeholders=False,
+        # Lark keeps the tables in this file with a hash of the grammar and its own version; they take 50 ms to make
+        cache=str(folder / f"{name}.tables") if folder else False,
+    )
 
     def parse(line: str) -> Parsed:
         try:

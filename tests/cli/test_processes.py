@@ -43,6 +43,10 @@ def test_light_commands_import_nothing_heavy(cli, tmp_path: Path, arguments: lis
     assert _modules(arguments, tmp_path) & HEAVY == set()
 
 
+def test_check_of_a_short_program_does_without_the_compiler(cli, tmp_path: Path) -> None:
+    assert _modules(["check", "slot.nc", "--cell", "cell.yaml"], tmp_path) & HEAVY == {"numpy"}
+
+
 def test_statuses_of_the_program_itself(cli, write, tmp_path: Path) -> None:
     write("bad.nc", "G21 G90\nG1 X5 Y\nM2\n")
     ends = {}

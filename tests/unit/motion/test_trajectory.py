@@ -247,7 +247,7 @@ def test_many_short_blocks() -> None:
     rng = np.random.default_rng(1)
     points = np.cumsum(rng.normal(size=(200_001, 3)) * 1e-4, axis=0)
     path = ToolPath.from_points(points, feed=0.1)
-    time_law(blend(ToolPath.from_points(points[:10], feed=0.1), LIMITS))
+    time_law(blend(ToolPath.from_points(points[:1000], feed=0.1), LIMITS))
 
     begin = time.perf_counter()
     trajectory = time_law(blend(path, LIMITS))
