@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from gcodesim.cli.exits import FAIL_ON, UsageError
 from gcodesim.diagnostics import SourceText
+
+if TYPE_CHECKING:
+    from gcodesim.regress.tolerance import Tolerances
 
 
 def add_format(parser: argparse.ArgumentParser) -> None:
@@ -22,6 +26,34 @@ def add_fail_on(parser: argparse.ArgumentParser) -> None:
         default="error",
         help="exit with status 1 when a finding is this severe or more (default: error)",
     )
+
+
+def add_tolerances(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--tolerance",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="how much of a quantity may differ, such as volume='2 mm^3, 1 %%' or force=5%%; may be given several "
+        "times; `gcodesim list tolerances` names all",
+    )
+
+
+def read_tolerances(arguments: argparse.Namespace) -> Tolerances:
+    """The default tolerances with what the command line says; UsageError for what cannot be read."""
+    from gcodesim.regress.tolerance import DEFAULTS, QUANTITIES
+    from gcodesim.regress.tolerance_kind import tolerance_from
+
+    tolerances = dict(DEFAULTS)
+    for text in arguments.tolerance:
+        name, equals, value = text.partition("=")
+        if not equals or name.strip() not in QUANTITIES:
+            raise UsageError(f"--tolerance {text}: NAME=VALUE is expected, with a name of {', '.join(QUANTITIES)}")
+        tolerance = tolerance_from(name.strip(), value)
+        if isinstance(tolerance, str):
+            raise UsageError(f"--tolerance {text}: {tolerance}")
+        tolerances[name.strip()] = tolerance
+    return tolerances
 
 
 def add_program(parser: argparse.ArgumentParser) -> None:

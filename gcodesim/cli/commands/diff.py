@@ -1,48 +1,125 @@
-"""`gcodesim diff OLD NEW`: what changed between two runs, by quantity and tolerance."""
+"""`gcodesim diff OLD NEW`: what changed in meaning between two programs, runs, logs or folders."""
 
 from __future__ import annotations
 
 import argparse
-import json
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from gcodesim.cli.exits import FINDINGS, OK, UsageError
-from gcodesim.cli.options import add_format
+from gcodesim.cli.options import add_tolerances, read_tolerances
+
+if TYPE_CHECKING:
+    from gcodesim.regress import Comparison
+    from gcodesim.regress.tolerance import Tolerances
+
+_DESCRIPTION = """Compare by quantity and tolerance, never as text: moves that came, went or changed, times, forces,
+removed volume, the surface and its place, findings new and gone. Numbering, comments, blanks and number formats do not
+count. OLD and NEW are programs (with --cell both are run), folders of programs, folders that `run` wrote, results.json,
+logs (.mcap) or accepted results (.golden.json). Status 1 when anything differs beyond tolerance."""
 
 
 def add_parser(commands: Any) -> None:
-    parser = commands.add_parser("diff", help="what changed between two runs: times, volumes, forces, findings")
-    parser.add_argument("old", type=Path, metavar="OLD", help="folder of the earlier run, or its results.json")
-    parser.add_argument("new", type=Path, metavar="NEW", help="folder of the later run, or its results.json")
-    add_format(parser)
+    parser = commands.add_parser(
+        "diff", help="what changed in meaning between two programs, runs or logs", description=_DESCRIPTION
+    )
+    parser.add_argument("old", type=Path, metavar="OLD", help="the earlier program, folder, results or log")
+    parser.add_argument("new", type=Path, metavar="NEW", help="the later one")
+    parser.add_argument("--cell", type=Path, metavar="CELL", help="run both programs in this cell")
+    parser.add_argument("--old-cell", type=Path, metavar="CELL", help="run OLD in this cell, NEW in that of --cell")
+    parser.add_argument(
+        "--allow-path", type=Path, action="append", default=[], metavar="DIR", help="as for `run`; may be repeated"
+    )
+    add_tolerances(parser)
+    parser.add_argument(
+        "--format",
+        choices=("text", "json", "markdown"),
+        default="text",
+        help="text for people (default), JSON for programs, Markdown for a pull request",
+    )
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from gcodesim.cli.output import print_json
-    from gcodesim.regress import compare_results
+    from gcodesim.regress.sides import SideError, is_output
 
-    changes = compare_results(_read(arguments.old), _read(arguments.new))
-    if arguments.format == "json":
-        print_json({"changes": [{"quantity": c.quantity, "old": c.old, "new": c.new} for c in changes]})
-    elif changes:
-        for change in changes:
-            print(change.text)
-        print(f"{len(changes)} difference{'' if len(changes) == 1 else 's'} beyond tolerance")
-    else:
-        print("no difference in motion or result")
-    return FINDINGS if changes else OK
-
-
-def _read(path: Path) -> dict[str, Any]:
-    file = path / "results.json" if path.is_dir() else path
+    tolerances = read_tolerances(arguments)
+    old, new = arguments.old, arguments.new
     try:
-        value = json.loads(file.read_bytes())
-    except FileNotFoundError:
-        raise UsageError(f"there are no results at {file}") from None
-    except (OSError, ValueError) as error:
-        raise UsageError(f"{file} cannot be read: {error}") from None
-    if not isinstance(value, dict) or not str(value.get("schema", "")).startswith("gcodesim-results/"):
-        raise UsageError(f"{file} holds no results of gcodesim")
-    return value
+        if old.is_dir() and new.is_dir() and not is_output(old) and not is_output(new):
+            return _folders(arguments, tolerances)
+        comparison = _compared(old, new, arguments, tolerances)
+    except SideError as error:
+        raise UsageError(str(error)) from None
+    _print(comparison, f"{old} → {new}", arguments.format)
+    return OK if comparison.same else FINDINGS
+
+
+def _compared(old: Path, new: Path, arguments: argparse.Namespace, tolerances: Tolerances) -> Comparison:
+    from gcodesim.cli.options import read_source
+    from gcodesim.regress.facts import compare
+    from gcodesim.regress.sides import facts_at
+
+    for cell in (arguments.cell, arguments.old_cell):
+        if cell is not None:
+            read_source(cell, "cell")
+    old_cell = arguments.old_cell or arguments.cell
+    before = facts_at(old, old_cell, arguments.allow_path)
+    return compare(before, facts_at(new, arguments.cell, arguments.allow_path), tolerances)
+
+
+def _print(comparison: Comparison, title: str, form: str) -> None:
+    from gcodesim.cli.output import print_json
+    from gcodesim.regress import show
+
+    if form == "json":
+        print_json(show.as_json(comparison))
+    elif form == "markdown":
+        print(show.as_markdown(comparison, title), end="")
+    else:
+        for line in show.comparison_lines(comparison):
+            print(line)
+        print(show.summary(comparison))
+
+
+def _folders(arguments: argparse.Namespace, tolerances: Tolerances) -> int:
+    """Programs of two folders by their names; runs of programs by the names of their folders."""
+    from gcodesim.cli.output import print_json
+    from gcodesim.regress import show
+    from gcodesim.regress.sides import members_of
+
+    before, after = members_of(arguments.old), members_of(arguments.new)
+    if not before and not after:
+        raise UsageError(f"there are neither programs nor results in {arguments.old} and {arguments.new}")
+    names = sorted({*before, *after})
+    lonely = {name: "only in the old folder" if name in before else "only in the new folder" for name in names}
+    compared = {}
+    for name in names:
+        if name in before and name in after:
+            compared[name] = _compared(before[name], after[name], arguments, tolerances)
+            del lonely[name]
+    if arguments.format == "json":
+        print_json(
+            {
+                "same": not lonely and all(one.same for one in compared.values()),
+                "programs": {name: show.as_json(one) for name, one in compared.items()},
+                "only_old": [name for name in lonely if name in before],
+                "only_new": [name for name in lonely if name in after],
+            }
+        )
+    else:
+        for name in names:
+            if name in lonely:
+                print(f"{name}: {lonely[name]}")
+            elif not compared[name].same:
+                if arguments.format == "text":
+                    print(f"{name}:")
+                _print(compared[name], name, arguments.format)
+                print()
+        changed = sum(not one.same for one in compared.values()) + len(lonely)
+        equal = len(names) - changed
+        if changed:
+            print(f"{changed} of {len(names)} differ")
+        else:
+            print(f"{show.NO_DIFFERENCE}, in {equal} program{'' if equal == 1 else 's'}")
+    return OK if not lonely and all(one.same for one in compared.values()) else FINDINGS

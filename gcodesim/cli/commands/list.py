@@ -7,7 +7,7 @@ from typing import Any
 
 from gcodesim.cli.exits import OK
 
-WHAT = ("codes", "dialects", "kinematics", "machines", "materials", "processes", "tools", "worlds")
+WHAT = ("codes", "dialects", "kinematics", "machines", "materials", "processes", "tolerances", "tools", "worlds")
 
 
 def add_parser(commands: Any) -> None:
@@ -37,6 +37,10 @@ def _rows(what: str) -> list[list[str]]:
         from gcodesim.kinematics.models import MODELS
 
         return [[name, model.title] for name, model in sorted(MODELS.items())]
+    if what == "tolerances":
+        from gcodesim.regress.tolerance_kind import table
+
+        return table()
     from importlib import import_module
 
     place = {

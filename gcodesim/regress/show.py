@@ -1,0 +1,246 @@
+"""Differences as people and programs read them: text, JSON, Markdown for a pull request."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
+from typing import Any, Final
+
+from gcodesim.numbers import clean
+from gcodesim.regress.changes import Change, Comparison, FieldChange, FindingChange, MoveChange, Place, SurfaceChange
+from gcodesim.regress.tolerance import QUANTITIES
+
+NO_DIFFERENCE: Final = "no difference in motion or result"
+
+
+def number(value: float) -> str:
+    """Seven digits at most, without an exponent that people would have to read."""
+    text = f"{value:.7g}"
+    return f"{value:.0f}" if "e+" in text else text
+
+
+def signed(value: float) -> str:
+    return f"{'+' if value >= 0.0 else '−'}{number(abs(float(f'{value:.4g}')))}"
+
+
+def value_text(value: Any) -> str:
+    if value is None:
+        return "nothing"
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        return number(float(value)).replace("-", "−")
+    return str(value)
+
+
+def _unit(change: Change) -> str:
+    unit = QUANTITIES[change.tolerance].unit if change.tolerance else ""
+    return f" {unit}" if unit else ""
+
+
+def allowance(tolerance: str, allowed: float | None, unit: str) -> str:
+    """``tolerance `volume` allows 0.5 mm³``; empty where nothing is allowed for."""
+    if not tolerance or allowed is None:
+        return ""
+    return f"tolerance `{tolerance}` allows {number(float(f'{allowed:.3g}'))}{unit}"
+
+
+def change_text(change: Change) -> str:
+    """`stocks.stock.removed_mm3: 656.5 → 687.9 mm³ (+31.4; tolerance `volume` allows 0.657 mm³)`."""
+    unit = _unit(change)
+    if change.delta is None:
+        return f"{change.quantity}: {value_text(change.old)} → {value_text(change.new)}"
+    limit = allowance(change.tolerance, change.allowed, unit)
+    if change.allowed is not None and abs(change.delta) <= change.allowed:
+        limit = f"within tolerance `{change.tolerance}`"
+    return (
+        f"{change.quantity}: {value_text(change.old)} → {value_text(change.new)}{unit} "
+        f"({signed(change.delta)}{f'; {limit}' if limit else ''})"
+    )
+
+
+def field_text(field: FieldChange) -> str:
+    unit = f" {field.unit}" if field.unit else ""
+    if field.name in ("arc", "way"):
+        assert isinstance(field.new, float)
+        return f"{field.name} runs {number(field.new)} mm beside ({allowance(field.tolerance, field.allowed, unit)})"
+    if field.delta is None:
+        return f"{field.name} {value_text(field.old)} → {value_text(field.new)}{unit}"
+    limit = allowance(field.tolerance, field.allowed, unit)
+    return (
+        f"{field.name} {value_text(field.old)} → {value_text(field.new)}{unit} "
+        f"({signed(field.delta)}{f'; {limit}' if limit else ''})"
+    )
+
+
+def _line(place: Place) -> str:
+    return f"{place}{f': {place.text}' if place.text else ''}"
+
+
+def _steps(count: int) -> str:
+    return f"{count} step{'' if count == 1 else 's'}"
+
+
+def _until(move: MoveChange) -> str:
+    """How far a folded change goes."""
+    if move.count == 1:
+        return ""
+    last = move.last_new or move.last_old
+    return f" and {_steps(move.count - 1)} more to line {last.line}" if last is not None else ""
+
+
+def move_headline(move: MoveChange) -> str:
+    """One line: what happened to which step."""
+    place = move.new or move.old
+    fields = ", ".join(field_text(field) for field in move.fields)
+    what = f"{move.what}{_until(move)}"
+    if move.kind == "changed":
+        return f"{place}: {what}: {fields}"
+    way = f", {number(move.way_mm)} mm of way" if move.way_mm else ""
+    return f"{place}: {what} {move.kind}{way}"
+
+
+def _move_lines(move: MoveChange) -> Iterator[str]:
+    if move.kind == "changed":
+        assert move.old is not None and move.new is not None
+        yield f"  − {_line(move.old)}"
+        yield f"  + {_line(move.new)}"
+        if move.count > 1:
+            yield f"   {_until(move)}, in the same way"
+        yield from (f"      {field_text(field)}" for field in move.fields)
+        return
+    place, sign = (move.new, "+") if move.kind == "inserted" else (move.old, "−")
+    assert place is not None
+    yield f"  {sign} {_line(place)}"
+    way = f", {number(move.way_mm)} mm of way" if move.way_mm else ""
+    yield f"      {move.what}{_until(move)} {move.kind}{way}"
+
+
+def surface_text(surface: SurfaceChange) -> str:
+    old, new = (("no material" if h is None else f"Z{number(h)}") for h in (surface.old_mm, surface.new_mm))
+    kind = "" if surface.exact else " on the coarse surface"
+    return (
+        f"surface of {surface.stock}: {number(surface.deviation_mm)} mm off at X{number(surface.x_mm)} "
+        f"Y{number(surface.y_mm)} of its own axes{kind}, {old} → {new}, over {number(surface.area_mm2)} mm² "
+        f"({allowance('surface', surface.allowed_mm, ' mm')})"
+    )
+
+
+def finding_text(change: FindingChange) -> str:
+    one = change.shown
+    place = f"{one['file']}:{one['line']}" if one["line"] else one["file"]
+    text = f"{change.kind:<7} {place}: {one['severity']} {one['code']}: {one['message']}"
+    if change.kind == "changed" and change.old is not None:
+        text += f" (was: {change.old['message']}{_times(change.old)})"
+    return text + _times(one)
+
+
+def _times(finding: dict[str, Any]) -> str:
+    return f" ({finding['count']} times)" if finding.get("count", 1) > 1 else ""
+
+
+def comparison_lines(comparison: Comparison, most: int | None = None) -> list[str]:
+    """Text for people; of each kind at most `most` entries."""
+    lines: list[str] = []
+    for title, entries in _sections(comparison):
+        lines.append(f"{title}:")
+        shown = entries if most is None else entries[:most]
+        lines += [line for entry in shown for line in entry]
+        if len(shown) < len(entries):
+            lines.append(f"  … and {len(entries) - len(shown)} more")
+    lines += [f"note: {remark}" for remark in comparison.remarks]
+    return lines
+
+
+def _sections(comparison: Comparison) -> Iterator[tuple[str, list[list[str]]]]:
+    if comparison.totals and not comparison.same:
+        yield "in all", [[f"  {change_text(change)}"] for change in comparison.totals]
+    if comparison.moves:
+        yield "motion", [list(_move_lines(move)) for move in comparison.moves]
+    told = {change.quantity for change in comparison.totals}
+    changes = [change for change in comparison.changes if change.quantity not in told]
+    if changes:
+        yield "results", [[f"  {change_text(change)}"] for change in changes]
+    if comparison.surfaces:
+        yield "surface", [[f"  {surface_text(surface)}"] for surface in comparison.surfaces]
+    if comparison.findings:
+        yield "findings", [[f"  {finding_text(change)}"] for change in comparison.findings]
+
+
+def summary(comparison: Comparison) -> str:
+    """The last line: how many differences, and which tolerances they break."""
+    if comparison.same:
+        return NO_DIFFERENCE
+    count = comparison.count
+    broken = broken_tolerances(comparison)
+    told = f"; broken tolerances: {', '.join(broken)}" if broken else ""
+    return f"{count} difference{'' if count == 1 else 's'} beyond tolerance{told}"
+
+
+def broken_tolerances(comparison: Comparison) -> tuple[str, ...]:
+    """Names of the tolerances that are broken, each once."""
+    names = [field.tolerance for move in comparison.moves for field in move.fields]
+    names += [change.tolerance for change in comparison.changes]
+    names += ["surface"] * bool(comparison.surfaces)
+    return tuple(name for name in dict.fromkeys(names) if name)
+
+
+def as_json(comparison: Comparison) -> dict[str, Any]:
+    """All of it, with `same` and the names of the quantities that differ."""
+    value: dict[str, Any] = clean(
+        {
+            "same": comparison.same,
+            "quantities": list(comparison.quantities),
+            "broken_tolerances": list(broken_tolerances(comparison)),
+            **asdict(comparison),
+        }
+    )
+    return value
+
+
+def as_markdown(comparison: Comparison, title: str) -> str:
+    """A comment for a pull request."""
+    lines = [f"### {_escaped(title)}", "", _escaped(summary(comparison)) + "."]
+    rows = [
+        *comparison.totals,
+        *(c for c in comparison.changes if c.quantity not in {t.quantity for t in comparison.totals}),
+    ]
+    if rows and not comparison.same:
+        lines += ["", "| quantity | old | new | difference | allowed |", "|---|---:|---:|---:|---:|"]
+        lines += [_row(change) for change in rows]
+    if comparison.moves:
+        lines += ["", "**Motion**", "", "```diff", *_diff_lines(comparison.moves), "```"]
+    if comparison.surfaces:
+        lines += ["", *(f"- {_escaped(surface_text(surface))}" for surface in comparison.surfaces)]
+    if comparison.findings:
+        lines += ["", "**Findings**", "", *(f"- {_escaped(finding_text(change))}" for change in comparison.findings)]
+    lines += ["", *(f"_{_escaped(remark)}_" for remark in comparison.remarks)] if comparison.remarks else []
+    return "\n".join(lines) + "\n"
+
+
+def _row(change: Change) -> str:
+    unit = _unit(change)
+    difference = "" if change.delta is None else f"{signed(change.delta)}{unit}"
+    allowed = "" if change.allowed is None else f"{number(float(f'{change.allowed:.3g}'))}{unit}"
+    mark = "**" if change.allowed is None or (change.delta is not None and abs(change.delta) > change.allowed) else ""
+    cells = (
+        f"`{change.quantity}`",
+        value_text(change.old),
+        value_text(change.new),
+        f"{mark}{difference}{mark}",
+        allowed,
+    )
+    return f"| {' | '.join(_escaped(cell) for cell in cells)} |".replace("****", "")
+
+
+def _escaped(text: str) -> str:
+    return text.replace("|", "\\|").replace("<", "&lt;")
+
+
+def _diff_lines(moves: Sequence[MoveChange]) -> Iterator[str]:
+    """In the form that sites colour as a difference."""
+    for move in moves:
+        if move.old is not None:
+            yield f"- {_line(move.old)}"
+        if move.new is not None:
+            yield f"+ {_line(move.new)}"
+        told = ", ".join(field_text(field) for field in move.fields) or f"{move.what} {move.kind}"
+        yield f"  {told}{_until(move)}".replace("```", "'''")

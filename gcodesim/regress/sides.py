@@ -1,0 +1,168 @@
+"""What `gcodesim diff` is pointed at: a program, results, accepted results, the folder of a run, a log."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from gcodesim.cell import load_cell
+from gcodesim.diagnostics import SourceText
+from gcodesim.diagnostics.show import as_json
+from gcodesim.language import settings_of_cell
+from gcodesim.regress.facts import Facts, facts_of_run
+from gcodesim.regress.golden import SCHEMA as GOLDEN
+from gcodesim.regress.golden import GoldenError, read_golden
+from gcodesim.regress.motion import steps_of
+from gcodesim.results import SCHEMA as RESULTS
+from gcodesim.rs274 import Settings, interpret
+from gcodesim.rs274.assumed import assumed_tools
+from gcodesim.simulation import LOG_NAME, RESULTS_NAME, prepare, run
+
+if TYPE_CHECKING:
+    from gcodesim.material.stock import Stock
+
+PROGRAMS: Final = (".nc", ".ngc", ".gcode", ".tap", ".cnc", ".mpf", ".gc")
+LOG_SUFFIX: Final = ".mcap"
+_STOCK: Final = ".stock"
+_PROGRAM: Final = "program.nc"  # what a log calls them
+_CELL: Final = "cell.yaml"
+
+
+class SideError(Exception):
+    """There is nothing to compare at a path; the text says why."""
+
+
+def is_output(path: Path) -> bool:
+    """Whether a folder holds what `gcodesim run` wrote."""
+    return (path / RESULTS_NAME).is_file() or (path / LOG_NAME).is_file()
+
+
+def programs_in(folder: Path) -> list[Path]:
+    """The programs of a folder and the folders in it, in order."""
+    return sorted(path for path in folder.rglob("*") if path.suffix.lower() in PROGRAMS and path.is_file())
+
+
+def members_of(folder: Path) -> dict[str, Path]:
+    """What a folder that is no output itself holds to compare, by path inside it: outputs of runs, and programs."""
+    outputs = [path for path in sorted(folder.rglob("*")) if path.is_dir() and is_output(path)]
+    programs = [path for path in programs_in(folder) if not any(path.is_relative_to(output) for output in outputs)]
+    return {path.relative_to(folder).as_posix(): path for path in (*outputs, *programs)}
+
+
+def facts_at(path: Path, cell: Path | None = None, allow_paths: Sequence[Path] = ()) -> Facts:
+    """The facts of one side; a program runs in `cell` when that is given. SideError when there is nothing there."""
+    try:
+        if path.is_dir():
+            return _folder(path)
+        if path.suffix.lower() == LOG_SUFFIX or path.name.endswith(f"{LOG_SUFFIX}.part"):
+            return _log(path)
+        source = SourceText.read(path)
+    except FileNotFoundError:
+        raise SideError(f"{path} is not there") from None
+    except OSError as error:
+        raise SideError(f"{path} cannot be read: {error.strerror or error}") from None
+    if path.suffix.lower() == ".json":
+        return _json(source, path)
+    return _program(source, path, cell, allow_paths)
+
+
+def _program(source: SourceText, path: Path, cell: Path | None, allow_paths: Sequence[Path]) -> Facts:
+    if cell is not None:
+        job = prepare(
+            source,
+            load_cell(cell, allow_paths),
+        )
+        results, _ = run(job)
+        return facts_of_run(job, results)
+    settings = Settings(tool_table=assumed_tools(source), subroutines=(path.parent,))
+    return _read(source, settings, source.name)
+
+
+def _read(source: SourceText, settings: Settings, name: str) -> Facts:
+    """Motion and findings of a program alone."""
+    reading = interpret(source, settings)
+    steps = tuple(steps_of(reading))
+    return Facts(
+        name=name,
+        steps=steps,
+        results={"findings": [as_json(finding) for finding in reading.findings]},
+        sources=reading.sources,
+    )
+
+
+def _json(source: SourceText, path: Path) -> Facts:
+    try:
+        value = json.loads(source.raw)
+    except ValueError as error:
+        raise SideError(f"{path} cannot be read: {error}") from None
+    schema = value.get("schema") if isinstance(value, dict) else None
+    if schema == GOLDEN:
+        try:
+            return read_golden(source, source.name)
+        except GoldenError as error:
+            raise SideError(f"{path} cannot be read: {error}") from None
+    if schema != RESULTS:
+        raise SideError(f"{path} holds no results of gcodesim")
+    return Facts(name=str(path), results=value)
+
+
+def _folder(path: Path) -> Facts:
+    if not is_output(path):
+        raise SideError(f"there are no results in {path}")
+    log = path / LOG_NAME
+    facts = _log(log) if log.is_file() else Facts(name=str(path))
+    results = path / RESULTS_NAME
+    if results.is_file():
+        facts = replace(facts, results=_json(SourceText.read(results), results).results)
+    return replace(facts, name=str(path), surfaces=_stocks(path))
+
+
+def _stocks(folder: Path) -> Mapping[str, Stock]:
+    from gcodesim.material.stock_file import StockFileError, load_stock
+
+    stocks = {}
+    for path in sorted(folder.glob(f"*{_STOCK}")):
+        try:
+            stocks[path.stem] = load_stock(path)
+        except StockFileError as error:
+            raise SideError(str(error)) from None
+    return stocks
+
+
+def _log(path: Path) -> Facts:
+    """Results and programs that a log carries; the motion is read from the programs again, as the log's cell says."""
+    from gcodesim.log.logfile import LogFile, LogReadError
+
+    try:
+        log = LogFile.open(path)
+        held = {name: log.attachment(name) for name in log.attachments}
+    except LogReadError as error:
+        raise SideError(f"{path} cannot be read: {error}") from None
+    results: dict[str, Any] = json.loads(held[RESULTS_NAME]) if RESULTS_NAME in held else {}
+    if _PROGRAM not in held:
+        return Facts(name=str(path), results=results, remarks=(f"{path} holds no program",))
+    name = results.get("inputs", {}).get("program", {}).get("name", _PROGRAM)
+    program = SourceText(name, held[_PROGRAM])
+    with tempfile.TemporaryDirectory() as folder:
+        for attached, raw in held.items():
+            file = Path(folder) / attached.removeprefix("subprogram/")
+            if file.resolve().is_relative_to(Path(folder).resolve()):
+                file.parent.mkdir(parents=True, exist_ok=True)
+                file.write_bytes(raw)
+        settings, remarks = _settings(Path(folder), program)
+        facts = _read(program, settings, str(path))
+    return replace(facts, results=results or facts.results, remarks=remarks)
+
+
+def _settings(folder: Path, program: SourceText) -> tuple[Settings, tuple[str, ...]]:
+    """How a log's program is read: as its cell says, when all that the cell names is in the log too."""
+    cell = load_cell(folder / _CELL).cell if (folder / _CELL).exists() else None
+    if cell is None:
+        remark = "the cell's files are not in the log: moves are compared without its tools and work offsets"
+        return Settings(tool_table=assumed_tools(program), subroutines=(folder,)), (remark,)
+    settings, _ = settings_of_cell(cell)
+    return replace(settings, subroutines=(*settings.subroutines, folder)), ()
