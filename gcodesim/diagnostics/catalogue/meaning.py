@@ -385,8 +385,8 @@ CODES += (
         severity=Severity.WARNING,
         title="Cut with the spindle off",
         what=(
-            "The tool is fed sideways or down into a hole with the spindle off, no higher than where the same program "
-            "does so with the spindle on. Programs that never turn a spindle are not meant."
+            "The tool is fed sideways or down into a hole with the spindle off, where the same program cuts with it "
+            "on: no higher, or below part zero when all its cuts are. Programs that never turn a spindle are not meant."
         ),
         why="A standing cutter is pushed into the material. M6 stops the spindle, so it has to be started again.",
         remedy="Write S and M3 or M4 before the cut.",

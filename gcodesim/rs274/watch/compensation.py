@@ -32,10 +32,13 @@ class RapidInCompensation(Watch):
         self._safe: float | None = None  # where the last rapid ended that was not in compensation, or rose
         self._at: tuple[float, ...] | None = None
         self._zero = 0.0
+        self._leaving: Span | None = None  # the block of G40: moves held back until then are still on the path
         self._found: list[Diagnostic] = []
 
     def block(self, words: Words, control: Control) -> None:
-        self._on = self._on or words.g.get(COMPENSATION, _OFF) != _OFF
+        code = words.g.get(COMPENSATION)
+        self._on = self._on or code not in (None, _OFF)
+        self._leaving = control.span if code == _OFF else None
 
     def settled(self, words: Words, control: Control) -> None:
         if words.g.get(COMPENSATION) == _OFF or words.m.get(STOPPING) in _ENDS:
@@ -50,7 +53,7 @@ class RapidInCompensation(Watch):
         if not isinstance(event, canon.Rapid):
             return
         z = event.end[2]
-        if not self._on or self._safe is None or at is None:
+        if not self._on or self._safe is None or at is None or event.span == self._leaving:
             self._safe = z
             return
         sideways = abs(event.end[0] - at[0]) > TINY or abs(event.end[1] - at[1]) > TINY

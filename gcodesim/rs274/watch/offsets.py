@@ -54,7 +54,8 @@ class OffsetsLeftOn(Watch):
             shown = " ".join(f"{letter}{value:g}" for letter, value in zip(_LETTERS, shift, strict=True) if value)
             off = next(cancel for known, cancel in _SHIFTS.values() if known == name)
             off = "G92 or G52 of zero" if control.dialect.name == "fanuc" else off
-            yield self._left(f"{name}: the next program would be off by {shown}", span, f"cancel it by {off}")
+            unit = "in" if control.state.unit > 2e-3 else "mm"
+            yield self._left(f"{name}: the next program would be off by {shown} {unit}", span, f"cancel it by {off}")
         for group, span in self._figures.items():
             _, name, off = _FIGURES[group]
             yield self._left(f"{name}: the next program would be drawn the same way", span, f"cancel it by {off}")

@@ -25,15 +25,20 @@ class _Low(NamedTuple):
     span: Span
     tool: int
 
+    def is_below(self, level: float) -> bool:
+        """Whether this is a cut where the highest other one is at `level`."""
+        return self.z <= level + TINY or (level < self.zero - TINY and self.z < self.zero - TINY)
+
 
 class FeedWithoutSpindle(Watch):
     """GS176: a cut with the spindle off, in a program that cuts with it on.
 
     A program alone does not tell what is a cut. One that feeds sideways, or
-    down and up again, no higher than where the same program does so with the
-    spindle on after having fed down from a rapid, surely is. A program that
-    never turns a spindle (extruder, plotter) has no such height, nor has one
-    that only switches a laser.
+    down and up again, surely is one no higher than where the same program does
+    so with the spindle on after having fed down from a rapid; and below part
+    zero, when all those cuts lie below it. A program that never turns a
+    spindle (extruder, plotter) has no such height, nor has one that only
+    switches a laser.
     """
 
     def __init__(self) -> None:
@@ -128,7 +133,7 @@ class FeedWithoutSpindle(Watch):
         if self._level is None:
             return
         for lows in self._lows:
-            low = next((low for low in lows if low.z <= self._level + TINY), None)
+            low = next((low for low in lows if low.is_below(self._level)), None)
             if low is None:
                 continue
             z, level = (low.z - low.zero) / MM, (self._level - low.zero) / MM
@@ -136,7 +141,7 @@ class FeedWithoutSpindle(Watch):
             yield Diagnostic(
                 code="GS176",
                 message=f"{who} is fed at Z{z:.3f} mm with the spindle off; "
-                f"elsewhere the program cuts from Z{level:.3f} mm down with it turning",
+                f"elsewhere the program cuts at Z{level:.3f} mm with it turning",
                 span=low.span,
                 hint="say S and M3 or M4 before; M6 stops the spindle",
                 value=z,

@@ -93,8 +93,8 @@ def _is_called(file: ProgramFile, label: str) -> bool:
 
 def _unreachable(file: ProgramFile, end: int) -> tuple[int | None, int]:
     """Index of the first line behind the end that holds a block and that nothing leads to, and how many there are."""
-    if _bare(file.lines[end]).startswith("/"):
-        return None, 0
+    if _bare(file.lines[end]).startswith(("/", "%")):
+        return None, 0  # a switch decides, or the mark behind which there is no program
     behind = _behind_fanuc(file, end) if isinstance(file, FanucFile) else _behind(file, end)
     lines = [index for index in behind if _bare(file.lines[index])]
     for at, index in enumerate(lines[:_MOST_READ]):
