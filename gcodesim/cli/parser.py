@@ -17,6 +17,7 @@ COMMANDS = (
     "info",
     "export",
     "plot",
+    "report",
     "diff",
     "explain",
     "list",

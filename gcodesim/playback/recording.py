@@ -157,13 +157,13 @@ class Recording:
         names = (channel.topic for channel in self.log.channels.values())
         return tuple(sorted(name for name in names if name.startswith(_TILES)))
 
-    def tile_times(self) -> dict[str, list[int]]:
-        """When each tile changes [ns]."""
+    def tile_times(self) -> dict[str, list[tuple[int, int]]]:
+        """When each tile changes [ns], and how many bytes the message of it has."""
         channels = {self.log.channel_id(topic): topic for topic in self.tile_topics}
-        times: dict[str, list[int]] = {topic: [] for topic in self.tile_topics}
+        times: dict[str, list[tuple[int, int]]] = {topic: [] for topic in self.tile_topics}
         for message in self.log.messages():
             if message.channel in channels:
-                times[channels[message.channel]].append(message.t_ns)
+                times[channels[message.channel]].append((message.t_ns, len(message.data)))
         return times
 
     def tiles(self, wanted: Mapping[str, Sequence[int]]) -> Iterator[tuple[int, str, tuple[Drawing, ...]]]:
@@ -181,6 +181,6 @@ class Recording:
 
     def stock_at(self, t_ns: int) -> list[Drawing]:
         """Every tile as it was last drawn up to `t_ns`."""
-        last = {topic: [max(t for t in times if t <= t_ns)] for topic, times in self.tile_times().items() if times}
+        last = {topic: [max(t for t, _ in times if t <= t_ns)] for topic, times in self.tile_times().items() if times}
         found = {topic: drawing for _, topic, drawing in self.tiles(last)}
         return [drawing for topic in sorted(found) for drawing in found[topic]]

@@ -1,0 +1,112 @@
+"""`gcodesim report LOG`: one HTML file with replay, findings, charts and tables; or where the time goes, as text."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from gcodesim.cli.exits import OK, UsageError
+from gcodesim.cli.moments import open_recording
+from gcodesim.cli.options import add_format
+
+if TYPE_CHECKING:
+    from gcodesim.report.times import TimeReport
+
+_SLOWEST: Final = 20
+_FEW_LAYERS: Final = 30
+
+
+def add_parser(commands: Any) -> None:
+    parser = commands.add_parser(
+        "report",
+        help="one HTML file with replay, findings, charts and tables; or where the time goes",
+        description="Write one HTML file that shows a run without a network: 3D replay with a time bar, program, "
+        "findings, charts, tables. With --times print where the time goes instead.",
+    )
+    parser.add_argument("log", type=Path, metavar="LOG", help="a run.mcap, or the folder of a run")
+    parser.add_argument("other", type=Path, metavar="OTHER", nargs="?", help="a second run, shown beside the first")
+    parser.add_argument(
+        "-o", "--out", type=Path, default=Path("report.html"), metavar="FILE", help="the page (default: report.html)"
+    )
+    parser.add_argument(
+        "--times", action="store_true", help="print the time by tool, layer and line; the parts add up to the total"
+    )
+    add_format(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    recordings = [open_recording(path) for path in (arguments.log, arguments.other) if path is not None]
+    if arguments.times:
+        from gcodesim.cli.output import print_json
+        from gcodesim.report.times import time_report
+
+        if len(recordings) > 1:
+            raise UsageError("--times is about one run")
+        report = time_report(recordings[0])
+        if arguments.format == "json":
+            print_json(report.as_json())
+        else:
+            _print_times(report)
+        return OK
+    if arguments.format == "json":
+        raise UsageError("--format json means nothing for a page; --times has numbers")
+    from gcodesim.report.libraries import LibraryMissingError
+    from gcodesim.report.page import write_page
+    from gcodesim.whole_file import write_whole
+
+    try:
+        page = write_page(recordings).encode()
+    except LibraryMissingError as reason:
+        raise UsageError(str(reason)) from None
+    try:
+        write_whole(arguments.out, page)
+    except OSError as error:
+        raise UsageError(f"{arguments.out} cannot be written: {error.strerror}") from None
+    print(f"wrote {arguments.out}, {len(page) / 1e6:.1f} MB; open it in a browser")
+    return OK
+
+
+def _print_times(report: TimeReport) -> None:
+    from gcodesim.cli.output import print_table
+    from gcodesim.report.times import slowest
+    from gcodesim.units import MM, MM3
+
+    total = max(report.total, 1e-9)
+
+    def share(seconds: float) -> str:
+        return f"{100.0 * seconds / total:.1f} %"
+
+    print(f"{report.total:.1f} s in all")
+    print("\nby tool: moves, dwells and its change")
+    rows = [["tool", "time", "", "in material", "removed"]]
+    for tool in report.tools:
+        name = tool.name if tool.name in ("no tool", f"T{tool.number}") else f"T{tool.number} {tool.name}"
+        volume = f"{tool.removed / MM3:.0f} mm³"
+        rows.append([name, f"{tool.seconds:.1f} s", share(tool.seconds), f"{tool.engaged:.1f} s", volume])
+    print_table(rows)
+    if report.layers:
+        print("\nby layer: with the moves that lead to it")
+        rows = [["Z", "time", "", "at work"]]
+        shown = report.layers[:_FEW_LAYERS]
+        for layer in shown:
+            z = "-" if layer.z is None else f"{layer.z / MM:.3f} mm"
+            rows.append([z, f"{layer.seconds:.1f} s", share(layer.seconds), f"{layer.engaged:.1f} s"])
+        if len(report.layers) > len(shown):
+            others = report.layers[len(shown) :]
+            seconds = sum(layer.seconds for layer in others)
+            work = sum(layer.engaged for layer in others)
+            rows.append([f"{len(others)} others", f"{seconds:.1f} s", share(seconds), f"{work:.1f} s"])
+        print_table(rows)
+    print("\nby line: the slowest")
+    top = slowest(report.lines, _SLOWEST)
+    rows = [["line", "time", "", "times", "program"]]
+    rows += [
+        [f"{line.file}:{line.line}", f"{line.seconds:.2f} s", share(line.seconds), str(line.count), line.text]
+        for line in top
+    ]
+    rest = report.total - sum(line.seconds for line in top)
+    if len(report.lines) > len(top):
+        rows.append([f"{len(report.lines) - len(top)} others", f"{rest:.2f} s", share(rest)])
+    print_table(rows)

@@ -1,0 +1,52 @@
+"""The moments of a run that a replay has to know: between them everything moves along straight lines."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+MOST_MOMENTS: Final = 24_000
+
+
+def key_moments(
+    signals: Array, tolerance: Array, forced: NDArray[np.int64], most: int = MOST_MOMENTS
+) -> NDArray[np.int64]:
+    """Indices of the rows of `signals` (n, k) that a replay needs.
+
+    Between them no column is further off a straight line than `tolerance` (k,).
+    `forced` rows are kept. When more than `most` rows would be needed, the
+    tolerance is doubled until they are not. Ramer 1972, Douglas and Peucker 1973,
+    with time as the way.
+    """
+    scaled = signals / tolerance
+    while True:
+        kept = _within_one(scaled, forced)
+        if len(kept) <= most or len(kept) <= len(forced) + 2:
+            return kept
+        scaled = scaled * 0.5
+
+
+def _within_one(scaled: Array, forced: NDArray[np.int64]) -> NDArray[np.int64]:
+    count = len(scaled)
+    if count <= 2:
+        return np.arange(count)
+    kept = np.zeros(count, dtype=bool)
+    kept[[0, count - 1]] = True
+    kept[forced] = True
+    fixed = np.flatnonzero(kept)
+    waiting = [(int(a), int(b)) for a, b in pairwise(fixed) if b - a > 1]
+    while waiting:
+        a, b = waiting.pop()
+        share = (np.arange(a + 1, b) - a)[:, None] / (b - a)
+        off = np.abs(scaled[a + 1 : b] - (scaled[a] + share * (scaled[b] - scaled[a]))).max(axis=1)
+        worst = int(off.argmax())
+        if off[worst] > 1.0:
+            middle = a + 1 + worst
+            kept[middle] = True
+            waiting += [(x, y) for x, y in ((a, middle), (middle, b)) if y - x > 1]
+    return np.flatnonzero(kept)

@@ -1,0 +1,260 @@
+"""What a page needs to show a run again in three dimensions: bodies, motion, path, and the part as it changes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.frames import quaternion_from_rotation
+from gcodesim.log import Box, Cone, Cylinder, Mesh, Shape, Sphere
+from gcodesim.playback import Drawing, FrameTree, Recording
+from gcodesim.report.motion import key_moments
+from gcodesim.report.pack import Pack
+from gcodesim.units import DEG
+
+Array = NDArray[np.float64]
+
+TICK_NS: Final = 100_000
+"""Times of a page are whole numbers of 0.1 ms: 32 bits hold five days."""
+
+FINEST_NS: Final = 2_000_000
+"""A replay looks at the log no more often than this; charts look at every sample."""
+
+TILE_BYTES: Final = 60_000_000
+"""Log bytes of stock that a page takes at most: about a tenth of it remains in the page."""
+
+_TIP_TOLERANCE: Final = 1.0 / 5000.0  # of the extent of the path: less than a pixel
+_LEAST_TOLERANCE: Final = 2e-6  # [m]
+_TURN_TOLERANCE: Final = 0.05 * DEG
+RAPID, FEED, CUT = 0, 1, 2
+
+
+def ticks(t_ns: NDArray[np.int64] | Sequence[int]) -> NDArray[np.int64]:
+    """Times [ns] in the unit of a page, rounded."""
+    return (np.asarray(t_ns, dtype=np.int64) + TICK_NS // 2) // TICK_NS
+
+
+def replay_of(recording: Recording, pack: Pack) -> dict[str, Any]:
+    """Moments, frames, bodies, tools, path, force and stock of a run; arrays go into `pack`."""
+    every_ns = _thinning(recording)
+    tree = recording.frames(every_ns)
+    cell = [drawing for _, content in recording.drawings("/scene/cell") for drawing in content]
+    tools = recording.drawings("/scene/tool")
+    stock = _stock_frames(tree)
+    home = stock[0] if stock else "world"
+    t_ns = tree.t_ns
+    if not len(t_ns):
+        t_ns = np.zeros(1, dtype=np.int64)
+    X_WT, X_WS = tree.in_world("tcp"), tree.in_world(home)
+    track = _seen_from(X_WS, X_WT)[:, :3, 3]
+    track = np.broadcast_to(track, (len(t_ns), 3))
+    kind = _kinds(recording, t_ns, every_ns)
+    kept = key_moments(*_signals(recording, track, every_ns), np.flatnonzero(np.diff(kind)) + 1)
+    used = sorted({d.frame for d in cell} | {d.frame for _, content in tools for d in content} | set(stock))
+    return {
+        "times": pack.integers(ticks(t_ns[kept])),
+        "frames": {name: _frame(tree, name, kept, pack) for name in used if name != "world"},
+        "cell": [_entity(drawing, pack) for drawing in cell],
+        "tools": [
+            {"t": int(ticks([time])[0]), "shapes": [_entity(drawing, pack) for drawing in content]}
+            for time, content in tools
+        ],
+        "track": {"frame": home, "points": pack.numbers(track[kept]), "kind": pack.integers(kind[kept])},
+        "force": pack.numbers(_force(recording, t_ns[kept], every_ns)),
+        "tip": pack.numbers(np.broadcast_to(X_WT[:, :3, 3], (len(t_ns), 3))[kept]),
+        "work": pack.numbers(_work(recording, t_ns[kept], every_ns)),
+        "stock": _stock(recording, pack),
+    }
+
+
+def _thinning(recording: Recording) -> int:
+    """Time between two looks at the periodic topics [ns], 0 for every sample."""
+    period = int(recording.run.get("log_period_ns", "0") or 0)
+    if not period or period >= FINEST_NS:
+        return 0
+    return -(-FINEST_NS // period) * period
+
+
+def _stock_frames(tree: FrameTree) -> list[str]:
+    return [name for name in tree.poses if name == "stock" or name.startswith("stock/")]
+
+
+def _seen_from(X_WA: Array, X_WB: Array) -> Array:
+    """X_AB of two stacks of poses (n or 1, 4, 4)."""
+    R, p = X_WA[:, :3, :3], X_WA[:, :3, 3]
+    inverse = np.zeros_like(X_WA)
+    inverse[:, :3, :3] = R.transpose(0, 2, 1)
+    inverse[:, :3, 3] = -np.einsum("nji,nj->ni", R, p)
+    inverse[:, 3, 3] = 1.0
+    X: Array = inverse @ X_WB
+    return X
+
+
+def _signals(recording: Recording, track: Array, every_ns: int) -> tuple[Array, Array]:
+    """What must come out right between the kept moments, and how well: the way of the tip and the joints."""
+    extent = float(np.ptp(track, axis=0).max(initial=0.0))
+    length = max(extent * _TIP_TOLERANCE, _LEAST_TOLERANCE)
+    series = recording.series("/joint_states", every_ns)
+    names = [name for name in series.names if name.endswith("].position")]
+    slides = {joint["name"] for joint in recording.results.get("joints", ()) if joint["unit"] == "mm"}
+    tolerance = [length] * 3
+    columns = [track]
+    if len(series.t_ns) == len(track):
+        columns.append(series.columns(*names) if names else np.zeros((len(track), 0)))
+        tolerance += [
+            length if name[len("joints[") : -len("].position")] in slides else _TURN_TOLERANCE for name in names
+        ]
+    return np.concatenate(columns, axis=1), np.array(tolerance)
+
+
+def _kinds(recording: Recording, t_ns: NDArray[np.int64], every_ns: int) -> NDArray[np.int64]:
+    """What the tool does at each instant (n,): rapid, feed, or feed in material."""
+    timeline = recording.timeline
+    kind = np.full(len(t_ns), FEED, dtype=np.int64)
+    if len(timeline):
+        fast = np.array([modal.motion in ("", "G0", "G28", "G30") for modal in timeline.modals])
+        block = timeline.at(t_ns - 1)  # a sample is the end of the steps that led to it
+        kind[(block >= 0) & fast[timeline.modal[block]]] = RAPID
+    process = recording.series("/process", every_ns)
+    if "engaged" in process.names and len(process.t_ns) == len(t_ns):
+        kind[process.column("engaged") > 0.0] = CUT
+    return kind
+
+
+def _force(recording: Recording, t_ns: NDArray[np.int64], every_ns: int) -> Array:
+    """Force on the tool (n, 3) in the world [N]."""
+    series = recording.series("/wrench", every_ns)
+    return _at(series.t_ns, series.columns("force.x", "force.y", "force.z"), t_ns)
+
+
+def _work(recording: Recording, t_ns: NDArray[np.int64], every_ns: int) -> Array:
+    """The tip (n, 3) in the work coordinates in force [m]."""
+    series = recording.series("/motion", every_ns)
+    return _at(series.t_ns, series.columns("x_m", "y_m", "z_m"), t_ns)
+
+
+def _at(known: NDArray[np.int64], values: Array, t_ns: NDArray[np.int64]) -> Array:
+    if not len(known):
+        return np.zeros((len(t_ns), values.shape[1]))
+    return values[np.clip(np.searchsorted(known, t_ns, side="right") - 1, 0, len(known) - 1)]
+
+
+def _frame(tree: FrameTree, name: str, kept: NDArray[np.int64], pack: Pack) -> dict[str, Any]:
+    """Poses in the world: one when the frame stands still, else one for each kept moment."""
+    X = tree.in_world(name)
+    still = len(X) == 1 or bool((X == X[:1]).all())
+    X = X[:1] if still else X[kept]
+    if still:
+        return {"p": X[0, :3, 3].tolist(), "q": quaternion_from_rotation(X[0, :3, :3]).tolist()}
+    q = quaternion_from_rotation(X[:, :3, :3])
+    # neighbours on the same side of the sphere, so that a page may blend them
+    flips = np.cumprod(np.where(np.einsum("ij,ij->i", q[1:], q[:-1]) < 0.0, -1.0, 1.0))
+    q[1:] *= flips[:, None]
+    return {"positions": pack.numbers(X[:, :3, 3]), "quaternions": pack.numbers(q)}
+
+
+def _entity(drawing: Drawing, pack: Pack) -> dict[str, Any]:
+    shapes = [_shape(shape, pack) for shape in drawing.shapes]
+    return {"id": drawing.id, "frame": drawing.frame, "shapes": shapes}
+
+
+def _shape(shape: Shape, pack: Pack) -> dict[str, Any]:
+    place = {"p": shape.p.tolist(), "q": shape.q.tolist(), "color": list(shape.color)}
+    match shape:
+        case Box():
+            return {"kind": "box", "size": list(shape.size), **place}
+        case Cylinder():
+            return {"kind": "cone", "top": shape.radius, "bottom": shape.radius, "length": shape.length, **place}
+        case Cone():
+            return {
+                "kind": "cone",
+                "top": shape.top_radius,
+                "bottom": shape.bottom_radius,
+                "length": shape.length,
+                **place,
+            }
+        case Sphere():
+            return {"kind": "sphere", "radius": shape.radius, **place}
+        case Mesh():
+            return {
+                "kind": "mesh",
+                "points": pack.numbers(shape.points),
+                "triangles": pack.integers(shape.triangles),
+                **place,
+            }
+        case _:
+            raise TypeError(f"a page does not draw {type(shape).__name__}")
+
+
+# ---- stock
+
+
+def _stock(recording: Recording, pack: Pack) -> dict[str, Any]:
+    """Tiles: for each a list of states with the time from which they are shown."""
+    times = recording.tile_times()
+    shown = chosen_states(times)
+    corners = np.array([np.full(3, np.inf), np.full(3, -np.inf)])
+    tiles: dict[str, list[dict[str, Any]]] = {topic: [] for topic in times}
+    wanted = {topic: list(states.values()) for topic, states in shown.items()}
+    begin = {(topic, sent): moment for topic, states in shown.items() for moment, sent in states.items()}
+    for t_ns, topic, content in recording.tiles(wanted):
+        parts = []
+        for drawing in content:
+            for shape in drawing.shapes:
+                if isinstance(shape, Mesh) and len(shape.triangles):
+                    corners[0] = np.minimum(corners[0], shape.points.min(axis=0))
+                    corners[1] = np.maximum(corners[1], shape.points.max(axis=0))
+                    parts.append({"frame": drawing.frame, **_tile(shape, pack)})
+        state = {"t": int(ticks([begin[topic, t_ns]])[0]), "parts": parts}
+        if tiles[topic] and tiles[topic][-1]["t"] == state["t"]:  # sent twice at one time: the last one counts
+            tiles[topic].pop()
+        tiles[topic].append(state)
+    found = bool(np.isfinite(corners).all())
+    return {"corners": corners.tolist() if found else None, "tiles": [states for states in tiles.values() if states]}
+
+
+def _tile(mesh: Mesh, pack: Pack) -> dict[str, Any]:
+    used, number = np.unique(mesh.triangles, return_inverse=True)
+    points, triangles = mesh.points[used], number.reshape(-1, 3)
+    # triangles in the order of their points, each beginning at its first, so that differences are small
+    turn = triangles.argmin(axis=1)
+    triangles = triangles[np.arange(len(triangles))[:, None], (turn[:, None] + np.arange(3)) % 3]
+    triangles = triangles[np.lexsort(triangles.T[::-1])]
+    return {"color": list(mesh.color), "points": pack.numbers(points), "triangles": pack.integers(triangles)}
+
+
+def chosen_states(
+    times: Mapping[str, Sequence[tuple[int, int]]], most_bytes: int = TILE_BYTES
+) -> dict[str, dict[int, int]]:
+    """For each tile the times [ns] from which a state is shown, and when that state was sent.
+
+    All states, when together they are not too large. Else the stock is shown as
+    it was at as many moments as fit, spread evenly over its changes, the first
+    and the last among them; every tile shows its state of such a moment, so
+    that neighbours go together.
+    """
+    total = sum(size for states in times.values() for _, size in states)
+    if total <= most_bytes:
+        return {topic: {t: t for t, _ in states} for topic, states in times.items()}
+    moments = sorted({t for states in times.values() for t, _ in states})
+    count = len(moments)
+    while True:
+        count = max(int(count * min(0.9, most_bytes / total)), 2)
+        at = [moments[i] for i in np.unique(np.linspace(0, len(moments) - 1, count).round().astype(int))]
+        chosen: dict[str, dict[int, int]] = {}
+        total = 0
+        for topic, states in times.items():
+            chosen[topic] = {}
+            sent = [t for t, _ in states]
+            before = -1
+            for moment in at:
+                index = int(np.searchsorted(sent, moment, side="right")) - 1
+                if index > before:
+                    chosen[topic][moment] = sent[index]
+                    total += states[index][1]
+                    before = index
+        if total <= most_bytes or count == 2:
+            return chosen
