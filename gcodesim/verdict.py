@@ -30,6 +30,20 @@ def final_findings(
     return shown
 
 
+def suppressed_findings(
+    findings: Iterable[Diagnostic], cell: Cell | None, program: SourceText, today: date | None = None
+) -> list[tuple[Diagnostic, Suppression]]:
+    """What `final_findings` leaves out, with the entry that says why."""
+    if cell is None:
+        return []
+    pairs = ((finding, entry) for finding in findings for entry in cell.suppress)
+    found: dict[int, tuple[Diagnostic, Suppression]] = {}
+    for finding, entry in pairs:
+        if _suppresses(entry, finding, program, today):
+            found.setdefault(id(finding), (finding, entry))
+    return list(found.values())
+
+
 def _suppresses(entry: Suppression, finding: Diagnostic, program: SourceText, today: date | None) -> bool:
     if entry.code != finding.code or (entry.program is not None and entry.program != finding.span.file):
         return False

@@ -92,8 +92,13 @@ class Places:
         return Span(self.file, line, column, end_line, end_column)
 
 
-def compose(source: SourceText, findings: Findings) -> Mapping | None:
-    """The mapping that `source` holds; None when there is none to go on with. Faults go to `findings`."""
+def compose(
+    source: SourceText, findings: Findings, *, what: str = "cell", example: str = "machine: gantry_xyz"
+) -> Mapping | None:
+    """The mapping that `source` holds; None when there is none to go on with. Faults go to `findings`.
+
+    `what` is how they call the file, `example` a line that it may hold.
+    """
     text = source.text
     places = Places(source.name, text)
     if bad := _FORBIDDEN.search(text):
@@ -106,31 +111,31 @@ def compose(source: SourceText, findings: Findings) -> Mapping | None:
             )
         )
         return None
-    composer = _Composer(places, findings)
+    composer = _Composer(places, findings, what)
     root = composer.run(_events(text.translate(_HARMLESS), places, findings))
-    if root is None or isinstance(root, Mapping):
+    if isinstance(root, Mapping) or (root is None and findings.has_errors()):
         return root
-    if isinstance(root, Scalar) and root.empty:
-        _nothing(findings, source.name)
+    if root is None or (isinstance(root, Scalar) and root.empty):
+        _nothing(findings, source.name, what, example)
         return None
     findings.add(
         Diagnostic(
             code="GS706",
             span=root.span,
-            message="a cell is a mapping of keys to values",
-            hint="write lines such as `machine: gantry_xyz`",
+            message=f"a {what} is a mapping of keys to values",
+            hint=f"write lines such as `{example}`",
         )
     )
     return None
 
 
-def _nothing(findings: Findings, file: str) -> None:
+def _nothing(findings: Findings, file: str, what: str, example: str) -> None:
     findings.add(
         Diagnostic(
             code="GS705",
             span=Span(file, 1, 1, 1, 2),
-            message="the cell is empty",
-            hint="the shortest one is `machine: gantry_xyz`; `gcodesim init DIR` writes an example",
+            message=f"the {what} is empty",
+            hint=f"the shortest one is `{example}`; `gcodesim init DIR` writes an example",
         )
     )
 
@@ -196,7 +201,8 @@ def _in_own_words(error: Any, text: str, index: int, places: Places) -> tuple[st
 class _Composer:
     """Nodes from events, without recursion, so that no depth of a file can exhaust the stack."""
 
-    def __init__(self, places: Places, findings: Findings) -> None:
+    def __init__(self, places: Places, findings: Findings, what: str) -> None:
+        self._what = what
         self._places = places
         self._findings = findings
         self._anchors: dict[str, tuple[Node, int]] = {}
@@ -225,13 +231,13 @@ class _Composer:
             elif name in ("MappingStartEvent", "SequenceStartEvent"):
                 self._check_tag(event)
                 if len(self._stack) == _DEEPEST:
-                    self._add("GS703", event, f"nested deeper than {_DEEPEST} levels", "no key of a cell needs that")
+                    self._add(
+                        "GS703", event, f"nested deeper than {_DEEPEST} levels", f"no key of a {self._what} needs that"
+                    )
                     return None
                 self._stack.append(_Open(event, name == "MappingStartEvent", event.anchor))
             elif name in ("MappingEndEvent", "SequenceEndEvent"):
                 self._close(event)
-        if documents == 0:
-            _nothing(self._findings, self._places.file)
         return self._root
 
     def _add(self, code: str, event: Any, message: str, hint: str = "", related: Span | None = None) -> None:
@@ -243,7 +249,7 @@ class _Composer:
 
     def _document_start(self, event: Any, count: int) -> bool:
         if count > 1:
-            self._add("GS703", event, "a second document begins here", "one file holds one cell")
+            self._add("GS703", event, "a second document begins here", f"one file holds one {self._what}")
             return False
         if event.version is not None and tuple(event.version) != (1, 2):
             wanted = ".".join(str(part) for part in event.version)

@@ -48,6 +48,7 @@ class MoveChange:
 
     `changed` has both places and `fields` (those of the first step), `inserted` only new ones, `removed` only old
     ones. `what` is the kind of the first step (`line`, `spindle`, …), `way_mm` the way of all inserted or removed.
+    `near` is where one looks for it in the new program: the step itself, else the one after which it stood.
     """
 
     kind: MoveKind
@@ -57,6 +58,7 @@ class MoveChange:
     new: Place | None = None
     last_old: Place | None = None
     last_new: Place | None = None
+    near: Place | None = None
     fields: tuple[FieldChange, ...] = ()
     way_mm: float = 0.0
 

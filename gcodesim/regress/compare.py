@@ -64,3 +64,16 @@ def value_at(results: Mapping[str, Any], path: str) -> Any:
         if path.startswith(f"{key}.") and isinstance(inner[key], Mapping):
             return value_at(inner[key], path[len(key) + 1 :])
     raise KeyError(path)
+
+
+def paths_of(results: Mapping[str, Any], prefix: str = "") -> list[str]:
+    """The paths of all numbers and words of the results."""
+    found: list[str] = []
+    for key, value in results.items():
+        path = f"{prefix}{key}"
+        inner = _by_name(value) if isinstance(value, list) else value
+        if isinstance(inner, Mapping):
+            found += [] if key in _NOT_COMPARED else paths_of(inner, f"{path}.")
+        elif key not in _NOT_COMPARED:
+            found.append(path)
+    return found

@@ -80,12 +80,19 @@ def compare(old: Facts, new: Facts, tolerances: Tolerances = DEFAULTS) -> Compar
         tolerances,
         None if lines is None else lambda file, line: lines.get((file, line)),
     )
+    counting = tuple(change for change in findings if change.shown["severity"] != "note")
+    # what people are told besides is no difference, but nothing goes unsaid
+    remarks += [
+        f"{change.kind} note {change.shown['code']}: {change.shown['message']}"
+        for change in findings
+        if change not in counting
+    ]
     ran = "time" in old.results and "time" in new.results
     return Comparison(
         moves=() if motion is None else motion.changes,
         changes=tuple(compare_results(old.results, new.results, tolerances)) if ran else (),
         surfaces=tuple(_surfaces(old, new, tolerances)),
-        findings=tuple(findings),
+        findings=counting,
         totals=tuple(_totals(old.results, new.results, tolerances)) if ran else (),
         remarks=(*remarks, *_differing_inputs(old.results, new.results)),
     )

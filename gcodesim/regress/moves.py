@@ -67,9 +67,17 @@ def compare_motion(
         unlikeness=lambda a, b: _unlikeness(a, b, tolerances),
     )
     texts = (old_text or _no_text, new_text or _no_text)
+    near: dict[int, int] = {}
+    last = None
+    for a, b in pairs:
+        last = b if b is not None else last
+        if a is not None and last is not None:
+            near[a] = last
     hunks = _hunks(pairs, old, new, tolerances)
     changes = [
-        (number, change) for number, hunk in enumerate(hunks) for change in _changes(hunk, old, new, tolerances, texts)
+        (number, change)
+        for number, hunk in enumerate(hunks)
+        for change in _changes(hunk, old, new, tolerances, texts, near)
     ]
     lines: dict[tuple[str, int], int] = {}
     for a, b in pairs:
@@ -246,6 +254,7 @@ def _changes(
     new: Sequence[Step],
     tolerances: Tolerances,
     texts: tuple[LineText, LineText],
+    near: Mapping[int, int],
 ) -> Iterator[MoveChange]:
     before = [old[a] for a, _ in hunk if a is not None]
     after = [new[b] for _, b in hunk if b is not None]
@@ -255,11 +264,13 @@ def _changes(
         left = None if a is None else _place(old[a], texts[0])
         right = None if b is None else _place(new[b], texts[1])
         step = old[a] if a is not None else new[b or 0]
+        beside = near.get(a) if b is None and a is not None else None
         yield MoveChange(
             kind="removed" if b is None else "inserted" if a is None else "changed",
             what=_called(step.kind),
             old=left,
             new=right,
+            near=right if beside is None else _place(new[beside], texts[1]),
             fields=() if a is None or b is None else tuple(differing(old[a], new[b], tolerances)),
             way_mm=0.0 if a is not None and b is not None else _plain(step.length),
         )

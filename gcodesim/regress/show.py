@@ -87,15 +87,14 @@ def _until(move: MoveChange) -> str:
     return f" and {_steps(move.count - 1)} more to line {last.line}" if last is not None else ""
 
 
-def move_headline(move: MoveChange) -> str:
-    """One line: what happened to which step."""
-    place = move.new or move.old
+def move_message(move: MoveChange) -> str:
+    """One line that stands beside the place: what happened to which step."""
     fields = ", ".join(field_text(field) for field in move.fields)
     what = f"{move.what}{_until(move)}"
     if move.kind == "changed":
-        return f"{place}: {what}: {fields}"
+        return f"{what} changed: {fields}"
     way = f", {number(move.way_mm)} mm of way" if move.way_mm else ""
-    return f"{place}: {what} {move.kind}{way}"
+    return f"{what} {move.kind}{way}"
 
 
 def _move_lines(move: MoveChange) -> Iterator[str]:

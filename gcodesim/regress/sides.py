@@ -17,6 +17,7 @@ from gcodesim.regress.facts import Facts, facts_of_run
 from gcodesim.regress.golden import SCHEMA as GOLDEN
 from gcodesim.regress.golden import GoldenError, read_golden
 from gcodesim.regress.motion import steps_of
+from gcodesim.regress.programs import programs_in
 from gcodesim.results import SCHEMA as RESULTS
 from gcodesim.rs274 import Settings, interpret
 from gcodesim.rs274.assumed import assumed_tools
@@ -25,7 +26,6 @@ from gcodesim.simulation import LOG_NAME, RESULTS_NAME, prepare, run
 if TYPE_CHECKING:
     from gcodesim.material.stock import Stock
 
-PROGRAMS: Final = (".nc", ".ngc", ".gcode", ".tap", ".cnc", ".mpf", ".gc")
 LOG_SUFFIX: Final = ".mcap"
 _STOCK: Final = ".stock"
 _PROGRAM: Final = "program.nc"  # what a log calls them
@@ -39,11 +39,6 @@ class SideError(Exception):
 def is_output(path: Path) -> bool:
     """Whether a folder holds what `gcodesim run` wrote."""
     return (path / RESULTS_NAME).is_file() or (path / LOG_NAME).is_file()
-
-
-def programs_in(folder: Path) -> list[Path]:
-    """The programs of a folder and the folders in it, in order."""
-    return sorted(path for path in folder.rglob("*") if path.suffix.lower() in PROGRAMS and path.is_file())
 
 
 def members_of(folder: Path) -> dict[str, Path]:

@@ -17,7 +17,7 @@ Status = Literal["passed", "failed", "not_run"]
 class Found:
     """A finding of a case, and what it does to the verdict.
 
-    `counts`      makes the case fail
+    `counts`      makes the case fail; `reason` is not empty when it does so only because it is new
     `told`        is below `fail_on`
     `expected`    the test file or a comment of the program asks for it
     `accepted`    stands in the accepted results

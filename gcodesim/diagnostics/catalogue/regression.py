@@ -1,5 +1,115 @@
-"""Findings GS6xx."""
+"""Findings GS6xx: what a test run finds different from what was accepted or expected."""
 
 from gcodesim.diagnostics.catalogue.code import Code
+from gcodesim.diagnostics.finding import Severity
 
-CODES: tuple[Code, ...] = ()
+CODES: tuple[Code, ...] = (
+    Code(
+        code="GS601",
+        severity=Severity.ERROR,
+        title="Expected finding did not come",
+        what="A test file or a comment of the program says that a finding comes here, and none does.",
+        why="A check that has gone silent no longer protects anybody.",
+        remedy=(
+            "If the fault is mended, delete the expectation. If it moved, correct the line. Else find out why the "
+            "check no longer sees it; `gcodesim run` shows what it does see."
+        ),
+    ),
+    Code(
+        code="GS602",
+        severity=Severity.ERROR,
+        title="Value is not as expected",
+        what="A quantity of the results lies outside of what the test file allows under `expect: values`.",
+        why="Somebody wrote down what this program has to do.",
+        remedy="Mend the program or the cell, or correct the test file when the new value is right.",
+    ),
+    Code(
+        code="GS603",
+        severity=Severity.ERROR,
+        title="Motion differs from what was accepted",
+        what=(
+            "A move or a state of the machine was put in, taken away or changed beyond tolerance. Numbering, comments, "
+            "blanks and number formats do not count, nor do moves that are only divided otherwise."
+        ),
+        why="The machine will do something else than it did when somebody looked at it.",
+        remedy="Look at the pair of lines. `gcodesim accept` takes the new motion over, after showing what it takes.",
+    ),
+    Code(
+        code="GS604",
+        severity=Severity.ERROR,
+        title="Result differs from what was accepted",
+        what="A time, distance, volume, force or joint figure is further from the accepted one than its tolerance.",
+        why="Cycle time, load or part changed, even where the program did not: a cell or a version may be the cause.",
+        remedy=(
+            "Compare with `gcodesim diff`. `tolerances:` in the test file says how much may differ; `gcodesim accept` "
+            "takes the new result over."
+        ),
+    ),
+    Code(
+        code="GS605",
+        severity=Severity.ERROR,
+        title="Surface differs from what was accepted",
+        what=(
+            "Somewhere the stock is higher or lower than accepted, beyond the tolerance `surface`. Accepted surfaces "
+            "are coarse: the place is that of a cell, and walls that move by less than a cell show in the volume only."
+        ),
+        why="The part has another shape.",
+        remedy="Look at the place in the part. `gcodesim accept` takes the new surface over.",
+    ),
+    Code(
+        code="GS606",
+        severity=Severity.ERROR,
+        title="Findings differ from what was accepted",
+        what="A warning or error is new, gone, or has other numbers than when the results were accepted.",
+        why="A new one is a new fault; one that is gone may mean that a check went silent.",
+        remedy="Look at the finding. `gcodesim accept` takes the change over.",
+    ),
+    Code(
+        code="GS607",
+        severity=Severity.NOTE,
+        title="Nothing accepted yet",
+        what="The case has no accepted results beside it, so only its findings and its expectations are judged.",
+        why="A change of motion, time or part would not be seen.",
+        remedy="Look at the run, then `gcodesim accept` it and put the file under version control.",
+    ),
+    Code(
+        code="GS608",
+        severity=Severity.ERROR,
+        title="Expectation cannot be read",
+        what="A comment begins like an expectation, but is none.",
+        why="A test that is not understood tests nothing.",
+        remedy='Write `(expect: GS501)`, `(expect@+1: error GS401 "rapid move")`, or another word than `expect:`.',
+    ),
+    Code(
+        code="GS609",
+        severity=Severity.ERROR,
+        title="Accepted results cannot be read",
+        what="The file of accepted results is damaged, of another form, or was changed by hand.",
+        why="Nothing can be compared with it.",
+        remedy="Take the file of the version control again, or `gcodesim accept` the case anew.",
+    ),
+    Code(
+        code="GS610",
+        severity=Severity.ERROR,
+        title="Test has no program or no cell",
+        what="A test file names a program or a cell that is not there, or none at all.",
+        why="Nothing was tested.",
+        remedy="Correct the name. Names are seen from the folder of the test file; `--cell` gives a cell for all.",
+    ),
+    Code(
+        code="GS611",
+        severity=Severity.ERROR,
+        title="Expected quantity does not exist",
+        what="A path under `expect: values` names nothing in the results of this run.",
+        why="A value that is not there cannot be tested.",
+        remedy="`gcodesim run --format json` shows all paths; entries of lists go by number or name: `tools.1.time_s`.",
+    ),
+    Code(
+        code="GS612",
+        severity=Severity.ERROR,
+        title="Case cannot be run here",
+        what="The case asks for something that this computer does not have, such as the world `bullet`.",
+        why="Nothing was tested.",
+        remedy="Install what is missing, or let the test file ask for `world: kinematic`.",
+    ),
+)

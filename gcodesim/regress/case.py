@@ -1,0 +1,205 @@
+"""Test cases, and how they are found: test files, the programs they name, programs with expectations in comments."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from fnmatch import fnmatch
+from pathlib import Path, PurePosixPath
+from typing import Final
+
+from gcodesim.cell.reading import Path as At
+from gcodesim.diagnostics import Diagnostic, SourceText, Span
+from gcodesim.regress.case_file import SUFFIXES, CaseFile, CaseOptions, Expected, read_case_file
+from gcodesim.regress.expectation import expectations
+from gcodesim.regress.golden import SUFFIX as GOLDEN_SUFFIX
+from gcodesim.regress.programs import PROGRAMS, programs_in
+from gcodesim.regress.tolerance import DEFAULTS, Tolerance
+from gcodesim.regress.verdicts import Found
+
+_GOLDENS: Final = ".golden"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Case:
+    """One program in one cell. Paths are as they can be opened; `name` and `file` are shown, from the root, with `/`.
+
+    `spans` are places in the test file by path, such as ``("expect", "values", "time.total_s")``.
+    """
+
+    name: str
+    file: str
+    program: Path
+    cell: Path | None
+    golden: Path
+    options: CaseOptions = field(default_factory=CaseOptions)
+    tolerances: Mapping[str, Tolerance] = field(default_factory=lambda: dict(DEFAULTS))
+    expect: Expected = field(default_factory=Expected)
+    allow_path: tuple[Path, ...] = ()
+    spans: Mapping[At, Span] = field(default_factory=dict)
+    test_file: Path | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Collected:
+    """All cases by name, and what is wrong with test files."""
+
+    cases: tuple[Case, ...]
+    found: tuple[Found, ...]
+
+
+def shown_path(path: Path, root: Path) -> str:
+    """`path` seen from `root`, with `/`: the same on every machine as long as the folders lie the same."""
+    return PurePosixPath(*Path(os.path.relpath(path, root)).parts).as_posix()
+
+
+def collect(paths: Iterable[Path], root: Path, *, cell: Path | None = None, names: Sequence[str] = ()) -> Collected:
+    """The cases at `paths` (test files, programs, folders), ordered by name.
+
+    A program is a case by its own test file, by one that names it, or, without any, when it is named itself, has
+    expectations in comments, or `cell` is given. `names` keeps those whose name has one of them as a part or fits it
+    as a pattern. OSError when a path cannot be read.
+    """
+    files: dict[Path, None] = {}
+    programs: dict[Path, bool] = {}
+    for path in paths:
+        if path.is_dir():
+            files |= dict.fromkeys(sorted(p for p in path.rglob("*") if is_test_file(p) and not _is_hidden(p, path)))
+            programs |= {p: programs.get(p, False) for p in programs_in(path) if not _is_hidden(p, path)}
+        elif is_test_file(path):
+            files[path] = None
+        else:
+            own = _own_test_file(path)
+            if own is not None:
+                files[own] = None
+            else:
+                programs[path] = True
+    cases: dict[str, Case] = {}
+    found: list[Found] = []
+    taken: set[Path] = set()
+    # a program's own file comes before one that names it by a pattern
+    own_first = sorted(files, key=lambda file: (_own_program(file) is None, file))
+    for file in own_first:
+        source = SourceText.read(file, shown_path(file, root))
+        read = read_case_file(source, file.parent)
+        found += [Found(finding=finding, state="counts") for finding in read.findings]
+        if read.content is None:
+            continue
+        made, faults = _cases_of(file, source.name, read.content, read.spans, root, cell, taken)
+        found += [Found(finding=fault, state="counts") for fault in faults]
+        cases |= {case.name: case for case in made}
+        taken |= {case.program.resolve() for case in made}
+    for program, is_named in programs.items():
+        if program.resolve() in taken:
+            continue
+        if is_named or cell is not None or expectations(SourceText.read(program))[0]:
+            case = _case_of_program(program, root, cell)
+            cases[case.name] = case
+    kept = [cases[name] for name in sorted(cases) if _is_wanted(name, names)]
+    return Collected(cases=tuple(kept), found=tuple(sorted(found, key=lambda one: one.finding.order)))
+
+
+def is_test_file(path: Path) -> bool:
+    return path.name.endswith(SUFFIXES) and path.is_file()
+
+
+def _is_hidden(path: Path, under: Path) -> bool:
+    return any(part.startswith(".") for part in path.relative_to(under).parts)
+
+
+def _is_wanted(name: str, names: Sequence[str]) -> bool:
+    return not names or any(part in name or fnmatch(name, part) for part in names)
+
+
+def _stem(file: Path) -> str:
+    return next(file.name.removesuffix(suffix) for suffix in SUFFIXES if file.name.endswith(suffix))
+
+
+def _own_program(file: Path) -> Path | None:
+    """The program that a test file has beside it: NAME.nc for NAME.test.yaml."""
+    beside = (file.with_name(_stem(file) + suffix) for suffix in PROGRAMS)
+    return next((path for path in beside if path.is_file()), None)
+
+
+def _own_test_file(program: Path) -> Path | None:
+    beside = (program.with_name(program.stem + suffix) for suffix in SUFFIXES)
+    return next((path for path in beside if path.is_file()), None)
+
+
+def _case_of_program(program: Path, root: Path, cell: Path | None) -> Case:
+    name = shown_path(program, root)
+    return Case(
+        name=name,
+        file=name,
+        program=program,
+        cell=cell,
+        golden=program.with_name(program.name + GOLDEN_SUFFIX),
+        options=CaseOptions(mode="run" if cell is not None else "lint"),
+    )
+
+
+def _cases_of(
+    file: Path,
+    name: str,
+    content: CaseFile,
+    spans: Mapping[At, Span],
+    root: Path,
+    default_cell: Path | None,
+    taken: set[Path],
+) -> tuple[list[Case], list[Diagnostic]]:
+    """The cases of one test file: one, or one a program where it names several."""
+    stem = _stem(file)
+    base = name.removesuffix(file.name) + stem
+    span = Span(name, 1, 1, 1, 2)
+    faults = []
+    programs: list[Path] = []
+    several = len(content.program) > 1 or any(_is_pattern(text) for text in content.program)
+    for i, text in enumerate(content.program):
+        matches = (
+            sorted(p for p in file.parent.glob(text) if p.is_file()) if _is_pattern(text) else [file.parent / text]
+        )
+        if not matches or not matches[0].is_file():
+            at = spans.get(("program", i), spans.get(("program",), span))
+            faults.append(Diagnostic(code="GS610", span=at, message=f"the program `{text}` is not there"))
+            continue
+        programs += [p for p in matches if p not in programs and not (_is_pattern(text) and p.resolve() in taken)]
+    if not content.program:
+        own = _own_program(file)
+        if own is None:
+            message = f"there is no program `{stem}{PROGRAMS[0]}` beside it"
+            faults.append(Diagnostic(code="GS610", span=span, message=message, hint="name it: `program: part.nc`"))
+        else:
+            programs.append(own)
+    cell = default_cell if content.cell is None else file.parent / content.cell
+    if content.options.mode != "lint" and (cell is None or not cell.is_file()):
+        at = spans.get(("cell",), span)
+        missing = "no cell is named" if cell is None else f"the cell `{content.cell or cell}` is not there"
+        hint = "write `cell: cell.yaml`, or `options: {mode: lint}` for the program alone"
+        return [], [*faults, Diagnostic(code="GS610", span=at, message=missing, hint=hint)]
+    cases = []
+    for program in programs:
+        within = program.name if program.parent == file.parent else shown_path(program, file.parent)
+        golden = file.with_name(stem + GOLDEN_SUFFIX)
+        if several:
+            golden = file.with_name(stem + _GOLDENS) / (within.replace("/", "_").replace("..", "_") + ".json")
+        cases.append(
+            Case(
+                name=f"{base}/{within}" if several else base,
+                file=name,
+                program=program,
+                cell=cell,
+                golden=golden,
+                options=content.options,
+                tolerances={**DEFAULTS, **content.tolerances},
+                expect=content.expect,
+                allow_path=tuple(file.parent / folder for folder in content.allow_path),
+                spans={at: place for at, place in spans.items() if at[:1] == ("expect",)},
+                test_file=file,
+            )
+        )
+    return cases, faults
+
+
+def _is_pattern(text: str) -> bool:
+    return any(c in text for c in "*?[")

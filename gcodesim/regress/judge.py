@@ -1,0 +1,426 @@
+"""One case: run it, compare it with what was accepted and expected, and say what that means."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from datetime import date
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from gcodesim.cell import load_cell
+from gcodesim.cell.reading import suggestion
+from gcodesim.cell.settings import matches
+from gcodesim.diagnostics import Caller, Diagnostic, Severity, SourceText, Span
+from gcodesim.diagnostics.show import as_json
+from gcodesim.job import Job, Options
+from gcodesim.regress import show
+from gcodesim.regress.case import Case, shown_path
+from gcodesim.regress.case_file import ExpectedValue
+from gcodesim.regress.changes import SAME, Change, Comparison, FindingChange
+from gcodesim.regress.compare import is_number, paths_of, value_at
+from gcodesim.regress.expectation import Wanted, expectations
+from gcodesim.regress.facts import Facts, compare, facts_of_run
+from gcodesim.regress.golden import GoldenError, read_golden
+from gcodesim.regress.motion import steps_of
+from gcodesim.regress.tolerance import Tolerance, quantity_of
+from gcodesim.regress.verdicts import CaseVerdict, Found, State
+from gcodesim.rs274 import Settings, interpret
+from gcodesim.rs274.assumed import assumed_tools
+from gcodesim.rs274.dialects import DIALECTS
+from gcodesim.simulation import check, prepare, run
+from gcodesim.units import MM
+from gcodesim.verdict import suppressed_findings
+
+if TYPE_CHECKING:
+    from gcodesim.cell import LoadedCell
+
+_MOST_MOVES: Final = 20
+"""Differences of motion that become findings of their own; beyond them one says how many more there are."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Judging:
+    """What all cases of a test run have in common. `root` is the folder from which files are named."""
+
+    root: Path
+    fail_on: str = "error"
+    today: date | None = None
+
+
+@dataclass(slots=True, kw_only=True)
+class Outcome:
+    """What came of running a case.
+
+    `programs` are the program and its subprograms, `files` where all that was read stands, `until` the days on which
+    suppressions of the cell end.
+    """
+
+    facts: Facts
+    findings: list[Diagnostic]
+    suppressed: list[tuple[Diagnostic, str]]
+    programs: Mapping[str, SourceText]
+    files: dict[str, Path]
+    until: tuple[date, ...] = ()
+    faults: list[Diagnostic]
+
+
+def judge(case: Case, how: Judging) -> tuple[CaseVerdict, Outcome]:
+    """The verdict on a case, and what it came from."""
+    outcome = run_case(case, how)
+    golden, problem = _golden(case, how)
+    comparison = None if golden is None else _against(golden, outcome.facts, case)
+    wanted, faults = _wanted(case, outcome)
+    taken, unmet = _expected(wanted, outcome.findings)
+    if comparison is not None:
+        comparison = _without_expected(comparison, [as_json(finding) for finding in taken])
+    fail_on = case.options.fail_on or how.fail_on
+    found: list[Found] = []
+    for finding in outcome.findings:
+        state, reason = _state(finding, taken, comparison, fail_on)
+        found.append(Found(finding=finding, state=state, reason=reason))
+    found += [Found(finding=finding, state="suppressed", reason=reason) for finding, reason in outcome.suppressed]
+    ours = [*outcome.faults, *faults, *unmet, *_values(case, outcome.facts.results), *problem]
+    if comparison is not None:
+        ours += differences(comparison, case)
+    elif not problem:
+        ours.append(_nothing_accepted(case))
+    found += [Found(finding=one, state="counts" if one.level > Severity.NOTE else "told") for one in ours]
+    shown = sorted((_relocated(one, outcome.files, how.root) for one in found), key=lambda one: one.finding.order)
+    failed = any(one.state == "counts" for one in shown)
+    verdict = CaseVerdict(
+        name=case.name,
+        file=case.file,
+        program=shown_path(case.program, how.root),
+        cell=None if case.cell is None else shown_path(case.cell, how.root),
+        status="failed" if failed else "passed",
+        found=tuple(shown),
+        # what lies within tolerance is no part of a verdict
+        comparison=SAME if comparison is not None and comparison.same else comparison,
+        results=outcome.facts.results if "time" in outcome.facts.results else None,
+    )
+    return verdict, outcome
+
+
+def run_case(case: Case, how: Judging) -> Outcome:
+    """Run, check or lint the program of a case. OSError when program or cell cannot be read."""
+    program = SourceText.read(case.program)
+    if case.options.dialect is not None and case.options.dialect not in DIALECTS:
+        hint = suggestion(case.options.dialect, list(DIALECTS))
+        span = case.spans.get(("options", "dialect"), Span(case.file))
+        fault = Diagnostic(code="GS612", span=span, message=f"there is no dialect `{case.options.dialect}`", hint=hint)
+        return _nothing_ran(case, program, fault)
+    if case.options.mode == "lint":
+        return _lint(case, program)
+    assert case.cell is not None
+    return _simulate(case, program, load_cell(case.cell, case.allow_path), how)
+
+
+def _settings(case: Case, settings: Settings) -> Settings:
+    """The reader's settings with what the test file says."""
+    given = {
+        name: value
+        for name in ("dialect", "block_delete", "max_blocks", "time_limit")
+        if (value := getattr(case.options, name)) is not None
+    }
+    return replace(settings, **given)
+
+
+def _lint(case: Case, program: SourceText) -> Outcome:
+    settings = Settings(tool_table=assumed_tools(program), subroutines=(case.program.parent,))
+    reading = interpret(program, _settings(case, settings))
+    steps = tuple(steps_of(reading))
+    findings = list(reading.findings)
+    results = {"findings": [as_json(finding) for finding in findings]}
+    return Outcome(
+        facts=Facts(name=program.name, steps=steps, results=results, sources=reading.sources),
+        findings=findings,
+        suppressed=[],
+        programs=reading.sources,
+        files=_files(case, reading.sources, reading.settings.subroutines, None),
+        faults=[],
+    )
+
+
+def _simulate(case: Case, program: SourceText, loaded: LoadedCell, how: Judging) -> Outcome:
+    from gcodesim.world import WorldUnavailable
+
+    options = Options(
+        world=case.options.world,
+        settings=lambda settings: _settings(case, settings),
+        today=how.today,
+        fail_on=None if how.fail_on == "never" else Severity[how.fail_on.upper()],
+    )
+    job = prepare(program, loaded, options)
+    faults: list[Diagnostic] = []
+    try:
+        results = check(job) if case.options.mode == "check" else run(job)[0]
+    except WorldUnavailable as reason:
+        faults.append(Diagnostic(code="GS612", span=Span(program.name), message=str(reason)))
+        results = check(job)
+    facts = facts_of_run(job, results)
+    if case.options.mode == "check" or faults:
+        facts = replace(facts, surfaces={})
+    subroutines = () if job.reading is None else job.reading.settings.subroutines
+    return Outcome(
+        facts=facts,
+        findings=list(results.findings),
+        suppressed=_suppressed(job),
+        programs=job.sources if job.reading is None else job.reading.sources,
+        files=_files(case, job.sources, subroutines, loaded),
+        until=() if job.cell is None else tuple(entry.until for entry in job.cell.suppress if entry.until is not None),
+        faults=faults,
+    )
+
+
+def _suppressed(job: Job) -> list[tuple[Diagnostic, str]]:
+    pairs = suppressed_findings(job.findings, job.cell, job.program, job.options.today)
+    return [(finding, entry.reason) for finding, entry in pairs]
+
+
+def _nothing_ran(case: Case, program: SourceText, fault: Diagnostic) -> Outcome:
+    return Outcome(
+        facts=Facts(name=program.name),
+        findings=[],
+        suppressed=[],
+        programs={program.name: program},
+        files={program.name: case.program},
+        faults=[fault],
+    )
+
+
+def _files(
+    case: Case, sources: Mapping[str, SourceText], folders: Sequence[Path], loaded: LoadedCell | None
+) -> dict[str, Path]:
+    """Where the files that findings name stand."""
+    files = {} if loaded is None else {file.name: file.path for file in loaded.files}
+    files[case.program.name] = case.program
+    for name in sources:
+        if name not in files:
+            near = (folder / name for folder in (case.program.parent, *folders))
+            found = next((path for path in near if path.is_file()), None)
+            if found is not None:
+                files[name] = found
+    return files
+
+
+def _relocated(found: Found, files: Mapping[str, Path], root: Path) -> Found:
+    """A finding whose places are named from the root."""
+
+    def shown(name: str) -> str:
+        return shown_path(files[name], root) if name in files else name
+
+    def moved(span: Span) -> Span:
+        callers = tuple(Caller(shown(c.file), c.line, c.name) for c in span.callers)
+        return replace(span, file=shown(span.file), callers=callers)
+
+    finding = found.finding
+    related = None if finding.related is None else moved(finding.related)
+    return replace(found, finding=replace(finding, span=moved(finding.span), related=related))
+
+
+# ---- what was accepted
+
+
+def _golden(case: Case, how: Judging) -> tuple[Facts | None, list[Diagnostic]]:
+    """The accepted facts; None when there are none or they cannot be read, which is then told."""
+    if not case.golden.is_file():
+        return None, []
+    name = shown_path(case.golden, how.root)
+    try:
+        return read_golden(SourceText.read(case.golden, name), "accepted results"), []
+    except GoldenError as error:
+        message = f"accepted results cannot be read: {error}"
+        hint = "take it from the version control, or `gcodesim accept` the case anew"
+        return None, [Diagnostic(code="GS609", span=Span(name), message=message, hint=hint)]
+
+
+def _against(golden: Facts, facts: Facts, case: Case) -> Comparison:
+    return compare(golden, facts, case.tolerances)
+
+
+def _nothing_accepted(case: Case) -> Diagnostic:
+    return Diagnostic(
+        code="GS607",
+        span=Span(case.file),
+        message="nothing was accepted yet: motion, times and shape are not compared",
+        hint="`gcodesim accept` takes this run",
+    )
+
+
+def _without_expected(comparison: Comparison, expected: Sequence[Mapping[str, Any]]) -> Comparison:
+    """Without new findings that somebody expects in writing."""
+    kept = tuple(change for change in comparison.findings if change.kind != "new" or change.new not in expected)
+    return replace(comparison, findings=kept)
+
+
+def _state(
+    finding: Diagnostic, taken: Sequence[Diagnostic], comparison: Comparison | None, fail_on: str
+) -> tuple[State, str]:
+    """What a finding of the run does to the verdict, and why."""
+    if any(finding is one for one in taken):
+        return "expected", ""
+    if fail_on == "never":
+        return "told", ""
+    severe = finding.level >= Severity[fail_on.upper()]
+    if comparison is None:
+        return ("counts" if severe else "told"), ""
+    mine = as_json(finding)
+    if any(change.kind == "new" and change.new == mine for change in comparison.findings):
+        return "counts", "new since the results were accepted"
+    return ("accepted" if severe else "told"), ""
+
+
+def differences(comparison: Comparison, case: Case) -> list[Diagnostic]:
+    """A GS6xx finding for each difference, in the names of the run's files."""
+    program = case.program.name
+    place = next((move.near for move in comparison.moves if move.near is not None), None)
+    first = Span(program) if place is None else Span(place.file, place.line)
+    return [
+        *_of_moves(comparison, program),
+        *(_of_change(change, first) for change in comparison.changes),
+        *(
+            Diagnostic(
+                code="GS605",
+                span=first,
+                message=show.surface_text(surface),
+                value=surface.deviation_mm * MM,
+                limit=surface.allowed_mm * MM,
+                unit="m",
+            )
+            for surface in comparison.surfaces
+        ),
+        # a new one counts by itself
+        *(_of_finding(change, program) for change in comparison.findings if change.kind != "new"),
+    ]
+
+
+def _of_moves(comparison: Comparison, program: str) -> Iterator[Diagnostic]:
+    for move in comparison.moves[:_MOST_MOVES]:
+        span = Span(program) if move.near is None else Span(move.near.file, move.near.line)
+        yield Diagnostic(code="GS603", span=span, message=show.move_message(move), count=move.count)
+    more = len(comparison.moves) - _MOST_MOVES
+    if more > 0:
+        message = f"{more} further differences of motion from what was accepted"
+        yield Diagnostic(code="GS603", span=Span(program), message=message, count=more)
+
+
+def _of_change(change: Change, span: Span) -> Diagnostic:
+    return Diagnostic(code="GS604", span=span, message=show.change_text(change))
+
+
+def _of_finding(change: FindingChange, program: str) -> Diagnostic:
+    one = change.shown
+    line = one["line"] if change.kind != "gone" and one["file"] == program else 0
+    return Diagnostic(code="GS606", span=Span(program, line), message=f"finding {show.finding_text(change)}")
+
+
+# ---- what is expected
+
+
+def _wanted(case: Case, outcome: Outcome) -> tuple[list[Wanted], list[Diagnostic]]:
+    """Expected findings of the test file and of comments in the program and its subprograms."""
+    wanted, faults = [], []
+    for source in outcome.programs.values():
+        found, problems = expectations(source)
+        wanted += found
+        faults += problems
+    for i, finding in enumerate(case.expect.findings):
+        span = case.spans.get(("expect", "findings", i), Span(case.file))
+        wanted.append(Wanted(finding=finding, span=span, home=case.program.name))
+    return wanted, faults
+
+
+def _expected(wanted: Sequence[Wanted], findings: Sequence[Diagnostic]) -> tuple[list[Diagnostic], list[Diagnostic]]:
+    """The findings that were expected, and a GS601 for each expectation that nothing meets."""
+    taken: list[Diagnostic] = []
+    unmet: list[Diagnostic] = []
+    for want in wanted:
+        fitting = [finding for finding in findings if _fits(want, finding)]
+        taken += [finding for finding in fitting if not any(finding is one for one in taken)]
+        if not fitting:
+            unmet.append(_unmet(want, findings))
+    return taken, unmet
+
+
+def _fits(want: Wanted, finding: Diagnostic) -> bool:
+    said, span = want.finding, finding.span
+    file = said.file or (want.home if said.line is not None else None)
+    return (
+        matches(said.code, finding.code)
+        and (file is None or file == span.file)
+        and said.line in (None, span.line)
+        and said.severity in (None, finding.level.word)
+        and (said.message is None or said.message in finding.message)
+        and said.count in (None, finding.count)
+    )
+
+
+def _unmet(want: Wanted, findings: Sequence[Diagnostic]) -> Diagnostic:
+    said = want.finding
+    what = f"{said.severity + ' ' if said.severity else ''}{said.code}"
+    where = f" in line {said.line}" if said.line is not None else ""
+    count = f", {said.count} times" if said.count is not None else ""
+    part = f' with "{said.message}"' if said.message is not None else ""
+    alike = [one for one in findings if matches(said.code, one.code)]
+    hint = ""
+    if alike:
+        one = alike[0]
+        hint = f"{one.code} came in line {one.span.line} of {one.span.file}, {one.count} times: {one.message}"
+    elif said.line is not None:
+        there = [one for one in findings if one.span.line == said.line and one.span.file == (said.file or want.home)]
+        hint = f"line {said.line} has {there[0].code}: {there[0].message}" if there else ""
+    message = f"{what} is expected{where}{count}{part}, and did not come"
+    return Diagnostic(code="GS601", span=want.span, message=message, hint=hint)
+
+
+def _values(case: Case, results: Mapping[str, Any]) -> Iterator[Diagnostic]:
+    """A finding for each value and for the status that are not as the test file says."""
+    expect = case.expect
+    if expect.status is not None and results.get("status") != expect.status:
+        span = case.spans.get(("expect", "status"), Span(case.file))
+        message = f"status is `{results.get('status')}`; `{expect.status}` is expected"
+        yield Diagnostic(code="GS602", span=span, message=message)
+    for path, expected in expect.values.items():
+        span = case.spans.get(("expect", "values", path), Span(case.file))
+        try:
+            value = value_at(results, path)
+        except KeyError:
+            known = suggestion(path, paths_of(results))
+            message = f"there is no `{path}` in the results"
+            yield Diagnostic(code="GS611", span=span, message=message, hint=known)
+            continue
+        problem = _off(path, value, expected, case.tolerances[quantity_of(path)])
+        if problem is not None:
+            yield replace(problem, span=span)
+
+
+def _off(path: str, value: Any, expected: ExpectedValue, default: Tolerance) -> Diagnostic | None:
+    """What is wrong with a value, None when it is as expected."""
+    told = f"{path} is {show.value_text(value)}"
+    wanted, tolerance = expected.value, expected.tolerance or default
+    if not is_number(value):
+        if wanted is not None and str(value) == str(wanted):
+            return None
+        return Diagnostic(code="GS602", span=Span(""), message=f"{told}; {_bounds(expected, tolerance)} is expected")
+    number = float(value)
+    good = (
+        (wanted is None or (isinstance(wanted, float) and tolerance.allows(wanted, number)))
+        and (expected.least is None or number >= expected.least)
+        and (expected.most is None or number <= expected.most)
+    )
+    if good:
+        return None
+    limit = next((v for v in (wanted, expected.most, expected.least) if isinstance(v, float)), None)
+    message = f"{told}; {_bounds(expected, tolerance)} is expected"
+    return Diagnostic(code="GS602", span=Span(""), message=message, value=number, limit=limit)
+
+
+def _bounds(expected: ExpectedValue, tolerance: Tolerance) -> str:
+    if isinstance(expected.value, float):
+        return f"{show.number(expected.value)} ± {show.number(tolerance.limit(expected.value))}"
+    if expected.value is not None:
+        return f"`{expected.value}`"
+    least = f"at least {show.number(expected.least)}" if expected.least is not None else ""
+    most = f"at most {show.number(expected.most)}" if expected.most is not None else ""
+    return " and ".join(part for part in (least, most) if part)

@@ -1,0 +1,154 @@
+"""Many cases: in order or in parallel, stopping at the first that fails or not, with the same verdict either way."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Sequence
+from dataclasses import dataclass, replace
+from datetime import date
+from multiprocessing import get_context
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from gcodesim.diagnostics import Diagnostic, SourceText
+from gcodesim.regress.case import Case, Collected
+from gcodesim.regress.verdicts import CaseVerdict, Found, SuiteVerdict
+
+if TYPE_CHECKING:
+    from gcodesim.regress.baseline import Baseline
+    from gcodesim.regress.cache import Cache
+    from gcodesim.regress.judge import Judging
+
+_OURS: Final = "GS6"  # differences and expectations: no baseline takes them
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Judged:
+    """A verdict, and what the cache has to know besides."""
+
+    verdict: CaseVerdict
+    files: dict[str, Path]
+    until: tuple[date, ...] = ()
+
+
+def judged(case: Case, how: Judging) -> Judged:
+    """One case, as a worker runs it."""
+    from gcodesim.regress.judge import judge
+
+    verdict, outcome = judge(case, how)
+    return Judged(verdict=verdict, files=outcome.files, until=outcome.until)
+
+
+def run_suite(
+    collected: Collected,
+    how: Judging,
+    *,
+    jobs: int = 1,
+    fail_fast: bool = False,
+    cache: Cache | None = None,
+    reuse: bool = False,
+    baseline: Baseline | None = None,
+    progress: Callable[[CaseVerdict], None] | None = None,
+) -> SuiteVerdict:
+    """The verdicts on all cases, in their order.
+
+    `jobs` processes share the work, without a trace in the verdict. With `fail_fast` all cases after the first that
+    fails are `not_run`. `cache` remembers what passed, and with `reuse` gives it back. `baseline` lists findings that
+    do not count. `progress` is told each verdict, in order.
+    """
+    today = how.today or date.today()
+    cases = collected.cases
+    known = {case.name: cache.find(case, today) if cache is not None and reuse else None for case in cases}
+    pending = [case for case in cases if known[case.name] is None]
+    fresh = _run(pending, how, jobs)
+    lines = _Lines(how.root)
+    verdicts: list[CaseVerdict] = []
+    has_failed = False
+    try:
+        for case in cases:
+            verdict = known[case.name]
+            if has_failed and fail_fast:
+                verdict = CaseVerdict(
+                    name=case.name, file=case.file, program=_program(case, how), cell=None, status="not_run"
+                )
+            elif verdict is None:
+                one = next(fresh)
+                verdict = one.verdict
+                if cache is not None:
+                    cache.keep(case, verdict, one.files, one.until, today)
+            if baseline is not None:
+                verdict = _with_baseline(verdict, baseline, lines)
+            has_failed |= verdict.status == "failed"
+            verdicts.append(verdict)
+            if progress is not None:
+                progress(verdict)
+    finally:
+        fresh.close()
+    return SuiteVerdict(
+        cases=tuple(verdicts),
+        found=collected.found,
+        gone=() if baseline is None or (has_failed and fail_fast) else baseline.gone,
+    )
+
+
+def _program(case: Case, how: Judging) -> str:
+    from gcodesim.regress.case import shown_path
+
+    return shown_path(case.program, how.root)
+
+
+def _run(cases: Sequence[Case], how: Judging, jobs: int) -> Generator[Judged, None, None]:
+    """Verdicts in the order of the cases; closing it gives up what has not begun."""
+    if jobs < 2 or len(cases) < 2:
+        yield from (judged(case, how) for case in cases)
+        return
+    from concurrent.futures import ProcessPoolExecutor
+
+    # a fresh interpreter each: nothing that this process has loaded or locked comes along
+    with ProcessPoolExecutor(min(jobs, len(cases)), mp_context=get_context("spawn")) as pool:
+        futures = [pool.submit(judged, case, how) for case in cases]
+        try:
+            for future in futures:
+                yield future.result()
+        finally:
+            pool.shutdown(wait=True, cancel_futures=True)
+
+
+class _Lines:
+    """Lines of files by their names from the root."""
+
+    def __init__(self, root: Path) -> None:
+        self._root = root
+        self._sources: dict[str, SourceText | None] = {}
+
+    def __call__(self, file: str, line: int) -> str:
+        if file not in self._sources:
+            try:
+                self._sources[file] = SourceText.read(self._root / file)
+            except OSError:
+                self._sources[file] = None
+        source = self._sources[file]
+        return "" if source is None else source.line(line)
+
+
+def _with_baseline(verdict: CaseVerdict, baseline: Baseline, lines: _Lines) -> CaseVerdict:
+    found = tuple(
+        replace(one, state="baseline") if _may_wait(one) and baseline.knows(one.finding, lines) else one
+        for one in verdict.found
+    )
+    if verdict.status != "failed" or any(one.state == "counts" for one in found):
+        return replace(verdict, found=found)
+    return replace(verdict, found=found, status="passed")
+
+
+def _may_wait(found: Found) -> bool:
+    return found.state == "counts" and not found.finding.code.startswith(_OURS)
+
+
+def baseline_of(verdict: SuiteVerdict, root: Path) -> str:
+    """The baseline file that takes all findings that count now, and those that an earlier one took."""
+    from gcodesim.regress.baseline import baseline_text
+
+    findings: list[Diagnostic] = [
+        one.finding for case in verdict.cases for one in case.found if one.state == "baseline" or _may_wait(one)
+    ]
+    return baseline_text(findings, _Lines(root))
