@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import date
 from importlib.util import find_spec
@@ -24,10 +24,15 @@ BULLET: Final = "bullet"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Options:
-    """What the command line may say over the cell: `world`, settings of the reader, the day for dated suppressions."""
+    """What the command line may say over the cell: `world`, settings of the reader, the day for dated suppressions.
+
+    `findings` and `sources` are those of files that the command line names besides.
+    """
 
     world: str | None = None
     settings: Callable[[Settings], Settings] = lambda settings: settings
+    findings: Sequence[Diagnostic] = ()
+    sources: Mapping[str, SourceText] = field(default_factory=dict)
     today: date | None = None
     fail_on: Severity | None = Severity.ERROR
 

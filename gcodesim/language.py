@@ -61,6 +61,7 @@ def settings_of_cell(
         tool_length=own.tool_length,
         auto_length=lengths,
         path_control=own.path_control,
+        decimal_point=own.decimal_point,
     )
     return settings, findings
 

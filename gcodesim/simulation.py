@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from gcodesim.cell import LoadedCell
+from gcodesim.cell import Cell, LoadedCell
 from gcodesim.cell.cell import MAIN
 from gcodesim.cell.machine import MachineTool
 from gcodesim.checks.idle import blind_axis_findings, idle_findings
@@ -20,7 +20,7 @@ from gcodesim.motion import ToolPath, build_tool_path
 from gcodesim.motion.timing import event_durations
 from gcodesim.outcome import first_error, results_of
 from gcodesim.results import Results
-from gcodesim.rs274 import interpret
+from gcodesim.rs274 import Settings, interpret
 from gcodesim.shop import Shop, mover_of, open_shop, with_stock
 from gcodesim.whole_file import write_whole
 
@@ -42,9 +42,10 @@ def prepare(program: SourceText, loaded: LoadedCell, options: Options | None = N
         loaded=loaded,
         options=options,
         findings=Findings(),
-        sources={**loaded.sources, program.name: program},
+        sources={**loaded.sources, **options.sources, program.name: program},
     )
     job.findings.extend(loaded.findings)
+    job.findings.extend(options.findings)
     cell = loaded.cell
     if cell is None:
         return job
@@ -63,6 +64,13 @@ def prepare(program: SourceText, loaded: LoadedCell, options: Options | None = N
     job.findings.extend(job.reading.findings)
     _plan(job, shop, path)
     return job
+
+
+def settings_in_cell(cell: Cell) -> tuple[Settings, list[Diagnostic]]:
+    """Settings with which `prepare` reads the program of the cell's main channel, and what is wrong with them."""
+    shop, _ = open_shop(cell, MAIN)
+    settings, problems = settings_of_cell(cell, shop.channel, shop.placement)
+    return replace(settings, start=_start(shop)), problems
 
 
 def _world_notes(job: Job) -> list[Diagnostic]:

@@ -249,6 +249,11 @@ class Channel:
         "folders searched for subroutines",
         default=(),
     )
+    decimal_point: Literal["calculator", "increments"] = key(
+        Choice(("calculator", "increments")),
+        "what X10 is to a Fanuc program: 10 mm, or 10 increments of 0.001 mm",
+        default="calculator",
+    )
     block_delete: bool = key(Switch(), "blocks that begin with `/` are skipped", default=False)
     optional_stop: bool = key(Switch(), "M1 stops", default=False)
     m_codes: Mapping[str, MCode] = key(

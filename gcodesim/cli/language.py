@@ -3,57 +3,120 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import replace
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 from gcodesim.cli.exits import UsageError
 from gcodesim.cli.options import read_source
-from gcodesim.cli.output import print_findings
-from gcodesim.rs274 import Settings, ToolTable, read_parameters
+from gcodesim.diagnostics import Diagnostic, SourceText
+from gcodesim.rs274 import Run, Settings, ToolTable, interpret, read_parameters
+
+if TYPE_CHECKING:
+    from gcodesim.cell import Cell
+
+if TYPE_CHECKING:
+    from gcodesim.cell import Cell
 
 
-def settings_of(arguments: argparse.Namespace) -> Settings | None:
-    """What the options and the cell say; None when the cell or a file has errors, which are then printed."""
-    settings = Settings()
-    if arguments.cell is not None:
-        from gcodesim.cell import load_cell
-        from gcodesim.language import settings_of_cell
+@dataclass(slots=True)
+class Language:
+    """What the options of a command line say about reading: files that they name are read once."""
 
-        read_source(arguments.cell, "cell")
-        loaded = load_cell(arguments.cell, arguments.allow_path)
-        if loaded.cell is None:
-            print_findings(loaded.findings, loaded.sources)
-            return None
-        settings, findings = settings_of_cell(loaded.cell)
-        if findings:
-            print_findings(findings, loaded.sources)
-    return with_options(settings, arguments)
+    arguments: argparse.Namespace
+    tools: ToolTable | None = None
+    parameters: dict[int, float] = field(default_factory=dict)
+    findings: list[Diagnostic] = field(default_factory=list)
+    sources: dict[str, SourceText] = field(default_factory=dict)
 
+    @staticmethod
+    def of(arguments: argparse.Namespace) -> Language:
+        """UsageError for what is not there or cannot be read."""
+        from gcodesim.rs274.dialects import DIALECTS
 
-def with_options(settings: Settings, arguments: argparse.Namespace) -> Settings:
-    """`settings` with what the command line says besides; UsageError for what cannot be read."""
-    from gcodesim.rs274.dialects import DIALECTS
-
-    if arguments.dialect is not None:
-        if arguments.dialect not in DIALECTS:
+        language = Language(arguments)
+        if arguments.dialect is not None and arguments.dialect not in DIALECTS:
             raise UsageError(f"there is no dialect {arguments.dialect}; there are {', '.join(DIALECTS)}")
-        settings = replace(settings, dialect=arguments.dialect)
-    if arguments.tools is not None:
-        table, problems = ToolTable.read(source := read_source(arguments.tools, "tool table"))
-        print_findings(problems, {source.name: source})
-        settings = replace(settings, tool_table=table)
-    if arguments.parameters is not None:
-        values, problems = read_parameters(source := read_source(arguments.parameters, "parameter file"))
-        print_findings(problems, {source.name: source})
-        settings = replace(settings, parameters={**settings.parameters, **values})
-    if arguments.subs:
         for folder in arguments.subs:
             if not folder.is_dir():
                 raise UsageError(f"the folder of subroutines {folder} is not there")
-        settings = replace(settings, subroutines=(*settings.subroutines, *arguments.subs))
-    if arguments.block_delete is not None:
-        settings = replace(settings, block_delete=arguments.block_delete)
-    if arguments.max_blocks is not None:
-        settings = replace(settings, max_blocks=arguments.max_blocks)
-    if arguments.time_limit is not None:
-        settings = replace(settings, time_limit=arguments.time_limit)
-    return settings
+        if arguments.tools is not None:
+            source = read_source(arguments.tools, "tool table")
+            language.tools, problems = ToolTable.read(source)
+            language._take(source, problems)
+        if arguments.parameters is not None:
+            source = read_source(arguments.parameters, "parameter file")
+            language.parameters, problems = read_parameters(source)
+            language._take(source, problems)
+        return language
+
+    def _take(self, source: SourceText, problems: Iterable[Diagnostic]) -> None:
+        self.sources[source.name] = source
+        self.findings += problems
+
+    def over(self, settings: Settings) -> Settings:
+        """`settings` with what the command line says besides."""
+        given = self.arguments
+        changes = {
+            "dialect": given.dialect,
+            "tool_table": self.tools,
+            "parameters": {**settings.parameters, **self.parameters} if self.parameters else None,
+            "subroutines": (*settings.subroutines, *given.subs) if given.subs else None,
+            "block_delete": given.block_delete,
+            "decimal_point": given.decimal_point,
+            "max_blocks": given.max_blocks,
+            "time_limit": given.time_limit,
+        }
+        return replace(settings, **{name: value for name, value in changes.items() if value is not None})
+
+
+@dataclass(slots=True)
+class Reading:
+    """A program about to be read by `lint` or `canon`, and what is known besides.
+
+    `run` is None when the cell has errors, which are then in `before`.
+    """
+
+    program: SourceText
+    run: Run | None
+    cell: Cell | None
+    before: list[Diagnostic]
+    sources: dict[str, SourceText]
+
+    def findings(self) -> list[Diagnostic]:
+        """All findings, with the severities of the cell and without those that it suppresses."""
+        found = sorted([*self.before, *(self.run.findings if self.run is not None else ())], key=lambda f: f.order)
+        if self.cell is None:
+            return found
+        from gcodesim.verdict import final_findings
+
+        return final_findings(found, self.cell, self.program)
+
+
+def reading_of(arguments: argparse.Namespace) -> Reading:
+    """The program of a command line, to be read as its options and its cell say.
+
+    Without a cell and a tool table every tool is known, because a program alone does not tell which ones there are.
+    """
+    program = read_source(arguments.program, "program")
+    language = Language.of(arguments)
+    settings, before, sources = Settings(), list(language.findings), dict(language.sources)
+    cell = None
+    if arguments.cell is not None:
+        from gcodesim.cell import load_cell
+        from gcodesim.simulation import settings_in_cell
+
+        read_source(arguments.cell, "cell")
+        loaded = load_cell(arguments.cell, arguments.allow_path)
+        sources |= loaded.sources
+        cell = loaded.cell
+        if cell is None:
+            return Reading(program, None, None, [*loaded.findings, *before], sources)
+        settings, problems = settings_in_cell(cell)
+        before += problems
+    elif arguments.tools is None:
+        from gcodesim.rs274.assumed import assumed_tools
+
+        settings = replace(settings, tool_table=assumed_tools(program))
+    run = interpret(program, language.over(settings))
+    return Reading(program, run, cell, before, {**sources, program.name: program})

@@ -97,6 +97,11 @@ def add_language(parser: argparse.ArgumentParser) -> None:
         metavar="0|1",
         help="1 (or no value): skip blocks that begin with /; 0: run them",
     )
+    group.add_argument(
+        "--decimal-point",
+        choices=("calculator", "increments"),
+        help="what X10 is to a Fanuc program: 10 mm (calculator, default), or 10 increments of 0.001 mm",
+    )
     group.add_argument("--max-blocks", type=int, metavar="N", help="stop a program after N executed blocks")
     group.add_argument("--time-limit", type=float, metavar="S", help="stop reading a program after S seconds")
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from gcodesim import compiled
 from gcodesim.cell import load_cell
 from gcodesim.cli.exits import INTERRUPTED, UsageError, status_of
-from gcodesim.cli.language import with_options
+from gcodesim.cli.language import Language
 from gcodesim.cli.options import read_source
 from gcodesim.cli.output import note, print_findings, print_json, print_table, verdict
 from gcodesim.diagnostics import Severity
@@ -42,9 +42,12 @@ def _prepared(arguments: argparse.Namespace) -> Job:
     read_source(arguments.cell, "cell")
     compiled.when_cold = _announce_compiling
     loaded = load_cell(arguments.cell, arguments.allow_path)
+    language = Language.of(arguments)
     options = Options(
         world=getattr(arguments, "world", None),
-        settings=lambda settings: with_options(settings, arguments),
+        settings=language.over,
+        findings=tuple(language.findings),
+        sources=language.sources,
         fail_on=None if arguments.fail_on == "never" else Severity[arguments.fail_on.upper()],
     )
     return prepare(program, loaded, options)

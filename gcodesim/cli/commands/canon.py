@@ -6,7 +6,8 @@ import argparse
 from typing import Any
 
 from gcodesim.cli.exits import FINDINGS, OK
-from gcodesim.cli.options import add_cell, add_format, add_language, add_program, read_source
+from gcodesim.cli.options import add_cell, add_format, add_language, add_program
+from gcodesim.diagnostics import Severity
 
 
 def add_parser(commands: Any) -> None:
@@ -25,24 +26,32 @@ def add_parser(commands: Any) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     import gcodesim.canon.listing as listing
-    from gcodesim.cli.language import settings_of
-    from gcodesim.cli.output import note, print_findings, print_json
-    from gcodesim.rs274 import interpret
+    from gcodesim.cli.language import reading_of
+    from gcodesim.cli.output import findings_as_json, note, print_findings, print_json
 
-    program = read_source(arguments.program, "program")
-    settings = settings_of(arguments)
-    if settings is None:
+    reading = reading_of(arguments)
+    run, as_json = reading.run, arguments.format == "json"
+    if run is None:
+        if as_json:
+            failed = next(f for f in reading.before if f.level >= Severity.ERROR)
+            error = (failed.message, failed.span.line)
+            print_json({**listing.listing([], error), "findings": findings_as_json(reading.findings())})
+        else:
+            print_findings(reading.findings(), reading.sources)
         return FINDINGS
-    reading = interpret(program, settings)
-    if arguments.format == "json":
-        events = list(reading)
-        failed = reading.failed
-        line = failed.span.line if failed and reading.failed_line is None else reading.failed_line
-        print_json(listing.listing(events, (failed.message, line) if failed else None))
-        return FINDINGS if failed else OK
-    for event in reading:
+    if as_json:
+        events = list(run)
+        line = run.failed.span.line if run.failed and run.failed_line is None else run.failed_line
+        printed = listing.listing(events, (run.failed.message, line) if run.failed else None)
+        print_json({**printed, "findings": findings_as_json(reading.findings())})
+        return FINDINGS if run.failed else OK
+    for event in run:
         print(listing.as_text(event))
-    if reading.failed:
-        print_findings([reading.failed], reading.sources)
-        note(f"stopped at {reading.failed.span.file}:{reading.failed.span.line}")
-    return FINDINGS if reading.failed else OK
+    others = len(reading.findings())
+    if run.failed:
+        print_findings([run.failed], run.sources)
+        note(f"stopped at {run.failed.span.file}:{run.failed.span.line}")
+        others -= 1
+    if others > 0:
+        note(f"{others} {'more ' if run.failed else ''}finding{'s' if others > 1 else ''}: `gcodesim lint` shows all")
+    return FINDINGS if run.failed else OK

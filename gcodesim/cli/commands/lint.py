@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import replace
 from typing import Any
 
 from gcodesim.cli.exits import FINDINGS, status_of
-from gcodesim.cli.options import add_cell, add_fail_on, add_format, add_language, add_program, read_source
+from gcodesim.cli.options import add_cell, add_fail_on, add_format, add_language, add_program
 
 
 def add_parser(commands: Any) -> None:
@@ -26,24 +25,18 @@ def add_parser(commands: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from gcodesim.cli.language import settings_of
+    from gcodesim.cli.language import reading_of
     from gcodesim.cli.output import findings_as_json, print_findings, print_json, verdict
-    from gcodesim.rs274 import interpret
-    from gcodesim.rs274.assumed import assumed_tools
 
-    program = read_source(arguments.program, "program")
-    settings = settings_of(arguments)
-    if settings is None:
-        return FINDINGS
-    if arguments.cell is None and arguments.tools is None:
-        settings = replace(settings, tool_table=assumed_tools(program))
-    reading = interpret(program, settings)
-    for _ in reading.stream():
-        pass
-    findings = reading.findings
+    reading = reading_of(arguments)
+    if reading.run is not None:
+        for _ in reading.run.stream():
+            pass
+        reading.sources |= reading.run.sources
+    findings = reading.findings()
     if arguments.format == "json":
         print_json({"findings": findings_as_json(findings)})
     else:
         print_findings(findings, reading.sources)
-        print(f"{program.name}: {verdict(findings)}")
-    return status_of(findings, arguments.fail_on)
+        print(f"{reading.program.name}: {verdict(findings)}")
+    return FINDINGS if reading.run is None else status_of(findings, arguments.fail_on)
