@@ -89,7 +89,7 @@ def _numba() -> tuple[Any, Path | None]:
     """numba, told where to cache, and the folder; None when there is none to write to."""
     import numba
 
-    folder = user_cache(_digest(numba.__version__))
+    folder = user_cache(digest(numba.__version__))
     numba.config.CACHE_DIR = str(folder or "")
     _load_without_scipy()
     if when_cold is not None and (folder is None or not any(folder.rglob("*.nbi"))):
@@ -97,7 +97,7 @@ def _numba() -> tuple[Any, Path | None]:
     return numba, folder
 
 
-def _digest(version: str) -> str:
+def digest(version: str) -> str:
     """Hash of every kernel source of this package, the compiler's version and the processor."""
     import hashlib
     import platform

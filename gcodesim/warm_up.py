@@ -11,6 +11,7 @@ from typing import Final
 from gcodesim.cell.loader import read_cell
 from gcodesim.diagnostics import SourceText
 from gcodesim.job import Options
+from gcodesim.rs274 import Settings, interpret
 from gcodesim.simulation import prepare, run
 
 _HEAD: Final = "G21 G90 G17 G94 G64 P0.01\nT1 M6\nG43 H1\nS8000 M3\nG0 X5 Y5 Z5\n"
@@ -74,6 +75,9 @@ def warm_up(say: Callable[[str], None]) -> None:
 
     # a package installed with `-e` comes without byte code, which is 0.2 s of each start where none may be written
     compileall.compile_dir(Path(__file__).parent, quiet=2)
+    say("compiling: the reader of long programs")
+    for _ in interpret(SourceText("warm_up.nc", (_HEAD + _BODY).encode()), Settings(lane="compiled")).stream():
+        pass
     with TemporaryDirectory() as folder:
         for number, (what, world, cell, program) in enumerate(_JOBS, 1):
             say(f"compiling {number}/{len(_JOBS)}: {what}")

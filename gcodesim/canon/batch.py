@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final
 
-from gcodesim.canon.events import ArcFeed, Event, FeedUnit, LinearFeed, Motion, Rapid
+from gcodesim.canon.events import ArcFeed, FeedUnit, LinearFeed, Motion, Rapid
 from gcodesim.diagnostics import Caller, Span
 
 if TYPE_CHECKING:
@@ -19,6 +19,8 @@ ARC_CW: Final = 2
 ARC_CCW: Final = 3
 WORDS: Final = ("G0", "G1", "G2", "G3")
 """Motion word of each kind."""
+
+_AT_A_TIME: Final = 1024  # moves that exist as events, where only the first ones may be wanted
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -55,18 +57,32 @@ class MoveBatch:
 
     def events(self) -> Iterator[Motion]:
         """The moves one by one, as the grammar's lane would have yielded them."""
+        arcs = 0
+        for first in range(0, len(self), _AT_A_TIME):
+            rows = slice(first, first + _AT_A_TIME)
+            count = int((self.kind[rows] > LINE).sum())
+            yield from self._some(rows, slice(arcs, arcs + count))
+            arcs += count
+
+    def _some(self, rows: slice, arcs: slice) -> Iterator[Motion]:
         units: tuple[FeedUnit, FeedUnit] = ("m/rev", "rad/rev") if self.per_revolution else ("m/s", "rad/s")
-        rows = zip(
-            self.kind.tolist(),
-            map(tuple, self.end.tolist()),
-            self.feed.tolist(),
-            self.rotary.tolist(),
-            self.place.tolist(),
+        moves = zip(
+            self.kind[rows].tolist(),
+            map(tuple, self.end[rows].tolist()),
+            self.feed[rows].tolist(),
+            self.rotary[rows].tolist(),
+            self.place[rows].tolist(),
             strict=True,
         )
-        arcs = self._arcs()
+        shapes = zip(
+            self.center[arcs].tolist(),
+            self.normal[arcs].tolist(),
+            self.sweep[arcs].tolist(),
+            self.turns[arcs].tolist(),
+            strict=True,
+        )
         file, callers, shift = self.file, self.callers, self.block_shift
-        for kind, end, feed, rotary, (line, column, end_column) in rows:
+        for kind, end, feed, rotary, (line, column, end_column) in moves:
             span = Span(file, line, column, line, end_column, callers)
             block, word, unit = line + shift, WORDS[kind], units[rotary]
             if kind == RAPID:
@@ -74,7 +90,7 @@ class MoveBatch:
             elif kind == LINE:
                 yield LinearFeed(span=span, end=end, block=block, word=word, feed=feed, feed_unit=unit)
             else:
-                center, normal, sweep, turns = next(arcs)
+                center, normal, sweep, turns = next(shapes)
                 yield ArcFeed(
                     span=span,
                     end=end,
@@ -89,14 +105,18 @@ class MoveBatch:
                     feed_unit=unit,
                 )
 
-    def _arcs(self) -> Iterator[tuple[Any, ...]]:
-        return zip(self.center.tolist(), self.normal.tolist(), self.sweep.tolist(), self.turns.tolist(), strict=True)
-
-
-def one_by_one(stream: Iterable[Event | MoveBatch]) -> Iterator[Event]:
-    """The events of `stream`, those of batches singly."""
-    for item in stream:
-        if isinstance(item, MoveBatch):
-            yield from item.events()
-        else:
-            yield item
+    def after(self, rows: int) -> MoveBatch:
+        """The batch without its first `rows` moves."""
+        arcs = int((self.kind[:rows] > LINE).sum())
+        return replace(
+            self,
+            kind=self.kind[rows:],
+            end=self.end[rows:],
+            feed=self.feed[rows:],
+            rotary=self.rotary[rows:],
+            place=self.place[rows:],
+            center=self.center[arcs:],
+            normal=self.normal[arcs:],
+            sweep=self.sweep[arcs:],
+            turns=self.turns[arcs:],
+        )

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 _LINE_END = re.compile(r"\r\n|\n|\r")
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 
-LONG: Final = 400_000
+LONG: Final = 200_000
 """Bytes from which on a text is long: its lines are then no list of strings, and compiling their way pays."""
 
 

@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 _MANY_BLOCKS: Final = 20_000
 """Blocks after which a short program, which then has a loop, has cost as much as the import."""
 
+_WORTH_COMPILING: Final = 2_500_000
+"""Bytes from which on compiling the lane, which is done once for a version, is not much longer than doing without."""
+
 
 class Lanes:
     """The compiled lanes of the files of one run, opened when they pay."""
@@ -24,6 +27,7 @@ class Lanes:
         self._dialect = dialect
         self._lanes: dict[str, PlainLane] = {}
         self._eager = settings.lane == "compiled"
+        self._may_compile = self._eager or len(source.raw) >= _WORTH_COMPILING
         self._from = {"grammar": None, "compiled": 0}.get(settings.lane, 0 if len(source.raw) >= LONG else _MANY_BLOCKS)
 
     def lane_at(self, source: SourceText, block: int, control: Control) -> PlainLane | None:
@@ -32,7 +36,10 @@ class Lanes:
             return None
         lane = self._lanes.get(source.name)
         if lane is None:
-            from gcodesim.rs274.plain.lane import PlainLane  # brings numba
+            from gcodesim.rs274.plain.lane import RUN_LINES, PlainLane  # brings numpy, perhaps the compiler
 
+            if not (self._may_compile or RUN_LINES.is_ready()):
+                self._from = None
+                return None
             lane = self._lanes[source.name] = PlainLane(source, self._dialect.longest_line, eager=self._eager)
         return lane if lane.is_open(control) else None

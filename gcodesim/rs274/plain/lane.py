@@ -10,9 +10,11 @@ import numpy as np
 from gcodesim.canon.batch import MoveBatch
 from gcodesim.diagnostics import SourceText
 from gcodesim.diagnostics.finding import Caller
+from gcodesim.native import ArrayType, NativeKernel
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.plain import move_kernels as k
 from gcodesim.rs274.plain.columns import Column
+from gcodesim.rs274.plain.scan_kernels import MOST_CODES
 from gcodesim.units import DEG, INCH, MINUTE
 
 MOST_MOVES: Final = 1 << 15
@@ -22,15 +24,43 @@ _SHORT_RUN = 12  # lines; below that the way through the door costs more than th
 _LONGEST_PAUSE = 64
 
 
+_BATCH: Final = (("u1", 1), ("f8", 2), ("f8", 1), ("?", 1), ("i4", 2), ("f8", 2), ("f8", 2), ("f8", 1), ("i8", 1))
+_ROOM: Final = (("f8", 1), ("i8", 1), ("i8", 1), ("f8", 1), ("f8", 1))
+
+RUN_LINES: Final = NativeKernel(
+    "gcodesim.rs274.plain.move_kernels",
+    "run_lines",
+    [
+        ArrayType("u1", readonly=True),
+        ArrayType("i8"),
+        ArrayType("f8"),
+        ArrayType("i8"),
+        *(ArrayType(item, dimensions) for item, dimensions in (*_BATCH, *_ROOM)),
+    ],
+    integers=3,
+)
+
+
 class PlainLane:
     """Executes the plain lines of one file; `eager` tries every line, whether it may pay or not."""
 
     def __init__(self, source: SourceText, longest_line: int, *, eager: bool = False) -> None:
-        self._eager = eager
+        table = source.table
         self._name = source.name
-        self._table = source.table
         self._longest = longest_line
+        self._eager = eager
         self._pause, self._next_pause = 0, 1
+        self._numbers, self._modes = np.zeros(k.NUMBERS), np.zeros(k.MODES, dtype=np.int64)
+        self._rows = _Rows(min(len(table), MOST_MOVES))
+        room = (
+            np.zeros(26),
+            np.zeros(MOST_CODES + 1, dtype=np.int64),
+            np.zeros(4, dtype=np.int64),
+            np.zeros(6),
+            np.zeros(6),
+        )
+        self._run = RUN_LINES.bind(table.data, table.starts, self._numbers, self._modes, *self._rows.columns(), *room)
+        self._alive = (table, room)  # what the kernel holds pointers to
 
     def is_open(self, control: Control) -> bool:
         """Whether the line at hand may be tried: the state is one that the kernels know, and trying may pay."""
@@ -47,22 +77,17 @@ class PlainLane:
 
         `block` is the number of the first one. Returns the index of the next line, and the moves.
         """
-        table = self._table
-        numbers, modes = _state_as_arrays(control)
-        room = min(last - first, MOST_MOVES)
-        rows = _Rows(room)
-        index = k.run_lines(
-            table.data, table.starts, first, last, self._longest, numbers, modes,
-            rows.kind, rows.end, rows.feed, rows.rotary, rows.place, rows.center, rows.normal, rows.sweep, rows.turns,
-        )  # fmt: skip
+        _write_state(control, self._numbers, self._modes)
+        index = self._run(first, last, self._longest)
         self._judge(index - first)
         if index == first:
             return index, None
-        _take_over(control, numbers, modes)
-        n, m = int(modes[k.ROWS]), int(modes[k.ARCS])
-        if n == 0:
+        _take_over(control, self._numbers, self._modes)
+        moves, arcs = int(self._modes[k.ROWS]), int(self._modes[k.ARCS])
+        if moves == 0:
             return index, None
-        return index, rows.batch(n, m, self._name, callers, block - first - 1, control.state.feed_mode == 950)
+        per_revolution = control.state.feed_mode == 950
+        return index, self._rows.batch(moves, arcs, self._name, callers, block - first - 1, per_revolution)
 
     def _judge(self, lines: int) -> None:
         """After short runs leave some lines to the other lane before the next try."""
@@ -87,50 +112,45 @@ class _Rows:
         self.sweep = np.empty(room)
         self.turns = np.empty(room, dtype=np.int64)
 
+    def columns(self) -> tuple[Column, ...]:
+        """All of them, as the kernel takes them."""
+        return (
+            *(self.kind, self.end, self.feed, self.rotary, self.place),
+            *(self.center, self.normal, self.sweep, self.turns),
+        )
+
     def batch(
-        self, n: int, m: int, file: str, callers: tuple[Caller, ...], block_shift: int, per_revolution: bool
+        self, moves: int, arcs: int, file: str, callers: tuple[Caller, ...], block_shift: int, per_revolution: bool
     ) -> MoveBatch:
-        """The first `n` moves with `m` arcs; copied where most of the room is empty, so that it is not kept."""
-        full = 2 * n >= len(self.kind)
-
-        def kept(column: Column, count: int) -> Column:
-            part = column[:count]
-            return part if full and 2 * count >= len(column) else part.copy()
-
+        """A copy of the first moves and arcs."""
         return MoveBatch(
             file=file,
             callers=callers,
-            kind=kept(self.kind, n),
-            end=kept(self.end, n),
-            feed=kept(self.feed, n),
-            rotary=kept(self.rotary, n),
+            kind=self.kind[:moves].copy(),
+            end=self.end[:moves].copy(),
+            feed=self.feed[:moves].copy(),
+            rotary=self.rotary[:moves].copy(),
             per_revolution=per_revolution,
-            place=kept(self.place, n),
+            place=self.place[:moves].copy(),
             block_shift=block_shift,
-            center=kept(self.center, m),
-            normal=kept(self.normal, m),
-            sweep=kept(self.sweep, m),
-            turns=kept(self.turns, m),
+            center=self.center[:arcs].copy(),
+            normal=self.normal[:arcs].copy(),
+            sweep=self.sweep[:arcs].copy(),
+            turns=self.turns[:arcs].copy(),
         )
 
 
-def _state_as_arrays(control: Control) -> tuple[Column, Column]:
+def _write_state(control: Control, numbers: Column, modes: Column) -> None:
     state = control.state
     turn = math.radians(state.rotation)
-    numbers = np.array(
-        (
-            *state.current[:6], *state.g92[:6], *state.origin[:6],
-            math.cos(turn), math.sin(turn), state.unit, state.feed, state.feed_unit, DEG, MINUTE,
-        )
+    numbers[:] = (
+        *state.current[:6], *state.g92[:6], *state.origin[:6],
+        math.cos(turn), math.sin(turn), state.unit, state.feed, state.feed_unit, DEG, MINUTE,
     )  # fmt: skip
-    modes = np.array(
-        (
-            state.motion, state.plane, state.incremental, state.centre_absolute, state.feed_mode,
-            state.rotation != 0.0, state.unit == INCH, state.speed != 0.0, 0, 0, 0,
-        ),
-        dtype=np.int64,
+    modes[:] = (
+        state.motion, state.plane, state.incremental, state.centre_absolute, state.feed_mode,
+        state.rotation != 0.0, state.unit == INCH, state.speed != 0.0, 0, 0, 0,
     )  # fmt: skip
-    return numbers, modes
 
 
 def _take_over(control: Control, numbers: Column, modes: Column) -> None:

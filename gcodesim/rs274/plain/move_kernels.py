@@ -14,7 +14,7 @@ import numpy as np
 from gcodesim.compiled import kernel
 from gcodesim.rs274.plain.arc_kernels import apart, centre_by_radius, radii_agree, sweep_of
 from gcodesim.rs274.plain.columns import Column
-from gcodesim.rs274.plain.scan_kernels import MOST_CODES, NOT_PLAIN, scan_line
+from gcodesim.rs274.plain.scan_kernels import NOT_PLAIN, scan_line
 
 # places in the array of numbers: points X Y Z A B C, then single values
 CURRENT, G92, ORIGIN = 0, 6, 12
@@ -35,9 +35,6 @@ _NONE, _BAD = -1, -2
 def run_lines(
     text: Column,
     starts: Column,
-    first: int,
-    last: int,
-    longest: int,
     numbers: Column,
     modes: Column,
     kind: Column,
@@ -49,17 +46,22 @@ def run_lines(
     normal: Column,
     sweep: Column,
     turns: Column,
+    values: Column,
+    codes: Column,
+    wanted: Column,
+    target: Column,
+    middle: Column,
+    first: int,
+    last: int,
+    longest: int,
 ) -> int:
     """Execute lines from index `first` to before `last` as far as they are plain; returns where it stopped.
 
     `text` with `starts` (see `LineTable`); `longest` is the most characters a line may have. `numbers` and `modes`
     are the state before and after. Moves are appended to `kind`, `end`, `feed`, `rotary` and `place`, arcs to
     `center`, `normal`, `sweep` and `turns` as well, all as in `canon.MoveBatch`; a full array ends the run too.
+    The rest is room to work in: `values` (26,), `codes` (MOST_CODES + 1,) and `wanted` (4,) integers, two points (6,).
     """
-    values = np.zeros(26)
-    codes = np.zeros(MOST_CODES + 1, dtype=np.int64)
-    wanted = np.zeros(4, dtype=np.int64)
-    target = np.zeros(6)
     rows, arcs = 0, 0
     index = first
     while index < last and rows < len(kind):
@@ -74,7 +76,7 @@ def run_lines(
         if seen == NOT_PLAIN:
             break
         if seen != 0:
-            shape = _execute(seen, values, codes, numbers, modes, wanted, target, kind, end, feed, rotary, rows,
+            shape = _execute(seen, values, codes, numbers, modes, wanted, target, middle, kind, end, feed, rotary, rows,
                              center, normal, sweep, turns, arcs)  # fmt: skip
             if shape == _BAD:
                 break
@@ -145,6 +147,7 @@ def _execute(
     modes: Column,
     wanted: Column,
     target: Column,
+    middle: Column,
     kind: Column,
     end: Column,
     feed: Column,
@@ -190,7 +193,9 @@ def _execute(
             if (seen >> letter) & 1:
                 target[axis] = target[axis] + values[letter] if wanted[2] else values[letter]
         if motion >= 20:
-            length = _arc(seen, values, numbers, modes, wanted, target, motion, center, normal, sweep, turns, arc)
+            length = _arc(
+                seen, values, numbers, modes, wanted, target, middle, motion, center, normal, sweep, turns, arc
+            )
             if length < 0.0:
                 return _BAD
         else:
@@ -264,6 +269,7 @@ def _arc(
     modes: Column,
     wanted: Column,
     target: Column,
+    middle: Column,
     motion: int,
     center: Column,
     normal: Column,
@@ -308,7 +314,8 @@ def _arc(
         if not radii_agree(ax, ay, bx, by, cx, cy, numbers[UNIT], modes[INCH]):
             return -1.0
     angle = sweep_of(ax, ay, bx, by, cx, cy, count)
-    middle = np.zeros(6)
+    for axis in range(6):
+        middle[axis] = 0.0
     middle[first], middle[second], middle[across] = cx, cy, target[across]
     _to_machine(numbers, modes, middle)
     for axis in range(3):

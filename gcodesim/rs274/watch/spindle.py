@@ -103,31 +103,54 @@ class FeedWithoutSpindle(Watch):
             lows.append(_Low(z, self._zero, span, self._tool))
 
     def moves(self, batch: MoveBatch) -> None:
-        """With the spindle on only heights matter, and those are found by columns."""
-        if not self._turning or self._at is None or self._rapid_z is None or self._fall is not None:
-            self.one_by_one(batch)
-            return
+        batch = self.singly_until(batch, lambda: self._at is not None and self._fall is None)
+        if len(batch):
+            self._columns(batch)
+
+    def _columns(self, batch: MoveBatch) -> None:
+        """What `event` does, where no fall waits for the next move."""
         import numpy as np
 
         xyz = batch.end[:, :3]
+        from_ = np.concatenate([np.array([self._at]), xyz[:-1]])
         rapid = batch.kind == 0
-        step = np.diff(xyz, axis=0, prepend=np.array([self._at]))
-        sideways = (np.abs(step[:, :2]) > TINY).any(axis=1) | (batch.kind > 1)
-        falls = ~rapid & ~sideways & (step[:, 2] < -TINY)
-        last: NDArray[np.int64] = np.maximum.accumulate(np.where(rapid, np.arange(len(batch)), -1))
-        # of the rapid before each move
-        rapid_z: NDArray[np.float64] = np.where(last >= 0, xyz[np.maximum(last, 0), 2], self._rapid_z)
+        sideways = (np.abs(xyz[:, :2] - from_[:, :2]) > TINY).any(axis=1) | (batch.kind > 1)
+        rises = xyz[:, 2] > from_[:, 2] + TINY
+        falls = ~rapid & ~sideways & (xyz[:, 2] < from_[:, 2] - TINY)
         bottoms = np.zeros(len(batch), dtype=bool)
-        bottoms[:-1] = falls[:-1] & (step[1:, 2] > TINY)
-        level = ~rapid & sideways & (step[:, 2] <= TINY)
-        cuts = (level | bottoms) & (xyz[:, 2] < rapid_z - TINY)
-        if cuts.any():
-            highest = float(xyz[cuts, 2].max())
-            self._level = highest if self._level is None else max(highest, self._level)
+        bottoms[:-1] = falls[:-1] & rises[1:]
+        cuts = np.flatnonzero((~rapid & sideways & ~rises) | bottoms)
+        fast = np.flatnonzero(rapid)
+        if self._turning:
+            self._raise_level(xyz[:, 2], cuts, fast)
+        else:
+            self._lower(batch, cuts, falls)
         x, y, z = xyz[-1].tolist()
         self._at = (x, y, z)
-        self._rapid_z = float(rapid_z[-1])
+        if len(fast):
+            self._rapid_z = float(xyz[fast[-1], 2])
         self._fall = batch.span(len(batch) - 1) if falls[-1] else None
+
+    def _raise_level(self, z: NDArray[np.float64], cuts: NDArray[np.int64], fast: NDArray[np.int64]) -> None:
+        """The highest of the cuts that lie below the rapid before them."""
+        import numpy as np
+
+        heights = np.concatenate([[-np.inf if self._rapid_z is None else self._rapid_z], z[fast]])
+        deep = z[cuts][z[cuts] < heights[np.searchsorted(fast, cuts)] - TINY]
+        if len(deep):
+            highest = float(deep.max())
+            self._level = highest if self._level is None else max(highest, self._level)
+
+    def _lower(self, batch: MoveBatch, cuts: NDArray[np.int64], falls: NDArray[np.bool_]) -> None:
+        """The cuts that go lower than any before."""
+        import numpy as np
+
+        lows = self._lows[-1]
+        z = batch.end[cuts, 2]
+        before = np.minimum.accumulate(np.concatenate([[lows[-1].z if lows else np.inf], z]))[:-1]
+        for row in cuts[z < before].tolist():
+            fallen = row > 0 and falls[row - 1] and not falls[row]
+            self._cut(float(batch.end[row, 2]), batch.span(row - 1 if fallen else row))
 
     def findings(self, *, finished: bool) -> Iterable[Diagnostic]:
         if self._level is None:

@@ -139,10 +139,9 @@ class MoveWithoutLength(Watch):
         )
 
     def moves(self, batch: MoveBatch) -> None:
-        if self._pending is not None:
-            self.one_by_one(batch)
-        else:
-            self._z = float(batch.end[-1, 2])
+        rest = self.singly_until(batch, lambda: self._pending is None)
+        if len(rest):
+            self._z = float(rest.end[-1, 2])
 
     def findings(self, *, finished: bool) -> Iterable[Diagnostic]:
         return self._found if self._uses else ()

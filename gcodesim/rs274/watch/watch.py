@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
 from gcodesim import canon
@@ -40,6 +40,15 @@ class Watch:
         """The moves as events, for the rare times at which a rule has to see each."""
         for event in batch.events():
             self.event(event)
+
+    def singly_until(self, batch: MoveBatch, ready: Callable[[], bool]) -> MoveBatch:
+        """The first moves as events, until the rule can take the others as columns; returns those."""
+        done = 0
+        moves = batch.events()
+        while done < len(batch) and not ready():
+            self.event(next(moves))
+            done += 1
+        return batch.after(done)
 
     def findings(self, *, finished: bool) -> Iterable[Diagnostic]:
         """What was found; `finished` when the program came to its end without an error."""
