@@ -13,6 +13,7 @@ from gcodesim.job import Job
 from gcodesim.motion.tool_path import HOME, RAPID
 from gcodesim.results import Results, StockResult, Times, joint_rows, line_rows, tool_rows
 from gcodesim.shop import Shop
+from gcodesim.verdict import idle_suppressions
 from gcodesim.version import __version__
 
 if TYPE_CHECKING:
@@ -48,9 +49,13 @@ def _is_called(job: Job, source: SourceText) -> bool:
 
 
 def results_of(job: Job, execution: Execution | None, *, failed: bool = False) -> Results:
-    findings = job.shown(job.findings)
     interrupted = execution is not None and execution.interrupted
     failed = failed or job.cell is None or job.stopped_at is not None or interrupted
+    everything = list(job.findings)
+    if job.cell is not None and not failed:
+        everything += idle_suppressions(everything, job.cell, job.program, ran=execution is not None)
+        everything.sort(key=lambda finding: finding.order)
+    findings = job.shown(everything)
     worst = max((finding.level for finding in findings), default=None)
     fail_on = job.options.fail_on
     bad = worst is not None and fail_on is not None and worst >= fail_on

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from datetime import date
 
 from gcodesim.cell import Cell
-from gcodesim.cell.settings import Suppression
+from gcodesim.cell.settings import Suppression, matches
 from gcodesim.diagnostics import Diagnostic, SourceText
 
 
@@ -44,10 +44,40 @@ def suppressed_findings(
     return list(found.values())
 
 
+def idle_suppressions(
+    findings: Iterable[Diagnostic], cell: Cell, program: SourceText, *, ran: bool
+) -> Iterator[Diagnostic]:
+    """GS733: entries of `suppress` for this program that no finding falls under.
+
+    Entries past their day are looked at like others, so that no date decides; without a run (`ran` False) those for
+    codes that only a run can give are passed over.
+    """
+    everything = list(findings)
+    for index, entry in enumerate(cell.suppress):
+        if entry.program not in (None, program.name) or (not ran and _needs_run(entry.code)):
+            continue
+        if not any(_fits(entry, finding, program) for finding in everything):
+            yield Diagnostic(
+                code="GS733",
+                span=cell.span("suppress", index),
+                message=f"nothing is suppressed here: {program.name} gives no such finding {entry.code}",
+                hint="remove the entry, or correct its code and place",
+            )
+
+
+def _needs_run(pattern: str) -> bool:
+    return any(pattern.startswith(head) for head in ("GS23", "GS4", "GS5"))
+
+
 def _suppresses(entry: Suppression, finding: Diagnostic, program: SourceText, today: date | None) -> bool:
-    if entry.code != finding.code or (entry.program is not None and entry.program != finding.span.file):
-        return False
     if entry.until is not None and (today or date.today()) > entry.until:
+        return False
+    return _fits(entry, finding, program)
+
+
+def _fits(entry: Suppression, finding: Diagnostic, program: SourceText) -> bool:
+    """Whether the entry is about this finding, on whatever day."""
+    if not matches(entry.code, finding.code) or (entry.program is not None and entry.program != finding.span.file):
         return False
     if entry.line is not None and entry.line != finding.span.line:
         return False

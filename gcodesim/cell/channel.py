@@ -255,7 +255,7 @@ class Channel:
         default="calculator",
     )
     block_delete: bool = key(Switch(), "blocks that begin with `/` are skipped", default=False)
-    optional_stop: bool = key(Switch(), "M1 stops", default=False)
+    optional_stop: bool = key(Switch(), "M1 stops; without effect, as nobody would go on", default=False)
     m_codes: Mapping[str, MCode] = key(
         MapOf(M_CODES, _ActionKind(), "M-codes and what they do"), "M-codes of this cell", default={}, quiet=True
     )

@@ -25,6 +25,13 @@ def idle_findings(cell: Cell, channel: str) -> Iterator[Diagnostic]:
             message="`target` has no effect: this version does not compare the part with a target",
             hint="compare the STL that the run writes with the target",
         )
+    if cell.channels[channel].optional_stop:
+        yield Diagnostic(
+            code="GS909",
+            span=cell.channel_span(channel, "optional_stop"),
+            message="`optional_stop` has no effect: nobody stands at the simulated machine who would start it again",
+            hint="M0 and M1 bring the tool to rest, and the program goes on",
+        )
     running = cell.channels[channel].robot or MACHINE
     movers = [*([MACHINE] if cell.machine is not None else []), *cell.robots]
     running = running if running in movers else movers[0]

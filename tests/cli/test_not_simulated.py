@@ -62,6 +62,7 @@ def test_the_most_exact_pattern_counts(cli, write, tmp_path: Path) -> None:
         ("{code: GS907, line: 6, reason: our own macro}", False),
         ('{code: GS907, block: "m100  p3", reason: our own macro}', True),
         ('{code: GS907, block: "M100 P4", reason: our own macro}', False),
+        ("{code: GS9xx, line: 5, reason: our own macro}", True),
         ("{code: GS907, program: part.nc, reason: our own macro}", True),
         ("{code: GS907, program: other.nc, reason: our own macro}", False),
         ("{code: GS907, until: 2999-01-01, reason: our own macro}", True),
@@ -77,3 +78,35 @@ def test_suppressed_findings(cli, write, tmp_path: Path, entry: str, gone: bool)
     assert done.status == (0 if gone else 1), done.out
     assert any(f["code"] == "GS907" for f in done.json["findings"]) is not gone
     assert {"word": "M100", "count": 1, "first_line": 5} in done.json["not_simulated"]  # listed all the same
+
+
+@pytest.mark.parametrize(
+    ("entry", "idle"),
+    [
+        ("{code: GS907, reason: our own macro}", False),
+        ("{code: GS907, line: 6, reason: our own macro}", True),
+        ("{code: GS907, until: 2001-01-01, reason: our own macro}", False),  # no date decides
+        ("{code: GS907, program: other.nc, reason: our own macro}", False),  # another program's
+        ("{code: GS401, reason: the rapid is fine}", False),  # only a run would tell
+        ("{code: GS201, reason: the switch was moved}", True),
+    ],
+)
+def test_a_suppression_that_nothing_falls_under(cli, write, tmp_path: Path, entry: str, idle: bool) -> None:
+    write("part.nc", SKIPPING)
+    done = cli("check", "part.nc", "--cell", _cell(tmp_path, f"suppress:\n  - {entry}\n"), "--format", "json")
+
+    assert any(f["code"] == "GS733" and f["severity"] == "note" for f in done.json["findings"]) is idle
+
+
+def test_a_run_tells_which_suppressions_are_idle(cli, write, tmp_path: Path) -> None:
+    write("part.nc", SKIPPING)
+    cell = _cell(tmp_path, "suppress:\n  - {code: GS401, reason: the rapid is fine}\n")
+    done = cli("run", "part.nc", "--cell", cell, "--format", "json")
+
+    assert [f["code"] for f in done.json["findings"] if f["code"] == "GS733"] == ["GS733"]
+
+
+def test_optional_stop_is_said_to_have_no_effect(cli, tmp_path: Path) -> None:
+    done = cli("check", "slot.nc", "--cell", _cell(tmp_path, "optional_stop: true\n"), "--format", "json")
+
+    assert any(f["code"] == "GS909" and "optional_stop" in f["message"] for f in done.json["findings"])

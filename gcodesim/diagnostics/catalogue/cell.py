@@ -301,6 +301,14 @@ CODES += (
         why="The tip goes off by the difference, on the machine as in the simulation: into the part or into the air.",
         remedy="Measure the tool, and correct the tool table or `length` in the cell.",
     ),
+    Code(
+        code="GS733",
+        severity=Severity.NOTE,
+        title="A suppression without effect",
+        what="An entry of `suppress` is about this program, or any, and none of its findings falls under it.",
+        why="It may hide tomorrow what nobody has looked at; or the finding stands at another place by now.",
+        remedy="Remove the entry, or correct its code, line, N number or block.",
+    ),
 )
 
 # robot descriptions (URDF)

@@ -1,0 +1,107 @@
+"""What the options of reading do, the same in lint, canon and check."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+DRILL = "O1\nG21 G90 G17 G94\nG0 X10 Y0 Z5\nM30\n"
+
+
+@pytest.mark.parametrize("command", [["lint"], ["check", "--cell", "cell.yaml"], ["run", "--cell", "cell.yaml"]])
+def test_findings_of_option_files_are_findings_like_others(cli, write, command: list[str]) -> None:
+    write("bad.tbl", "T1 P1 Z50 D6\nT2 P2 Z62,5\n")
+    done = cli(command[0], "slot.nc", *command[1:], "--tools", "bad.tbl", "--format", "json")
+
+    assert [(f["file"], f["line"]) for f in done.json["findings"] if f["code"] == "GS020"] == [("bad.tbl", 2)]
+    text = cli(command[0], "slot.nc", *command[1:], "--tools", "bad.tbl")
+    assert "  2 | T2 P2 Z62,5\n" in text.out
+
+
+def test_canon_tells_the_findings_of_lint(cli, write) -> None:
+    write("bad.nc", "G21 G90\nT1 M6\nG43 H2\nF100\nG1 X5 Y\nG1 X2 P7\nM2\n")
+    listed = cli("canon", "bad.nc", "--format", "json").json
+    linted = cli("lint", "bad.nc", "--format", "json").json
+
+    assert [f["code"] for f in linted["findings"]] == ["GS161", "GS004", "GS104"]
+    assert listed["findings"] == linted["findings"]
+    assert listed["error"] == {"message": linted["findings"][1]["message"], "line": 5}
+    text = cli("canon", "bad.nc")
+    assert "bad.nc:5:7: error GS004" in text.out and "2 more findings" in text.err
+
+
+def test_check_tells_the_findings_of_lint(cli, write) -> None:
+    write("bad.nc", "G21 G90\nT1 M6\nG43 H2\nF100\nG1 X5 Y\nG1 X2 P7\nM2\n")
+    wanted = {"GS161", "GS004", "GS104"}
+    told = [
+        [f for f in cli(*command, "--format", "json").json["findings"] if f["code"] in wanted]
+        for command in (
+            ("lint", "bad.nc", "--cell", "cell.yaml"),
+            ("canon", "bad.nc", "--cell", "cell.yaml"),
+            ("check", "bad.nc", "--cell", "cell.yaml"),
+            ("run", "bad.nc", "--cell", "cell.yaml"),
+        )
+    ]
+
+    assert len(told[0]) == 3
+    assert all({**f, "time_s": None} in told[0] for other in told[1:] for f in other)
+    assert all(len(other) == 3 for other in told)
+
+
+def test_warnings_do_not_fail(cli, write) -> None:
+    write("warned.nc", "G21 G90\nT1 M6\nG43 H2\nG0 X5\nM2\n")
+
+    for command in (("lint", "warned.nc"), ("check", "warned.nc", "--cell", "cell.yaml")):
+        assert cli(*command).status == 0
+        assert cli(*command, "--fail-on", "warning").status == 1
+
+
+def test_lint_follows_checks_and_suppress_of_the_cell(cli, write, tmp_path: Path) -> None:
+    write("warned.nc", "G21 G90\nT1 M6\nG43 H2\nG0 X5\nM2\n")
+    cell = (tmp_path / "cell.yaml").read_text()
+    write("strict.yaml", cell + "checks: {GS161: error}\n")
+    write("mild.yaml", cell + "suppress:\n  - {code: GS161, line: 3, reason: H2 is the measured one}\n")
+
+    assert cli("lint", "warned.nc", "--cell", "strict.yaml").status == 1
+    assert cli("lint", "warned.nc", "--cell", "mild.yaml", "--fail-on", "warning").status == 0
+
+
+def test_a_broken_cell_is_told_in_both_formats(cli, write) -> None:
+    write("broken.yaml", "gcodesim: 1\nmachine: gantry_xy\n")
+    for command in ("lint", "canon"):
+        done = cli(command, "slot.nc", "--cell", "broken.yaml", "--format", "json")
+        assert done.status == 1
+        assert [f["code"] for f in done.json["findings"]] == ["GS712"]
+        assert "GS712" in cli(command, "slot.nc", "--cell", "broken.yaml").out
+
+
+def test_decimal_point(cli, write, tmp_path: Path) -> None:
+    write("drill.nc", DRILL)
+    write("old.yaml", (tmp_path / "cell.yaml").read_text() + "dialect: fanuc\ndecimal_point: increments\n")
+
+    def first_move(*options: object) -> list[float]:
+        events = cli("canon", "drill.nc", "--format", "json", *options).json["events"]
+        return next(event["end"] for event in events if event["kind"] == "rapid")[:1]
+
+    assert first_move("--dialect", "fanuc") == [10]
+    assert first_move("--dialect", "fanuc", "--decimal-point", "increments") == [0.01]
+    x_of = {name: first_move("--cell", name, *more)[0] for name, more in (("old.yaml", ()),)}
+    calculator = first_move("--cell", "old.yaml", "--decimal-point", "calculator")[0]
+    assert calculator - x_of["old.yaml"] == pytest.approx(9.99)
+
+
+def test_json_alone_stands_on_stdout(cli, write, tmp_path: Path) -> None:
+    write("bad.var", "5221 12O\n")
+    done = subprocess.run(
+        [sys.executable, "-m", "gcodesim", "lint", "slot.nc", "--parameters", "bad.var", "--format", "json"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+
+    assert [f["code"] for f in json.loads(done.stdout)["findings"]] == ["GS021"]
