@@ -18,6 +18,8 @@ COMMANDS = (
     "export",
     "plot",
     "report",
+    "test",
+    "accept",
     "diff",
     "explain",
     "list",
@@ -29,6 +31,7 @@ _EXAMPLES = """examples:
   gcodesim run part.nc --cell cell.yaml         simulate: material, forces, log, results
   gcodesim check part.nc --cell cell.yaml       limits, reach, time; no material
   gcodesim lint part.nc                         the program alone
+  gcodesim test suite/                          what programs did when accepted, do they still?
   gcodesim explain GS203                        what a finding means and what to do
 
 exit status: 0 clean, 1 findings (see --fail-on), 2 wrong usage, 70 fault of gcodesim, 130 interrupted

@@ -37,6 +37,10 @@ def _compare(path: str, old: Any, new: Any, tolerances: Tolerances) -> Iterator[
         name = quantity_of(path)
         if not tolerances[name].allows(old, new):
             yield Change(quantity=path, old=old, new=new, allowed=tolerances[name].limit(old), tolerance=name)
+    elif path == "status":
+        # whether findings count depends on how a run was asked for; findings are compared themselves
+        if (old == "failed") != (new == "failed"):
+            yield Change(quantity=path, old=old, new=new)
     elif old != new:
         yield Change(quantity=path, old=old, new=new)
 

@@ -17,6 +17,7 @@ from gcodesim.regress.case_file import ExpectedFinding
 
 _COMMENT = re.compile(r"(?:\(\s*(?P<round>[^()]*)\)?|;\s*(?P<rest>.*))")
 _EXPECT = re.compile(r"expect\s*(?P<place>@\s*(?:[+-]?[0-9]+|\*)?)?\s*:(?P<body>.*)", re.IGNORECASE)
+_ALMOST = re.compile(r"expect\b[^:]*\bGS[0-9]", re.IGNORECASE)
 _ITEM = re.compile(
     r'\s*(?:(?P<severity>error|warning|note)\s+)?(?P<code>GS[0-9][0-9x]{2})(?:\s+"(?P<message>[^"]*)")?'
     r"(?:\s+x(?P<count>[0-9]+))?\s*(?:,|$)",
@@ -61,6 +62,8 @@ def _read(match: re.Match[str], span: Span) -> list[ExpectedFinding] | Diagnosti
     text = (match["round"] if match["round"] is not None else match["rest"]).strip()
     head = _EXPECT.fullmatch(text)
     if head is None:
+        if _ALMOST.match(text):
+            return _fault(span, "there is no `:` after `expect`", "write `(expect: GS501)`")
         return []
     body, place = head["body"].strip(), (head["place"] or "")[1:].strip()
     if head["place"] is not None and not place:

@@ -17,7 +17,7 @@ from gcodesim.job import Job, Options
 from gcodesim.regress import show
 from gcodesim.regress.case import Case, shown_path
 from gcodesim.regress.case_file import ExpectedValue
-from gcodesim.regress.changes import SAME, Change, Comparison, FindingChange
+from gcodesim.regress.changes import SAME, Change, Comparison, FindingChange, MoveChange
 from gcodesim.regress.compare import is_number, paths_of, value_at
 from gcodesim.regress.expectation import Wanted, expectations
 from gcodesim.regress.facts import Facts, compare, facts_of_run
@@ -82,10 +82,10 @@ def judge(case: Case, how: Judging) -> tuple[CaseVerdict, Outcome]:
     found += [Found(finding=finding, state="suppressed", reason=reason) for finding, reason in outcome.suppressed]
     ours = [*outcome.faults, *faults, *unmet, *_values(case, outcome.facts.results), *problem]
     if comparison is not None:
-        ours += differences(comparison, case)
+        ours += differences(comparison, outcome.facts)
     elif not problem:
         ours.append(_nothing_accepted(case))
-    found += [Found(finding=one, state="counts" if one.level > Severity.NOTE else "told") for one in ours]
+    found += [Found(finding=one, state="counts" if _is_severe(one, fail_on) else "told") for one in ours]
     shown = sorted((_relocated(one, outcome.files, how.root) for one in found), key=lambda one: one.finding.order)
     failed = any(one.state == "counts" for one in shown)
     verdict = CaseVerdict(
@@ -260,10 +260,8 @@ def _state(
     """What a finding of the run does to the verdict, and why."""
     if any(finding is one for one in taken):
         return "expected", ""
-    if fail_on == "never":
-        return "told", ""
-    severe = finding.level >= Severity[fail_on.upper()]
-    if comparison is None:
+    severe = _is_severe(finding, fail_on)
+    if comparison is None or fail_on == "never":
         return ("counts" if severe else "told"), ""
     mine = as_json(finding)
     if any(change.kind == "new" and change.new == mine for change in comparison.findings):
@@ -271,13 +269,15 @@ def _state(
     return ("accepted" if severe else "told"), ""
 
 
-def differences(comparison: Comparison, case: Case) -> list[Diagnostic]:
-    """A GS6xx finding for each difference, in the names of the run's files."""
-    program = case.program.name
-    place = next((move.near for move in comparison.moves if move.near is not None), None)
-    first = Span(program) if place is None else Span(place.file, place.line)
+def _is_severe(finding: Diagnostic, fail_on: str) -> bool:
+    return fail_on != "never" and finding.level >= Severity[fail_on.upper()]
+
+
+def differences(comparison: Comparison, facts: Facts) -> list[Diagnostic]:
+    """A GS6xx finding for each difference of `facts` from what was accepted, in the names of the run's files."""
+    first = next((_span(move, facts) for move in comparison.moves), Span(facts.name))
     return [
-        *_of_moves(comparison, program),
+        *_of_moves(comparison, facts),
         *(_of_change(change, first) for change in comparison.changes),
         *(
             Diagnostic(
@@ -291,28 +291,35 @@ def differences(comparison: Comparison, case: Case) -> list[Diagnostic]:
             for surface in comparison.surfaces
         ),
         # a new one counts by itself
-        *(_of_finding(change, program) for change in comparison.findings if change.kind != "new"),
+        *(_of_finding(change, facts) for change in comparison.findings if change.kind != "new"),
     ]
 
 
-def _of_moves(comparison: Comparison, program: str) -> Iterator[Diagnostic]:
+def _span(move: MoveChange, facts: Facts) -> Span:
+    place = move.near
+    if place is None or not place.line:
+        return Span(facts.name)
+    return Span.of_line(place.file, place.line, facts.text(place.file, place.line))
+
+
+def _of_moves(comparison: Comparison, facts: Facts) -> Iterator[Diagnostic]:
     for move in comparison.moves[:_MOST_MOVES]:
-        span = Span(program) if move.near is None else Span(move.near.file, move.near.line)
-        yield Diagnostic(code="GS603", span=span, message=show.move_message(move), count=move.count)
+        yield Diagnostic(code="GS603", span=_span(move, facts), message=show.move_message(move), count=move.count)
     more = len(comparison.moves) - _MOST_MOVES
     if more > 0:
         message = f"{more} further differences of motion from what was accepted"
-        yield Diagnostic(code="GS603", span=Span(program), message=message, count=more)
+        yield Diagnostic(code="GS603", span=Span(facts.name), message=message, count=more)
 
 
 def _of_change(change: Change, span: Span) -> Diagnostic:
     return Diagnostic(code="GS604", span=span, message=show.change_text(change))
 
 
-def _of_finding(change: FindingChange, program: str) -> Diagnostic:
+def _of_finding(change: FindingChange, facts: Facts) -> Diagnostic:
     one = change.shown
-    line = one["line"] if change.kind != "gone" and one["file"] == program else 0
-    return Diagnostic(code="GS606", span=Span(program, line), message=f"finding {show.finding_text(change)}")
+    line = one["line"] if change.kind != "gone" and one["file"] in facts.sources else 0
+    span = Span.of_line(one["file"], line, facts.text(one["file"], line)) if line else Span(facts.name)
+    return Diagnostic(code="GS606", span=span, message=f"finding {show.finding_text(change)}")
 
 
 # ---- what is expected

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any, Final
 
@@ -243,3 +243,16 @@ def _diff_lines(moves: Sequence[MoveChange]) -> Iterator[str]:
             yield f"+ {_line(move.new)}"
         told = ", ".join(field_text(field) for field in move.fields) or f"{move.what} {move.kind}"
         yield f"  {told}{_until(move)}".replace("```", "'''")
+
+
+def totals(results: Mapping[str, Any]) -> list[str]:
+    """The numbers that one asks for first: time, removed and deposited volume, greatest force."""
+    if "time" not in results:
+        return []
+    parts = [f"{number(round(results['time']['total_s'], 3))} s"]
+    for name, stock in results["stocks"].items():
+        for what in ("removed", "deposited"):
+            if stock[f"{what}_mm3"]:
+                parts.append(f"{number(round(stock[f'{what}_mm3'], 3))} mm³ {what} of {name}")
+    force = max((tool["max_force_N"] for tool in results["tools"]), default=0.0)
+    return [*parts, f"at most {number(round(force, 3))} N"] if force else parts

@@ -7,16 +7,19 @@ from dataclasses import dataclass, replace
 from datetime import date
 from multiprocessing import get_context
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, TypeVar
 
-from gcodesim.diagnostics import Diagnostic, SourceText
+from gcodesim.diagnostics import Diagnostic
 from gcodesim.regress.case import Case, Collected
+from gcodesim.regress.sources import Sources
 from gcodesim.regress.verdicts import CaseVerdict, Found, SuiteVerdict
 
 if TYPE_CHECKING:
     from gcodesim.regress.baseline import Baseline
     from gcodesim.regress.cache import Cache
     from gcodesim.regress.judge import Judging
+
+T = TypeVar("T")
 
 _OURS: Final = "GS6"  # differences and expectations: no baseline takes them
 
@@ -59,8 +62,8 @@ def run_suite(
     cases = collected.cases
     known = {case.name: cache.find(case, today) if cache is not None and reuse else None for case in cases}
     pending = [case for case in cases if known[case.name] is None]
-    fresh = _run(pending, how, jobs)
-    lines = _Lines(how.root)
+    fresh = in_parallel(judged, pending, how, jobs)
+    lines = Sources(how.root)
     verdicts: list[CaseVerdict] = []
     has_failed = False
     try:
@@ -96,16 +99,18 @@ def _program(case: Case, how: Judging) -> str:
     return shown_path(case.program, how.root)
 
 
-def _run(cases: Sequence[Case], how: Judging, jobs: int) -> Generator[Judged, None, None]:
-    """Verdicts in the order of the cases; closing it gives up what has not begun."""
+def in_parallel(
+    work: Callable[[Case, Judging], T], cases: Sequence[Case], how: Judging, jobs: int
+) -> Generator[T, None, None]:
+    """`work` on all cases, in their order, by `jobs` processes; closing it gives up what has not begun."""
     if jobs < 2 or len(cases) < 2:
-        yield from (judged(case, how) for case in cases)
+        yield from (work(case, how) for case in cases)
         return
     from concurrent.futures import ProcessPoolExecutor
 
     # a fresh interpreter each: nothing that this process has loaded or locked comes along
     with ProcessPoolExecutor(min(jobs, len(cases)), mp_context=get_context("spawn")) as pool:
-        futures = [pool.submit(judged, case, how) for case in cases]
+        futures = [pool.submit(work, case, how) for case in cases]
         try:
             for future in futures:
                 yield future.result()
@@ -113,26 +118,9 @@ def _run(cases: Sequence[Case], how: Judging, jobs: int) -> Generator[Judged, No
             pool.shutdown(wait=True, cancel_futures=True)
 
 
-class _Lines:
-    """Lines of files by their names from the root."""
-
-    def __init__(self, root: Path) -> None:
-        self._root = root
-        self._sources: dict[str, SourceText | None] = {}
-
-    def __call__(self, file: str, line: int) -> str:
-        if file not in self._sources:
-            try:
-                self._sources[file] = SourceText.read(self._root / file)
-            except OSError:
-                self._sources[file] = None
-        source = self._sources[file]
-        return "" if source is None else source.line(line)
-
-
-def _with_baseline(verdict: CaseVerdict, baseline: Baseline, lines: _Lines) -> CaseVerdict:
+def _with_baseline(verdict: CaseVerdict, baseline: Baseline, lines: Sources) -> CaseVerdict:
     found = tuple(
-        replace(one, state="baseline") if _may_wait(one) and baseline.knows(one.finding, lines) else one
+        replace(one, state="baseline") if _may_wait(one) and baseline.knows(one.finding, lines.line) else one
         for one in verdict.found
     )
     if verdict.status != "failed" or any(one.state == "counts" for one in found):
@@ -151,4 +139,4 @@ def baseline_of(verdict: SuiteVerdict, root: Path) -> str:
     findings: list[Diagnostic] = [
         one.finding for case in verdict.cases for one in case.found if one.state == "baseline" or _may_wait(one)
     ]
-    return baseline_text(findings, _Lines(root))
+    return baseline_text(findings, Sources(root).line)

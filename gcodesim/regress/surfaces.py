@@ -185,8 +185,8 @@ def _most(
     i, j = np.unravel_index(int(np.argmax(np.where(off, apart, -1.0))), apart.shape)
     return SurfaceChange(
         stock=name,
-        x_mm=_mm(corner[0] + (int(i) + 0.5) * cell[0]),
-        y_mm=_mm(corner[1] + (int(j) + 0.5) * cell[1]),
+        x_mm=round(_mm(corner[0] + (int(i) + 0.5) * cell[0]), 3),
+        y_mm=round(_mm(corner[1] + (int(j) + 0.5) * cell[1]), 3),
         old_mm=None if np.isnan(old[i, j]) else _mm(float(old[i, j])),
         new_mm=None if np.isnan(new[i, j]) else _mm(float(new[i, j])),
         deviation_mm=_mm(float(apart[i, j])),

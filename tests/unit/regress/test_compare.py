@@ -49,7 +49,7 @@ def test_what_does_not_count(new: dict[str, object]) -> None:
         (changed("time", "total_s", to=10.02), "time.total_s"),
         (changed("stocks", "stock", "removed_mm3", to=687.9), "stocks.stock.removed_mm3"),
         (changed("tools", 0, "max_force_N", to=82.0), "tools.1.max_force_N"),
-        (changed("status", to="findings"), "status"),
+        (changed("status", to="failed"), "status"),
         (changed("tools", to=[]), "tools.1"),
     ],
 )

@@ -1,0 +1,63 @@
+"""Options that decide which findings count: the day for dated suppressions, the baseline of known findings."""
+
+from __future__ import annotations
+
+import argparse
+from datetime import date
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from gcodesim.cli.exits import UsageError
+from gcodesim.cli.options import read_source
+
+if TYPE_CHECKING:
+    from gcodesim.regress.baseline import Baseline
+
+
+def add_today(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--today",
+        type=_day,
+        metavar="DAY",
+        help="the day (2027-03-01) with which `until:` of suppressions is compared (default: the system's)",
+    )
+
+
+def _day(text: str) -> date:
+    try:
+        return date.fromisoformat(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"a day such as 2027-03-01 is expected, not {text}") from None
+
+
+def add_baseline(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--baseline", type=Path, metavar="FILE", help="findings in this file are known and do not fail; new ones do"
+    )
+    parser.add_argument(
+        "--write-baseline", type=Path, metavar="FILE", help="write all findings that would fail into FILE; status 0"
+    )
+
+
+def read_baseline(arguments: argparse.Namespace) -> Baseline | None:
+    """The baseline that the command line names; UsageError when it cannot be read."""
+    from gcodesim.regress.baseline import Baseline, BaselineError
+
+    if arguments.baseline is None:
+        return None
+    try:
+        return Baseline.read(read_source(arguments.baseline, "baseline"))
+    except BaselineError as error:
+        raise UsageError(f"baseline {arguments.baseline} cannot be read: {error}") from None
+
+
+def write_baseline(path: Path, text: str) -> None:
+    """Write a baseline file and say so; UsageError when that fails."""
+    from gcodesim.cli.output import note
+    from gcodesim.whole_file import write_whole
+
+    try:
+        write_whole(path, text.encode())
+    except OSError as error:
+        raise UsageError(f"baseline {path} cannot be written: {error.strerror}") from None
+    note(f"wrote {path}: with --baseline {path} its findings fail nothing")

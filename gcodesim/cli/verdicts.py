@@ -1,0 +1,96 @@
+"""A test run on the screen: what failed and why, then what one reads in ten seconds."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Final
+
+from gcodesim.cli.output import wants_colour
+from gcodesim.diagnostics import SourceText
+from gcodesim.diagnostics.show import as_text
+from gcodesim.regress.sources import Sources
+from gcodesim.regress.verdicts import CaseVerdict, Found, SuiteVerdict
+
+_MOST: Final = 8
+"""Findings of a case that are shown without -v."""
+
+_ORDER: Final = ("", "GS601", "GS602", "GS603", "GS605", "GS606", "GS604")
+_OF_THE_WHOLE: Final = ("GS604", "GS605")
+
+_COLOUR: Final = {"passed": "32", "failed": "31;1", "not_run": "33"}
+_WORDS: Final = {"passed": "passed", "failed": "FAILED", "not_run": "not run"}
+
+
+def print_suite(verdict: SuiteVerdict, root: Path, *, verbose: bool) -> None:
+    """Failed cases with their findings, then the summary."""
+    sources = Sources(root)
+    for one in verdict.found:
+        print(as_text(one.finding, sources))
+    for case in verdict.cases:
+        if case.status == "failed" or verbose:
+            _print_case(case, sources, verbose=verbose)
+    _print_summary(verdict)
+
+
+def _print_case(case: CaseVerdict, sources: Mapping[str, SourceText], *, verbose: bool) -> None:
+    print(f"{_coloured(_WORDS[case.status], case.status)} {case.name}{' (unchanged)' if case.unchanged else ''}")
+    shown = sorted((one for one in case.found if one.state == "counts"), key=lambda one: _rank(one.finding.code))
+    if verbose:
+        shown += [one for one in case.found if one.state != "counts"]
+    least = len(shown) if verbose else _MOST
+    for one in shown[:least]:
+        # the place of a result is that of the first difference in motion, which is quoted above it
+        quoted = {} if one.finding.code in _OF_THE_WHOLE else sources
+        for line in as_text(one.finding, quoted).splitlines():
+            print(f"  {line}")
+        if _remark(one):
+            print(f"    {_remark(one)}")
+    if len(shown) > least:
+        print(f"  … and {len(shown) - least} more (-v shows all)")
+    if shown:
+        print()
+
+
+def _rank(code: str) -> int:
+    """What one wants to know first: faults, expectations, motion, surface, then the other results."""
+    return _ORDER.index(code) if code in _ORDER else 0
+
+
+def _remark(found: Found) -> str:
+    if found.state == "suppressed":
+        return f"suppressed: {found.reason}"
+    if found.state == "counts":
+        return found.reason
+    return "" if found.state == "told" else {"baseline": "in the baseline"}.get(found.state, found.state)
+
+
+def _print_summary(verdict: SuiteVerdict) -> None:
+    states: list[str] = [one.state for case in verdict.cases for one in case.found]
+    for text in verdict.gone:
+        print(f"gone from the baseline: {text}")
+    failed, passed, rest = (len(verdict.with_status(status)) for status in ("failed", "passed", "not_run"))
+    unchanged = sum(case.unchanged for case in verdict.cases)
+    parts = [_coloured(f"{failed} failed", "failed") if failed else "none failed", f"{passed} passed"]
+    if unchanged:
+        parts[-1] += f" ({unchanged} unchanged)"
+    if rest:
+        parts.append(f"{rest} not run")
+    for state, text in (("baseline", "in the baseline"), ("suppressed", "suppressed"), ("expected", "expected")):
+        if count := states.count(state):
+            parts.append(f"{count} finding{'' if count == 1 else 's'} {text}")
+    unaccepted = sum(case.comparison is None for case in verdict.cases if case.status != "not_run")
+    if unaccepted:
+        parts.append(f"{unaccepted} without accepted results (`gcodesim accept`)")
+    if verdict.found:
+        parts.append(f"{len(verdict.found)} fault{'' if len(verdict.found) == 1 else 's'} in test files")
+    print(", ".join(parts))
+    for case in verdict.with_status("failed"):
+        what = list(dict.fromkeys(one.code for one in case.counting))
+        quantities = f": {', '.join(case.quantities[:6])}{' …' if len(case.quantities) > 6 else ''}"
+        print(f"  {case.name}  {' '.join(what)}{quantities if case.quantities else ''}")
+
+
+def _coloured(text: str, status: str) -> str:
+    return f"\033[{_COLOUR[status]}m{text}\033[0m" if wants_colour(sys.stdout) else text

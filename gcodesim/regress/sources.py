@@ -1,0 +1,38 @@
+"""Files by the names that findings give them, read when somebody asks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from gcodesim.diagnostics import SourceText
+
+
+class Sources(Mapping[str, SourceText]):
+    """Texts by their path from `root`; what cannot be read is not there."""
+
+    def __init__(self, root: Path) -> None:
+        self._root = root
+        self._read: dict[str, SourceText | None] = {}
+
+    def __getitem__(self, name: str) -> SourceText:
+        if name not in self._read:
+            try:
+                self._read[name] = SourceText.read(self._root / name, name)
+            except (OSError, ValueError):
+                self._read[name] = None
+        source = self._read[name]
+        if source is None:
+            raise KeyError(name)
+        return source
+
+    def __iter__(self) -> Iterator[str]:
+        return (name for name, source in self._read.items() if source is not None)
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+    def line(self, name: str, number: int) -> str:
+        """A line of a file, empty when it is not there."""
+        source = self.get(name)
+        return "" if source is None else source.line(number)
