@@ -8,19 +8,21 @@ from typing import Any
 
 def clean(value: Any) -> Any:
     """`value` ready for JSON, inside too: numpy scalars become Python's, NaN and infinities null, -0 becomes 0."""
+    if type(value) is float:  # by far the most, so first
+        return _clean_float(value)
     if isinstance(value, dict):
         return {key: clean(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
         return [clean(item) for item in value]
     if hasattr(value, "item") and not isinstance(value, (str, bytes)):
         value = value.item()
-    if isinstance(value, float):
-        if not math.isfinite(value):
-            return None
-        if value == 0.0:
-            return 0
-        return int(value) if value.is_integer() and abs(value) < 1e15 else value
-    return value
+    return _clean_float(value) if isinstance(value, float) else value
+
+
+def _clean_float(value: float) -> float | int | None:
+    if not math.isfinite(value):
+        return None
+    return int(value) if value.is_integer() and abs(value) < 1e15 else value
 
 
 def rounded(value: float, digits: int = 9) -> float:

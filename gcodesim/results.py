@@ -121,8 +121,9 @@ class Results:
 
 
 def _field(value: Any) -> str:
-    text = str(clean(value))
-    return '"' + text.replace('"', '""') + '"' if any(c in text for c in ',"\n\r') else text
+    if not isinstance(value, str):
+        return str(clean(value))
+    return '"' + value.replace('"', '""') + '"' if any(c in value for c in ',"\n\r') else value
 
 
 def line_rows(path: ToolPath, time: Array, distance: Array, totals: RowTotals | None) -> list[list[Any]]:

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from gcodesim.material.stock import Stock
+from gcodesim.whole_file import write_whole
 
 SUFFIX = ".stock"
 _MAGIC = b"gcodesim-stock/1\n"
@@ -46,7 +47,7 @@ def save_stock(stock: Stock, path: Path) -> None:
     )
     body = b"".join(array.tobytes() for array in arrays)
     text = json.dumps(head, sort_keys=True, ensure_ascii=False).encode() + b"\n"
-    path.write_bytes(_MAGIC + text + zlib.compress(body, 1))
+    write_whole(path, _MAGIC + text + zlib.compress(body, 1))
 
 
 def load_stock(path: Path) -> Stock:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from importlib.metadata import version
-from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -25,6 +24,7 @@ from gcodesim.recorder.limits import Limits
 from gcodesim.recorder.reporter import Reporter
 from gcodesim.recorder.ways import Ways
 from gcodesim.results import Results
+from gcodesim.whole_file import whole_file, write_whole
 
 if TYPE_CHECKING:
     from gcodesim.executor import Execution
@@ -324,8 +324,8 @@ class Recorder:
         text = results.text().encode()
         removed = sum(stock.removed - stock.deposited for stock in results.stocks.values())
         self._writer.close(self._now_ns, state, {"removed_m3": repr(removed)}, {"results.json": text})
-        _replace(self._out / "results.json", text)
-        _replace(self._out / "lines.csv", results.lines_csv().encode())
+        write_whole(self._out / "results.json", text)
+        write_whole(self._out / "lines.csv", results.lines_csv().encode())
         self._write_stocks()
 
     def _write_stocks(self) -> None:
@@ -333,23 +333,13 @@ class Recorder:
         from gcodesim.material.stock_file import SUFFIX, save_stock
 
         for name, placed in self._shop.stocks.items():
-            mesh = BytesIO()
-            write_stl(_as_placed(placed.stock), mesh)
-            _replace(self._out / f"{name}.stl", mesh.getvalue())
-            part = self._out / f"{name}{SUFFIX}.part"
-            save_stock(placed.stock, part)
-            part.replace(self._out / f"{name}{SUFFIX}")
+            with whole_file(self._out / f"{name}.stl") as file:
+                write_stl(_as_placed(placed.stock), file)
+            save_stock(placed.stock, self._out / f"{name}{SUFFIX}")
 
     def abandon(self) -> None:
         """After a fault: keep what is there, under the name of a log that is not whole."""
         self._writer.abandon()
-
-
-def _replace(path: Path, data: bytes) -> None:
-    """Write a file so that it is there as a whole or not at all."""
-    part = path.with_name(path.name + ".part")
-    part.write_bytes(data)
-    part.replace(path)
 
 
 def _in_world(X_WB: Array, wrench: Array) -> Array:
