@@ -27,7 +27,7 @@ class Pack:
     def integers(self, values: NDArray[np.integer[Any]]) -> dict[str, Any]:
         """Whole numbers (n,) or (n, k), exactly; stored column by column as differences."""
         values = np.asarray(values)
-        columns = values.reshape(len(values), -1).T.astype(np.int64)
+        columns = _columns(values).astype(np.int64)
         least, most = (int(columns.min()), int(columns.max())) if columns.size else (0, 0)
         if most - least > 2**32 - 1:
             raise ValueError("whole numbers of a page span less than 2**32")
@@ -38,7 +38,7 @@ class Pack:
     def numbers(self, values: NDArray[np.floating[Any]]) -> dict[str, Any]:
         """Numbers (n,) or (n, k) to 1/65535 of each column's range; `low` and `step` give them back."""
         values = np.asarray(values, dtype=float)
-        columns = values.reshape(len(values), -1).T
+        columns = _columns(values)
         if not columns.size:
             return {**self._differences(np.zeros((len(columns), 0), np.uint16)), "low": [], "step": []}
         low = columns.min(axis=1)
@@ -69,3 +69,8 @@ class Pack:
         self._parts.append(data)
         self._size += len(data)
         return entry
+
+
+def _columns(values: NDArray[Any]) -> NDArray[Any]:
+    """(n,) or (n, k) as (k, n)."""
+    return values[None, :] if values.ndim == 1 else values.T

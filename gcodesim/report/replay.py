@@ -145,7 +145,7 @@ def _at(known: NDArray[np.int64], values: Array, t_ns: NDArray[np.int64]) -> Arr
 def _frame(tree: FrameTree, name: str, kept: NDArray[np.int64], pack: Pack) -> dict[str, Any]:
     """Poses in the world: one when the frame stands still, else one for each kept moment."""
     X = tree.in_world(name)
-    still = len(X) == 1 or bool((X == X[:1]).all())
+    still = len(X) == 1 or bool(np.array_equal(X, np.broadcast_to(X[:1], X.shape)))
     X = X[:1] if still else X[kept]
     if still:
         return {"p": X[0, :3, 3].tolist(), "q": quaternion_from_rotation(X[0, :3, :3]).tolist()}

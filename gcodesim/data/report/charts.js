@@ -50,12 +50,13 @@ G.chart = (box, parts, sync, withLines) => {
     tables.push([t, ...columns.map((column) => Array.from(column))]);
     let own = 0;
     for (const curve of chart.curves) {
-      // a second run has the colours of the first, dashed
-      const colour = curve.faint ? "#b4c0cb" : G.INKS[(r ? own : ink) % G.INKS.length];
+      // a second run has a colour of its own where each has one curve, else the colours of the first, dashed
+      const single = chart.curves.filter((c) => !c.faint).length === 1;
+      const colour = curve.faint ? (r ? "#ecd3bd" : "#b4c0cb") : r && single ? "#d9731a" : G.INKS[(r ? own : ink) % G.INKS.length];
       if (!curve.faint) { own++; if (!r) ink++; }
       const alone = chart.curves.length === 1 && !r;
       series.push({
-        label: G.runs.length > 1 ? `${run.name} ${curve.label}` : curve.label, stroke: colour, width: 1.1, dash: r ? [5, 3] : undefined,
+        label: G.runs.length > 1 ? `${run.name} ${curve.label}` : curve.label, stroke: colour, width: 1.1, dash: r && !single ? [5, 3] : undefined,
         fill: alone ? `${colour}1c` : undefined, points: { show: false }, value: (_, v) => v === null || v === undefined ? "–" : G.short(v), spanGaps: true,
       });
     }

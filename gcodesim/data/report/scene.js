@@ -261,7 +261,7 @@ G.View = class {
     this.mostForce = most;
     this.arrow = new THREE.Group();
     // drawn over everything: mostly it would be inside of the tool or the part
-    const material = new THREE.MeshBasicMaterial({ color: 0xd2183a, depthTest: false, transparent: true, opacity: 0.9 });
+    const material = new THREE.MeshBasicMaterial({ color: new THREE.Color(0xcf1f3a).convertSRGBToLinear(), depthTest: false, transparent: true, opacity: 0.9 });
     this.shaft = new THREE.Mesh(new THREE.CylinderGeometry(1, 1, 1, 20).translate(0, 0.5, 0), material);
     this.point = new THREE.Mesh(new THREE.ConeGeometry(1, 1, 24).translate(0, 0.5, 0), material);
     this.arrow.add(this.shaft, this.point);
@@ -273,7 +273,7 @@ G.View = class {
     const force = this.blend(this.wrench, i, share, new THREE.Vector3()), size = force.length();
     this.arrow.visible = this.shown.force && size > 0.01 * this.mostForce && size > 0;
     if (!this.arrow.visible) return;
-    const whole = (size / this.mostForce) * 0.35 * this.workSize(), thick = 0.006 * this.workSize();
+    const room = this.partSize(), whole = (size / this.mostForce) * 0.4 * room, thick = 0.007 * room;
     this.blend(this.tip, i, share, this.arrow.position);
     this.arrow.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), force.normalize());
     const head = Math.min(5 * thick, 0.5 * whole);
@@ -313,6 +313,10 @@ G.View = class {
     if (part.isEmpty()) part.copy(cell);
     cell.union(part);
     return { cell, part };
+  }
+
+  partSize() {
+    return (this.partExtent ||= Math.max(...this.extents().part.getSize(new THREE.Vector3()).toArray(), 1e-3));
   }
 
   workSize() {

@@ -1,0 +1,58 @@
+"""A small finished run, which tests of everything that reads logs share."""
+
+import pytest
+
+PROGRAM = """(a slot of two depths and a hole)
+G21 G90 G17 G94
+T1 M6
+G43 H1
+S8000 M3
+G0 X10 Y10
+G0 Z2
+G1 Z-1 F400
+G1 X30
+G1 Z-2
+G1 X10
+G0 Z20
+M8
+T2 M6
+G43 H2
+S8000 M3
+G0 X40 Y15
+G0 Z2
+G1 Z-3 F300
+G4 P0.5
+G0 Z20
+M9
+M5
+M2
+"""
+CELL = """gcodesim: 1
+machine: gantry_xyz
+stock: {box: [60, 40, 12], zero: top-front-left, material: al6082_t6, resolution: 1}
+magazine: {change_time: 4 s}
+tools:
+  1: {type: flat_end_mill, diameter: 6 mm}
+  2: {type: flat_end_mill, diameter: 10 mm}
+simulation: {world: kinematic}
+"""
+
+
+@pytest.fixture(scope="session")
+def slot_folder(tmp_path_factory):
+    """The output folder of a run that cuts a slot with one tool and a hole with another."""
+    import gcodesim
+
+    folder = tmp_path_factory.mktemp("slot")
+    (folder / "slot.nc").write_text(PROGRAM)
+    (folder / "cell.yaml").write_text(CELL)
+    gcodesim.simulate(folder / "slot.nc", folder / "cell.yaml", folder / "out")
+    return folder / "out"
+
+
+@pytest.fixture
+def slot(slot_folder):
+    """That run, opened anew."""
+    from gcodesim.playback import Recording
+
+    return Recording.open(slot_folder)
