@@ -13,6 +13,7 @@ from typing import Literal
 from gcodesim import canon
 from gcodesim.diagnostics import Diagnostic, Severity, Span
 from gcodesim.rs274 import parameters as numbers
+from gcodesim.rs274.block import Place
 from gcodesim.rs274.dialects import Dialect
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.frame import Frame
@@ -285,11 +286,12 @@ class Control:
         count, first = self.not_simulated.get(word, (0, self.span))
         self.not_simulated[word] = (count + 1, first)
 
-    def warn(self, code: str, message: str, hint: str = "") -> None:
-        """A finding that does not stop the block; once a place."""
-        self.notes.append(
-            Diagnostic(code=code, message=message, span=self.span, hint=hint, severity=Severity.WARNING)
-        )
+    def warn(self, code: str, message: str, hint: str = "", place: Place | None = None) -> None:
+        """A finding that does not stop the block, about `place` in its line or all of it."""
+        span = self.span
+        if place is not None:
+            span = Span(span.file, span.line, place[0] + 1, span.line, place[1] + 1, span.callers)
+        self.notes.append(Diagnostic(code=code, message=message, span=span, hint=hint, severity=Severity.WARNING))
 
     def change_unit(self, unit: float) -> None:
         """G20 or G21: everything that is kept in program units is converted; nothing moves."""

@@ -1,8 +1,9 @@
-"""Comments that do something: MSG, DEBUG, PRINT, LOG, ABORT."""
+"""Comments that do something: MSG, DEBUG, PRINT, LOG, ABORT; and those that would on a control, but not here."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
 from gcodesim import canon
 from gcodesim.rs274.block import Note, Parameter
@@ -11,15 +12,38 @@ from gcodesim.rs274.expressions import evaluate
 from gcodesim.rs274.fault import Fault
 
 _KEY = re.compile(r"[ \t]*([A-Za-z]+),(.*)", re.DOTALL)
+_ACTING = frozenset(("msg", "debug", "print", "log", "abort"))
+# LinuxCNC compares the beginning only: `(PROBEOPEN points.txt)`
+_UNSIMULATED = re.compile(r"[ \t]*(PROBEOPEN|PROBECLOSE|LOGOPEN|LOGAPPEND|LOGCLOSE|PYRUN|PYRELOAD|PY)\b", re.IGNORECASE)
 _FORMAT = re.compile(r"%(?:(d|f)|\.([0-9])f)")
+
+
+def execute_all(notes: Sequence[Note], control: Control) -> None:
+    """The comments of a block, of which a control keeps the last only."""
+    for note in notes[:-1]:
+        match = _KEY.fullmatch(note.text) or _UNSIMULATED.match(note.text)
+        if match is not None and (match[1].lower() in _ACTING or match.re is _UNSIMULATED):
+            control.warn(
+                "GS196",
+                f"({match[1].upper()}, …) is passed over: of several comments in a block only the last one acts",
+                "put it into a block of its own",
+                note.place,
+            )
+    if notes:
+        execute(notes[-1], control)
 
 
 def execute(note: Note, control: Control) -> None:
     """The event of an active comment; nothing for any other."""
     match = _KEY.fullmatch(note.text)
-    if match is None:
+    key = "" if match is None else match[1].lower()
+    if key not in _ACTING:
+        unsimulated = _UNSIMULATED.match(note.text)
+        if unsimulated is not None and control.dialect.name == "linuxcnc":
+            control.skip(f"({unsimulated[1].upper()})")
         return
-    key, text = match[1].lower(), match[2]
+    assert match is not None
+    text = match[2]
     if key == "msg":
         control.out.append(canon.Message(span=control.span, text=text.strip()))
     elif key == "debug":

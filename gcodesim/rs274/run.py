@@ -195,8 +195,7 @@ class Executor:
         control = self.control
         if block.flow is not None:
             self.flow.execute(block.flow, index)
-            for note in block.notes[-1:]:
-                notes.execute(note, control)
+            notes.execute_all(block.notes, control)
             control.parameters.commit()
             return
         words = self._words(block)
@@ -207,8 +206,7 @@ class Executor:
                     control.parameters.set_named(number, value)
                 else:
                     control.parameters.set_by_program(number, value)
-            for note in block.notes[-1:]:
-                notes.execute(note, control)
+            notes.execute_all(block.notes, control)
         except Fault as fault:
             if fault.at is None and settings:
                 fault.at = settings[-1][2] if len(settings) == 1 else None
@@ -367,8 +365,9 @@ class Executor:
             run.findings.extend(structure_findings(self.file, control.span))
         run.not_simulated = dict(control.not_simulated)
         for word, (count, first) in control.not_simulated.items():
+            code, hint = _code_of_skipped(word)
             message = f"{word} is read, but not simulated"
-            run.findings.add(Diagnostic(code=_code_of_skipped(word), message=message, span=first, count=count))
+            run.findings.add(Diagnostic(code=code, message=message, span=first, hint=hint, count=count))
         run.parameters = {n: v for n, v in sorted(control.parameters.numbers.items()) if v}
         run.sources.update({name: file.source for name, file in self.flow.files.items()})
         run.blocks = self.blocks
@@ -427,20 +426,23 @@ def _wants_auto_length(source: SourceText, settings: Settings) -> bool:
     return True
 
 
-_SKIPPED_CODES = (
-    (("M7", "M8", "M9"), "GS901"),
-    (("M48", "M49", "M50", "M51", "M52", "M53"), "GS902"),
-    (("M19",), "GS903"),
-    (("M62", "M63", "M64", "M65", "M67", "M68"), "GS904"),
-    (("M66",), "GS905"),
-    (("M30", "M60"), "GS906"),
-    (("U", "V", "W"), "GS908"),
+_SKIPPED = (
+    (("M7", "M8", "M9"), "GS901", "nothing that is simulated depends on coolant"),
+    (("M48", "M49", "M50", "M51", "M52", "M53"), "GS902", "feeds and speeds run at 100 %, as nobody turns a knob"),
+    (("M19",), "GS903", ""),
+    (("M62", "M63", "M64", "M65", "M67", "M68"), "GS904", "say in the cell what it switches, under `m_codes`"),
+    (("M66",), "GS905", "every input reads 0 at once, and #5399 is 0: no time passes in waiting"),
+    (("M30", "M60"), "GS906", ""),
+    (("U", "V", "W"), "GS908", ""),
 )
 
 
-def _code_of_skipped(word: str) -> str:
+def _code_of_skipped(word: str) -> tuple[str, str]:
+    """Code and hint of a word that is not simulated."""
+    if word.startswith("("):
+        return "GS912", "no file is written and no code is run; `gcodesim canon` lists the texts of (LOG, …)"
     head = word.split(" ")[0]
-    for heads, code in _SKIPPED_CODES:
+    for heads, code, hint in _SKIPPED:
         if head in heads:
-            return code
-    return "GS907"
+            return code, hint
+    return "GS907", "say in the cell what it does, under `m_codes`"

@@ -415,4 +415,12 @@ CODES += (
         why="Controls keep it beyond the end, so the next program, or the same one again, runs at another place.",
         remedy="Cancel it before the end: G92.1, G52 of zero, G50, G50.1, G69. Work systems G54 … do not need it.",
     ),
+    Code(
+        code="GS196",
+        severity=Severity.WARNING,
+        title="Active comment passed over",
+        what="A block has several comments, and one that is not the last would do something, as (MSG, …).",
+        why="Controls keep the last comment of a block only, so the message never appears and the abort never comes.",
+        remedy="Put the active comment last, or into a block of its own.",
+    ),
 )

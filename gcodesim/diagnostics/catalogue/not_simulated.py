@@ -113,3 +113,18 @@ CODES += (
         remedy="Give `at: [x, y, z]`, a point on the axis in machine coordinates.",
     ),
 )
+
+# comments
+CODES += (
+    Code(
+        code="GS912",
+        severity=Severity.NOTE,
+        title="An active comment not simulated",
+        what=(
+            "On LinuxCNC (PROBEOPEN …), (LOGOPEN, …) and (LOGAPPEND, …) write files and (PY, …) runs code. A simulation "
+            "does neither."
+        ),
+        why="Who reads that file after the run does not find it.",
+        remedy="`gcodesim canon` lists the texts of (LOG, …) and where probing moves end.",
+    ),
+)
