@@ -1,23 +1,273 @@
-"""The viewer layout that a log carries: the shipped one, with the plots of this cell's joints."""
+"""Layouts of the viewer: which panels show a log, for milling, for a robot, for another process.
+
+A layout names every scene topic and every joint, because the viewer shows only
+what its layout names. Numbers stay SI, as the topics have them. Panel titles
+are written for Foxglove and for Lichtblick, which call the key differently.
+"""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from importlib.resources import files
+from dataclasses import dataclass
+from typing import Any, Final
+
+from gcodesim.log.topics import MOST_TILES, topic_table
+
+KINDS: Final = ("milling", "robot", "process")
+
+Json = dict[str, Any]
+
+_VOLUME: Final = "Plot!volume"
 
 
-def default_layout(joint_names: Sequence[str]) -> bytes:
-    """The layout as JSON; the joint plot names each of `joint_names`."""
-    layout = json.loads((files("gcodesim") / "data" / "log" / "layout.json").read_text(encoding="utf-8"))
-    plot = layout["configById"]["Plot!joints"]
-    plot["paths"] = [
-        {
-            "value": f'/joint_states.joints[:]{{name=="{name}"}}.position',
-            "enabled": True,
-            "label": name.rpartition("/")[2],
-            "timestampMethod": "receiveTime",
-        }
-        for name in joint_names
-    ]
-    return (json.dumps(layout, indent=1) + "\n").encode()
+@dataclass(frozen=True, slots=True, kw_only=True)
+class View:
+    """Where the camera looks, `target` [m] in world, from `distance` [m]; between which volumes [m³] the plot goes.
+
+    The volumes are needed because a viewer's axis is not finer than 0.001 by itself.
+    """
+
+    target: tuple[float, float, float] = (0.0, 0.0, 0.25)
+    distance: float = 2.4
+    volumes: tuple[float, float] | None = None
+
+
+def layout(kind: str, joints: Sequence[str], outputs: Sequence[str] = (), view: View | None = None) -> bytes:
+    """A layout as JSON for a log with those joints and outputs (names as in `/program`). KeyError for another kind."""
+    view = view or View()
+    panels, arrangement = {"milling": _milling, "robot": _robot, "process": _process}[kind](joints)
+    if view.volumes is not None and _VOLUME in panels:
+        panels[_VOLUME] |= {"minYValue": view.volumes[0], "maxYValue": view.volumes[1]}
+    panels |= {
+        "3D!cell": _scene(view),
+        "StateTransitions!program": _states(outputs),
+        "RosOut!log": {**_titled("log"), "searchTerms": [], "minLogLevel": 1, "topicToRender": "/log"},
+        "RawMessages!block": _raw("block", "/program.text"),
+        "RawMessages!event": _raw("last event", "/event.message"),
+    }
+    whole = {
+        "configById": panels,
+        "globalVariables": {},
+        "userNodes": {},
+        "playbackConfig": {"speed": 1},
+        "layout": arrangement,
+    }
+    return (json.dumps(whole, indent=1) + "\n").encode()
+
+
+def view_of(layout_json: bytes) -> View:
+    """Where the camera of a layout looks; ValueError or KeyError when it is none of ours."""
+    panels = json.loads(layout_json)["configById"]
+    camera, plot = panels["3D!cell"]["cameraState"], panels.get(_VOLUME, {})
+    x, y, z = camera["targetOffset"]
+    volumes = (plot["minYValue"], plot["maxYValue"]) if "minYValue" in plot else None
+    return View(target=(x, y, z), distance=camera["distance"], volumes=volumes)
+
+
+# ---- what each kind shows
+
+
+def _milling(joints: Sequence[str]) -> tuple[Json, Json]:
+    panels = {
+        "Plot!force": _plot("force [N], power [W]", {"force": "/process.force_n", "power": "/process.power_w"}),
+        "Plot!feed": _plot("feed [m/s]", _FEED),
+        "Plot!spindle": _plot(
+            "spindle [rad/s], torque [N m]", {"spindle": "/process.spindle_rad_s", "torque": "/process.torque_nm"}
+        ),
+        _VOLUME: _plot("removed [m3]", {"removed": "/process.removed_m3"}),
+        "Plot!axes": _plot("axes [m, rad]", _of_joints(joints, "position")),
+    }
+    right = _column(
+        _row("Plot!force", "Plot!feed"), _row("Plot!spindle", _VOLUME), _row("Plot!axes", _TEXTS), _LOG
+    )
+    return panels, _with_scene(right)
+
+
+def _robot(joints: Sequence[str]) -> tuple[Json, Json]:
+    panels = {
+        "Plot!joints": _plot("joints [rad, m]", _of_joints(joints, "position")),
+        "Plot!efforts": _plot("effort [N m, N]", _of_joints(joints, "effort")),
+        "Plot!limits": _plot("part of the limits that is used", _LIMITS, lines=(1.0,)),
+        "Plot!following": _plot(
+            "following error [m], [rad]",
+            {"position": "/motion.position_error_m", "orientation": "/motion.orientation_error_rad"},
+        ),
+        "Plot!force": _plot("force [N], power [W]", {"force": "/process.force_n", "power": "/process.power_w"}),
+        "Plot!feed": _plot("feed [m/s]", _FEED),
+    }
+    right = _column(
+        _row("Plot!joints", "Plot!efforts"),
+        _row("Plot!limits", "Plot!following"),
+        _row("Plot!force", "Plot!feed"),
+        _row(_LOG, _TEXTS),
+    )
+    return panels, _with_scene(right)
+
+
+def _process(joints: Sequence[str]) -> tuple[Json, Json]:
+    panels = {
+        _VOLUME: _plot("removed [m3]; below 0 added", {"volume": "/process.removed_m3"}),
+        "Plot!feed": _plot("feed [m/s]", _FEED),
+        "Plot!height": _plot("tip in work coordinates [m]", {letter: f"/motion.{letter}_m" for letter in "xyz"}),
+        "Plot!limits": _plot("part of the limits that is used", _LIMITS, lines=(1.0,)),
+        "Plot!joints": _plot("joints [rad, m]", _of_joints(joints, "position")),
+    }
+    right = _column(
+        _VOLUME,
+        _row("Plot!feed", "Plot!height"),
+        _row("Plot!limits", "Plot!joints"),
+        _row(_LOG, _TEXTS),
+    )
+    return panels, _with_scene(right)
+
+
+_FEED: Final = {"tip": "/motion.feed_m_s", "command": "/motion.feed_command_m_s"}
+_LIMITS: Final = {name: f"/motion.{name}_used" for name in ("travel", "speed", "effort")}
+
+
+def _of_joints(joints: Sequence[str], field: str) -> dict[str, str]:
+    return {name.rpartition("/")[2]: f'/joint_states.joints[:]{{name=="{name}"}}.{field}' for name in joints}
+
+
+# ---- panels
+
+
+def _titled(title: str) -> Json:
+    return {"foxglovePanelTitle": title, "lichtblickPanelTitle": title}
+
+
+def _plot(title: str, paths: dict[str, str], lines: Sequence[float] = ()) -> Json:
+    """Curves by label over time, and level lines at fixed values."""
+    curves = [{"value": value, "label": label} for label, value in paths.items()]
+    curves += [{"value": f"{line:g}", "label": "limit", "color": "#d02030"} for line in lines]
+    return {
+        **_titled(title),
+        "paths": [{**curve, "enabled": True, "timestampMethod": "receiveTime"} for curve in curves],
+        "showXAxisLabels": True,
+        "showYAxisLabels": True,
+        "showLegend": True,
+        "legendDisplay": "floating",
+        "showPlotValuesInLegend": False,
+        "isSynced": True,
+        "xAxisVal": "timestamp",
+        "sidebarDimension": 220,
+    }
+
+
+def _states(outputs: Sequence[str]) -> Json:
+    paths = [(name, f"/program.{name}") for name in ("state", "tool", "motion", "line")]
+    paths += [("engaged", "/process.engaged"), ("flood", "/program.flood")]
+    for name in outputs:
+        field = "value" if name.startswith(("digital ", "analog ")) else "verb"
+        paths.append((f"output {name}", f'/program.outputs[:]{{name=="{name}"}}.{field}'))
+    shown = [{"value": value, "label": label, "timestampMethod": "receiveTime"} for label, value in paths]
+    return {**_titled("program"), "isSynced": True, "paths": shown}
+
+
+def _raw(title: str, topic: str) -> Json:
+    unused = {"diffEnabled": False, "diffMethod": "custom", "diffTopicPath": "", "showFullMessageForDiff": False}
+    return {**_titled(title), **unused, "topicPath": topic}
+
+
+def _scene(view: View) -> Json:
+    scenes = [topic.name for topic in topic_table(MOST_TILES, MOST_TILES) if topic.schema == "foxglove.SceneUpdate"]
+    return {
+        **_titled("cell"),
+        "cameraState": {
+            "perspective": True,
+            "distance": view.distance,
+            "phi": 60,
+            "thetaOffset": 40,
+            "target": [0, 0, 0],
+            "targetOffset": list(view.target),
+            "targetOrientation": [0, 0, 0, 1],
+            "fovy": 45,
+            "near": 0.01,
+            "far": 200,
+        },
+        "followMode": "follow-none",
+        "followTf": "world",
+        "scene": {
+            "transforms": {
+                "showLabel": False,
+                "axisScale": 0,
+                "lineWidth": 0,
+                "editable": False,
+                "enablePreloading": False,
+            },
+            "meshUpAxis": "z_up",
+        },
+        "transforms": {},
+        "topics": {
+            **{topic: {"visible": True, "showOutlines": False} for topic in scenes},
+            "/tcp": {"visible": True, "type": "axis", "axisScale": 0.05},
+            "/target": {"visible": False, "type": "axis", "axisScale": 0.05},
+        },
+        "layers": {
+            "floor": {
+                "visible": True,
+                "frameLocked": True,
+                "label": "floor",
+                "instanceId": "floor",
+                "layerId": "foxglove.Grid",
+                "size": 4,
+                "divisions": 16,
+                "lineWidth": 1,
+                "color": "#66717dff",
+                "position": [0, 0, 0],
+                "rotation": [0, 0, 0],
+                "order": 1,
+            }
+        },
+        "publish": {
+            "type": "point",
+            "poseTopic": "/move_base_simple/goal",
+            "pointTopic": "/clicked_point",
+            "poseEstimateTopic": "/initialpose",
+            "poseEstimateXDeviation": 0.5,
+            "poseEstimateYDeviation": 0.5,
+            "poseEstimateThetaDeviation": 0.26179939,
+        },
+        "imageMode": {},
+    }
+
+
+# ---- where they stand
+
+Node = str | Json
+
+
+def _split(direction: str, nodes: Sequence[Node]) -> Node:
+    """Panels side by side or one above the other, all of one size."""
+    first, *others = nodes
+    if not others:
+        return first
+    return {
+        "direction": direction,
+        "splitPercentage": round(100 / len(nodes), 1),
+        "first": first,
+        "second": _split(direction, others),
+    }
+
+
+def _row(*nodes: Node) -> Node:
+    return _split("row", nodes)
+
+
+def _column(*nodes: Node) -> Node:
+    return _split("column", nodes)
+
+
+def _with_scene(right: Node) -> Json:
+    left = {
+        "direction": "column",
+        "splitPercentage": 70,
+        "first": "3D!cell",
+        "second": "StateTransitions!program",
+    }
+    return {"direction": "row", "splitPercentage": 58, "first": left, "second": right}
+
+
+_LOG: Final = "RosOut!log"
+_TEXTS: Final = _column("RawMessages!block", "RawMessages!event")

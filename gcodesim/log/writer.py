@@ -25,7 +25,7 @@ from gcodesim.log.blocks import BlockColumns, program_messages, way_messages
 from gcodesim.log.columns import ColumnBatch
 from gcodesim.log.container import Container
 from gcodesim.log.description import Array, LogDescription, MotionColumns, ProcessColumns
-from gcodesim.log.layout import default_layout
+from gcodesim.log.layout import layout
 from gcodesim.log.messages import (
     SEVERITIES,
     STATES,
@@ -93,7 +93,7 @@ class LogWriter:
         for name, record in d.records.items():
             self._container.add_metadata(name, record)
         inputs = dict(d.attachments)
-        inputs.setdefault("layout.json", default_layout(d.joint_names))
+        inputs.setdefault("layout.json", layout("robot", d.joint_names))
         for name, data in inputs.items():
             self._container.add_attachment(name, 0, _media_type(name), data)
         self._add_one("/tf_static", 0, frames_message(0, d.static_frames))

@@ -61,6 +61,11 @@ class Blocks:
         entries.sort()
         return Blocks(_columns(entries, plan, shop, sources, ways))
 
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of all outputs that the program sets."""
+        return tuple(sorted({output.name for modal in self.columns.modals for output in modal.outputs}))
+
     def between(self, first_ns: int, end_ns: int) -> BlockColumns:
         """The blocks that begin at `first_ns` or later, before `end_ns`."""
         c = self.columns

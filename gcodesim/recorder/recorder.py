@@ -15,12 +15,13 @@ from gcodesim.diagnostics import Diagnostic
 from gcodesim.executor.record import KINDS, StepRecord
 from gcodesim.frames import Array
 from gcodesim.job import BULLET
-from gcodesim.log import LogDescription, LogWriter, MotionColumns, ProcessColumns
+from gcodesim.log import LogDescription, LogWriter, MotionColumns, ProcessColumns, layout
 from gcodesim.motion.tool_path import HOME, RAPID
 from gcodesim.recorder.blocks import Blocks
 from gcodesim.recorder.bodies import cell_entities, tile_meshes, tool_shapes
 from gcodesim.recorder.frames import Frames, seven, stock_frame, work_systems
 from gcodesim.recorder.limits import Limits
+from gcodesim.recorder.look import layout_kind, view_of
 from gcodesim.recorder.reporter import Reporter
 from gcodesim.recorder.ways import Ways
 from gcodesim.results import Results
@@ -108,6 +109,10 @@ class Recorder:
         urdf = self._urdf()
         if urdf is not None:
             attachments[f"{self._shop.name}.urdf"] = urdf
+        view = view_of(self._shop, self._plan, ways, rapid)
+        attachments["layout.json"] = layout(
+            layout_kind(self._shop), self._shop.joint_names, self._blocks.outputs, view
+        )
         run = {
             "program": job.program.name,
             "program_sha256": job.program.sha256,

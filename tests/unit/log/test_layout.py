@@ -1,43 +1,87 @@
-"""The layout shows every topic that a log may have: the viewer hides scenes that it does not name."""
+"""Layouts show every topic that a log may have, and only fields that exist: the viewer hides what they do not name."""
 
 import json
 
-from gcodesim.log.layout import default_layout
+import pytest
+
+from gcodesim.log.layout import KINDS, View, layout, view_of
+from gcodesim.log.schema import message_class
 from gcodesim.log.topics import MOST_TILES, topic_table
+
+JOINTS = ["mill/x", "mill/y"]
+OUTPUTS = ["analog 2", "digital 1", "gripper"]
+
+every_kind = pytest.mark.parametrize("kind", KINDS)
+
+
+def made(kind, joints=JOINTS, outputs=OUTPUTS, view=None):
+    return json.loads(layout(kind, joints, outputs, view))
 
 
 def leaves(node):
     return [node] if isinstance(node, str) else leaves(node["first"]) + leaves(node["second"])
 
 
-def test_every_scene_topic_is_named_and_visible():
-    shown = json.loads(default_layout(["arm/joint_1"]))["configById"]["3D!cell"]["topics"]
+def paths(kind):
+    panels = made(kind)["configById"].values()
+    shown = [path["value"] for panel in panels for path in panel.get("paths", [])]
+    return shown + [panel["topicPath"] for panel in panels if "topicPath" in panel]
+
+
+@every_kind
+def test_every_scene_topic_is_named_and_visible(kind):
+    shown = made(kind)["configById"]["3D!cell"]["topics"]
     for topic in topic_table(MOST_TILES, MOST_TILES):
         if topic.schema == "foxglove.SceneUpdate":
             assert shown[topic.name]["visible"], topic.name
 
 
-def test_every_panel_has_its_settings():
-    layout = json.loads(default_layout(["arm/joint_1"]))
-    assert sorted(leaves(layout["layout"])) == sorted(layout["configById"])
+@every_kind
+def test_every_panel_has_its_settings_and_its_place(kind):
+    data = made(kind)
+    assert sorted(leaves(data["layout"])) == sorted(data["configById"])
+    for panel in data["configById"].values():
+        if "topicToRender" not in panel:
+            assert panel["foxglovePanelTitle"] == panel["lichtblickPanelTitle"]
 
 
-def test_plots_name_topics_and_fields_that_exist():
-    from gcodesim.log.schema import message_class
-
+@every_kind
+def test_panels_name_topics_and_fields_that_exist(kind):
     schemas = {topic.name: topic.schema for topic in topic_table(1, 0)}
-    layout = json.loads(default_layout(["mill/x", "mill/y"]))
-    for panel in layout["configById"].values():
-        for path in panel.get("paths", []):
-            topic, _, field = path["value"].partition(".")
-            names = [f.name for f in message_class(schemas[topic]).DESCRIPTOR.fields]
-            assert field.split("[")[0] in names, path["value"]
+    for value in paths(kind):
+        if value.replace(".", "").isdigit():  # a level line
+            continue
+        topic, _, field = value.partition(".")
+        descriptor = message_class(schemas[topic]).DESCRIPTOR
+        for name in field.split("."):
+            found = descriptor.fields_by_name[name.partition("[")[0]]
+            descriptor = found.message_type
+        assert descriptor is None, f"{value} is no number or text"
 
 
-def test_the_joint_plot_names_the_joints_of_the_cell():
-    plot = json.loads(default_layout(["mill/x", "mill/y"]))["configById"]["Plot!joints"]
+def test_joints_and_outputs_are_those_of_the_cell():
+    plot = made("milling")["configById"]["Plot!axes"]
     assert [path["value"] for path in plot["paths"]] == [
         '/joint_states.joints[:]{name=="mill/x"}.position',
         '/joint_states.joints[:]{name=="mill/y"}.position',
     ]
     assert [path["label"] for path in plot["paths"]] == ["x", "y"]
+    states = {path["label"]: path["value"] for path in made("robot")["configById"]["StateTransitions!program"]["paths"]}
+    assert states["output digital 1"] == '/program.outputs[:]{name=="digital 1"}.value'
+    assert states["output gripper"] == '/program.outputs[:]{name=="gripper"}.verb'
+    assert states["tool"] == "/program.tool"
+
+
+def test_each_kind_has_plots_of_its_own():
+    plots = {kind: frozenset(name for name in made(kind)["configById"] if name.startswith("Plot!")) for kind in KINDS}
+    assert "Plot!spindle" in plots["milling"] - plots["robot"]
+    assert {"Plot!efforts", "Plot!limits"} <= plots["robot"] - plots["milling"]
+    assert "Plot!volume" in plots["process"] - plots["robot"]
+    with pytest.raises(KeyError):
+        layout("turning", JOINTS)
+
+
+def test_the_view_can_be_taken_from_one_layout_to_another():
+    view = View(target=(0.5, -0.25, 1.0), distance=3.5, volumes=(-1e-5, 2e-4))
+    assert view_of(layout("milling", JOINTS, view=view)) == view
+    assert view_of(layout("process", JOINTS, view=view_of(layout("milling", JOINTS, view=view)))) == view

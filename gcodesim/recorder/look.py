@@ -1,0 +1,90 @@
+"""Which layout of the viewer suits a run, and where its camera looks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.frames import Array
+from gcodesim.log import View
+from gcodesim.recorder.ways import Ways
+
+if TYPE_CHECKING:
+    from gcodesim.planning import Plan
+    from gcodesim.shop import Shop
+
+AROUND_WORK: Final = 3.0
+"""Distance of the camera from a part on a machine, in diagonals of the part: it leaves room for the spindle."""
+
+AROUND_WAYS: Final = 0.8
+"""The least distance, in that of the farthest point of all ways from the part: the tool is seen all the time."""
+
+AROUND_ROBOT: Final = 1.35
+"""Distance from a robot and its part together, in their diagonals: they fill a view of 45 degrees."""
+
+CLOSEST: Final = 0.15
+"""[m]"""
+
+
+def layout_kind(shop: Shop) -> str:
+    """`process` when any tool does something else than mill, else `robot` or `milling` after what moves."""
+    if any(tool.process not in ("", "milling") for tool in shop.cell.tools.values()):
+        return "process"
+    return "robot" if shop.is_arm else "milling"
+
+
+def view_of(shop: Shop, plan: Plan, ways: Ways, rapid: NDArray[np.bool_]) -> View:
+    """Robot and part, or on a machine the part alone; without a part the ways of the feeds, else of all rows."""
+    work = _corners(shop)
+    if not len(work):
+        fed = ways.polylines(~rapid).points
+        work = fed if len(fed) else ways.points
+    if not len(work):
+        return View(volumes=_volumes(shop, plan))
+    points = np.concatenate([work, _links(shop)]) if shop.is_arm else work
+    low, high = points.min(axis=0), points.max(axis=0)
+    middle, size = 0.5 * (low + high), float(np.linalg.norm(high - low))
+    if shop.is_arm:
+        distance = AROUND_ROBOT * size
+    else:
+        farthest = float(np.linalg.norm(ways.points - middle, axis=1).max(initial=0.0))
+        distance = max(CLOSEST, AROUND_WORK * size, AROUND_WAYS * farthest)
+    x, y, z = (round(float(v), 3) for v in middle)
+    return View(target=(x, y, z), distance=round(distance, 3), volumes=_volumes(shop, plan))
+
+
+def _volumes(shop: Shop, plan: Plan) -> tuple[float, float] | None:
+    """Between which values [m³] the removed volume will stay: minus what beads can add, and what stock there is."""
+    path = plan.path
+    added = 0.0
+    for number, tool in shop.cell.tools.items():
+        bead = float(getattr(tool, "bead_width", 0.0)) * float(getattr(tool, "bead_height", 0.0))
+        if bead > 0.0 and len(path):
+            tools = np.array([state.tool for state in path.states])[path.state]
+            added += bead * float(path.length[(tools == number) & path.active].sum())
+    cuts = any(tool.process == "milling" for tool in shop.cell.tools.values())
+    stock = sum(placed.initial for placed in shop.stocks.values()) if cuts else 0.0
+    if added == stock == 0.0:
+        return None
+    return (float(f"{-added:.2g}"), float(f"{stock:.2g}"))
+
+
+def _corners(shop: Shop) -> Array:
+    """The corners (n, 3) [m] of all stocks in the world."""
+    corners: list[Sequence[float]] = []
+    for placed in shop.stocks.values():
+        grid, (low, high) = placed.stock.grid, placed.stock.z_range
+        ends = grid[:2] + grid[2:] * placed.stock.count.shape
+        xs, ys = (grid[0], ends[0]), (grid[1], ends[1])
+        box = np.array([(x, y, z) for x in xs for y in ys for z in (low, high)])
+        corners += list(placed.X_WS.apply(box))
+    return np.array(corners).reshape(-1, 3)
+
+
+def _links(shop: Shop) -> Array:
+    """Where the links (n, 3) [m] stand in the world at the start, and the base."""
+    links = shop.kinematics.links(np.asarray(shop.home, dtype=float)[None])[0]
+    return shop.X_WB.apply(np.concatenate([np.zeros((1, 3)), links[:, :3, 3]]))

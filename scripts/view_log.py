@@ -1,0 +1,282 @@
+"""Opens logs in a real viewer, a headless one, and looks whether it shows them; also takes the picture of the README.
+
+    python scripts/view_log.py LOG.mcap ...                      start, middle, end, and back again
+    python scripts/view_log.py LOG.mcap --picture docs/replay.png --at 0.6
+
+The viewer is the last published build of Foxglove Studio's open core, from
+which Lichtblick descends: the npm package `@foxglove/studio-base`. It is
+fetched once with `npm`, into ~/.cache/gcodesim-viewer. Needs npm, Debian's
+`chromium` and the Python package `playwright` (which drives it).
+
+A log is opened with the layout that it carries. At each moment the problem
+list of the viewer has to be empty, no panel may complain, every plot has to
+have curves; cut surface has to grow; and the picture of a moment has to be the
+same whether it was reached forwards or backwards.
+"""
+
+from __future__ import annotations
+
+import argparse
+import base64
+import re
+import shutil
+import subprocess
+import sys
+import tarfile
+import tempfile
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from typing import Any
+
+from gcodesim.log.reader import read_attachment
+
+PACKAGES = ("@foxglove/studio-base@1.48.0", "react@17.0.2", "react-dom@17.0.2")
+PARTS = {
+    "assets": "@foxglove/studio-base/assets",
+    "react.js": "react/umd/react.production.min.js",
+    "react-dom.js": "react-dom/umd/react-dom.production.min.js",
+}
+OWN = Path(__file__).parent / "viewer"
+CHROMIUM = (
+    "--no-sandbox",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--use-angle=swiftshader",  # draws without a graphics card
+    "--enable-unsafe-swiftshader",
+    "--ignore-gpu-blocklist",
+)
+MOMENTS = (0.0, 0.5, 1.0, 0.5, 0.25, 0.0)
+COUNT = """async (png) => {
+  const image = await createImageBitmap(await (await fetch("data:image/png;base64," + png)).blob());
+  const canvas = new OffscreenCanvas(image.width, image.height), context = canvas.getContext("2d");
+  context.drawImage(image, 0, 0);
+  const { data } = context.getImageData(0, 0, image.width, image.height);
+  let coloured = 0, cut = 0;
+  for (let i = 0; i < data.length; i += 4) {
+    const [r, g, b] = [data[i], data[i + 1], data[i + 2]];
+    const most = Math.max(r, g, b), least = Math.min(r, g, b);
+    if (most - least > 0.35 * most) coloured++;
+    if (r > 1.08 * g && g > 1.3 * b && r < 1.45 * g) cut++;  // the gold of cut surface in any light
+  }
+  return { coloured, cut };
+}"""
+
+
+def fetch_viewer(folder: Path) -> Path:
+    """The web pages of the viewer in `folder`; fetched when they are not there."""
+    pages = folder / "pages"
+    if not pages.exists():
+        with tempfile.TemporaryDirectory(dir=make(folder)) as scratch:
+            made = Path(scratch)
+            for package in PACKAGES:
+                name = package.rpartition("@")[0]
+                said = subprocess.run(["npm", "pack", package], cwd=made, capture_output=True, text=True, check=True)
+                with tarfile.open(made / said.stdout.split()[-1]) as archive:
+                    archive.extractall(made / "packages" / name, filter="data")
+            (made / "pages").mkdir()
+            for part, source in PARTS.items():
+                shutil.move(made / "packages" / _inside(source), made / "pages" / part)
+            (made / "pages").rename(pages)
+    return pages
+
+
+def _inside(path: str) -> str:
+    """Where a path of a package lies: npm packs everything into a folder `package`."""
+    parts = path.split("/")
+    cut = 2 if path.startswith("@") else 1
+    return "/".join([*parts[:cut], "package", *parts[cut:]])
+
+
+def make(folder: Path) -> Path:
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+class Pages(SimpleHTTPRequestHandler):
+    """Serves some files, also pieces of them: the viewer reads a log by ranges."""
+
+    protocol_version = "HTTP/1.1"
+
+    def __init__(self, files: dict[str, Path], viewer: Path, *arguments: Any) -> None:
+        self.files, self.viewer = files, viewer
+        super().__init__(*arguments)
+
+    def log_message(self, *_: Any) -> None:
+        pass
+
+    def translate_path(self, path: str) -> str:
+        name = path.partition("?")[0].lstrip("/")
+        for found in (self.files.get(name), OWN / name, self.viewer / name):
+            if found is not None and found.is_file():
+                return str(found)
+        return str(self.viewer / "none")
+
+    def end_headers(self) -> None:
+        self.send_header("Accept-Ranges", "bytes")
+        super().end_headers()
+
+    def do_GET(self) -> None:
+        span = re.fullmatch(r"bytes=(\d+)-(\d*)", self.headers.get("Range", ""))
+        path = Path(self.translate_path(self.path))
+        if span is None or not path.is_file():
+            super().do_GET()
+            return
+        size = path.stat().st_size
+        first, last = int(span[1]), min(int(span[2] or size), size - 1)
+        self.send_response(206)
+        self.send_header("Content-Range", f"bytes {first}-{last}/{size}")
+        self.send_header("Content-Length", str(last - first + 1))
+        self.end_headers()
+        with path.open("rb") as stream:
+            stream.seek(first)
+            self.wfile.write(stream.read(last - first + 1))
+
+
+class Quiet(ThreadingHTTPServer):
+    """A viewer that jumps hangs up in the middle of an answer: that is no error."""
+
+    daemon_threads = True
+
+    def handle_error(self, *_: Any) -> None:
+        pass
+
+
+@contextmanager
+def served(files: dict[str, Path], viewer: Path) -> Iterator[str]:
+    server = Quiet(("127.0.0.1", 0), partial(Pages, files, viewer))
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    try:
+        yield f"http://127.0.0.1:{server.server_address[1]}"
+    finally:
+        server.shutdown()
+
+
+class Viewer:
+    """The viewer in a browser tab."""
+
+    def __init__(self, page: Any, site: str, source: str) -> None:
+        self.page, self.complaints = page, list[str]()
+        page.on("pageerror", lambda error: self.complaints.append(f"page error: {error}"))
+        page.goto(f"{site}/index.html?{source}&layoutId=log", timeout=120_000)
+        page.get_by_text("END TIME").wait_for(timeout=120_000)
+        page.get_by_text("Problems", exact=True).click()
+        self.settled()
+        page.on("console", self._hear)  # only now: before the data is there, frames are missing
+
+    def _hear(self, message: Any) -> None:
+        if message.type == "error" or (message.type == "warning" and re.match(r"\[.+ > .+\]", message.text)):
+            self.complaints.append(f"{message.type}: {message.text}")
+
+    def box(self, panel: str) -> Any:
+        return self.page.locator(f'[data-testid="panel-mouseenter-container {panel}"]').bounding_box()
+
+    def picture(self, panel: str = "") -> bytes:
+        return self.page.screenshot(**({"clip": self.box(panel)} if panel else {}), timeout=120_000)
+
+    def settled(self, limit: float = 60.0) -> bytes:
+        """The scene when it has not changed for two seconds."""
+        before, begin, same = b"", time.monotonic(), 0
+        while time.monotonic() - begin < limit:
+            now = self.picture("3D!cell")
+            same = same + 1 if now == before else 0
+            if same == 4:
+                break
+            before = now
+            time.sleep(0.5)
+        return before
+
+    def seek(self, part: float) -> bytes:
+        """Jump to a part of the log, by a click on the time bar."""
+        bar = self.page.locator("[class*=Slider-root]").first.bounding_box()
+        x = bar["x"] + min(max(part * bar["width"], 1.0), bar["width"] - 1.0)
+        self.page.mouse.click(x, bar["y"] + bar["height"] / 2)
+        self.page.mouse.move(bar["x"] + 20.0, 100.0)
+        return self.settled()
+
+    def count(self, png: bytes) -> dict[str, int]:
+        return dict(self.page.evaluate(COUNT, base64.b64encode(png).decode()))
+
+    @property
+    def plots(self) -> list[str]:
+        names = self.page.evaluate("() => [...document.querySelectorAll('[data-testid]')].map(e => e.dataset.testid)")
+        return [name.split()[-1] for name in names if "Plot!" in name]
+
+    def problems(self) -> str:
+        """The viewer's own list, empty when it says so."""
+        text = self.page.locator("body").inner_text().split("Problems", 1)[1]
+        return "" if "No problems found" in text else " ".join(text.split())[:300]
+
+
+def check(viewer: Viewer) -> list[str]:
+    """What the viewer did not show as it should."""
+    wrong, scenes, cut = [], dict[float, bytes](), dict[float, int]()
+    for part in MOMENTS:
+        scene = viewer.seek(part)
+        problems = viewer.problems()
+        if problems:
+            wrong.append(f"at {part:.0%}: problem list: {problems}")
+        if part in scenes and scenes[part] != scene:
+            wrong.append(f"at {part:.0%}: the scene differs when it is reached backwards")
+        seen = viewer.count(scene)
+        scenes[part], cut[part] = scene, seen["cut"]
+        print(f"  {part:4.0%}: {seen['coloured']} coloured pixels in the scene, {seen['cut']} of cut surface")
+    if not cut[0.0] < cut[0.5] <= 1.5 * max(cut[1.0], 1):
+        wrong.append(f"cut surface does not grow: {cut}")
+    if scenes[0.0] == scenes[0.5] or scenes[0.5] == scenes[1.0]:
+        wrong.append("the scene does not change")
+    for plot in viewer.plots:
+        if viewer.count(viewer.picture(plot))["coloured"] < 150:
+            wrong.append(f"{plot} shows no curve")
+    return wrong + viewer.complaints
+
+
+def main() -> int:
+    from playwright.sync_api import sync_playwright
+
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("logs", nargs="+", type=Path, metavar="LOG")
+    parser.add_argument("--picture", type=Path, help="only take a picture")
+    parser.add_argument("--at", type=float, default=0.6, help="part of the log that the picture shows")
+    parser.add_argument("--layout", type=Path, help="another layout than that of the log")
+    parser.add_argument("--folder", type=Path, default=Path.home() / ".cache" / "gcodesim-viewer")
+    parser.add_argument("--chromium", default=shutil.which("chromium") or "/usr/bin/chromium")
+    arguments = parser.parse_args()
+    pages, bad = fetch_viewer(arguments.folder), 0
+    with sync_playwright() as playwright, tempfile.TemporaryDirectory() as scratch:
+        browser = playwright.chromium.launch(executable_path=arguments.chromium, args=CHROMIUM)
+        for log in arguments.logs:
+            layout = Path(scratch) / "layout.json"
+            layout.write_bytes(
+                arguments.layout.read_bytes() if arguments.layout else read_attachment(log, "layout.json")
+            )
+            with served({"run.mcap": log, "layout.json": layout}, pages) as site:
+                page = browser.new_page(viewport={"width": 1720, "height": 1000})
+                viewer = Viewer(page, site, f"ds=remote-file&ds.url={site}/run.mcap")
+                print(log)
+                if arguments.picture:
+                    viewer.seek(arguments.at)
+                    page.get_by_role("tab").first.click()  # the side bar goes
+                    for hint in page.locator("[role=tooltip] button").all():
+                        hint.click()
+                    viewer.settled()
+                    page.mouse.move(800.0, 980.0)
+                    arguments.picture.write_bytes(viewer.picture())
+                    continue
+                wrong = check(viewer)
+                bad += bool(wrong)
+                print("\n".join(f"  {line}" for line in wrong) if wrong else "  good")
+                page.close()
+        browser.close()
+    return 1 if bad else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
