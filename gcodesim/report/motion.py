@@ -25,13 +25,14 @@ def key_moments(
     """
     scaled = signals / tolerance
     while True:
-        kept = _within_one(scaled, forced)
-        if len(kept) <= most or len(kept) <= len(forced) + 2:
+        kept = _within_one(scaled, forced, max(most, len(forced) + 2))
+        if kept is not None:
             return kept
         scaled = scaled * 0.5
 
 
-def _within_one(scaled: Array, forced: NDArray[np.int64]) -> NDArray[np.int64]:
+def _within_one(scaled: Array, forced: NDArray[np.int64], most: int) -> NDArray[np.int64] | None:
+    """The rows for a tolerance of 1; None as soon as they are more than `most`."""
     count = len(scaled)
     if count <= 2:
         return np.arange(count)
@@ -39,6 +40,7 @@ def _within_one(scaled: Array, forced: NDArray[np.int64]) -> NDArray[np.int64]:
     kept[[0, count - 1]] = True
     kept[forced] = True
     fixed = np.flatnonzero(kept)
+    number = len(fixed)
     waiting = [(int(a), int(b)) for a, b in pairwise(fixed) if b - a > 1]
     while waiting:
         a, b = waiting.pop()
@@ -46,6 +48,9 @@ def _within_one(scaled: Array, forced: NDArray[np.int64]) -> NDArray[np.int64]:
         off = np.abs(scaled[a + 1 : b] - (scaled[a] + share * (scaled[b] - scaled[a]))).max(axis=1)
         worst = int(off.argmax())
         if off[worst] > 1.0:
+            number += 1
+            if number > most:
+                return None
             middle = a + 1 + worst
             kept[middle] = True
             waiting += [(x, y) for x, y in ((a, middle), (middle, b)) if y - x > 1]

@@ -1,0 +1,120 @@
+"""`export`, `plot` and `report` as a user types them."""
+
+import json
+
+import pytest
+
+from gcodesim.cli import main
+
+
+@pytest.fixture
+def run(slot_folder, tmp_path, monkeypatch, capsys):
+    """A command about the finished run, in a fresh folder."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(command, *arguments, log=slot_folder):
+        capsys.readouterr()
+        try:
+            status = main([command, str(log), *map(str, arguments)])
+        except SystemExit as end:  # argparse
+            status = end.code
+        said = capsys.readouterr()
+        return status, said.out, said.err
+
+    return run
+
+
+def test_tables_go_to_the_standard_output_or_a_file(run, tmp_path):
+    status, out, _ = run("export", "--to", "csv", "--topics", "process,wrench", "--lines", "9:9", "--period", "0.5")
+    rows = out.splitlines()
+
+    assert status == 0 and rows[0].startswith("time_s,file,line,tool,motion,process.")
+    assert 5 <= len(rows) - 1 <= 8 and all(",slot.nc,9," in row or ",slot.nc,10," in row for row in rows[1:])
+    status, out, _ = run("export", "--to", "csv", "-o", "t.csv", "--units", "mm", "--time", "1:2 s")
+    assert status == 0 and "wrote 51 rows" in out and "motion.x_mm" in (tmp_path / "t.csv").read_text()
+
+
+def test_json_lines_without_a_file(run):
+    status, out, _ = run("export", "--to", "jsonl", "--topics", "/event")
+
+    assert status == 0 and json.loads(out.splitlines()[0])["message"]["code"] == "start"
+
+
+@pytest.mark.parametrize(("kind", "name"), [("stl", "slot.stl"), ("glb", "slot.glb"), ("rosbag2", "slot_bag")])
+def test_files_are_named_after_the_program(run, tmp_path, kind, name):
+    options = ["--period", "1 s"] if kind == "rosbag2" else ["--at", "9.5 s"]
+    status, out, _ = run("export", "--to", kind, *options)
+
+    assert status == 0 and name in out and (tmp_path / name).exists()
+
+
+def test_charts_end_in_svg_or_png(run, tmp_path):
+    assert run("plot", "--what", "force")[0] == 0
+    assert run("plot", "--what", "force,joints", "--lines", "8:12", "-o", "b.png")[0] == 0
+
+    assert (tmp_path / "slot.svg").read_bytes().startswith(b"<?xml")
+    assert (tmp_path / "b.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_report_is_one_file(run, tmp_path):
+    status, out, _ = run("report")
+
+    assert status == 0 and "wrote report.html" in out
+    assert (tmp_path / "report.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+
+
+def test_times_as_text_and_json(run):
+    status, text, _ = run("report", "--times")
+    value = json.loads(run("report", "--times", "--format", "json")[1])
+
+    assert status == 0 and text.startswith("18.8 s in all") and "slot.nc:14" in text
+    assert sum(line["time_s"] for line in value["lines"]) == pytest.approx(value["total_s"])
+
+
+@pytest.mark.parametrize(
+    ("command", "arguments", "words"),
+    [
+        ("export", ["--to", "stl", "--topics", "/tcp"], "--topics means nothing for stl"),
+        ("export", ["--to", "csv", "--at", "3"], "--at means nothing for csv"),
+        ("export", ["--to", "stl", "--at", "1 min"], "the run ends at"),
+        ("export", ["--to", "csv", "--topics", "/nothing"], "no topic /nothing"),
+        ("export", ["--to", "csv", "--lines", "90:99"], "no line from 90 to 99"),
+        ("export", ["--to", "csv", "--time", "80:90"], "the run ends at"),
+        ("export", ["--to", "csv", "--time", "5"], "no range of time"),
+        ("export", ["--to", "csv", "--period", "soon"], "no time"),
+        ("export", ["--to", "stl", "--stock", "other"], "it has stock"),
+        ("plot", ["--what", "heat"], "there is no quantity heat"),
+        ("plot", ["-o", "a.bmp"], "ends in .svg, .png or .pdf"),
+        ("report", ["--format", "json"], "--times has numbers"),
+    ],
+)
+def test_wrong_wishes_are_usage(run, command, arguments, words):
+    status, _, said = run(command, *arguments)
+
+    assert status == 2 and words in said
+
+
+@pytest.mark.parametrize("command", [["export", "--to", "csv"], ["plot"], ["report"]])
+def test_what_is_not_there_is_usage(run, tmp_path, command):
+    for log in (tmp_path, tmp_path / "no.mcap"):
+        status, _, said = run(*command, log=log)
+        assert status == 2 and "Traceback" not in said and said.startswith("gcodesim: ")
+
+
+def test_a_missing_library_is_named(run, monkeypatch):
+    from gcodesim.report import libraries
+
+    monkeypatch.setattr(libraries, "_CHART_FOLDER", "nowhere")
+    status, _, said = run("report")
+
+    assert status == 2 and "pip install 'gcodesim[report]'" in said
+
+
+def test_without_matplotlib_the_extra_is_named(run, monkeypatch):
+    import sys
+
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+
+    status, _, said = run("plot")
+
+    assert status == 2 and "gcodesim[plot]" in said
