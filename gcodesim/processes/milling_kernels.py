@@ -3,10 +3,12 @@
 A step: ask the stock, as the steps before left it, where the displaced cutter is in material; solve wrench and
 deflection together; remove what the displaced cutter sweeps; look whether shank or holder touch.
 
-Deflection. delta = C F(p + delta) is solved from the last step's delta by relaxation, with the factor taken from
-the last two residuals (Aitken 1937; for vectors Irons and Tuck 1969). With constant engagement the first residual is
-already small: then one more relaxed step follows without asking again, so delta goes to C F without overshoot,
-however soft the machine. `F/C` one step late would ring as soon as the cut is stiffer than the machine.
+Deflection. delta = C F(p + delta), with chips as thick as the tip then advances (`advance_kernels`), is solved from the
+last step's delta by relaxation, with the factor taken from the last two residuals (Aitken 1937; for vectors Irons and
+Tuck 1969). With constant engagement the first residual is already small: then one more relaxed step follows without
+asking again, so delta goes to C F without overshoot, however soft the machine. `F/C` one step late would ring as soon
+as the cut is stiffer than the machine. A machine so soft that it has no balance nearby (a narrow shoulder that slips
+to the side) travels on towards the best that was found, no faster than the feed.
 """
 
 from __future__ import annotations
@@ -16,6 +18,7 @@ from numpy.typing import NDArray
 
 from gcodesim.compiled import kernel
 from gcodesim.material.kernels import PATCH_SHIFT, patch_top, remove_piece, touch_piece
+from gcodesim.processes.advance_kernels import edge_wrench, solve_advance
 from gcodesim.processes.engagement_kernels import (
     CHIP,
     DEPTH,
@@ -43,10 +46,11 @@ AXIS, VELOCITY, SPINDLE, RAPID, ACTIVE = 0, 3, 6, 7, 8
 ) = (0, 6, 7, 8, 9, 10, 11, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24)  # fmt: skip
 OUTPUTS = 25
 # places in `state` (STATE,)
-DELTA, RELAXATION, FEED_X, FEED_Y, FREEDOM, CUTTING, TIP, HAS_TIP, STEP, PIECE, BEFORE, PATCH_X, PATCH_Y, CREDIT = (
-    0, 3, 4, 5, 6, 7, 8, 11, 12, 13, 14, 17, 18, 19,
-)  # fmt: skip
-STATE = 20
+(
+    DELTA, RELAXATION, FEED_X, FEED_Y, FREEDOM, CUTTING, TIP, HAS_TIP, STEP, PIECE, BEFORE, PATCH_X, PATCH_Y, CREDIT,
+    ADVANCE,
+) = (0, 3, 4, 5, 6, 7, 8, 11, 12, 13, 14, 17, 18, 19, 20)  # fmt: skip
+STATE = 21
 PLACED, BLOCKED, FREE = 0.0, 1.0, 2.0  # values of FREEDOM
 
 LEAST_SPEED = 1.0e-7  # [m/s]; slower is a dwell
@@ -66,6 +70,7 @@ LEAST_VOLUME = 1.0e-15  # [m³]; less is rounding
 EVALUATIONS = 10  # looks at the stock for one step, at most
 CLOSE_RELATIVE = 0.01  # residual, as a share of the deflection, up to which the stock is not asked again
 CLOSE_ABSOLUTE = 0.2e-6  # [m] the same, absolute
+CLOSE_ADVANCE = 0.02  # residual along the feed, as a share of the feed, since the chip depends on it
 RELAX_LEAST, RELAX_MOST = 0.01, 1.0
 
 
@@ -129,75 +134,104 @@ def displacement(compliance: Array, wrench: Array, delta: Array) -> None:
 
 
 @kernel
+def along(vector: Array, ux: float, uy: float, level: float, climb: float) -> float:
+    """Component of `vector` (3,) along the feed."""
+    return float(level * (ux * vector[0] + uy * vector[1]) + climb * vector[2])
+
+
+@kernel
 def solve_step(
     lo: Array, hi: Array, count: Ints, grid: Array, tool: Array, edge: Array, laws: Array, table: Array,
     circle: Array, compliance: Array, rigid: bool, tip: Array, ux: float, uy: float, level: float, climb: float,
-    chip: float, top: float, rows: Array, weights: Array, force: Array, sums: Array, state: Array, result: Array,
-) -> int:  # fmt: skip
+    chip: float, way: float, top: float, rows: Array, weights: Array, force: Array, sums: Array, state: Array,
+    result: Array,
+) -> tuple[int, float]:  # fmt: skip
     """Wrench and deflection of one step together; `state` holds the deflection before and after.
 
-    Returns the number of rows that are filled for `peak_force`.
+    way [m]: commanded in this step, along the feed; the chip is as thick as the tip advances (`advance_kernels`).
+    Returns the number of rows that are filled for `peak_force`, and by what their forces have to be multiplied.
     """
     place: Array = np.empty(3)
     if rigid:
         for axis in range(3):
             state[DELTA + axis] = 0.0
-        return cutting_force(
+        used = cutting_force(
             lo, hi, count, grid, tool, edge, laws, table, circle, tip, ux, uy, level, climb, chip, top,
             rows, weights, force, sums, result,
         )  # fmt: skip
+        return used, 1.0
     delta, residual, earlier, best = np.empty(3), np.zeros(3), np.zeros(3), np.empty(3)
     for axis in range(3):
         delta[axis] = state[DELTA + axis]
+    fixed, bend_fixed = np.empty(TORQUE + 1), np.empty(3)
+    bent_before = along(delta, ux, uy, level, climb)
     relaxation = state[RELAXATION] if state[RELAXATION] > 0.0 else 0.5
+    advance = state[ADVANCE] if state[ADVANCE] > 0.0 else 1.0
+    asked, best_asked, ratio, pushed = advance, advance, 1.0, 0.0
     least = np.inf
     used = 0
-    for turn in range(EVALUATIONS):
+    for turn in range(EVALUATIONS + 1):
+        if turn == EVALUATIONS:  # no fixed point found: on from the best place seen, no faster than the feed
+            delta[:] = best
+            advance = best_asked
         for axis in range(3):
             place[axis] = tip[axis] + delta[axis]
+        asked = advance
         used = cutting_force(
-            lo, hi, count, grid, tool, edge, laws, table, circle, place, ux, uy, level, climb, chip, top,
+            lo, hi, count, grid, tool, edge, laws, table, circle, place, ux, uy, level, climb, asked * chip, top,
             rows, weights, force, sums, result,
         )  # fmt: skip
         displacement(compliance, result, residual)
+        if way > 0.0 and used > 0:
+            edge_wrench(tool, laws, circle, ux, uy, rows, weights, used, fixed)
+            displacement(compliance, fixed, bend_fixed)
+            rubbed = along(bend_fixed, ux, uy, level, climb)
+            pushed = along(residual, ux, uy, level, climb) - rubbed
+            advance = solve_advance(rubbed, pushed, bent_before, way, asked, laws[0, 1])
+            if advance != asked:
+                before = result[0] * result[0] + result[1] * result[1] + result[2] * result[2]
+                growth = (advance / asked) ** laws[0, 1]
+                for component in range(TORQUE + 1):
+                    result[component] = fixed[component] + growth * (result[component] - fixed[component])
+                after = result[0] * result[0] + result[1] * result[1] + result[2] * result[2]
+                ratio = np.sqrt(after / before) if before > 0.0 else 1.0
+                displacement(compliance, result, residual)
+            else:
+                ratio = 1.0
         size, bent = 0.0, 0.0
         for axis in range(3):
             bent += residual[axis] * residual[axis]
             residual[axis] -= delta[axis]
             size += residual[axis] * residual[axis]
+        if turn == EVALUATIONS:
+            onward = min(1.0, way / np.sqrt(size)) if size > 0.0 else 0.0
+            for axis in range(3):
+                delta[axis] += onward * residual[axis]
+            break
         if turn > 0:
-            along, change = 0.0, 0.0
+            towards, change = 0.0, 0.0
             for axis in range(3):
                 difference = residual[axis] - earlier[axis]
-                along += earlier[axis] * difference
+                towards += earlier[axis] * difference
                 change += difference * difference
             if change > 0.0:
-                relaxation = min(max(-relaxation * along / change, RELAX_LEAST), RELAX_MOST)
+                relaxation = min(max(-relaxation * towards / change, RELAX_LEAST), RELAX_MOST)
         if size < least:
             least = size
             best[:] = delta
+            best_asked = asked
         limit = CLOSE_RELATIVE * np.sqrt(bent) + CLOSE_ABSOLUTE
-        if size <= limit * limit:
-            for axis in range(3):
-                delta[axis] += relaxation * residual[axis]
-            break
-        if turn == EVALUATIONS - 1:
-            if least < size:  # no fixed point found: take the best place seen
-                delta[:] = best
-                for axis in range(3):
-                    place[axis] = tip[axis] + delta[axis]
-                used = cutting_force(
-                    lo, hi, count, grid, tool, edge, laws, table, circle, place, ux, uy, level, climb, chip, top,
-                    rows, weights, force, sums, result,
-                )  # fmt: skip
-            break
+        short = abs(along(residual, ux, uy, level, climb))
         earlier[:] = residual
         for axis in range(3):
             delta[axis] += relaxation * residual[axis]
-    state[RELAXATION] = relaxation
+        if size <= limit * limit and (pushed >= 0.0 or short <= CLOSE_ADVANCE * way):
+            break
+    result[CHIP] *= advance / asked
+    state[RELAXATION], state[ADVANCE] = relaxation, advance
     for axis in range(3):
         state[DELTA + axis] = delta[axis]
-    return used
+    return used, ratio
 
 
 @kernel
@@ -287,7 +321,7 @@ def mill(
                     level = 0.0
             if state[FEED_X] == 0.0 and state[FEED_Y] == 0.0:
                 state[FEED_X] = 1.0
-            used = 0
+            used, ratio = 0, 1.0
             result[:] = 0.0
             turning_in = spindle > 0.0 and not rapid and lowest < top
             if speed <= LEAST_SPEED:
@@ -302,10 +336,14 @@ def mill(
                     state[CREDIT] = CREDIT_CELLS * cell
             if turning_in:
                 chip = speed * 2.0 * np.pi / (spindle * tool[1]) if speed > LEAST_SPEED else 0.0
-                used = solve_step(
+                way = 0.0
+                if speed > LEAST_SPEED:
+                    way = np.sqrt(travel * travel + (after[2] - before[2]) ** 2)
+                used, ratio = solve_step(
                     lo, hi, count, grid, tool, edge, laws, table, circle,
                     no_compliance if rigid_machine else compliance[k], rigid_machine, before,
-                    state[FEED_X], state[FEED_Y], level, climb, chip, top, rows, weights, force, sums, state, result,
+                    state[FEED_X], state[FEED_Y], level, climb, chip, way, top, rows, weights, force, sums, state,
+                    result,
                 )  # fmt: skip
             elif not rapid:
                 state[DELTA : DELTA + 3] = 0.0
@@ -314,7 +352,7 @@ def mill(
             state[CUTTING] = 1.0 if used > 0 else 0.0
             if used > 0:
                 out[k, WRENCH : WRENCH + 6] = result[:6]
-                out[k, PEAK] = peak_force(tool, rows, force, used, turning)
+                out[k, PEAK] = ratio * peak_force(tool, rows, force, used, turning)
                 out[k, OUT_TORQUE] = result[TORQUE]
                 out[k, POWER] = result[TORQUE] * spindle
                 out[k, ENGAGED] = 1.0

@@ -1,0 +1,113 @@
+"""Cuts that bend a machine by millimetres: every step stands at its own C F, and the tool goes on."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from gcodesim.kinematics import compliance, kinematics_of, load_urdf, shift_jacobian
+from gcodesim.kinematics.models import MODELS
+from gcodesim.material.stock import Stock
+from gcodesim.processes.laws import Kienzle, Law, LinearEdge
+from gcodesim.processes.milling import Milling
+from gcodesim.processes.window import ProcessStep, Window
+from gcodesim.tools import TOOLS
+from gcodesim.units import DEG, MM
+
+STEEL = Kienzle.from_table(2500.0, 0.26)
+ALUMINIUM = LinearEdge.from_table(631.0, 13.0, 99.0, 10.0, 273.0, 2.8)
+DT, FEED, SPINDLE = 4e-3, 200.0 * MM / 60.0, 2000.0 * 2.0 * math.pi / 60.0
+LENGTH = 32e-3  # of the whole way
+
+
+def arm() -> np.ndarray:
+    """Compliance (6, 6) of the KR 10 with its tool pointing down."""
+    model = MODELS["kuka_kr10_r1100_2"]
+    kinematics = kinematics_of(load_urdf(model.path)[0])
+    q = np.array([[0.0, -90.0, 90.0, 0.0, 90.0, 0.0]]) * DEG
+    J = shift_jacobian(kinematics.jacobian(q), kinematics.forward(q), np.array([0.0, 0.0, 60e-3]))
+    return compliance(J, np.array(model.stiffness))[0]
+
+
+def gantry() -> np.ndarray:
+    """Compliance (6, 6) of a weak portal: 0.4 N/µm across, 2 N/µm along the spindle."""
+    C = np.zeros((6, 6))
+    C[0, 0], C[1, 1], C[2, 2] = 1.0 / 4e5, 1.0 / 4e5, 1.0 / 2e6
+    return C
+
+
+def cut(C: np.ndarray, law: Law, begin: float, way: float, y: float, depth: float) -> tuple[ProcessStep, np.ndarray]:
+    """A straight cut along X by a 6 mm end mill in a block that ends at y = 0; C F (n, 3) of its wrenches beside it."""
+    n = round(abs(way) / (FEED * DT))
+    points = np.zeros((n + 1, 3))
+    points[:, 0], points[:, 1], points[:, 2] = begin + np.linspace(0.0, way, n + 1), y, -depth
+    process = Milling(cutter=TOOLS["flat_end_mill"](number=1, diameter=6e-3, length=60e-3), law=law)
+    window = Window(
+        piece_start=points[:-1],
+        piece_end=points[1:],
+        piece_step=np.arange(n),
+        axis=np.tile([0.0, 0.0, 1.0], (n, 1)),
+        velocity=np.diff(points, axis=0) / DT,
+        spindle=np.full(n, SPINDLE),
+        rapid=np.zeros(n, dtype=bool),
+        active=np.zeros(n, dtype=bool),
+        dt=DT,
+        compliance=np.tile(C, (n, 1, 1)),
+    )
+    stock = Stock.box((0.0, 0.0, -12e-3), (44e-3, 40e-3, 0.0), 0.5e-3)
+    found = process.run(stock, window, process.begin())
+    return found, np.einsum("ij,nj->ni", C[:3], found.wrench)
+
+
+@pytest.mark.parametrize("share", [1.0, 0.3, 0.1])
+@pytest.mark.parametrize("machine", [arm, gantry])
+@pytest.mark.parametrize("law", [STEEL, ALUMINIUM])
+@pytest.mark.parametrize(("begin", "way"), [(-4e-3, LENGTH), (48e-3, -LENGTH)])
+@pytest.mark.parametrize("y", [20e-3, -1e-3])
+def test_every_step_stands_at_its_own_bend(
+    y: float, begin: float, way: float, law: Law, machine: object, share: float
+) -> None:
+    """Slots (y = 20 mm) and shoulders 2 mm wide, both ways, 1 mm deep, down to a tenth of the stiffness."""
+    assert callable(machine)
+    found, closed = cut(machine() / share, law, begin, way, y, 1e-3)
+    size = np.linalg.norm(closed, axis=1)
+    miss = np.linalg.norm(found.deflection - closed, axis=1)
+    swing = np.linalg.norm(found.deflection[2:] - 2.0 * found.deflection[1:-1] + found.deflection[:-2], axis=1) / 4.0
+    late = slice(len(size) * 5 // 6, None)
+
+    assert size[late].min() > 10e-6
+    at_balance = miss <= 0.01 * size + 0.5e-6
+    if y < 0.0 and size.max() > 2e-3:
+        # a shoulder that bends the machine by more than its own width slips aside, and back: no balance meanwhile
+        assert at_balance.mean() > 0.85
+        return
+    assert at_balance.all()
+    assert swing[len(swing) * 5 // 6 :].max() < 1e-3 * size[late].mean()
+    # it has come as far as its feed, but for what it is bent
+    assert np.ptp(found.deflection[late, 0]) < 0.1 * LENGTH / 6.0
+
+
+def test_a_tool_that_is_pushed_back_cuts_thinner_chips() -> None:
+    """While the bend of a slot grows, the chip is feed less retreat; Kienzle's force follows it."""
+    found, _ = cut(arm() / 0.3, STEEL, -4e-3, LENGTH, 20e-3, 1e-3)
+    retreat = np.diff(found.deflection[:, 0]) / (FEED * DT)
+    full = FEED * math.pi / SPINDLE  # feed per tooth of two
+    busy = np.flatnonzero(found.chip[1:] > 0.2 * found.chip.max())
+
+    assert found.chip[-1] == pytest.approx(full, rel=2e-3)
+    assert retreat[busy].min() < -0.2
+    assert found.chip[1:][busy] / full == pytest.approx(1.0 + retreat[busy], abs=0.05)
+
+
+def test_a_slot_in_a_soft_arm_settles_at_the_balance_of_depth_and_bend() -> None:
+    """Force is proportional to depth and depth gives way with force: bend z = -k (ap - bend z)."""
+    C = arm()
+    _, stiff = cut(C * 1e-3, STEEL, -4e-3, 1.25 * LENGTH, 20e-3, 1e-3)
+    gain = 1e3 * stiff[-1] / 1e-3  # bend over depth of cut
+    for share in (1.0, 0.3, 0.1):
+        found, closed = cut(C / share, STEEL, -4e-3, 1.25 * LENGTH, 20e-3, 1e-3)
+        depth = 1e-3 / (1.0 + gain[2] / share)
+        assert closed[-1] == pytest.approx(gain / share * depth, rel=0.02)
+        assert found.axial_depth[-1] == pytest.approx(depth, rel=0.02)
