@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 
-.PHONY: demo test test-slow lint bench setup clean
+.PHONY: browser demo test test-slow lint bench setup clean
 
 setup: $(STAMP)
 
@@ -27,8 +27,13 @@ test: lint
 	$(BIN)/gcodesim warm-up
 	$(BIN)/python -m pytest -n 2 --dist loadfile
 
-test-slow: setup
-	$(BIN)/python -m pytest -n 2 -m slow
+test-slow: setup browser
+	$(BIN)/python -m pytest -n 2 -m slow -rs
+
+# tests of pages open them in a real browser; without one they are named as skipped
+browser:
+	@command -v chromium >/dev/null || (apt-get update -qq && apt-get install -y -qq chromium) >/dev/null 2>&1 \
+		|| echo "chromium is not installed and could not be: tests of pages are skipped" >&2
 
 bench: setup
 	$(BIN)/python -m benchmarks

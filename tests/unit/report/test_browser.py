@@ -1,0 +1,170 @@
+"""The page in a real browser: it draws, its time moves, and it asks no network for anything.
+
+The browser is Debian's chromium without a window. A probe is added to the page,
+which uses it as a person would and writes what it saw into the document.
+"""
+
+import html
+import json
+import re
+import shutil
+import subprocess
+
+import pytest
+
+from gcodesim.playback import Recording
+from gcodesim.report.page import write_page
+
+BROWSER = shutil.which("chromium") or shutil.which("chromium-browser")
+FLAGS = [
+    "--headless",
+    "--no-sandbox",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--disable-features=NetworkTimeServiceQuerying,OptimizationHints,MediaRouter",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--window-size=1200,900",
+    "--virtual-time-budget=30000",
+]
+PROBE = r"""<script>
+(async () => {
+  const seen = { errors: [] };
+  window.addEventListener("error", (event) => seen.errors.push(String(event.message)));
+  const pause = (ms) => new Promise((done) => setTimeout(done, ms));
+  for (let i = 0; i < 200 && !document.body.dataset.ready; i++) await pause(50);
+  // how many pixels of the view are those of a colour family
+  const count = (view, wanted) => {
+    view.dirty = true;
+    view.render();
+    const copy = document.createElement("canvas"), pen = copy.getContext("2d");
+    copy.width = view.renderer.domElement.width;
+    copy.height = view.renderer.domElement.height;
+    pen.drawImage(view.renderer.domElement, 0, 0);
+    const { data } = pen.getImageData(0, 0, copy.width, copy.height);
+    let found = 0;
+    for (let i = 0; i < data.length; i += 4) {
+      if (data[i + 3] > 200 && wanted(data[i], data[i + 1], data[i + 2])) found++;
+    }
+    return found;
+  };
+  const gold = (r, g, b) => r > 120 && r > 1.15 * b && g > b && r - b > 40; // cut surface
+  const anything = () => true;
+  const click = (element, x, y) => {
+    for (const type of ["pointerdown", "pointerup", "click"]) {
+      const event = new PointerEvent(type, { bubbles: true, clientX: x, clientY: y, pointerId: 1 });
+      try { element.dispatchEvent(event); } catch (problem) { seen.errors.push(String(problem)); }
+    }
+  };
+  seen.ready = document.body.dataset.ready;
+  seen.start = G.time;
+  seen.views = G.views.length;
+  for (const view of G.views) view.look("top");
+  for (const part of ["path", "cell", "force"]) G.views[0].shown[part] = false;
+  for (const body of G.views[0].bodies) body.visible = false;
+  const cut = [];
+  for (const share of [0, 0.5, 1, 0]) {
+    G.seek(share * G.end);
+    for (const tool of G.views[0].tools) tool.group.visible = false;
+    cut.push(count(G.views[0], gold));
+  }
+  seen.cut = cut;
+  seen.drawn = count(G.views[0], anything);
+  // the bar: a click in its middle
+  const canvas = document.querySelector("footer canvas"), box = canvas.getBoundingClientRect();
+  canvas.setPointerCapture = () => {};
+  click(canvas, box.left + 0.5 * box.width, box.top + 0.5 * box.height);
+  seen.middle = G.time / G.end;
+  seen.now = (document.querySelector(".lines .row.now") || {}).textContent;
+  seen.clock = document.querySelector(".clock b").textContent;
+  // a finding, a line of the program and the play button
+  document.querySelector(".finding.go").click();
+  seen.finding = G.time;
+  G.seek(0);
+  [...document.querySelectorAll(".lines .row")].find((row) => row.textContent.includes("G1 X30")).click();
+  seen.line = G.time;
+  document.querySelector(".play").click();
+  await pause(600);
+  seen.played = G.time;
+  seen.charts = document.querySelectorAll(".chart canvas").length;
+  seen.tables = document.querySelectorAll("table").length;
+  seen.fetched = performance.getEntriesByType("resource").map((entry) => entry.name);
+  const out = document.createElement("pre");
+  out.id = "seen";
+  out.textContent = JSON.stringify(seen);
+  document.body.appendChild(out);
+})();
+</script></body>"""
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(BROWSER is None, reason="chromium is not installed: `make browser` does it"),
+]
+
+
+def opened(page, folder):
+    """The document that a page has become, and the addresses that it asked for."""
+    (folder / "page.html").write_text(page, encoding="utf-8")
+    log = folder / "net.json"
+    own = [f"--user-data-dir={folder / 'profile'}", f"--log-net-log={log}", "--dump-dom"]
+    command = [BROWSER, *FLAGS, *own, f"file://{folder / 'page.html'}"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=240, check=True)
+    asked = set()
+    for event in json.loads(log.read_text(errors="replace"))["events"]:
+        seen = event.get("params", {})
+        # what the browser asks on its own account has no initiator
+        if str(seen.get("url", "")).startswith("http") and seen.get("initiator", "not an origin") != "not an origin":
+            asked.add(seen["url"])
+    return done.stdout, asked
+
+
+@pytest.fixture(scope="module")
+def seen(slot_folder, tmp_path_factory):
+    """What the probe saw."""
+    page = write_page([Recording.open(slot_folder), Recording.open(slot_folder)], names=("old", "new"))
+    document, asked = opened(page.replace("</body>", PROBE), tmp_path_factory.mktemp("browser"))
+    found = re.search(r'<pre id="seen">(.*?)</pre>', document)
+    assert found is not None, document[-2000:]
+    return {**json.loads(html.unescape(found[1])), "asked": asked}
+
+
+def test_the_page_comes_up_without_an_error(seen):
+    assert seen["ready"] == "1" and seen["errors"] == [] and seen["start"] == 0
+    assert seen["views"] == 2 and seen["charts"] >= 5 and seen["tables"] >= 5
+
+
+def test_the_part_is_drawn_and_loses_material_in_time(seen):
+    before, half, end, back = seen["cut"]
+
+    assert seen["drawn"] > 20_000  # of a million: the block from above
+    assert before < 50 < half < end  # the slot, then the hole as well
+    assert back == before  # also backwards
+
+
+def test_bar_findings_lines_and_play_move_the_time(seen, slot):
+    timeline = slot.timeline
+    line = timeline.t_ns[timeline.line.tolist().index(9)] * 1e-9
+
+    assert seen["middle"] == pytest.approx(0.5, abs=0.01)
+    assert seen["clock"] == "0:09.4"
+    assert "G1 Z-2" in seen["now"] or "G1 X" in seen["now"]
+    assert seen["finding"] == pytest.approx(timeline.t_ns[timeline.line.tolist().index(13)] * 1e-9, abs=1e-3)
+    assert seen["line"] == pytest.approx(line, abs=1e-3)
+    assert seen["played"] > seen["line"]
+
+
+def test_nothing_is_asked_of_a_network(seen):
+    assert seen["fetched"] == []
+    assert not seen["asked"]
+
+
+def test_a_page_that_asked_would_be_noticed(tmp_path):
+    address = "http://127.0.0.1:9/picture.png"
+
+    _, asked = opened(f'<!DOCTYPE html><img src="{address}">', tmp_path)
+
+    assert asked == {address}
