@@ -185,11 +185,14 @@ def run(
     """Run the job with its stock; with `out` the log, the results and the stocks are written there.
 
     What an earlier run left in `out` under the same names goes first, so that
-    nothing old stands beside the results of a run that failed.
+    nothing old stands beside the results of a run that failed. `WorldUnavailable`
+    comes before anything is touched.
     """
     from gcodesim.executor import execute
     from gcodesim.inspection import Inspector
+    from gcodesim.world import require_world
 
+    require_world(job.world)
     if job.shop is None or job.plan is None or job.cell is None:
         return _not_run(job, out), None
     job.shop, problems = with_stock(job.shop)

@@ -39,6 +39,13 @@ def open_world(
     return world
 
 
+def require_world(name: str) -> None:
+    """Raise `WorldUnavailable` when the world `name` of WORLDS needs something that is not installed."""
+    require = getattr(WORLDS[name], "require", None)
+    if require is not None:
+        require()
+
+
 __all__ = [
     "STANDARD_GRAVITY",
     "WORLDS",
@@ -55,5 +62,6 @@ __all__ = [
     "WorldSteps",
     "WorldUnavailable",
     "open_world",
+    "require_world",
     "tool_body",
 ]

@@ -78,6 +78,7 @@ class BulletWorld(WorldBase):
     """A robot with masses, motors and gravity in PyBullet; see `gcodesim.world.protocol.World`."""
 
     may_lag = True
+    require = staticmethod(import_pybullet)
 
     def __init__(
         self,
