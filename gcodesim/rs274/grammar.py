@@ -161,16 +161,25 @@ def parser_of(name: str) -> Callable[[str], Parsed]:
         cache=str(folder / f"{name}.tables") if folder else False,
     )
 
+    def expected(before: str) -> frozenset[str]:
+        """The terminals that may stand behind `before`; the table of the parser alone names some that may not."""
+        try:
+            parser = lark.parse_interactive(before)
+            parser.exhaust_lexer()
+            return frozenset(parser.accepts())  # type: ignore[no-untyped-call]
+        except UnexpectedInput:  # a token that ends differently before what follows
+            return frozenset()
+
     def parse(line: str) -> Parsed:
         try:
             return lark.parse(line)  # type: ignore[return-value]
         except UnexpectedCharacters as problem:
-            expected = frozenset(str(t) for t in problem.allowed or ())
-            raise Unreadable(problem.pos_in_stream or 0, line[problem.pos_in_stream or 0 :][:1], expected) from None
+            column = problem.pos_in_stream or 0
+            raise Unreadable(column, line[column : column + 1], expected(line[:column])) from None
         except UnexpectedToken as problem:
             token = problem.token
             column = len(line) if token.type == "$END" else (token.start_pos or 0)
-            raise Unreadable(column, str(token), frozenset(problem.expected)) from None
+            raise Unreadable(column, str(token), expected(line[:column])) from None
         except UnexpectedInput as problem:  # pragma: no cover  (no third kind is known)
             raise Unreadable(problem.pos_in_stream or 0, "", frozenset()) from None
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import Final
 
@@ -15,6 +16,7 @@ from gcodesim.rs274.parameters import Parameters
 _NEVER_NEGATIVE: Final = frozenset("fhlst")
 _WHOLE: Final = frozenset("hlt$")
 AXIS_LETTERS: Final = frozenset("xyzabcuvw")
+_EXPONENT: Final = re.compile(r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)[Ee][+-]?[0-9]{1,2}(?![0-9])")
 
 
 class Words:
@@ -105,12 +107,10 @@ def check_use(words: Words, dialect: Dialect, motion: str) -> None:
         users = dialect.users.get(letter)
         if users is not None and motion not in users and names.isdisjoint(users):
             who = " ".join(sorted((u.upper() for u in users if u != "user"), key=_code_order))
-            raise Fault(
-                "GS104",
-                f"nothing in this block uses the word {letter.upper()}",
-                at=letter,
-                hint=f"{letter.upper()} belongs to {who}",
-            )
+            hint = f"{letter.upper()} belongs to {who}"
+            if letter == "e" and (number := _EXPONENT.search(words.block.text)) is not None:
+                hint = f"numbers have no exponent: write {float(number.group()):.12g}"
+            raise Fault("GS104", f"nothing in this block uses the word {letter.upper()}", at=letter, hint=hint)
 
 
 def _code_order(name: str) -> tuple[str, float]:

@@ -32,7 +32,10 @@ CODES: tuple[Code, ...] = (
         code="GS104",
         severity=Severity.ERROR,
         title="Word that nothing uses",
-        what="No code of the block uses this word.",
+        what=(
+            "No code of the block uses this word. RS274 controls refuse the block; Fanuc passes over the word without "
+            "a message, and of two G codes of one group takes the last, so there it is a warning."
+        ),
         why="A forgotten code changes what the block does; dropping the word silently would hide it.",
         remedy="Add the code that the word belongs to, or remove the word.",
     ),
@@ -72,9 +75,12 @@ CODES: tuple[Code, ...] = (
         code="GS109",
         severity=Severity.ERROR,
         title="G53 used wrongly",
-        what="G53 needs G0 or G1 in the same block, and G90.",
+        what=(
+            "G53 needs G0 or G1 in the same block, and G90. On Fanuc it is a rapid by itself, and in G91 the control "
+            "passes over it: a warning."
+        ),
         why="Machine coordinates make sense for straight moves only.",
-        remedy="Write G53 G0 X… in G90.",
+        remedy="Write G90 G53 G0 X… .",
     ),
     Code(
         code="GS110",
@@ -138,10 +144,16 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS130",
         severity=Severity.ERROR,
-        title="O-words that do not fit together",
-        what="An O-word lacks its partner, is used twice, or stands where it cannot.",
+        title="Flow that does not fit together",
+        what=(
+            "An O-word lacks its partner, is used twice, or stands where it cannot; on Fanuc a DO has no END, loops "
+            "cross, or M99 leads nowhere."
+        ),
         why="The flow of the program is broken.",
-        remedy="Give each if, while, do, repeat and sub a label of its own and close it with the same.",
+        remedy=(
+            "Give each if, while, do, repeat and sub a label of its own and close it with the same; on Fanuc close DO m "
+            "by END m, one inside the other."
+        ),
     ),
     Code(
         code="GS131",
