@@ -107,6 +107,8 @@ class MoveBatch:
 
     def after(self, rows: int) -> MoveBatch:
         """The batch without its first `rows` moves."""
+        if rows == 0:
+            return self
         arcs = int((self.kind[:rows] > LINE).sum())
         return replace(
             self,

@@ -7,6 +7,7 @@ from dataclasses import replace
 from math import pi
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gcodesim.canon import (
     Action,
@@ -111,14 +112,20 @@ class _Builder:
             for event in batch.events():
                 self.add(event)
             return
-        kinds = [kind for kind in range(len(WORDS)) if (batch.kind == kind).any()]
-        states = np.zeros(len(WORDS), dtype=np.int32)
-        for kind in sorted(kinds, key=lambda kind: int(np.argmax(batch.kind == kind))):
-            states[kind] = self._state_with(WORDS[kind])
-        self._state_with(WORDS[batch.kind[-1]])
-        feed = batch.feed * self._revolutions() if batch.per_revolution else batch.feed.copy()
-        feed[batch.kind == RAPID_MOVE] = np.inf
-        self.rows.add_batch(batch, feed=feed, state=states[batch.kind], tags=self.tags)
+        counts = np.bincount(batch.kind, minlength=len(WORDS))
+        kinds = np.flatnonzero(counts).tolist()
+        if len(kinds) == 1:
+            state: int | NDArray[np.int32] = self._state_with(WORDS[kinds[0]])
+        else:
+            states = np.zeros(len(WORDS), dtype=np.int32)
+            for kind in sorted(kinds, key=lambda kind: int(np.argmax(batch.kind == kind))):
+                states[kind] = self._state_with(WORDS[kind])
+            self._state_with(WORDS[batch.kind[-1]])
+            state = states[batch.kind]
+        feed = batch.feed * self._revolutions() if batch.per_revolution else batch.feed
+        if counts[RAPID_MOVE]:
+            feed = np.where(batch.kind == RAPID_MOVE, np.inf, feed)
+        self.rows.add_batch(batch, feed=feed, state=state, tags=self.tags)
         self.at = tuple(batch.end[-1].tolist())
 
     def _linear(self, event: LinearFeed) -> None:

@@ -79,19 +79,18 @@ class Rows:
         """The next row is this arc."""
         self._arcs.append((len(self._kind), *center, *normal, sweep))  # type: ignore[arg-type]
 
-    def add_batch(self, batch: MoveBatch, *, feed: Array, state: NDArray[np.int32], tags: Tags) -> None:
-        """The rows of a batch, with `feed` (n,) as a path has it and the index of each row's tool state (n,)."""
+    def add_batch(self, batch: MoveBatch, *, feed: Array, state: int | NDArray[np.int32], tags: Tags) -> None:
+        """The rows of a batch, with `feed` (n,) as a path has it and the index of each row's tool state, or of all."""
         self._flush()
         n = len(batch)
-        line, column, end_column = batch.place.T
-        place = np.stack([line, column, line, end_column], axis=1)
+        place = batch.place[:, (0, 1, 0, 2)]
         spans = SpanTable(((batch.file, batch.callers),), np.zeros(n, dtype=np.int32), place)
         columns = {
             "kind": np.minimum(batch.kind, ARC),
             "end": batch.end,
             "feed": feed,
             "rotary_feed": batch.rotary,
-            "block": line + batch.block_shift,
+            "block": batch.place[:, 0] + batch.block_shift,
             "state": state,
             "source": np.arange(n, dtype=np.int32),
             **tags._asdict(),

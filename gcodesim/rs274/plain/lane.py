@@ -90,12 +90,12 @@ class PlainLane:
         return index, self._rows.batch(moves, arcs, self._name, callers, block - first - 1, per_revolution)
 
     def _judge(self, lines: int) -> None:
-        """After short runs leave some lines to the other lane before the next try."""
+        """Leave the line that stopped the run to the other lane, after short runs some more."""
         if lines >= _SHORT_RUN or self._eager:
             self._next_pause = 1
         else:
-            self._pause = self._next_pause
             self._next_pause = min(2 * self._next_pause, _LONGEST_PAUSE)
+        self._pause = self._next_pause
 
 
 class _Rows:

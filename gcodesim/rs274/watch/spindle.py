@@ -111,25 +111,36 @@ class FeedWithoutSpindle(Watch):
         """What `event` does, where no fall waits for the next move."""
         import numpy as np
 
-        xyz = batch.end[:, :3]
-        from_ = np.concatenate([np.array([self._at]), xyz[:-1]])
         rapid = batch.kind == 0
-        sideways = (np.abs(xyz[:, :2] - from_[:, :2]) > TINY).any(axis=1) | (batch.kind > 1)
-        rises = xyz[:, 2] > from_[:, 2] + TINY
-        falls = ~rapid & ~sideways & (xyz[:, 2] < from_[:, 2] - TINY)
-        bottoms = np.zeros(len(batch), dtype=bool)
-        bottoms[:-1] = falls[:-1] & rises[1:]
-        cuts = np.flatnonzero((~rapid & sideways & ~rises) | bottoms)
-        fast = np.flatnonzero(rapid)
-        if self._turning:
-            self._raise_level(xyz[:, 2], cuts, fast)
-        else:
-            self._lower(batch, cuts, falls)
-        x, y, z = xyz[-1].tolist()
+        if not (self._turning and self._is_nothing_new(batch, rapid)):
+            xyz = batch.end[:, :3]
+            from_ = np.concatenate([np.array([self._at]), xyz[:-1]])
+            away = np.abs(xyz[:, :2] - from_[:, :2]) > TINY
+            sideways = away[:, 0] | away[:, 1] | (batch.kind > 1)
+            rises = xyz[:, 2] > from_[:, 2] + TINY
+            falls = ~rapid & ~sideways & (xyz[:, 2] < from_[:, 2] - TINY)
+            bottoms = np.zeros(len(batch), dtype=bool)
+            bottoms[:-1] = falls[:-1] & rises[1:]
+            cuts = np.flatnonzero((~rapid & sideways & ~rises) | bottoms)
+            if self._turning:
+                self._raise_level(xyz[:, 2], cuts, np.flatnonzero(rapid))
+            else:
+                self._lower(batch, cuts, falls)
+        before = self._at if len(batch) == 1 else batch.end[-2, :3].tolist()
+        assert before is not None
+        x, y, z = batch.end[-1, :3].tolist()
+        straight_down = abs(x - before[0]) <= TINY and abs(y - before[1]) <= TINY and z < before[2] - TINY
+        self._fall = batch.span(len(batch) - 1) if straight_down and batch.kind[-1] == 1 else None
         self._at = (x, y, z)
-        if len(fast):
-            self._rapid_z = float(xyz[fast[-1], 2])
-        self._fall = batch.span(len(batch) - 1) if falls[-1] else None
+        if rapid.any():
+            self._rapid_z = float(batch.end[len(rapid) - 1 - int(rapid[::-1].argmax()), 2])
+
+    def _is_nothing_new(self, batch: MoveBatch, rapid: NDArray[np.bool_]) -> bool:
+        """Whether no feed move ends above the level, so that none can raise it."""
+        if self._level is None:
+            return False
+        z = batch.end[:, 2] if not rapid.any() else batch.end[~rapid, 2]
+        return len(z) == 0 or float(z.max()) <= self._level
 
     def _raise_level(self, z: NDArray[np.float64], cuts: NDArray[np.int64], fast: NDArray[np.int64]) -> None:
         """The highest of the cuts that lie below the rapid before them."""
