@@ -80,6 +80,8 @@ class LogFile:
     metadata: dict[str, Mapping[str, str]] = field(default_factory=dict)
     attachments: dict[str, tuple[int, int]] = field(default_factory=dict)  # name: offset of the record, data size
     counts: dict[int, int] = field(default_factory=dict)  # messages by channel
+    size: int = 0  # of the file
+    whole: int = 0  # bytes in whole records; less than `size` in a file that was cut off
 
     @staticmethod
     def open(path: Path) -> LogFile:
@@ -146,6 +148,7 @@ class LogFile:
         size = stream.seek(0, 2)
         if size < _FOOTER_SIZE + len(MAGIC):
             return False
+        self.size = self.whole = size
         stream.seek(size - _FOOTER_SIZE)
         tail = stream.read(_FOOTER_SIZE)
         if tail[-len(MAGIC) :] != MAGIC or tail[0] != Opcode.FOOTER:
@@ -187,8 +190,8 @@ class LogFile:
 
     def _walk(self, stream: BinaryIO) -> None:
         """Fill in record by record up to the first that is not whole."""
-        size = stream.seek(0, 2)
-        at = len(MAGIC)
+        self.size = size = stream.seek(0, 2)
+        self.whole = at = len(MAGIC)
         while at + RECORD_HEAD <= size:
             stream.seek(at)
             opcode, length = _RECORD.unpack(stream.read(RECORD_HEAD))
@@ -211,7 +214,7 @@ class LogFile:
                         self.problem = str(error)
                         break
                     self._take_chunk(at, messages)
-            at += RECORD_HEAD + length
+            self.whole = at = at + RECORD_HEAD + length
 
     def _take_chunk(self, offset: int, messages: list[RawMessage]) -> None:
         for message in messages:

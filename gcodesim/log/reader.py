@@ -1,9 +1,8 @@
-"""Questions to a log: what it is and from what it came, and the course of any of its numbers."""
+"""Messages of a log, decoded, and the course of any of its numbers."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,102 +15,6 @@ from gcodesim.log.logfile import LogFile, LogReadError, RawMessage
 from gcodesim.log.schema import decoder
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TopicSummary:
-    """How often a topic comes: `rate` in messages per second of the log."""
-
-    name: str
-    schema: str
-    count: int
-    rate: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Place:
-    """A program line."""
-
-    file: str
-    line: int
-    text: str
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LogSummary:
-    """What `gcodesim info` tells. `run` and `result` are the records of the log, as texts.
-
-    `complete`: the file has its end and the run came to its own. `state` is
-    finished, failed, interrupted or, without an end, running. `problem` says
-    what is missing of the file. `stopped_at` is the last program line there is.
-    `events` counts by severity.
-    """
-
-    path: Path
-    complete: bool
-    state: str
-    problem: str
-    stopped_at: Place | None
-    duration_ns: int
-    library: str
-    run: Mapping[str, str]
-    result: Mapping[str, str]
-    topics: tuple[TopicSummary, ...]
-    attachments: Mapping[str, int]
-    events: Mapping[str, int]
-
-    @property
-    def verdict(self) -> str:
-        """One line: how the run ended, and where when it did not come to its end."""
-        place = f" at {self.stopped_at.file}:{self.stopped_at.line}" if self.stopped_at else ""
-        if self.complete:
-            return self.state if self.state == "finished" else f"{self.state}{place}"
-        return f"incomplete, stopped{place}" if place else "incomplete"
-
-
-def summary(path: Path) -> LogSummary:
-    """What the log at `path` is; a `.part` beside it is read when the log itself is missing.
-
-    OSError when there is no such file, LogReadError when it is no log.
-    """
-    log = LogFile.open(path)
-    end_ns = log.end_ns
-    seconds = end_ns * 1e-9
-    topics = tuple(
-        TopicSummary(
-            name=channel.topic,
-            schema=log.schema_name(i),
-            count=log.counts.get(i, 0),
-            rate=log.counts.get(i, 0) / seconds if seconds > 0.0 else 0.0,
-        )
-        for i, channel in sorted(log.channels.items())
-    )
-    problem, events, interrupted, stopped_at = log.problem, {"note": 0, "warning": 0, "error": 0}, False, None
-    try:
-        for _, event in _decoded(log, "/event", "gcodesim.Event"):
-            events[event.severity] = events.get(event.severity, 0) + 1
-            interrupted |= event.code == "interrupted"
-        last = next(_decoded(log, "/program", "gcodesim.Program", backwards=True), None)
-        if last is not None and last[1].line:
-            stopped_at = Place(file=last[1].file, line=last[1].line, text=last[1].text)
-    except LogReadError as error:
-        problem = problem or str(error)
-    result = log.metadata.get("gcodesim.result", {})
-    state = "interrupted" if interrupted else result.get("state", "running")
-    return LogSummary(
-        path=log.path,
-        complete=log.complete and not problem and not interrupted,
-        state=state,
-        problem=problem,
-        stopped_at=stopped_at,
-        duration_ns=end_ns,
-        library=log.library,
-        run=dict(log.metadata.get("gcodesim.run", {})),
-        result=dict(result),
-        topics=topics,
-        attachments={name: size for name, (_, size) in log.attachments.items()},
-        events=events,
-    )
-
-
 def read_attachment(path: Path, name: str) -> bytes:
     """A file that the log carries. KeyError when it carries none of that name."""
     return LogFile.open(path).attachment(name)
@@ -122,7 +25,7 @@ def read_messages(path: Path, topic: str) -> Iterator[tuple[int, Any]]:
     log = LogFile.open(path)
     if log.channel_id(topic) is None:
         raise KeyError(topic)
-    return _decoded(log, topic)
+    return decoded(log, topic)
 
 
 def read_columns(path: Path, topic: str, fields: Sequence[str]) -> dict[str, NDArray[Any]]:
@@ -168,7 +71,7 @@ def read_all(path: Path, topics: Sequence[str] = ()) -> Iterator[tuple[str, int,
             yield topic, message.t_ns, decode(message)
 
 
-def _decoded(log: LogFile, topic: str, wanted: str = "", *, backwards: bool = False) -> Iterator[tuple[int, Any]]:
+def decoded(log: LogFile, topic: str, wanted: str = "", *, backwards: bool = False) -> Iterator[tuple[int, Any]]:
     """Messages of a topic; none when it is not there or not of the `wanted` schema."""
     channel = log.channel_id(topic)
     if channel is None or (wanted and log.schema_name(channel) != wanted):

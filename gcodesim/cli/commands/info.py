@@ -4,59 +4,199 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from gcodesim.cli.exits import OK, UsageError
+from gcodesim.cli.options import add_format
+
+if TYPE_CHECKING:
+    from gcodesim.log.summary import LogSummary
+
+MOST_FINDINGS = 20
+"""Findings that are shown; JSON has all."""
 
 
 def add_parser(commands: Any) -> None:
     parser = commands.add_parser(
         "info",
         help="what a log is, from what it came, whether it is whole",
-        description="Say what a log holds: program, cell, duration, events, topics, attached files; "
-        "and whether it is whole or was cut off.",
+        description="Say what a log holds: program, cell, duration, findings, topics, attached files; "
+        "and whether it is whole or was cut off, and then what is missing.",
     )
     parser.add_argument(
         "log", type=Path, metavar="LOG", help="a run.mcap, or the run.mcap.part of a run that was killed"
     )
+    add_format(parser)
     parser.add_argument(
         "--extract",
         type=Path,
         metavar="DIR",
         help="also write the attached files there: program, cell, layout.json for the viewer",
     )
+    parser.add_argument(
+        "--layout",
+        metavar="KIND",
+        nargs="?",
+        const="",
+        help="print the viewer's layout and nothing else: the one that the log carries, or one for milling, robot or "
+        "process work",
+    )
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from gcodesim.cli.output import print_table
+    from gcodesim.cli.output import print_json
     from gcodesim.log.logfile import LogReadError
-    from gcodesim.log.reader import summary
+    from gcodesim.log.summary import summary
 
     try:
+        if arguments.layout is not None:
+            print(_layout(arguments.log, arguments.layout), end="")
+            return OK
         facts = summary(arguments.log)
     except FileNotFoundError:
         raise UsageError(f"log {arguments.log} is not there") from None
     except (LogReadError, OSError) as error:
         raise UsageError(f"log {arguments.log} cannot be read: {error}") from None
-    print(f"{arguments.log.name}: {facts.verdict}")
-    if facts.problem:
-        print(f"  {facts.problem}")
-    rows = [[name, facts.run[name]] for name in ("program", "cell", "world", "gcodesim") if name in facts.run]
-    rows += [["duration", f"{facts.duration_ns * 1e-9:.3f} s"]]
-    rows += [["events", ", ".join(f"{count} {name}" for name, count in facts.events.items())]]
-    rows += [["attachments", ", ".join(facts.attachments)]]
-    width = max(len(row[0]) for row in rows)
-    for name, text in rows:
-        print(f"  {name.ljust(width)}  {text}")
+    if arguments.format == "json":
+        print_json(_as_json(facts))
+    else:
+        _print(facts)
     if arguments.extract is not None:
-        _extract(arguments.log, arguments.extract)
-    print()
-    print_table([[topic.name, topic.schema, str(topic.count), f"{topic.rate:.4g}/s"] for topic in facts.topics])
+        _extract(arguments.log, arguments.extract, said=arguments.format != "json")
     return OK
 
 
-def _extract(log: Path, folder: Path) -> None:
+def _print(facts: LogSummary) -> None:
+    from gcodesim.cli.output import print_table
+
+    counts = ", ".join(f"{n} {name}{'' if n == 1 else 's'}" for name, n in _findings_by_severity(facts).items() if n)
+    print(f"{facts.path.name}: {facts.verdict}{f', with {counts}' if counts else ''}")
+    if facts.problem:
+        print(f"  {facts.problem}")
+    run, rows = facts.run, list[tuple[str, str]]()
+    rows += [(name, run[name]) for name in ("program", "cell", "world") if name in run]
+    rows += [("written by", facts.library)]
+    rows += [("duration", _duration(facts.duration_ns))]
+    if "step_ns" in run and "log_period_ns" in run:
+        step, period = (float(run[name]) * 1e-6 for name in ("step_ns", "log_period_ns"))
+        rows += [("steps", f"{step:g} ms; every {period:g} ms in the log")]
+    if "blocks" in facts.result:
+        rows += [("blocks", facts.result["blocks"])]
+    if "removed_m3" in facts.result:
+        rows += [("removed", f"{float(facts.result['removed_m3']) * 1e9:.1f} mm³")]
+    rows += [("file", f"{_bytes(facts.size)} in {facts.chunks} chunk{'' if facts.chunks == 1 else 's'}")]
+    rows += [("attached", ", ".join(f"{name} ({_bytes(size)})" for name, size in facts.attachments.items()) or "none")]
+    rows += [("missing", text) for text in facts.missing]
+    width = max(len(name) for name, _ in rows)
+    for name, text in rows:
+        print(f"  {name.ljust(width)}  {text}")
+    shown = sorted(facts.findings, key=lambda f: ("error", "warning", "note").index(f.severity))[:MOST_FINDINGS]
+    if shown:
+        print()
+    for finding in sorted(shown, key=lambda f: f.t_ns):
+        place = f"{finding.file}:{finding.line}" if finding.line else finding.file
+        at = f"{finding.t_ns * 1e-9:.3f} s"
+        print(f"  {at.rjust(10)}  {finding.severity} {finding.code} {place}: {finding.message}")
+    if len(facts.findings) > len(shown):
+        print(f"  … and {len(facts.findings) - len(shown)} more; `--format json` has all")
+    print()
+    print_table(
+        [
+            ["topic", "schema", "messages", "rate"],
+            *([topic.name, topic.schema, str(topic.count), f"{topic.rate:.4g}/s"] for topic in facts.topics),
+        ]
+    )
+
+
+def _as_json(facts: LogSummary) -> dict[str, Any]:
+    from gcodesim.numbers import clean
+
+    place = facts.stopped_at
+    value: dict[str, Any] = clean(
+        {
+            "schema": "gcodesim-info/1",
+            "file": facts.path.name,
+            "verdict": facts.verdict,
+            "complete": facts.complete,
+            "state": facts.state,
+            "problem": facts.problem or None,
+            "missing": facts.missing,
+            "stopped_at": {"file": place.file, "line": place.line, "text": place.text}
+            if place is not None and not (facts.complete and facts.state == "finished")
+            else None,
+            "duration_s": facts.duration_ns * 1e-9,
+            "bytes": facts.size,
+            "chunks": facts.chunks,
+            "written_by": facts.library,
+            "run": facts.run,
+            "result": facts.result,
+            "findings": [
+                {
+                    "time_s": finding.t_ns * 1e-9,
+                    "code": finding.code,
+                    "severity": finding.severity,
+                    "file": finding.file,
+                    "line": finding.line,
+                    "message": finding.message,
+                }
+                for finding in facts.findings
+            ],
+            "attachments": [{"name": name, "bytes": size} for name, size in facts.attachments.items()],
+            "topics": [
+                {"name": topic.name, "schema": topic.schema, "count": topic.count, "rate_Hz": topic.rate}
+                for topic in facts.topics
+            ],
+        }
+    )
+    return value
+
+
+def _findings_by_severity(facts: LogSummary) -> dict[str, int]:
+    return {
+        severity: sum(finding.severity == severity for finding in facts.findings)
+        for severity in ("error", "warning", "note")
+    }
+
+
+def _duration(t_ns: int) -> str:
+    """`1 h 4 min 12.252 s`."""
+    minutes, rest = divmod(t_ns, 60_000_000_000)
+    hours, minutes = divmod(minutes, 60)
+    parts = [f"{hours} h"] if hours else []
+    parts += [f"{minutes} min"] if hours or minutes else []
+    return " ".join([*parts, f"{rest * 1e-9:.3f} s"])
+
+
+def _bytes(size: int) -> str:
+    for unit, factor in (("MB", 1e6), ("kB", 1e3)):
+        if size >= factor:
+            return f"{size / factor:.3g} {unit}"
+    return f"{size} B"
+
+
+def _layout(path: Path, kind: str) -> str:
+    """The layout that the log carries, or one of `kind` for what is in it."""
+    from gcodesim.log.layout import KINDS, layout, view_of
+    from gcodesim.log.logfile import LogFile, LogReadError
+    from gcodesim.log.reader import decoded
+
+    if kind and kind not in KINDS:
+        raise UsageError(f"there is no layout '{kind}'; there are {', '.join(KINDS)}")
+    log = LogFile.open(path)
+    try:
+        own = log.attachment("layout.json")
+    except KeyError:
+        raise LogReadError("it carries no layout") from None
+    if not kind:
+        return own.decode()
+    joints = next((state.joints for _, state in decoded(log, "/joint_states")), ())
+    last = next((program for _, program in decoded(log, "/program", backwards=True)), None)
+    outputs = [] if last is None else [output.name for output in last.outputs]
+    return layout(kind, [joint.name for joint in joints], outputs, view_of(own)).decode()
+
+
+def _extract(log: Path, folder: Path, *, said: bool) -> None:
     """Write every attachment of `log` into `folder`; a file that is there already stays, and is an error."""
     from gcodesim.log.logfile import LogFile
 
@@ -72,4 +212,5 @@ def _extract(log: Path, folder: Path) -> None:
             (folder / own).write_bytes(opened.attachment(name))
     except OSError as error:
         raise UsageError(f"{folder} cannot be written: {error.strerror}") from None
-    print(f"wrote {', '.join(files)} into {folder}")
+    if said:
+        print(f"\nwrote {', '.join(files)} into {folder}")

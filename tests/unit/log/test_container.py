@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from gcodesim.log import LogWriteError
-from gcodesim.log.reader import summary
+from gcodesim.log.summary import summary
 
 MS = 1_000_000
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from gcodesim.log.logfile import LogFile, LogReadError
-from gcodesim.log.reader import read_attachment, read_columns, read_messages, summary
+from gcodesim.log.reader import read_attachment, read_columns, read_messages
+from gcodesim.log.summary import summary
 
 MS = 1_000_000
 

@@ -10,7 +10,8 @@ import pytest
 
 from gcodesim.log import BlockColumns, ProgramState
 from gcodesim.log.logfile import LogFile
-from gcodesim.log.reader import read_columns, read_messages, summary
+from gcodesim.log.reader import read_columns, read_messages
+from gcodesim.log.summary import summary
 
 MS = 1_000_000
 

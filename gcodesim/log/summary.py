@@ -1,0 +1,158 @@
+"""What a log is, from what it came, how its run ended, and what is missing of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from gcodesim.log.logfile import LogFile, LogReadError
+from gcodesim.log.reader import decoded
+
+EVENTS_OF_THE_RUN = ("start", "toolchange", "interrupted", "end")
+"""Codes of events that are no findings."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TopicSummary:
+    """How often a topic comes: `rate` in messages per second of the log."""
+
+    name: str
+    schema: str
+    count: int
+    rate: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Place:
+    """A program line."""
+
+    file: str
+    line: int
+    text: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FindingSummary:
+    """A finding as the log tells of it, at its time."""
+
+    t_ns: int
+    code: str
+    severity: str
+    file: str
+    line: int
+    message: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LogSummary:
+    """What `gcodesim info` tells. `run` and `result` are the records of the log, as texts.
+
+    `complete`: the file has its end and the run came to its own. `state` is
+    finished, failed, interrupted or, without an end, running. `problem` says
+    what is wrong with the file, `missing` what of a whole log is not there.
+    `stopped_at` is the last program line there is. `events` counts by severity.
+    """
+
+    path: Path
+    complete: bool
+    state: str
+    problem: str
+    missing: tuple[str, ...]
+    stopped_at: Place | None
+    duration_ns: int
+    library: str
+    size: int
+    chunks: int
+    run: Mapping[str, str]
+    result: Mapping[str, str]
+    topics: tuple[TopicSummary, ...]
+    attachments: Mapping[str, int]
+    events: Mapping[str, int]
+    findings: tuple[FindingSummary, ...]
+
+    @property
+    def verdict(self) -> str:
+        """One line: how the run ended, and where when it did not come to its end."""
+        place = f" at {self.stopped_at.file}:{self.stopped_at.line}" if self.stopped_at else ""
+        if self.complete:
+            return self.state if self.state == "finished" else f"{self.state}{place}"
+        return f"incomplete, stopped{place}" if place else "incomplete"
+
+
+def summary(path: Path) -> LogSummary:
+    """What the log at `path` is; a `.part` beside it is read when the log itself is missing.
+
+    Reads the index and the chunks with events and with the last program line.
+    OSError when there is no such file, LogReadError when it is no log.
+    """
+    log = LogFile.open(path)
+    end_ns = log.end_ns
+    seconds = end_ns * 1e-9
+    topics = tuple(
+        TopicSummary(
+            name=channel.topic,
+            schema=log.schema_name(i),
+            count=log.counts.get(i, 0),
+            rate=log.counts.get(i, 0) / seconds if seconds > 0.0 else 0.0,
+        )
+        for i, channel in sorted(log.channels.items())
+    )
+    problem, events, interrupted, stopped_at = log.problem, {"note": 0, "warning": 0, "error": 0}, False, None
+    findings = []
+    try:
+        for t_ns, event in decoded(log, "/event", "gcodesim.Event"):
+            events[event.severity] = events.get(event.severity, 0) + 1
+            interrupted |= event.code == "interrupted"
+            if event.code not in EVENTS_OF_THE_RUN:
+                findings.append(
+                    FindingSummary(
+                        t_ns=t_ns,
+                        code=event.code,
+                        severity=event.severity,
+                        file=event.file,
+                        line=event.line,
+                        message=event.message,
+                    )
+                )
+        last = next(decoded(log, "/program", "gcodesim.Program", backwards=True), None)
+        if last is not None and last[1].line:
+            stopped_at = Place(file=last[1].file, line=last[1].line, text=last[1].text)
+    except LogReadError as error:
+        problem = problem or str(error)
+    result = log.metadata.get("gcodesim.result", {})
+    return LogSummary(
+        path=log.path,
+        complete=log.complete and not problem and not interrupted,
+        state="interrupted" if interrupted else result.get("state", "running"),
+        problem=problem,
+        missing=() if log.complete and not problem else _missing(log, stopped_at),
+        stopped_at=stopped_at,
+        duration_ns=end_ns,
+        library=log.library,
+        size=log.size,
+        chunks=len(log.chunks),
+        run=dict(log.metadata.get("gcodesim.run", {})),
+        result=dict(result),
+        topics=topics,
+        attachments={name: size for name, (_, size) in log.attachments.items()},
+        events=events,
+        findings=tuple(findings),
+    )
+
+
+def _missing(log: LogFile, last: Place | None) -> tuple[str, ...]:
+    """What a log without an end does not have, in words."""
+    missing = []
+    if last is not None:
+        missing.append(f"what came after {log.end_ns * 1e-9:.3f} s, in or after {last.file}:{last.line}")
+    elif not log.chunks:
+        missing.append("every message")
+    if log.size > log.whole:
+        missing.append(f"the last {log.size - log.whole} bytes, which hold no whole record")
+    if not log.complete:
+        missing.append("the index")
+    if "gcodesim.result" not in log.metadata:
+        missing.append("the result")
+    expected = ("program.nc", "cell.yaml", "layout.json", "results.json")
+    return (*missing, *(name for name in expected if name not in log.attachments))
