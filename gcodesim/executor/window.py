@@ -96,8 +96,9 @@ def window_of(plan: Plan, rows: RowColumns, first: int, count: int, dt_ns: int, 
     tip_before = np.concatenate([carry.tip[None], tip[:-1]])
     tip_before[changed] = tip[changed]
 
-    fastest = float(np.abs(middle.speed[~rows.rapid[row]]).max(initial=0.0))
-    parts = int(np.clip(np.ceil(fastest * dt / LONGEST_CHORD), 1, MOST_PARTS))
+    # each step by its own speed: where windows begin and end must not show in any number
+    speed = np.where(rows.rapid[row], 0.0, np.abs(middle.speed))
+    parts = np.clip(np.ceil(speed * dt / LONGEST_CHORD), 1, MOST_PARTS).astype(np.int64)
     knot_time = np.unique(np.concatenate([_refined(times, parts), trajectory.boundaries(times[0], times[-1])]))
     knots = trajectory.sample(knot_time).position[:, :3]
     centre = 0.5 * (knot_time[:-1] + knot_time[1:])
@@ -123,10 +124,11 @@ def window_of(plan: Plan, rows: RowColumns, first: int, count: int, dt_ns: int, 
     return window
 
 
-def _refined(times: Array, parts: int) -> Array:
-    """`times` with `parts` equal stretches between two of them."""
-    if parts == 1:
+def _refined(times: Array, parts: Ints) -> Array:
+    """`times` (n + 1,) with `parts` (n,) equal stretches between each two of them."""
+    if (parts == 1).all():
         return times
-    share = np.arange(parts) / parts
-    inner = (times[:-1, None] + (times[1:] - times[:-1])[:, None] * share).ravel()
+    begin = np.cumsum(parts) - parts
+    share = (np.arange(parts.sum()) - np.repeat(begin, parts)) / np.repeat(parts, parts)
+    inner = np.repeat(times[:-1], parts) + np.repeat(times[1:] - times[:-1], parts) * share
     return np.append(inner, times[-1])

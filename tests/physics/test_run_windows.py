@@ -1,0 +1,70 @@
+"""Where a run is cut into windows must not show: forces, volumes and stock are the same however often one looks."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gcodesim.executor import loop
+from tests.physics.runs import Ran, run_texts
+
+# arcs, corners and feeds of which a step takes one chord, and of which it takes many
+PROGRAM = """G21 G90 G17 G94 G64 P0.05
+T1 M6
+G43 H1
+S8000 M3
+G0 X-8 Y5 Z5
+G0 Z-1
+G1 X10 F9000
+G2 X26 Y21 I0 J16
+G3 X41 Y30 R15 F6000
+G1 X20 Y22 Z-2 F1200
+G1 X5 Y26
+G0 Z5
+M5
+M2
+"""
+
+TAIL = """
+work_offsets: {{G54: {{in: table}}}}
+stock: {{min: [0, 0, -10], max: [50, 40, 0], in: table, material: al6082_t6, resolution: 0.5}}
+tools:
+  1: {{type: ball_end_mill, diameter: 8, length: 60}}
+log: {{period: {period} ms}}
+"""
+
+CELLS = {
+    "gantry": "gcodesim: 1\nmachine: gantry_xyz\nframes:\n  table: {{in: world, xyz: [400, 300, -200]}}" + TAIL,
+    "arm": """gcodesim: 1
+robots:
+  arm:
+    model: kuka_kr10_r1100_2
+    home: [0, -90, 90, 0, 90, 0]
+frames:
+  table: {{in: world, xyz: [550, 0, 300]}}
+orientation: {{tool_axis: -Z of G54, spin: free}}"""
+    + TAIL,
+}
+
+
+def look(ran: Ran) -> tuple[np.ndarray, list[np.ndarray]]:
+    """Greatest force, volume and time in the cut of every row; the columns of the stock."""
+    rows = ran.execution.rows
+    (placed,) = ran.shop.stocks.values()
+    stock = placed.stock
+    return np.column_stack([rows.force, rows.removed, rows.engaged]), [stock.count, stock.hi, stock.lo, stock.walls]
+
+
+@pytest.mark.parametrize("cell", CELLS)
+def test_windows_do_not_show(cell: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    first, stock = look(run_texts(PROGRAM, CELLS[cell].format(period=20), tmp_path / "first"))
+    assert (first.max(axis=0) > 0.0).all()
+    for period, most, logged in ((20, 7, True), (4, 333, True), (100, loop.MOST_STEPS, True), (20, 41, False)):
+        monkeypatch.setattr(loop, "MOST_STEPS", most)
+        out = tmp_path / f"{period}-{most}" if logged else None
+        again, columns = look(run_texts(PROGRAM, CELLS[cell].format(period=period), out))
+        scale = np.abs(first).max(axis=0)
+        assert (np.abs(again - first) <= 1e-12 * scale).all()
+        assert all(np.array_equal(a, b) for a, b in zip(stock, columns, strict=True))
