@@ -13,7 +13,7 @@ from gcodesim.log import Box, Cone, Cylinder, Mesh, Shape, Sphere
 from gcodesim.playback import Drawing, FrameTree, Recording
 from gcodesim.report.motion import key_moments
 from gcodesim.report.pack import Pack
-from gcodesim.units import DEG
+from gcodesim.units import DEG, UM
 
 Array = NDArray[np.float64]
 
@@ -26,7 +26,7 @@ FINEST_NS: Final = 2_000_000
 TILE_BYTES: Final = 60_000_000
 """Log bytes of stock that a page takes at most: about a tenth of it remains in the page."""
 
-_TIP_TOLERANCE: Final = 1.0 / 5000.0  # of the extent of the path: less than a pixel
+_TIP_TOLERANCE: Final = 1.0 / 10_000.0  # of the extent of the work: less than a pixel
 _LEAST_TOLERANCE: Final = 2e-6  # [m]
 _TURN_TOLERANCE: Final = 0.05 * DEG
 RAPID, FEED, CUT = 0, 1, 2
@@ -52,7 +52,7 @@ def replay_of(recording: Recording, pack: Pack) -> dict[str, Any]:
     track = _seen_from(X_WS, X_WT)[:, :3, 3]
     track = np.broadcast_to(track, (len(t_ns), 3))
     kind = _kinds(recording, t_ns, every_ns)
-    kept = key_moments(*_signals(recording, track, every_ns), np.flatnonzero(np.diff(kind)) + 1)
+    kept = key_moments(*_signals(recording, track, kind, every_ns), np.flatnonzero(np.diff(kind)) + 1)
     used = sorted({d.frame for d in cell} | {d.frame for _, content in tools for d in content} | set(stock))
     return {
         "times": pack.integers(ticks(t_ns[kept])),
@@ -65,7 +65,7 @@ def replay_of(recording: Recording, pack: Pack) -> dict[str, Any]:
         "track": {"frame": home, "points": pack.numbers(track[kept]), "kind": pack.integers(kind[kept])},
         "force": pack.numbers(_force(recording, t_ns[kept], every_ns)),
         "tip": pack.numbers(np.broadcast_to(X_WT[:, :3, 3], (len(t_ns), 3))[kept]),
-        "work": pack.numbers(_work(recording, t_ns[kept], every_ns)),
+        "work": pack.integers(np.rint(_work(recording, t_ns[kept], every_ns) / UM).astype(np.int64)),
         "stock": _stock(recording, pack),
     }
 
@@ -93,9 +93,10 @@ def _seen_from(X_WA: Array, X_WB: Array) -> Array:
     return X
 
 
-def _signals(recording: Recording, track: Array, every_ns: int) -> tuple[Array, Array]:
+def _signals(recording: Recording, track: Array, kind: NDArray[np.int64], every_ns: int) -> tuple[Array, Array]:
     """What must come out right between the kept moments, and how well: the way of the tip and the joints."""
-    extent = float(np.ptp(track, axis=0).max(initial=0.0))
+    work = track[kind != RAPID] if (kind != RAPID).any() else track
+    extent = float(np.ptp(work, axis=0).max(initial=0.0))
     length = max(extent * _TIP_TOLERANCE, _LEAST_TOLERANCE)
     series = recording.series("/joint_states", every_ns)
     names = [name for name in series.names if name.endswith("].position")]

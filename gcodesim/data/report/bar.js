@@ -102,8 +102,8 @@ G.strip = (pen, run, width, top, height) => {
     const t = run.seconds(chart.t), values = G.columns(chart.values).at(-1), most = Math.max(1e-9, ...G.peaks(values));
     const room = height - 16, tops = new Float32Array(Math.ceil(width));
     for (let i = 0; i < t.length; i++) {
-      const at = Math.min(Math.floor(x(t[i])), tops.length - 1);
-      tops[at] = Math.max(tops[at], values[i] / most);
+      const to = Math.min(Math.floor(x(t[i])), tops.length - 1), from = i ? Math.min(Math.floor(x(t[i - 1])) + 1, to) : to;
+      for (let at = from; at <= to; at++) tops[at] = Math.max(tops[at], values[i] / most);
     }
     pen.fillStyle = "#1768ac88";
     tops.forEach((share, i) => pen.fillRect(i, edge - 1 - share * room, 1, share * room));

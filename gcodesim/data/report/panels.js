@@ -101,7 +101,10 @@ G.findings = (place) => {
   const all = G.runs.flatMap((run, r) => run.findings.map((finding) => ({ ...finding, run, r })));
   const key = (f) => `${f.code} ${f.message} ${f.file}`;
   const both = G.runs.length > 1 ? G.runs.map((run) => new Set(run.findings.map(key))) : [];
-  heading.appendChild(G.make("small", "", ["error", "warning", "note"].map((s) => `${all.filter((f) => f.severity === s).length} ${s}s`).join(", ")));
+  heading.appendChild(G.make("small", "", ["error", "warning", "note"].map((s) => {
+    const count = all.filter((f) => f.severity === s).length;
+    return `${count || "no"} ${s}${count === 1 ? "" : "s"}`;
+  }).join(", ")));
   if (!all.length) panel.appendChild(G.make("div", "empty", "Nothing was found wrong."));
   const list = panel.appendChild(G.make("div", "scroll"));
   const order = { error: 0, warning: 1, note: 2 };

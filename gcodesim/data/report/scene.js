@@ -61,7 +61,7 @@ G.View = class {
     }
     this.frames.world = { object: this.scene };
     this.tip = G.rows(replay.tip);
-    this.work = G.rows(replay.work);
+    this.work = G.rows(replay.work).map((um) => um * 1e-6);
     this.wrench = G.rows(replay.force);
   }
 
@@ -295,7 +295,7 @@ G.View = class {
 
   showState(t, i, share) {
     const { modal } = G.blockAt(this.run, t), at = this.blend(this.work, i, share, new THREE.Vector3());
-    ["x", "y", "z"].forEach((axis) => { this.cells[axis.toUpperCase()].textContent = `${G.number(1000 * at[axis], 3)} mm`; });
+    ["x", "y", "z"].forEach((axis) => { this.cells[axis.toUpperCase()].textContent = `${G.number(1000 * at[axis], 2)} mm`; });
     this.cells.F.textContent = modal ? (modal.motion === "G0" ? "rapid" : `${G.number(modal.feed, 0)} mm/min`) : "–";
     this.cells.S.textContent = modal ? `${G.number(modal.spindle, 0)} rpm` : "–";
     this.cells.T.textContent = modal && modal.tool ? `${modal.tool} ${modal.tool_name !== `T${modal.tool}` ? modal.tool_name : ""}` : "–";
