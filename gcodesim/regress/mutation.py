@@ -1,0 +1,407 @@
+"""Seeded changes of programs and cells, for asking whether a test suite would see them.
+
+A mutation changes what a program or cell means; a neutral edit does not. Both are drawn by a `random.Random`, so a seed
+repeats them. They work on plain blocks: lines with expressions, O-words or parameters stay as they are.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from random import Random
+from typing import Final
+
+from gcodesim.cell.nodes import Listing, Node, Scalar, compose
+from gcodesim.cell.nodes import Mapping as MappingNode
+from gcodesim.cell.scalars import measured
+from gcodesim.diagnostics import Findings, SourceText
+from gcodesim.regress.motion import steps_of
+from gcodesim.rs274 import Settings, interpret
+from gcodesim.rs274.assumed import assumed_tools
+
+_WORD = re.compile(r"([A-Za-z])\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))")
+_COMPUTED = re.compile(r"[#\[\]=*/%]|^\s*[oO]")
+_PLACES: Final = 4  # of a coordinate that a mutation writes
+_ARC_PLACES: Final = 6
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mutation:
+    """A changed text; `quantities` are names that a comparison has to show, any of them, when the change matters."""
+
+    operator: str
+    text: str
+    what: str
+    quantities: tuple[str, ...] = ()
+
+
+Operator = Callable[[Random, list[str]], "tuple[str, tuple[str, ...]] | None"]
+"""Changes lines in place; says what it did and which quantities show it, None when there is nothing to change."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """A word of a program: index of the line, place in it, letter and number."""
+
+    line: int
+    start: int
+    end: int
+    letter: str
+    text: str
+
+    @property
+    def value(self) -> float:
+        return float(self.text)
+
+
+def _code(line: str) -> str:
+    """The part of a line before any comment; empty when it computes."""
+    code = re.split(r"[(;]", line, maxsplit=1)[0]
+    return "" if _COMPUTED.search(code) else code
+
+
+def _words(lines: list[str], letters: str) -> list[_Found]:
+    found = []
+    for index, line in enumerate(lines):
+        for match in _WORD.finditer(_code(line)):
+            if match[1].upper() in letters:
+                found.append(_Found(index, match.start(), match.end(), match[1].upper(), match[2]))
+    return found
+
+
+def _is(word: _Found, *numbers: float) -> bool:
+    return word.value in numbers
+
+
+def _put(lines: list[str], word: _Found, text: str) -> str:
+    """Replace a word; the answer says what became of the line."""
+    old = lines[word.line]
+    lines[word.line] = old[: word.start] + text + old[word.end :]
+    return f"line {word.line + 1}: {old.strip()} → {lines[word.line].strip()}"
+
+
+def _number(value: float, places: int = _PLACES) -> str:
+    text = f"{value:.{places}f}".rstrip("0").rstrip(".")
+    return "0" if text in ("", "-0") else text
+
+
+def _factor(random: Random) -> float:
+    """Far enough from 1 that nobody would call it the same."""
+    return random.choice((random.uniform(0.4, 0.8), random.uniform(1.25, 2.0)))
+
+
+# ---- programs
+
+
+def _feed(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | None:
+    words = _words(lines, "F")
+    if not words:
+        return None
+    word = random.choice(words)
+    return _put(lines, word, f"F{_number(word.value * _factor(random))}"), ("feed",)
+
+
+def _coordinate(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | None:
+    words = [word for word in _words(lines, "XYZ") if word.line > 0]
+    if not words:
+        return None
+    word = random.choice(words)
+    moved = word.value + random.choice((-1.0, 1.0)) * random.uniform(0.2, 2.0)
+    return _put(lines, word, f"{word.letter}{_number(moved)}"), (word.letter, "move", "arc", "moves", "findings")
+
+
+def _arc_direction(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | None:
+    words = [word for word in _words(lines, "G") if _is(word, 2.0, 3.0)]
+    if not words:
+        return None
+    word = random.choice(words)
+    return _put(lines, word, "G3" if _is(word, 2.0) else "G2"), ("arc direction",)
+
+
+def _deleted_line(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | None:
+    places = sorted({word.line for word in _words(lines, "XYZ")})
+    if not places:
+        return None
+    place = random.choice(places)
+    line = lines.pop(place)
+    return f"line {place + 1} deleted: {line.strip()}", ("moves", "move", "feed", "arc", "X", "Y", "Z", "findings")
+
+
+def _spindle_off(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | None:
+    words = [word for word in _words(lines, "M") if _is(word, 3.0, 4.0)]
+    if not words:
+        return None
+    return _put(lines, random.choice(words), ""), ("spindle", "spindle speed", "moves")
+
+
+def _spindle_speed(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | None:
+    words = _words(lines, "S")
+    if not words:
+        return None
+    word = random.choice(words)
+    return _put(lines, word, f"S{_number(word.value * _factor(random))}"), ("spindle speed",)
+
+
+def _rapid_for_feed(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | None:
+    words = [word for word in _words(lines, "G") if _is(word, 1.0)]
+    if not words:
+        return None
+    return _put(lines, random.choice(words), "G0"), ("move", "moves")
+
+
+def _dwell(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | None:
+    places = sorted({word.line for word in _words(lines, "XYZ")})
+    if not places:
+        return None
+    place = random.choice(places)
+    lines.insert(place, f"G4 P{_number(random.uniform(0.2, 3.0))}")
+    return f"line {place + 1} put in: {lines[place]}", ("moves", "dwell")
+
+
+PROGRAM_OPERATORS: Final[Mapping[str, Operator]] = {
+    "feed": _feed,
+    "coordinate": _coordinate,
+    "arc direction": _arc_direction,
+    "deleted line": _deleted_line,
+    "spindle off": _spindle_off,
+    "spindle speed": _spindle_speed,
+    "rapid for feed": _rapid_for_feed,
+    "dwell": _dwell,
+}
+
+
+def mutate_program(random: Random, text: str, operator: str | None = None) -> Mutation | None:
+    """One change of meaning of a program; None when there is nothing for that operator to change."""
+    name = operator or random.choice(list(PROGRAM_OPERATORS))
+    return _applied(name, PROGRAM_OPERATORS[name], random, text)
+
+
+def _applied(name: str, operator: Operator, random: Random, text: str) -> Mutation | None:
+    lines = text.splitlines()
+    done = operator(random, lines)
+    if done is None:
+        return None
+    what, quantities = done
+    return Mutation(operator=name, text="\n".join(lines) + "\n", what=what, quantities=quantities)
+
+
+# ---- cells: which numbers may change, by the pattern of their path, and what shows it
+
+CELL_OPERATORS: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {
+    "tool diameter": (r"tools\.[0-9]+\.diameter", ("stocks", "tools", "surface")),
+    "flutes": (r"tools\.[0-9]+\.flutes", ("tools",)),
+    "offset": (r"work_offsets\.G5[0-9.]+\.xyz\.[0-2]", ("machine", "X", "Y", "Z", "joints")),
+    "stiffness": (r"robots\.[^.]+\.stiffness\.[0-9]", ("stocks", "tools", "surface", "joints")),
+    "stock height": (r"stock\.box\.2", ("stocks", "surface")),
+    "cutting force": (r"materials\.[^.]+\.kc11", ("tools",)),
+    "acceleration": (r"machine\.axes\.[XYZ]\.acceleration", ("time", "joints")),
+    "speed": (r"machine\.axes\.[XYZ]\.speed", ("time", "joints")),
+}
+
+
+def mutate_cell(random: Random, text: str, operator: str | None = None) -> Mutation | None:
+    """One number of a cell changed; None when the cell has none that the operator may change."""
+    name = operator or random.choice(list(CELL_OPERATORS))
+    pattern, quantities = CELL_OPERATORS[name]
+    source = SourceText("cell.yaml", text.encode())
+    root = compose(source, Findings())
+    places = [] if root is None else [s for path, s in _scalars(root, "") if re.fullmatch(pattern, path)]
+    numbers = [(scalar, number) for scalar in places if (number := measured(scalar.text)) is not None]
+    if not numbers:
+        return None
+    scalar, number = random.choice(numbers)
+    if name == "offset":
+        value = number.value + random.choice((-1.0, 1.0)) * random.uniform(0.2, 3.0)
+    elif name == "flutes":
+        value = number.value + random.choice((1, 2))
+    elif name == "stiffness":
+        value = number.value * random.choice((0.1, 0.2))
+    else:
+        value = number.value * _factor(random)
+    new = f"{_number(value)}{f' {number.unit}' if number.unit else ''}"
+    lines = list(source.lines)
+    span = scalar.span
+    line = lines[span.line - 1]
+    lines[span.line - 1] = line[: span.column - 1] + new + line[span.end_column - 1 :]
+    what = f"line {span.line}: {scalar.text} → {new}"
+    return Mutation(operator=name, text="\n".join(lines) + "\n", what=what, quantities=quantities)
+
+
+def _scalars(node: Node, path: str) -> list[tuple[str, Scalar]]:
+    if isinstance(node, Scalar):
+        return [(path, node)]
+    if isinstance(node, Listing):
+        return [entry for i, item in enumerate(node.items) for entry in _scalars(item, f"{path}.{i}")]
+    assert isinstance(node, MappingNode)
+    lead = f"{path}." if path else ""
+    return [entry for name, value in node.entries for entry in _scalars(value, f"{lead}{name.text}")]
+
+
+# ---- neutral edits
+
+
+def _numbered(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | None:
+    number, step = random.randrange(1, 50), random.choice((1, 5, 10))
+    for index, line in enumerate(lines):
+        bare = re.sub(r"^\s*[nN]\s*[0-9]+\s*", "", line)
+        if _code(bare).strip():
+            lines[index] = f"N{number} {bare}"
+            number += step
+    return f"numbered by {step}", ()
+
+
+def _spaced(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | None:
+    blank = random.choice(("", " ", "   ", "\t"))
+    for index, line in enumerate(lines):
+        code = _code(line)
+        if code.strip():
+            words = blank.join(f"{m[1]}{random.choice(('', ' '))}{m[2]}" for m in _WORD.finditer(code))
+            lines[index] = f"{random.choice(('', ' '))}{words} {line[len(code) :]}".rstrip()
+    return f"words {len(blank)} blanks apart", ()
+
+
+def _cased(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | None:
+    for index, line in enumerate(lines):
+        code = _code(line)
+        lines[index] = "".join(random.choice((c.lower(), c.upper())) for c in code) + line[len(code) :]
+    return "letters of either case", ()
+
+
+def _commented(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | None:
+    count = 0
+    for index in range(len(lines) - 1, 0, -1):
+        if random.random() < 0.5:
+            text = f"remark {random.randrange(1000)}: X1 Y2 G0"
+            if _code(lines[index]).strip() and random.random() < 0.5:
+                lines[index] += random.choice((f" ({text})", f" ; {text}"))
+            else:
+                lines.insert(index, random.choice((f"({text})", f"; {text}", "")))
+            count += 1
+    return f"{count} comments and blank lines", ()
+
+
+def _spelled(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | None:
+    """Leading and trailing zeros, signs: the same numbers."""
+
+    def other(match: re.Match[str]) -> str:
+        letter, text = match[1], match[2]
+        if letter.upper() in "GMTHDNS":
+            whole = "." not in text and "+" not in text and letter.upper() in "GM"
+            return f"{letter}{text.zfill(2)}" if whole else match[0]
+        sign = "-" if text.startswith("-") else random.choice(("", "+"))
+        digits = text.lstrip("+-")
+        digits += "" if "." in digits else "."
+        return f"{letter}{sign}{random.choice(('', '0', '00'))}{digits}{random.choice(('0', '00', '000'))}"
+
+    for index, line in enumerate(lines):
+        code = _code(line)
+        if code:
+            lines[index] = _WORD.sub(other, code) + line[len(code) :]
+    return "numbers written otherwise", ()
+
+
+def _modal(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | None:
+    """The motion word that is in force, said again where it was left out."""
+    motion = None
+    count = 0
+    for index, line in enumerate(lines):
+        code = _code(line)
+        words = [(m[1].upper(), float(m[2])) for m in _WORD.finditer(code)]
+        codes = [value for letter, value in words if letter == "G"]
+        motion = next((value for value in codes if value in (0.0, 1.0, 2.0, 3.0)), None if codes else motion)
+        if motion in (0.0, 1.0) and not codes and any(letter in "XYZ" for letter, _ in words) and random.random() < 0.7:
+            match = re.match(r"\s*(?:[nN]\s*[0-9]+\s*)?", line)
+            at = match.end() if match else 0
+            lines[index] = f"{line[:at]}G{int(motion)} {line[at:]}"
+            count += 1
+    return f"{count} motion words said again", ()
+
+
+def _arcs_by_radius(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | None:
+    """Arcs by centre become arcs by radius; they go the same way."""
+    count = 0
+    for index, (_, _, radius, sweep) in _plain_arcs(lines).items():
+        if 5.0 < abs(sweep) < 170.0 and random.random() < 0.8:
+            line = lines[index]
+            code = re.sub(r"\s*[IJij]\s*[+-]?[0-9.]+", "", _code(line))
+            lines[index] = f"{code.rstrip()} R{_number(radius, _ARC_PLACES)}{_tail(line)}"
+            count += 1
+    return f"{count} arcs by radius", ()
+
+
+def _arcs_divided(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | None:
+    """Arcs in two parts about the same centre."""
+    count = 0
+    for index, (start, center, _, sweep) in sorted(_plain_arcs(lines).items(), reverse=True):
+        if abs(sweep) < 20.0 or random.random() < 0.3:
+            continue
+        line = lines[index]
+        angle = math.radians(sweep) * random.uniform(0.3, 0.7)
+        rx, ry = start[0] - center[0], start[1] - center[1]
+        x = center[0] + rx * math.cos(angle) - ry * math.sin(angle)
+        y = center[1] + rx * math.sin(angle) + ry * math.cos(angle)
+        words = {m[1].upper(): m[2] for m in _WORD.finditer(_code(line))}
+        g, feed = words["G"], f" F{words['F']}" if "F" in words else ""
+
+        def part(x_text: str, y_text: str, i: float, j: float, g: str = g, feed: str = feed) -> str:
+            return f"G{g} X{x_text} Y{y_text} I{_number(i, _ARC_PLACES)} J{_number(j, _ARC_PLACES)}{feed}"
+
+        first = part(_number(x, _ARC_PLACES), _number(y, _ARC_PLACES), -rx, -ry)
+        end_x = words.get("X", _number(start[0], _ARC_PLACES))
+        end_y = words.get("Y", _number(start[1], _ARC_PLACES))
+        lines[index : index + 1] = [first, part(end_x, end_y, center[0] - x, center[1] - y) + _tail(line)]
+        count += 1
+    return f"{count} arcs in two parts", ()
+
+
+def _tail(line: str) -> str:
+    """The comment of a line."""
+    rest = line[len(_code(line)) :]
+    return f" {rest}" if rest else ""
+
+
+def _plain_arcs(lines: list[str]) -> dict[int, tuple[tuple[float, float], tuple[float, float], float, float]]:
+    """Arcs in XY that a line gives by X, Y, I, J alone: start, centre, radius [mm] and sweep [deg] in the program."""
+    source = SourceText("program", ("\n".join(lines) + "\n").encode())
+    run = interpret(source, Settings(tool_table=assumed_tools(source)))
+    arcs = {}
+    for step in steps_of(run):
+        arc = step.arc
+        if arc is None or abs(arc.normal[2] - 1.0) > 1e-9 or step.end is None:
+            continue
+        code = _code(lines[step.line - 1])
+        words = [m[1].upper() for m in _WORD.finditer(code)]
+        plain = set(words) <= set("NGXYIJF") and words.count("G") == 1 and {"I", "J"} & set(words)
+        if plain and step.line - 1 not in arcs:
+            start, center = step.system.to_program(step.start), step.system.to_program(arc.center)
+            radius = math.dist(start[:2], center[:2])
+            arcs[step.line - 1] = ((start[0], start[1]), (center[0], center[1]), radius, arc.sweep)
+    return arcs
+
+
+NEUTRAL_OPERATORS: Final[Mapping[str, Operator]] = {
+    "numbering": _numbered,
+    "spaces": _spaced,
+    "case": _cased,
+    "comments": _commented,
+    "number formats": _spelled,
+    "modal words": _modal,
+    "arcs by radius": _arcs_by_radius,
+    "arcs divided": _arcs_divided,
+}
+
+
+def edit_neutrally(random: Random, text: str, operators: tuple[str, ...] = ()) -> Mutation:
+    """A program that means the same: one or several neutral edits, drawn where `operators` names none."""
+    names = operators or tuple(random.sample(list(NEUTRAL_OPERATORS), random.randint(1, 3)))
+    # what is read by words comes before what spells them in odd ways
+    ordered = [name for name in reversed(tuple(NEUTRAL_OPERATORS)) if name in names]
+    told = []
+    for name in ordered:
+        done = _applied(name, NEUTRAL_OPERATORS[name], random, text)
+        if done is not None:
+            text = done.text
+            told.append(done.what)
+    return Mutation(operator=" + ".join(ordered), text=text, what="; ".join(told))

@@ -1,0 +1,14 @@
+(slots by an arm that gives way)
+G21 G90 G17 G94
+T1 M6
+G43 H1
+S9000 M3
+G0 X5 Y5
+G0 Z3
+G1 Z-0.8 F300
+G1 X25 F600
+G2 X25 Y15 I0 J5 F450
+G1 X6
+G0 Z20
+M5
+M2
