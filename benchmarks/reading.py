@@ -2,7 +2,7 @@
 
     python -m benchmarks.reading [LINES]
 
-The yardstick is Lark's LALR parser with a transformer inside that makes (letter, number) pairs and computes expressions,
+The yardstick is Lark's LALR parser with a transformer inside that makes (letter, number) pairs, computes expressions,
 and nothing else; it has no modal groups, no checks, no events, no path. It reads a tenth of the program.
 """
 

@@ -17,7 +17,7 @@ from gcodesim.executor.record import StepRecord, record_of
 from gcodesim.executor.tasks import RowColumns
 from gcodesim.executor.totals import JointTotals, RowTotals
 from gcodesim.executor.window import StepWindow, first_carry, window_of
-from gcodesim.frames import Array, Pose
+from gcodesim.frames import Pose
 from gcodesim.shop import Shop
 from gcodesim.world import RobotBody, WorldSteps, open_world, tool_body
 

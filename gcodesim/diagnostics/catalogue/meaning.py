@@ -151,7 +151,7 @@ CODES: tuple[Code, ...] = (
         ),
         why="The flow of the program is broken.",
         remedy=(
-            "Give each if, while, do, repeat and sub a label of its own and close it with the same; on Fanuc close DO m "
+            "Give each if, while, do, repeat and sub a label of its own, closed with the same one; on Fanuc close DO m "
             "by END m, one inside the other."
         ),
     ),

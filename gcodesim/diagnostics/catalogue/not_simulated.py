@@ -121,7 +121,7 @@ CODES += (
         severity=Severity.NOTE,
         title="An active comment not simulated",
         what=(
-            "On LinuxCNC (PROBEOPEN …), (LOGOPEN, …) and (LOGAPPEND, …) write files and (PY, …) runs code. A simulation "
+            "On LinuxCNC (PROBEOPEN …), (LOGOPEN, …), (LOGAPPEND, …) write files and (PY, …) runs code. A simulation "
             "does neither."
         ),
         why="Who reads that file after the run does not find it.",
