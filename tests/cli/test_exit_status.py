@@ -105,15 +105,14 @@ def test_fail_on_moves_the_border(cli, write) -> None:
 
 def test_a_full_disk_leaves_no_half_file(cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The disk takes the log's beginning, but no result: nothing that is not whole has a final name."""
-    write_bytes = Path.write_bytes
+    open_path = Path.open
 
-    def full(self: Path, data: bytes) -> int:
-        if self.name.startswith(("results.json", "lines.csv", "stock")):
-            write_bytes(self, data[:10])
+    def full(self: Path, mode: str = "r", **how: object) -> object:
+        if "w" in mode and self.name.startswith(("results.json", "lines.csv", "stock")):
             raise OSError(errno.ENOSPC, "No space left on device")
-        return write_bytes(self, data)
+        return open_path(self, mode, **how)
 
-    monkeypatch.setattr(Path, "write_bytes", full)
+    monkeypatch.setattr(Path, "open", full)
     done = cli("run", *SLOT)
 
     assert done.status == 2

@@ -20,6 +20,18 @@ NONE = {
     "GS208": "the reader refuses such blocks (GS107, GS108); only a path built in Python has a feed of zero",
     "GS728": "depends on whether pybullet is installed",
     "GS731": "depends on whether pybullet is installed",
+    "GS601": "found by `gcodesim test`, which compares with an accepted run",
+    "GS602": "found by `gcodesim test`, which compares with an accepted run",
+    "GS603": "found by `gcodesim test`, which compares with an accepted run",
+    "GS604": "found by `gcodesim test`, which compares with an accepted run",
+    "GS605": "found by `gcodesim test`, which compares with an accepted run",
+    "GS606": "found by `gcodesim test`, which compares with an accepted run",
+    "GS607": "found by `gcodesim test`, which compares with an accepted run",
+    "GS608": "found by `gcodesim test`, which compares with an accepted run",
+    "GS609": "found by `gcodesim test`, which compares with an accepted run",
+    "GS610": "found by `gcodesim test`, which compares with an accepted run",
+    "GS611": "found by `gcodesim test`, which compares with an accepted run",
+    "GS612": "found by `gcodesim test`, which compares with an accepted run",
 }
 TRANSCRIPTS = sorted(FOLDER.glob("GS*.txt"))
 

@@ -64,7 +64,7 @@ FAULTS = {
     ),
     "inside at M6": (
         HEAD + "G0 X25 Y20 Z10\nG1 Z-2 F300\nG1 X30\nM5\nT3 M6\nS6000 M3\nG1 X35\nG0 Z30\nM5\nM2\n",
-        [("GS403", 9)],
+        [("GS403", 9), ("GS162", 11)],
     ),
     "spindle left on": (HEAD + "G0 X0 Y0 Z30\nM2\n", [("GS503", 6)]),
 }
