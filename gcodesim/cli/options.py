@@ -114,11 +114,13 @@ def _switch(text: str) -> bool:
 
 def read_source(path: Path, what: str) -> SourceText:
     """The bytes of a file named on the command line; UsageError when it cannot be read."""
-    if path.is_dir():
-        raise UsageError(f"{what} {path} is a folder, not a file")
     try:
+        if path.is_dir():
+            raise UsageError(f"{what} {path} is a folder, not a file")
         return SourceText.read(path)
     except FileNotFoundError:
         raise UsageError(f"{what} {path} is not there") from None
     except OSError as error:
-        raise UsageError(f"{what} {path} cannot be read: {error.strerror}") from None
+        raise UsageError(f"{what} {path} cannot be read: {error.strerror or error}") from None
+    except ValueError as error:  # a name with a null character
+        raise UsageError(f"{what} {str(path)!r} cannot be read: {error}") from None

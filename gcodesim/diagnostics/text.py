@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import re
 from collections.abc import Sequence
@@ -29,7 +30,9 @@ class SourceText:
 
     @staticmethod
     def read(path: Path, name: str | None = None) -> SourceText:
-        """Read a file; OSError when it cannot be read."""
+        """Read a file; OSError when it cannot be read, or is a pipe or device, which may never end."""
+        if path.exists() and not path.is_file() and not path.is_dir():
+            raise OSError(errno.EINVAL, "it is no regular file")
         return SourceText(name or path.name, path.read_bytes())
 
     @cached_property

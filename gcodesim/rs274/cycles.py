@@ -16,6 +16,7 @@ from gcodesim.units import INCH
 
 _CLEARANCE_MM, _CLEARANCE_INCH = 0.254, 0.01  # G73 and G83 stop this far before the last depth
 _MOST_PECKS = 100_000
+_MOST_MOVES = 1_000_000  # of one block
 _STICKY = "rpqijk"
 _NEEDS_P = frozenset((820, 860, 880, 890))
 _NEEDS_Q = frozenset((730, 830))
@@ -54,8 +55,23 @@ def cycle(words: Words, control: Control, code: int) -> None:
         state.cycle_start = state.current[normal]
     base = state.cycle_start
     hole = _hole(sticky, code, base, words, control, who, normal)
+    check_repeats(repeats or 1, hole.clear - hole.bottom, hole.step, who, "l")
     state.cycle, state.cycle_words = code, tuple(sticky.items())
     _run(words, control, hole, code, repeats or 1, (first, second, normal), who, base)
+
+
+def check_repeats(repeats: int, depth: float, step: float, who: str, letter: str) -> None:
+    """A fault when one block asks for so many holes and pecks that no shift would see their end."""
+    moves = repeats * (4.0 + (3.0 * depth / step if step > 0.0 else 0.0))
+    if moves > _MOST_MOVES:
+        raise Fault(
+            "GS140",
+            f"{who} with {letter.upper()}{repeats} would be about {moves:.3g} moves; a block may be {_MOST_MOVES}",
+            at=letter,
+            hint="use a loop, or fewer repeats",
+            value=moves,
+            limit=_MOST_MOVES,
+        )
 
 
 def _check(words: Words, control: Control, code: int, who: str, at: str | None) -> None:

@@ -11,7 +11,10 @@ from gcodesim.diagnostics import SourceText
 from gcodesim.rs274.block import Block
 from gcodesim.rs274.reader import Reader
 
-_FLOW = re.compile(r"\s*/?\s*(?:[Nn][\d\s.]*)?[Oo]\s*([0-9][0-9\s]*|<[^>]*>|\[.*?\](?=\s*[A-Za-z]))\s*([A-Za-z\s]*)")
+# possessive quantifiers: a line of a million blanks is passed over once
+_FLOW = re.compile(
+    r"\s*+(?:/\s*+)?(?:[Nn][\d\s.]*+)?[Oo]\s*+([0-9][0-9\s]*+|<[^>]*+>|\[.*?\](?=\s*+[A-Za-z]))\s*+([A-Za-z\s]*+)"
+)
 _MOST_CACHED = 200_000  # blocks are kept for loops; a program longer than this is read without keeping
 
 
@@ -74,7 +77,7 @@ def plain_label(text: str) -> str:
         return squeezed[1:-1]
     if squeezed.startswith("["):
         return ""
-    return str(int(squeezed))
+    return squeezed.lstrip("0") or "0"
 
 
 def _opening(lines: Sequence[str]) -> tuple[int, bool]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from gcodesim import canon
 from gcodesim.rs274.arcs import PLANE_AXES
-from gcodesim.rs274.cycles import Head
+from gcodesim.rs274.cycles import Head, check_repeats
 from gcodesim.rs274.ends import end_point
 from gcodesim.rs274.fanuc.control import FanucControl
 from gcodesim.rs274.fault import Fault
@@ -62,6 +62,7 @@ def cycle(words: Words, control: FanucControl, code: int) -> None:
     if {"x", "y", "z", "r", "a", "b", "c"}.isdisjoint(values):
         return
     hole = _hole(words, control, code, who, at, letter, data)
+    check_repeats(repeats or 1, hole.clear - hole.bottom, hole.step, who, "k" if "k" in values else "l")
     _turn(end, control, who)
     head = Head(control, (first, second, normal), who)
     step = (end[first] - state.current[first], end[second] - state.current[second])

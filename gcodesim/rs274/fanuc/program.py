@@ -12,9 +12,9 @@ from gcodesim.rs274.program_file import ProgramFile
 from gcodesim.rs274.reader import Reader
 
 _BLANK_OR_NOTE = r"(?:\s|\([^)]*\))*"
-_PROGRAM = re.compile(rf"{_BLANK_OR_NOTE}(?:[Oo]|:)\s*0*([0-9]+)")
-_SEQUENCE = re.compile(rf"{_BLANK_OR_NOTE}(?:/[1-9]?\s*)?[Nn]\s*0*([0-9]+)")
-_LOOP = re.compile(r"(DO|END)\s*([0-9]+)")
+_PROGRAM = re.compile(rf"{_BLANK_OR_NOTE}(?:[Oo]|:)\s*0*([0-9]{{1,15}})(?![0-9])")
+_SEQUENCE = re.compile(rf"{_BLANK_OR_NOTE}(?:/[1-9]?\s*)?[Nn]\s*0*([0-9]{{1,15}})(?![0-9])")
+_LOOP = re.compile(r"(DO|END)\s*([0-9]{1,15})(?![0-9])")
 _NOTE = re.compile(r"\([^)]*\)|;.*")
 MOST_LOOPS = 3
 

@@ -13,17 +13,17 @@ from gcodesim.rs274.program_file import FlowLine, ProgramFile
 _NOTE = re.compile(r"\([^)]*\)?|;.*")
 _OPENS, _CLOSES = frozenset(("if", "repeat", "do")), frozenset(("endif", "endrepeat", "endwhile"))
 _CALLS = re.compile(r"(?:M\s*0*98|G\s*0*6[56](?:\s*\.\s*1)?)(?![0-9.])", re.IGNORECASE)
-_NUMBER = re.compile(r"P\s*(?:([0-9]+)|[#\[<])", re.IGNORECASE)
+_NUMBER = re.compile(r"P\s*(?:([0-9]{1,15})|[#\[<])", re.IGNORECASE)
 _RETURNS = re.compile(r"M\s*0*99(?![0-9])", re.IGNORECASE)
-_TARGET = re.compile(r"(?:GOTO|M\s*0*99\s*P)\s*(?:([0-9]+)|[#\[])", re.IGNORECASE)
-_SEQUENCE = re.compile(r"\s*/?\s*N\s*0*([0-9]+)", re.IGNORECASE)
+_TARGET = re.compile(r"(?:GOTO|M\s*0*99\s*P)\s*(?:([0-9]{1,15})|[#\[])", re.IGNORECASE)
+_SEQUENCE = re.compile(r"\s*+(?:/\s*+)?N\s*0*([0-9]{1,15})(?![0-9])", re.IGNORECASE)
 _MOST_READ = 100  # lines behind the end that are looked at
 _LOOP = re.compile(r"(DO|END)\s*[0-9]", re.IGNORECASE)
 
 
 def structure_findings(file: ProgramFile, end: Span) -> Iterator[Diagnostic]:
     """GS136 and GS137 of a program that ran to its end, which stands at `end`."""
-    yield from _unused(file, end)
+    yield from _unused(file)
     if end.file == file.name and not end.callers:
         first, count = _unreachable(file, end.line - 1)
         if first is not None:
@@ -46,9 +46,11 @@ def _bare(line: str) -> str:
 # -- subroutines
 
 
-def _unused(file: ProgramFile, end: Span) -> Iterator[Diagnostic]:
-    for label, line, name in _defined(file):
-        if not _is_called(file, label):
+def _unused(file: ProgramFile) -> Iterator[Diagnostic]:
+    defined = list(_defined(file))
+    called = _called(file) if defined else set()
+    for label, line, name in defined:
+        if called is not None and label not in called:
             yield Diagnostic(
                 code="GS136",
                 message=f"nothing calls the subroutine {name}",
@@ -71,21 +73,22 @@ def _defined(file: ProgramFile) -> Iterator[tuple[str, int, str]]:
             yield flow.label, flow.at, f"o{flow.label}" if flow.label.isdigit() else f"o<{flow.label}>"
 
 
-def _is_called(file: ProgramFile, label: str) -> bool:
-    """Whether a line calls `label`, or may: the number of a call can be computed."""
+def _called(file: ProgramFile) -> set[str] | None:
+    """All labels that a line calls; None when one is computed, so that nobody knows."""
     if not isinstance(file, FanucFile):
-        return any(flow.keyword == "call" and flow.label in ("", label) for flow in file.flows)
-    wanted = int(label)
+        labels = {flow.label for flow in file.flows if flow.keyword == "call"}
+        return None if "" in labels else labels
+    numbers: set[str] = set()
     for line in file.lines:
         text = _bare(line)
         if not _CALLS.search(text):
             continue
         for match in _NUMBER.finditer(text):
-            number = match[1]
+            if match[1] is None:
+                return None
             # in the old form P holds the repeats before the last four digits
-            if number is None or int(number) == wanted or int(number[-4:]) == wanted:
-                return True
-    return False
+            numbers |= {str(int(match[1])), str(int(match[1][-4:]))}
+    return numbers
 
 
 # -- lines behind the end
