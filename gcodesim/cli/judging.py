@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gcodesim.cli.exits import UsageError
+from gcodesim.cli.exits import OK, UsageError, status_of
 from gcodesim.cli.options import read_source
+from gcodesim.diagnostics import Diagnostic, Severity, SourceText
 
 if TYPE_CHECKING:
     from gcodesim.regress.baseline import Baseline
@@ -61,3 +64,41 @@ def write_baseline(path: Path, text: str) -> None:
     except OSError as error:
         raise UsageError(f"baseline {path} cannot be written: {error.strerror}") from None
     note(f"wrote {path}: with --baseline {path} its findings fail nothing")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Settled:
+    """What findings come to: those to be shown, lines about the baseline, the exit status."""
+
+    shown: list[Diagnostic]
+    remarks: list[str]
+    status: int
+
+
+def settle(findings: Iterable[Diagnostic], arguments: argparse.Namespace, sources: Mapping[str, SourceText]) -> Settled:
+    """Leave out what the baseline knows; write a new baseline where that is asked for."""
+    found = list(findings)
+    baseline = read_baseline(arguments)
+
+    def text(file: str, line: int) -> str:
+        return sources[file].line(line) if file in sources else ""
+
+    shown, remarks = found, []
+    if baseline is not None:
+        known = [one for one in found if _is_severe(one, arguments.fail_on) and baseline.knows(one, text)]
+        shown = [one for one in found if not any(one is other for other in known)]
+        if known:
+            remarks.append(f"{len(known)} finding{'' if len(known) == 1 else 's'} in the baseline, not shown")
+        remarks += [f"gone from the baseline: {entry}" for entry in baseline.gone]
+    status = status_of(shown, arguments.fail_on)
+    if arguments.write_baseline is not None:
+        from gcodesim.regress.baseline import baseline_text
+
+        severe = (one for one in found if _is_severe(one, arguments.fail_on))
+        write_baseline(arguments.write_baseline, baseline_text(severe, text))
+        status = OK
+    return Settled(shown=shown, remarks=remarks, status=status)
+
+
+def _is_severe(finding: Diagnostic, fail_on: str) -> bool:
+    return fail_on != "never" and finding.level >= Severity[fail_on.upper()]

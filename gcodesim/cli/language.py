@@ -5,15 +5,13 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from datetime import date
 from typing import TYPE_CHECKING
 
 from gcodesim.cli.exits import UsageError
 from gcodesim.cli.options import read_source
 from gcodesim.diagnostics import Diagnostic, SourceText
 from gcodesim.rs274 import Run, Settings, ToolTable, interpret, read_parameters
-
-if TYPE_CHECKING:
-    from gcodesim.cell import Cell
 
 if TYPE_CHECKING:
     from gcodesim.cell import Cell
@@ -83,14 +81,14 @@ class Reading:
     before: list[Diagnostic]
     sources: dict[str, SourceText]
 
-    def findings(self) -> list[Diagnostic]:
-        """All findings, with the severities of the cell and without those that it suppresses."""
+    def findings(self, today: date | None = None) -> list[Diagnostic]:
+        """All findings, with the severities of the cell and without those that it suppresses on the day `today`."""
         found = sorted([*self.before, *(self.run.findings if self.run is not None else ())], key=lambda f: f.order)
         if self.cell is None:
             return found
         from gcodesim.verdict import final_findings
 
-        return final_findings(found, self.cell, self.program)
+        return final_findings(found, self.cell, self.program, today)
 
 
 def reading_of(arguments: argparse.Namespace) -> Reading:

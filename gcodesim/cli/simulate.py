@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 from gcodesim import compiled
 from gcodesim.cell import load_cell
-from gcodesim.cli.exits import INTERRUPTED, UsageError, status_of
+from gcodesim.cli.exits import INTERRUPTED, UsageError
+from gcodesim.cli.judging import Settled, settle
 from gcodesim.cli.language import Language
 from gcodesim.cli.options import read_source
 from gcodesim.cli.output import note, print_findings, print_json, print_table, verdict
@@ -48,6 +49,7 @@ def _prepared(arguments: argparse.Namespace) -> Job:
         settings=language.over,
         findings=tuple(language.findings),
         sources=language.sources,
+        today=arguments.today,
         fail_on=None if arguments.fail_on == "never" else Severity[arguments.fail_on.upper()],
     )
     return prepare(program, loaded, options)
@@ -57,11 +59,12 @@ def check_program(arguments: argparse.Namespace) -> int:
     """`gcodesim check`."""
     job = _prepared(arguments)
     results = check(job)
+    settled = settle(results.findings, arguments, job.sources)
     if arguments.format == "json":
         print_json(results.as_json())
     else:
-        _print_verdict(job, results, simulated=job.plan is not None)
-    return status_of(results.findings, arguments.fail_on)
+        _print_verdict(job, results, settled, simulated=job.plan is not None)
+    return settled.status
 
 
 def run_program(arguments: argparse.Namespace) -> int:
@@ -85,10 +88,11 @@ def run_program(arguments: argparse.Namespace) -> int:
         raise UsageError(str(reason)) from None
     except (LogWriteError, OSError) as error:
         raise UsageError(f"folder {arguments.out} cannot be written: {error.strerror or error}") from None
+    settled = settle(results.findings, arguments, job.sources)
     if arguments.format == "json":
         print_json(results.as_json())
     else:
-        _print_verdict(job, results, simulated=execution is not None)
+        _print_verdict(job, results, settled, simulated=execution is not None)
         if execution is not None:
             _print_files(arguments.out, results)
     seconds = time.perf_counter() - begin
@@ -98,7 +102,7 @@ def run_program(arguments: argparse.Namespace) -> int:
         note(f"{seconds:.1f} s of computing, {ratio} simulated seconds in a real one, peak memory {memory:.0f} MB")
     if stop.asked:
         return INTERRUPTED
-    return status_of(results.findings, arguments.fail_on)
+    return settled.status
 
 
 def _announce_compiling() -> None:
@@ -164,9 +168,11 @@ class _Bar:
             self._bar.stop()
 
 
-def _print_verdict(job: Job, results: Results, *, simulated: bool) -> None:
-    print_findings(results.findings, job.sources)
-    print(f"{job.program.name}: {verdict(results.findings)}")
+def _print_verdict(job: Job, results: Results, settled: Settled, *, simulated: bool) -> None:
+    print_findings(settled.shown, job.sources)
+    for remark in settled.remarks:
+        print(remark)
+    print(f"{job.program.name}: {verdict(settled.shown)}")
     stopped = results.stopped_at
     if not simulated:
         print("nothing was simulated, because of what is wrong in the cell")

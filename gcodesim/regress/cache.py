@@ -21,6 +21,7 @@ from gcodesim.diagnostics.show import as_json
 from gcodesim.regress.case import Case, shown_path
 from gcodesim.regress.changes import SAME
 from gcodesim.regress.verdicts import CaseVerdict, Found
+from gcodesim.user_cache import user_cache
 
 VARIABLE: Final = "GCODESIM_TEST_CACHE"
 _LIBRARIES: Final = ("numpy", "scipy", "numba", "pybullet", "trimesh")
@@ -31,8 +32,7 @@ def default_folder() -> Path:
     """Where entries are kept: `GCODESIM_TEST_CACHE`, else in the user's cache."""
     if VARIABLE in os.environ:
         return Path(os.environ[VARIABLE])
-    user = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
-    return Path(user) / "gcodesim" / "tests"
+    return user_cache("tests") or Path(tempfile.gettempdir())
 
 
 class Cache:

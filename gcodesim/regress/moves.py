@@ -235,17 +235,28 @@ def _unit(step: Step, field: str, tolerance: str) -> str:
 
 
 def _hunks(pairs: Sequence[Pair], old: Sequence[Step], new: Sequence[Step], tolerances: Tolerances) -> list[list[Pair]]:
-    """Runs of pairs that are not equal."""
+    """Runs of pairs that are not equal, without those that only divide a way otherwise."""
     hunks: list[list[Pair]] = []
     run: list[Pair] = []
     for a, b in pairs:
         if a is not None and b is not None and _same(old[a], new[b], tolerances):
-            if run:
+            # the last part of a divided line ends where the whole line ended, so it was paired as equal
+            if (
+                run
+                and not _is_division(run, old, new, tolerances)
+                and not _is_division([*run, (a, b)], old, new, tolerances)
+            ):
                 hunks.append(run)
             run = []
         else:
             run.append((a, b))
-    return [*hunks, run] if run else hunks
+    return [*hunks, run] if run and not _is_division(run, old, new, tolerances) else hunks
+
+
+def _is_division(run: Sequence[Pair], old: Sequence[Step], new: Sequence[Step], tolerances: Tolerances) -> bool:
+    before = [old[a] for a, _ in run if a is not None]
+    after = [new[b] for _, b in run if b is not None]
+    return len(before) != len(after) and _same_way(before, after, tolerances)
 
 
 def _changes(
@@ -256,10 +267,6 @@ def _changes(
     texts: tuple[LineText, LineText],
     near: Mapping[int, int],
 ) -> Iterator[MoveChange]:
-    before = [old[a] for a, _ in hunk if a is not None]
-    after = [new[b] for _, b in hunk if b is not None]
-    if len(before) != len(after) and _same_way(before, after, tolerances):
-        return
     for a, b in hunk:
         left = None if a is None else _place(old[a], texts[0])
         right = None if b is None else _place(new[b], texts[1])

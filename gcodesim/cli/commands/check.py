@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from gcodesim.cli.judging import add_baseline, add_today
 from gcodesim.cli.options import add_cell, add_fail_on, add_format, add_language, add_program
 
 
@@ -20,6 +21,8 @@ def add_parser(commands: Any) -> None:
     add_language(parser)
     add_format(parser)
     add_fail_on(parser)
+    add_baseline(parser)
+    add_today(parser)
     parser.set_defaults(run=run)
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from gcodesim.cli.exits import FINDINGS, status_of
+from gcodesim.cli.exits import FINDINGS
+from gcodesim.cli.judging import add_baseline, add_today, settle
 from gcodesim.cli.options import add_cell, add_fail_on, add_format, add_language, add_program
 
 
@@ -21,6 +22,8 @@ def add_parser(commands: Any) -> None:
     add_language(parser)
     add_format(parser)
     add_fail_on(parser)
+    add_baseline(parser)
+    add_today(parser)
     parser.set_defaults(run=run)
 
 
@@ -33,10 +36,13 @@ def run(arguments: argparse.Namespace) -> int:
         for _ in reading.run.stream():
             pass
         reading.sources |= reading.run.sources
-    findings = reading.findings()
+    findings = reading.findings(arguments.today)
+    settled = settle(findings, arguments, reading.sources)
     if arguments.format == "json":
         print_json({"findings": findings_as_json(findings)})
     else:
-        print_findings(findings, reading.sources)
-        print(f"{reading.program.name}: {verdict(findings)}")
-    return FINDINGS if reading.run is None else status_of(findings, arguments.fail_on)
+        print_findings(settled.shown, reading.sources)
+        for remark in settled.remarks:
+            print(remark)
+        print(f"{reading.program.name}: {verdict(settled.shown)}")
+    return FINDINGS if reading.run is None else settled.status

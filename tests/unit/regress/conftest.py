@@ -1,0 +1,51 @@
+"""Programs as steps, and a folder of test cases whose results are accepted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from gcodesim.diagnostics import SourceText
+from gcodesim.regress.accept import propose, take
+from gcodesim.regress.case import collect
+from gcodesim.regress.judge import Judging
+from gcodesim.regress.motion import Step, steps_of
+from gcodesim.rs274 import Settings, interpret
+from gcodesim.rs274.assumed import assumed_tools
+
+DATA = Path(__file__).parents[2] / "data" / "regress"
+NAMES = ("pocket", "slot_arm")
+
+
+@pytest.fixture
+def steps() -> Callable[[str], list[Step]]:
+    """The steps of a program, read without a cell."""
+
+    def steps(text: str) -> list[Step]:
+        source = SourceText("part.nc", text.encode())
+        return steps_of(interpret(source, Settings(tool_table=assumed_tools(source))))
+
+    return steps
+
+
+@pytest.fixture(scope="session")
+def accepted(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two clean programs with test files and accepted results; copy it before changing anything."""
+    folder = tmp_path_factory.mktemp("accepted")
+    for name in NAMES:
+        for suffix in (".nc", ".yaml"):
+            (folder / f"{name}{suffix}").write_bytes((DATA / f"{name}{suffix}").read_bytes())
+        (folder / f"{name}.test.yaml").write_text(f"cell: {name}.yaml\n")
+    for case in collect([folder], folder).cases:
+        take(propose(case, Judging(root=folder)))
+    return folder
+
+
+@pytest.fixture
+def suite(accepted: Path, tmp_path: Path) -> Path:
+    """A copy of `accepted` of one's own."""
+    for path in sorted(accepted.iterdir()):
+        (tmp_path / path.name).write_bytes(path.read_bytes())
+    return tmp_path
