@@ -4,7 +4,7 @@
     scripts/refresh_conformance.py FOLDER
 
 FOLDER holds `rs274/` and `fanuc/`, as the corpora are handed out: `valid/`,
-`invalid/`, `tools.tbl`, and for RS274 `subs/` and `compare.py`. What is here
+`invalid/`, `tools.tbl`, and for RS274 `subs/`, `compare.py` and `oracle.py`. What is here
 already is replaced.
 """
 
@@ -14,7 +14,7 @@ from pathlib import Path
 
 TARGET = Path(__file__).parent.parent / "tests" / "data" / "conformance"
 PARTS = {
-    "rs274": ("valid", "invalid", "subs", "tools.tbl", "compare.py"),
+    "rs274": ("valid", "invalid", "subs", "tools.tbl", "compare.py", "oracle.py"),
     "fanuc": ("valid", "invalid", "tools.tbl"),
 }
 

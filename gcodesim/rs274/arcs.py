@@ -40,14 +40,14 @@ def arc(words: Words, control: Control, code: int) -> None:
     """G2 and G3."""
     who = f"G{code // 10}"
     check_feed(words, control, who)
-    end = end_point(words, control)
-    if control.state.side:
-        compensation.arc(words, control, end, code)
-        return
     if control.state.comp_leaving:
         raise Fault(
             "GS151", "the move after G40 must be straight, not an arc", at=who.lower(), hint="lead out with G0 or G1"
         )
+    end = end_point(words, control)
+    if compensation.is_on(control):
+        compensation.arc(words, control, end, code)
+        return
     shape = arc_of(words, control, control.state.current, end, code)
     if control.state.feed_mode == 930:
         resolve_inverse_time(words, control, helix_length(control, control.state.current, end, shape))

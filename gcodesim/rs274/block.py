@@ -19,9 +19,12 @@ class Signed:
 
 @dataclass(frozen=True, slots=True)
 class Binary:
+    """An operation; `closed` when brackets of its own stand around it."""
+
     operator: str
     left: Node
     right: Node
+    closed: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,6 +110,11 @@ class Block:
         if self._places is None:
             self._places = self._find(self.text) if self._find else []
         return self._places
+
+    @property
+    def comments(self) -> tuple[Note, ...]:
+        """The comments in parentheses: what follows a semicolon never acts."""
+        return tuple(note for note in self.notes if self.text[note.place[0]] == "(")
 
     def place_of(self, letter: str, nth: int = 0) -> Place | None:
         """Columns of the nth word with `letter`."""

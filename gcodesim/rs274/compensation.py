@@ -27,7 +27,7 @@ Point = tuple[float, float]
 _PLANE = {170: (0, 1, 2), 180: (2, 0, 1), 190: (1, 2, 0)}
 _STRAIGHT_ON = 0.05  # [rad] corners flatter than this are passed without an arc or an intersection
 _SWEEP_SLACK_MM = 0.0254
-_AT_ONCE = (canon.ToolSelect, canon.ToolNumber)  # these do not wait with a held move
+_AT_ONCE = (canon.ToolSelect, canon.ToolNumber, canon.Message, canon.Print, canon.Log)  # no held move delays these
 # lathe tools: where the controlled point lies from the centre of the nose, by orientation, in radii along X and Z
 _NOSE_X = {1: -1.0, 2: -1.0, 6: -1.0, 3: 1.0, 4: 1.0, 8: 1.0}
 _NOSE_Z = {2: -1.0, 3: -1.0, 7: -1.0, 1: 1.0, 4: 1.0, 5: 1.0}
@@ -47,6 +47,11 @@ class Held(canon.Event):
     feed_unit: canon.FeedUnit = "m/s"
     block: int = 0
     word: str = ""
+
+
+def is_on(control: Control) -> bool:
+    """Whether moves are offset; a tool of radius 0 runs on the programmed path itself."""
+    return control.state.side != 0 and control.state.comp_radius > 0.0
 
 
 def switch(words: Words, control: Control) -> None:
@@ -70,7 +75,6 @@ def switch(words: Words, control: Control) -> None:
     state.comp_radius = radius
     state.comp_orientation = orientation
     state.comp_first = True
-    state.comp_leaving = False
     state.comp_endpoint = None
     state.comp_emitted = state.current
 
@@ -90,6 +94,8 @@ def _tool_of(words: Words, control: Control, *, dynamic: bool, at: str) -> tuple
     if number is not None and number < 0:
         raise Fault("GS106", f"D is negative: {number}", at="d", value=number)
     entry = control.tool_entry(number, "d") if number else control.spindle_tool
+    if state.plane != 180 and entry.orientation not in (0, 9):
+        raise Fault("GS153", f"T{entry.number} is a lathe tool, which can be compensated in G18 only", at=at)
     return entry.diameter / 2.0 / state.unit, entry.orientation
 
 
@@ -105,7 +111,14 @@ def leave(control: Control) -> None:
     if not state.comp_first:
         state.current = state.comp_programmed
         state.comp_leaving = state.comp_radius > 0.0
-    state.side = 0
+    state.side, state.comp_first = 0, True
+
+
+def pause(control: Control) -> None:
+    """Before a stop: what waits is emitted as it is, and the compensation goes on afterwards."""
+    if control.state.side:
+        settle(control)
+        _flush(control)
 
 
 def settle(control: Control) -> None:
@@ -280,8 +293,8 @@ def _corner(
     """Join the held move with the next one, which leaves `op` with `normal`."""
     state = control.state
     turn = _turn_outward(state.comp_normal, normal, state.side)
-    if -_STRAIGHT_ON <= turn <= _STRAIGHT_ON or not state.comp_radius:
-        _flush(control)
+    if -_STRAIGHT_ON <= turn <= _STRAIGHT_ON or not _held_moves(control):
+        _flush(control)  # after a stop nothing waits, and an inside corner is left as it is
     elif _STRAIGHT_ON < turn <= _outside_limit(control, turns):
         held_end = state.current
         _flush(control)
@@ -315,7 +328,8 @@ def _outside_limit(control: Control, following_turns: int) -> float:
     arc, else the held one.
     """
     side = control.state.side
-    turns = following_turns or _held_move(control).turns
+    waiting = _held_moves(control)
+    turns = following_turns or (waiting[0].turns if waiting else 0)
     around = turns != 0 and (turns > 0) != (side > 0)
     return math.pi - _STRAIGHT_ON if around else math.pi + _STRAIGHT_ON
 
@@ -324,10 +338,13 @@ def _in_plane(move: Held) -> bool:
     return move.kind == "arc" or move.direction != (0.0, 0.0)
 
 
+def _held_moves(control: Control) -> list[Held]:
+    return [event for event in control.state.held if type(event) is Held and _in_plane(event)]
+
+
 def _held_move(control: Control) -> Held:
     """The move in the plane that waits; those across the plane follow it."""
-    held = (event for event in control.state.held if type(event) is Held)
-    return next(move for move in held if _in_plane(move))
+    return _held_moves(control)[0]
 
 
 def _turn_outward(before: Point, after: Point, side: int) -> float:
@@ -424,7 +441,8 @@ def _flush(control: Control, corner: Point | None = None) -> None:
     """Emit what waits, before the events of the block in hand; `corner` is where the held move must end."""
     state = control.state
     held, state.held = state.held, ()
-    later, control.out[:] = list(control.out), []
+    later = [event for event in control.out if type(event) not in _AT_ONCE]
+    control.out[:] = [event for event in control.out if type(event) in _AT_ONCE]
     for event in held:
         if type(event) is not Held:
             control.out.append(event)

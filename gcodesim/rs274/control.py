@@ -181,12 +181,16 @@ class Control:
     def _read_only(self, number: int) -> float:
         state = self.state
         if number >= numbers.POSITION:
+            if state.side:
+                message = f"#{number} cannot be read while cutter compensation is on"
+                raise Fault("GS150", message, hint="say G40 first, or read #<_x>")
             return state.current[number - numbers.POSITION]
         tool = self.spindle_tool
         if number == numbers.TOOL:
             return float(state.tool)
-        if number <= 5409:
-            return self.machine_units(state.tool_offset[number - 5401], number - 5401)
+        if number <= 5409:  # of the tool in the spindle, whatever G43 says
+            axis = number - 5401
+            return tool.offset[axis] / (MM if LINEAR[axis] else DEG)
         values = (tool.diameter / MM, tool.front_angle / DEG, tool.back_angle / DEG, float(tool.orientation))
         return values[number - 5410]
 
@@ -230,10 +234,13 @@ class Control:
 
     def moves_linear(self, end: Vector) -> bool:
         """Whether a move to `end` moves X, Y or Z; one that moves nothing counts as linear."""
-        now = self.state.current
+        now = self.state.comp_emitted if self.state.comp_leaving else self.state.current
         return end[:3] != now[:3] or end[3:6] == now[3:6]
 
     def dwell(self, seconds: float) -> None:
+        if seconds < 0.0:
+            self.warn("GS106", f"the dwell is negative: {seconds:g} s; the program goes on at once")
+            return
         self.out.append(canon.Dwell(span=self.span, seconds=seconds))
 
     def say_spindle(self) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -20,6 +21,7 @@ _MOST_MOVES = 1_000_000  # of one block
 _STICKY = "rpqijk"
 _NEEDS_P = frozenset((820, 860, 880, 890))
 _NEEDS_Q = frozenset((730, 830))
+_TAPS = frozenset((740, 840))
 _NEEDS_SPINDLE = {740: (-1,), 840: (1,), 860: (1, -1), 870: (1, -1), 880: (1, -1)}
 
 
@@ -57,6 +59,8 @@ def cycle(words: Words, control: Control, code: int) -> None:
     hole = _hole(sticky, code, base, words, control, who, normal)
     check_repeats(repeats or 1, hole.clear - hole.bottom, hole.step, who, "l")
     state.cycle, state.cycle_words = code, tuple(sticky.items())
+    if code in _NEEDS_P or code in _TAPS:
+        state.cycle_dwell = hole.dwell
     _run(words, control, hole, code, repeats or 1, (first, second, normal), who, base)
 
 
@@ -88,7 +92,7 @@ def _check(words: Words, control: Control, code: int, who: str, at: str | None) 
                 "GS140", f"{who} takes no {letter.upper()} word", at=letter, hint="turn the axis in a block before"
             )
     turning = _NEEDS_SPINDLE.get(code)
-    if turning is not None and state.spindle not in turning:
+    if turning is not None and state.turning not in turning:
         wanted = "clockwise (M3)" if turning == (1,) else "counterclockwise (M4)" if turning == (-1,) else "turning"
         raise Fault("GS108", f"{who} needs the spindle {wanted}", at=at, hint="say S and M3 before")
 
@@ -126,9 +130,7 @@ def _hole(
         raise Fault("GS140", f"the peck Q{step:g} of {who} must be positive", at="q")
     if code in _NEEDS_Q and (clear - bottom) / step > _MOST_PECKS:
         raise Fault("GS140", f"{who} would need more than {_MOST_PECKS} pecks", at="q" if "q" in words.values else None)
-    dwell = sticky.get("p", 0.0)
-    if dwell < 0.0:
-        raise Fault("GS106", f"the dwell P{dwell:g} of {who} is negative", at="p")
+    dwell = sticky.get("p", control.state.cycle_dwell if code in _TAPS else 0.0)
     first, second, _ = PLANE_AXES[control.state.plane]
     aside = (sticky.get("ijk"[first], 0.0), sticky.get("ijk"[second], 0.0))
     middle = sticky.get("ijk"[normal], 0.0) + (bottom if incremental else 0.0)
@@ -148,8 +150,7 @@ def _run(
     """All holes of the block. `base` is the height at which the chain of cycles began."""
     first, second, normal = axes
     state = control.state
-    end = end_point(words, control)
-    step = (end[first] - state.current[first], end[second] - state.current[second])
+    place = (state.current[first], state.current[second])
     head = Head(control, axes, who)
     if base < hole.clear:
         head.rapid_to(hole.clear)
@@ -159,16 +160,34 @@ def _run(
     height = now if now > hole.clear else level
     if state.path != 610:
         control.say_path(610)
-    place = (state.current[first], state.current[second])
     for _ in range(repeats):
-        place = (place[0] + step[0], place[1] + step[1]) if state.incremental else (end[first], end[second])
+        place = _next_place(words, control, place, (first, second))
         head.rapid_over(place, height)
         if height != hole.clear:
             head.rapid_to(hole.clear)
         _SHAPES[code](head, hole, level)
         height = level
+    believed = list(state.current)
+    believed[normal] = level  # also after G88, where the operator is to bring the tool there
+    state.current = tuple(believed)  # type: ignore[assignment]
     if state.path != 610:
         control.say_path()
+
+
+def _next_place(
+    words: Words, control: Control, place: tuple[float, float], axes: tuple[int, int]
+) -> tuple[float, float]:
+    """Where the next hole is after one at `place`; in G91 each of L holes goes on from the one before."""
+    state = control.state
+    values = words.values
+    start = list(state.current)
+    start[axes[0]], start[axes[1]] = place
+    if words.has_polar() and not state.incremental:  # unlike in a move, no angle means that of the current point
+        radius = values.get("@", math.hypot(start[0], start[1]))
+        angle = math.radians(values["^"]) if "^" in values else math.atan2(start[1], start[0])
+        return radius * math.cos(angle), radius * math.sin(angle)
+    end = end_point(words, control, start=tuple(start))  # type: ignore[arg-type]
+    return end[axes[0]], end[axes[1]]
 
 
 class Head:
@@ -247,6 +266,9 @@ def _tap(head: Head, hole: Hole, level: float) -> None:
     control = head.control
     direction = control.state.spindle
     control.say_overrides(feed=False, speed=False)
+    if head.normal != 2 and control.dialect.name == "linuxcnc":
+        _tap_astray(head, hole, level, direction)
+        return
     head.feed_to(hole.bottom)
     head.turn(-direction)
     if hole.dwell:
@@ -254,6 +276,33 @@ def _tap(head: Head, hole: Hole, level: float) -> None:
     head.feed_to(level)
     control.say_overrides()
     head.turn(direction)
+
+
+def _tap_astray(head: Head, hole: Hole, level: float, direction: int) -> None:
+    """Outside G17 LinuxCNC 2.9 feeds to swapped axes, also by the expected results of its own tests."""
+    control = head.control
+    now = control.state.current
+    control.warn(
+        "GS140",
+        f"{head.who} outside G17: LinuxCNC 2.9 feeds to the wrong axes, and so does this run",
+        "tap in G17 only",
+    )
+
+    def feed(height: float) -> None:
+        at = (now[head.first], now[head.second])
+        x, y, z = (height, at[0], at[1]) if head.normal == 1 else (at[1], height, at[0])
+        control.line((x, y, z, *now[3:]), head.who)
+
+    feed(hole.bottom)
+    head.turn(-direction)
+    if hole.dwell:
+        control.dwell(hole.dwell)
+    feed(level)
+    control.say_overrides()
+    head.turn(direction)
+    back = list(now)
+    back[head.normal] = level
+    control.state.current = tuple(back)  # type: ignore[assignment]
 
 
 def _bore(head: Head, hole: Hole, level: float) -> None:

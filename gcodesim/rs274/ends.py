@@ -18,11 +18,14 @@ def start_point(control: Control) -> Vector:
     return state.comp_programmed if state.side and not state.comp_first else state.current
 
 
-def end_point(words: Words, control: Control) -> Vector:
-    """The programmed end in the active work system; axes without a word stay."""
+def end_point(words: Words, control: Control, *, start: Vector | None = None) -> Vector:
+    """The programmed end in the active work system; axes without a word stay.
+
+    `start` is the point to go on from where that is not the current one.
+    """
     state = control.state
     values = words.values
-    start = start_point(control)
+    start = start_point(control) if start is None else start
     if words.g.get(0) == 530:
         return _in_machine_coordinates(words, control)
     if words.has_polar():
@@ -42,27 +45,24 @@ def _in_machine_coordinates(words: Words, control: Control) -> Vector:
     state = control.state
     axes = control.axes()
     wanted = [words.values.get(letter, axes[axis]) for axis, letter in enumerate(AXES)]
-    return control.point_of(subtract(tuple(wanted), state.tool_offset))  # type: ignore[arg-type]
+    end = control.point_of(subtract(tuple(wanted), state.tool_offset))  # type: ignore[arg-type]
+    # as on the control, the tool's offset in A, B and C is left out of it
+    turned = [
+        words.values[letter] - state.origin[axis] - state.g92[axis] if letter in words.values else state.current[axis]
+        for axis, letter in ((3, "a"), (4, "b"), (5, "c"))
+    ]
+    return (*end[:3], *turned, *end[6:])  # type: ignore[return-value]
 
 
 def _polar(words: Words, control: Control, start: Vector) -> Vector:
     """@ radius and ^ angle about the program's origin."""
     state = control.state
-    if state.plane != 170:
-        raise Fault(
-            "GS185",
-            "polar coordinates work in the XY plane only",
-            at="@" if "@" in words.values else "^",
-            hint="say G17",
-        )
-    for letter in "xy":
-        if letter in words.values:
-            raise Fault("GS185", f"{letter.upper()} and polar words exclude each other", at=letter)
     radius, angle = words.get("@"), words.get("^")
     here = math.hypot(start[0], start[1])
     if state.incremental:
-        if here == 0.0 and angle is None:
-            raise Fault("GS185", "at the origin the angle ^ has to be given", at="@")
+        if here == 0.0:
+            at = "@" if radius is not None else "^"
+            raise Fault("GS185", "at the origin there is no angle and no radius to add to", at=at, hint="say G90")
         bearing = math.degrees(math.atan2(start[1], start[0])) + (angle or 0.0)
         distance = here + (radius or 0.0)
     else:

@@ -12,10 +12,10 @@ from gcodesim.rs274.words import Words, check_use
 
 _NOT_MODELLED = "uvw"
 _CLAIMS_AXES = frozenset((100, 280, 300, 520, 920))
-_LENGTH_CLAIMS_AXES = frozenset((431, 432))
+_LENGTH_NEEDS_NO_MOTION = frozenset((431, 432))  # of these only G43.1 keeps the axis words to itself
 _CARRIES_ON_WITH_CENTRE = frozenset((20, 30))
 # motions that make sense without any axis word
-_NEEDS_NO_AXES = frozenset((0, 10, 20, 30, 52, 53))
+_NEEDS_NO_AXES = frozenset((0, 10, 20, 30, 52))
 
 
 def motion_of(words: Words, control: Control) -> int:
@@ -27,9 +27,11 @@ def motion_of(words: Words, control: Control) -> int:
     claimed = words.g.get(NON_MODAL, -1)
     claims = claimed in _CLAIMS_AXES
     has_axes = words.has_axes()
-    length_claims = words.g.get(LENGTH, -1) in _LENGTH_CLAIMS_AXES and has_axes
-    if claims and words.has_polar():
-        raise Fault("GS185", "polar words belong to a motion, not to " + g_name(claimed).upper(), at="@")
+    length = words.g.get(LENGTH, -1)
+    if words.has_polar():
+        _check_polar(words, control)
+        if claims and own in (-1, 800):
+            raise Fault("GS185", "polar words belong to a motion, not to " + g_name(claimed).upper(), at="@")
     if own == 800:
         if has_axes and not claims:
             raise Fault(
@@ -54,8 +56,10 @@ def motion_of(words: Words, control: Control) -> int:
         return -1
     modal = control.state.motion
     carries_on = modal in _CARRIES_ON_WITH_CENTRE and not {"i", "j", "k"}.isdisjoint(words.values)
-    if (has_axes and not length_claims) or carries_on:
+    if (has_axes and length != 431) or carries_on:
         if modal in (-1, 800):
+            if length in _LENGTH_NEEDS_NO_MOTION and not words.has_polar():
+                return -1
             letter = next(letter for letter, _ in words.block.words if letter in "xyzabcuvw@^")
             raise Fault(
                 "GS101",
@@ -65,6 +69,16 @@ def motion_of(words: Words, control: Control) -> int:
             )
         return modal
     return -1
+
+
+def _check_polar(words: Words, control: Control) -> None:
+    """The plane is that of before the block, as on the control."""
+    at = "@" if "@" in words.values else "^"
+    if control.state.plane != 170:
+        raise Fault("GS185", "polar coordinates work in the XY plane only", at=at, hint="say G17 in a block before")
+    for letter in "xy":
+        if letter in words.values:
+            raise Fault("GS185", f"{letter.upper()} and polar words exclude each other", at=letter)
 
 
 def _need_axes(words: Words, claimed: int, has_axes: bool) -> None:
@@ -80,8 +94,10 @@ def execute(words: Words, control: Control) -> None:
         _check_machine_coordinates(words, control, motion)
     check_use(words, control.dialect, g_name(motion) if motion >= 0 else "")
 
-    if words.values.get("$"):
-        raise Fault("GS106", f"there is no spindle ${words.values['$']:g}: one spindle is simulated", at="$")
+    if "$" in words.values:
+        _check_spindle_number(words)
+    if g.get(NON_MODAL) == 53 and g.get(MOTION, 52) != 52:
+        raise Fault("GS170", f"G5.3 and {g_name(g[MOTION]).upper()} exclude each other", at=g_name(g[MOTION]))
 
     for letter in _NOT_MODELLED:
         if letter in words.values:
@@ -101,8 +117,6 @@ def execute(words: Words, control: Control) -> None:
     machine_codes.user_codes(words, control)
     if g.get(NON_MODAL) == 40:
         seconds = words.need("p", "GS105", "G4", "P is the time in seconds")
-        if seconds < 0.0:
-            raise Fault("GS106", f"the dwell is negative: {seconds:g} s", at="p", value=seconds)
         control.dwell(seconds)
     modes.plane(words, control)
     modes.units(words, control)
@@ -114,15 +128,26 @@ def execute(words: Words, control: Control) -> None:
     modes.distance(words, control)
     modes.retract(words, control)
     offsets.non_modal(words, control)
+    offsets.apply_shift(words, control)
     if motion >= 0:
         MOTIONS[motion](words, control, motion)
-        control.state.motion = -1 if motion in _NOT_MODAL else motion
+        if motion not in _NOT_MODAL:
+            control.state.motion = motion
     machine_codes.stop(words, control)
     if control.state.side:
         compensation.settle(control)
 
 
-_NOT_MODAL = frozenset((50, 51, 53))  # splines are called by name each time
+def _check_spindle_number(words: Words) -> None:
+    """$0 is the only spindle; $-1 means all of them where a code says so."""
+    number = words.values["$"]
+    for_all = number == -1.0 and words.names.isdisjoint(_ONE_SPINDLE)
+    if (number and not for_all) or "m51" in words.names:
+        raise Fault("GS106", f"there is no spindle ${number:g}: one spindle is simulated", at="$")
+
+
+_ONE_SPINDLE = frozenset(("g33", "g33.1", "g74", "g76", "g84", "g95", "g96", "g97", "m19", "m51"))
+_NOT_MODAL = frozenset((50, 51))  # splines are called by name each time and leave the motion in force
 _PLAIN = frozenset("xyzabcfijkrp")
 _PLAIN_MOTIONS = frozenset((0, 10, 20, 30))
 
@@ -133,7 +158,7 @@ def is_plain_move(words: Words, control: Control) -> bool:
     if words.m or (g and (len(g) > 1 or g.get(MOTION) not in _PLAIN_MOTIONS)):
         return False
     state = control.state
-    if state.side or state.nurbs_order or not words.values.keys() <= _PLAIN:
+    if state.side or not words.values.keys() <= _PLAIN:
         return False
     return bool(g) or state.motion in _PLAIN_MOTIONS
 
@@ -161,5 +186,6 @@ def _check_machine_coordinates(words: Words, control: Control, motion: int) -> N
     incremental = words.g.get(3, 910 if control.state.incremental else 900) == 910
     if incremental:
         raise Fault("GS109", "G53 cannot be incremental", at="g53", hint="say G90 before")
-    if control.state.side or words.g.get(7, 400) != 400:
+    side = control.state.side if 7 not in words.g else words.g[7] != 400
+    if side and control.state.comp_radius > 0.0:
         raise Fault("GS150", "G53 is refused while cutter compensation is on", at="g53", hint="switch it off with G40")

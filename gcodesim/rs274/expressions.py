@@ -14,24 +14,64 @@ LARGEST = 1e30  # beyond this a number means nothing on any machine, and its squ
 
 
 def evaluate(node: Node, parameters: Parameters) -> float:
-    """The value of `node`; raises `Fault` where a function or operator has none."""
+    """The value of `node`, a finite number; raises `Fault` where a function or operator has none."""
+    value = _operation(node, parameters) if type(node) is Binary else _single(node, parameters)
+    if not math.isfinite(value):
+        raise Fault("GS123", _why(node, parameters) or f"the value is no number: {value:g}")
+    return value
+
+
+def _operation(node: Binary, parameters: Parameters) -> float:
+    """As on the control, what lies between two operators of one bracket may be infinite or no number:
+    a comparison makes a number of it again."""
+    left, right = node.left, node.right
+    return _OPERATORS[node.operator](
+        _operation(left, parameters) if type(left) is Binary and not left.closed else evaluate(left, parameters),
+        _operation(right, parameters) if type(right) is Binary and not right.closed else evaluate(right, parameters),
+    )
+
+
+def loose(node: Node, parameters: Parameters) -> float:
+    """Like `evaluate` for what stands alone in brackets, as after an O-word or a function: it may be no number."""
+    return _operation(node, parameters) if type(node) is Binary else evaluate(node, parameters)
+
+
+def _why(node: Node, parameters: Parameters) -> str:
+    """What made the value of `node` infinite or no number; empty when its operators do not tell."""
+    if type(node) is not Binary:
+        return ""
+    for side in (node.left, node.right):
+        if type(side) is Binary and not side.closed and (reason := _why(side, parameters)):
+            return reason
+    values = [_operation(side, parameters) if type(side) is Binary else evaluate(side, parameters)
+              for side in (node.left, node.right)]
+    if node.operator == "mod" and values[1] == 0.0:
+        return "MOD by zero"
+    if node.operator == "**" and math.isinf(_power(*values)):
+        return f"{values[0]:g} ** {values[1]:g} is infinite"
+    return ""
+
+
+def _single(node: Node, parameters: Parameters) -> float:
     if type(node) is float:
         return node
     if isinstance(node, Parameter):
         return _parameter(node.index, parameters)
-    if isinstance(node, Binary):
-        return _OPERATORS[node.operator](evaluate(node.left, parameters), evaluate(node.right, parameters))
     if isinstance(node, Signed):
         return node.sign * evaluate(node.operand, parameters)
     if isinstance(node, Function):
+        argument = loose(node.argument, parameters)
         if node.name == "atan":
-            return math.degrees(math.atan2(evaluate(node.argument, parameters), evaluate(node.divisor, parameters)))
-        return _FUNCTIONS[node.name](evaluate(node.argument, parameters))
+            return math.degrees(math.atan2(argument, loose(node.divisor, parameters)))
+        try:
+            return _FUNCTIONS[node.name](argument)
+        except (ValueError, OverflowError):
+            return math.nan
     if isinstance(node, Exists):
         return _exists(node, parameters)
     if isinstance(node, Name):
         raise Fault("GS006", f"<{node.name}> is a name without `#`")
-    return float(node)
+    return float(node)  # type: ignore[arg-type]
 
 
 def checked(node: Node, parameters: Parameters) -> float:
@@ -43,6 +83,17 @@ def checked(node: Node, parameters: Parameters) -> float:
     if not abs(value) <= LARGEST:  # false for NaN as well
         raise Fault("GS123", f"the value {value:g} is out of any machine's range", limit=LARGEST)
     return value
+
+
+def names_in(node: Node, name: str) -> bool:
+    """Whether the value of `node` needs the named parameter `name`; a question with EXISTS does not."""
+    if isinstance(node, Parameter):
+        return node.index.name == name if isinstance(node.index, Name) else names_in(node.index, name)
+    if isinstance(node, Binary):
+        return names_in(node.left, name) or names_in(node.right, name)
+    if isinstance(node, Function):
+        return names_in(node.argument, name) or names_in(node.divisor, name)
+    return names_in(node.operand, name) if isinstance(node, Signed) else False
 
 
 def _parameter(index: Node, parameters: Parameters) -> float:
@@ -64,18 +115,21 @@ def _divide(a: float, b: float) -> float:
 
 
 def _modulo(a: float, b: float) -> float:
-    if b == 0.0:
-        raise Fault("GS123", "MOD by zero")
+    if b == 0.0 or not math.isfinite(a) or math.isnan(b):
+        return math.nan
     rest = math.fmod(a, b)
     return rest + abs(b) if rest < 0.0 else rest
 
 
 def _power(a: float, b: float) -> float:
-    if a < 0.0 and not b.is_integer():
+    if a < 0.0 and math.isfinite(b) and not b.is_integer():
         raise Fault("GS123", f"{a:g} ** {b:g}: a negative number has no such power")
-    if a == 0.0 and b < 0.0:
-        raise Fault("GS123", f"0 ** {b:g} is infinite")
-    return float(a**b)
+    try:
+        return math.pow(a, b)
+    except ValueError:
+        return math.inf  # 0 to a negative power
+    except OverflowError:
+        return -math.inf if a < 0.0 and b % 2.0 else math.inf
 
 
 def _root(a: float) -> float:

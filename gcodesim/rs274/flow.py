@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 
 from gcodesim.diagnostics import Caller, SourceText
 from gcodesim.rs274.block import Flow, Name, Node
 from gcodesim.rs274.control import Control
-from gcodesim.rs274.expressions import checked
+from gcodesim.rs274.expressions import checked, loose
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.frame import Frame, Label
 from gcodesim.rs274.machine_codes import end_program
-from gcodesim.rs274.program_file import ProgramFile
+from gcodesim.rs274.program_file import KEYWORDS, ProgramFile
 from gcodesim.rs274.reader import Reader
 from gcodesim.rs274.saved import bring_back
+from gcodesim.rs274.skipped import Skipped
+from gcodesim.rs274.words import read_words
 
 MOST_LEVELS = 10
 MOST_ARGUMENTS = 30
 _NEEDS_ONE = frozenset(("if", "elseif", "while", "repeat"))
 _MAY_HAVE_ONE = frozenset(("return", "endsub"))
+_LOCAL = frozenset(KEYWORDS) - {"sub", "endsub", "call", "return"}  # their labels belong to one subroutine
 
 
 class Stopped(Fault):
@@ -40,10 +44,14 @@ class FlowControl:
         self.files: dict[str, ProgramFile] = {main.name: main}
         self.frames: list[Frame] = [Frame(main, main.first)]
         self.subs: dict[str, tuple[ProgramFile, int]] = {}
+        self.programs: dict[str, tuple[ProgramFile, int]] = {}
         self.labels: dict[tuple[str, str, str], Label] = {}
         self.jumps = 0
         self.loop: tuple[ProgramFile, int] | None = None  # the line last jumped back to
+        self.skipped: dict[str, Skipped] = {}
+        self._taken = True  # whether a branch of the `if` at hand was taken
         self._breaking = False
+        self._continuing = False
         self._arrived = False  # the line at hand was reached by leaving a branch
 
     @property
@@ -112,8 +120,9 @@ class FlowControl:
         return known
 
     def _skip_to(self, label: str, index: int, *keywords: str) -> None:
-        """Go on at the next O-word of `label` with one of `keywords`; what lies between is not read."""
-        found = self.frame.file.find_flow(index, label, frozenset(keywords))
+        """Go on at the next O-word of `label`, which should have one of `keywords`; what lies between is not read."""
+        found = self.frame.file.find_flow(index, label, _LOCAL)
+        self._pass_over(self.frame.file, index, None if found is None else found.at)
         if found is None:
             last = len(self.frame.file.lines) - 1
             wanted = " or ".join(f"`{k}`" for k in keywords)
@@ -121,56 +130,99 @@ class FlowControl:
         self.frame.at = found.at
         self._arrived = True
 
+    def _pass_over(self, file: ProgramFile, after: int, before: int | None, *, defining: bool = False) -> None:
+        """Raise `Stopped` at the first line between two that is broken even for a control that skips it."""
+        skipped = self.skipped.get(file.name)
+        if skipped is None:
+            longest = self.control.dialect.longest_line
+            skipped = Skipped(file, self.reader, longest, lambda index: self._broken_call(file, index))
+            self.skipped[file.name] = skipped
+        found = skipped.first(after, len(file.lines) if before is None else before, defining=defining)
+        if found is not None:
+            index, fault = found
+            message = f"line {index + 1}, which is passed over, cannot be read: {fault.message}"
+            raise Stopped(fault.code, message, index=index, hint=fault.hint)
+
+    def _broken_call(self, file: ProgramFile, index: int) -> Fault | None:
+        """What is wrong with the words of a line with M98; they are computed even where it is passed over."""
+        control = self.control
+        try:
+            block = file.block(index)
+            if block.deleted and control.settings.block_delete:
+                return None
+            words = read_words(block, control.dialect, control.parameters, control.settings.m_codes, False)
+            if "p" not in words.values:
+                return Fault("GS105", "M98 needs the word P")
+            words.whole("p", "M98")
+        except Fault as fault:
+            return fault
+        return None
+
     def _back_to(self, index: int) -> None:
         self.frame.at = index
         self.jumps += 1
         self.loop = (self.frame.file, index)
 
     def _test(self, flow: Flow) -> float:
-        return checked(flow.operands[0], self.control.parameters)
+        return loose(flow.operands[0], self.control.parameters)
 
     # branches
 
     def _if(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
         del arrived
+        holds = self._test(flow) != 0.0
         self._open(label, "if", index)
-        if self._test(flow) == 0.0:
+        self._branch(label, index, taken=holds)
+
+    def _branch(self, label: str, index: int, *, taken: bool) -> None:
+        self._taken = taken
+        if not taken:
             self._skip_to(label, index, "elseif", "else", "endif")
 
     def _elseif(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
+        del arrived
+        holds = self._test(flow) != 0.0  # computed in any case, so that a fault in it is one
         self._opened(label, "elseif", "if")
-        if not arrived:
+        if self._taken:
             self._skip_to(label, index, "endif")
-        elif self._test(flow) == 0.0:
-            self._skip_to(label, index, "elseif", "else", "endif")
+        else:
+            self._branch(label, index, taken=holds)
 
     def _else(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
         del flow
         self._opened(label, "else", "if")
-        if not arrived:
+        if self._taken:
             self._skip_to(label, index, "endif")
+        self._taken = self._taken or arrived
 
     def _endif(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
         del flow, index, arrived
         self._opened(label, "endif", "if")
+        self._taken = True  # this very line would not run, had an outer branch not been taken
 
-    # loops
+    # loops; a skip stops at every O-word of its label, which then acts as on a control that is skipping
 
     def _while(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
+        holds = self._test(flow) != 0.0
         known = self.labels.get(self._key(label))
         if known is not None and known.kind == "do":
             broken, self._breaking = self._breaking, False
-            if not broken and self._test(flow) != 0.0:
+            if not broken and holds:
                 self._back_to(known.index)
             return
         self._open(label, "while", index)
-        if self._test(flow) == 0.0:
+        if not holds:
             self._skip_to(label, index, "endwhile")
 
     def _endwhile(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
         del flow, index
-        known = self._opened(label, "endwhile", "while")
-        if not arrived:
+        self._end_of_loop(self._opened(label, "endwhile", "while"), arrived)
+
+    def _end_of_loop(self, known: Label, arrived: bool) -> None:
+        continues = self._continuing
+        if arrived:
+            self._continuing = False
+        if not arrived or continues:
             self._back_to(known.index)
 
     def _do(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
@@ -179,46 +231,44 @@ class FlowControl:
 
     def _repeat(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
         del arrived
+        value = self._test(flow)
+        count = round(value) if math.isfinite(value) else 0
         known = self._open(label, "repeat", index)
-        known.left = round(self._test(flow))
-        if known.left <= 0:
-            self._skip_to(label, index, "endrepeat")
+        if known.left is None:
+            known.left = count
+        if known.left > 0:
+            known.left -= 1
+            return
+        known.left = None
+        self._skip_to(label, index, "endrepeat")
 
     def _endrepeat(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
         del flow, index
-        known = self._opened(label, "endrepeat", "repeat")
-        if arrived:
-            return
-        known.left -= 1
-        if known.left > 0:
-            self._back_to(known.index + 1)
+        self._end_of_loop(self._opened(label, "endrepeat", "repeat"), arrived)
 
     def _break(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
         del flow, arrived
         known = self._opened(label, "break", "while", "do")
         # as on the control, only the `while` that closes a `do` takes this back: after a `break` out of a
-        # `while` … `endwhile`, the next `do` runs once
+        # `while` … `endwhile`, or one passed over when such a loop ends, the next `do` runs once
         self._breaking = True
-        if known.kind == "do":
-            self._skip_to(label, index, "while")
-        else:
-            self._skip_to(label, index, "endwhile")
+        self._skip_to(label, index, "while" if known.kind == "do" else "endwhile")
 
     def _continue(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
-        del flow, arrived
+        del flow
         known = self._opened(label, "continue", "while", "do")
-        self._breaking = False
-        if known.kind == "do":
-            self._skip_to(label, index, "while")
-        else:
-            self._back_to(known.index)
+        if not arrived:
+            self._continuing = True
+        self._skip_to(label, index, "while" if known.kind == "do" else "endwhile")
 
     # subroutines
 
     def _sub(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
         del flow, arrived
         frame = self.frame
-        if frame.name == label and frame.first == index and not frame.by_m98:
+        if frame.by_m98:
+            raise Fault("GS130", f"the subroutine {show(label)} begins inside a program called by M98")
+        if frame.name == label and frame.first == index:
             return
         known = self.subs.get(label)
         if known is not None:
@@ -233,15 +283,18 @@ class FlowControl:
         for inner in frame.file.flows:
             if inner.at > index:
                 if inner.keyword == "endsub" and inner.label == label:
+                    self._pass_over(frame.file, index, inner.at, defining=True)
                     frame.at = inner.at + 1
                     return
-                if inner.keyword == "sub":
+                if inner.keyword in ("sub", ""):
+                    self._pass_over(frame.file, index, inner.at, defining=True)
                     raise Stopped(
                         "GS130",
                         f"a subroutine inside the subroutine {show(label)}",
                         index=inner.at,
                         hint="close the first one",
                     )
+        self._pass_over(frame.file, index, None, defining=True)
         last = len(frame.file.lines) - 1
         raise Stopped("GS130", f"the subroutine {show(label)} is never closed: no `endsub` follows", index=last)
 
@@ -259,7 +312,7 @@ class FlowControl:
 
     def _return(self, flow: Flow) -> None:
         control = self.control
-        value = checked(flow.operands[0], control.parameters) if flow.operands else None
+        value = loose(flow.operands[0], control.parameters) if flow.operands else None
         frame = self.frames.pop()
         for number, old in enumerate(frame.arguments, 1):
             control.parameters.set(number, old)
@@ -277,8 +330,8 @@ class FlowControl:
     def _call(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
         del arrived
         control = self.control
-        arguments = [checked(node, control.parameters) for node in flow.operands]
-        file, first = self._find_sub(label, index)
+        arguments = [loose(node, control.parameters) for node in flow.operands]
+        file, first = self._find(label, index, by_m98=False)
         self._enter(file, first, label, index)
         frame = self.frame
         frame.arguments = tuple(control.parameters.get(number) for number in range(1, MOST_ARGUMENTS + 1))
@@ -302,36 +355,38 @@ class FlowControl:
         self.control.frames = self.frames
         self.jumps += 1
 
-    def _find_sub(self, label: str, index: int) -> tuple[ProgramFile, int]:
-        """File and line index of the subroutine: known, in a file of its name, or further down."""
-        known = self.subs.get(label)
+    def _find(self, label: str, index: int, *, by_m98: bool) -> tuple[ProgramFile, int]:
+        """File and line index of a subroutine or program: known, in a file of its name, or further down.
+
+        The control looks for both kinds at once and refuses the wrong one where it stands.
+        """
+        known = (self.programs if by_m98 else self.subs).get(label)
         if known is not None:
             return known
         own = self._file_of(label)
-        if own is not None:
-            found = own.find_flow(-1, label, frozenset(("sub",)))
-            if found is None:
-                raise Fault(
-                    "GS131", f"{own.name} holds no subroutine {show(label)}", hint=f"it must begin with o<{label}> sub"
+        file, after = (self.frame.file, index) if own is None else (own, -1)
+        found = file.find_flow(after, label, frozenset(("sub", "")))
+        self._pass_over(file, after, None if found is None else found.at)
+        if found is None:
+            what = f"program O{label}" if by_m98 else f"subroutine {show(label)}"
+            if own is not None:
+                hint = f"it must begin with O{label}" if by_m98 else f"it must begin with {show(label)} sub"
+                message = f"{own.name} holds no {what}"
+            else:
+                message = f"there is no {what}"
+                hint = f"begin it with a line O{label}" if by_m98 else self._near_sub(label) or (
+                    f"define it with `{show(label)} sub`, or put {label}.ngc into a folder of subroutines"
                 )
-            self.subs[label] = (own, found.at)
-            return self.subs[label]
-        found = self.frame.file.find_flow(index, label, frozenset(("sub",)))
-        if found is not None:
-            self.subs[label] = (self.frame.file, found.at)
-            return self.subs[label]
-        number = self.frame.file.find_flow(index, label, frozenset(("",)))
-        if number is not None:
+            raise Stopped("GS131", message, index=len(file.lines) - 1, hint=hint)
+        if by_m98 and found.keyword == "sub":
+            hint = f"call it by `{show(label)} call`"
+            raise Stopped("GS131", f"{show(label)} is no program for M98", index=found.at, hint=hint)
+        if not by_m98 and found.keyword == "":
             raise Stopped(
-                "GS131", f"O{label} is a program for M98, no subroutine", index=number.at, hint=f"M98 P{label}"
+                "GS131", f"O{label} is a program for M98, no subroutine", index=found.at, hint=f"M98 P{label}"
             )
-        raise Stopped(
-            "GS131",
-            f"there is no subroutine {show(label)}",
-            index=len(self.frame.file.lines) - 1,
-            hint=self._near_sub(label)
-            or f"define it with `{show(label)} sub`, or put {label}.ngc into a folder of subroutines",
-        )
+        (self.programs if by_m98 else self.subs)[label] = (file, found.at)
+        return file, found.at
 
     def _near_sub(self, label: str) -> str:
         from difflib import get_close_matches
@@ -361,31 +416,19 @@ class FlowControl:
 
     def _program_number(self, label: str, index: int) -> None:
         """A bare O1000: nothing to do; a program for M98 begins here."""
-        del label, index
+        del index
+        if len(self.frames) > 1 and not self.frame.by_m98:
+            raise Fault("GS130", f"O{label} begins a program for M98 inside an O-word subroutine")
 
     def call_program(self, number: int, rounds: int, index: int) -> None:
         """M98 P L."""
         label = str(number)
         if rounds <= 0:
             return
-        file = self.frame.file
-        found = next((f for f in file.flows if f.label == label and f.keyword == ""), None)
-        if found is None:
-            own = self._file_of(label)
-            found = next((f for f in own.flows if f.label == label and f.keyword == ""), None) if own else None
-            if own is None or found is None:
-                for other in file.flows:
-                    if other.label == label and other.keyword == "sub":
-                        hint = f"call it by `{show(label)} call`"
-                        raise Stopped("GS131", f"{show(label)} is no program for M98", index=other.at, hint=hint)
-                last = len(file.lines) - 1
-                raise Stopped(
-                    "GS131", f"there is no program O{number}", index=last, hint=f"begin it with a line O{number}"
-                )
-            file = own
-        self._enter(file, found.at + 1, label, index)
+        file, first = self._find(label, index, by_m98=True)
+        self._enter(file, first + 1, label, index)
         self.frame.by_m98 = True
-        self.frame.first = found.at
+        self.frame.first = first
         self.frame.rounds = rounds
 
     def end_of_program(self) -> None:

@@ -15,7 +15,7 @@ class Label:
 
     kind: str
     index: int
-    left: int = 0  # rounds of a repeat still to go
+    left: int | None = None  # rounds of a repeat still to go; None where the count is to be computed
 
 
 @dataclass(slots=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from importlib.resources import files
 from typing import Any, NamedTuple
@@ -113,7 +114,7 @@ class _Build(Transformer[Token, Any]):
         return "flow", ((word.start_pos, float(number), "end", ()), [])
 
     def bracket(self, value: Node) -> Node:
-        return value
+        return replace(value, closed=True) if isinstance(value, Binary) else value
 
     def binary(self, left: Node, operator: Token, right: Node) -> Node:
         return Binary(operator.value, left, right)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from gcodesim import canon
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.rs274.control import Control
-from gcodesim.rs274.dialects.linuxcnc import CHANGING, COOLANT, OUTPUT, OVERRIDE, SAVING, SPINDLE, STOPPING, USER
+from gcodesim.rs274.dialects.linuxcnc import CHANGING, COOLANT, OUTPUT, OVERRIDE, SPINDLE, STOPPING, USER
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.parameters import ACTIVE_SYSTEM, INPUT_RESULT
 from gcodesim.rs274.settings import MappedAction
@@ -63,6 +63,8 @@ def outputs(words: Words, control: Control) -> None:
     m = words.m.get(OUTPUT)
     if m is None:
         return
+    if control.state.side:
+        raise Fault("GS150", f"M{m} is refused while cutter compensation is on", at=f"m{m}", hint="say G40 first")
     if m <= 65:
         index = _index(words, "p", m)
         if not _act(control, m, words):
@@ -170,36 +172,38 @@ def _assume_length(number: int, control: Control) -> None:
 def turn_spindle(words: Words, control: Control) -> None:
     """M3, M4, M5, M19."""
     m = words.m.get(SPINDLE)
-    if m is None:
+    if m is None or m >= 70:
         return
     state = control.state
     if m == 19:
         _orient(words, control)
         return
     state.spindle = {3: 1, 4: -1, 5: 0}[m]
+    state.oriented = False
     control.say_spindle()
     _act(control, m, words)
 
 
 def _orient(words: Words, control: Control) -> None:
     control.skip("M19")
-    if "r" not in words.values:
-        return
-    angle = words.values["r"]
+    control.state.oriented = True
+    angle = words.values.get("r", 0.0)
     if not 0.0 <= angle <= 360.0:
         raise Fault("GS106", f"M19 R{angle:g}: the angle must be between 0 and 360", at="r", value=angle, limit=360.0)
     direction = words.whole("p", "M19") or 0
     if not 0 <= direction <= 2:
         raise Fault("GS106", f"M19 P{direction}: the direction is 0, 1 or 2", at="p")
-    if (words.get("q") or 0.0) < 0.0:
+    if words.values.get("q", 1.0) <= 0.0:
         raise Fault("GS106", "the time limit Q of M19 must be positive", at="q")
+    if "r" not in words.values and "p" not in words.values:
+        return
     control.out.append(canon.Orient(span=control.span, angle=angle * DEG, direction=direction))
 
 
 def save_modes(words: Words, control: Control) -> None:
     """M70 to M73."""
-    m = words.m.get(SAVING)
-    if m is None:
+    m = words.m.get(SPINDLE)
+    if m is None or m < 70:
         return
     from gcodesim.rs274 import saved
 
@@ -224,6 +228,8 @@ def overrides(words: Words, control: Control) -> None:
     if m is None:
         return
     state = control.state
+    if state.side and m != 52 and m != 53:
+        raise Fault("GS150", f"M{m} is refused while cutter compensation is on", at=f"m{m}", hint="say G40 first")
     p = words.get("p")
     on = p is None or p != 0.0
     if m in (48, 49):
@@ -255,6 +261,9 @@ def stop(words: Words, control: Control) -> None:
     m = words.m.get(STOPPING)
     if m is None or m in (98, 99):
         return
+    from gcodesim.rs274 import compensation
+
+    compensation.pause(control)
     out, span = control.out, control.span
     if m == 0:
         out.append(canon.Stop(span=span))

@@ -30,8 +30,8 @@ def spindle_mode(words: Words, control: Control) -> None:
     if code == 960:
         if "s" not in words.values:
             raise Fault("GS105", "G96 needs the word S", at="g96", hint="S is the cutting speed, D the greatest rpm")
-        state.surface_speed = True
         cap = words.get("d")
+        state.surface_speed = cap != 0.0  # D0 makes it revolutions per minute, as on the control
         state.surface_speed_cap = abs(cap) if cap else None
     else:
         state.surface_speed = False
@@ -40,12 +40,13 @@ def spindle_mode(words: Words, control: Control) -> None:
 
 
 def feed_mode(words: Words, control: Control) -> None:
-    """G93, G94, G95; a change discards F."""
+    """G93, G94, G95; the latter two discard F."""
     code = words.g.get(FEED_MODE)
     state = control.state
-    if code is not None and code != state.feed_mode:
+    if code is not None:
         state.feed_mode = code
-        state.feed = 0.0
+        if code != 930:
+            state.feed = 0.0
 
 
 def feed_rate(words: Words, control: Control) -> None:
@@ -83,8 +84,12 @@ def units(words: Words, control: Control) -> None:
 def diameter(words: Words, control: Control) -> None:
     """G7 and G8."""
     code = words.g.get(DIAMETER)
-    if code is not None:
-        control.state.diameter = code == 70
+    if code is None:
+        return
+    now = code == 70
+    if now != control.state.diameter and "x" in words.values:
+        words.values["x"] *= 0.5 if now else 2.0  # it was read as before the change
+    control.state.diameter = now
 
 
 def path_control(words: Words, control: Control) -> None:
@@ -98,12 +103,19 @@ def path_control(words: Words, control: Control) -> None:
         raise Fault("GS150", "path control cannot change while cutter compensation is on", at=g_name(code), hint=hint)
     state.path = code
     if code == 640:
-        tolerance, naive = words.get("p"), words.get("q")
-        if (tolerance or 0.0) < 0.0 or (naive or 0.0) < 0.0:
-            raise Fault("GS106", "a tolerance of G64 is negative", at="p" if (tolerance or 0.0) < 0.0 else "q")
+        tolerance, naive = (_tolerance(words, control, letter) for letter in "pq")
         state.path_tolerance = (tolerance or 0.0) * state.unit
         state.path_naive = state.path_tolerance if naive is None else naive * state.unit
     control.say_path()
+
+
+def _tolerance(words: Words, control: Control, letter: str) -> float | None:
+    """P or Q of G64; a negative one counts as none."""
+    value = words.get(letter)
+    if value is not None and value < 0.0:
+        control.warn("GS106", f"the tolerance {letter.upper()}{value:g} of G64 is negative and counts as none")
+        return None
+    return value
 
 
 def distance(words: Words, control: Control) -> None:

@@ -8,12 +8,10 @@ from gcodesim.rs274 import compensation
 from gcodesim.rs274.arcs import arc
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.cycles import cycle
-from gcodesim.rs274.dialects import g_name
 from gcodesim.rs274.ends import end_point
-from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.feeds import check_feed, resolve_inverse_time, straight_length
 from gcodesim.rs274.probing import probe
-from gcodesim.rs274.splines import cubic_spline, nurbs_end, nurbs_start, quadratic_spline
+from gcodesim.rs274.splines import cubic_spline, nurbs_start, quadratic_spline
 from gcodesim.rs274.threads import rigid_tap, thread, thread_cycle
 from gcodesim.rs274.words import Words
 
@@ -24,19 +22,22 @@ def straight(words: Words, control: Control, code: int) -> None:
     """G0 and G1."""
     if code == 10:
         check_feed(words, control, "G1")
-    if not words.has_axes():
+    leaving, control.state.comp_leaving = control.state.comp_leaving, False
+    on = compensation.is_on(control)
+    if not words.has_axes() and not on and not leaving:
         return
     end = end_point(words, control)
-    if control.state.side:
+    if on:
         compensation.straight(words, control, end, rapid=code == 0)
-    elif code == 0:
-        control.state.comp_leaving = False
+        return
+    if code == 10 and control.state.feed_mode == 930:
+        resolve_inverse_time(words, control, straight_length(control.state.current, end))
+    control.state.comp_leaving = leaving  # the move starts beside the current point
+    if code == 0:
         control.rapid(end)
     else:
-        control.state.comp_leaving = False
-        if control.state.feed_mode == 930:
-            resolve_inverse_time(words, control, straight_length(control.state.current, end))
         control.line(end)
+    control.state.comp_leaving = False
 
 
 def _end_cycles(_: Words, control: Control, code: int) -> None:
@@ -49,8 +50,6 @@ def _ending_cycles(motion: Motion) -> Motion:
     """Any motion but a cycle ends the chain of cycles."""
 
     def act(words: Words, control: Control, code: int) -> None:
-        if control.state.nurbs_order and code not in (52, 53):
-            raise Fault("GS170", f"{g_name(code).upper()} inside a G5.2 block", hint="end it with G5.3")
         motion(words, control, code)
         control.state.cycle = -1
 
@@ -65,7 +64,6 @@ MOTIONS: dict[int, Motion] = {
     50: _ending_cycles(cubic_spline),
     51: _ending_cycles(quadratic_spline),
     52: _ending_cycles(nurbs_start),
-    53: _ending_cycles(nurbs_end),
     330: _ending_cycles(thread),
     331: _ending_cycles(rigid_tap),
     382: _ending_cycles(probe),

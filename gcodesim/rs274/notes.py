@@ -6,16 +6,20 @@ import re
 from collections.abc import Sequence
 
 from gcodesim import canon
-from gcodesim.rs274.block import Note, Parameter
+from gcodesim.rs274.block import Note
 from gcodesim.rs274.control import Control
-from gcodesim.rs274.expressions import evaluate
 from gcodesim.rs274.fault import Fault
+from gcodesim.rs274.parameters import DEBUG_ON, LAST_NUMBER, POSITION
 
 _KEY = re.compile(r"[ \t]*([A-Za-z]+),(.*)", re.DOTALL)
 _ACTING = frozenset(("msg", "debug", "print", "log", "abort"))
 # LinuxCNC compares the beginning only: `(PROBEOPEN points.txt)`
 _UNSIMULATED = re.compile(r"[ \t]*(PROBEOPEN|PROBECLOSE|LOGOPEN|LOGAPPEND|LOGCLOSE|PYRUN|PYRELOAD|PY)\b", re.IGNORECASE)
 _FORMAT = re.compile(r"%(?:(d|f)|\.([0-9])f)")
+_PARAMETER = re.compile(r"#(?:<([^>]*)>|([0-9]+))")
+_UNKNOWN = "######"
+_NOTHING = 1e-4  # what is nearer to 0 is shown as 0
+_LONGEST = 30  # characters of a value, as on the control
 
 
 def execute_all(notes: Sequence[Note], control: Control) -> None:
@@ -47,7 +51,8 @@ def execute(note: Note, control: Control) -> None:
     if key == "msg":
         control.out.append(canon.Message(span=control.span, text=text.strip()))
     elif key == "debug":
-        control.out.append(canon.Message(span=control.span, text=filled(text, control).strip()))
+        if control.parameters.get(DEBUG_ON) > 0.0:
+            control.out.append(canon.Message(span=control.span, text=filled(text, control).strip()))
     elif key == "print":
         control.out.append(canon.Print(span=control.span, text=filled(text, control).strip()))
     elif key == "log":
@@ -65,12 +70,17 @@ def filled(text: str, control: Control) -> str:
     while at < len(text):
         char = text[at]
         form = _FORMAT.match(text, at) if char == "%" else None
+        parameter = _PARAMETER.match(text, at) if char == "#" else None
         if form:
             places = int(form[2]) if form[2] is not None else (0 if form[1] == "d" else 4)
             at = form.end()
-        elif char == "#":
-            value, at = _value(text, at, control)
-            out.append(_shown(value, places) if value is not None else "######")
+        elif char == "%" and text[at + 1 : at + 2] == ".":
+            out.append(".")  # a form that is none: the control drops its %
+            at += 2
+        elif parameter:
+            value = _value(parameter, control)
+            out.append(_UNKNOWN if value is None else _shown(value, places))
+            at = parameter.end()
         else:
             out.append(char)
             at += 1
@@ -78,21 +88,19 @@ def filled(text: str, control: Control) -> str:
 
 
 def _shown(value: float, places: int) -> str:
-    return f"{value:.{places}f}" if places else f"{value:.0f}"
+    if abs(value) < _NOTHING:
+        value = 0.0
+    text = f"{value:.{places}f}" if places else f"{value:.0f}"
+    return text if len(text) < _LONGEST else _UNKNOWN
 
 
-def _value(text: str, at: int, control: Control) -> tuple[float | None, int]:
-    """The value of the parameter that `text` names at `at`, None when there is none, and where it ends."""
-    name = re.compile(r"#<([^>]*)>").match(text, at)
-    if name:
-        squeezed = re.sub(r"\s", "", name[1]).lower()
-        if not control.parameters.exists(squeezed):
-            return None, name.end()
-        return control.parameters.get_named(squeezed), name.end()
-    number = re.compile(r"#([0-9]+)").match(text, at)
-    if number is None:
-        return None, at + 1
-    try:
-        return evaluate(Parameter(float(number[1])), control.parameters), number.end()
-    except Fault:
-        return None, number.end()
+def _value(parameter: re.Match[str], control: Control) -> float | None:
+    """The value of #n or #<name>, None when there is none."""
+    name, number = parameter[1], parameter[2]
+    if name is not None:
+        squeezed = re.sub(r"\s", "", name).lower()
+        return control.parameters.get_named(squeezed) if control.parameters.exists(squeezed) else None
+    index = int(number)
+    if POSITION <= index < POSITION + 9:  # here it may be read with cutter compensation, too
+        return control.state.current[index - POSITION]
+    return control.parameters.get(index) if index <= LAST_NUMBER else None

@@ -9,9 +9,10 @@ from dataclasses import replace
 from gcodesim.rs274 import parameters as numbers
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.dialects import g_name
-from gcodesim.rs274.dialects.linuxcnc import LENGTH, NON_MODAL, SYSTEM
+from gcodesim.rs274.dialects.linuxcnc import LENGTH, NON_MODAL, SHIFT, SYSTEM
 from gcodesim.rs274.ends import end_point
 from gcodesim.rs274.fault import Fault
+from gcodesim.rs274.splines import nurbs_end
 from gcodesim.rs274.state import AXES, LINEAR, ZERO, Vector, add, subtract
 from gcodesim.rs274.tool_table import ToolEntry
 from gcodesim.rs274.words import Words
@@ -95,8 +96,10 @@ def _set_data(words: Words, control: Control) -> None:
         _set_system(words, control, level)
     elif level in (1, 10, 11):
         _set_tool(words, control, level)
-    elif level == 0:
-        return  # reload the tool table: it is the one we have
+    elif level == 0:  # reload the tool table: it is the one we have
+        if control.state.tool:
+            hint = "empty the spindle first: T0 M6"
+            raise Fault("GS109", f"G10 L0 while T{control.state.tool} is in the spindle", at="g10", hint=hint)
     else:
         message = "G10 needs the word L" if level is None else f"G10 L{level} does not exist"
         raise Fault("GS105", message, at="l" if level is not None else "g10", hint="L1 L2 L10 L11 L20 are known")
@@ -111,6 +114,9 @@ def _set_system(words: Words, control: Control, level: int) -> None:
     state = control.state
     index = index or state.system
     turn = words.get("r")
+    for letter in "ij":
+        if letter in words.values:
+            raise Fault("GS106", f"G10 L{level} takes no {letter.upper()}", at=letter)
     if level == 20 and turn is not None:
         raise Fault("GS106", "G10 L20 takes no R", at="r", hint="set the rotation with G10 L2")
     if state.side and index == state.system:
@@ -224,7 +230,9 @@ def _go_home(first: int, code: int) -> Callable[[Words, Control], None]:
         word = f"G{code}"
         get = control.parameters.get
         home: Vector = tuple(control.program_units(get(first + axis), axis) for axis in range(9))  # type: ignore[assignment]
-        end = control.point_of(subtract(home, state.tool_offset))
+        # as on the control, the tool's offset in A, B and C is left out of it
+        offset = (*state.tool_offset[:3], 0.0, 0.0, 0.0, *state.tool_offset[6:])
+        end = control.point_of(subtract(home, offset))
         if words.has_axes():
             control.rapid(end_point(words, control), word)
             named = [letter in words.values for letter in AXES]
@@ -302,21 +310,28 @@ def _use_g92(control: Control, offset: Vector, *, on: bool) -> None:
     control.say_system()
 
 
+def apply_shift(words: Words, control: Control) -> None:
+    """G92.1, G92.2, G92.3; with cutter compensation they do nothing, as on the control."""
+    code = words.g.get(SHIFT)
+    if code is None:
+        return
+    if control.state.side:
+        control.warn("GS150", f"{g_name(code).upper()} does nothing while cutter compensation is on", "say G40 before")
+        return
+    _SHIFTS[code](words, control)
+
+
 def _clear_g92(_: Words, control: Control) -> None:
-    if control.state.g92 != ZERO:
-        _refuse_in_compensation(control, "g92.1")
     for axis in range(9):
         control.parameters.set(numbers.G92_OFFSET + axis, 0.0)
     _use_g92(control, ZERO, on=False)
 
 
 def _suspend_g92(_: Words, control: Control) -> None:
-    _refuse_in_compensation(control, "g92.2")
     _use_g92(control, ZERO, on=False)
 
 
 def _resume_g92(_: Words, control: Control) -> None:
-    _refuse_in_compensation(control, "g92.3")
     _use_g92(control, control.stored_g92(), on=True)
 
 
@@ -328,9 +343,9 @@ _NON_MODAL: dict[int, Callable[[Words, Control], None]] = {
     301: _store_home(numbers.G30_HOME),
     520: _set_local_system,
     920: _shift_origin,
-    921: _clear_g92,
-    922: _suspend_g92,
-    923: _resume_g92,
+    53: nurbs_end,
 }
 
-__all__ = ["non_modal", "tool_length", "work_system"]
+_SHIFTS: dict[int, Callable[[Words, Control], None]] = {921: _clear_g92, 922: _suspend_g92, 923: _resume_g92}
+
+__all__ = ["apply_shift", "non_modal", "tool_length", "work_system"]

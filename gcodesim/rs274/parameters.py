@@ -22,6 +22,7 @@ FIRST_SYSTEM = 5221  # nine systems of 20 numbers: 9 offsets, then the rotation
 INPUT_RESULT = 5399
 TOOL = 5400
 POSITION = 5420
+DEBUG_ON = 5599  # 1 from the start; at 0 a DEBUG comment says nothing
 
 _READ_ONLY = frozenset([*range(5400, 5414), *range(5420, 5429)])
 
@@ -54,7 +55,7 @@ class Parameters:
         """Value of #number; 0 when never set."""
         if number in _READ_ONLY:
             return self._position(number)
-        return self.numbers.get(number, 0.0)
+        return self.numbers.get(number, 1.0 if number == DEBUG_ON else 0.0)
 
     def get_named(self, name: str) -> float:
         """Value of #<name>."""
@@ -66,6 +67,13 @@ class Parameters:
                 hint=self._suggestion(name) or "set it before it is used, or ask with EXISTS[#<…>]",
             )
         return value
+
+    def declare(self, name: str) -> bool:
+        """Give a name that has none the value 0, as its first setting does before it is computed; whether it did."""
+        if self._named(name) is not None:
+            return False
+        self.set_named(name, 0.0)
+        return True
 
     def exists(self, name: str) -> bool:
         return self._named(name) is not None

@@ -12,7 +12,7 @@ Ask = Callable[["Control"], float]
 
 
 def _position(axis: int) -> Ask:
-    return lambda control: control.parameters.get(5420 + axis)
+    return lambda control: control.state.current[axis]
 
 
 def _flag(test: Callable[[Control], bool]) -> Ask:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 from gcodesim import canon
 from gcodesim.rs274 import parameters as numbers
 from gcodesim.rs274.control import Control
@@ -12,9 +10,7 @@ from gcodesim.rs274.ends import end_point
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.state import Vector
 from gcodesim.rs274.words import Words
-from gcodesim.units import DEG, INCH
-
-_SHORTEST_MM, _SHORTEST_INCH = 0.254, 0.01
+from gcodesim.units import DEG
 
 
 def probe(words: Words, control: Control, code: int) -> None:
@@ -24,17 +20,13 @@ def probe(words: Words, control: Control, code: int) -> None:
     at = who.lower() if who.lower() in words.names else None
     if state.side:
         raise Fault("GS150", f"{who} is refused while cutter compensation is on", at=at, hint="say G40 first")
-    if state.feed_mode == 930:
-        raise Fault("GS180", f"{who} cannot be used under G93", at=at)
     if state.feed_mode == 950:
         raise Fault("GS180", f"{who} cannot be used under G95", at=at, hint="say G94 and F before")
     if state.feed == 0.0:
         raise Fault("GS107", f"{who} without a feed: F is 0", at=at, hint="write F before or in this block")
     end = end_point(words, control)
-    distance = math.dist(end, state.current)
-    shortest = _SHORTEST_INCH if state.unit == INCH else _SHORTEST_MM
-    if distance < shortest:
-        raise Fault("GS180", f"{who} starts too close to its end point: {distance:g} of at least {shortest:g}", at=at)
+    if code in (382, 384) and end == state.current:
+        raise Fault("GS180", f"{who} ends where it starts", at=at, hint="probe towards another point")
     feed, unit = control.feed(control.moves_linear(end))
     control.out.append(
         canon.Probe(

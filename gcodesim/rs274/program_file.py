@@ -15,6 +15,10 @@ from gcodesim.rs274.reader import Reader
 _FLOW = re.compile(
     r"\s*+(?:/\s*+)?(?:[Nn][\d\s.]*+)?[Oo]\s*+([0-9][0-9\s]*+|<[^>]*+>|\[.*?\](?=\s*+[A-Za-z]))\s*+([A-Za-z\s]*+)"
 )
+KEYWORDS = (
+    *("sub", "endsub", "call", "return", "do", "while", "endwhile", "if", "elseif", "else", "endif"),
+    *("break", "continue", "repeat", "endrepeat"),
+)
 _MOST_CACHED = 200_000  # blocks are kept for loops; a program longer than this is read without keeping
 
 

@@ -10,12 +10,12 @@ from gcodesim import canon
 from gcodesim.canon.batch import MoveBatch
 from gcodesim.diagnostics import Diagnostic, Findings, Severity, SourceText, Span
 from gcodesim.rs274 import notes
-from gcodesim.rs274.block import Block
+from gcodesim.rs274.block import Block, Name
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.dialects import DIALECTS, Dialect
 from gcodesim.rs274.dialects.linuxcnc import STOPPING
 from gcodesim.rs274.execute import execute, execute_move, is_plain_move
-from gcodesim.rs274.expressions import checked
+from gcodesim.rs274.expressions import checked, names_in
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.flow import FlowControl, Stopped
 from gcodesim.rs274.lanes import Lanes
@@ -195,9 +195,10 @@ class Executor:
         control = self.control
         if block.flow is not None:
             self.flow.execute(block.flow, index)
-            notes.execute_all(block.notes, control)
+            notes.execute_all(block.comments, control)
             control.parameters.commit()
             return
+        _declare(block, control)
         words = self._words(block)
         settings = _evaluated(block, control.parameters)
         try:
@@ -206,7 +207,7 @@ class Executor:
                     control.parameters.set_named(number, value)
                 else:
                     control.parameters.set_by_program(number, value)
-            notes.execute_all(block.notes, control)
+            notes.execute_all(block.comments, control)
         except Fault as fault:
             if fault.at is None and settings:
                 fault.at = settings[-1][2] if len(settings) == 1 else None
@@ -391,10 +392,24 @@ def _executor_of(dialect: Dialect) -> type[Executor]:
     return getattr(import_module(module), name)  # type: ignore[no-any-return]
 
 
+def _declare(block: Block, control: Control) -> None:
+    """As on the control, a named parameter that a block sets for the first time is 0 in the rest of the block."""
+    for setting in block.settings:
+        if not isinstance(setting.parameter, Name) or not control.parameters.declare(setting.parameter.name):
+            continue
+        name = setting.parameter.name
+        before = [node for (_, node), place in zip(block.words, block.places, strict=True) if place < setting.place]
+        before += [other.value for other in block.settings if other.place < setting.place]
+        if any(names_in(node, name) for node in before):
+            control.parameters.roll_back()
+            raise Fault("GS120", f"#<{name}> has no value before it is set", at=setting.place)
+        after = [setting.value, *(node for _, node in block.words), *(other.value for other in block.settings)]
+        if any(names_in(node, name) for node in after):
+            control.warn("GS120", f"#<{name}> is used in the block that sets it first, where it counts as 0")
+
+
 def _evaluated(block: Block, parameters: Parameters) -> list[tuple[int | str, float, tuple[int, int]]]:
     """What the settings of a block set; all values are those of before the block."""
-    from gcodesim.rs274.block import Name
-
     out: list[tuple[int | str, float, tuple[int, int]]] = []
     for index, value, place in block.settings:
         try:

@@ -106,7 +106,7 @@ def _with(values: list[float], node: Node) -> Node:
     if isinstance(node, Parameter):
         return Parameter(_with(values, node.index))
     if isinstance(node, Binary):
-        return Binary(node.operator, _with(values, node.left), _with(values, node.right))
+        return Binary(node.operator, _with(values, node.left), _with(values, node.right), node.closed)
     if isinstance(node, Signed):
         return Signed(node.sign, _with(values, node.operand))
     if isinstance(node, Function):

@@ -65,38 +65,41 @@ def nurbs_start(words: Words, control: Control, code: int) -> None:
     _check(words, control, "G5.2")
     state = control.state
     at = "g5.2" if "g5.2" in words.names else None
-    if "g5.2" in words.names and state.nurbs_order:
-        raise Fault("GS170", "G5.2 inside a G5.2 block", at=at, hint="end it with G5.3")
-    opening = not state.nurbs_order
+    if state.motion != 52 and state.nurbs_points:
+        control.warn("GS170", "the control points before the last G5.2 are lost: no G5.3 ended them", "add G5.3")
+        state.nurbs_points = ()
+    opening = not state.nurbs_points
+    has_end = "x" in words.values or "y" in words.values
+    if opening and not has_end and words.values.get("p", 0.0) <= 0.0:
+        words.values["p"] = 1.0  # of the start, where P may be missing
     weight = words.need("p", "GS170", "G5.2", "P is the weight of the control point")
-    if weight <= 0.0:
+    if weight < 0.0 or (weight == 0.0 and not opening):
         raise Fault("GS170", f"the weight P{weight:g} must be positive", at="p")
-    if opening:
-        order = words.whole("l", "G5.2")
-        order = 3 if order is None else order
-        if order < 1:
-            raise Fault("GS170", f"the order L{order} must be 1 or more", at="l")
-        state.nurbs_order = order
-        now = state.current
-        state.nurbs_points = ((now[0], now[1], weight),)
-    if words.has_axes():
-        _only_plane(words, "G5.2")
+    if has_end:
         _need_pair(words, "x", "y", "G5.2")
+    elif not opening:
+        raise Fault("GS170", "a control point needs X and Y", at=at)
+    if opening:
+        now = state.current
+        state.nurbs_order = 3
+        state.nurbs_points = ((now[0], now[1], 1.0 if has_end else weight),)
+    order = words.whole("l", "G5.2")
+    if order is not None and order > 3:
+        state.nurbs_order = order  # a smaller one counts as 3, as on the control
+    for letter in "zabcuvw":
+        if letter in words.values:
+            control.warn("GS170", f"G5.2 moves X and Y only: the word {letter.upper()} is not used")
+    if has_end:
         end = end_point(words, control)
         state.nurbs_points = (*state.nurbs_points, (end[0], end[1], weight))
-    elif not opening:
-        raise Fault("GS170", "a control point needs X or Y", at=at)
 
 
-def nurbs_end(words: Words, control: Control, code: int) -> None:
+def nurbs_end(_: Words, control: Control) -> None:
     """G5.3: the curve through the control points collected since G5.2."""
-    del code
     state = control.state
     order, points = state.nurbs_order, state.nurbs_points
-    if not order:
+    if state.motion != 52:
         raise Fault("GS170", "G5.3 without a G5.2 before it", at="g5.3")
-    if words.has_axes():
-        raise Fault("GS170", "G5.3 takes no axis words", at="g5.3")
     if len(points) < order:
         raise Fault(
             "GS170",
@@ -112,6 +115,7 @@ def nurbs_end(words: Words, control: Control, code: int) -> None:
     knots = [0.0] * order + [float(n) for n in range(1, spans)] + [float(spans)] * order
     _emit(control, [(x, y) for x, y, _ in points], [w for _, _, w in points], knots, order - 1, end, "G5.2")
     state.nurbs_order, state.nurbs_points = 0, ()
+    state.motion = -1
 
 
 def _check(words: Words, control: Control, who: str) -> None:

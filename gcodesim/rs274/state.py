@@ -60,17 +60,19 @@ class State(Modes):
     speed: float = 0.0  # the S word as written
     speed_unit: float = 1e-3  # [m], the unit when it was written
     spindle: int = 0  # +1 M3, -1 M4
+    oriented: bool = False  # M19 holds the spindle until M3, M4 or M5
     tool: int = 0
     selected: int = -1  # T word waiting for M6
     # canned cycles: the sticky words of the running chain, and where the chain began
     cycle: int = -1
     cycle_words: tuple[tuple[str, float], ...] = ()
     cycle_start: float = 0.0
+    cycle_dwell: float = 0.0  # the last P of a cycle, which G74 and G84 take when they have none
     # cutter compensation: side +1 left, -1 right; `comp_first` until its first move is made
     side: int = 0
     comp_radius: float = 0.0
     comp_orientation: int = 0
-    comp_first: bool = False
+    comp_first: bool = True
     comp_leaving: bool = False
     comp_programmed: Vector = ZERO
     comp_normal: tuple[float, float] = (0.0, 0.0)
@@ -81,6 +83,11 @@ class State(Modes):
     spline_tangent: tuple[float, float] | None = None
     nurbs_order: int = 0
     nurbs_points: tuple[tuple[float, float, float], ...] = ()
+
+    @property
+    def turning(self) -> int:
+        """The direction in which the spindle really turns: +1 as M3, -1 as M4, 0 at rest or held by M19."""
+        return 0 if self.oriented else self.spindle
 
     def copy(self) -> Self:
         """A state that changes on its own."""

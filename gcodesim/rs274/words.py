@@ -8,13 +8,14 @@ from typing import Final
 
 from gcodesim.rs274.block import Block, Place
 from gcodesim.rs274.dialects import Dialect, g_name
-from gcodesim.rs274.dialects.linuxcnc import USER
+from gcodesim.rs274.dialects.linuxcnc import CANCEL_CYCLES, USER
 from gcodesim.rs274.expressions import checked
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.parameters import Parameters
 
 _NEVER_NEGATIVE: Final = frozenset("fhlst")
-_WHOLE: Final = frozenset("hlt$")
+_WHOLE: Final = frozenset("hlt")
+_OVERWRITTEN: Final = frozenset("@^")  # of these the last one counts, as on the control
 AXIS_LETTERS: Final = frozenset("xyzabcuvw")
 _EXPONENT: Final = re.compile(r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)[Ee][+-]?[0-9]{1,2}(?![0-9])")
 
@@ -75,7 +76,7 @@ def read_words(
         elif letter == "m":
             _add_m(words, position, value, dialect, mapped, has_cell)
         else:
-            if letter in values:
+            if letter in values and letter not in _OVERWRITTEN:
                 raise Fault(
                     "GS009",
                     f"{letter.upper()} stands twice in the block",
@@ -106,6 +107,8 @@ def check_use(words: Words, dialect: Dialect, motion: str) -> None:
     for letter in words.values:
         users = dialect.users.get(letter)
         if users is not None and motion not in users and names.isdisjoint(users):
+            if letter == "$" and "s" in words.values:
+                continue
             who = " ".join(sorted((u.upper() for u in users if u != "user"), key=_code_order))
             hint = f"{letter.upper()} belongs to {who}"
             if letter == "e" and (number := _EXPONENT.search(words.block.text)) is not None:
@@ -149,7 +152,7 @@ def _add_g(words: Words, position: int, value: float, dialect: Dialect) -> None:
             hint=_near_g(value, dialect),
         )
     other = words.g.get(group)
-    if other is not None:
+    if other is not None and other != CANCEL_CYCLES:
         raise Fault(
             "GS011",
             f"{g_name(other).upper()} and {g_name(tenths).upper()} exclude each other in one block",

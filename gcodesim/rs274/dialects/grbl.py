@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from gcodesim.rs274.dialects.dialect import Dialect
-from gcodesim.rs274.dialects.linuxcnc import LINUXCNC
+from gcodesim.rs274.dialects.linuxcnc import LINUXCNC, NON_MODAL, SHIFT
 
 # the table of supported commands at the head of the control's parser
 _MOTIONS = (0, 10, 20, 30, 382, 383, 384, 385, 800)
@@ -18,7 +18,9 @@ GRBL = Dialect(
     grammar="grbl",
     longest_line=4096,  # blanks and comments do not count: `grbl.py` looks
     most_m_codes=LINUXCNC.most_m_codes,
-    g_groups={code: group for code, group in LINUXCNC.g_groups.items() if code in _G_CODES},
+    g_groups={
+        code: NON_MODAL if group == SHIFT else group for code, group in LINUXCNC.g_groups.items() if code in _G_CODES
+    },
     m_groups={code: group for code, group in LINUXCNC.m_groups.items() if code in _M_CODES},
     users={
         "i": _ARCS,

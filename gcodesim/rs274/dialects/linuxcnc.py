@@ -6,15 +6,17 @@ from gcodesim.rs274.dialects.dialect import Dialect
 
 # modal groups as in the LinuxCNC user manual, "G-code overview"; numbers are ours only as far as they are names
 NON_MODAL, MOTION, PLANE, DISTANCE, CENTRE, FEED_MODE, UNITS, COMPENSATION, LENGTH = 0, 1, 2, 3, 4, 5, 6, 7, 8
-RETRACT, SYSTEM, PATH, SPINDLE_MODE, DIAMETER, CANCEL = 10, 12, 13, 14, 15, 16
+CANCEL_CYCLES = 800  # G80, which may stand twice in a block
+RETRACT, SYSTEM, PATH, SPINDLE_MODE, DIAMETER, CANCEL, SHIFT = 10, 12, 13, 14, 15, 16, 17
 
 _G_GROUPS = {
-    NON_MODAL: (40, 100, 280, 281, 300, 301, 520, 530, 920, 921, 922, 923),
+    NON_MODAL: (40, 53, 100, 280, 281, 300, 301, 520, 530, 920),
+    SHIFT: (921, 922, 923),
     MOTION: (
-        *(0, 10, 20, 30, 50, 51, 52, 53, 330, 331, 382, 383, 384, 385),
+        *(0, 10, 20, 30, 50, 51, 52, 330, 331, 382, 383, 384, 385),
         *(730, 740, 760, 810, 820, 830, 840, 850, 860, 870, 880, 890),
     ),
-    CANCEL: (800,),  # ends a cycle, and may share a block with another motion
+    CANCEL: (CANCEL_CYCLES,),  # ends a cycle, and may share a block with another motion
     PLANE: (170, 180, 190),
     DISTANCE: (900, 910),
     CENTRE: (901, 911),
@@ -29,16 +31,15 @@ _G_GROUPS = {
     DIAMETER: (70, 80),
 }
 
-STOPPING, OUTPUT, CHANGING, SPINDLE, COOLANT, OVERRIDE, USER, SAVING = 4, 5, 6, 7, 8, 9, 10, 11
+STOPPING, OUTPUT, CHANGING, SPINDLE, COOLANT, OVERRIDE, USER = 4, 5, 6, 7, 8, 9, 10
 
 _M_GROUPS = {
     STOPPING: (0, 1, 2, 30, 60, 98, 99),
     OUTPUT: (62, 63, 64, 65, 66, 67, 68),
     CHANGING: (6, 61),
-    SPINDLE: (3, 4, 5, 19),
+    SPINDLE: (3, 4, 5, 19, 70, 71, 72, 73),
     COOLANT: (7, 8, 9),
     OVERRIDE: (48, 49, 50, 51, 52, 53),
-    SAVING: (70, 71, 72, 73),
 }
 
 _ARCS = {"g2", "g3"}
@@ -47,18 +48,18 @@ _COMPENSATION = {"g41", "g41.1", "g42", "g42.1"}
 
 _USERS = {
     "d": _COMPENSATION | {"g96"},
-    "$": {"m3", "m4", "m5", "m19", "m51", "g33", "g33.1", "g76", "g95", "g96", "g97"},
-    "e": {"g76", "m66", "m67", "m68"},
+    "$": {"m3", "m4", "m5", "m19", "m51", "g33", "g33.1", "g76"},  # or S
+    "e": {"g33", "g33.1", "g76", "m66", "m67", "m68"},
     "h": {"g43", "g43.2", "g76"},
     "i": _ARCS | {"g5", "g5.1", "g10", "g33.1", "g76", "g87"},
     "j": _ARCS | {"g5", "g5.1", "g10", "g33.1", "g76", "g87"},
     "k": _ARCS | {"g33", "g33.1", "g76", "g87"},
-    "l": _CYCLES | _COMPENSATION | {"g10", "g76", "g5.2", "m66", "m98"},
+    "l": (_CYCLES - {"g74"}) | _COMPENSATION | {"g10", "g76", "g5.2", "m66", "m98"},
     "p": _ARCS
     | {"g4", "g10", "g5", "g5.2", "g64", "g74", "g76", "g82", "g84", "g86", "g88", "g89"}
     | {"m19", "m50", "m51", "m52", "m53", "m62", "m63", "m64", "m65", "m66", "m98", "user"},
     "q": {"g5", "g10", "g64", "g73", "g76", "g83", "m19", "m61", "m66", "m67", "m68", "user"},
-    "r": _ARCS | _CYCLES | {"g10", "g76", "m19"},
+    "r": _ARCS | _CYCLES | {"g10", "g41.1", "g42.1", "g76", "m19"},
 }
 
 LINUXCNC = Dialect(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from gcodesim.rs274.dialects.dialect import Dialect
-from gcodesim.rs274.dialects.linuxcnc import LINUXCNC
+from gcodesim.rs274.dialects.linuxcnc import LINUXCNC, NON_MODAL, SHIFT
 
 # tables 5 and 7 of the report
 _MOTIONS = (0, 10, 20, 30, 382, 800, 810, 820, 830, 840, 850, 860, 870, 880, 890)
@@ -17,7 +17,9 @@ RS274 = Dialect(
     grammar=LINUXCNC.grammar,
     longest_line=256,
     most_m_codes=LINUXCNC.most_m_codes,
-    g_groups={code: group for code, group in LINUXCNC.g_groups.items() if code in _G_CODES},
+    g_groups={
+        code: NON_MODAL if group == SHIFT else group for code, group in LINUXCNC.g_groups.items() if code in _G_CODES
+    },
     m_groups={code: group for code, group in LINUXCNC.m_groups.items() if code in _M_CODES},
     users=LINUXCNC.users,
     user_m_codes=range(0),

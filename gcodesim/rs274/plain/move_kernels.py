@@ -124,7 +124,7 @@ def _read_codes(codes: Column, modes: Column, wanted: Column) -> bool:
         elif code == 901 or code == 911:
             group = 8
             wanted[3] = 1 if code == 901 else 0
-        elif code == modes[FEED_MODE]:
+        elif code == 930 and modes[FEED_MODE] == 930:  # G94 and G95 discard the feed
             group = 16
         elif code == (200 if modes[INCH] else 210):
             group = 32

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.rs274.dialects.fanuc import MIRROR, SCALING, TURN
-from gcodesim.rs274.dialects.linuxcnc import NON_MODAL
+from gcodesim.rs274.dialects.linuxcnc import NON_MODAL, SHIFT
 from gcodesim.rs274.state import ZERO, Vector
 from gcodesim.rs274.watch.watch import Watch, word_span
 from gcodesim.rs274.words import Words
@@ -33,7 +33,7 @@ class OffsetsLeftOn(Watch):
 
     def block(self, words: Words, control: Control) -> None:
         self._control = control
-        code = words.g.get(NON_MODAL)
+        code = 923 if words.g.get(SHIFT) == 923 else words.g.get(NON_MODAL)
         if (code in _SHIFTS and words.has_axes()) or code == 923:
             assert code is not None
             name = _SHIFTS[code][0]

@@ -10,9 +10,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from random import Random, SystemRandom
 
-import gcodesim
 import pytest
 
+import gcodesim
 from gcodesim.regress import CaseVerdict
 from gcodesim.regress.case import collect
 from gcodesim.regress.judge import Judging

@@ -59,7 +59,7 @@ PLAIN = {
     "feeds": "G1 X1 F10\nG94\nG1 X2 F10\nG95 F.1\nX3\nX3 A5\nA7\n",
     "inches": "G20 G1 X1 F10\nY2\nG2 X2 I.5\nG21 G1 X10\nX20\n",
     "numbers": "G1 X0.1 Y-0. Z00012.500\nX123456789012345 Y.000000000000001\nX1234567890123456\nX0.30000000000000004\n",
-    "redundant codes": "G90 G1 X1\nG1 G90 G17 G21 G94 G40 X2\nG01 X3\nG1.0 X4\nG001 X5\n",
+    "redundant codes": "G90 G1 X1\nG1 G90 G17 G21 G40 X2\nG94 F200 X2.5\nG01 X3\nG1.0 X4\nG001 X5\n",
     "frames": "G10 L2 P1 X1.5 Y-2 R30\nG54\nG1 X10\nY10\nG17 G3 X5 Y5 R9\nG92 X1 Y1\nX2\nG92.1\nX3\n",
     "turned planes": "G10 L2 P1 X1.5 Y-2 R30\nG54\nG1 X10\nG18 G2 X0 Z0 I-5 K0\nG19 G3 Y5 Z5 R9\n",
     "no motion word": "G1\nX1\nG0\nX2\nF20\nG1 F30\nX3\n",
@@ -190,7 +190,7 @@ def test_random_programs():
     batched = 0
     for _ in range(60):
         batched += moves_in_batches(assert_same(random_program(rng)))
-    assert batched > 300
+    assert batched > 250
 
 
 def test_mutated_programs():

@@ -1,0 +1,58 @@
+"""Differences from LinuxCNC's standalone interpreter that are meant, each with its reason.
+
+Debian's package is 2.9.0~pre1. Its program `rs274` interprets without a machine:
+what a machine would answer (a probe, a changed tool, where the axes stand) is
+made up, and some of that is not what LinuxCNC does on a machine.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from linuxcnc import Verdict
+
+
+@dataclass(frozen=True, slots=True)
+class Explanation:
+    """`applies(program, verdict, difference)`: whether this is the reason of a difference."""
+
+    reason: str
+    applies: Callable[[str, Verdict, str], bool]
+
+
+def _about(difference: str, program: str) -> Callable[[str, Verdict, str], bool]:
+    shown, wrote = re.compile(difference, re.IGNORECASE), re.compile(program, re.IGNORECASE | re.MULTILINE)
+    return lambda text, verdict, found: bool(shown.search(found)) and bool(wrote.search(text))
+
+
+EXPLAINED: tuple[Explanation, ...] = (
+    Explanation(
+        "G17.1, G18.1 and G19.1 choose planes of U, V and W, which are not simulated: refused here",
+        _about(r"refused.*GS012", r"G\s*1\s*[789]\s*\.\s*1"),
+    ),
+    Explanation(
+        "a number above 1e30 is refused here: no machine can be given it",
+        _about(r"GS123 the value .* is out of any machine's range", r"."),
+    ),
+    Explanation(
+        "M66 L5 and above: the standalone interpreter has no input to wait for and takes any L",
+        _about(r"GS106 L\d+ is no way to wait", r"M\s*66"),
+    ),
+    Explanation(
+        "G5, G5.1 and G5.2 outside G17, under G93 or with cutter compensation are refused here; LinuxCNC draws "
+        "some of them in a plane other than the one it then believes to be in",
+        _about(r"refused.*(GS170|GS150) G5", r"G\s*0*5"),
+    ),
+    Explanation(
+        "the first control point of G5.2 without P gets the weight -1 in LinuxCNC; here P has to be given",
+        _about(r"refused.*GS170 G5.2 needs the word P", r"G\s*5\s*\.\s*2"),
+    ),
+)
+
+
+def explanation(program: bytes, verdict: Verdict, difference: str) -> str:
+    """Why this difference is meant; empty when nothing explains it."""
+    text = re.sub(r"\([^)]*\)", "", program.decode("latin-1"))
+    return next((e.reason for e in EXPLAINED if e.applies(text, verdict, difference)), "")
