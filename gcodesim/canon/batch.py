@@ -4,48 +4,56 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
-from gcodesim.canon.events import ArcFeed, FeedUnit, LinearFeed, Motion, Rapid
+from gcodesim.canon.events import ArcFeed, Dwell, Event, FeedUnit, LinearFeed, PathMode, Rapid
 from gcodesim.diagnostics import Caller, Span
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+# kinds of moves
 RAPID: Final = 0
 LINE: Final = 1
 ARC_CW: Final = 2
 ARC_CCW: Final = 3
-WORDS: Final = ("G0", "G1", "G2", "G3")
-"""Motion word of each kind."""
+
+# acts between moves
+EXACT: Final = 0
+BACK: Final = 1
+DWELL: Final = 2
 
 _AT_A_TIME: Final = 1024  # moves that exist as events, where only the first ones may be wanted
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class MoveBatch:
-    """n moves, one a line of the program, between which nothing but moves happens.
+    """n moves, and nothing else but what canned cycles do between them.
 
-    `kind` (n,): RAPID, LINE, ARC_CW, ARC_CCW; `end` (n, 6) [m, rad]; `feed` (n,) as in `LinearFeed`, 0 for rapids,
-    in rad where `rotary` (n,), per revolution where `per_revolution`. The m arcs among them, in order, have
-    `center`, `normal` (m, 3), `sweep` (m,) and `turns` (m,). `place` (n, 3) is line, column and end column in
-    `file`; the block number of a move is its line plus `block_shift`.
+    `kind` (n,): RAPID, LINE, ARC_CW, ARC_CCW; `word` (n,) the number of the motion word, 81 for G81; `end` (n, 6)
+    [m, rad]; `feed` (n,) as in `LinearFeed`, 0 for rapids, in rad where `rotary` (n,), per revolution where
+    `per_revolution`. `place` (n, 3) is line, column and end column in `file`; moves of one block stand together and
+    have one line. The block number of a move is its line plus `block_shift`.
+    The arcs among them, in order, have the m rows `shapes` (m, 8): centre, normal, sweep, turns.
+    `acts` (k, 2) happen before the move that the first number names: EXACT path control for a hole, BACK to `path`,
+    DWELL for `dwell` seconds.
     """
 
     file: str
     callers: tuple[Caller, ...]
-    kind: NDArray[np.uint8]
+    kind: NDArray[np.int32]
+    word: NDArray[np.int32]
     end: NDArray[np.float64]
     feed: NDArray[np.float64]
     rotary: NDArray[np.bool_]
     per_revolution: bool
     place: NDArray[np.int32]
     block_shift: int
-    center: NDArray[np.float64]
-    normal: NDArray[np.float64]
-    sweep: NDArray[np.float64]
-    turns: NDArray[np.int64]
+    shapes: NDArray[np.float64]
+    acts: NDArray[np.int32]
+    path: PathMode
+    dwell: float
 
     def __len__(self) -> int:
         return len(self.kind)
@@ -55,70 +63,81 @@ class MoveBatch:
         line, column, end_column = self.place[row].tolist()
         return Span(self.file, line, column, line, end_column, self.callers)
 
-    def events(self) -> Iterator[Motion]:
-        """The moves one by one, as the grammar's lane would have yielded them."""
+    def act(self, row: int, what: int) -> PathMode | Dwell:
+        """The event of an act before move `row`."""
+        span = self.span(row - 1 if what == BACK else row)
+        if what == DWELL:
+            return Dwell(span=span, seconds=self.dwell)
+        return PathMode(span=span, mode="exact_path") if what == EXACT else replace(self.path, span=span)
+
+    def events(self) -> Iterator[Event]:
+        """The moves and acts one by one, as the grammar's lane would have yielded them."""
         arcs = 0
+        acts = [(row, self.act(row, what)) for row, what in self.acts.tolist()]
+        acts.reverse()
         for first in range(0, len(self), _AT_A_TIME):
             rows = slice(first, first + _AT_A_TIME)
             count = int((self.kind[rows] > LINE).sum())
-            yield from self._some(rows, slice(arcs, arcs + count))
+            for row, event in enumerate(self._some(rows, slice(arcs, arcs + count)), first):
+                while acts and acts[-1][0] <= row:
+                    yield acts.pop()[1]
+                yield event
             arcs += count
+        while acts:
+            yield acts.pop()[1]
 
-    def _some(self, rows: slice, arcs: slice) -> Iterator[Motion]:
+    def _some(self, rows: slice, arcs: slice) -> Iterator[Event]:
         units: tuple[FeedUnit, FeedUnit] = ("m/rev", "rad/rev") if self.per_revolution else ("m/s", "rad/s")
-        moves = zip(
+        moves: Iterator[Any] = zip(
             self.kind[rows].tolist(),
+            self.word[rows].tolist(),
             map(tuple, self.end[rows].tolist()),
             self.feed[rows].tolist(),
             self.rotary[rows].tolist(),
             self.place[rows].tolist(),
             strict=True,
         )
-        shapes = zip(
-            self.center[arcs].tolist(),
-            self.normal[arcs].tolist(),
-            self.sweep[arcs].tolist(),
-            self.turns[arcs].tolist(),
-            strict=True,
-        )
+        shapes = iter(self.shapes[arcs].tolist())
         file, callers, shift = self.file, self.callers, self.block_shift
-        for kind, end, feed, rotary, (line, column, end_column) in moves:
-            span = Span(file, line, column, line, end_column, callers)
-            block, word, unit = line + shift, WORDS[kind], units[rotary]
+        span = Span("")
+        for kind, number, end, feed, rotary, (line, column, end_column) in moves:
+            if line != span.line:  # the events of a block share their span
+                span = Span(file, line, column, line, end_column, callers)
+            block, word, unit = line + shift, f"G{number}", units[rotary]
             if kind == RAPID:
                 yield Rapid(span=span, end=end, block=block, word=word)
             elif kind == LINE:
                 yield LinearFeed(span=span, end=end, block=block, word=word, feed=feed, feed_unit=unit)
             else:
-                center, normal, sweep, turns = next(shapes)
+                *points, sweep, turns = next(shapes)
                 yield ArcFeed(
                     span=span,
                     end=end,
                     block=block,
                     word=word,
-                    center=tuple(center),
-                    normal=tuple(normal),
+                    center=tuple(points[:3]),
+                    normal=tuple(points[3:]),
                     ccw=kind == ARC_CCW,
-                    turns=turns,
+                    turns=int(turns),
                     sweep=sweep,
                     feed=feed,
                     feed_unit=unit,
                 )
 
     def after(self, rows: int) -> MoveBatch:
-        """The batch without its first `rows` moves."""
+        """The batch without its first `rows` moves and what happens before them."""
         if rows == 0:
             return self
-        arcs = int((self.kind[:rows] > LINE).sum())
+        acts = self.acts[self.acts[:, 0] >= rows]
+        acts[:, 0] -= rows
         return replace(
             self,
             kind=self.kind[rows:],
+            word=self.word[rows:],
             end=self.end[rows:],
             feed=self.feed[rows:],
             rotary=self.rotary[rows:],
             place=self.place[rows:],
-            center=self.center[arcs:],
-            normal=self.normal[arcs:],
-            sweep=self.sweep[arcs:],
-            turns=self.turns[arcs:],
+            shapes=self.shapes[int((self.kind[:rows] > LINE).sum()) :],
+            acts=acts,
         )

@@ -35,8 +35,8 @@ from gcodesim.canon import (
     ToolSelect,
     WorkSystem,
 )
+from gcodesim.canon.batch import EXACT, MoveBatch
 from gcodesim.canon.batch import RAPID as RAPID_MOVE
-from gcodesim.canon.batch import WORDS, MoveBatch
 from gcodesim.frames import Pose
 from gcodesim.motion.rows import Rows, Tags
 from gcodesim.motion.tool_path import (
@@ -112,21 +112,44 @@ class _Builder:
             for event in batch.events():
                 self.add(event)
             return
-        counts = np.bincount(batch.kind, minlength=len(WORDS))
-        kinds = np.flatnonzero(counts).tolist()
-        if len(kinds) == 1:
-            state: int | NDArray[np.int32] = self._state_with(WORDS[kinds[0]])
-        else:
-            states = np.zeros(len(WORDS), dtype=np.int32)
-            for kind in sorted(kinds, key=lambda kind: int(np.argmax(batch.kind == kind))):
-                states[kind] = self._state_with(WORDS[kind])
-            self._state_with(WORDS[batch.kind[-1]])
-            state = states[batch.kind]
+        first, tags = len(self.rows), self.tags
+        state = self._states_of(batch.word)
         feed = batch.feed * self._revolutions() if batch.per_revolution else batch.feed
-        if counts[RAPID_MOVE]:
+        if not batch.kind.all():
             feed = np.where(batch.kind == RAPID_MOVE, np.inf, feed)
-        self.rows.add_batch(batch, feed=feed, state=state, tags=self.tags)
+        exact = None
+        if len(batch.acts):
+            exact = np.zeros(len(batch) + 1, dtype=np.int8)
+            for row, what in batch.acts.tolist():
+                event = batch.act(row, what)
+                if isinstance(event, PathMode):
+                    exact[row] += 1 if what == EXACT else -1
+                elif event.seconds > 0.0:
+                    self.rows.stop_at(first + row - 1)
+                self.events.append(PathEvent(first + row, event))
+            exact = np.cumsum(exact[:-1], dtype=np.int8).astype(bool)
+            if exact.any():
+                self._path_mode(batch.path)
+                within = self.tags
+                tags = Tags(
+                    np.where(exact, EXACT_PATH, tags.mode),
+                    np.where(exact, 0.0, tags.tolerance),
+                    np.where(exact, 0.0, tags.naive),
+                    within.active,
+                )
+        self.rows.add_batch(batch, feed=feed, state=state, tags=tags)
         self.at = tuple(batch.end[-1].tolist())
+
+    def _states_of(self, words: NDArray[np.int32]) -> int | NDArray[np.int32]:
+        """The index of the tool state of each row, or of all, by the numbers of their motion words."""
+        numbers, first = np.unique(words, return_index=True) if (words != words[0]).any() else (words[:1], [0])
+        if len(numbers) == 1:
+            return self._state_with(f"G{words[0]}")
+        states = np.zeros(int(numbers[-1]) + 1, dtype=np.int32)
+        for number in numbers[np.argsort(first)].tolist():
+            states[number] = self._state_with(f"G{number}")
+        self._state_with(f"G{words[-1]}")
+        return states[words]
 
     def _linear(self, event: LinearFeed) -> None:
         if event.pitch is not None:

@@ -16,11 +16,11 @@ from gcodesim.motion.tool_path import ARC, EXACT_STOP, PathEvent, ToolPath, Tool
 
 
 class Tags(NamedTuple):
-    """What rows have from the modes in force."""
+    """What rows have from the modes in force; arrays where the rows of a batch differ."""
 
-    mode: int
-    tolerance: float
-    naive: float
+    mode: int | NDArray[np.int_]
+    tolerance: float | Array
+    naive: float | Array
     active: bool
 
 
@@ -83,29 +83,36 @@ class Rows:
         """The rows of a batch, with `feed` (n,) as a path has it and the index of each row's tool state, or of all."""
         self._flush()
         n = len(batch)
-        place = batch.place[:, (0, 1, 0, 2)]
-        spans = SpanTable(((batch.file, batch.callers),), np.zeros(n, dtype=np.int32), place)
+        lines = batch.place[:, 0]
+        begins = np.ones(n, dtype=bool)  # moves of one block have one place
+        begins[1:] = lines[1:] != lines[:-1]
+        place = batch.place[begins][:, (0, 1, 0, 2)]
+        spans = SpanTable(((batch.file, batch.callers),), np.zeros(len(place), dtype=np.int32), place)
         columns = {
             "kind": np.minimum(batch.kind, ARC),
             "end": batch.end,
             "feed": feed,
             "rotary_feed": batch.rotary,
-            "block": batch.place[:, 0] + batch.block_shift,
+            "block": lines + batch.block_shift,
             "state": state,
-            "source": np.arange(n, dtype=np.int32),
+            "source": np.cumsum(begins) - 1,
             **tags._asdict(),
         }
         arcs: dict[str, Any] = {}
-        if len(batch.sweep):
-            rows = np.flatnonzero(batch.kind >= ARC)
-            arcs = {"rows": rows, "center": batch.center, "normal": batch.normal, "sweep": batch.sweep}
+        if len(batch.shapes):
+            rows, shapes = np.flatnonzero(batch.kind >= ARC), batch.shapes
+            arcs = {"rows": rows, "center": shapes[:, :3], "normal": shapes[:, 3:6], "sweep": shapes[:, 6]}
         self._pieces.append(_Piece(n, columns, spans, arcs))
         self._done += n
 
     def stop(self) -> None:
         """The last row ends at rest."""
-        if len(self):
-            self._stops.append(len(self) - 1)
+        self.stop_at(len(self) - 1)
+
+    def stop_at(self, row: int) -> None:
+        """Row `row` ends at rest; no row before the first does."""
+        if row >= 0:
+            self._stops.append(row)
 
     def jump(self, at: Axes) -> None:
         """The next row begins at `at`, not where the last one ended."""

@@ -261,16 +261,18 @@ class Control:
         self.out.append(canon.Coolant(span=self.span, flood=self.state.flood, mist=self.state.mist))
 
     def say_path(self, mode: int | None = None) -> None:
+        self.out.append(self.path_mode(mode))
+
+    def path_mode(self, mode: int | None = None) -> canon.PathMode:
+        """The event of path mode `mode` (610, 611, 640), or of the one in force."""
         state = self.state
         mode = mode or state.path
         blend = mode == 640
-        self.out.append(
-            canon.PathMode(
-                span=self.span,
-                mode=_PATH_MODES[mode],  # type: ignore[arg-type]
-                tolerance=state.path_tolerance if blend else 0.0,
-                naive=state.path_naive if blend else 0.0,
-            )
+        return canon.PathMode(
+            span=self.span,
+            mode=_PATH_MODES[mode],  # type: ignore[arg-type]
+            tolerance=state.path_tolerance if blend else 0.0,
+            naive=state.path_naive if blend else 0.0,
         )
 
     def say_overrides(self, *, feed: bool | None = None, speed: bool | None = None) -> None:

@@ -11,21 +11,18 @@ from gcodesim.canon.batch import MoveBatch
 from gcodesim.diagnostics import SourceText
 from gcodesim.diagnostics.finding import Caller
 from gcodesim.native import ArrayType, NativeKernel
+from gcodesim.rs274.arcs import PLANE_AXES
 from gcodesim.rs274.control import Control
-from gcodesim.rs274.plain import move_kernels as k
+from gcodesim.rs274.plain import layout_kernels as at
 from gcodesim.rs274.plain.columns import Column
-from gcodesim.rs274.plain.scan_kernels import MOST_CODES
 from gcodesim.units import DEG, INCH, MINUTE
 
 MOST_MOVES: Final = 1 << 15
 """Rows of a batch; so much memory is in use at a time however long the program is."""
 
+_MOVES_OF_LINE = 16  # room in short files, for holes
 _SHORT_RUN = 12  # lines; below that the way through the door costs more than the lines by themselves
 _LONGEST_PAUSE = 64
-
-
-_BATCH: Final = (("u1", 1), ("f8", 2), ("f8", 1), ("?", 1), ("i4", 2), ("f8", 2), ("f8", 2), ("f8", 1), ("i8", 1))
-_ROOM: Final = (("f8", 1), ("i8", 1), ("i8", 1), ("f8", 1), ("f8", 1))
 
 RUN_LINES: Final = NativeKernel(
     "gcodesim.rs274.plain.move_kernels",
@@ -35,32 +32,35 @@ RUN_LINES: Final = NativeKernel(
         ArrayType("i8"),
         ArrayType("f8"),
         ArrayType("i8"),
-        *(ArrayType(item, dimensions) for item, dimensions in (*_BATCH, *_ROOM)),
+        ArrayType("f8", 2),
+        ArrayType("i4", 2),
+        ArrayType("f8", 2),
+        ArrayType("i4", 2),
     ],
     integers=3,
 )
+_KNOWN_CYCLES: Final = frozenset((730, 810, 820, 830, 850, 890))
 
 
 class PlainLane:
     """Executes the plain lines of one file; `eager` tries every line, whether it may pay or not."""
 
     def __init__(self, source: SourceText, longest_line: int, *, eager: bool = False) -> None:
-        table = source.table
+        self._table = source.table
         self._name = source.name
         self._longest = longest_line
         self._eager = eager
         self._pause, self._next_pause = 0, 1
-        self._numbers, self._modes = np.zeros(k.NUMBERS), np.zeros(k.MODES, dtype=np.int64)
-        self._rows = _Rows(min(len(table), MOST_MOVES))
-        room = (
-            np.zeros(26),
-            np.zeros(MOST_CODES + 1, dtype=np.int64),
-            np.zeros(4, dtype=np.int64),
-            np.zeros(6),
-            np.zeros(6),
-        )
-        self._run = RUN_LINES.bind(table.data, table.starts, self._numbers, self._modes, *self._rows.columns(), *room)
-        self._alive = (table, room)  # what the kernel holds pointers to
+        self._numbers, self._modes = np.zeros(at.NUMBERS), np.zeros(at.MODES, dtype=np.int64)
+        room = min(_MOVES_OF_LINE * len(self._table) + _MOVES_OF_LINE, MOST_MOVES)
+        self._moves = np.empty((room, at.END_FEED))
+        self._facts = np.empty((room, at.FACTS), dtype=np.int32)
+        self._shapes = np.empty((room, at.SHAPE))
+        self._acts = np.empty((room, 2), dtype=np.int32)
+        self._run = RUN_LINES.bind(
+            self._table.data, self._table.starts, self._numbers, self._modes,
+            self._moves, self._facts, self._shapes, self._acts,
+        )  # fmt: skip
 
     def is_open(self, control: Control) -> bool:
         """Whether the line at hand may be tried: the state is one that the kernels know, and trying may pay."""
@@ -83,11 +83,30 @@ class PlainLane:
         if index == first:
             return index, None
         _take_over(control, self._numbers, self._modes)
-        moves, arcs = int(self._modes[k.ROWS]), int(self._modes[k.ARCS])
-        if moves == 0:
+        if self._modes[at.ROWS] == 0:
             return index, None
-        per_revolution = control.state.feed_mode == 950
-        return index, self._rows.batch(moves, arcs, self._name, callers, block - first - 1, per_revolution)
+        return index, self._batch(control, callers, block - first - 1)
+
+    def _batch(self, control: Control, callers: tuple[Caller, ...], block_shift: int) -> MoveBatch:
+        """The rows of the last call."""
+        rows, arcs, acts = self._modes[at.ROWS : at.ACTS + 1].tolist()
+        moves, facts = self._moves[:rows].copy(), self._facts[:rows].copy()
+        return MoveBatch(
+            file=self._name,
+            callers=callers,
+            kind=facts[:, at.KIND],
+            word=facts[:, at.WORD],
+            end=moves[:, :6],
+            feed=moves[:, 6],
+            rotary=facts[:, at.ROTARY] != 0,
+            per_revolution=control.state.feed_mode == 950,
+            place=facts[:, at.LINE : at.END_COLUMN + 1],
+            block_shift=block_shift,
+            shapes=self._shapes[:arcs].copy(),
+            acts=self._acts[:acts].copy(),
+            path=control.path_mode(),
+            dwell=float(self._numbers[at.CYCLE_P]),
+        )
 
     def _judge(self, lines: int) -> None:
         """Leave the line that stopped the run to the other lane, after short runs some more."""
@@ -98,68 +117,36 @@ class PlainLane:
         self._pause = self._next_pause
 
 
-class _Rows:
-    """Room for the moves of one call."""
-
-    def __init__(self, room: int) -> None:
-        self.kind = np.empty(room, dtype=np.uint8)
-        self.end = np.empty((room, 6))
-        self.feed = np.empty(room)
-        self.rotary = np.empty(room, dtype=np.bool_)
-        self.place = np.empty((room, 3), dtype=np.int32)
-        self.center = np.empty((room, 3))
-        self.normal = np.empty((room, 3))
-        self.sweep = np.empty(room)
-        self.turns = np.empty(room, dtype=np.int64)
-
-    def columns(self) -> tuple[Column, ...]:
-        """All of them, as the kernel takes them."""
-        return (
-            *(self.kind, self.end, self.feed, self.rotary, self.place),
-            *(self.center, self.normal, self.sweep, self.turns),
-        )
-
-    def batch(
-        self, moves: int, arcs: int, file: str, callers: tuple[Caller, ...], block_shift: int, per_revolution: bool
-    ) -> MoveBatch:
-        """A copy of the first moves and arcs."""
-        return MoveBatch(
-            file=file,
-            callers=callers,
-            kind=self.kind[:moves].copy(),
-            end=self.end[:moves].copy(),
-            feed=self.feed[:moves].copy(),
-            rotary=self.rotary[:moves].copy(),
-            per_revolution=per_revolution,
-            place=self.place[:moves].copy(),
-            block_shift=block_shift,
-            center=self.center[:arcs].copy(),
-            normal=self.normal[:arcs].copy(),
-            sweep=self.sweep[:arcs].copy(),
-            turns=self.turns[:arcs].copy(),
-        )
-
-
 def _write_state(control: Control, numbers: Column, modes: Column) -> None:
     state = control.state
     turn = math.radians(state.rotation)
-    numbers[:] = (
-        *state.current[:6], *state.g92[:6], *state.origin[:6],
+    words = dict(state.cycle_words)
+    depth = "xyz"[PLANE_AXES[state.plane][2]]
+    runs = state.cycle == state.motion and state.cycle in _KNOWN_CYCLES and "r" in words and depth in words
+    numbers[: at.TARGET] = (*state.current[:6], *state.g92[:6], *state.origin[:6])
+    numbers[at.COS : at.VALUES] = (
         math.cos(turn), math.sin(turn), state.unit, state.feed, state.feed_unit, DEG, MINUTE,
+        state.cycle_start, words.get("r", 0.0), words.get(depth, 0.0), words.get("q", 0.0), words.get("p", 0.0),
     )  # fmt: skip
-    modes[:] = (
+    modes[: at.WANTED] = (
         state.motion, state.plane, state.incremental, state.centre_absolute, state.feed_mode,
-        state.rotation != 0.0, state.unit == INCH, state.speed != 0.0, 0, 0, 0,
+        state.rotation != 0.0, state.unit == INCH, state.speed != 0.0,
+        state.cycle if runs else -1, state.retract == 990, state.path == 610,
     )  # fmt: skip
 
 
 def _take_over(control: Control, numbers: Column, modes: Column) -> None:
     state = control.state
-    after = numbers.tolist()
-    motion, plane, incremental, centre_absolute, *_ = modes.tolist()
-    state.current = (*after[k.CURRENT : k.CURRENT + 6], *state.current[6:])
-    state.feed, state.feed_unit = after[k.FEED], after[k.FEED_UNIT]
+    current = numbers[at.CURRENT : at.CURRENT + 6].tolist()
+    motion, plane, incremental, centre_absolute, *_ = modes[: at.WANTED].tolist()
+    if modes[at.CYCLE] >= 0:
+        depth = "xyz"[PLANE_AXES[state.plane][2]]
+        words = dict(state.cycle_words)
+        words["r"], words[depth] = float(numbers[at.CYCLE_R]), float(numbers[at.CYCLE_DEPTH])
+        state.cycle_words = tuple(words.items())
+    state.current = (*current, *state.current[6:])
+    state.feed, state.feed_unit = float(numbers[at.FEED]), float(numbers[at.FEED_UNIT])
     state.motion, state.plane = motion, plane
     state.incremental, state.centre_absolute = bool(incremental), bool(centre_absolute)
-    if modes[k.MOVED]:
+    if modes[at.MOVED]:
         state.cycle = -1

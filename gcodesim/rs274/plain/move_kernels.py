@@ -9,26 +9,46 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from gcodesim.compiled import kernel
 from gcodesim.rs274.plain.arc_kernels import apart, centre_by_radius, radii_agree, sweep_of
 from gcodesim.rs274.plain.columns import Column
+from gcodesim.rs274.plain.cycle_kernels import hole
+from gcodesim.rs274.plain.layout_kernels import (
+    ACTS,
+    ARCS,
+    CENTRE_ABSOLUTE,
+    CODES,
+    COLUMN,
+    COS,
+    CURRENT,
+    END_COLUMN,
+    FEED,
+    FEED_MODE,
+    FEED_UNIT,
+    HAS_SPEED,
+    INCH,
+    INCREMENTAL,
+    LINE,
+    MIDDLE,
+    MOST_ACTS_OF_LINE,
+    MOTION,
+    MOVED,
+    PLANE,
+    ROTATED,
+    ROWS,
+    SIN,
+    TARGET,
+    UNIT,
+    VALUES,
+    WANTED,
+)
+from gcodesim.rs274.plain.row_kernels import append, to_machine
 from gcodesim.rs274.plain.scan_kernels import NOT_PLAIN, scan_line
 
-# places in the array of numbers: points X Y Z A B C, then single values
-CURRENT, G92, ORIGIN = 0, 6, 12
-COS, SIN, UNIT, FEED, FEED_UNIT, DEG, MINUTE, NUMBERS = 18, 19, 20, 21, 22, 23, 24, 25
-# places in the array of modes; the last three say what happened
-MOTION, PLANE, INCREMENTAL, CENTRE_ABSOLUTE, FEED_MODE, ROTATED, INCH, HAS_SPEED = 0, 1, 2, 3, 4, 5, 6, 7
-MOVED, ROWS, ARCS, MODES = 8, 9, 10, 11
-
-_F, _I, _P, _R = 5, 8, 15, 17
-_AXIS_LETTERS = np.array([23, 24, 25, 0, 1, 2])  # X Y Z A B C
+_F, _I, _P, _R, _X = 5, 8, 15, 17, 23
 _AXES = (1 << 23) | (1 << 24) | (1 << 25) | 7
 _CENTRE = (1 << 8) | (1 << 9) | (1 << 10)
 _OF_ARCS = _CENTRE | (1 << 15) | (1 << 17)
-_NONE, _BAD = -1, -2
 
 
 @kernel
@@ -37,20 +57,10 @@ def run_lines(
     starts: Column,
     numbers: Column,
     modes: Column,
-    kind: Column,
-    end: Column,
-    feed: Column,
-    rotary: Column,
-    place: Column,
-    center: Column,
-    normal: Column,
-    sweep: Column,
-    turns: Column,
-    values: Column,
-    codes: Column,
-    wanted: Column,
-    target: Column,
-    middle: Column,
+    moves: Column,
+    facts: Column,
+    shapes: Column,
+    acts: Column,
     first: int,
     last: int,
     longest: int,
@@ -58,13 +68,12 @@ def run_lines(
     """Execute lines from index `first` to before `last` as far as they are plain; returns where it stopped.
 
     `text` with `starts` (see `LineTable`); `longest` is the most characters a line may have. `numbers` and `modes`
-    are the state before and after. Moves are appended to `kind`, `end`, `feed`, `rotary` and `place`, arcs to
-    `center`, `normal`, `sweep` and `turns` as well, all as in `canon.MoveBatch`; a full array ends the run too.
-    The rest is room to work in: `values` (26,), `codes` (MOST_CODES + 1,) and `wanted` (4,) integers, two points (6,).
+    are the state before and after. Moves are appended to `moves` and `facts`, arcs to `shapes` as well, what
+    happens between them to `acts`; all as in the layout. A full array ends the run too.
     """
-    rows, arcs = 0, 0
+    modes[ROWS] = modes[ARCS] = modes[ACTS] = modes[MOVED] = 0
     index = first
-    while index < last and rows < len(kind):
+    while index < last and modes[ROWS] < len(moves) and modes[ACTS] + MOST_ACTS_OF_LINE <= len(acts):
         begin, stop = starts[index], starts[index + 1]
         if stop > begin and text[stop - 1] == 10:
             stop -= 1
@@ -72,58 +81,59 @@ def run_lines(
             stop -= 1
         if stop - begin > longest:
             break
-        seen = scan_line(text, begin, stop, values, codes)
+        seen = scan_line(text, begin, stop, numbers, modes)
         if seen == NOT_PLAIN:
             break
         if seen != 0:
-            shape = _execute(seen, values, codes, numbers, modes, wanted, target, middle, kind, end, feed, rotary, rows,
-                             center, normal, sweep, turns, arcs)  # fmt: skip
-            if shape == _BAD:
+            before = modes[ROWS]
+            if not (
+                hole(seen, numbers, modes, moves, facts, acts)
+                if modes[MOTION] > 30 and modes[CODES] == 0
+                else _execute(seen, numbers, modes, moves, facts, shapes)
+            ):
                 break
-            if shape != _NONE:
-                place[rows, 0] = index + 1
-                _mark(text, begin, stop, place, rows)
-                rows += 1
-                if shape >= 2:
-                    arcs += 1
+            if modes[ROWS] > before:
+                _mark(text, begin, stop, facts, before, modes[ROWS], index + 1)
         index += 1
-    modes[ROWS], modes[ARCS] = rows, arcs
     return index
 
 
 @kernel
-def _mark(text: Column, begin: int, stop: int, place: Column, row: int) -> None:
-    """Columns of the written part of a line."""
+def _mark(text: Column, begin: int, stop: int, facts: Column, first: int, last: int, line: int) -> None:
+    """Place of the written part of a line in rows from `first` to before `last`."""
     at = begin
     while at < stop and (text[at] == 32 or text[at] == 9):
         at += 1
     until = stop
     while until > at and (text[until - 1] == 32 or text[until - 1] == 9):
         until -= 1
-    place[row, 1] = at - begin + 1
-    place[row, 2] = until - begin + 1
+    for row in range(first, last):
+        facts[row, LINE] = line
+        facts[row, COLUMN] = at - begin + 1
+        facts[row, END_COLUMN] = until - begin + 1
 
 
 @kernel
-def _read_codes(codes: Column, modes: Column, wanted: Column) -> bool:
-    """Motion, plane, distance and centre mode after the G words of a line, in `wanted`; whether all are plain."""
-    wanted[0] = -1
-    wanted[1], wanted[2], wanted[3] = modes[PLANE], modes[INCREMENTAL], modes[CENTRE_ABSOLUTE]
+def _read_codes(modes: Column) -> bool:
+    """Motion, plane, distance and centre mode after the G words of a line; whether all words are plain."""
+    modes[WANTED] = -1
+    modes[WANTED + 1], modes[WANTED + 2] = modes[PLANE], modes[INCREMENTAL]
+    modes[WANTED + 3] = modes[CENTRE_ABSOLUTE]
     groups = 0
-    for each in range(1, codes[0] + 1):
-        code = codes[each]
+    for each in range(1, modes[CODES] + 1):
+        code = modes[CODES + each]
         if code == 0 or code == 10 or code == 20 or code == 30:
             group = 1
-            wanted[0] = code
+            modes[WANTED] = code
         elif code == 170 or code == 180 or code == 190:
             group = 2
-            wanted[1] = code
+            modes[WANTED + 1] = code
         elif code == 900 or code == 910:
             group = 4
-            wanted[2] = 1 if code == 910 else 0
+            modes[WANTED + 2] = 1 if code == 910 else 0
         elif code == 901 or code == 911:
             group = 8
-            wanted[3] = 1 if code == 901 else 0
+            modes[WANTED + 3] = 1 if code == 901 else 0
         elif code == 930 and modes[FEED_MODE] == 930:  # G94 and G95 discard the feed
             group = 16
         elif code == (200 if modes[INCH] else 210):
@@ -139,109 +149,88 @@ def _read_codes(codes: Column, modes: Column, wanted: Column) -> bool:
 
 
 @kernel
-def _execute(
-    seen: int,
-    values: Column,
-    codes: Column,
-    numbers: Column,
-    modes: Column,
-    wanted: Column,
-    target: Column,
-    middle: Column,
-    kind: Column,
-    end: Column,
-    feed: Column,
-    rotary: Column,
-    row: int,
-    center: Column,
-    normal: Column,
-    sweep: Column,
-    turns: Column,
-    arc: int,
-) -> int:
-    """Execute one line: the kind of move that went into `row`, _NONE without a move, _BAD when it is left."""
-    if not _read_codes(codes, modes, wanted):
-        return _BAD
-    motion = wanted[0]
+def _execute(seen: int, numbers: Column, modes: Column, moves: Column, facts: Column, shapes: Column) -> bool:
+    """Execute one line, with at most one move; False when it is left."""
+    if not _read_codes(modes):
+        return False
+    motion = modes[WANTED]
     has_axes = seen & _AXES != 0
     modal = modes[MOTION]
     if motion < 0 and (has_axes or ((modal == 20 or modal == 30) and seen & _CENTRE != 0)):
         if modal != 0 and modal != 10 and modal != 20 and modal != 30:
-            return _BAD
+            return False
         motion = modal
     if motion < 20 and seen & _OF_ARCS != 0:
-        return _BAD
+        return False
     inverse = modes[FEED_MODE] == 930
     has_feed = (seen >> _F) & 1 != 0
     rate, rate_unit = numbers[FEED], numbers[FEED_UNIT]
     if has_feed:
-        if values[_F] < 0.0:
-            return _BAD
+        if numbers[VALUES + _F] < 0.0:
+            return False
         if not inverse:
-            rate, rate_unit = values[_F], numbers[UNIT]
+            rate, rate_unit = numbers[VALUES + _F], numbers[UNIT]
     if motion > 0:
         if inverse:
             if not has_feed:
-                return _BAD
+                return False
         elif rate == 0.0 or (modes[FEED_MODE] == 950 and not modes[HAS_SPEED]):
-            return _BAD
-    moves = motion >= 20 or (motion >= 0 and has_axes)
-    if moves:
-        for axis in range(6):
-            target[axis] = numbers[CURRENT + axis]
-            letter = _AXIS_LETTERS[axis]
-            if (seen >> letter) & 1:
-                target[axis] = target[axis] + values[letter] if wanted[2] else values[letter]
+            return False
+    goes = motion >= 20 or (motion >= 0 and has_axes)
+    if goes:
+        _aim(seen, numbers, modes)
+        length = 0.0
         if motion >= 20:
-            length = _arc(
-                seen, values, numbers, modes, wanted, target, middle, motion, center, normal, sweep, turns, arc
-            )
+            length = _arc(seen, numbers, modes, shapes, motion)
             if length < 0.0:
-                return _BAD
-        else:
-            length = _straight_length(numbers, target) if inverse and motion > 0 else 0.0
+                return False
+        elif inverse and motion > 0:
+            length = _straight_length(numbers)
         if inverse and motion > 0:
-            rate, rate_unit = max(0.1, length * values[_F]), numbers[UNIT]
+            rate, rate_unit = max(0.1, length * numbers[VALUES + _F]), numbers[UNIT]
     numbers[FEED], numbers[FEED_UNIT] = rate, rate_unit
-    modes[PLANE], modes[INCREMENTAL], modes[CENTRE_ABSOLUTE] = wanted[1], wanted[2], wanted[3]
+    modes[PLANE], modes[INCREMENTAL] = modes[WANTED + 1], modes[WANTED + 2]
+    modes[CENTRE_ABSOLUTE] = modes[WANTED + 3]
     if motion < 0:
-        return _NONE
+        return True
     modes[MOTION], modes[MOVED] = motion, 1
-    if not moves:
-        return _NONE
-    linear = motion >= 20 or _moves_linear(numbers, target)
-    for axis in range(6):
-        numbers[CURRENT + axis] = target[axis]
-    _to_machine(numbers, modes, target)
-    for axis in range(3):
-        end[row, axis] = target[axis] * numbers[UNIT]
-        end[row, axis + 3] = target[axis + 3] * numbers[DEG]
-    rotary[row] = motion > 0 and not linear
-    feed[row] = 0.0
-    if motion > 0:
-        size = rate * (rate_unit if linear else numbers[DEG])
-        feed[row] = size if modes[FEED_MODE] == 950 else size / numbers[MINUTE]
-    shape: int = motion // 10
-    kind[row] = shape
-    return shape
+    if goes:
+        kind = motion // 10
+        if motion >= 20:
+            modes[ARCS] += 1
+        append(numbers, modes, moves, facts, kind, kind, motion >= 20 or _moves_linear(numbers))
+    return True
 
 
 @kernel
-def _moves_linear(numbers: Column, target: Column) -> bool:
+def _aim(seen: int, numbers: Column, modes: Column) -> None:
+    """The programmed end in the active work system."""
+    for axis in range(6):
+        letter = _X + axis if axis < 3 else axis - 3
+        now = numbers[CURRENT + axis]
+        if (seen >> letter) & 1:
+            value = numbers[VALUES + letter]
+            numbers[TARGET + axis] = now + value if modes[WANTED + 2] else value
+        else:
+            numbers[TARGET + axis] = now
+
+
+@kernel
+def _moves_linear(numbers: Column) -> bool:
     straight, turned = False, False
     for axis in range(3):
-        straight = straight or target[axis] != numbers[CURRENT + axis]
-        turned = turned or target[axis + 3] != numbers[CURRENT + axis + 3]
+        straight = straight or numbers[TARGET + axis] != numbers[CURRENT + axis]
+        turned = turned or numbers[TARGET + axis + 3] != numbers[CURRENT + axis + 3]
     return straight or not turned
 
 
 @kernel
-def _straight_length(numbers: Column, target: Column) -> float:
+def _straight_length(numbers: Column) -> float:
     """As `feeds.straight_length`, without U V W."""
     for first in (0, 3):
-        dx = target[first] - numbers[CURRENT + first]
-        dy = target[first + 1] - numbers[CURRENT + first + 1]
-        dz = target[first + 2] - numbers[CURRENT + first + 2]
+        dx = numbers[TARGET + first] - numbers[CURRENT + first]
+        dy = numbers[TARGET + first + 1] - numbers[CURRENT + first + 1]
+        dz = numbers[TARGET + first + 2] - numbers[CURRENT + first + 2]
         length = math.sqrt(dx * dx + dy * dy + dz * dz)
         if length != 0.0:
             return length
@@ -249,85 +238,60 @@ def _straight_length(numbers: Column, target: Column) -> float:
 
 
 @kernel
-def _to_machine(numbers: Column, modes: Column, point: Column) -> None:
-    """`Control.tip` of the first six axes, in place."""
-    for axis in range(6):
-        point[axis] = point[axis] + numbers[G92 + axis]
-    if modes[ROTATED]:
-        x, y = point[0], point[1]
-        point[0] = x * numbers[COS] - y * numbers[SIN]
-        point[1] = x * numbers[SIN] + y * numbers[COS]
-    for axis in range(6):
-        point[axis] = point[axis] + numbers[ORIGIN + axis]
-
-
-@kernel
-def _arc(
-    seen: int,
-    values: Column,
-    numbers: Column,
-    modes: Column,
-    wanted: Column,
-    target: Column,
-    middle: Column,
-    motion: int,
-    center: Column,
-    normal: Column,
-    sweep: Column,
-    turns: Column,
-    arc: int,
-) -> float:
-    """The arc from the current point to `target` into row `arc`; its length, negative when the line is left."""
-    if wanted[1] == 170:
+def _arc(seen: int, numbers: Column, modes: Column, shapes: Column, motion: int) -> float:
+    """The next row of `shapes`, from the current point to the target; its length, negative when the line is left."""
+    if modes[WANTED + 1] == 170:
         first, second, across = 0, 1, 2
-    elif wanted[1] == 180:
+    elif modes[WANTED + 1] == 180:
         first, second, across = 2, 0, 1
     else:
         first, second, across = 1, 2, 0
     ax, ay = numbers[CURRENT + first], numbers[CURRENT + second]
-    bx, by = target[first], target[second]
+    bx, by = numbers[TARGET + first], numbers[TARGET + second]
     count = 1
     if (seen >> _P) & 1:
-        count = int(min(values[_P], 1e9))
-        if count < 1 or count != values[_P]:
+        count = int(min(numbers[VALUES + _P], 1e9))
+        if count < 1 or count != numbers[VALUES + _P]:
             return -1.0
     if motion == 20:
         count = -count
     if (seen >> _R) & 1:
-        named = (seen >> (23 + first)) & 1 or (seen >> (23 + second)) & 1
+        named = (seen >> (_X + first)) & 1 or (seen >> (_X + second)) & 1
         if seen & _CENTRE != 0 or not named:
             return -1.0
-        exists, cx, cy = centre_by_radius(values[_R], ax, ay, bx, by, count, numbers[UNIT])
+        exists, cx, cy = centre_by_radius(numbers[VALUES + _R], ax, ay, bx, by, count, numbers[UNIT])
         if not exists:
             return -1.0
     else:
         if seen & _CENTRE == 0 or (seen >> (_I + across)) & 1:
             return -1.0
         has_first, has_second = (seen >> (_I + first)) & 1 != 0, (seen >> (_I + second)) & 1 != 0
-        if wanted[3]:
+        cx = numbers[VALUES + _I + first] if has_first else 0.0
+        cy = numbers[VALUES + _I + second] if has_second else 0.0
+        if modes[WANTED + 3]:
             if not (has_first and has_second):
                 return -1.0
-            cx, cy = values[_I + first], values[_I + second]
         else:
-            cx = ax + (values[_I + first] if has_first else 0.0)
-            cy = ay + (values[_I + second] if has_second else 0.0)
+            cx, cy = ax + cx, ay + cy
         if not radii_agree(ax, ay, bx, by, cx, cy, numbers[UNIT], modes[INCH]):
             return -1.0
     angle = sweep_of(ax, ay, bx, by, cx, cy, count)
+    row = modes[ARCS]
     for axis in range(6):
-        middle[axis] = 0.0
-    middle[first], middle[second], middle[across] = cx, cy, target[across]
-    _to_machine(numbers, modes, middle)
+        numbers[MIDDLE + axis] = 0.0
+    numbers[MIDDLE + first], numbers[MIDDLE + second] = cx, cy
+    numbers[MIDDLE + across] = numbers[TARGET + across]
+    to_machine(numbers, modes, MIDDLE)
     for axis in range(3):
-        center[arc, axis] = middle[axis] * numbers[UNIT]
-        normal[arc, axis] = 0.0
-    normal[arc, across] = 1.0
+        shapes[row, axis] = numbers[MIDDLE + axis] * numbers[UNIT]
+        shapes[row, axis + 3] = 0.0
+    shapes[row, across + 3] = 1.0
     if modes[ROTATED] and across != 2:
-        x, y = normal[arc, 0], normal[arc, 1]
-        normal[arc, 0] = x * numbers[COS] - y * numbers[SIN]
-        normal[arc, 1] = x * numbers[SIN] + y * numbers[COS]
-    sweep[arc] = angle
-    turns[arc] = abs(count)
+        x, y = shapes[row, 3], shapes[row, 4]
+        shapes[row, 3] = x * numbers[COS] - y * numbers[SIN]
+        shapes[row, 4] = x * numbers[SIN] + y * numbers[COS]
+    shapes[row, 6] = angle
+    shapes[row, 7] = abs(count)
     flat = abs(angle) * apart(ax, ay, cx, cy)
-    lift = target[across] - numbers[CURRENT + across]
+    lift = numbers[TARGET + across] - numbers[CURRENT + across]
     return math.sqrt(flat * flat + lift * lift)

@@ -12,11 +12,10 @@ import numpy as np
 
 from gcodesim.compiled import kernel
 from gcodesim.rs274.plain.columns import Column
+from gcodesim.rs274.plain.layout_kernels import CODES, MOST_CODES, VALUES
 
 NOT_PLAIN = -1
 """What `scan_line` returns for a line that belongs to the grammar."""
-
-MOST_CODES = 8  # G words in a line
 
 _MOST_DIGITS = 15
 _MOST_PLACES = 22
@@ -34,15 +33,15 @@ def byte_at(text: Column, at: int) -> int:
 
 
 @kernel
-def scan_line(text: Column, at: int, stop: int, values: Column, codes: Column) -> int:
+def scan_line(text: Column, at: int, stop: int, numbers: Column, modes: Column) -> int:
     """Read the line ``text[at:stop]``, which has no line end.
 
-    `values` (26,) takes the value of each letter, `codes` (MOST_CODES + 1,) the
-    number of G words and ten times each of them. Returns the letters seen as
-    bits, bit 0 for A; NOT_PLAIN when the grammar has to read the line.
+    `numbers` takes the value of each letter, `modes` the G words. Returns the
+    letters seen as bits, bit 0 for A; NOT_PLAIN when the grammar has to read
+    the line.
     """
     seen = 0
-    codes[0] = 0
+    modes[CODES] = 0
     while at < stop and (text[at] == 32 or text[at] == 9):
         at += 1
     if at < stop and (text[at] == 78 or text[at] == 110):  # N and digits
@@ -116,12 +115,12 @@ def scan_line(text: Column, at: int, stop: int, values: Column, codes: Column) -
         if letter == _G:
             tenths = value * 10.0
             code = int(tenths)
-            if code != tenths or codes[0] == MOST_CODES or negative:
+            if code != tenths or modes[CODES] == MOST_CODES or negative:
                 return NOT_PLAIN
-            codes[0] += 1
-            codes[codes[0]] = code
+            modes[CODES] += 1
+            modes[CODES + modes[CODES]] = code
         else:
             if (seen >> letter) & 1:
                 return NOT_PLAIN
-            values[letter] = value
+            numbers[VALUES + letter] = value
         seen |= 1 << letter

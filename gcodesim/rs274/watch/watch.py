@@ -44,10 +44,11 @@ class Watch:
     def singly_until(self, batch: MoveBatch, ready: Callable[[], bool]) -> MoveBatch:
         """The first moves as events, until the rule can take the others as columns; returns those."""
         done = 0
-        moves = batch.events()
+        events = batch.events()
         while done < len(batch) and not ready():
-            self.event(next(moves))
-            done += 1
+            event = next(events)
+            self.event(event)
+            done += isinstance(event, canon.Motion)
         return batch.after(done)
 
     def findings(self, *, finished: bool) -> Iterable[Diagnostic]:

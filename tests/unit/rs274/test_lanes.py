@@ -62,6 +62,14 @@ PLAIN = {
     "redundant codes": "G90 G1 X1\nG1 G90 G17 G21 G40 X2\nG94 F200 X2.5\nG01 X3\nG1.0 X4\nG001 X5\n",
     "frames": "G10 L2 P1 X1.5 Y-2 R30\nG54\nG1 X10\nY10\nG17 G3 X5 Y5 R9\nG92 X1 Y1\nX2\nG92.1\nX3\n",
     "turned planes": "G10 L2 P1 X1.5 Y-2 R30\nG54\nG1 X10\nG18 G2 X0 Z0 I-5 K0\nG19 G3 Y5 Z5 R9\n",
+    "holes": "G0 Z9\nG81 X1 Y1 Z-2 R3\nX2\nY2\nZ-3\nX5 R4\nX6 F50\nG80\nG0 X0\n",
+    "holes, back to R": "G0 Z9\nG99 G82 X1 Z-2 R3 P.5\nX2\nX3 Y4\nG98\nX5\nG61\nX7\nX8\nG64 P.1\nX9\n",
+    "holes from below": "G0 Z1\nG81 X1 Z-2 R3\nX2\nG99\nX3\nX4\n",
+    "pecks": "G0 Z9\nG83 X1 Z-5 R1 Q1.5\nX2\nX3 Z-1\nG73 X4 Z-4 R2 Q.7\nX5\nX6\n",
+    "boring": "G0 Z9\nG85 X1 Z-5 R1\nX2\nG89 X3 Z-4 R2 P1\nX5\nX6 Y1\n",
+    "incremental holes": "G0 Z9\nG91\nG81 X1 Z-5 R-2\nX2.1\nY.3\nX.1 Y.1\nG90 X3\nX4\n",
+    "holes in planes": "G18 G0 Y9\nG81 X1 Z1 Y-2 R3\nX2\nZ5\nY-4\nG80\nG19 G0 X5\nG83 Y1 Z1 X-2 R3 Q2\nY2\nZ2\n",
+    "holes in inches": "G20 G0 Z1\nG83 X1 Z-1 R.1 Q.3\nX2\nX3\nG21\nX50\nX60\n",
     "no motion word": "G1\nX1\nG0\nX2\nF20\nG1 F30\nX3\n",
 }
 
@@ -79,7 +87,8 @@ GUILTY = [
     "X--1", "X1 N5", "G17.5 X1", "G-1 X1", "X", "(open", "(a (b)", "G1 X1 &", "x 1 . 5", "N10.5 X1", "O5", "/X3", "%",
     "T1 M6", "#1=5", "X#1", "X[1+2]", "(MSG, hello)", "(debug, #5420)", "(a, b)", "M0", "S5", "U1", "G53 G0 X0",
     "G41 D1", "G81 X1 Z-1 R1", "X99999999999999999999", "G5.1 X1 Y1 I1 J1", "X1" + " " * 260, "G1 X1 ;" + "c" * 300,
-    "x1 \x0b", "x1 (ä)", "x1\x00", "G1 X1 E5",
+    "G81 X1 Z-2 R1\nX2\nX3 L2\nX4 P1\nA5\nX5 R-9\nX6 Q1\nX7 G98\nF0\nX8", "G83 X1 Z-2 R1 Q0.00001\nX2", "G81 X1\nX2",
+    "G84 X1 Z-2 R1\nX2", "G83 X1 Z-2 R1 Q1\nX2\nZ-9999\nX3", "x1 \x0b", "x1 (ä)", "x1\x00", "G1 X1 E5",
 ]  # fmt: skip
 
 
@@ -164,11 +173,24 @@ def random_program(rng):
             lines.append(plane)
         elif pick < 0.92:
             lines.append(rng.choice(["G90", "G91", "G90.1", "G91.1", "G20", "G21", "G93", "G94", "G95"]))
+        elif pick < 0.94:
+            lines += holes(rng, plane, number)
         elif pick < 0.98:
             lines.append(rng.choice(OTHERS))
         else:
             lines.append(rng.choice(["%", "G41 D2", "M0", "o9 call [1]", "G2 X1", "X1 X1"]))
     return "\n".join([*lines, "M2"]) + "\n"
+
+
+def holes(rng, plane, number):
+    """A canned cycle and the places at which it runs again."""
+    (a, b), _, across = PLANES[plane]
+    normal = {"K": "Z", "J": "Y", "I": "X"}[across]
+    code = rng.choice(["G81", "G82 P.1", "G83 Q.7", "G73 Q2", "G85", "G89 P.2", "G81"])
+    yield f"{code} {a}{number()} {normal}-{rng.randint(1, 5)} R{rng.choice([1, 3, 8])} {rng.choice(['G98', 'G99', ''])}"
+    for _ in range(rng.randint(1, 6)):
+        places = [f"{a}{number()}", f"{b}{number()}", f"{a}{number()} {b}{number()}", f"{normal}-2.5", f"{a}1 R2"]
+        yield rng.choice(places)
 
 
 def mutated(rng, text):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from gcodesim.canon.batch import MoveBatch
-from gcodesim.canon.events import ArcFeed, LinearFeed, Rapid, Spindle
+from gcodesim.canon.events import ArcFeed, LinearFeed, PathMode, Rapid, Spindle
 from gcodesim.diagnostics import Span
 from gcodesim.rs274.watch.spindle import FeedWithoutSpindle
 
@@ -97,17 +97,18 @@ def _batch(moves: list[tuple[int, tuple[float, ...]]]) -> MoveBatch:
     return MoveBatch(
         file="p.ngc",
         callers=(),
-        kind=np.array([kind for kind, _ in moves], dtype=np.uint8),
+        kind=np.array([kind for kind, _ in moves], dtype=np.int32),
+        word=np.array([kind for kind, _ in moves], dtype=np.int32),
         end=np.array([end for _, end in moves]),
         feed=np.ones(n),
         rotary=np.zeros(n, dtype=bool),
         per_revolution=False,
         place=np.array([(k + 1, 1, 9) for k in range(n)], dtype=np.int32),
         block_shift=0,
-        center=np.zeros((arcs, 3)),
-        normal=np.tile([0.0, 0.0, 1.0], (arcs, 1)),
-        sweep=np.full(arcs, -pi),
-        turns=np.ones(arcs, dtype=np.int64),
+        shapes=np.tile([0.0, 0.0, 0.0, 0.0, 0.0, 1.0, -pi, 1.0], (arcs, 1)),
+        acts=np.zeros((0, 2), dtype=np.int32),
+        path=PathMode(span=Span("p.ngc"), mode="exact_path"),
+        dwell=0.0,
     )
 
 

@@ -1,0 +1,146 @@
+"""Holes of a running canned cycle: `rs274/cycles.py` for G73, G81 to G83, G85 and G89, step by step the same."""
+
+from __future__ import annotations
+
+from gcodesim.compiled import kernel
+from gcodesim.rs274.plain.columns import Column
+from gcodesim.rs274.plain.layout_kernels import (
+    ACTS,
+    BACK,
+    CODES,
+    CURRENT,
+    CYCLE,
+    CYCLE_DEPTH,
+    CYCLE_P,
+    CYCLE_Q,
+    CYCLE_R,
+    CYCLE_START,
+    DWELL,
+    EXACT,
+    EXACT_PATH,
+    FEED,
+    FEED_MODE,
+    FEED_UNIT,
+    INCH,
+    INCREMENTAL,
+    PLANE,
+    RETRACT_TO_R,
+    ROWS,
+    TARGET,
+    UNIT,
+    VALUES,
+)
+from gcodesim.rs274.plain.row_kernels import append
+
+_F, _R, _X = 5, 17, 23
+_PLACES = (1 << 23) | (1 << 24) | (1 << 25)
+_UNDERSTOOD = _PLACES | (1 << 5) | (1 << 17)
+_CLEARANCE_MM, _CLEARANCE_INCH = 0.254, 0.01  # as in cycles.py
+_MOST_PECKS = 100_000
+
+
+@kernel
+def hole(seen: int, numbers: Column, modes: Column, moves: Column, facts: Column, acts: Column) -> bool:
+    """The moves of one line that runs the cycle again; False, and nothing done, when the line is left."""
+    code = modes[CYCLE]
+    if code < 0 or modes[CODES] > 0 or seen & _PLACES == 0 or seen & ~_UNDERSTOOD != 0 or modes[FEED_MODE] == 930:
+        return False
+    if modes[PLANE] == 170:
+        first, second, normal = 0, 1, 2
+    elif modes[PLANE] == 180:
+        first, second, normal = 2, 0, 1
+    else:
+        first, second, normal = 1, 2, 0
+    has_feed = (seen >> _F) & 1 != 0
+    rate = numbers[VALUES + _F] if has_feed else numbers[FEED]
+    if rate <= 0.0:
+        return False
+    incremental = modes[INCREMENTAL] != 0
+    base = numbers[CYCLE_START]
+    retract = numbers[VALUES + _R] if (seen >> _R) & 1 else numbers[CYCLE_R]
+    depth = numbers[VALUES + _X + normal] if (seen >> (_X + normal)) & 1 else numbers[CYCLE_DEPTH]
+    clear = retract + (base if incremental else 0.0)
+    bottom = depth + (clear if incremental else 0.0)
+    if not clear >= bottom:
+        return False
+    pecks = 0.0
+    if code == 730 or code == 830:
+        if not numbers[CYCLE_Q] > 0.0:
+            return False
+        pecks = (clear - bottom) / numbers[CYCLE_Q]
+    if pecks > _MOST_PECKS or modes[ROWS] + 3.0 * pecks + 8.0 > len(moves):
+        return False
+    numbers[CYCLE_R], numbers[CYCLE_DEPTH] = retract, depth
+    if has_feed:
+        numbers[FEED], numbers[FEED_UNIT] = rate, numbers[UNIT]
+    word = code // 10
+    a, b = numbers[CURRENT + first], numbers[CURRENT + second]
+    to_a = _end(seen, numbers, first, incremental)
+    to_b = _end(seen, numbers, second, incremental)
+    if incremental:
+        to_a, to_b = a + (to_a - a), b + (to_b - b)
+    if base < clear:
+        _along(numbers, modes, moves, facts, normal, clear, 0, word)
+        base = clear
+    level = clear if modes[RETRACT_TO_R] else base
+    now = numbers[CURRENT + normal]
+    height = now if now > clear else level
+    if not modes[EXACT_PATH]:
+        _act(modes, acts, EXACT)
+    _aim(numbers)
+    numbers[TARGET + first], numbers[TARGET + second], numbers[TARGET + normal] = to_a, to_b, height
+    append(numbers, modes, moves, facts, 0, word, True)
+    if height != clear:
+        _along(numbers, modes, moves, facts, normal, clear, 0, word)
+    if pecks > 0.0:
+        gap = _CLEARANCE_INCH if modes[INCH] else _CLEARANCE_MM
+        down = clear - numbers[CYCLE_Q]
+        while down > bottom:
+            _along(numbers, modes, moves, facts, normal, down, 1, word)
+            if code == 830:
+                _along(numbers, modes, moves, facts, normal, clear, 0, word)
+            _along(numbers, modes, moves, facts, normal, down + gap, 0, word)
+            down -= numbers[CYCLE_Q]
+    _along(numbers, modes, moves, facts, normal, bottom, 1, word)
+    if code == 890 or (code == 820 and numbers[CYCLE_P] != 0.0):
+        _act(modes, acts, DWELL)
+    if code == 850:
+        _along(numbers, modes, moves, facts, normal, clear, 1, word)
+    _along(numbers, modes, moves, facts, normal, level, 1 if code == 890 else 0, word)
+    if not modes[EXACT_PATH]:
+        _act(modes, acts, BACK)
+    return True
+
+
+@kernel
+def _end(seen: int, numbers: Column, axis: int, incremental: bool) -> float:
+    """Where the line's word of `axis` leads, in the active work system."""
+    now: float = numbers[CURRENT + axis]
+    if (seen >> (_X + axis)) & 1:
+        value: float = numbers[VALUES + _X + axis]
+        return now + value if incremental else value
+    return now
+
+
+@kernel
+def _aim(numbers: Column) -> None:
+    for axis in range(6):
+        numbers[TARGET + axis] = numbers[CURRENT + axis]
+
+
+@kernel
+def _along(
+    numbers: Column, modes: Column, moves: Column, facts: Column, normal: int, height: float, kind: int, word: int
+) -> None:
+    """Move along the normal to `height`."""
+    _aim(numbers)
+    numbers[TARGET + normal] = height
+    append(numbers, modes, moves, facts, kind, word, True)
+
+
+@kernel
+def _act(modes: Column, acts: Column, what: int) -> None:
+    """Something that happens before the next move."""
+    acts[modes[ACTS], 0] = modes[ROWS]
+    acts[modes[ACTS], 1] = what
+    modes[ACTS] += 1
