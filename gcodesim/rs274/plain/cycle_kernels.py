@@ -61,7 +61,8 @@ def hole(seen: int, numbers: Column, modes: Column, moves: Column, facts: Column
     depth = numbers[VALUES + _X + normal] if (seen >> (_X + normal)) & 1 else numbers[CYCLE_DEPTH]
     clear = retract + (base if incremental else 0.0)
     bottom = depth + (clear if incremental else 0.0)
-    if not clear >= bottom:
+    dwells = code == 890 or (code == 820 and numbers[CYCLE_P] != 0.0)
+    if not clear >= bottom or (dwells and numbers[CYCLE_P] < 0.0):
         return False
     pecks = 0.0
     if code == 730 or code == 830:
@@ -102,7 +103,7 @@ def hole(seen: int, numbers: Column, modes: Column, moves: Column, facts: Column
             _along(numbers, modes, moves, facts, normal, down + gap, 0, word)
             down -= numbers[CYCLE_Q]
     _along(numbers, modes, moves, facts, normal, bottom, 1, word)
-    if code == 890 or (code == 820 and numbers[CYCLE_P] != 0.0):
+    if dwells:
         _act(modes, acts, DWELL)
     if code == 850:
         _along(numbers, modes, moves, facts, normal, clear, 1, word)
