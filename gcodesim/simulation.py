@@ -240,8 +240,9 @@ def _not_run(job: Job, out: Path | None) -> Results:
 
 
 def _forget(out: Path, shop: Shop | None) -> None:
-    """Remove the files that a run writes, as far as an earlier one left them."""
+    """Remove the files that a run writes, as far as an earlier one left them, whole or not."""
     stocks = () if shop is None or shop.cell is None else shop.cell.stocks
     names = [LOG_NAME, RESULTS_NAME, LINES_NAME, *(f"{name}{suffix}" for name in stocks for suffix in STOCK_SUFFIXES)]
     for name in names:
         (out / name).unlink(missing_ok=True)
+        (out / f"{name}.part").unlink(missing_ok=True)

@@ -69,7 +69,6 @@ def check_program(arguments: argparse.Namespace) -> int:
 
 def run_program(arguments: argparse.Namespace) -> int:
     """`gcodesim run`."""
-    from gcodesim.log import LogWriteError
     from gcodesim.world import WorldUnavailable
 
     begin = time.perf_counter()
@@ -86,8 +85,8 @@ def run_program(arguments: argparse.Namespace) -> int:
             results, execution = run(job, arguments.out, progress)
     except WorldUnavailable as reason:
         raise UsageError(str(reason)) from None
-    except (LogWriteError, OSError) as error:
-        raise UsageError(f"folder {arguments.out} cannot be written: {error.strerror or error}") from None
+    except OSError as error:
+        raise UsageError(_unwritten(arguments.out, error)) from None
     settled = settle(results.findings, arguments, job.sources)
     if arguments.format == "json":
         print_json(results.as_json())
@@ -103,6 +102,16 @@ def run_program(arguments: argparse.Namespace) -> int:
     if stop.asked:
         return INTERRUPTED
     return settled.status
+
+
+def _unwritten(out: Path, error: OSError) -> str:
+    """What a full disk stopped, and where the log is that can be read nevertheless."""
+    rest = ""
+    if (out / LOG_NAME).exists():
+        rest = f"; {out / LOG_NAME} is complete, files beside it are missing"
+    elif (out / f"{LOG_NAME}.part").exists():
+        rest = f"; what was logged so far is in {out / LOG_NAME}.part, which `gcodesim info` reads"
+    return f"folder {out} cannot be written: {error.strerror or error}{rest}"
 
 
 def _announce_compiling() -> None:

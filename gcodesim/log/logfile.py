@@ -93,7 +93,7 @@ class LogFile:
         log = LogFile(part if part.exists() and not path.exists() else path)
         with log.path.open("rb") as stream:
             head = stream.read(len(MAGIC))
-            if head != MAGIC:
+            if head != MAGIC and not (log.path == part and MAGIC.startswith(head)):
                 raise LogReadError(f"{log.path.name} is no log: it does not begin like an MCAP file")
             try:
                 if log._read_summary(stream):
@@ -195,9 +195,12 @@ class LogFile:
         while at + RECORD_HEAD <= size:
             stream.seek(at)
             opcode, length = _RECORD.unpack(stream.read(RECORD_HEAD))
-            if at + RECORD_HEAD + length > size or opcode == Opcode.DATA_END:
+            if at + RECORD_HEAD + length > size:
                 break
             match opcode:
+                case Opcode.DATA_END:  # what follows is the index, not all of it
+                    self.whole = at + RECORD_HEAD + length
+                    break
                 case Opcode.HEADER:
                     self.library = Header.read(_stream_of(stream.read(length))).library
                 case Opcode.SCHEMA | Opcode.CHANNEL:

@@ -77,6 +77,8 @@ class LogSummary:
         place = f" at {self.stopped_at.file}:{self.stopped_at.line}" if self.stopped_at else ""
         if self.complete:
             return self.state if self.state == "finished" else f"{self.state}{place}"
+        if self.state == "finished":
+            return "finished, but the file is incomplete"
         return f"incomplete, stopped{place}" if place else "incomplete"
 
 
@@ -144,15 +146,16 @@ def summary(path: Path) -> LogSummary:
 def _missing(log: LogFile, last: Place | None) -> tuple[str, ...]:
     """What a log without an end does not have, in words."""
     missing = []
-    if last is not None:
+    ended = "gcodesim.result" in log.metadata  # the run did, though not the file
+    if last is not None and not ended:
         missing.append(f"what came after {log.end_ns * 1e-9:.3f} s, in or after {last.file}:{last.line}")
-    elif not log.chunks:
+    if not log.chunks:
         missing.append("every message")
-    if log.size > log.whole:
+    if log.size > log.whole and not log.complete:
         missing.append(f"the last {log.size - log.whole} bytes, which hold no whole record")
     if not log.complete:
         missing.append("the index")
-    if "gcodesim.result" not in log.metadata:
+    if not ended:
         missing.append("the result")
     expected = ("program.nc", "cell.yaml", "layout.json", "results.json")
     return (*missing, *(name for name in expected if name not in log.attachments))
