@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 from gcodesim.cell import load_cell
 from gcodesim.cell.reading import suggestion
 from gcodesim.cell.settings import matches
-from gcodesim.diagnostics import Caller, Diagnostic, Severity, SourceText, Span
+from gcodesim.diagnostics import Diagnostic, Severity, SourceText, Span
 from gcodesim.diagnostics.show import as_json
 from gcodesim.job import Job, Options
 from gcodesim.regress import show
@@ -23,6 +23,7 @@ from gcodesim.regress.expectation import Wanted, expectations
 from gcodesim.regress.facts import Facts, compare, facts_of_run
 from gcodesim.regress.golden import GoldenError, read_golden
 from gcodesim.regress.motion import steps_of
+from gcodesim.regress.places import files_read, relocated
 from gcodesim.regress.tolerance import Tolerance, quantity_of
 from gcodesim.regress.verdicts import CaseVerdict, Found, State
 from gcodesim.rs274 import Settings, interpret
@@ -86,7 +87,8 @@ def judge(case: Case, how: Judging) -> tuple[CaseVerdict, Outcome]:
     elif not problem:
         ours.append(_nothing_accepted(case))
     found += [Found(finding=one, state="counts" if _is_severe(one, fail_on) else "told") for one in ours]
-    shown = sorted((_relocated(one, outcome.files, how.root) for one in found), key=lambda one: one.finding.order)
+    placed = (replace(one, finding=relocated(one.finding, outcome.files, how.root)) for one in found)
+    shown = sorted(placed, key=lambda one: one.finding.order)
     failed = any(one.state == "counts" for one in shown)
     verdict = CaseVerdict(
         name=case.name,
@@ -137,7 +139,7 @@ def _lint(case: Case, program: SourceText) -> Outcome:
         findings=findings,
         suppressed=[],
         programs=reading.sources,
-        files=_files(case, reading.sources, reading.settings.subroutines, None),
+        files=files_read(case.program, reading.sources, reading.settings.subroutines, None),
         faults=[],
     )
 
@@ -167,7 +169,7 @@ def _simulate(case: Case, program: SourceText, loaded: LoadedCell, how: Judging)
         findings=list(results.findings),
         suppressed=_suppressed(job),
         programs=job.sources if job.reading is None else job.reading.sources,
-        files=_files(case, job.sources, subroutines, loaded),
+        files=files_read(case.program, job.sources, subroutines, loaded),
         until=() if job.cell is None else tuple(entry.until for entry in job.cell.suppress if entry.until is not None),
         faults=faults,
     )
@@ -187,36 +189,6 @@ def _nothing_ran(case: Case, program: SourceText, fault: Diagnostic) -> Outcome:
         files={program.name: case.program},
         faults=[fault],
     )
-
-
-def _files(
-    case: Case, sources: Mapping[str, SourceText], folders: Sequence[Path], loaded: LoadedCell | None
-) -> dict[str, Path]:
-    """Where the files that findings name stand."""
-    files = {} if loaded is None else {file.name: file.path for file in loaded.files}
-    files[case.program.name] = case.program
-    for name in sources:
-        if name not in files:
-            near = (folder / name for folder in (case.program.parent, *folders))
-            found = next((path for path in near if path.is_file()), None)
-            if found is not None:
-                files[name] = found
-    return files
-
-
-def _relocated(found: Found, files: Mapping[str, Path], root: Path) -> Found:
-    """A finding whose places are named from the root."""
-
-    def shown(name: str) -> str:
-        return shown_path(files[name], root) if name in files else name
-
-    def moved(span: Span) -> Span:
-        callers = tuple(Caller(shown(c.file), c.line, c.name) for c in span.callers)
-        return replace(span, file=shown(span.file), callers=callers)
-
-    finding = found.finding
-    related = None if finding.related is None else moved(finding.related)
-    return replace(found, finding=replace(finding, span=moved(finding.span), related=related))
 
 
 # ---- what was accepted
