@@ -47,12 +47,14 @@ class MoveChange:
     """Steps that differ, as many as change in the same way: `count` of them from `old`/`new` to the `last_` ones.
 
     `changed` has both places and `fields` (those of the first step), `inserted` only new ones, `removed` only old
-    ones. `what` is the kind of the first step (`line`, `spindle`, …), `way_mm` the way of all inserted or removed.
+    ones. `what` is the kind of the first step (`line`, `spindle`, …), `detail` what it says when it is no
+    move (`cw, 8000 rpm`), `way_mm` the way of all inserted or removed.
     `near` is where one looks for it in the new program: the step itself, else the one after which it stood.
     """
 
     kind: MoveKind
     what: str
+    detail: str = ""
     count: int = 1
     old: Place | None = None
     new: Place | None = None

@@ -15,6 +15,10 @@ _NOT_COMPARED: Final = frozenset(
         *("line_of_max_force", "line_of_margin", "first_line", "error_bound_mm3"),
     }
 )
+INCOMPLETE: Final = "incomplete"
+"""The status of a run whose log ends before its results."""
+
+_BROKEN: Final = ("failed", INCOMPLETE)
 _NAMES: Final = ("number", "name", "word")
 
 
@@ -39,7 +43,7 @@ def _compare(path: str, old: Any, new: Any, tolerances: Tolerances) -> Iterator[
             yield Change(quantity=path, old=old, new=new, allowed=tolerances[name].limit(old), tolerance=name)
     elif path == "status":
         # whether findings count depends on how a run was asked for; findings are compared themselves
-        if (old == "failed") != (new == "failed"):
+        if (old in _BROKEN) != (new in _BROKEN) or (old != new and INCOMPLETE in (old, new)):
             yield Change(quantity=path, old=old, new=new)
     elif old != new:
         yield Change(quantity=path, old=old, new=new)

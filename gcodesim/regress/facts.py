@@ -31,7 +31,9 @@ class Facts:
     """One side of a comparison.
 
     `steps` is None when the motion is not known, `results` (as in `results.json`) is empty when nothing ran; it may
-    hold findings alone. `surfaces` are whole stocks or coarse ones; `sources` the programs, as far as they are there.
+    hold findings alone, or the status of a run that did not come to its results. `surfaces` are whole stocks or coarse
+    ones; `sources` the programs, as far as they are there. `is_alone`: a program without a cell, so that its positions
+    do not compare with those of a run.
     """
 
     name: str
@@ -40,6 +42,7 @@ class Facts:
     surfaces: Mapping[str, Coarse | Stock] = field(default_factory=dict)
     sources: Mapping[str, SourceText] = field(default_factory=dict)
     remarks: tuple[str, ...] = ()
+    is_alone: bool = False
 
     def text(self, file: str, line: int) -> str:
         """A line of the program, empty when it is not known."""
@@ -74,9 +77,11 @@ def compare(old: Facts, new: Facts, tolerances: Tolerances = DEFAULTS) -> Compar
     elif old.steps is not None or new.steps is not None:
         remarks.append(f"moves are not compared: those of {new.name if new.steps is None else old.name} are not known")
     lines = None if motion is None else motion.lines
+    # a run that was interrupted has not said what it would have found
+    known = "findings" in old.results and "findings" in new.results
     findings = compare_findings(
-        old.results.get("findings", ()),
-        new.results.get("findings", ()),
+        old.results["findings"] if known else (),
+        new.results["findings"] if known else (),
         tolerances,
         None if lines is None else lambda file, line: lines.get((file, line)),
     )
@@ -88,14 +93,20 @@ def compare(old: Facts, new: Facts, tolerances: Tolerances = DEFAULTS) -> Compar
         if change not in counting
     ]
     ran = "time" in old.results and "time" in new.results
+    # where one side did not come to results, at least that is compared
+    both = (old.results, new.results) if ran else (_status(old.results), _status(new.results))
     return Comparison(
         moves=() if motion is None else motion.changes,
-        changes=tuple(compare_results(old.results, new.results, tolerances)) if ran else (),
+        changes=tuple(compare_results(*both, tolerances)),
         surfaces=tuple(_surfaces(old, new, tolerances)),
         findings=counting,
         totals=tuple(_totals(old.results, new.results, tolerances)) if ran else (),
         remarks=(*remarks, *_differing_inputs(old.results, new.results)),
     )
+
+
+def _status(results: Mapping[str, Any]) -> Mapping[str, Any]:
+    return {"status": results["status"]} if "status" in results else {}
 
 
 def _surfaces(old: Facts, new: Facts, tolerances: Tolerances) -> list[SurfaceChange]:

@@ -49,6 +49,7 @@ def read_golden(source: SourceText, name: str) -> Facts:
             raise GoldenError("it was changed by hand or by a merge: its digest does not fit")
         return Facts(
             name=name,
+            is_alone="status" not in content["results"],
             steps=tuple(steps_from(content["motion"])),
             results={**content["results"], "findings": content["findings"]},
             surfaces={stock: Coarse.from_json(surface) for stock, surface in content["surfaces"].items()},

@@ -275,12 +275,29 @@ def _changes(
         yield MoveChange(
             kind="removed" if b is None else "inserted" if a is None else "changed",
             what=_called(step.kind),
+            detail="" if a is not None and b is not None else _detail(step),
             old=left,
             new=right,
             near=right if beside is None else _place(new[beside], texts[1]),
             fields=() if a is None or b is None else tuple(differing(old[a], new[b], tolerances)),
             way_mm=0.0 if a is not None and b is not None else _plain(step.length),
         )
+
+
+def _detail(step: Step) -> str:
+    """What a step says that is no move: `cw, 8000 rpm`."""
+    if step.end is not None:
+        return ""
+    told = []
+    for field, word in step.words:
+        if word not in ("none", "no") and field != "unit":
+            told.append(field if word == "yes" else f"{field} {word}" if word.isdecimal() else word)
+    for field, value in step.numbers:
+        if value or field not in LETTERS:
+            unit = _unit(step, field, _name(step.kind, field)[1])
+            name = "" if field in ("speed", "seconds") else f"{field} "
+            told.append(f"{name}{value:g} {unit}".strip())
+    return ", ".join(told)
 
 
 def _place(step: Step, text: LineText) -> Place:

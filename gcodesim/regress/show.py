@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from typing import Any, Final
 
 from gcodesim.numbers import clean
@@ -11,6 +11,16 @@ from gcodesim.regress.changes import Change, Comparison, FieldChange, FindingCha
 from gcodesim.regress.tolerance import QUANTITIES
 
 NO_DIFFERENCE: Final = "no difference in motion or result"
+_MOST_OF_A_PAGE: Final = 100  # entries of a kind in Markdown: sites take 65,000 characters for a comment
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Entry:
+    """One difference as lines of text, and where it is on either side as far as it has a place there."""
+
+    lines: tuple[str, ...]
+    old: Place | None = None
+    new: Place | None = None
 
 
 def number(value: float) -> str:
@@ -46,6 +56,8 @@ def allowance(tolerance: str, allowed: float | None, unit: str) -> str:
 def change_text(change: Change) -> str:
     """`stocks.stock.removed_mm3: 656.5 → 687.9 mm³ (+31.4; tolerance `volume` allows 0.657 mm³)`."""
     unit = _unit(change)
+    if isinstance(change.old or change.new, Mapping):
+        return f"{change.quantity} {'came' if change.old is None else 'went'}"
     if change.delta is None:
         return f"{change.quantity}: {value_text(change.old)} → {value_text(change.new)}"
     limit = allowance(change.tolerance, change.allowed, unit)
@@ -89,28 +101,35 @@ def _until(move: MoveChange) -> str:
 
 def move_message(move: MoveChange) -> str:
     """One line that stands beside the place: what happened to which step."""
-    fields = ", ".join(field_text(field) for field in move.fields)
-    what = f"{move.what}{_until(move)}"
     if move.kind == "changed":
-        return f"{what} changed: {fields}"
-    way = f", {number(move.way_mm)} mm of way" if move.way_mm else ""
-    return f"{what} {move.kind}{way}"
+        fields = ", ".join(field_text(field) for field in move.fields)
+        return f"{move.what}{_until(move)} changed: {fields}"
+    return _came_or_went(move)
 
 
 def _move_lines(move: MoveChange) -> Iterator[str]:
     if move.kind == "changed":
         assert move.old is not None and move.new is not None
-        yield f"  − {_line(move.old)}"
-        yield f"  + {_line(move.new)}"
+        yield f"− {_line(move.old)}"
+        yield f"+ {_line(move.new)}"
         if move.count > 1:
-            yield f"   {_until(move)}, in the same way"
-        yield from (f"      {field_text(field)}" for field in move.fields)
+            yield f" {_until(move)}, in the same way"
+        yield from (f"    {field_text(field)}" for field in move.fields)
         return
     place, sign = (move.new, "+") if move.kind == "inserted" else (move.old, "−")
     assert place is not None
-    yield f"  {sign} {_line(place)}"
+    yield f"{sign} {_line(place)}"
+    yield f"    {_came_or_went(move)}"
+
+
+def _came_or_went(move: MoveChange) -> str:
+    """`line and 2 steps more to line 9 inserted, 34.6 mm of way`."""
     way = f", {number(move.way_mm)} mm of way" if move.way_mm else ""
-    yield f"      {move.what}{_until(move)} {move.kind}{way}"
+    return f"{_named(move)}{_until(move)} {move.kind}{way}"
+
+
+def _named(move: MoveChange) -> str:
+    return f"{move.what} ({move.detail})" if move.detail else move.what
 
 
 def surface_text(surface: SurfaceChange) -> str:
@@ -136,32 +155,34 @@ def _times(finding: dict[str, Any]) -> str:
     return f" ({finding['count']} times)" if finding.get("count", 1) > 1 else ""
 
 
-def comparison_lines(comparison: Comparison, most: int | None = None) -> list[str]:
-    """Text for people; of each kind at most `most` entries."""
+def comparison_lines(comparison: Comparison) -> list[str]:
+    """Text for people."""
     lines: list[str] = []
-    for title, entries in _sections(comparison):
+    for title, entries in sections(comparison):
         lines.append(f"{title}:")
-        shown = entries if most is None else entries[:most]
-        lines += [line for entry in shown for line in entry]
-        if len(shown) < len(entries):
-            lines.append(f"  … and {len(entries) - len(shown)} more")
-    lines += [f"note: {remark}" for remark in comparison.remarks]
-    return lines
+        lines += [f"  {line}" for entry in entries for line in entry.lines]
+    return [*lines, *(f"note: {remark}" for remark in comparison.remarks)]
 
 
-def _sections(comparison: Comparison) -> Iterator[tuple[str, list[list[str]]]]:
+def sections(comparison: Comparison) -> Iterator[tuple[str, list[Entry]]]:
+    """All that differs under its titles, none of them empty: in all, motion, results, surface, findings."""
     if comparison.totals and not comparison.same:
-        yield "in all", [[f"  {change_text(change)}"] for change in comparison.totals]
+        yield "in all", [Entry(lines=(change_text(change),)) for change in comparison.totals]
     if comparison.moves:
-        yield "motion", [list(_move_lines(move)) for move in comparison.moves]
+        yield "motion", [Entry(lines=tuple(_move_lines(m)), old=m.old, new=m.new) for m in comparison.moves]
     told = {change.quantity for change in comparison.totals}
     changes = [change for change in comparison.changes if change.quantity not in told]
     if changes:
-        yield "results", [[f"  {change_text(change)}"] for change in changes]
+        yield "results", [Entry(lines=(change_text(change),)) for change in changes]
     if comparison.surfaces:
-        yield "surface", [[f"  {surface_text(surface)}"] for surface in comparison.surfaces]
+        yield "surface", [Entry(lines=(surface_text(surface),)) for surface in comparison.surfaces]
     if comparison.findings:
-        yield "findings", [[f"  {finding_text(change)}"] for change in comparison.findings]
+        yield "findings", [_finding_entry(change) for change in comparison.findings]
+
+
+def _finding_entry(change: FindingChange) -> Entry:
+    old, new = (None if one is None else Place(file=one["file"], line=one["line"]) for one in (change.old, change.new))
+    return Entry(lines=(finding_text(change),), old=old, new=new)
 
 
 def summary(comparison: Comparison) -> str:
@@ -206,13 +227,21 @@ def as_markdown(comparison: Comparison, title: str) -> str:
         lines += ["", "| quantity | old | new | difference | allowed |", "|---|---:|---:|---:|---:|"]
         lines += [_row(change) for change in rows]
     if comparison.moves:
-        lines += ["", "**Motion**", "", "```diff", *_diff_lines(comparison.moves), "```"]
+        lines += ["", "**Motion**", "", "```diff", *_diff_lines(comparison.moves[:_MOST_OF_A_PAGE]), "```"]
+        lines += _rest(comparison.moves)
     if comparison.surfaces:
         lines += ["", *(f"- {_escaped(surface_text(surface))}" for surface in comparison.surfaces)]
     if comparison.findings:
-        lines += ["", "**Findings**", "", *(f"- {_escaped(finding_text(change))}" for change in comparison.findings)]
+        shown = comparison.findings[:_MOST_OF_A_PAGE]
+        lines += ["", "**Findings**", "", *(f"- {_escaped(finding_text(change))}" for change in shown)]
+        lines += _rest(comparison.findings)
     lines += ["", *(f"_{_escaped(remark)}_" for remark in comparison.remarks)] if comparison.remarks else []
     return "\n".join(lines) + "\n"
+
+
+def _rest(entries: Sequence[object]) -> list[str]:
+    more = len(entries) - _MOST_OF_A_PAGE
+    return ["", f"… and {more} more"] if more > 0 else []
 
 
 def _row(change: Change) -> str:
@@ -220,10 +249,11 @@ def _row(change: Change) -> str:
     difference = "" if change.delta is None else f"{signed(change.delta)}{unit}"
     allowed = "" if change.allowed is None else f"{number(float(f'{change.allowed:.3g}'))}{unit}"
     mark = "**" if change.allowed is None or (change.delta is not None and abs(change.delta) > change.allowed) else ""
+    old, new = ("there" if isinstance(v, Mapping) else value_text(v) for v in (change.old, change.new))
     cells = (
         f"`{change.quantity}`",
-        value_text(change.old),
-        value_text(change.new),
+        old,
+        new,
         f"{mark}{difference}{mark}",
         allowed,
     )
@@ -241,8 +271,8 @@ def _diff_lines(moves: Sequence[MoveChange]) -> Iterator[str]:
             yield f"- {_line(move.old)}"
         if move.new is not None:
             yield f"+ {_line(move.new)}"
-        told = ", ".join(field_text(field) for field in move.fields) or f"{move.what} {move.kind}"
-        yield f"  {told}{_until(move)}".replace("```", "'''")
+        fields = ", ".join(field_text(field) for field in move.fields)
+        yield f"  {f'{fields}{_until(move)}' if fields else _came_or_went(move)}".replace("```", "'''")
 
 
 def totals(results: Mapping[str, Any]) -> list[str]:

@@ -13,11 +13,14 @@ from gcodesim.cell import load_cell
 from gcodesim.diagnostics import SourceText
 from gcodesim.diagnostics.show import as_json
 from gcodesim.language import settings_of_cell
-from gcodesim.regress.facts import Facts, facts_of_run
+from gcodesim.regress.changes import Comparison
+from gcodesim.regress.compare import INCOMPLETE
+from gcodesim.regress.facts import Facts, compare, facts_of_run
 from gcodesim.regress.golden import SCHEMA as GOLDEN
 from gcodesim.regress.golden import GoldenError, read_golden
 from gcodesim.regress.motion import steps_of
 from gcodesim.regress.programs import programs_in
+from gcodesim.regress.tolerance import Tolerances
 from gcodesim.results import SCHEMA as RESULTS
 from gcodesim.rs274 import Settings, interpret
 from gcodesim.rs274.assumed import assumed_tools
@@ -48,8 +51,13 @@ def members_of(folder: Path) -> dict[str, Path]:
     return {path.relative_to(folder).as_posix(): path for path in (*outputs, *programs)}
 
 
-def facts_at(path: Path, cell: Path | None = None, allow_paths: Sequence[Path] = ()) -> Facts:
-    """The facts of one side; a program runs in `cell` when that is given. SideError when there is nothing there."""
+def facts_at(
+    path: Path, cell: Path | None = None, allow_paths: Sequence[Path] = (), *, out: Path | None = None
+) -> Facts:
+    """The facts of one side; a program runs in `cell` when that is given, and leaves its files in `out`.
+
+    SideError when there is nothing at `path`.
+    """
     try:
         if path.is_dir():
             return _folder(path)
@@ -62,19 +70,32 @@ def facts_at(path: Path, cell: Path | None = None, allow_paths: Sequence[Path] =
         raise SideError(f"{path} cannot be read: {error.strerror or error}") from None
     if path.suffix.lower() == ".json":
         return _json(source, path)
-    return _program(source, path, cell, allow_paths)
-
-
-def _program(source: SourceText, path: Path, cell: Path | None, allow_paths: Sequence[Path]) -> Facts:
     if cell is not None:
-        job = prepare(
-            source,
-            load_cell(cell, allow_paths),
-        )
-        results, _ = run(job)
+        job = prepare(source, load_cell(cell, allow_paths))
+        results, _ = run(job, out)
         return facts_of_run(job, results)
     settings = Settings(tool_table=assumed_tools(source), subroutines=(path.parent,))
-    return _read(source, settings, source.name)
+    return replace(_read(source, settings, source.name), is_alone=True)
+
+
+def compare_sides(old: Facts, new: Facts, tolerances: Tolerances) -> Comparison:
+    """`compare`, after asking whether the two can be compared; SideError when not."""
+    for one, other in ((old, new), (new, old)):
+        if one.is_alone and not other.is_alone:
+            raise SideError(f"{one.name} is a program alone and {other.name} comes of a cell: name that with --cell")
+    statuses = {facts.results.get("status") for facts in (old, new)}
+    if (old.steps is None or new.steps is None) and statuses in ({INCOMPLETE}, {None}):
+        raise SideError(f"{old.name} and {new.name} have nothing in common that could be compared")
+    return compare(old, new, tolerances)
+
+
+def log_of(path: Path, out: Path) -> Path | None:
+    """The log of a side: of a run that is there, or of the run into `out`; None without one."""
+    if path.is_dir():
+        path = path / LOG_NAME
+    elif path.suffix.lower() != LOG_SUFFIX:
+        path = out / LOG_NAME
+    return path if path.is_file() else None
 
 
 def _read(source: SourceText, settings: Settings, name: str) -> Facts:
@@ -113,7 +134,7 @@ def _folder(path: Path) -> Facts:
     results = path / RESULTS_NAME
     if results.is_file():
         facts = replace(facts, results=_json(SourceText.read(results), results).results)
-    return replace(facts, name=str(path), surfaces=_stocks(path))
+    return replace(facts, name=str(path), surfaces=_stocks(path), is_alone=False)
 
 
 def _stocks(folder: Path) -> Mapping[str, Stock]:
@@ -137,10 +158,11 @@ def _log(path: Path) -> Facts:
         held = {name: log.attachment(name) for name in log.attachments}
     except LogReadError as error:
         raise SideError(f"{path} cannot be read: {error}") from None
-    results: dict[str, Any] = json.loads(held[RESULTS_NAME]) if RESULTS_NAME in held else {}
+    results: dict[str, Any] = json.loads(held[RESULTS_NAME]) if RESULTS_NAME in held else {"status": INCOMPLETE}
     if _PROGRAM not in held:
         return Facts(name=str(path), results=results, remarks=(f"{path} holds no program",))
-    name = results.get("inputs", {}).get("program", {}).get("name", _PROGRAM)
+    ended = () if RESULTS_NAME in held else (f"{path} has no results: only its program is compared",)
+    name = log.metadata.get("gcodesim.run", {}).get("program", _PROGRAM)
     program = SourceText(name, held[_PROGRAM])
     with tempfile.TemporaryDirectory() as folder:
         for attached, raw in held.items():
@@ -150,7 +172,7 @@ def _log(path: Path) -> Facts:
                 file.write_bytes(raw)
         settings, remarks = _settings(Path(folder), program)
         facts = _read(program, settings, str(path))
-    return replace(facts, results=results or facts.results, remarks=remarks)
+    return replace(facts, results=results, remarks=(*ended, *remarks))
 
 
 def _settings(folder: Path, program: SourceText) -> tuple[Settings, tuple[str, ...]]:

@@ -7,6 +7,7 @@ import html
 import json
 import zlib
 from collections.abc import Sequence
+from dataclasses import asdict, dataclass
 from importlib.resources import files
 from typing import Any, Final
 
@@ -29,9 +30,25 @@ _SLOWEST: Final = 40
 _NOTHING_SHOWN: Final = 1e-12
 
 
-def write_page(recordings: Sequence[Recording], names: Sequence[str] = (), title: str | None = None) -> str:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Difference:
+    """What differs between two runs, as lines of text; `old` and `new` are the file and line where it does."""
+
+    kind: str
+    lines: tuple[str, ...]
+    old: tuple[str, int] | None = None
+    new: tuple[str, int] | None = None
+
+
+def write_page(
+    recordings: Sequence[Recording],
+    names: Sequence[str] = (),
+    title: str | None = None,
+    compared: tuple[str, Sequence[Difference]] | None = None,
+) -> str:
     """The page of one run, or of two to compare; `names` tell the two apart (default: A and B).
 
+    `compared` is what a comparison came to, in one line, and all that differs: a list whose entries lead to their line.
     The same logs give the same text, with the same versions of the libraries
     whose scripts are inside. LibraryMissingError when one of those is not
     installed.
@@ -42,7 +59,10 @@ def write_page(recordings: Sequence[Recording], names: Sequence[str] = (), title
     given = list(names) or (["A", "B"] if len(recordings) == 2 else [""])
     runs = [run_data(recording, name, pack) for recording, name in zip(recordings, given, strict=True)]
     heading = title or " / ".join(dict.fromkeys(recording.name for recording in recordings))
-    index = json.dumps(clean({"runs": runs, "tick_s": 1e-4}), ensure_ascii=False, allow_nan=False)
+    content: dict[str, Any] = {"runs": runs, "tick_s": 1e-4}
+    if compared is not None:
+        content["compared"] = {"summary": compared[0], "differences": [asdict(one) for one in compared[1]]}
+    index = json.dumps(clean(content), ensure_ascii=False, allow_nan=False)
     charts = chart_library()
     return _asset("page.html").format(
         title=html.escape(heading),

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import base64
+import json
 import re
+import zlib
 from pathlib import Path
 
 import pytest
@@ -53,6 +56,48 @@ def test_a_deeper_plunge(cli, write) -> None:
     assert value["same"] is False and "Z" in value["quantities"] and "volume" in value["broken_tolerances"]
     page = cli("diff", "old.nc", "new.nc", "--cell", "fine.yaml", "--format", "markdown").out
     assert "| `stocks.stock.removed_mm3` |" in page and "```diff\n- old.nc:7" in page
+
+
+def test_a_page_of_both_runs(cli, write) -> None:
+    write("old.nc", PART)
+    write("new.nc", PART.replace("Z-5", "Z-5.4"))
+    done = cli("diff", "old.nc", "new.nc", "--cell", "cell.yaml", "--html", "page.html")
+    assert done.status == 1 and "wrote page.html" in done.err
+    page = Path("page.html").read_text()
+    index = re.search(r'id="index">([^<]*)<', page)
+    content = json.loads(zlib.decompress(base64.b64decode(index[1])))
+    assert [run["program"] for run in content["runs"]] == ["old.nc", "new.nc"]
+    assert content["compared"]["summary"] == done.out.splitlines()[-1]
+    moved = next(one for one in content["compared"]["differences"] if one["kind"] == "motion")
+    assert moved["lines"][:2] == ["− old.nc:7: G1 Z-5 F200", "+ new.nc:7: G1 Z-5.4 F200"]
+    assert (moved["old"], moved["new"]) == (["old.nc", 7], ["new.nc", 7])
+    assert cli("diff", "old.nc", "new.nc", "--html", "none.html").status == 2  # nothing ran
+    assert not Path("none.html").exists()
+
+
+def test_all_that_can_be_compared_with_all(cli, write) -> None:
+    """A folder, its log, its results, accepted results and the program in the cell are one and the same run."""
+    write("part.nc", PART)
+    write("part.test.yaml", "cell: cell.yaml\n")
+    assert cli("run", "part.nc", "--cell", "cell.yaml").status == cli("accept").status == 0
+    sides = ("out", "out/run.mcap", "out/results.json", "part.golden.json", "part.nc")
+    for new in sides:
+        done = cli("diff", "out", new, "--cell", "cell.yaml")
+        assert done.status == 0 and done.out.endswith("no difference in motion or result\n"), new
+    # positions of a program alone mean nothing on a machine
+    for old, new in (("out", "part.nc"), ("part.nc", "part.golden.json")):
+        done = cli("diff", old, new)
+        assert done.status == 2 and "name that with --cell" in done.err
+
+
+def test_a_log_without_its_end_is_not_the_same(cli, write) -> None:
+    write("part.nc", PART)
+    cli("run", "part.nc", "--cell", "cell.yaml")
+    whole = Path("out/run.mcap").read_bytes()
+    write("cut.mcap", whole[: len(whole) * 2 // 3])
+    done = cli("diff", "out/run.mcap", "cut.mcap")
+    assert done.status == 1 and "status: ok → incomplete" in done.out
+    assert "cut.mcap has no results: only its program is compared" in done.out
 
 
 def test_folders_of_programs(cli, write, tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -37,35 +38,86 @@ def add_parser(commands: Any) -> None:
         default="text",
         help="text for people (default), JSON for programs, Markdown for a pull request",
     )
+    parser.add_argument(
+        "--html",
+        type=Path,
+        metavar="FILE",
+        help="besides, write a page that replays both runs side by side and lists what differs",
+    )
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
+    from gcodesim.cli.options import read_source
     from gcodesim.regress.sides import SideError, is_output
 
     tolerances = read_tolerances(arguments)
+    for cell in (arguments.cell, arguments.old_cell):
+        if cell is not None:
+            read_source(cell, "cell")
     old, new = arguments.old, arguments.new
     try:
         if old.is_dir() and new.is_dir() and not is_output(old) and not is_output(new):
+            if arguments.html is not None:
+                raise UsageError("--html shows one pair of runs: name two programs, logs or folders of one run")
             return _folders(arguments, tolerances)
-        comparison = _compared(old, new, arguments, tolerances)
+        with tempfile.TemporaryDirectory() as folder:
+            # what the page replays has to be logged
+            outs = None if arguments.html is None else (Path(folder) / "old", Path(folder) / "new")
+            comparison = _compared(old, new, arguments, tolerances, outs)
+            if outs is not None:
+                _write_page(comparison, arguments, outs)
     except SideError as error:
         raise UsageError(str(error)) from None
     _print(comparison, f"{old} → {new}", arguments.format)
     return OK if comparison.same else FINDINGS
 
 
-def _compared(old: Path, new: Path, arguments: argparse.Namespace, tolerances: Tolerances) -> Comparison:
-    from gcodesim.cli.options import read_source
-    from gcodesim.regress.facts import compare
-    from gcodesim.regress.sides import facts_at
+def _compared(
+    old: Path, new: Path, arguments: argparse.Namespace, tolerances: Tolerances, outs: tuple[Path, Path] | None = None
+) -> Comparison:
+    from gcodesim.regress.sides import compare_sides, facts_at
 
-    for cell in (arguments.cell, arguments.old_cell):
-        if cell is not None:
-            read_source(cell, "cell")
     old_cell = arguments.old_cell or arguments.cell
-    before = facts_at(old, old_cell, arguments.allow_path)
-    return compare(before, facts_at(new, arguments.cell, arguments.allow_path), tolerances)
+    old_out, new_out = outs or (None, None)
+    before = facts_at(old, old_cell, arguments.allow_path, out=old_out)
+    return compare_sides(before, facts_at(new, arguments.cell, arguments.allow_path, out=new_out), tolerances)
+
+
+def _write_page(comparison: Comparison, arguments: argparse.Namespace, outs: tuple[Path, Path]) -> None:
+    from gcodesim.cli.moments import open_recording
+    from gcodesim.cli.output import note
+    from gcodesim.regress import show
+    from gcodesim.regress.sides import log_of
+    from gcodesim.report.libraries import LibraryMissingError
+    from gcodesim.report.page import Difference, write_page
+    from gcodesim.whole_file import write_whole
+
+    recordings = []
+    for side, out in zip((arguments.old, arguments.new), outs, strict=True):
+        log = log_of(side, out)
+        if log is None:
+            raise UsageError(f"--html replays runs, and {side} has no log: name its folder, or a program and --cell")
+        recordings.append(open_recording(side if side.is_dir() else log))
+    differences = [
+        Difference(
+            kind=kind,
+            lines=entry.lines,
+            old=None if entry.old is None else (entry.old.file, entry.old.line),
+            new=None if entry.new is None else (entry.new.file, entry.new.line),
+        )
+        for kind, entries in show.sections(comparison)
+        for entry in entries
+    ]
+    names = [str(path) for path in (arguments.old, arguments.new)]
+    try:
+        page = write_page(recordings, names, f"{names[0]} → {names[1]}", (show.summary(comparison), differences))
+        write_whole(arguments.html, page.encode())
+    except LibraryMissingError as reason:
+        raise UsageError(str(reason)) from None
+    except OSError as error:
+        raise UsageError(f"{arguments.html} cannot be written: {error.strerror}") from None
+    note(f"wrote {arguments.html}; open it in a browser")
 
 
 def _print(comparison: Comparison, title: str, form: str) -> None:

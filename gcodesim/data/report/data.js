@@ -64,6 +64,7 @@ G.load = async () => {
     const findings = run.findings.map((f) => ({ ...f, t: f.t === null ? null : f.t * scale }));
     return { ...run, end: run.end * scale, blocks, files, findings, seconds, scale };
   });
+  G.comparison = index.compared || null;
   G.end = Math.max(...G.runs.map((run) => run.end), 1e-6);
 };
 

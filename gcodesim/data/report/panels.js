@@ -161,7 +161,23 @@ G.firstOf = (run, file, line) => {
   return found ? found.first.get(line) ?? null : null;
 };
 
+// What a comparison found to differ: each entry leads to its line, in the new run where it is there.
+G.differences = (place, { summary, differences }) => {
+  const panel = place.appendChild(G.make("div", "panel differences")), heading = panel.appendChild(G.make("h2", "", "What differs"));
+  heading.appendChild(G.make("small", "", summary));
+  const list = panel.appendChild(G.make("div", "scroll"));
+  let kind = "";
+  for (const one of differences) {
+    if (one.kind !== kind) list.appendChild(G.make("div", "kind", kind = one.kind));
+    const row = list.appendChild(G.make("div", "difference"));
+    for (const line of one.lines) row.appendChild(G.make("div", line.startsWith("− ") ? "less" : line.startsWith("+ ") ? "more" : "", line));
+    const [old, now] = [one.old, one.new].map((at, r) => at && G.firstOf(G.runs[r], ...at)), t = now ?? old;
+    if (t !== null && t !== undefined) { row.classList.add("go"); row.onclick = () => G.seek(t); }
+  }
+};
+
 G.tables = (place) => {
+  if (G.comparison) G.differences(place, G.comparison);
   G.findings(place);
   if (G.runs.length > 1) G.compared(place);
   for (const run of G.runs) {

@@ -13,7 +13,7 @@ import subprocess
 import pytest
 
 from gcodesim.playback import Recording
-from gcodesim.report.page import write_page
+from gcodesim.report.page import Difference, write_page
 
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser")
 FLAGS = [
@@ -87,6 +87,11 @@ PROBE = r"""<script>
   G.seek(0);
   [...document.querySelectorAll(".lines .row")].find((row) => row.textContent.includes("G1 X30")).click();
   seen.line = G.time;
+  G.seek(0);
+  document.querySelector(".difference.go").click();
+  seen.difference = G.time;
+  seen.differences = document.querySelector(".differences").innerText;
+  G.seek(seen.line);
   document.querySelector(".play").click();
   await pause(600);
   seen.played = G.time;
@@ -125,7 +130,10 @@ def opened(page, folder):
 @pytest.fixture(scope="module")
 def seen(slot_folder, tmp_path_factory):
     """What the probe saw."""
-    page = write_page([Recording.open(slot_folder), Recording.open(slot_folder)], names=("old", "new"))
+    lines = ("− slot.nc:9: G1 X20", "+ slot.nc:9: G1 X30")
+    difference = Difference(kind="motion", lines=lines, old=None, new=("slot.nc", 9))
+    both = [Recording.open(slot_folder), Recording.open(slot_folder)]
+    page = write_page(both, names=("old", "new"), compared=("1 difference", [difference]))
     document, asked = opened(page.replace("</body>", PROBE), tmp_path_factory.mktemp("browser"))
     found = re.search(r'<pre id="seen">(.*?)</pre>', document)
     assert found is not None, document[-2000:]
@@ -155,6 +163,11 @@ def test_bar_findings_lines_and_play_move_the_time(seen, slot):
     assert seen["finding"] == pytest.approx(timeline.t_ns[timeline.line.tolist().index(13)] * 1e-9, abs=1e-3)
     assert seen["line"] == pytest.approx(line, abs=1e-3)
     assert seen["played"] > seen["line"]
+
+
+def test_a_difference_leads_to_its_line(seen):
+    assert seen["difference"] == pytest.approx(seen["line"], abs=1e-3)
+    assert "1 difference" in seen["differences"] and "+ slot.nc:9: G1 X30" in seen["differences"]
 
 
 def test_nothing_is_asked_of_a_network(seen):
