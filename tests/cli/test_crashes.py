@@ -86,7 +86,9 @@ def _killed(crash, cli, tmp_path: Path, count: int, seed: int) -> list[int]:
         log = _log_is_the_begin_of_the_whole(out, found["seen"])
         if "files in" in found["said"]:
             assert names == FINAL and log is None
-        if log is not None:
+        if log is not None and log.complete:  # killed just before it got its name
+            assert log.path.read_bytes() == (tmp_path / "whole" / "run.mcap").read_bytes()
+        elif log is not None:
             assert "run.mcap" not in names
             _info_names_what_is_missing(cli, log)
             chunks.append(len(log.chunks))
