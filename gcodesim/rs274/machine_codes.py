@@ -251,7 +251,8 @@ def user_codes(words: Words, control: Control) -> None:
     m = words.m.get(USER)
     if m is None or _act(control, m, words):
         return
-    if not control.settings.has_cell or m not in control.dialect.user_m_codes:
+    dialect = control.dialect
+    if not (control.settings.has_cell or dialect.open_m_codes) or m not in dialect.user_m_codes:
         raise Fault("GS013", f"M{m} is mapped with another P only", at=f"m{m}", hint=f"map M{m} itself in the cell")
     control.skip(f"M{m}")
 

@@ -126,7 +126,7 @@ class Reader:
         except Unreadable as problem:
             from gcodesim.rs274.unreadable import explain
 
-            raise explain(problem, squeezed, columns) from None
+            raise explain(problem, squeezed, columns, self._dialect) from None
         block = _to_block(line, text, squeezed, columns, parsed)
         self._check_extensions(block, squeezed, columns)
         return block
@@ -135,11 +135,13 @@ class Reader:
         """Raise `Fault` for parts of the language that this dialect does not have."""
         dialect = self._dialect
         if block.flow is not None and not dialect.flow_words:
-            raise Fault("GS008", f"{dialect.name} has no O-words", at=block.flow.place)
+            hint = "linuxcnc has them (--dialect linuxcnc)"
+            raise Fault("GS008", f"{dialect.name} has no O-words", at=block.flow.place, hint=hint)
         if not dialect.named_parameters and "#<" in squeezed:
             at = squeezed.index("#<")
             if not any(first <= columns[at] < last for _, (first, last) in block.notes):
-                raise Fault("GS007", f"{dialect.name} has no named parameters", at=(columns[at], columns[at] + 2))
+                place, hint = (columns[at], columns[at] + 2), "linuxcnc has them (--dialect linuxcnc)"
+                raise Fault("GS007", f"{dialect.name} has no named parameters", at=place, hint=hint)
 
 
 def _whole_comment(squeezed: str) -> str | None:

@@ -19,6 +19,7 @@ from gcodesim.rs274.expressions import checked, names_in
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.flow import FlowControl, Stopped
 from gcodesim.rs274.lanes import Lanes
+from gcodesim.rs274.odd_numbers import odd_numbers
 from gcodesim.rs274.parameters import Parameters
 from gcodesim.rs274.probing import tripped
 from gcodesim.rs274.program_file import ProgramFile
@@ -178,6 +179,9 @@ class Executor:
             if block.deleted and self.settings.block_delete:
                 return
             control.block_number = self.blocks
+            if not block.plain:
+                for message, hint, place in odd_numbers(block):
+                    control.warn("GS197", message, hint, place)
             self._block(block, index)
         except Fault as fault:
             self._fault(fault, file, index, text, block)
@@ -449,6 +453,10 @@ _SKIPPED = (
     (("M66",), "GS905", "every input reads 0 at once, and #5399 is 0: no time passes in waiting"),
     (("M30", "M60"), "GS906", ""),
     (("U", "V", "W"), "GS908", ""),
+    (("G5.1", "G8"), "GS913", "the planned motion always looks ahead"),
+    (("G22", "G23"), "GS913", "the cell's `travel` is checked instead"),
+    (("G27", "G29"), "GS913", "no move is made for it: write the move as G0"),
+    (("G43.4",), "GS913", "the length counts along Z: the tip is not kept in place while a rotary axis turns"),
 )
 
 
@@ -460,4 +468,6 @@ def _code_of_skipped(word: str) -> tuple[str, str]:
     for heads, code, hint in _SKIPPED:
         if head in heads:
             return code, hint
+    if head.startswith("G"):
+        return "GS913", ""
     return "GS907", "say in the cell what it does, under `m_codes`"

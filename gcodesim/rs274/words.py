@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Final
 
 from gcodesim.rs274.block import Block, Place
-from gcodesim.rs274.dialects import Dialect, g_name
+from gcodesim.rs274.dialects import DIALECTS, Dialect, g_name
 from gcodesim.rs274.dialects.linuxcnc import CANCEL_CYCLES, USER
 from gcodesim.rs274.expressions import checked
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.parameters import Parameters
 
 _NEVER_NEGATIVE: Final = frozenset("fhlst")
+_WHY_NOT_NEGATIVE: Final = {"f": "F says how fast; where to is said by the axes", "s": "M4 turns the other way round"}
 _WHOLE: Final = frozenset("hlt")
 _OVERWRITTEN: Final = frozenset("@^")  # of these the last one counts, as on the control
 AXIS_LETTERS: Final = frozenset("xyzabcuvw")
@@ -84,9 +85,14 @@ def read_words(
                     hint="drop one, or put the second into a block of its own",
                 )
             if letter not in dialect.letters:
-                raise Fault("GS001", f"{dialect.name} has no {letter.upper()} word", at=block.places[position])
+                hint = exponent(block) if letter == "e" else ""
+                hint = hint or elsewhere(lambda other, word=letter: word in other.letters, dialect)  # type: ignore[misc]
+                message = f"{dialect.name} has no {letter.upper()} word"
+                raise Fault("GS001", message, at=block.places[position], hint=hint)
             if value < 0.0 and letter in _NEVER_NEGATIVE:
-                raise Fault("GS106", f"{letter.upper()} is negative: {value:g}", at=block.places[position], value=value)
+                hint = _WHY_NOT_NEGATIVE.get(letter, "")
+                message = f"{letter.upper()} is negative: {value:g}"
+                raise Fault("GS106", message, at=block.places[position], hint=hint, value=value)
             if letter in _WHOLE and abs(value - round(value)) > 1e-4:
                 raise Fault(
                     "GS106", f"{letter.upper()} must be a whole number, not {value:g}", at=block.places[position]
@@ -111,9 +117,23 @@ def check_use(words: Words, dialect: Dialect, motion: str) -> None:
                 continue
             who = " ".join(sorted((u.upper() for u in users if u != "user"), key=_code_order))
             hint = f"{letter.upper()} belongs to {who}"
-            if letter == "e" and (number := _EXPONENT.search(words.block.text)) is not None:
-                hint = f"numbers have no exponent: write {float(number.group()):.12g}"
+            if letter == "e":
+                hint = exponent(words.block) or hint
             raise Fault("GS104", f"nothing in this block uses the word {letter.upper()}", at=letter, hint=hint)
+
+
+def exponent(block: Block) -> str:
+    """What to write in place of 1.5e3; empty when the line holds no such number."""
+    number = _EXPONENT.search(block.text)
+    return "" if number is None else f"numbers have no exponent: write {float(number.group()):.12g}"
+
+
+def elsewhere(knows: Callable[[Dialect], bool], own: Dialect) -> str:
+    """Which other dialects know something, as a hint; empty when none does."""
+    names = [name for name in DIALECTS if name != own.name and knows(DIALECTS[name])]
+    if not names:
+        return ""
+    return f"{' and '.join(names)} {'know' if len(names) > 1 else 'knows'} it (--dialect {names[0]})"
 
 
 def _code_order(name: str) -> tuple[str, float]:
@@ -164,10 +184,15 @@ def _add_g(words: Words, position: int, value: float, dialect: Dialect) -> None:
 
 
 def _near_g(value: float, dialect: Dialect) -> str:
-    whole = [code for code in dialect.g_groups if code // 10 == int(value)] if value >= 0 else []
-    if whole:
-        return "known are " + ", ".join(g_name(code).upper() for code in sorted(whole))
-    return ""
+    """Who knows the code, or what is near it."""
+    tenths = round(value * 10.0)
+    if abs(value * 10.0 - tenths) <= 1e-3 and (others := elsewhere(lambda other: tenths in other.g_groups, dialect)):
+        return others
+    whole = sorted(code for code in dialect.g_groups if code // 10 == int(value)) if value >= 0 else []
+    if not whole and value >= 100.0 and value.is_integer():
+        return "is a letter missing, or a blank between two codes?"
+    names = [g_name(code).upper() for code in whole]
+    return f"did you mean {names[0]}?" if len(names) == 1 else f"known are {', '.join(names)}" if names else ""
 
 
 def _add_m(
@@ -178,10 +203,12 @@ def _add_m(
         raise Fault("GS013", f"M{value:g} is no M code: it must be a whole number", at=words.block.places[position])
     group = dialect.m_groups.get(number)
     is_mapped = any(key == f"M{number}" or key.startswith(f"M{number} ") for key in mapped)
-    if group is None and (is_mapped or (has_cell and number in dialect.user_m_codes)):
+    if group is None and (is_mapped or ((has_cell or dialect.open_m_codes) and number in dialect.user_m_codes)):
         group = USER
     if group is None:
         hint = "map it in the cell under `m_codes`"
+        if others := elsewhere(lambda other: number in other.m_groups, dialect):
+            hint = others
         if number in dialect.user_m_codes:
             hint = "a control runs a program of its own for it; " + hint
         raise Fault("GS013", f"M{number} is no M code of {dialect.name}", at=words.block.places[position], hint=hint)

@@ -435,4 +435,12 @@ CODES += (
         why="Controls keep the last comment of a block only, so the message never appears and the abort never comes.",
         remedy="Put the active comment last, or into a block of its own.",
     ),
+    Code(
+        code="GS197",
+        severity=Severity.WARNING,
+        title="Number read otherwise than it looks",
+        what="A number has a blank inside, as in X5 5, or two signs, as in Y--5.",
+        why="Controls drop blanks and multiply signs: X5 5 is X55. Mostly a letter was lost.",
+        remedy="Write the missing letter, or the number in one piece with one sign.",
+    ),
 )

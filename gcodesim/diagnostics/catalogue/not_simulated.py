@@ -127,4 +127,12 @@ CODES += (
         why="Who reads that file after the run does not find it.",
         remedy="`gcodesim canon` lists the texts of (LOG, …) and where probing moves end.",
     ),
+    Code(
+        code="GS913",
+        severity=Severity.NOTE,
+        title="A G code is not simulated",
+        what="The code is read, but what it does on the control is not modelled: look-ahead, stroke limits, and such.",
+        why="What depends on it on the real machine is not in the results.",
+        remedy="The hint says what the simulation does instead. `checks: {GS9xx: error}` makes it an error.",
+    ),
 )

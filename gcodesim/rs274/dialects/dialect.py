@@ -14,10 +14,12 @@ class Dialect:
 
     `g_groups` and `m_groups` give each code's modal group; `users` says which
     codes use a letter (`g43`, `m66` …), so that a word that nothing uses is a
-    finding; letters that stand in no entry are always allowed. `first_motion`
-    is the motion in force at the start, -1 for none. `executor` names the
-    class (`module:Class`) that runs programs of a control whose blocks mean
-    something else than those of RS274.
+    finding; letters that stand in no entry are always allowed. `computes`
+    tells of parameters and expressions, `open_m_codes` that machine builders
+    use up `user_m_codes` as they like, so that no program is wrong because of
+    one. `first_motion` is the motion in force at the start, -1 for none.
+    `executor` names the class (`module:Class`) that runs programs of a control
+    whose blocks mean something else than those of RS274.
     """
 
     name: str
@@ -29,9 +31,11 @@ class Dialect:
     users: Mapping[str, frozenset[str]]
     user_m_codes: range
     letters: frozenset[str]
+    open_m_codes: bool = False
     needs_end: bool = True
     flow_words: bool = True
     named_parameters: bool = True
+    computes: bool = True
     first_motion: int = -1
     executor: str = ""
 

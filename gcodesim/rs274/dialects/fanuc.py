@@ -79,6 +79,7 @@ FANUC = Dialect(
     m_groups={code: group for group, codes in _M_GROUPS.items() for code in codes},
     users={},  # a control passes over a word that nothing uses; `execute.py` warns
     user_m_codes=range(10, 1000),
+    open_m_codes=True,
     letters=frozenset("abcdefghijklmpqrstuvwxyz"),
     named_parameters=False,
     first_motion=0,

@@ -35,6 +35,7 @@ GRBL = Dialect(
     needs_end=False,
     flow_words=False,
     named_parameters=False,
+    computes=False,
     first_motion=0,
     executor="gcodesim.rs274.grbl:GrblExecutor",
 )

@@ -15,7 +15,7 @@ from gcodesim.rs274.fanuc.cycles import cycle
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.feeds import check_feed
 from gcodesim.rs274.motions import MOTIONS
-from gcodesim.rs274.words import AXIS_LETTERS, Words
+from gcodesim.rs274.words import AXIS_LETTERS, Words, exponent, place_of
 
 # one-shot codes to which the axis words of their block belong
 _CLAIMS_AXES = frozenset((40, 51, 80, 100, 110, 270, 280, 290, 300, 520, 920))
@@ -165,7 +165,7 @@ def _machine_coordinates(words: Words, control: FanucControl) -> None:
     if control.state.side:
         raise Fault("GS150", "G53 is refused while cutter compensation is on", at="g53", hint="switch it off with G40")
     if control.state.incremental:
-        control.warn("GS109", "G53 does nothing in G91", "say G90 before")
+        control.warn("GS109", "G53 does nothing in G91", "say G90 before", place_of(words.block, "g53"))
         return
     if words.has_axes():
         control.rapid(end_point(words, control), "G53")
@@ -221,4 +221,9 @@ def _name_unused(words: Words, control: FanucControl, used: frozenset[str]) -> N
     for letter in words.values:
         if letter not in used:
             name = letter.upper()
-            control.warn("GS104", f"nothing in this block uses the word {name}: the control passes over it")
+            control.warn(
+                "GS104",
+                f"nothing in this block uses the word {name}: the control passes over it",
+                exponent(words.block) if letter == "e" else "drop it, or add the code that it belongs to",
+                place_of(words.block, letter),
+            )

@@ -58,6 +58,10 @@ class FanucExecutor(Executor):
         """GOTO, IF, WHILE, DO, END, and `#i=`: one to a block and nothing beside it."""
         flow, parameters = block.flow, self.control.parameters
         then = flow is not None and flow.keyword == "then"
+        if flow is not None and flow.keyword == "program" and block.words and block.places[0] < flow.place:
+            number = f"{flow.label:g}" if isinstance(flow.label, float) else ""
+            hint = f"is it the letter O? Write the digit 0: 0{number}"
+            raise Fault("GS001", "a program number must stand first in its line", at=flow.place, hint=hint)
         alone = len(block.settings) == (1 if flow is None or then else 0)
         if block.words and not (flow is not None and flow.keyword == "program"):
             raise Fault("GS008", "a macro statement stands alone in its block", at=block.places[0])
@@ -150,7 +154,11 @@ class FanucExecutor(Executor):
                 seen[group] = position
         if not dropped:
             return block
-        self.control.warn("GS104", "of two G codes of one group only the last counts", "drop the first")
+        for at in dropped:
+            group = self.dialect.g_groups[round(block.words[at][1] * 10.0)]  # type: ignore[operator]
+            first, last = (f"G{block.words[position][1]:g}" for position in (at, seen[group]))
+            message = f"{first} is passed over: {last} behind it is of the same group"
+            self.control.warn("GS104", message, f"drop {first}", block.places[at])
         kept = [at for at in range(len(block.words)) if at not in dropped]
         places = block.places
         words = [block.words[at] for at in kept]

@@ -222,3 +222,14 @@ def test_atan_of_two_covers_the_circle(fanuc):
     done = fanuc(body("G00 X[ATAN[-1.]/[-1.]] Y[POW[2.,3.]] Z[7 AND 12]", "M30"))
 
     assert done.ends == [[225, 8, 4]]
+
+
+def test_m_codes_of_machine_builders_are_no_error(program) -> None:
+    """Nobody but the builder knows what M88 does: it is told, not refused."""
+    done = program("O0001\nG21 G90\nM88\nM10\nM30", dialect="fanuc")
+
+    assert not done.errors
+    assert [f.message for f in done.findings if f.code == "GS907"] == [
+        "M88 is read, but not simulated",
+        "M10 is read, but not simulated",
+    ]
