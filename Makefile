@@ -25,6 +25,7 @@ lint: setup
 
 test: lint
 	$(BIN)/gcodesim warm-up
+	$(BIN)/gcodesim test programs -j 2
 	$(BIN)/python -m pytest -n 2 --dist loadfile
 
 test-slow: setup browser
