@@ -26,6 +26,7 @@ from gcodesim.whole_file import write_whole
 
 if TYPE_CHECKING:
     from gcodesim.executor import Execution, Progress
+    from gcodesim.log.live import LiveView
     from gcodesim.planning import Plan
 
 LOG_NAME: Final = "run.mcap"
@@ -180,10 +181,14 @@ def check(job: Job) -> Results:
 
 
 def run(
-    job: Job, out: Path | None = None, progress: Callable[[Progress], None] | None = None
+    job: Job,
+    out: Path | None = None,
+    progress: Callable[[Progress], None] | None = None,
+    live: LiveView | None = None,
 ) -> tuple[Results, Execution | None]:
     """Run the job with its stock; with `out` the log, the results and the stocks are written there.
 
+    `live` shows the log to viewers while it is written.
     What an earlier run left in `out` under the same names goes first, so that
     nothing old stands beside the results of a run that failed. `WorldUnavailable`
     comes before anything is touched.
@@ -205,7 +210,7 @@ def run(
     if out is not None:
         from gcodesim.recorder import Recorder
 
-        recorder = Recorder(job, out)
+        recorder = Recorder(job, out, live)
     execution = None
     inspector = Inspector(job.plan, job.shop, job.cell.simulation.step_ns)
     try:

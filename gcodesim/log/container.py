@@ -15,7 +15,7 @@ from collections import deque
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Protocol
 
 from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
@@ -48,6 +48,16 @@ class LogWriteError(OSError):
     """The log cannot be written: disk full, folder gone, no permission. What was written so far stays readable."""
 
 
+class Sink(Protocol):
+    """Who gets every message as well, in the order of the file: `open` first, then messages and rows of them."""
+
+    def open(self, topics: Sequence[tuple[Topic, bytes]]) -> None: ...
+
+    def message(self, channel: int, t_ns: int, data: bytes) -> None: ...
+
+    def rows(self, rows: Rows, channels: Sequence[int]) -> None: ...
+
+
 class Container:
     """An MCAP file under construction: `NAME.part` until it is complete.
 
@@ -56,7 +66,9 @@ class Container:
     done by a thread of its own, in order, so the bytes do not depend on it.
     """
 
-    def __init__(self, path: Path, library: str, topics: Sequence[tuple[Topic, bytes]]) -> None:
+    def __init__(
+        self, path: Path, library: str, topics: Sequence[tuple[Topic, bytes]], sink: Sink | None = None
+    ) -> None:
         """Open `path` + `.part` and write header, schemas and channels (ids from 1 in the order of `topics`).
 
         A former log under the final name is removed: it would be taken for the
@@ -84,6 +96,9 @@ class Container:
         self._write(MAGIC + _bytes_of(Header("", library)))
         for topic, data in topics:
             self._open_channel(topic, data)
+        self._sink = sink
+        if sink is not None:
+            sink.open(topics)
 
     def _open_channel(self, topic: Topic, data: bytes) -> None:
         schema = self._schemas.get(topic.schema)
@@ -99,6 +114,8 @@ class Container:
         """One message; times must not decrease. The sequence counts from 0 for each channel."""
         self._chunk.add_message(channel, self._counts[channel], t_ns, data)
         self._counts[channel] += 1
+        if self._sink is not None:
+            self._sink.message(channel, t_ns, data)
         if self._chunk.size > CHUNK_SIZE:
             self._close_chunk()
 
@@ -107,6 +124,8 @@ class Container:
         count = len(rows.times)
         for channel in channels:
             self._counts[channel] += count
+        if self._sink is not None:
+            self._sink.rows(rows, channels)
         first = 0
         while first < count:
             room = max(1, (CHUNK_SIZE - self._chunk.size) // rows.width + 1)

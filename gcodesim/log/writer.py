@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from gcodesim.log.backlog import Backlog
 from gcodesim.log.blocks import BlockColumns, program_messages, way_messages
 from gcodesim.log.columns import ColumnBatch
-from gcodesim.log.container import Container
+from gcodesim.log.container import Container, Sink
 from gcodesim.log.description import Array, LogDescription, MotionColumns, ProcessColumns
 from gcodesim.log.layout import layout
 from gcodesim.log.messages import (
@@ -66,13 +66,15 @@ class LogWriter:
     the data; ValueError tells of a fault of the caller.
     """
 
-    def __init__(self, path: Path, description: LogDescription) -> None:
+    def __init__(self, path: Path, description: LogDescription, sink: Sink | None = None) -> None:
+        """Begin a log; `sink` gets all its messages as well, such as a `LiveView`."""
         self._description = description
         self._frames = _checked_frames(description)
         topics = topic_table(description.stock_tiles, description.added_tiles)
         library = f"gcodesim {__version__}"
         data = {schema: schema_data(schema) for schema in dict.fromkeys(topic.schema for topic in topics)}
-        self._container = Container(Path(path), library, [(topic, data[topic.schema]) for topic in topics])
+        channels = [(topic, data[topic.schema]) for topic in topics]
+        self._container = Container(Path(path), library, channels, sink)
         self._channels = {topic.name: i for i, topic in enumerate(topics, start=1)}
         self._periodic = tuple(self._channels[topic.name] for topic in PERIODIC)
         self._builder = RowBuilder(description, self._periodic)

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from gcodesim.executor import Execution
     from gcodesim.executor.window import StepWindow
     from gcodesim.job import Job
+    from gcodesim.log.live import LiveView
     from gcodesim.material.stock import Stock
     from gcodesim.material.surface import Surface, Tile, Tiles
     from gcodesim.world import WorldSteps
@@ -52,9 +53,9 @@ LIBRARIES: Final = ("mcap", "numba", "numpy", "pybullet", "zstandard")
 
 
 class Recorder:
-    """The log of one job in folder `out`; OSError when the folder cannot be written."""
+    """The log of one job in folder `out`, for `live` viewers, too; OSError when the folder cannot be written."""
 
-    def __init__(self, job: Job, out: Path) -> None:
+    def __init__(self, job: Job, out: Path, live: LiveView | None = None) -> None:
         assert job.shop is not None and job.plan is not None and job.cell is not None
         out.mkdir(parents=True, exist_ok=True)
         self._job, self._out, self._shop, self._plan = job, out, job.shop, job.plan
@@ -67,7 +68,7 @@ class Recorder:
         self._tiles: list[Tiles] = [self._tiles_of(placed.stock) for placed in self._shop.stocks.values()]
         self._tile_ns = self._tile_period(self._plan.trajectory.duration_ns)
         self._limits = Limits.of(self._shop)
-        self._writer = LogWriter(out / LOG_NAME, self._description(ways))
+        self._writer = LogWriter(out / LOG_NAME, self._description(ways), live)
         self._reporter = Reporter(self._writer, job.shown(job.findings))
         self._removed = 0.0
         self._tcp: Array = np.zeros((4, 4))

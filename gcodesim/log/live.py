@@ -1,0 +1,128 @@
+"""A log while it is written, for a viewer that is connected by websocket.
+
+The viewer gets what goes into the file, message by message. Who comes late first gets the last message of every
+topic that shows something, so that cell, path, tool and part stand there at once. Nobody waits for a viewer: to one
+that does not keep up the oldest messages are not sent.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from threading import Lock
+from typing import Any, Final
+
+from gcodesim.log.rows import MESSAGE_HEAD, RECORD_HEAD, Rows
+from gcodesim.log.topics import Topic
+
+_WAITING: Final = 1 << 15  # messages on their way to a viewer: more than a window of the run brings
+_LINGER: Final = 2.0  # s; the server does not say when a viewer has everything
+_TOLD_ONCE: Final = ("/event", "/log")  # the last of these is no state: it is not repeated
+_HEAD: Final = RECORD_HEAD + MESSAGE_HEAD
+
+
+class LiveViewError(Exception):
+    """The library is missing or the port is taken; the message says which and what to do."""
+
+
+class LiveView:
+    """A websocket on this machine, at `port`, to which a `Container` hands its messages as they come."""
+
+    def __init__(self, port: int) -> None:
+        """Listen; port 0 is any free one. LiveViewError when that cannot be."""
+        try:
+            import foxglove
+            from foxglove.websocket import Capability
+        except ImportError:
+            raise LiveViewError(
+                "a live view needs the package foxglove-sdk: `pip install 'gcodesim[live]'` brings it"
+            ) from None
+        self._context = foxglove.Context()
+        self._channels: list[Any] = []
+        self._numbers: dict[str, int] = {}
+        self._last: dict[int, Callable[[], tuple[int, bytes]]] = {}
+        self._lock = Lock()  # between the run and viewers that arrive
+        try:
+            self._server = foxglove.start_server(
+                name="gcodesim",
+                host="127.0.0.1",
+                port=port,
+                context=self._context,
+                capabilities=[Capability.Time],
+                server_listener=_Arrivals(self._repeat),
+                message_backlog_size=_WAITING,
+            )
+        except RuntimeError as error:
+            raise LiveViewError(f"a live view cannot listen at port {port}: {error}") from None
+        self.port = self._server.port
+
+    # ---- what a container hands over
+
+    def open(self, topics: Sequence[tuple[Topic, bytes]]) -> None:
+        """The channels of a log, with their schemas; their numbers count from 1."""
+        from foxglove import Schema
+
+        for number, (topic, data) in enumerate(topics, start=1):
+            self._numbers[topic.name] = number
+            schema = Schema(name=topic.schema, encoding="protobuf", data=data)
+            self._channels.append(self._context._create_channel(topic.name, message_encoding="protobuf", schema=schema))
+
+    def message(self, channel: int, t_ns: int, data: bytes) -> None:
+        """One message."""
+        with self._lock:
+            self._last[channel] = lambda: (t_ns, data)
+            self._send(channel, t_ns, data)
+
+    def rows(self, rows: Rows, channels: Sequence[int]) -> None:
+        """The periodic messages of many instants."""
+        last = len(rows.times) - 1
+        with self._lock:
+            watched = [(i, channel) for i, channel in enumerate(channels) if self._channels[channel - 1].has_sinks()]
+            if watched:
+                for k, t_ns in enumerate(rows.times):
+                    for i, channel in watched:
+                        self._send(channel, t_ns, _message_of(rows, k, i))
+            for i, channel in enumerate(channels):
+                self._last[channel] = lambda i=i: (rows.times[last], _message_of(rows, last, i))  # type: ignore[misc]
+        self._server.broadcast_time(rows.times[last])
+
+    def close(self) -> None:
+        """End; a viewer that is there gets a moment to take what is on its way."""
+        end = time.monotonic() + _LINGER
+        while time.monotonic() < end and any(channel.has_sinks() for channel in self._channels):
+            time.sleep(0.02)
+        self._server.stop()
+
+    # ----
+
+    def _send(self, channel: int, t_ns: int, data: bytes) -> None:
+        self._channels[channel - 1].log(data, log_time=t_ns)
+
+    def _repeat(self, topic: str) -> None:
+        """For a viewer that has just subscribed. The others get it, too: it is what they show already."""
+        number = self._numbers.get(topic, 0)
+        with self._lock:
+            if topic not in _TOLD_ONCE and number in self._last:
+                self._send(number, *self._last[number]())
+
+
+class _Arrivals:
+    """What the server calls when something comes from a viewer; only subscriptions are of interest."""
+
+    def __init__(self, subscribed: Callable[[str], None]) -> None:
+        self._subscribed = subscribed
+
+    def on_subscribe(self, _client: Any, channel: Any) -> None:
+        self._subscribed(channel.topic)
+
+    def __getattr__(self, name: str) -> Callable[..., None]:
+        if not name.startswith("on_"):
+            raise AttributeError(name)
+        return lambda *_: None
+
+
+def _message_of(rows: Rows, instant: int, number: int) -> bytes:
+    """One of the messages of an instant."""
+    begin = instant * rows.width
+    ends = (*rows.starts[1:], rows.width)
+    return bytes(rows.data[begin + rows.starts[number] + _HEAD : begin + ends[number]])

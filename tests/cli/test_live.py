@@ -1,0 +1,56 @@
+"""`gcodesim run --live`: a viewer while the run goes on."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from gcodesim.log.logfile import LogFile
+from tests.viewer import Viewer
+
+BODY = "".join(f"G1 X{10 + i % 60} Y{5 + i % 40} F3000\n" for i in range(300))
+PROGRAM = "G21 G90 G17 G94\nT1 M6\nG43 H1\nS8000 M3\nG0 Z5\nG1 Z-0.2 F300\n" + BODY + "G0 Z20\nM5\nM2\n"
+
+
+def test_a_viewer_follows_a_run_and_changes_nothing(cli, write, tmp_path: Path) -> None:
+    write("part.nc", PROGRAM)
+    assert cli("run", "part.nc", "--cell", "cell.yaml", "--out", "alone").status == 0
+    process = subprocess.Popen(
+        [sys.executable, "-m", "gcodesim", "run", "part.nc", "--cell", "cell.yaml", "--live", "0"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "PYTHONHASHSEED": "7"},
+    )
+    assert process.stderr is not None
+    said = process.stderr.readline()
+    assert said.startswith("live at ws://localhost:")
+    viewer = Viewer(int(said.split(":")[2]))
+    _, errors = process.communicate(timeout=120)
+    viewer.end()
+
+    assert process.returncode == 0, errors
+    for path in sorted((tmp_path / "alone").iterdir()):
+        assert path.read_bytes() == (tmp_path / "out" / path.name).read_bytes(), path.name
+    log = LogFile.open(tmp_path / "out" / "run.mcap")
+    stored = {(log.channels[m.channel].topic, m.t_ns, m.data) for m in log.messages()}
+    assert set(viewer.messages) <= stored
+    assert {topic for topic, _, _ in viewer.messages} == {channel.topic for channel in log.channels.values()}
+    assert max(t_ns for _, t_ns, _ in viewer.messages) == log.end_ns
+
+
+@pytest.mark.parametrize("value", ["part.nc", "-1", "65536", "8765.5"])
+def test_what_is_no_port(cli, value: str) -> None:
+    done = cli("run", "slot.nc", "--cell", "cell.yaml", f"--live={value}")
+    assert done.status == 2 and f"'{value}' is no port from 0 to 65535" in done.err
+
+
+def test_without_the_package_nothing_is_begun(cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "foxglove", None)
+    done = cli("run", "slot.nc", "--cell", "cell.yaml", "--live")
+    assert done.status == 2 and "needs the package foxglove-sdk" in done.err
+    assert not (tmp_path / "out").exists()

@@ -1,0 +1,121 @@
+"""What a viewer at the websocket sees: the log, message by message; and nobody waits for it."""
+
+import socket
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from gcodesim.log import LogWriter
+from gcodesim.log.live import LiveView, LiveViewError
+from gcodesim.log.logfile import LogFile
+from tests.viewer import Viewer
+
+MS = 1_000_000
+PERIOD = 20 * MS
+
+
+@pytest.fixture
+def live():
+    view = LiveView(0)
+    yield view
+    view.close()
+
+
+def _windows(run, log, first, last):
+    for begin in range(first, last, 25):
+        t = np.arange(begin, min(begin + 25, last)) * PERIOD
+        log.window(t, **run.columns(t))
+
+
+def _stored(path):
+    log = LogFile.open(path)
+    return [(log.channels[m.channel].topic, m.t_ns, m.data) for m in log.messages()]
+
+
+def test_a_viewer_gets_what_the_file_gets(run, live, tmp_path):
+    log = LogWriter(tmp_path / "run.mcap", run.description(), live)
+    viewer = Viewer(live.port)
+    viewer.wait(lambda: all(channel.has_sinks() for channel in live._channels))
+    run.change_messages(log, 2_000 * MS)
+    _windows(run, log, 0, 101)
+    log.close(2_000 * MS, "finished")
+    live.close()
+    viewer.end()
+
+    assert viewer.messages == _stored(tmp_path / "run.mcap")
+    stored = LogFile.open(tmp_path / "run.mcap")
+    for number, channel in stored.channels.items():
+        assert viewer.schema(channel.topic) == (stored.schema_name(number), stored.schemas[channel.schema_id].data)
+    assert viewer.times[-1] == 2_000 * MS and viewer.times == sorted(viewer.times)
+
+
+def test_who_comes_late_sees_all_that_stands_there(run, live, tmp_path):
+    log = LogWriter(tmp_path / "run.mcap", run.description(), live)
+    run.change_messages(log, 1_000 * MS)
+    _windows(run, log, 0, 101)
+    log.flush_before(1_500 * MS)
+    viewer = Viewer(live.port)
+    told_once = {"/event", "/log"}
+    viewer.wait(lambda: {topic for topic, _, _ in viewer.messages} | told_once >= {*viewer.channels} > told_once)
+    seen = {topic: (t_ns, data) for topic, t_ns, data in viewer.messages}
+    log.close(2_000 * MS, "finished")
+    live.close()
+    viewer.end()
+
+    stored = [message for message in _stored(tmp_path / "run.mcap") if message[1] < 1_500 * MS]
+    last = {topic: (t_ns, data) for topic, t_ns, data in stored if topic not in told_once}
+    assert seen == last
+    assert seen["/tf"][0] == 1_480 * MS and seen["/scene/cell"][0] == 0
+
+
+def test_the_log_is_the_same_with_viewers_and_without(run, live, tmp_path):
+    run.write(tmp_path / "alone.mcap")
+    viewer = Viewer(live.port)
+    log = LogWriter(tmp_path / "run.mcap", run.description(), live)
+    run.change_messages(log, 2_000 * MS)
+    for first in range(0, 101, 37):
+        t = np.arange(first, min(first + 37, 101)) * PERIOD
+        log.window(t, **run.columns(t))
+    log.close(2_000 * MS, "finished", {"blocks": "6"}, {"results.json": b"{}"})
+    live.close()
+    viewer.end()
+
+    assert (tmp_path / "run.mcap").read_bytes() == (tmp_path / "alone.mcap").read_bytes()
+
+
+def test_nobody_waits_for_a_viewer_that_does_not_read(run, live, tmp_path):
+    log = LogWriter(tmp_path / "run.mcap", run.description(), live)
+    with socket.create_connection(("127.0.0.1", live.port)) as mute:
+        mute.sendall(
+            b"GET / HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+            b"Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13\r\n"
+            b"Sec-WebSocket-Protocol: foxglove.sdk.v1\r\n\r\n"
+        )
+        text = b'{"op":"subscribe","subscriptions":[{"id":1,"channelId":%d}]}' % live._channels[1].id()
+        mute.sendall(bytes([0x81, 0x80 | len(text)]) + bytes(4) + text)
+        for _ in range(500):
+            if live._channels[1].has_sinks():
+                break
+            time.sleep(0.01)
+        assert live._channels[1].has_sinks()
+        _windows(run, log, 0, 20_000)  # 20 MB of /tf, more than sockets hold
+    log.close(20_000 * PERIOD, "finished")
+
+
+def test_without_viewers_there_is_nothing_to_wait_for(live):
+    begin = time.monotonic()
+    live.close()
+    assert time.monotonic() - begin < 1.0
+
+
+def test_a_port_that_is_taken(live):
+    with pytest.raises(LiveViewError, match=f"cannot listen at port {live.port}: .*in use"):
+        LiveView(live.port)
+
+
+def test_without_the_package_it_says_which(monkeypatch):
+    monkeypatch.setitem(sys.modules, "foxglove", None)
+    with pytest.raises(LiveViewError, match=r"pip install 'gcodesim\[live\]'"):
+        LiveView(0)
