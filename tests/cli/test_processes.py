@@ -122,3 +122,33 @@ def test_the_same_bytes_in_every_process_and_folder(cli, tmp_path: Path, cell: s
     assert not any(str(tmp_path).encode() in data for data in first.values())
     checked = subprocess.run([sys.executable, CHECK_LOG, runs[0][1] / "run.mcap"], capture_output=True, text=True)
     assert checked.returncode == 0, checked.stdout + checked.stderr
+
+
+def _files(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
+
+
+def test_the_same_bytes_on_one_core_and_beside_others(cli, tmp_path: Path) -> None:
+    """One run alone, then four at once, two of them on one core: which thread is first must not show."""
+    assert cli("run", "slot.nc", "--cell", "cell.yaml", "--out", "alone").status == 0
+    runs = [_spawn("run", "slot.nc", "--cell", "cell.yaml", "--out", f"out{i}", cwd=tmp_path) for i in range(4)]
+    for process in runs[:2]:
+        os.sched_setaffinity(process.pid, {min(os.sched_getaffinity(0))})
+    for number, process in enumerate(runs):
+        said, errors = process.communicate(timeout=120)
+        assert process.returncode == 0, said + errors
+        assert _files(tmp_path / f"out{number}") == _files(tmp_path / "alone")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("cell", ["cell.yaml", "arm.yaml"])
+def test_the_same_bytes_with_a_cold_cache(cli, tmp_path: Path, cell: str) -> None:
+    """Kernels that were compiled just now, those of the cache, and those of a cache of their own."""
+    assert cli("run", "slot.nc", "--cell", cell, "--world", "bullet", "--out", "known").status == 0
+    for name in ("cold", "warm"):
+        arguments = ("run", "slot.nc", "--cell", cell, "--world", "bullet", "--out", name)
+        process = _spawn(*arguments, cwd=tmp_path, XDG_CACHE_HOME=str(tmp_path / "cache"))
+        said, errors = process.communicate(timeout=900)
+        assert process.returncode == 0, said + errors
+        assert ("compiling the kernels" in errors) == (name == "cold")
+        assert _files(tmp_path / name) == _files(tmp_path / "known")
