@@ -1,19 +1,21 @@
-"""Options that decide which findings count: the day for dated suppressions, the baseline of known findings."""
+"""What findings of programs come to: which count, the day for dated suppressions, the baseline of known findings."""
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from datetime import date
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from gcodesim.cli.exits import OK, UsageError, status_of
+from gcodesim.cli.formats import wants_formats
 from gcodesim.cli.options import read_source
-from gcodesim.diagnostics import Diagnostic, Severity, SourceText
+from gcodesim.diagnostics import Diagnostic, SourceText
 
 if TYPE_CHECKING:
+    from gcodesim.regress import CaseVerdict, SuiteVerdict
     from gcodesim.regress.baseline import Baseline
 
 
@@ -44,10 +46,10 @@ def add_baseline(parser: argparse.ArgumentParser) -> None:
 
 def read_baseline(arguments: argparse.Namespace) -> Baseline | None:
     """The baseline that the command line names; UsageError when it cannot be read."""
-    from gcodesim.regress.baseline import Baseline, BaselineError
-
     if arguments.baseline is None:
         return None
+    from gcodesim.regress.baseline import Baseline, BaselineError
+
     try:
         return Baseline.read(read_source(arguments.baseline, "baseline"))
     except BaselineError as error:
@@ -67,38 +69,124 @@ def write_baseline(path: Path, text: str) -> None:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Met:
+    """What a command met in one program (or in a cell alone): findings as the reader names files, in their order.
+
+    `files` finds paths by those names, when somebody needs them. `suppressed` has what the cell suppresses, with the
+    reason.
+    """
+
+    program: Path
+    findings: Sequence[Diagnostic]
+    sources: Mapping[str, SourceText]
+    files: Callable[[], Mapping[str, Path]]
+    cell: Path | None = None
+    suppressed: Sequence[tuple[Diagnostic, str]] = ()
+    results: Mapping[str, Any] | None = None
+
+    @property
+    def name(self) -> str:
+        """How the program is called where it is the only one."""
+        return self.program.name
+
+    def placed(self, root: Path) -> Met:
+        """The same with all files named from `root`."""
+        from gcodesim.regress.case import shown_path
+        from gcodesim.regress.places import relocated
+
+        files = self.files()
+        return replace(
+            self,
+            findings=[relocated(one, files, root) for one in self.findings],
+            suppressed=[(relocated(one, files, root), reason) for one, reason in self.suppressed],
+            sources={
+                shown_path(files[name], root) if name in files else name: source
+                for name, source in self.sources.items()
+            },
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shown:
+    """A program as people see it; `findings` are those of `met` that they have to look at."""
+
+    name: str
+    met: Met
+    findings: Sequence[Diagnostic]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Settled:
-    """What findings come to: those to be shown, lines about the baseline, the exit status."""
+    """What findings come to: `shown` are those that the baseline does not know, `remarks` are about the baseline.
 
-    shown: list[Diagnostic]
-    remarks: list[str]
+    `verdict` is a suite of all programs of the command; None when neither a format nor a baseline asks for one.
+    """
+
+    shown: list[Shown]
     status: int
+    remarks: list[str] = field(default_factory=list)
+    verdict: SuiteVerdict | None = None
 
 
-def settle(findings: Iterable[Diagnostic], arguments: argparse.Namespace, sources: Mapping[str, SourceText]) -> Settled:
-    """Leave out what the baseline knows; write a new baseline where that is asked for."""
-    found = list(findings)
+def settle(met: Sequence[Met], arguments: argparse.Namespace) -> Settled:
+    """Leave out what the baseline knows; write a new baseline where that is asked for.
+
+    A baseline, like every format, names files from the folder of the run. So do the findings of several programs.
+    """
+    if len(met) == 1 and not wants_formats(arguments) and arguments.baseline is arguments.write_baseline is None:
+        only = Shown(name=met[0].name, met=met[0], findings=met[0].findings)
+        return Settled(shown=[only], status=status_of(only.findings, arguments.fail_on))
+    from gcodesim.regress.sources import Sources
+    from gcodesim.regress.suite import baseline_of, with_baseline
+    from gcodesim.regress.verdicts import SuiteVerdict
+
+    root = Path.cwd()
     baseline = read_baseline(arguments)
-
-    def text(file: str, line: int) -> str:
-        return sources[file].line(line) if file in sources else ""
-
-    shown, remarks = found, []
+    placed = [one.placed(root) for one in met]
+    cases = [_case(one, arguments.fail_on, root) for one in placed]
     if baseline is not None:
-        known = [one for one in found if _is_severe(one, arguments.fail_on) and baseline.knows(one, text)]
-        shown = [one for one in found if not any(one is other for other in known)]
-        if known:
-            remarks.append(f"{len(known)} finding{'' if len(known) == 1 else 's'} in the baseline, not shown")
-        remarks += [f"gone from the baseline: {entry}" for entry in baseline.gone]
-    status = status_of(shown, arguments.fail_on)
+        lines = Sources(root)
+        cases = [with_baseline(case, baseline, lines) for case in cases]
+    verdict = SuiteVerdict(cases=tuple(cases), gone=() if baseline is None else baseline.gone)
     if arguments.write_baseline is not None:
-        from gcodesim.regress.baseline import baseline_text
+        write_baseline(arguments.write_baseline, baseline_of(verdict, root))
+    known = sum(one.state == "baseline" for case in cases for one in case.found)
+    return Settled(
+        # one program is shown as the reader names its files, several with their folders
+        shown=[_shown(met[0], cases[0], met[0].name)]
+        if len(met) == 1
+        else [_shown(one, case, case.name) for one, case in zip(placed, cases, strict=True)],
+        status=int(verdict.failed and arguments.write_baseline is None) or OK,
+        remarks=[
+            *([f"{known} finding{'' if known == 1 else 's'} in the baseline, not shown"] if known else []),
+            *(f"gone from the baseline: {entry}" for entry in verdict.gone),
+        ],
+        verdict=verdict,
+    )
 
-        severe = (one for one in found if _is_severe(one, arguments.fail_on))
-        write_baseline(arguments.write_baseline, baseline_text(severe, text))
-        status = OK
-    return Settled(shown=shown, remarks=remarks, status=status)
+
+def _case(met: Met, fail_on: str, root: Path) -> CaseVerdict:
+    """The findings first, in their order, then what is suppressed."""
+    from gcodesim.regress.case import shown_path
+    from gcodesim.regress.verdicts import CaseVerdict, Found
+
+    found = [Found(finding=one, state="counts" if status_of([one], fail_on) != OK else "told") for one in met.findings]
+    failed = any(one.state == "counts" for one in found)
+    found += [Found(finding=one, state="suppressed", reason=reason) for one, reason in met.suppressed]
+    name = shown_path(met.program, root)
+    return CaseVerdict(
+        name=name,
+        file=name,
+        program=name,
+        cell=None if met.cell is None else shown_path(met.cell, root),
+        status="failed" if failed else "passed",
+        found=tuple(found),
+        results=met.results,
+    )
 
 
-def _is_severe(finding: Diagnostic, fail_on: str) -> bool:
-    return fail_on != "never" and finding.level >= Severity[fail_on.upper()]
+def _shown(met: Met, case: CaseVerdict, name: str) -> Shown:
+    """The findings of `met` that are open in `case`, which has them in the same order."""
+    pairs = zip(met.findings, case.found, strict=False)
+    findings = [finding for finding, one in pairs if one.state in ("counts", "told")]
+    return Shown(name=name, met=met, findings=findings)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import date
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gcodesim.cli.exits import UsageError
@@ -14,7 +15,7 @@ from gcodesim.diagnostics import Diagnostic, SourceText
 from gcodesim.rs274 import Run, Settings, ToolTable, interpret, read_parameters
 
 if TYPE_CHECKING:
-    from gcodesim.cell import Cell
+    from gcodesim.cell import Cell, LoadedCell
 
 
 @dataclass(slots=True)
@@ -80,26 +81,57 @@ class Reading:
     cell: Cell | None
     before: list[Diagnostic]
     sources: dict[str, SourceText]
+    loaded: LoadedCell | None = None
+
+    def _all(self) -> list[Diagnostic]:
+        return sorted([*self.before, *(self.run.findings if self.run is not None else ())], key=lambda f: f.order)
 
     def findings(self, today: date | None = None) -> list[Diagnostic]:
         """All findings, with the severities of the cell and without those that it suppresses on the day `today`."""
-        found = sorted([*self.before, *(self.run.findings if self.run is not None else ())], key=lambda f: f.order)
         if self.cell is None:
-            return found
+            return self._all()
         from gcodesim.verdict import final_findings
 
-        return final_findings(found, self.cell, self.program, today)
+        return final_findings(self._all(), self.cell, self.program, today)
+
+    @property
+    def folders(self) -> Sequence[Path]:
+        """Where subprograms were looked for."""
+        return () if self.run is None else self.run.settings.subroutines
+
+    def suppressed(self, today: date | None = None) -> list[tuple[Diagnostic, str]]:
+        """The findings that the cell suppresses on the day `today`, with its reasons."""
+        if self.cell is None:
+            return []
+        from gcodesim.verdict import suppressed_findings
+
+        pairs = suppressed_findings(self._all(), self.cell, self.program, today)
+        return [(finding, entry.reason) for finding, entry in pairs]
 
 
-def reading_of(arguments: argparse.Namespace) -> Reading:
-    """The program of a command line, to be read as its options and its cell say.
+def files_of(
+    arguments: argparse.Namespace,
+    program: Path,
+    names: Iterable[str],
+    folders: Sequence[Path],
+    loaded: LoadedCell | None,
+) -> dict[str, Path]:
+    """Paths by the names that findings of a command give files: `names`, in `folders`, of the cell, of its options."""
+    from gcodesim.regress.places import files_read
+
+    given = [path for path in (arguments.tools, arguments.parameters) if path is not None]
+    return {path.name: path for path in given} | files_read(program, names, folders, loaded)
+
+
+def reading_of(arguments: argparse.Namespace, path: Path) -> Reading:
+    """The program at `path`, to be read as the options of a command line and its cell say.
 
     Without a cell and a tool table every tool is known, because a program alone does not tell which ones there are.
     """
-    program = read_source(arguments.program, "program")
+    program = read_source(path, "program")
     language = Language.of(arguments)
     settings, before, sources = Settings(), list(language.findings), dict(language.sources)
-    cell = None
+    cell = loaded = None
     if arguments.cell is not None:
         from gcodesim.cell import load_cell
         from gcodesim.simulation import settings_in_cell
@@ -109,7 +141,7 @@ def reading_of(arguments: argparse.Namespace) -> Reading:
         sources |= loaded.sources
         cell = loaded.cell
         if cell is None:
-            return Reading(program, None, None, [*loaded.findings, *before], sources)
+            return Reading(program, None, None, [*loaded.findings, *before], sources, loaded)
         settings, problems = settings_in_cell(cell)
         before += problems
     elif arguments.tools is None:
@@ -117,4 +149,4 @@ def reading_of(arguments: argparse.Namespace) -> Reading:
 
         settings = replace(settings, tool_table=assumed_tools(program))
     run = interpret(program, language.over(settings))
-    return Reading(program, run, cell, before, {**sources, program.name: program})
+    return Reading(program, run, cell, before, {**sources, program.name: program}, loaded)

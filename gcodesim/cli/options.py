@@ -60,6 +60,12 @@ def add_program(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("program", type=Path, metavar="PROGRAM", help="the G-code program (.nc, .ngc, any name)")
 
 
+def add_programs(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "programs", type=Path, nargs="+", metavar="PROGRAM", help="G-code programs (.nc, .ngc, any name)"
+    )
+
+
 def add_cell(parser: argparse.ArgumentParser, *, required: bool) -> None:
     parser.add_argument(
         "--cell", type=Path, metavar="CELL", required=required, help="the cell file (YAML); `gcodesim init` writes one"

@@ -30,6 +30,12 @@ def print_findings(findings: Iterable[Diagnostic], sources: Mapping[str, SourceT
         print(text)
 
 
+def print_verdict(name: str, findings: Sequence[Diagnostic], sources: Mapping[str, SourceText]) -> None:
+    """The findings of one program or cell, and a line that counts them."""
+    print_findings(findings, sources)
+    print(f"{name}: {verdict(findings)}")
+
+
 def verdict(findings: Iterable[Diagnostic]) -> str:
     """`2 errors, no warnings, 1 note`."""
     levels = [finding.level for finding in findings]

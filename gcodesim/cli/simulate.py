@@ -9,6 +9,7 @@ import signal
 import sys
 import threading
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Any
@@ -16,8 +17,9 @@ from typing import TYPE_CHECKING, Any
 from gcodesim import compiled
 from gcodesim.cell import load_cell
 from gcodesim.cli.exits import INTERRUPTED, UsageError
-from gcodesim.cli.judging import Settled, settle
-from gcodesim.cli.language import Language
+from gcodesim.cli.formats import write_formats
+from gcodesim.cli.judging import Met, Shown, settle
+from gcodesim.cli.language import Language, files_of
 from gcodesim.cli.options import read_source
 from gcodesim.cli.output import note, print_findings, print_json, print_table, verdict
 from gcodesim.diagnostics import Severity
@@ -33,17 +35,21 @@ from gcodesim.simulation import (
     prepare,
     run,
 )
+from gcodesim.verdict import suppressed_findings
 
 if TYPE_CHECKING:
+    from gcodesim.cell import LoadedCell
     from gcodesim.executor import Progress
-    from gcodesim.log.live import LiveView
 
 
-def _prepared(arguments: argparse.Namespace) -> Job:
-    program = read_source(arguments.program, "program")
+def _loaded(arguments: argparse.Namespace) -> LoadedCell:
     read_source(arguments.cell, "cell")
+    return load_cell(arguments.cell, arguments.allow_path)
+
+
+def _prepared(arguments: argparse.Namespace, path: Path, loaded: LoadedCell) -> Job:
+    program = read_source(path, "program")
     compiled.when_cold = _announce_compiling
-    loaded = load_cell(arguments.cell, arguments.allow_path)
     language = Language.of(arguments)
     options = Options(
         world=getattr(arguments, "world", None),
@@ -56,47 +62,49 @@ def _prepared(arguments: argparse.Namespace) -> Job:
     return prepare(program, loaded, options)
 
 
-def check_program(arguments: argparse.Namespace) -> int:
+def _met(arguments: argparse.Namespace, path: Path, loaded: LoadedCell, job: Job, results: Results) -> Met:
+    folders = () if job.reading is None else job.reading.settings.subroutines
+    suppressed = suppressed_findings(job.findings, job.cell, job.program, job.options.today)
+    return Met(
+        program=path,
+        cell=arguments.cell,
+        findings=results.findings,
+        suppressed=[(finding, entry.reason) for finding, entry in suppressed],
+        sources=job.sources,
+        files=lambda: files_of(arguments, path, job.sources, folders, loaded),
+        results=results.as_json(),
+    )
+
+
+def check_programs(arguments: argparse.Namespace) -> int:
     """`gcodesim check`."""
-    job = _prepared(arguments)
-    results = check(job)
-    settled = settle(results.findings, arguments, job.sources)
-    if arguments.format == "json":
-        print_json(results.as_json())
-    else:
-        _print_verdict(job, results, settled, simulated=job.plan is not None)
+    loaded = _loaded(arguments)
+    jobs = [_prepared(arguments, path, loaded) for path in arguments.programs]
+    checked = [check(job) for job in jobs]
+    settled = settle(
+        [
+            _met(arguments, path, loaded, job, results)
+            for path, job, results in zip(arguments.programs, jobs, checked, strict=True)
+        ],
+        arguments,
+    )
+    for number, (job, results, shown) in enumerate(zip(jobs, checked, settled.shown, strict=True), start=1):
+        if arguments.format == "json":
+            print_json(results.as_json())  # a line each
+        elif arguments.format == "text":
+            remarks = settled.remarks if number == len(jobs) else []
+            _print_verdict(shown, results, remarks, simulated=job.plan is not None)
+    write_formats(settled.verdict, arguments)
     return settled.status
 
 
 def run_program(arguments: argparse.Namespace) -> int:
     """`gcodesim run`."""
-    begin = time.perf_counter()
-    live = _live(arguments)
-    try:
-        return _run_program(arguments, live, begin)
-    finally:
-        if live is not None:
-            live.close()
-
-
-def _live(arguments: argparse.Namespace) -> LiveView | None:
-    """The view of the log for viewers, when it was asked for."""
-    if arguments.live is None:
-        return None
-    from gcodesim.log.live import LiveView, LiveViewError
-
-    try:
-        live = LiveView(arguments.live)
-    except LiveViewError as reason:
-        raise UsageError(str(reason)) from None
-    note(f"live at ws://localhost:{live.port}: open a Foxglove WebSocket connection in Foxglove or Lichtblick")
-    return live
-
-
-def _run_program(arguments: argparse.Namespace, live: LiveView | None, begin: float) -> int:
     from gcodesim.world import WorldUnavailable
 
-    job = _prepared(arguments)
+    begin = time.perf_counter()
+    loaded = _loaded(arguments)
+    job = _prepared(arguments, arguments.program, loaded)
     if arguments.out.exists() and not arguments.out.is_dir():
         raise UsageError(f"{arguments.out} is a file, not a folder")
     try:
@@ -106,18 +114,19 @@ def _run_program(arguments: argparse.Namespace, live: LiveView | None, begin: fl
                 bar(now)
                 stop.obey()
 
-            results, execution = run(job, arguments.out, progress, live)
+            results, execution = run(job, arguments.out, progress)
     except WorldUnavailable as reason:
         raise UsageError(str(reason)) from None
     except OSError as error:
         raise UsageError(_unwritten(arguments.out, error)) from None
-    settled = settle(results.findings, arguments, job.sources)
+    settled = settle([_met(arguments, arguments.program, loaded, job, results)], arguments)
     if arguments.format == "json":
         print_json(results.as_json())
-    else:
-        _print_verdict(job, results, settled, simulated=execution is not None)
+    elif arguments.format == "text":
+        _print_verdict(settled.shown[0], results, settled.remarks, simulated=execution is not None)
         if execution is not None:
             _print_files(arguments.out, results)
+    write_formats(settled.verdict, arguments)
     seconds = time.perf_counter() - begin
     if execution is not None and seconds > 0.0:
         memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
@@ -201,11 +210,11 @@ class _Bar:
             self._bar.stop()
 
 
-def _print_verdict(job: Job, results: Results, settled: Settled, *, simulated: bool) -> None:
-    print_findings(settled.shown, job.sources)
-    for remark in settled.remarks:
+def _print_verdict(shown: Shown, results: Results, remarks: Sequence[str], *, simulated: bool) -> None:
+    print_findings(shown.findings, shown.met.sources)
+    for remark in remarks:
         print(remark)
-    print(f"{job.program.name}: {verdict(settled.shown)}")
+    print(f"{shown.name}: {verdict(shown.findings)}")
     stopped = results.stopped_at
     if not simulated:
         print("nothing was simulated, because of what is wrong in the cell")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import textwrap
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
@@ -10,14 +11,12 @@ from typing import Final
 from gcodesim.cli.output import wants_colour
 from gcodesim.diagnostics import SourceText
 from gcodesim.diagnostics.show import as_text
+from gcodesim.formats.text import counting, found_text
 from gcodesim.regress.sources import Sources
-from gcodesim.regress.verdicts import CaseVerdict, Found, SuiteVerdict
+from gcodesim.regress.verdicts import CaseVerdict, SuiteVerdict
 
 _MOST: Final = 8
 """Findings of a case that are shown without -v."""
-
-_ORDER: Final = ("", "GS601", "GS602", "GS603", "GS605", "GS606", "GS604")
-_OF_THE_WHOLE: Final = ("GS604", "GS605")
 
 _COLOUR: Final = {"passed": "32", "failed": "31;1", "not_run": "33"}
 _WORDS: Final = {"passed": "passed", "failed": "FAILED", "not_run": "not run"}
@@ -36,34 +35,16 @@ def print_suite(verdict: SuiteVerdict, root: Path, *, verbose: bool) -> None:
 
 def _print_case(case: CaseVerdict, sources: Mapping[str, SourceText], *, verbose: bool) -> None:
     print(f"{_coloured(_WORDS[case.status], case.status)} {case.name}{' (unchanged)' if case.unchanged else ''}")
-    shown = sorted((one for one in case.found if one.state == "counts"), key=lambda one: _rank(one.finding.code))
+    shown = counting(case)
     if verbose:
         shown += [one for one in case.found if one.state != "counts"]
     least = len(shown) if verbose else _MOST
     for one in shown[:least]:
-        # the place of a result is that of the first difference in motion, which is quoted above it
-        quoted = {} if one.finding.code in _OF_THE_WHOLE else sources
-        for line in as_text(one.finding, quoted).splitlines():
-            print(f"  {line}")
-        if _remark(one):
-            print(f"    {_remark(one)}")
+        print(textwrap.indent(found_text(one, sources), "  "))
     if len(shown) > least:
         print(f"  … and {len(shown) - least} more (-v shows all)")
     if shown:
         print()
-
-
-def _rank(code: str) -> int:
-    """What one wants to know first: faults, expectations, motion, surface, then the other results."""
-    return _ORDER.index(code) if code in _ORDER else 0
-
-
-def _remark(found: Found) -> str:
-    if found.state == "suppressed":
-        return f"suppressed: {found.reason}"
-    if found.state == "counts":
-        return found.reason
-    return "" if found.state == "told" else {"baseline": "in the baseline"}.get(found.state, found.state)
 
 
 def _print_summary(verdict: SuiteVerdict) -> None:

@@ -79,7 +79,7 @@ def run_suite(
                 if cache is not None:
                     cache.keep(case, verdict, one.files, one.until, today)
             if baseline is not None:
-                verdict = _with_baseline(verdict, baseline, lines)
+                verdict = with_baseline(verdict, baseline, lines)
             has_failed |= verdict.status == "failed"
             verdicts.append(verdict)
             if progress is not None:
@@ -118,7 +118,8 @@ def in_parallel(
             pool.shutdown(wait=True, cancel_futures=True)
 
 
-def _with_baseline(verdict: CaseVerdict, baseline: Baseline, lines: Sources) -> CaseVerdict:
+def with_baseline(verdict: CaseVerdict, baseline: Baseline, lines: Sources) -> CaseVerdict:
+    """`verdict` where findings that `baseline` knows do not count; `lines` are those of the files they name."""
     found = tuple(
         replace(one, state="baseline") if _may_wait(one) and baseline.knows(one.finding, lines.line) else one
         for one in verdict.found

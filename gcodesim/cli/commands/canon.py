@@ -29,7 +29,7 @@ def run(arguments: argparse.Namespace) -> int:
     from gcodesim.cli.language import reading_of
     from gcodesim.cli.output import findings_as_json, note, print_findings, print_json
 
-    reading = reading_of(arguments)
+    reading = reading_of(arguments, arguments.program)
     run, as_json = reading.run, arguments.format == "json"
     if run is None:
         if as_json:

@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from gcodesim.cli.exits import FINDINGS, OK, status_of
+from gcodesim.cli.formats import add_verdict_formats, write_formats
+from gcodesim.cli.judging import Met, add_baseline, settle
 from gcodesim.cli.options import add_fail_on, add_format, read_source
 
 
@@ -28,7 +30,11 @@ def add_parser(commands: Any) -> None:
             metavar="DIR",
             help="a folder besides the cell's own from which it may take files",
         )
-        add_format(action)
+        if function is _validate:
+            add_verdict_formats(action)
+            add_baseline(action)
+        else:
+            add_format(action)
         add_fail_on(action)
         action.set_defaults(run=function)
     schema = actions.add_parser("schema", help="print the JSON Schema of cell files, or the units")
@@ -38,16 +44,25 @@ def add_parser(commands: Any) -> None:
 
 def _validate(arguments: argparse.Namespace) -> int:
     from gcodesim.cell import load_cell
-    from gcodesim.cli.output import findings_as_json, print_findings, print_json, verdict
+    from gcodesim.cli.output import findings_as_json, print_json, print_verdict
 
     read_source(arguments.cell, "cell")
     loaded = load_cell(arguments.cell, arguments.allow_path)
+    met = Met(
+        program=arguments.cell,
+        findings=list(loaded.findings),
+        sources=loaded.sources,
+        files=lambda: {file.name: file.path for file in loaded.files},
+    )
+    settled = settle([met], arguments)
     if arguments.format == "json":
         print_json({"findings": findings_as_json(loaded.findings)})
-    else:
-        print_findings(loaded.findings, loaded.sources)
-        print(f"{arguments.cell.name}: {verdict(loaded.findings)}")
-    return status_of(loaded.findings, arguments.fail_on)
+    elif arguments.format == "text":
+        print_verdict(met.name, settled.shown[0].findings, loaded.sources)
+        for remark in settled.remarks:
+            print(remark)
+    write_formats(settled.verdict, arguments)
+    return settled.status
 
 
 def _show(arguments: argparse.Namespace) -> int:

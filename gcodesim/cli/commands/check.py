@@ -5,21 +5,22 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from gcodesim.cli.formats import add_verdict_formats
 from gcodesim.cli.judging import add_baseline, add_today
-from gcodesim.cli.options import add_cell, add_fail_on, add_format, add_language, add_program
+from gcodesim.cli.options import add_cell, add_fail_on, add_language, add_programs
 
 
 def add_parser(commands: Any) -> None:
     parser = commands.add_parser(
         "check",
         help="limits, reach, fixtures and time of a program in a cell; no material",
-        description="Plan the motion of a program in a cell: travel and joint limits, reach, collisions of tools with "
-        "fixtures, time. Nothing is cut and no file is written.",
+        description="Plan the motion of programs in a cell, each for itself: travel and joint limits, reach, "
+        "collisions of tools with fixtures, time. Nothing is cut and no log is written.",
     )
-    add_program(parser)
+    add_programs(parser)
     add_cell(parser, required=True)
     add_language(parser)
-    add_format(parser)
+    add_verdict_formats(parser)
     add_fail_on(parser)
     add_baseline(parser)
     add_today(parser)
@@ -27,6 +28,6 @@ def add_parser(commands: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from gcodesim.cli.simulate import check_program
+    from gcodesim.cli.simulate import check_programs
 
-    return check_program(arguments)
+    return check_programs(arguments)

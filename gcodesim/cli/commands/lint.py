@@ -1,26 +1,31 @@
-"""`gcodesim lint PROGRAM`: every fault of a program, without a cell."""
+"""`gcodesim lint PROGRAM...`: every fault of programs, without a cell."""
 
 from __future__ import annotations
 
 import argparse
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from gcodesim.cli.exits import FINDINGS
-from gcodesim.cli.judging import add_baseline, add_today, settle
-from gcodesim.cli.options import add_cell, add_fail_on, add_format, add_language, add_program
+from gcodesim.cli.formats import add_verdict_formats, write_formats
+from gcodesim.cli.judging import Met, add_baseline, add_today, settle
+from gcodesim.cli.options import add_cell, add_fail_on, add_language, add_programs
+
+if TYPE_CHECKING:
+    from gcodesim.cli.language import Reading
 
 
 def add_parser(commands: Any) -> None:
     parser = commands.add_parser(
         "lint",
         help="find what is wrong with a program, without a cell",
-        description="Report every fault of a program that shows without a machine. With --cell the tools, work offsets "
+        description="Report every fault of programs that shows without a machine. With --cell the tools, work offsets "
         "and M-codes of the cell are known.",
     )
-    add_program(parser)
+    add_programs(parser)
     add_cell(parser, required=False)
     add_language(parser)
-    add_format(parser)
+    add_verdict_formats(parser)
     add_fail_on(parser)
     add_baseline(parser)
     add_today(parser)
@@ -28,21 +33,42 @@ def add_parser(commands: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from gcodesim.cli.language import reading_of
-    from gcodesim.cli.output import findings_as_json, print_findings, print_json, verdict
+    from gcodesim.cli.output import findings_as_json, print_json, print_verdict
 
-    reading = reading_of(arguments)
+    read = [_read(arguments, path) for path in arguments.programs]
+    met = [_met(arguments, path, one) for path, one in zip(arguments.programs, read, strict=True)]
+    settled = settle(met, arguments)
+    if arguments.format == "json":
+        # all of them, also what a baseline knows
+        print_json({"findings": [one for shown in settled.shown for one in findings_as_json(shown.met.findings)]})
+    elif arguments.format == "text":
+        for shown in settled.shown:
+            print_verdict(shown.name, shown.findings, shown.met.sources)
+        for remark in settled.remarks:
+            print(remark)
+    write_formats(settled.verdict, arguments)
+    return FINDINGS if any(reading.run is None for reading in read) else settled.status
+
+
+def _read(arguments: argparse.Namespace, path: Path) -> Reading:
+    from gcodesim.cli.language import reading_of
+
+    reading = reading_of(arguments, path)
     if reading.run is not None:
         for _ in reading.run.stream():
             pass
         reading.sources |= reading.run.sources
-    findings = reading.findings(arguments.today)
-    settled = settle(findings, arguments, reading.sources)
-    if arguments.format == "json":
-        print_json({"findings": findings_as_json(findings)})
-    else:
-        print_findings(settled.shown, reading.sources)
-        for remark in settled.remarks:
-            print(remark)
-        print(f"{reading.program.name}: {verdict(settled.shown)}")
-    return FINDINGS if reading.run is None else settled.status
+    return reading
+
+
+def _met(arguments: argparse.Namespace, path: Path, reading: Reading) -> Met:
+    from gcodesim.cli.language import files_of
+
+    return Met(
+        program=path,
+        cell=arguments.cell,
+        findings=reading.findings(arguments.today),
+        suppressed=reading.suppressed(arguments.today),
+        sources=reading.sources,
+        files=lambda: files_of(arguments, path, reading.sources, reading.folders, reading.loaded),
+    )

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gcodesim.cli.exits import FINDINGS, OK
+from gcodesim.cli.formats import add_verdict_formats, write_formats
 from gcodesim.cli.judging import add_baseline, read_baseline, write_baseline
-from gcodesim.cli.options import add_format
 from gcodesim.cli.suite import Bar, add_selection, jobs_of, selected
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ def add_parser(commands: Any) -> None:
         "--cache", type=Path, metavar="DIR", help="where it is remembered what passed (default: in the user's cache)"
     )
     add_baseline(parser)
-    add_format(parser)
+    add_verdict_formats(parser)
     parser.set_defaults(run=run)
 
 
@@ -80,5 +80,6 @@ def _report(verdict: SuiteVerdict, how: Judging, arguments: argparse.Namespace) 
 
     if arguments.format == "json":
         print_json(suite_as_json(verdict))
-    else:
+    elif arguments.format == "text":
         print_suite(verdict, how.root, verbose=arguments.verbose)
+    write_formats(verdict, arguments)

@@ -1,0 +1,76 @@
+"""The findings of a verdict, each once: where many cases meet the same fault of one file, it is one fault."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, replace
+from typing import Final
+
+from gcodesim.diagnostics import Caller, Diagnostic, Span
+from gcodesim.formats.places import Places
+from gcodesim.regress.baseline import entry_of
+from gcodesim.regress.verdicts import Found, State, SuiteVerdict
+
+_WEIGHTS: Final[tuple[State, ...]] = ("suppressed", "baseline", "accepted", "expected", "told", "counts")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Item:
+    """A finding, its files named from the top of the repository; `cases` are those that have it.
+
+    `state` and `reason` are those of the case in which it weighs most. `fingerprint` stays the same when lines move
+    and numbers change: it is made of the file, the code, the words of the line and what the message says.
+    """
+
+    finding: Diagnostic
+    state: State
+    reason: str
+    cases: tuple[str, ...]
+    fingerprint: str
+
+    @property
+    def is_open(self) -> bool:
+        """Whether somebody has to look at it: nobody has expected, accepted or suppressed it."""
+        return self.state in ("counts", "told")
+
+
+def items_of(verdict: SuiteVerdict, places: Places) -> list[Item]:
+    """All findings of `verdict` in the order of their places."""
+    met: dict[tuple[object, ...], tuple[Found, list[str]]] = {}
+    for case, found in [("", one) for one in verdict.found] + [(c.name, one) for c in verdict.cases for one in c.found]:
+        finding = found.finding
+        key = (finding.code, finding.level, finding.message, replace(finding.span, callers=()))
+        known, cases = met.setdefault(key, (found, []))
+        if case and case not in cases:
+            cases.append(case)
+        if _WEIGHTS.index(found.state) > _WEIGHTS.index(known.state):
+            met[key] = (found, cases)
+    entries: dict[tuple[str, ...], int] = {}
+    items = []
+    for found, cases in sorted(met.values(), key=lambda pair: pair[0].finding.order):
+        file, *rest = entry_of(found.finding, places.line)
+        entry = (places.shown(file), *rest)
+        entries[entry] = entries.get(entry, 0) + 1
+        items.append(
+            Item(
+                finding=_from_top(found.finding, places),
+                state=found.state,
+                reason=found.reason,
+                cases=tuple(cases),
+                fingerprint=_digest(*entry, str(entries[entry])),
+            )
+        )
+    return items
+
+
+def _from_top(finding: Diagnostic, places: Places) -> Diagnostic:
+    def moved(span: Span) -> Span:
+        callers = tuple(Caller(places.shown(c.file), c.line, c.name) for c in span.callers)
+        return replace(span, file=places.shown(span.file), callers=callers)
+
+    related = None if finding.related is None else moved(finding.related)
+    return replace(finding, span=moved(finding.span), related=related)
+
+
+def _digest(*parts: str) -> str:
+    return hashlib.sha256("\0".join(parts).encode("utf-8", "surrogateescape")).hexdigest()

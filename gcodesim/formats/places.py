@@ -1,0 +1,40 @@
+"""How a report names files: from the top of the repository, as build servers do."""
+
+from __future__ import annotations
+
+import posixpath
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from gcodesim.diagnostics import SourceText
+from gcodesim.regress.case import shown_path
+from gcodesim.regress.sources import Sources
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Places:
+    """`sources` by the names that a verdict gives files, from the folder of the run.
+
+    `prefix` is the way to that folder from the top of the repository.
+    """
+
+    sources: Mapping[str, SourceText] = field(default_factory=dict)
+    prefix: str = ""
+
+    @staticmethod
+    def of(root: Path) -> Places:
+        """For a run in the folder `root`: its files, and the way to it from the repository in which it lies."""
+        root = root.resolve()
+        top = next((folder for folder in (root, *root.parents) if (folder / ".git").exists()), root)
+        prefix = "" if top == root else shown_path(root, top)
+        return Places(sources=Sources(root), prefix=prefix)
+
+    def shown(self, name: str) -> str:
+        """`name` from the top, with `/` and without detours."""
+        return posixpath.normpath(posixpath.join(self.prefix, name))
+
+    def line(self, name: str, number: int) -> str:
+        """A line of a file, empty when it is not there."""
+        source = self.sources.get(name)
+        return "" if source is None else source.line(number)

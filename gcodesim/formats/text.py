@@ -1,0 +1,38 @@
+"""One case as lines for people: its status, what makes it fail, and on request all that was said."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+from gcodesim.diagnostics import SourceText
+from gcodesim.diagnostics.show import as_text
+from gcodesim.regress.verdicts import CaseVerdict, Found
+
+_ORDER: Final = ("", "GS601", "GS602", "GS603", "GS605", "GS606", "GS604")
+_OF_THE_WHOLE: Final = ("GS604", "GS605")
+
+
+def counting(case: CaseVerdict) -> list[Found]:
+    """What makes a case fail, in the order in which one wants to know it: faults, expectations, motion, the rest."""
+    return sorted((one for one in case.found if one.state == "counts"), key=lambda one: _rank(one.finding.code))
+
+
+def _rank(code: str) -> int:
+    return _ORDER.index(code) if code in _ORDER else 0
+
+
+def found_text(found: Found, sources: Mapping[str, SourceText]) -> str:
+    """A finding with its excerpt, and what it does to the verdict where that is not plain."""
+    # the place of a result is that of the first difference in motion, which is quoted above it
+    quoted = {} if found.finding.code in _OF_THE_WHOLE else sources
+    remark = _remark(found)
+    return as_text(found.finding, quoted) + (f"\n  {remark}" if remark else "")
+
+
+def _remark(found: Found) -> str:
+    if found.state == "suppressed":
+        return f"suppressed: {found.reason}"
+    if found.state == "counts":
+        return found.reason
+    return "" if found.state == "told" else {"baseline": "in the baseline"}.get(found.state, found.state)
