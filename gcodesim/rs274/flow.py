@@ -12,7 +12,6 @@ from gcodesim.rs274.control import Control
 from gcodesim.rs274.expressions import checked, loose
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.frame import Frame, Label
-from gcodesim.rs274.machine_codes import end_program
 from gcodesim.rs274.program_file import KEYWORDS, ProgramFile
 from gcodesim.rs274.reader import Reader
 from gcodesim.rs274.saved import bring_back
@@ -300,7 +299,7 @@ class FlowControl:
 
     def _endsub(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
         del index, arrived
-        if len(self.frames) == 1 or self.frame.by_m98 or self.frame.name != label:
+        if len(self.frames) == 1 or self.frame.by_m98:  # as on the control, the label is not looked at
             raise Fault("GS130", f"`endsub` {show(label)} has no `sub` before it")
         self._return(flow)
 
@@ -374,8 +373,11 @@ class FlowControl:
                 message = f"{own.name} holds no {what}"
             else:
                 message = f"there is no {what}"
-                hint = f"begin it with a line O{label}" if by_m98 else self._near_sub(label) or (
-                    f"define it with `{show(label)} sub`, or put {label}.ngc into a folder of subroutines"
+                hint = (
+                    f"begin it with a line O{label}"
+                    if by_m98
+                    else self._near_sub(label)
+                    or (f"define it with `{show(label)} sub`, or put {label}.ngc into a folder of subroutines")
                 )
             raise Stopped("GS131", message, index=len(file.lines) - 1, hint=hint)
         if by_m98 and found.keyword == "sub":
@@ -423,7 +425,11 @@ class FlowControl:
     def call_program(self, number: int, rounds: int, index: int) -> None:
         """M98 P L."""
         label = str(number)
-        if rounds <= 0:
+        if rounds <= 0:  # as on the control, a level is entered without going anywhere
+            message = "M98 with L0 calls nothing, but the next M99 comes back to here, as on the control"
+            self.control.warn("GS194", message, hint="leave the block out")
+            self._enter(self.frame.file, index + 1, label, index)
+            self.frame.by_m98 = True
             return
         file, first = self._find(label, index, by_m98=True)
         self._enter(file, first + 1, label, index)
@@ -432,11 +438,8 @@ class FlowControl:
         self.frame.rounds = rounds
 
     def end_of_program(self) -> None:
-        """M99: the next round of an M98, or back to the caller."""
+        """M99 of a subprogram: the next round of an M98, or back to the caller."""
         frame = self.frame
-        if len(self.frames) == 1:
-            end_program(self.control, shuttle=False)  # a control would start again from the top
-            return
         if not frame.by_m98:
             raise Fault("GS130", "M99 inside an O-word subroutine", at="m99", hint="use `return` or `endsub`")
         frame.rounds -= 1

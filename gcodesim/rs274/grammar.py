@@ -114,7 +114,9 @@ class _Build(Transformer[Token, Any]):
         return "flow", ((word.start_pos, float(number), "end", ()), [])
 
     def bracket(self, value: Node) -> Node:
-        return replace(value, closed=True) if isinstance(value, Binary) else value
+        if not isinstance(value, Binary):
+            return value
+        return Signed(1.0, value) if value.closed else replace(value, closed=True)  # brackets in brackets are a value
 
     def binary(self, left: Node, operator: Token, right: Node) -> Node:
         return Binary(operator.value, left, right)

@@ -80,7 +80,10 @@ def outputs(words: Words, control: Control) -> None:
             control.skip(f"M{m} P{index}")
     elif m in (67, 68):
         index = _index(words, "e", m)
-        value = words.get("q") or 0.0
+        value = words.get("q")
+        if value is None:
+            value = -1.0  # as on the control
+            control.warn("GS105", f"M{m} without Q sets the output to -1, as on the control", "say Q")
         if not _act(control, m, words):
             control.out.append(
                 canon.Output(span=control.span, type="analog", index=index, value=value, with_motion=m == 67)
@@ -228,7 +231,7 @@ def overrides(words: Words, control: Control) -> None:
     if m is None:
         return
     state = control.state
-    if state.side and m != 52 and m != 53:
+    if state.side:
         raise Fault("GS150", f"M{m} is refused while cutter compensation is on", at=f"m{m}", hint="say G40 first")
     p = words.get("p")
     on = p is None or p != 0.0
@@ -258,9 +261,9 @@ def user_codes(words: Words, control: Control) -> None:
 
 
 def stop(words: Words, control: Control) -> None:
-    """M0, M1, M60, M2, M30."""
+    """M0, M1, M60, M2, M30, and M99 of the main program, where a control would start again from the top."""
     m = words.m.get(STOPPING)
-    if m is None or m in (98, 99):
+    if m is None:
         return
     from gcodesim.rs274 import compensation
 

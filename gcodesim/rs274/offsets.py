@@ -233,6 +233,9 @@ def _go_home(first: int, code: int) -> Callable[[Words, Control], None]:
         # as on the control, the tool's offset in A, B and C is left out of it
         offset = (*state.tool_offset[:3], 0.0, 0.0, 0.0, *state.tool_offset[6:])
         end = control.point_of(subtract(home, offset))
+        leaving, state.comp_leaving = state.comp_leaving, False
+        if leaving and not words.has_axes():
+            control.rapid(state.current, word)  # after G40 first from beside the path to the programmed point
         if words.has_axes():
             control.rapid(end_point(words, control), word)
             named = [letter in words.values for letter in AXES]

@@ -13,12 +13,13 @@ from gcodesim.rs274.reader import Reader
 
 # possessive quantifiers: a line of a million blanks is passed over once
 _FLOW = re.compile(
-    r"\s*+(?:/\s*+)?(?:[Nn][\d\s.]*+)?[Oo]\s*+([0-9][0-9\s]*+|<[^>]*+>|\[.*?\](?=\s*+[A-Za-z]))\s*+([A-Za-z\s]*+)"
+    r"\s*+(?:/\s*+)?(?:[Nn][\d\s.]*+)?[Oo]\s*+([0-9][0-9\s]*+(?:\.[0\s]*+)?|<[^>]*+>|\[.*?\](?=\s*+[A-Za-z]))\s*+([A-Za-z\s]*+)(.?)"
 )
 KEYWORDS = (
     *("sub", "endsub", "call", "return", "do", "while", "endwhile", "if", "elseif", "else", "endif"),
     *("break", "continue", "repeat", "endrepeat"),
 )
+_BY_LENGTH = sorted(KEYWORDS, key=len, reverse=True)
 _MOST_CACHED = 200_000  # blocks are kept for loops; a program longer than this is read without keeping
 
 
@@ -58,7 +59,7 @@ class ProgramFile:
         for index in self._lines_with_o():
             match = _FLOW.match(self.lines[index])
             if match:
-                found.append(FlowLine(index, plain_label(match[1]), re.sub(r"\s", "", match[2]).lower()))
+                found.append(FlowLine(index, plain_label(match[1]), _keyword(match[2], match[3])))
         return found
 
     def _lines_with_o(self) -> list[int]:
@@ -74,6 +75,14 @@ class ProgramFile:
         return None
 
 
+def _keyword(text: str, behind: str) -> str:
+    """The keyword that `text` begins with, as a control that passes over the line looks for it; else the text."""
+    squeezed = re.sub(r"\s", "", text).lower()
+    if not squeezed:
+        return "" if behind in ("", "(", ";") else "?"
+    return next((keyword for keyword in _BY_LENGTH if squeezed.startswith(keyword)), squeezed)
+
+
 def plain_label(text: str) -> str:
     """`100`, `<name>` as they are compared; empty for a computed one."""
     squeezed = re.sub(r"\s", "", text).lower()
@@ -81,7 +90,7 @@ def plain_label(text: str) -> str:
         return squeezed[1:-1]
     if squeezed.startswith("["):
         return ""
-    return squeezed.lstrip("0") or "0"
+    return squeezed.partition(".")[0].lstrip("0") or "0"
 
 
 def _opening(lines: Sequence[str]) -> tuple[int, bool]:

@@ -262,13 +262,23 @@ class Executor:
         execute(words, self.control)
 
     def _program_call(self, words: Words, index: int) -> None:
-        """M98 and M99: the control passes over everything else in the block."""
-        if set(words.values) - {"p", "l"} or words.g or len(words.m_codes) > 1:
-            hint = "put it into a block of its own"
-            self.control.warn("GS194", "the rest of a block with M98 or M99 is not executed", hint)
-        if words.m.get(STOPPING) == 99:
+        """M98 and M99, which take the place of an O-word; M99 of the main program is one code among others."""
+        code = words.m[STOPPING]
+        in_main = len(self.flow.frames) == 1
+        if code == 99 and in_main:
+            self._obey(words)
+            return
+        if words.block.words[0][0] != "m" or words.m_codes[0] != code:
+            raise Fault("GS013", f"M{code} must be the first word of its block", at=f"m{code}", hint="write it first")
+        others = bool(set(words.values) - {"p", "l"} or words.g or len(words.m_codes) > 1)
+        if code == 99:
+            if others or words.values:
+                raise Fault("GS008", "nothing else can stand in a block with the M99 of a subprogram", at="m99")
             self.flow.end_of_program()
             return
+        if others:
+            hint = "put it into a block of its own"
+            self.control.warn("GS194", "the rest of a block with M98 is not executed", hint)
         if "p" not in words.values:
             raise Fault("GS105", "M98 needs the word P", at="m98", hint="P is the number of the program: M98 P1000")
         number = words.whole("p", "M98")

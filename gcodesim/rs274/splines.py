@@ -65,10 +65,7 @@ def nurbs_start(words: Words, control: Control, code: int) -> None:
     _check(words, control, "G5.2")
     state = control.state
     at = "g5.2" if "g5.2" in words.names else None
-    if state.motion != 52 and state.nurbs_points:
-        control.warn("GS170", "the control points before the last G5.2 are lost: no G5.3 ended them", "add G5.3")
-        state.nurbs_points = ()
-    opening = not state.nurbs_points
+    opening = not state.nurbs_points  # as on the control, also points that are about to be dropped count here
     has_end = "x" in words.values or "y" in words.values
     if opening and not has_end and words.values.get("p", 0.0) <= 0.0:
         words.values["p"] = 1.0  # of the start, where P may be missing
@@ -79,7 +76,10 @@ def nurbs_start(words: Words, control: Control, code: int) -> None:
         _need_pair(words, "x", "y", "G5.2")
     elif not opening:
         raise Fault("GS170", "a control point needs X and Y", at=at)
-    if opening:
+    if state.motion != 52 and state.nurbs_points:
+        control.warn("GS170", "the control points before the last G5.2 are lost: no G5.3 ended them", "add G5.3")
+        state.nurbs_points = ()
+    if not state.nurbs_points:
         now = state.current
         state.nurbs_order = 3
         state.nurbs_points = ((now[0], now[1], 1.0 if has_end else weight),)

@@ -125,7 +125,7 @@ class _Passes:
         taper = abs(taper)
         self.taper = taper if start[2] >= self.end_z else -taper
         self.taper_pitch = pitch * math.hypot(taper, depth) / taper if taper else pitch
-        self.entry, self.exit = bool(taper_kind & 1), bool(taper_kind & 2)
+        self.entry, self.exit = bool(taper and taper_kind & 1), bool(taper and taper_kind & 2)
 
     def cut(self, first_cut: float, degression: float, angle: float, springs: int) -> None:
         """All passes; the tool ends beside the end of the thread."""
@@ -164,7 +164,7 @@ class _Passes:
         else:
             self._thread(cut, end, self.pitch)
         self._rapid(clear, end)
-        control.say_overrides()
+        control.say_overrides(feed=True)  # as on the control, whatever M49 and M50 said before
 
     def _rapid(self, x: float, z: float) -> None:
         now = self.control.state.current

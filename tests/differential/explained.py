@@ -49,6 +49,19 @@ EXPLAINED: tuple[Explanation, ...] = (
         "the first control point of G5.2 without P gets the weight -1 in LinuxCNC; here P has to be given",
         _about(r"refused.*GS170 G5.2 needs the word P", r"G\s*5\s*\.\s*2"),
     ),
+    Explanation(
+        "the standalone interpreter keeps the number of a tool offset when G20 or G21 changes its unit; on a machine "
+        "the offset is asked for anew in the new unit, as here",
+        _about(r"event|(refused|accepted).*", r"G\s*0*43(?!\d)(.|\n)*G\s*0*2\s*[01](?!\d)"),
+    ),
+    Explanation(
+        "a lone carriage return ends a line here, as in old files; LinuxCNC passes over it",
+        _about(r".", r"\r(?!\n)"),
+    ),
+    Explanation(
+        "control points that no G5.3 ended join the next G5 or G5.1 in LinuxCNC; here they are dropped with a warning",
+        _about(r"spline", r"G\s*0*5\s*\.\s*2(.|\n)*G\s*0*5(?!\d)(?!\s*\.\s*[23])"),
+    ),
 )
 
 

@@ -30,7 +30,8 @@ def programs(kind: str, corpus: str = "rs274") -> list[Path]:
 
 
 def settings_of(program: Path, setup: dict) -> Settings:
-    table, problems = ToolTable.read(SourceText.read(program.parent.parent / "tools.tbl"))
+    own = program.parent.parent / "tools.tbl"
+    table, problems = ToolTable.read(SourceText.read(own if own.exists() else FOLDER / "tools.tbl"))
     assert not problems
     parameters = {}
     if setup.get("parameters"):
