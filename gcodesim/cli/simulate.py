@@ -40,6 +40,7 @@ from gcodesim.verdict import suppressed_findings
 if TYPE_CHECKING:
     from gcodesim.cell import LoadedCell
     from gcodesim.executor import Progress
+    from gcodesim.log.live import LiveView
 
 
 def _loaded(arguments: argparse.Namespace) -> LoadedCell:
@@ -100,9 +101,32 @@ def check_programs(arguments: argparse.Namespace) -> int:
 
 def run_program(arguments: argparse.Namespace) -> int:
     """`gcodesim run`."""
+    begin = time.perf_counter()
+    live = _live(arguments)
+    try:
+        return _run_program(arguments, live, begin)
+    finally:
+        if live is not None:
+            live.close()
+
+
+def _live(arguments: argparse.Namespace) -> LiveView | None:
+    """The view of the log for viewers, when it was asked for."""
+    if arguments.live is None:
+        return None
+    from gcodesim.log.live import LiveView, LiveViewError
+
+    try:
+        live = LiveView(arguments.live)
+    except LiveViewError as reason:
+        raise UsageError(str(reason)) from None
+    note(f"live at ws://localhost:{live.port}: open a Foxglove WebSocket connection in Foxglove or Lichtblick")
+    return live
+
+
+def _run_program(arguments: argparse.Namespace, live: LiveView | None, begin: float) -> int:
     from gcodesim.world import WorldUnavailable
 
-    begin = time.perf_counter()
     loaded = _loaded(arguments)
     job = _prepared(arguments, arguments.program, loaded)
     if arguments.out.exists() and not arguments.out.is_dir():
@@ -114,7 +138,7 @@ def run_program(arguments: argparse.Namespace) -> int:
                 bar(now)
                 stop.obey()
 
-            results, execution = run(job, arguments.out, progress)
+            results, execution = run(job, arguments.out, progress, live)
     except WorldUnavailable as reason:
         raise UsageError(str(reason)) from None
     except OSError as error:

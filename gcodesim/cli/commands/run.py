@@ -10,6 +10,9 @@ from gcodesim.cli.formats import add_verdict_formats
 from gcodesim.cli.judging import add_baseline, add_today
 from gcodesim.cli.options import add_cell, add_fail_on, add_language, add_program
 
+PORT = 8765
+"""Where viewers look first."""
+
 
 def add_parser(commands: Any) -> None:
     parser = commands.add_parser(
@@ -28,12 +31,26 @@ def add_parser(commands: Any) -> None:
         choices=("kinematic", "bullet"),
         help="instead of what the cell says: kinematic has no dynamics; bullet has inertia, gravity and motors",
     )
+    parser.add_argument(
+        "--live",
+        type=_port,
+        nargs="?",
+        const=PORT,
+        metavar="PORT",
+        help=f"show the log in a viewer while it is computed, at ws://localhost:PORT (default {PORT}; 0: any free one)",
+    )
     add_language(parser)
     add_verdict_formats(parser)
     add_fail_on(parser)
     add_baseline(parser)
     add_today(parser)
     parser.set_defaults(run=run)
+
+
+def _port(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and int(text) < 1 << 16):
+        raise argparse.ArgumentTypeError(f"'{text}' is no port from 0 to 65535; without a number write --live last")
+    return int(text)
 
 
 def run(arguments: argparse.Namespace) -> int:
