@@ -1,0 +1,23 @@
+(contour with the radius of the table)
+G17 G20 G40 G49 G54 G64 G80 G90
+T2 M6
+G43 H2
+S6000 M3 M8
+G0 X-1.0 Y-1.0
+G0 Z0.5
+G0 Z0.1
+G1 Z-0.2 F10.0
+G41 D2
+G1 X0.0 Y-0.6 F20.0
+Y1.5
+G2 X0.5 Y2.0 I0.5 J0.0
+G1 X3.0
+G2 X3.5 Y1.5 I0.0 J-0.5
+G1 Y0.0
+X-0.6
+G40
+G1 X-1.0 Y-1.0
+G0 Z0.5
+M5 M9
+G53 G0 Z0.0
+M30

@@ -1,0 +1,23 @@
+(MSG, zero on the lower left corner)
+G21 G90 G94 G17
+M0
+T1 M6
+G43 H1
+M3 S5000
+G0 X0 Y0
+G0 Z5
+G1 Z-1 F100
+G1 X30 F400
+G0 Z40
+M5
+(MSG, turn the part)
+M0
+M3 S5000
+G0 Z5
+G0 X0 Y10
+G1 Z-1 F100
+G1 X30 F400
+G0 Z40
+M5 M9
+M60
+M2
