@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gcodesim.canon import Event, ToolChange
+from gcodesim.canon import ToolChange
 from gcodesim.cell.machine import LETTERS, MachineTool
 from gcodesim.checks.events import Flags
-from gcodesim.checks.misuse import RowUse, blind_findings, end_findings, stock_findings
+from gcodesim.checks.misuse import RowUse, blind_findings, stock_findings
 from gcodesim.checks.saturation import saturation_findings
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.executor.record import StepRecord
@@ -18,7 +17,7 @@ from gcodesim.executor.tasks import RowColumns
 from gcodesim.executor.totals import JointTotals, RowTotals
 from gcodesim.frames import Array
 from gcodesim.shop import Shop, mover_of
-from gcodesim.units import KW, RPM
+from gcodesim.units import KW
 
 if TYPE_CHECKING:
     from gcodesim.executor import Execution
@@ -53,13 +52,12 @@ class Inspector:
         self._known |= {(finding.code, finding.span) for finding in fresh}
         return fresh
 
-    def final(self, execution: Execution, events: Sequence[Event]) -> list[Diagnostic]:
+    def final(self, execution: Execution) -> list[Diagnostic]:
         """All findings of the run."""
         return [
             *self._misuse(execution.rows),
             *self._saturation(execution.joints),
             *self._limits(execution.rows),
-            *(self._ends(events) if not execution.interrupted else []),
         ]
 
     def _span(self, row: int) -> Span:
@@ -111,7 +109,6 @@ class Inspector:
         return (
             _above(record.power, limits.spindle_power)
             or _above(record.torque, limits.spindle_torque)
-            or _above(self._rows.spindle[record.window.row], limits.spindle_speed)
             or (limits.force is not None and _above(np.linalg.norm(record.wrench[:, :3], axis=1), limits.force))
         )
 
@@ -143,43 +140,7 @@ class Inspector:
                     unit=name,
                 )
             )
-        if limits.spindle_speed is not None:
-            fast = np.flatnonzero(np.abs(self._rows.spindle) > limits.spindle_speed * (1.0 + 1e-9))
-            if len(fast):
-                asked = float(np.abs(self._rows.spindle[fast]).max())
-                found.append(
-                    Diagnostic(
-                        code="GS513",
-                        message=f"the program asks for {asked / RPM:.0f} rpm; "
-                        f"the spindle turns {limits.spindle_speed / RPM:.0f} rpm at most",
-                        span=self._span(int(fast[0])),
-                        time=float(self._starts[fast[0]]),
-                        value=asked / RPM,
-                        limit=limits.spindle_speed / RPM,
-                        unit="rpm",
-                    )
-                )
         return found
-
-    def _ends(self, events: Sequence[Event]) -> list[Diagnostic]:
-        """What is still on when the program ends; what M2 and M30 themselves stop was on until then."""
-        from gcodesim.canon import Action, Coolant, End, Spindle
-
-        ends = [event for event in events if isinstance(event, End)]
-        if not ends:
-            return []
-        last = ends[-1].span
-        spindle, flood, mist, process = 0.0, False, False, None
-        for event in events:
-            if event.span == last:
-                continue
-            if isinstance(event, Spindle):
-                spindle = 0.0 if event.direction == "off" else event.speed * (1.0 if event.direction == "cw" else -1.0)
-            elif isinstance(event, Coolant):
-                flood, mist = event.flood, event.mist
-            elif isinstance(event, Action) and event.target == "tool":
-                process = "the process tool" if event.verb == "activate" else None
-        return end_findings(last, spindle=spindle, process=process, flood=flood, mist=mist)
 
 
 def _above(values: Array, limit: float | None) -> bool:

@@ -253,7 +253,8 @@ class _Composer:
             return False
         if event.version is not None and tuple(event.version) != (1, 2):
             wanted = ".".join(str(part) for part in event.version)
-            self._add("GS703", Span(self._places.file, 1, 1, 1, 2), f"YAML {wanted} is asked for; cells are YAML 1.2")
+            message = f"YAML {wanted} is asked for; cells are YAML 1.2"
+            self._add("GS703", Span(self._places.file, 1, 1, 1, 2), message, "delete the line that begins with `%`")
         return True
 
     def _check_tag(self, event: Any) -> None:
@@ -312,7 +313,7 @@ class _Composer:
         seen: dict[str, Span] = {}
         for key, value in pairs:
             if not isinstance(key, Scalar):
-                self._add("GS703", key.span, "a list or mapping cannot be a key")
+                self._add("GS703", key.span, "a list or mapping cannot be a key", "write a name before the colon")
             elif key.text == "<<" and key.plain:
                 self._add("GS703", key.span, "merge keys are not part of YAML 1.2", "write the keys out")
             elif key.text in seen:

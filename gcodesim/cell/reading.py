@@ -73,13 +73,15 @@ class Reading:
     broken: set[Path] = field(default_factory=set)
     """Sections that could not be read at all, so that nothing can be said about what should stand in them."""
     defaults: list[Default] = field(default_factory=list)
+    about: str = ""
+    """What the key means whose value is being read; the hint of faults that have none of their own."""
     plain: PlainUnits = field(
         default_factory=lambda: PlainUnits(length=_unit("mm", "length"), angle=_unit("deg", "angle"))
     )
 
     def fault(self, code: str, span: Span, message: str, hint: str = "", *, related: Span | None = None) -> Fault:
         """Add a finding; returns FAULT, so that a kind can `return to.fault(…)`."""
-        self.findings.add(Diagnostic(code=code, span=span, message=message, hint=hint, related=related))
+        self.findings.add(Diagnostic(code=code, span=span, message=message, hint=hint or self.about, related=related))
         return FAULT
 
     def span(self, path: Path) -> Span:

@@ -8,6 +8,7 @@ reads named ones, `inline` lays the keys of one class among those of another
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass
 from functools import cache
@@ -20,6 +21,7 @@ from gcodesim.diagnostics import Span
 
 _META: Final = "gcodesim.cell"
 FREE: Final = "x-"
+_DIGITS: Final = re.compile(r"[0-9]")
 NEARLY: Final = 0.8  # similarity from which on a misspelled key is read as the one that it resembles
 
 
@@ -35,6 +37,13 @@ class Key:
     default: Any
     quiet: bool
     why: str
+
+    def read(self, node: Node, to: Reading, path: Path) -> Any:
+        """The value of this key; a fault without a hint of its own says what the key means."""
+        before, to.about = to.about, f"`{self.name}`: {self.doc}" if self.doc not in ("", self.name) else ""
+        value = self.kind.read(node, to, path)
+        to.about = before
+        return value
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,7 +145,7 @@ class Record(Kind):
         for name, node_of_key, value in known_keys(entries, list(known), self.what, to):
             at = (*path, name)
             to.named(at, node_of_key.span)
-            values[name] = known[name].kind.read(value, to, at)
+            values[name] = known[name].read(value, to, at)
         return self._build(values, to, path)
 
     def _entries(self, node: Node, to: Reading, path: Path) -> tuple[tuple[Scalar, Node], ...] | Fault:
@@ -251,7 +260,8 @@ def known_keys(
         if name.text in known:
             yield name.text, name, value
         elif not name.text.startswith(FREE):
-            to.fault("GS704", name.span, f"{what} has no key `{name.text}`", suggestion(name.text, known))
+            comma = "a comma parts entries; decimals have a point" if _DIGITS.match(name.text) else ""
+            to.fault("GS704", name.span, f"{what} has no key `{name.text}`", comma or suggestion(name.text, known))
             meant = difflib.get_close_matches(name.text.lower(), known, n=1, cutoff=NEARLY)
             if meant and meant[0] not in given:
                 given.add(meant[0])

@@ -68,8 +68,8 @@ def _with_frames(cell: Cell, to: Reading) -> Cell:
 def _with_channels(cell: Cell, to: Reading) -> Cell:
     """Channels by name, each with the name of its robot, `machine` for the machine tool."""
     movers = [*([MACHINE] if (MACHINE,) in to.keys else []), *to.names_in("robots")]
-    if not movers and ("robots",) in to.broken:
-        return cell
+    if not movers and (("robots",) in to.broken or ("robots",) in to.spans):
+        return cell  # there is one, and what is wrong with it has been said
     if not movers:
         message = "the cell has neither a machine nor a robot"
         to.fault("GS722", Span(to.file, 1, 1, 1, 2), message, "write `machine: gantry_xyz`, or a robot under `robots:`")

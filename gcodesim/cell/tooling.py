@@ -24,7 +24,7 @@ _KINDS: Final[dict[str, Callable[[], Kind]]] = {
     "angle": lambda: Quantity("angle"),
     "mass": lambda: Quantity("mass"),
     "ratio": lambda: Quantity("ratio"),
-    "count": lambda: Whole(Range(least=0.0, most=1000.0)),
+    "count": lambda: Whole(Range(least=1.0, most=1000.0)),
     "text": lambda: Text(),
 }
 
@@ -100,7 +100,7 @@ def read_parameters(
     for name, key, node in known_keys(entries, list(known), what, to):
         at = (*path, name)
         to.named(at, key.span)
-        values[name] = known[name].kind.read(node, to, at)
+        values[name] = known[name].read(node, to, at)
     for member in known.values():
         if member.required and member.name not in values:
             values[member.name] = to.fault(
@@ -177,8 +177,10 @@ def _possible(tool: Tool, given: dict[str, Any], to: Reading, path: Path) -> Too
     """`tool`, or FAULT with a finding for each reason why it cannot exist."""
     problems = tool.problems()
     written = [problem for problem in problems if (*path, *problem[0].split(".")) in to.spans]
+    docs = {member.name: member.doc for member in members(type(tool))}
     for name, message in written or problems:  # a default that follows from a wrong value is no fault of its own
-        hint = "" if written else f"the default of `{name}` does not fit the other keys; write it"
+        key = name.split(".")[0]
+        hint = f"`{key}`: {docs[key]}" if written else f"the default of `{name}` does not fit the other keys; write it"
         to.fault("GS720", to.span((*path, *name.split("."))), f"tool {tool.number} is impossible: {message}", hint)
     for p in parameters(type(tool)):
         value = getattr(tool, p.name)

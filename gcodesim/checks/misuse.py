@@ -71,43 +71,6 @@ def stock_findings(
     ]
 
 
-def end_findings(
-    last: Span, *, spindle: float = 0.0, process: str | None = None, flood: bool = False, mist: bool = False
-) -> list[Diagnostic]:
-    """GS503 to GS505: what is still on when the program ends at `last`.
-
-    `spindle` [rad/s]; `process` names the process tool that an M-code left on.
-    """
-    found = []
-    if spindle != 0.0:
-        speed = f"{abs(spindle) / RPM:.0f} rpm"
-        word = "M3" if spindle > 0.0 else "M4"
-        found.append(
-            Diagnostic(
-                code="GS503",
-                message=f"the program ends with the spindle on ({word}, {speed})",
-                span=last,
-                hint="put `M5` before the end",
-                value=abs(spindle) / RPM,
-                limit=0.0,
-                unit="rpm",
-            )
-        )
-    if process is not None:
-        found.append(Diagnostic(code="GS504", message=f"the program ends while {process} is still on", span=last))
-    if flood or mist:
-        kind = " and ".join(word for word, on in (("flood", flood), ("mist", mist)) if on)
-        found.append(
-            Diagnostic(
-                code="GS505",
-                message=f"the program ends with {kind} coolant on",
-                span=last,
-                hint="put `M9` before the end",
-            )
-        )
-    return found
-
-
 def blind_findings(moving: Mapping[str, Flags], removed: Array, time: Array, spans: Spans) -> list[Diagnostic]:
     """GS407: cuts while a rotary axis turns whose place nobody knows, one for each stretch of such rows.
 

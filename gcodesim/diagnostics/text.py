@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import hashlib
+import os
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,6 +22,11 @@ LONG: Final = 200_000
 """Bytes from which on a text is long: its lines are then no list of strings, and compiling their way pays."""
 
 
+def shown_name(path: Path) -> str:
+    """The name of a file as findings and results call it: bytes of it that are no UTF-8 become U+FFFD."""
+    return os.fsencode(path.name).decode("utf-8", "replace")
+
+
 @dataclass(frozen=True)
 class SourceText:
     """A file as it was read: `name` is how findings call it (no folder of this machine), `raw` its bytes."""
@@ -33,7 +39,7 @@ class SourceText:
         """Read a file; OSError when it cannot be read, or is a pipe or device, which may never end."""
         if path.exists() and not path.is_file() and not path.is_dir():
             raise OSError(errno.EINVAL, "it is no regular file")
-        return SourceText(name or path.name, path.read_bytes())
+        return SourceText(name or shown_name(path), path.read_bytes())
 
     @cached_property
     def encoding(self) -> str:

@@ -24,7 +24,10 @@ def add_parser(commands: Any) -> None:
         "and whether it is whole or was cut off, and then what is missing.",
     )
     parser.add_argument(
-        "log", type=Path, metavar="LOG", help="a run.mcap, or the run.mcap.part of a run that was killed"
+        "log",
+        type=Path,
+        metavar="LOG",
+        help="a run.mcap, the folder of a run, or the run.mcap.part of one that was killed",
     )
     add_format(parser)
     parser.add_argument(
@@ -48,7 +51,10 @@ def run(arguments: argparse.Namespace) -> int:
     from gcodesim.cli.output import print_json
     from gcodesim.log.logfile import LogReadError
     from gcodesim.log.summary import summary
+    from gcodesim.playback.recording import LOG_NAME
 
+    if arguments.log.is_dir():
+        arguments.log /= LOG_NAME
     try:
         if arguments.layout is not None:
             print(_layout(arguments.log, arguments.layout), end="")

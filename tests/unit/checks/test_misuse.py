@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 from gcodesim.checks.events import runs
-from gcodesim.checks.misuse import RowUse, end_findings, stock_findings
+from gcodesim.checks.misuse import RowUse, stock_findings
 from gcodesim.diagnostics import Diagnostic, Span
-from gcodesim.units import RPM
 
 MM3 = 1e-9
 
@@ -116,16 +115,3 @@ def test_feeding_with_the_spindle_off_is_one_event_until_the_spindle_changes() -
 
     assert [(f.code, f.span.line, f.count) for f in findings] == [("GS501", 1, 2), ("GS501", 4, 2)]
     assert findings[0].value == pytest.approx(2.0)
-
-
-def test_what_is_on_at_the_end() -> None:
-    last = Span("part.nc", 9, 1)
-
-    assert end_findings(last) == []
-    findings = end_findings(last, spindle=-12000 * RPM, process="extruder", flood=True, mist=True)
-
-    assert [f.code for f in findings] == ["GS503", "GS504", "GS505"]
-    assert "M4" in findings[0].message and "12000 rpm" in findings[0].message
-    assert "extruder" in findings[1].message
-    assert "flood and mist" in findings[2].message
-    assert all(f.span is last for f in findings)

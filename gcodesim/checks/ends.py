@@ -1,0 +1,68 @@
+"""What is still on when a program ends."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from gcodesim.canon import Action, Coolant, End, Event, Spindle
+from gcodesim.diagnostics import Diagnostic, Span
+from gcodesim.units import RPM
+
+
+def left_on(events: Sequence[Event]) -> list[Diagnostic]:
+    """GS503 to GS505 of a program's events; what M2 and M30 themselves stop was on until then.
+
+    A program that was not read to its end gives none.
+    """
+    ends = [event for event in events if isinstance(event, End)]
+    if not ends:
+        return []
+    last = ends[-1].span
+    spindle, flood, mist, process = 0.0, False, False, None
+    for event in events:
+        if event.span == last:
+            continue
+        if isinstance(event, Spindle):
+            spindle = 0.0 if event.direction == "off" else event.speed * (1.0 if event.direction == "cw" else -1.0)
+        elif isinstance(event, Coolant):
+            flood, mist = event.flood, event.mist
+        elif isinstance(event, Action) and event.target == "tool":
+            process = "the process tool" if event.verb == "activate" else None
+    return end_findings(last, spindle=spindle, process=process, flood=flood, mist=mist)
+
+
+def end_findings(
+    last: Span, *, spindle: float = 0.0, process: str | None = None, flood: bool = False, mist: bool = False
+) -> list[Diagnostic]:
+    """GS503 to GS505: what is still on when the program ends at `last`.
+
+    `spindle` [rad/s]; `process` names the process tool that an M-code left on.
+    """
+    found = []
+    if spindle != 0.0:
+        speed = f"{abs(spindle) / RPM:.0f} rpm"
+        word = "M3" if spindle > 0.0 else "M4"
+        found.append(
+            Diagnostic(
+                code="GS503",
+                message=f"the program ends with the spindle on ({word}, {speed})",
+                span=last,
+                hint="put `M5` before the end",
+                value=abs(spindle) / RPM,
+                limit=0.0,
+                unit="rpm",
+            )
+        )
+    if process is not None:
+        found.append(Diagnostic(code="GS504", message=f"the program ends while {process} is still on", span=last))
+    if flood or mist:
+        kind = " and ".join(word for word, on in (("flood", flood), ("mist", mist)) if on)
+        found.append(
+            Diagnostic(
+                code="GS505",
+                message=f"the program ends with {kind} coolant on",
+                span=last,
+                hint="put `M9` before the end",
+            )
+        )
+    return found
