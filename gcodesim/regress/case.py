@@ -10,6 +10,7 @@ from pathlib import Path, PurePosixPath
 from typing import Final
 
 from gcodesim.cell.reading import Path as At
+from gcodesim.cell.reading import suggestion
 from gcodesim.diagnostics import Diagnostic, SourceText, Span
 from gcodesim.regress.case_file import SUFFIXES, CaseFile, CaseOptions, Expected, read_case_file
 from gcodesim.regress.expectation import expectations
@@ -25,7 +26,7 @@ _GOLDENS: Final = ".golden"
 class Case:
     """One program in one cell. Paths are as they can be opened; `name` and `file` are shown, from the root, with `/`.
 
-    `spans` are places in the test file by path, such as ``("expect", "values", "time.total_s")``.
+    `spans` are places in the test file by path, such as ``("expect", "status")`` or ``("options", "dialect")``.
     """
 
     name: str
@@ -161,7 +162,8 @@ def _cases_of(
         )
         if not matches or not matches[0].is_file():
             at = spans.get(("program", i), spans.get(("program",), span))
-            faults.append(Diagnostic(code="GS610", span=at, message=f"the program `{text}` is not there"))
+            message = f"the program `{text}` is not there"
+            faults.append(Diagnostic(code="GS610", span=at, message=message, hint=_near(file.parent / text)))
             continue
         programs += [p for p in matches if p not in programs and not (_is_pattern(text) and p.resolve() in taken)]
     if not content.program:
@@ -175,7 +177,8 @@ def _cases_of(
     if content.options.mode != "lint" and (cell is None or not cell.is_file()):
         at = spans.get(("cell",), span)
         missing = "no cell is named" if cell is None else f"the cell `{content.cell or cell}` is not there"
-        hint = "write `cell: cell.yaml`, or `options: {mode: lint}` for the program alone"
+        near = "" if content.cell is None else _near(file.parent / content.cell)
+        hint = near or "write `cell: cell.yaml`, or `options: {mode: lint}` for the program alone"
         return [], [*faults, Diagnostic(code="GS610", span=at, message=missing, hint=hint)]
     cases = []
     for program in programs:
@@ -194,11 +197,19 @@ def _cases_of(
                 tolerances={**DEFAULTS, **content.tolerances},
                 expect=content.expect,
                 allow_path=tuple(file.parent / folder for folder in content.allow_path),
-                spans={at: place for at, place in spans.items() if at[:1] == ("expect",)},
+                spans={at: place for at, place in spans.items() if at[:1] in (("expect",), ("options",))},
                 test_file=file,
             )
         )
     return cases, faults
+
+
+def _near(path: Path) -> str:
+    """A hint to a file of nearly that name."""
+    if not path.parent.is_dir():
+        return f"there is no folder `{path.parent.name}`"
+    names = sorted(other.name for other in path.parent.iterdir() if other.suffix == path.suffix)
+    return suggestion(path.name, names)
 
 
 def _is_pattern(text: str) -> bool:

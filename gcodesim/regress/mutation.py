@@ -160,6 +160,72 @@ def _dwell(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | No
     return f"line {place + 1} put in: {lines[place]}", ("moves", "dwell")
 
 
+def _swapped(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | None:
+    """Two moves in the other order."""
+    moving = {word.line for word in _words(lines, "XYZ")}
+    places = sorted(line for line in moving if line + 1 in moving)
+    if not places:
+        return None
+    place = random.choice(places)
+    lines[place], lines[place + 1] = lines[place + 1], lines[place]
+    return f"lines {place + 1} and {place + 2} swapped", ("moves", "move", "arc", "feed", "X", "Y", "Z", "findings")
+
+
+def _arc_center(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | None:
+    """Another centre or radius; where the arc fits no more, that is an error."""
+    words = _words(lines, "IJR")
+    if not words:
+        return None
+    word = random.choice(words)
+    value = word.value + random.choice((-1.0, 1.0)) * random.uniform(0.2, 2.0)
+    named = ("arc", "X", "Y", "Z", "moves", "findings")
+    return _put(lines, word, f"{word.letter}{_number(value)}"), named
+
+
+def _tool_number(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | None:
+    words = _words(lines, "T")
+    if not words:
+        return None
+    word = random.choice(words)
+    other = random.choice([n for n in (1, 2, 3) if n != word.value])
+    return _put(lines, word, f"T{other}"), ("tool", "selected tool", "moves", "findings")
+
+
+def _length_offset(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | None:
+    words = _words(lines, "H")
+    if not words:
+        return None
+    word = random.choice(words)
+    other = random.choice([n for n in (1, 2, 3) if n != word.value])
+    return _put(lines, word, f"H{other}"), ("tool offset", "machine", "Z", "moves", "findings")
+
+
+def _work_system(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | None:
+    words = [word for word in _words(lines, "G") if _is(word, 54.0, 55.0)]
+    if not words:
+        return None
+    word = random.choice(words)
+    named = ("machine", "X", "Y", "Z", "moves", "findings")
+    return _put(lines, word, "G55" if _is(word, 54.0) else "G54"), named
+
+
+def _incremental(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | None:
+    words = [word for word in _words(lines, "G") if _is(word, 90.0)]
+    if not words:
+        return None
+    return _put(lines, random.choice(words), "G91"), ("X", "Y", "Z", "machine", "moves", "findings")
+
+
+def _path_mode(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | None:
+    """Exact stop from somewhere on, until the program says something else."""
+    places = sorted({word.line for word in _words(lines, "XYZ")})
+    if not places:
+        return None
+    place = random.choice(places)
+    lines.insert(place, "G61.1")
+    return f"line {place + 1} put in: {lines[place]}", ("path mode", "moves")
+
+
 PROGRAM_OPERATORS: Final[Mapping[str, Operator]] = {
     "feed": _feed,
     "coordinate": _coordinate,
@@ -169,6 +235,13 @@ PROGRAM_OPERATORS: Final[Mapping[str, Operator]] = {
     "spindle speed": _spindle_speed,
     "rapid for feed": _rapid_for_feed,
     "dwell": _dwell,
+    "swapped lines": _swapped,
+    "arc centre": _arc_center,
+    "tool number": _tool_number,
+    "length offset": _length_offset,
+    "work system": _work_system,
+    "incremental": _incremental,
+    "exact stop": _path_mode,
 }
 
 

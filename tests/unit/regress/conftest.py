@@ -17,6 +17,7 @@ from gcodesim.rs274.assumed import assumed_tools
 
 DATA = Path(__file__).parents[2] / "data" / "regress"
 NAMES = ("pocket", "slot_arm")
+MORE_NAMES = ("holes", *NAMES)
 
 
 @pytest.fixture
@@ -32,9 +33,9 @@ def steps() -> Callable[[str], list[Step]]:
 
 @pytest.fixture(scope="session")
 def accepted(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Two clean programs with test files and accepted results; copy it before changing anything."""
+    """Three clean programs with test files and accepted results; copy it before changing anything."""
     folder = tmp_path_factory.mktemp("accepted")
-    for name in NAMES:
+    for name in MORE_NAMES:
         for suffix in (".nc", ".yaml"):
             (folder / f"{name}{suffix}").write_bytes((DATA / f"{name}{suffix}").read_bytes())
         (folder / f"{name}.test.yaml").write_text(f"cell: {name}.yaml\n")
@@ -45,7 +46,18 @@ def accepted(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def suite(accepted: Path, tmp_path: Path) -> Path:
-    """A copy of `accepted` of one's own."""
-    for path in sorted(accepted.iterdir()):
-        (tmp_path / path.name).write_bytes(path.read_bytes())
-    return tmp_path
+    """Two cases of `accepted`, a copy of one's own."""
+    return copied(accepted, tmp_path, NAMES)
+
+
+@pytest.fixture
+def larger_suite(accepted: Path, tmp_path: Path) -> Path:
+    """All of `accepted`, a copy of one's own."""
+    return copied(accepted, tmp_path, MORE_NAMES)
+
+
+def copied(source: Path, to: Path, names: tuple[str, ...]) -> Path:
+    for path in sorted(source.iterdir()):
+        if path.name.partition(".")[0] in names:
+            (to / path.name).write_bytes(path.read_bytes())
+    return to

@@ -87,6 +87,31 @@ def test_an_unknown_key_has_a_place_and_a_suggestion(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("text", "code", "place", "hint"),
+    [
+        ("cell: pockt.yaml", "GS610", (1, 7), "pocket.yaml"),
+        ("cell: pocket.yaml\nprogram: poket.nc", "GS610", (2, 10), "pocket.nc"),
+        ("program: pocket.nc", "GS610", (1, 1), "cell: cell.yaml"),
+        ("cell: pocket.yaml\noptions: {dialect: fanc}", "GS612", (2, 20), "fanuc"),
+        ("cell: pocket.yaml\noptions: {mode: dry}", "GS711", (2, 17), "lint"),
+        ("", "GS705", (1, 1), "cell: cell.yaml"),
+        ("cell: [", "GS701", (1, 7), ""),
+    ],
+)
+def test_faults_of_a_test_file_have_places_and_hints(
+    suite: Path, text: str, code: str, place: tuple[int, int], hint: str
+) -> None:
+    (suite / "pocket.golden.json").unlink()
+    (suite / "slot_arm.test.yaml").unlink()
+    (suite / "pocket.test.yaml").write_text(text)
+    verdict = verdict_of(suite)
+    found = [*verdict.found, *(one for case in verdict.cases for one in case.found)]
+    (finding,) = (one.finding for one in found if one.state == "counts")
+    assert verdict.failed and finding.code == code and finding.span.file == "pocket.test.yaml"
+    assert (finding.span.line, finding.span.column) == place and hint in (finding.hint or "")
+
+
+@pytest.mark.parametrize(
     ("name", "text", "wanted"),
     [
         ("volume", "2 mm^3", Tolerance(2.0)),
