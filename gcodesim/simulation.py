@@ -12,7 +12,9 @@ import numpy as np
 from gcodesim.cell import Cell, LoadedCell
 from gcodesim.cell.cell import MAIN
 from gcodesim.cell.machine import MachineTool
+from gcodesim.checks.ends import left_on
 from gcodesim.checks.idle import blind_axis_findings, idle_findings
+from gcodesim.checks.speed import speed_findings
 from gcodesim.diagnostics import Diagnostic, Findings, Severity, SourceText, Span
 from gcodesim.job import KINEMATIC, Job, Options
 from gcodesim.language import settings_of_cell
@@ -63,6 +65,7 @@ def prepare(program: SourceText, loaded: LoadedCell, options: Options | None = N
     job.events = [noted.event for noted in path.events]
     job.sources |= job.reading.sources
     job.findings.extend(job.reading.findings)
+    job.findings.extend(left_on(job.events))
     _plan(job, shop, path)
     return job
 
@@ -126,6 +129,7 @@ def _plan(job: Job, shop: Shop, path: ToolPath) -> None:
     job.plan = plan
     job.findings.extend(plan.findings)
     job.findings.extend(blind_axis_findings(plan.path, mover))
+    job.findings.extend(speed_findings(plan, shop.cell.limits.spindle_speed))
     job.findings.extend(_clearance(shop, plan))
 
 
@@ -223,7 +227,7 @@ def run(
             watcher=recorder,
             progress=progress,
         )
-        job.findings.extend(inspector.final(execution, job.events))
+        job.findings.extend(inspector.final(execution))
         results = results_of(job, execution)
         if recorder is not None:
             recorder.finish(results, execution)
