@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+import traceback
 from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass, replace
 from datetime import date
@@ -9,7 +11,7 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, TypeVar
 
-from gcodesim.diagnostics import Diagnostic
+from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.regress.case import Case, Collected
 from gcodesim.regress.sources import Sources
 from gcodesim.regress.verdicts import CaseVerdict, Found, SuiteVerdict
@@ -20,6 +22,9 @@ if TYPE_CHECKING:
     from gcodesim.regress.judge import Judging
 
 T = TypeVar("T")
+
+INTERNAL: Final = "GS613"
+"""A case that could not be judged because of a fault of gcodesim."""
 
 _OURS: Final = "GS6"  # differences and expectations: no baseline takes them
 
@@ -37,8 +42,31 @@ def judged(case: Case, how: Judging) -> Judged:
     """One case, as a worker runs it."""
     from gcodesim.regress.judge import judge
 
-    verdict, outcome = judge(case, how)
+    try:
+        verdict, outcome = judge(case, how)
+    except Exception as fault:
+        # ours, or that of a plugin; the other cases have their verdicts all the same
+        return Judged(verdict=_broken(case, how, fault), files={})
     return Judged(verdict=verdict, files=outcome.files, until=outcome.until)
+
+
+def _broken(case: Case, how: Judging, fault: Exception) -> CaseVerdict:
+    """The verdict on a case that gcodesim itself failed on; the trace goes to stderr."""
+    traceback.print_exception(fault, file=sys.stderr)
+    finding = Diagnostic(
+        code=INTERNAL,
+        span=Span(case.file),
+        message=f"gcodesim failed on this case: {type(fault).__name__}: {fault}",
+        hint="this is a fault of gcodesim; please report it with the trace on stderr, the program and the cell",
+    )
+    return CaseVerdict(
+        name=case.name,
+        file=case.file,
+        program=_program(case, how),
+        cell=None,
+        status="failed",
+        found=(Found(finding=finding, state="counts"),),
+    )
 
 
 def run_suite(

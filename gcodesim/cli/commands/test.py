@@ -7,7 +7,7 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from gcodesim.cli.exits import FINDINGS, OK
+from gcodesim.cli import exits
 from gcodesim.cli.formats import add_verdict_formats, write_formats
 from gcodesim.cli.judging import add_baseline, read_baseline, write_baseline
 from gcodesim.cli.suite import Bar, add_selection, jobs_of, selected
@@ -43,7 +43,7 @@ def add_parser(commands: Any) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     from gcodesim.cli.output import note
-    from gcodesim.regress.suite import baseline_of, run_suite
+    from gcodesim.regress.suite import INTERNAL, baseline_of, run_suite
 
     begin = time.perf_counter()
     collected, how = selected(arguments)
@@ -64,7 +64,9 @@ def run(arguments: argparse.Namespace) -> int:
         write_baseline(arguments.write_baseline, baseline_of(verdict, how.root))
     _report(verdict, how, arguments)
     note(f"{time.perf_counter() - begin:.1f} s")
-    return FINDINGS if verdict.failed and arguments.write_baseline is None else OK
+    if any(one.finding.code == INTERNAL for case in verdict.cases for one in case.found):
+        return exits.INTERNAL
+    return exits.FINDINGS if verdict.failed and arguments.write_baseline is None else exits.OK
 
 
 def _cache(arguments: argparse.Namespace, how: Judging) -> Cache:

@@ -112,4 +112,12 @@ CODES: tuple[Code, ...] = (
         why="Nothing was tested.",
         remedy="Install what is missing, or let the test file ask for `world: kinematic`.",
     ),
+    Code(
+        code="GS613",
+        severity=Severity.ERROR,
+        title="gcodesim failed on a case",
+        what="The case ended in a fault of gcodesim or of a plugin, not of the program or the cell.",
+        why="There is no verdict on it; those on the other cases stand. The exit status is 70.",
+        remedy="Report it with the trace on stderr, the program and the cell.",
+    ),
 )

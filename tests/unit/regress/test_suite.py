@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from datetime import date
 from pathlib import Path
 
@@ -217,3 +218,26 @@ def test_workers_and_stopping_early_leave_no_trace(suite: Path) -> None:
     one, two = (verdict_of(suite, jobs=jobs, fail_fast=True) for jobs in (1, 2))
     assert [case.status for case in one.cases] == ["failed", "not_run"]
     assert suite_as_json(one) == suite_as_json(two)
+
+
+def test_a_fault_of_ours_in_one_case_leaves_the_others_their_verdicts(
+    suite: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from gcodesim.cli import main
+    from gcodesim.regress import judge
+
+    prepare = judge.prepare
+
+    def broken_prepare(program, *arguments):
+        if program.name == "pocket.nc":
+            raise ZeroDivisionError("made for this test")
+        return prepare(program, *arguments)
+
+    monkeypatch.setattr(judge, "prepare", broken_prepare)
+    monkeypatch.chdir(suite)
+    monkeypatch.setenv("GCODESIM_TEST_CACHE", str(suite / "cache"))
+    assert main(["test", "--format", "json"]) == 70
+    said = capsys.readouterr()
+    pocket, arm = json.loads(said.out)["cases"]
+    assert (pocket["status"], arm["status"]) == ("failed", "passed")
+    assert [one["code"] for one in pocket["findings"]] == ["GS613"] and "made for this test" in said.err
