@@ -27,6 +27,13 @@ DEBUG_ON = 5599  # 1 from the start; at 0 a DEBUG comment says nothing
 _READ_ONLY = frozenset([*range(5400, 5414), *range(5420, 5429)])
 
 
+_SET_IT = "set it before it is used, or ask with EXISTS[#<…>]"
+_WHERE_FROM = {
+    "_hal": "it is a pin of the running machine; write a number, or ask with EXISTS[#<_hal[…]>]",
+    "_ini": "it stands in the machine's INI file, which is not read; write a number",
+}
+
+
 class Parameters:
     """Numbered parameters of the program and named ones of the running subroutine and of all.
 
@@ -64,7 +71,7 @@ class Parameters:
             raise Fault(
                 "GS120",
                 f"#<{name}> has no value",
-                hint=self._suggestion(name) or "set it before it is used, or ask with EXISTS[#<…>]",
+                hint=self._suggestion(name) or _WHERE_FROM.get(name.partition("[")[0]) or _SET_IT,
             )
         return value
 

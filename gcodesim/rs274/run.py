@@ -326,6 +326,9 @@ class Executor:
         text = frame.file.source.line(last)
         span = Span.of_line(frame.file.name, last, text, frame.callers) if text else Span(frame.file.name)
         if not self.dialect.needs_end and len(self.flow.frames) == 1:
+            self.control.finished = True
+            if self.run.failed is None:
+                self.watches.events([canon.EndOfFile(span=span)])
             return
         if len(self.flow.frames) > 1:
             message, hint = "the file ends inside a subroutine", "close it with `endsub` or M99"

@@ -346,10 +346,13 @@ CODES += (
     Code(
         code="GS141",
         severity=Severity.WARNING,
-        title="Place without effect in a canned cycle",
-        what="On Fanuc a drilling cycle with K0 (or L0) stores its data and goes nowhere, yet the block names a place.",
-        why="The hole that is written there is not drilled.",
-        remedy="Leave K0 away to drill it, or leave the place away to store the data only.",
+        title="Word without effect in a canned cycle",
+        what=(
+            "On Fanuc a drilling cycle with K0 (or L0) stores its data and goes nowhere, yet the block names a place; "
+            "or Q stands in a cycle that drills in one go."
+        ),
+        why="The hole that is written there is not drilled, or drilled without breaking the chip.",
+        remedy="Leave K0 away to drill it, or the place to store the data only. G83 and G73 drill in steps of Q.",
     ),
     Code(
         code="GS154",
@@ -407,7 +410,7 @@ CODES += (
         code="GS177",
         severity=Severity.WARNING,
         title="Spindle on after the end",
-        what="The program ends by the closing %, which unlike M2 and M30 stops nothing, with the spindle on.",
+        what="The program ends by the closing % (Grbl: by its last line), which unlike M2 and M30 stops nothing.",
         why="The spindle goes on turning when the operator opens the door.",
         remedy="Write M5, or end with M2 or M30.",
     ),

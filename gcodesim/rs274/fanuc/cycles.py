@@ -18,6 +18,7 @@ from gcodesim.units import INCH
 _CLEARANCE_MM, _CLEARANCE_INCH = 0.254, 0.01  # a machine parameter in reality
 _MOST_PECKS = 100_000
 _MILLISECONDS = 1e-3
+_NEVER_PECKS = frozenset((810, 820, 850, 860, 880, 890))
 _NEEDS_Q = frozenset((730, 760, 830, 870))
 
 
@@ -61,6 +62,10 @@ def cycle(words: Words, control: FanucControl, code: int) -> None:
         return
     if {"x", "y", "z", "r", "a", "b", "c"}.isdisjoint(values):
         return
+    if "q" in values and code in _NEVER_PECKS:
+        hint = "G83 or G73 drills in steps; leave Q away if none are meant"
+        message = f"{who} drills in one go: Q{values['q']:g} is without effect"
+        control.warn("GS141", message, hint, words.block.place_of("q"))
     hole = _hole(words, control, code, who, at, letter, data)
     check_repeats(repeats or 1, hole.clear - hole.bottom, hole.step, who, "k" if "k" in values else "l")
     _turn(end, control, who)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from gcodesim import canon
-from gcodesim.diagnostics import SourceText
+from gcodesim.diagnostics import Diagnostic, SourceText, Span
 from gcodesim.rs274.block import Block
 from gcodesim.rs274.dialects.linuxcnc import CANCEL, MOTION, STOPPING
 from gcodesim.rs274.fanuc import variables as numbers
@@ -30,6 +30,7 @@ _NO_SCALE, _NO_MIRROR = (1.0, 1.0, 1.0), (None, None, None)
 class FanucExecutor(Executor):
     """Executes blocks with Fanuc's meaning."""
 
+    file: FanucFile
     control: FanucControl
     flow: FanucFlow
 
@@ -40,10 +41,25 @@ class FanucExecutor(Executor):
 
     def _line(self, file: ProgramFile, index: int, text: str) -> None:
         if index >= self.flow.running.part.end:
-            self._end_of_lines()
+            self._end_of_part()
             self.control.finished = True
             return
         super()._line(file, index, text)
+
+    def _end_of_part(self) -> None:
+        """The program runs into the next one of its file, or into the end of it."""
+        part = self.flow.running.part
+        following = next((other for other in self.file.parts if other.first >= part.end), None)
+        if following is None or len(self.flow.frames) > 1:
+            self._end_of_lines()
+            return
+        file, last = self.file, part.end - 1
+        while last > part.first and not file.lines[last].strip():
+            last -= 1
+        line = following.first + 1
+        span = Span.of_line(file.name, last + 1, file.lines[last])
+        hint = f"end it with M30 before line {line}, where O{following.number:04d} begins"
+        self._report(Diagnostic(code="GS010", message="the program has no end", span=span, hint=hint), last + 1)
 
     def _block(self, block: Block, index: int) -> None:
         if block.flow is not None or block.settings:

@@ -185,7 +185,7 @@ class FeedWithoutSpindle(Watch):
 
 
 class SpindleLeftOn(Watch):
-    """GS177: the closing % ends the program, but stops nothing."""
+    """GS177: the closing %, on Grbl the end of the file, ends the program, but stops nothing."""
 
     def __init__(self) -> None:
         self._speed = 0.0
@@ -202,10 +202,10 @@ class SpindleLeftOn(Watch):
             self._found.append(
                 Diagnostic(
                     code="GS177",
-                    message=f"the program ends by % while the spindle turns ({self._word}, "
+                    message=f"the program ends while the spindle turns ({self._word}, "
                     f"{self._speed / RPM:.0f} rpm): only M2 and M30 stop it",
                     span=event.span,
-                    hint="put M5 or M2 before the %",
+                    hint="say M5 or M2 at the end",
                     related=self._started,
                     value=self._speed / RPM,
                     limit=0.0,
