@@ -38,6 +38,7 @@ def add_parser(commands: Any) -> None:
         add_fail_on(action)
         action.set_defaults(run=function)
     schema = actions.add_parser("schema", help="print the JSON Schema of cell files, or the units")
+    schema.add_argument("--tests", action="store_true", help="print the schema of test files (NAME.test.yaml) instead")
     schema.add_argument("--units", action="store_true", help="print units and their spellings instead")
     schema.set_defaults(run=_schema)
 
@@ -48,6 +49,10 @@ def _validate(arguments: argparse.Namespace) -> int:
 
     read_source(arguments.cell, "cell")
     loaded = load_cell(arguments.cell, arguments.allow_path)
+    if loaded.cell is not None:
+        from gcodesim.simulation import layout_findings
+
+        loaded.findings.extend(layout_findings(loaded.cell))
     met = Met(
         program=arguments.cell,
         findings=list(loaded.findings),
@@ -87,6 +92,10 @@ def _schema(arguments: argparse.Namespace) -> int:
         from gcodesim.cell.schema import units_as_text
 
         print(units_as_text())
+    elif arguments.tests:
+        from gcodesim.regress.case_file import case_schema
+
+        print(json.dumps(case_schema(), indent=2, ensure_ascii=False))
     else:
         from gcodesim.cell.schema import cell_schema
 
