@@ -27,6 +27,7 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
 Bytes = NDArray[np.uint8]
 Singles = NDArray[np.float32]
+Places = NDArray[np.int64]
 
 DIAGONAL_02 = 0b0101
 DIAGONAL_13 = 0b1010
@@ -106,6 +107,40 @@ def rim_shift(below: int, above: int, shifts: Array, first: int, second: int) ->
 
 
 @kernel
+def plain_prism(
+    lo: Array, hi: Array, place_i: Places, place_j: Places, ends: Places, limit: float, heights: Array
+) -> bool:
+    """Whether the four columns of a prism are of one piece each, and begin and end together.
+
+    Then `heights` (of length 4) begins with the mean height of their bottoms and that of their tops.
+    """
+    least_lo, most_lo, least_hi, most_hi = 0.0, 0.0, 0.0, 0.0
+    bottom, top = 0.0, 0.0
+    for corner in range(4):
+        if ends[corner] != 2:
+            return False
+        low = lo[place_i[corner], place_j[corner], 0]
+        high = hi[place_i[corner], place_j[corner], 0]
+        if corner == 0:
+            least_lo, most_lo, least_hi, most_hi = low, low, high, high
+        least_lo, most_lo = min(least_lo, low), max(most_lo, low)
+        least_hi, most_hi = min(least_hi, high), max(most_hi, high)
+        bottom += low
+        top += high
+    if most_lo >= least_hi or most_lo - least_lo > limit or most_hi - least_hi > limit:
+        return False
+    heights[0], heights[1] = bottom / 4, top / 4
+    return True
+
+
+@kernel
+def is_plain(bits: Bytes, start: Ints, prism: int) -> bool:
+    """Whether a prism has one group below in which all four columns begin, and one above in which they end."""
+    first = start[prism]
+    return start[prism + 1] - first == 2 and bits[first] == 15 and bits[first + 1] == 15
+
+
+@kernel
 def build_chains(
     lo: Array,
     hi: Array,
@@ -166,6 +201,15 @@ def build_chains(
                 if 0 <= i < mx and 0 <= j < my:
                     place_i[corner], place_j[corner] = ix[i], iy[j]
                     ends[corner] = 2 * count[ix[i], iy[j]]
+            if plain_prism(lo, hi, place_i, place_j, ends, limit, heights):
+                # as most are: four columns of one piece each, a vertex below and one above
+                for turn in range(2):
+                    bits[groups], rising[groups], below[groups] = 15, 1 - turn, 15 * turn
+                    vertex[groups], extra[groups] = made, -1
+                    points[made, 0], points[made, 1], points[made, 2] = xs[a], ys[b], heights[turn]
+                    groups += 1
+                    made += 1
+                continue
             mask = 0
             group_bits, group_rising, group_below = 0, 0, 0
             group_z = 0.0
@@ -395,10 +439,11 @@ def build_faces(
     for i in range(i0, i1):
         for j in range(j0, j1):
             ci, cj = ix[i], iy[j]
-            p0 = start[(i - i0) * columns + j - j0]
-            p1 = start[(i + 1 - i0) * columns + j - j0]
-            p2 = start[(i + 1 - i0) * columns + j + 1 - j0]
-            p3 = start[(i - i0) * columns + j + 1 - j0]
+            near = (i - i0) * columns + j - j0
+            far = near + columns
+            p0, p1, p2, p3 = start[near], start[far], start[far + 1], start[near + 1]
+            plain = is_plain(bits, start, near) and is_plain(bits, start, far)
+            plain = plain and is_plain(bits, start, far + 1) and is_plain(bits, start, near + 1)
             if used + 4 * count[ci, cj] > faces.shape[0]:
                 faces, cut = more_room(faces, cut, used)
             changes = 2 * count[ci, cj]
@@ -406,10 +451,13 @@ def build_faces(
             for t in range(changes):
                 if (t == 0 and patch[0] != 0) or (t == changes - 1 and patch[1] != 0):
                     continue
-                v0 = seen_vertex(bits, rising, below, vertex, find_group(bits, rising, p0, 2, t), 2)
-                v1 = seen_vertex(bits, rising, below, vertex, find_group(bits, rising, p1, 3, t), 3)
-                v2 = seen_vertex(bits, rising, below, vertex, find_group(bits, rising, p2, 0, t), 0)
-                v3 = seen_vertex(bits, rising, below, vertex, find_group(bits, rising, p3, 1, t), 1)
+                if plain:
+                    v0, v1, v2, v3 = vertex[p0 + t], vertex[p1 + t], vertex[p2 + t], vertex[p3 + t]
+                else:
+                    v0 = seen_vertex(bits, rising, below, vertex, find_group(bits, rising, p0, 2, t), 2)
+                    v1 = seen_vertex(bits, rising, below, vertex, find_group(bits, rising, p1, 3, t), 3)
+                    v2 = seen_vertex(bits, rising, below, vertex, find_group(bits, rising, p2, 0, t), 0)
+                    v3 = seen_vertex(bits, rising, below, vertex, find_group(bits, rising, p3, 1, t), 1)
                 rises = t & 1 == 0
                 z = lo[ci, cj, t >> 1] if rises else hi[ci, cj, t >> 1]
                 changed = 0 if was_end(lo_before, hi_before, count_before, ci, cj, z, rises) else 1
@@ -433,12 +481,14 @@ def build_faces(
                 n_b = 2 * count[ix[i], iy[j]] if i < mx and j < my else 0
                 if n_a == 0 and n_b == 0:
                     continue
-                p = start[(i - i0) * columns + j - j0]
+                here = (i - i0) * columns + j - j0
+                there = here + 1 if turn == 0 else here + columns
+                if is_plain(bits, start, here) and is_plain(bits, start, there):
+                    continue  # the columns begin and end together: no wall
+                p, q = start[here], start[there]
                 if turn == 0:
-                    q = start[(i - i0) * columns + j + 1 - j0]
                     corner_pa, corner_pb, corner_qa, corner_qb = 3, 2, 0, 1
                 else:
-                    q = start[(i + 1 - i0) * columns + j - j0]
                     corner_pa, corner_pb, corner_qa, corner_qb = 1, 2, 0, 3
                 ta, tb = 0, 0
                 open_column, open_change, open_z = 0, 0, 0.0
