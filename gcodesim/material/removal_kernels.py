@@ -22,10 +22,11 @@ Ints = NDArray[np.int32]
 Bytes = NDArray[np.uint8]
 Singles = NDArray[np.float32]
 
+NONE = np.inf  # floor of a column that nothing is swept out of
 PATCH_SHIFT = 4  # columns are watched in patches of 16 x 16
 
 
-@kernel
+@kernel(allocates=False)
 def subtract(lo: Array, hi: Array, count: Ints, i: int, j: int, bottom: float, top: float) -> float:
     """Take [bottom, top] out of column (i, j); returns the removed length [m], or -1 when there is no room to split.
 
@@ -63,10 +64,12 @@ def subtract(lo: Array, hi: Array, count: Ints, i: int, j: int, bottom: float, t
                 kept += 1
         k += 1
     count[i, j] = kept
+    if kept == 0:
+        hi[i, j, 0] = lo[i, j, 0]  # an empty column ends where it begins
     return removed
 
 
-@kernel
+@kernel(allocates=False)
 def overlap(lo: Array, hi: Array, count: Ints, i: int, j: int, bottom: float, top: float) -> float:
     """Length [m] of material of column (i, j) inside [bottom, top]."""
     total = 0.0
@@ -77,7 +80,51 @@ def overlap(lo: Array, hi: Array, count: Ints, i: int, j: int, bottom: float, to
     return total
 
 
-@kernel
+@kernel(allocates=False)
+def mark_tall(low: Array, high: Array, height: float) -> bool:
+    """Whether any of the columns low..high (n,) [m] ends above `height` [m]."""
+    tall = np.uint8(0)
+    for j in range(low.shape[0]):
+        tall |= np.uint8(high[j] > height) & np.uint8(high[j] > low[j])
+    return bool(tall > 0)
+
+
+@kernel(allocates=False)
+def floor_of_disc(
+    low: Array, high: Array, y: Array, x: float, ux: float, uy: float, length: float, radius2: float, bottom: float,
+    floor: Array,
+) -> None:  # fmt: skip
+    """Fill `floor` (n,): `bottom` [m] for columns of a row that a disc sweeps over and that end above it, else NONE.
+
+    The piece as in `piece_line`; columns stand at x, y (n,) from its start and reach from low to high (n,) [m].
+    """
+    for j in range(low.shape[0]):
+        along = x * ux + y[j] * uy
+        across = y[j] * ux - x * uy
+        near = min(max(0.0, -along), length - along)
+        hit = np.uint8(across * across + near * near <= radius2) & np.uint8(high[j] > bottom)
+        floor[j] = bottom if hit & np.uint8(high[j] > low[j]) else NONE
+
+
+@kernel(allocates=False)
+def floor_of_ball(
+    low: Array, high: Array, y: Array, x: float, ux: float, uy: float, length: float, slope: float, radius2: float,
+    middle: float, floor: Array,
+) -> None:  # fmt: skip
+    """The same for a ball, with the floor of its sweep; middle: its height at the start of the piece [m]."""
+    lean = slope / np.sqrt(1.0 + slope * slope)
+    for j in range(low.shape[0]):
+        along = x * ux + y[j] * uy
+        across = y[j] * ux - x * uy
+        room2 = radius2 - across * across
+        u = min(max(-lean * np.sqrt(max(room2, 0.0)), -along), length - along)
+        depth2 = room2 - u * u
+        deep = middle + slope * (along + u) - np.sqrt(max(depth2, 0.0))
+        hit = np.uint8(depth2 >= 0.0) & np.uint8(deep < high[j]) & np.uint8(high[j] > low[j])
+        floor[j] = deep if hit else NONE
+
+
+@kernel(allocates=False)
 def remove_piece(
     lo: Array,
     hi: Array,
@@ -88,8 +135,9 @@ def remove_piece(
     start: Array,
     end: Array,
     shape: Array,
+    spare: Array,
 ) -> tuple[float, bool]:
-    """Remove what `shape` sweeps from tip `start` to `end` (3,) [m]; (volume [m^3], ok).
+    """Remove what `shape` sweeps from tip `start` to `end` (3,) [m]; (volume [m^3], ok). spare (2, ny): scratch.
 
     The volume counts walls where they stand, not where the grid shows them (see wall_kernels).
     ok is False when a column had no room for one more interval: what was done stays done, and doing the piece
@@ -103,61 +151,70 @@ def remove_piece(
     bottom_least = low_z + shape[5]
     ball = shape[0] == 1.0
     profile = underside(shape, radius)
-    tilt = np.sqrt(1.0 + slope * slope)
-    total, tallest = 0.0, -np.inf
+    middle = (start[2] if slope != 0.0 else low_z) + shape[5] + radius
+    single = lo.shape[2] == 1  # nearly always
+    total, tall, tall_from, top_least = 0.0, False, bottom_least + profile, low_z + shape[6]
     first_i, last_i = row_range(
         grid[0], grid[2], NUDGE_X, nx, min(x0, x0 + ux * length) - radius, max(x0, x0 + ux * length) + radius
     )
+    least, most = min(y0, y0 + uy * length) - radius, max(y0, y0 + uy * length) + radius
+    first_j, last_j = row_range(grid[1], grid[3], NUDGE_Y, ny, least, most)
+    if first_i >= last_i or first_j >= last_j:
+        return 0.0, True
+    ys, floor = spare[0], spare[1]
+    for j in range(first_j, last_j):
+        ys[j - first_j] = grid[1] + (j + 0.5 + NUDGE_Y) * grid[3] - y0
+    begin_j = first_j
     for i in range(first_i, last_i):
         x = grid[0] + (i + 0.5 + NUDGE_X) * grid[2]
         least, most = strip_range(x, radius, x0, y0, ux, uy, length)
         if least > most:
             continue
         first_j, last_j = row_range(grid[1], grid[3], NUDGE_Y, ny, least, most)
+        if first_j >= last_j:
+            continue
+        if single:  # the loops in these have no branches, so that several columns go at a time
+            low, high = lo[i].reshape(ny)[first_j:last_j], hi[i].reshape(ny)[first_j:last_j]
+            tall = tall or mark_tall(low, high, tall_from)
+            y = ys[first_j - begin_j : last_j - begin_j]
+            if ball:
+                floor_of_ball(low, high, y, x - x0, ux, uy, length, slope, radius2, middle, floor)
+            else:
+                floor_of_disc(low, high, y, x - x0, ux, uy, length, radius2, bottom_least, floor)
         for j in range(first_j, last_j):
+            if single and floor[j - first_j] == NONE:
+                continue
             n = count[i, j]
             if n == 0:
                 continue
-            high = hi[i, j, n - 1]
-            if high <= bottom_least:
+            end = hi[i, j, n - 1]
+            if end <= bottom_least:
                 continue
-            tallest = max(tallest, high)
-            y = grid[1] + (j + 0.5 + NUDGE_Y) * grid[3]
-            along = (x - x0) * ux + (y - y0) * uy
-            across = (y - y0) * ux - (x - x0) * uy
-            c2 = across * across
-            if ball:
-                # the commonest case, decided without a root: is the floor of the sweep below the material's top?
-                room2 = radius2 - c2
-                if room2 <= 0.0:
+            if single and ball and end <= top_least:
+                bottom, top = floor[j - first_j], top_least
+            else:
+                tall = tall or end > tall_from
+                along = (x - x0) * ux + ys[j - begin_j] * uy
+                across = ys[j - begin_j] * ux - (x - x0) * uy
+                c2 = across * across
+                if end < tall_from:
+                    # no deeper than the underside straight above the nearest point, with the piece's lowest tip
+                    near = min(max(0.0, -along), length - along)
+                    rho2 = c2 + near * near
+                    if rho2 > radius2 or bottom_least + underside(shape, np.sqrt(rho2)) >= end:
+                        continue
+                bottom, top = swept_interval(shape, c2, along, low_z, high_z, z0, length, slope)
+                if bottom > top or bottom >= end:
                     continue
-                u_first, u_last = -along, length - along
-                line_z = (z0 + slope * along if slope != 0.0 else low_z) + shape[5] + radius
-                free = -slope * np.sqrt(room2) / tilt if slope != 0.0 else 0.0
-                u = min(max(free, u_first), u_last)
-                depth2 = room2 - u * u
-                if depth2 < 0.0:
-                    continue
-                need = line_z + slope * u - high
-                if need > 0.0 and depth2 <= need * need:
-                    continue
-            elif high - bottom_least < profile:
-                # no deeper than the underside straight above the nearest point, with the piece's lowest tip
-                near = min(max(0.0, -along), length - along)
-                rho2 = c2 + near * near
-                if rho2 > radius2 or bottom_least + underside(shape, np.sqrt(rho2)) >= high:
-                    continue
-            bottom, top = swept_interval(shape, c2, along, low_z, high_z, z0, length, slope)
-            if bottom > top or bottom >= high:
-                continue
-            if n == 1 and high <= top:
+            if n == 1 and end <= top:
                 low = lo[i, j, 0]
                 if bottom > low:
                     hi[i, j, 0] = bottom
-                    total += high - bottom
+                    total += end - bottom
                 else:
                     count[i, j] = 0
-                    total += high - low
+                    hi[i, j, 0] = low  # an empty column ends where it begins
+                    total += end - low
             else:
                 gone = subtract(lo, hi, count, i, j, bottom, top)
                 if gone < 0.0:
@@ -167,14 +224,14 @@ def remove_piece(
                 total += gone
             total -= forget_walls(walls, i, j)
             dirty[i >> PATCH_SHIFT, j >> PATCH_SHIFT] = 1
-    if tallest > bottom_least + profile:
+    if tall:
         total += reckon_walls(
             lo, hi, count, grid, walls, x0, y0, ux, uy, length, radius, low_z, z0, slope, shape[5] + profile
         )
     return total * grid[2] * grid[3], True
 
 
-@kernel
+@kernel(allocates=False)
 def touch_piece(
     lo: Array, hi: Array, count: Ints, grid: Array, tops: Array, start: Array, end: Array, shape: Array
 ) -> tuple[float, float]:
@@ -222,7 +279,7 @@ def touch_piece(
     return volume * grid[2] * grid[3], depth
 
 
-@kernel
+@kernel(allocates=False)
 def patch_top(hi: Array, count: Ints, pi: int, pj: int) -> float:
     """Height [m] of the highest material in patch (pi, pj); -inf when it is empty."""
     nx, ny = count.shape
@@ -261,8 +318,9 @@ def remove(
     To go on after a stop, grow `lo` and `hi` and call again with `first` set to the returned index.
     """
     pieces = len(starts)
+    spare = np.empty((2, count.shape[1]))
     for p in range(first, pieces):
-        gone, ok = remove_piece(lo, hi, count, grid, dirty, walls, starts[p], ends[p], cutter)
+        gone, ok = remove_piece(lo, hi, count, grid, dirty, walls, starts[p], ends[p], cutter, spare)
         volume[p] += gone
         if not ok:
             return p

@@ -172,6 +172,7 @@ class Stock:
         """Room without material, to be printed into [m]."""
         stock = cls.box(minimum, maximum, resolution, material)
         stock.count[:] = 0
+        stock.hi[:] = stock.lo
         stock.original[2][:] = 0
         stock.tops[:] = -np.inf
         return stock

@@ -26,7 +26,7 @@ Singles = NDArray[np.float32]
 SAME_PLACE = 1.0e-5  # walls nearer than this part of a cell are the same wall, cut again
 
 
-@kernel
+@kernel(allocates=False)
 def forget_walls(walls: Singles, i: int, j: int) -> float:
     """Drop the walls of column (i, j), because it was cut itself; returns the strips they held [m]."""
     held = 0.0
@@ -41,7 +41,7 @@ def forget_walls(walls: Singles, i: int, j: int) -> float:
     return held
 
 
-@kernel
+@kernel(allocates=False)
 def rim(side: int, offset: float, uf: float, um: float, length: float, radius: float) -> tuple[float, float, float]:
     """Rim of a swept disc on a line that crosses it: (position [m], weight, place along the piece [m]).
 
@@ -60,7 +60,7 @@ def rim(side: int, offset: float, uf: float, um: float, length: float, radius: f
     return um * s + side * np.sqrt(half2), half2 / (radius * radius), s
 
 
-@kernel
+@kernel(allocates=False)
 def renew(walls: Singles, axis: int, i: int, j: int, side: int, beyond: float, strip: float) -> float:
     """Keep a wall that is new, or reaches at least as far as the one that is held; returns the gain [m].
 
@@ -75,7 +75,7 @@ def renew(walls: Singles, axis: int, i: int, j: int, side: int, beyond: float, s
     return float(walls[2 + axis, i, j]) - held
 
 
-@kernel
+@kernel(allocates=False)
 def material_above(lo: Array, hi: Array, count: Ints, i: int, j: int, bottom: float) -> float:
     """Length [m] of material of column (i, j) above `bottom`."""
     total = 0.0
@@ -85,7 +85,7 @@ def material_above(lo: Array, hi: Array, count: Ints, i: int, j: int, bottom: fl
     return total
 
 
-@kernel
+@kernel(allocates=False)
 def reckon_walls(
     lo: Array,
     hi: Array,

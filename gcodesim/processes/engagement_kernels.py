@@ -26,7 +26,10 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
 ANGLES = 64
-SLICES = 16  # elements along the engaged part of one piece of the edge
+SLICES = 16  # elements along the engaged part of one piece of the edge, at most
+LEAST_SLICES = 4  # of a cylinder, whose elements are SLICE_CELLS high between these two limits
+SLICE_CELLS = 2.0
+UPRIGHT = 1.0e-12  # cosine of kappa below which a straight piece is part of a cylinder
 ROWS = 4 * SLICES  # room for four pieces
 TABLE = 1025  # points of x**p on 0..1
 
@@ -41,6 +44,7 @@ LEAST_ADVANCE = 1.0e-4
 # Up to this tangent of kappa an element of a falling tool is asked so deep that its wall counts as full.
 STEEPEST = 4.0
 
+ELSEWHERE = -1.0  # no share: has to be asked column by column
 THIN = 1.0e-7  # [m] least height over which material is asked for
 
 # columns of the result of `cutting_force`
@@ -48,7 +52,7 @@ FORCE, TORQUE, CHIP, DEPTH, WIDTH, ENTRY, EXIT, CONTACT = 0, 6, 7, 8, 9, 10, 11,
 RESULT = 13
 
 
-@kernel
+@kernel(allocates=False)
 def power_table(laws: Array, table: Array) -> None:
     """Fill `table` (3, TABLE) with x**p on 0..1 for the exponents laws[:, 1]: a power costs more than all the rest."""
     for component in range(3):
@@ -56,14 +60,14 @@ def power_table(laws: Array, table: Array) -> None:
             table[component, i] = (i / (table.shape[1] - 1.0)) ** laws[component, 1]
 
 
-@kernel
+@kernel(allocates=False)
 def power_at(table: Array, component: int, left: int, part: float) -> float:
     """Value between point `left` of `table` and the next, `part` of the way."""
     value: float = (1.0 - part) * table[component, left] + part * table[component, left + 1]
     return value
 
 
-@kernel
+@kernel(allocates=False)
 def clearances(grid: Array, ux: float, uy: float) -> tuple[float, float]:
     """How far [m] ahead of the cutter, and inside its width, to ask: no column around such a place is under it.
 
@@ -72,7 +76,7 @@ def clearances(grid: Array, ux: float, uy: float) -> tuple[float, float]:
     return float(np.sqrt(grid[2] * grid[2] + grid[3] * grid[3])), float(grid[2] * abs(uy) + grid[3] * abs(ux))
 
 
-@kernel
+@kernel(allocates=False)
 def probe(
     r: float, outer: float, sine: float, cosine: float, ahead: float, aside: float, level: float
 ) -> tuple[float, float, float]:
@@ -90,7 +94,7 @@ def probe(
     return x + level * way, y + level * (wide - y), way
 
 
-@kernel
+@kernel(allocates=False)
 def turned(sine: float, cosine: float, angle: float) -> tuple[float, float]:
     """Sine and cosine a small `angle` (up to 0.1 rad) further on; series, exact to the last digits."""
     b = angle * angle
@@ -99,19 +103,19 @@ def turned(sine: float, cosine: float, angle: float) -> tuple[float, float]:
     return sine * c + cosine * s, cosine * c - sine * s
 
 
-@kernel
+@kernel(allocates=False)
 def plunge_way(rows: Array, i: int, cell: float, level: float) -> float:
     """Least way d [m] for row i: falling, so far that columns a cell nearer to the axis, with lower floor, are full."""
     steep = STEEPEST if rows[i, 2] > STEEPEST * rows[i, 3] else rows[i, 2] / rows[i, 3]
     return float((1.0 - level) * (0.5 * (rows[i, 6] - rows[i, 5]) + cell * steep))
 
 
-@kernel
+@kernel(allocates=False)
 def share_at(
     lo: Array, hi: Array, count: Ints, grid: Array, tip: Array, ux: float, uy: float, level: float, climb: float,
     cell: float, rows: Array, i: int, sine: float, cosine: float,
 ) -> float:  # fmt: skip
-    """Share [-] of row i that is in material at one angle; see `contact_of_row`."""
+    """Share [-] of row i that is in material at one angle; see `contact_of_rows`."""
     ahead, aside = clearances(grid, ux, uy)
     px, py, way = probe(rows[i, 0], rows[i, 7], sine, cosine, ahead, aside, level)
     x, y = tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py
@@ -124,95 +128,117 @@ def share_at(
     return float(occupancy(lo, hi, count, grid, x, y, low, high))
 
 
-@kernel
-def contact_of_row(
+@kernel(allocates=False)
+def read_single(
+    lo: Array, hi: Array, last_i: float, last_j: float, ny: np.uint64, us: Array, vs: Array, ups: Array, bottom: float,
+    top: float, share: Array,
+) -> None:  # fmt: skip
+    """Share (n,) of bottom..top [m], raised by `ups`, that is material at places (us, vs) between column centres.
+
+    For stocks of which each column has one interval; an empty one ends where it begins. Places that have no four
+    columns around them get ELSEWHERE.
+    """
+    scale = 1.0 / (top - bottom)
+    for k in range(share.shape[0]):
+        u, v = min(max(us[k], 0.0), last_i), min(max(vs[k], 0.0), last_j)
+        # truncation is the floor here; unsigned indices spare the check for negative ones
+        i, j = np.uint64(u), np.uint64(v)
+        a = i * ny + j
+        b = a + ny
+        z0, z1 = bottom + ups[k], top + ups[k]
+        wx, wy = u - np.float64(i), v - np.float64(j)
+        near = (1.0 - wx) * max(min(hi[a], z1) - max(lo[a], z0), 0.0)
+        near += wx * max(min(hi[b], z1) - max(lo[b], z0), 0.0)
+        a += np.uint64(1)
+        b += np.uint64(1)
+        far = (1.0 - wx) * max(min(hi[a], z1) - max(lo[a], z0), 0.0)
+        far += wx * max(min(hi[b], z1) - max(lo[b], z0), 0.0)
+        full = scale * ((1.0 - wy) * near + wy * far)
+        share[k] = full if u == us[k] and v == vs[k] else ELSEWHERE
+
+
+@kernel(allocates=False)
+def contact_of_rows(
     lo: Array, hi: Array, count: Ints, grid: Array, circle: Array, tip: Array, ux: float, uy: float, level: float,
-    climb: float, rows: Array, i: int, last: int, weights: Array, places: Array,
+    climb: float, rows: Array, first: int, number: int, last: int, weights: Array, places: Array,
 ) -> bool:  # fmt: skip
-    """Fill weights[i, :last]: share of the element in material at each angle at which it advances, else 0.
+    """Fill weights[first:first + number, :last]: share of each element in material at each angle at which it advances.
 
-    Returns whether there is any, and keeps the range of those angles in the row.
+    0 where it does not advance. Returns whether there is any, and keeps the range of those angles in each row.
 
-    The element is asked where it will be a way d further along the feed; falling, half a cell more is asked for
+    An element is asked where it will be a way d further along the feed; falling, half a cell more is asked for
     below, so that contact grows gradually.
     Where contact begins or ends between two angles, the limit is found by halving and the weight is shared out.
-    The columns are read here and not by `occupancy`: nearly all have one interval, and this is the innermost loop.
     """
     cell = max(grid[2], grid[3])
     nx, ny = count.shape
     ahead, aside = clearances(grid, ux, uy)
-    radius, outer = rows[i, 0], rows[i, 7] + ahead
-    inside = max(radius - aside, 0.0)
-    sin_kappa, fall = rows[i, 2], climb * rows[i, 3]
-    least_way = plunge_way(rows, i, cell, level) if climb < 0.0 else 0.0
-    bottom, top = tip[2] + rows[i, 5] + min(0.5 * (1.0 - level) * cell * climb, 0.0), tip[2] + rows[i, 6]
-    top = max(top, bottom + THIN)
-    scale = 1.0 / (top - bottom)
     to_x, to_y = 1.0 / grid[2], 1.0 / grid[3]
-    # where to ask, for all angles first: this loop has no branches and no dependence between its turns
-    for k in range(last):
-        sine, cosine = circle[0, k], circle[1, k]
-        px, py = radius * sine, radius * cosine
-        wide = min(max(py, -inside), inside)
-        front = sine > 0.0
-        way = np.sqrt(outer * outer - wide * wide) - px if front else ahead
-        py = py + level * (wide - py) if front else py
-        px += level * way
-        places[0, k] = (tip[0] + ux * px - uy * py - grid[0]) * to_x - 0.5
-        places[1, k] = (tip[1] + uy * px + ux * py - grid[1]) * to_y - 0.5
-        places[2, k] = climb * max(way, least_way)
-    earlier = -1.0
-    begin, end = last, 0
-    for k in range(last):
-        sine, cosine = circle[0, k], circle[1, k]
-        if level * sine * sin_kappa - fall <= LEAST_ADVANCE:
-            weights[i, k] = 0.0
-            earlier = -1.0
-            continue
-        u, v = places[0, k], places[1, k]
-        z0, z1 = bottom + places[2, k], top + places[2, k]
-        if not (-1.0 <= u < nx and -1.0 <= v < ny):
-            w = 0.0
-        elif 0.0 <= u < nx - 1 and 0.0 <= v < ny - 1:
-            # truncation is the floor here; unsigned indices spare the check for negative ones
-            i0, j0 = np.uint64(u), np.uint64(v)
-            i1, j1 = i0 + np.uint64(1), j0 + np.uint64(1)
-            if count[i0, j0] != 1 or count[i1, j0] != 1 or count[i0, j1] != 1 or count[i1, j1] != 1:
-                w = share_at(lo, hi, count, grid, tip, ux, uy, level, climb, cell, rows, i, sine, cosine)
-            else:
-                wx, wy = u - np.float64(i0), v - np.float64(j0)
-                near = (1.0 - wx) * max(min(hi[i0, j0, 0], z1) - max(lo[i0, j0, 0], z0), 0.0)
-                near += wx * max(min(hi[i1, j0, 0], z1) - max(lo[i1, j0, 0], z0), 0.0)
-                far = (1.0 - wx) * max(min(hi[i0, j1, 0], z1) - max(lo[i0, j1, 0], z0), 0.0)
-                far += wx * max(min(hi[i1, j1, 0], z1) - max(lo[i1, j1, 0], z0), 0.0)
-                w = scale * ((1.0 - wy) * near + wy * far)
+    tip_u, tip_v = (tip[0] - grid[0]) * to_x - 0.5, (tip[1] - grid[1]) * to_y - 0.5
+    uxx, uyx, uxy, uyy = ux * to_x, uy * to_x, ux * to_y, uy * to_y
+    single = lo.shape[2] == 1 and nx > 1 and ny > 1  # nearly always
+    sines, cosines, us, vs, ups = circle[0], circle[1], places[0, :last], places[1, :last], places[2, :last]
+    found = False
+    for i in range(first, first + number):
+        radius, outer = rows[i, 0], rows[i, 7] + ahead
+        inside = max(radius - aside, 0.0)
+        sin_kappa, fall = rows[i, 2], climb * rows[i, 3]
+        least_way = plunge_way(rows, i, cell, level) if climb < 0.0 else 0.0
+        bottom, top = tip[2] + rows[i, 5] + min(0.5 * (1.0 - level) * cell * climb, 0.0), tip[2] + rows[i, 6]
+        top = max(top, bottom + THIN)
+        line = weights[i, :last]
+        # where to ask, for all angles first: no branches, no dependence between turns, so several angles go at a time
+        for k in range(last):
+            px, py = radius * sines[k], radius * cosines[k]
+            wide = min(max(py, -inside), inside)
+            front = sines[k] > 0.0
+            way = np.sqrt(outer * outer - wide * wide) - px if front else ahead
+            py = py + level * (wide - py) if front else py
+            px += level * way
+            us[k] = tip_u + uxx * px - uyx * py
+            vs[k] = tip_v + uyy * px + uxy * py
+            ups[k] = climb * max(way, least_way)
+        if single:
+            read_single(
+                lo.reshape(nx * ny), hi.reshape(nx * ny), np.float64(nx - 2), np.float64(ny - 2), np.uint64(ny), us,
+                vs, ups, bottom, top, line,
+            )  # fmt: skip
         else:
-            w = share_at(lo, hi, count, grid, tip, ux, uy, level, climb, cell, rows, i, sine, cosine)
-        weights[i, k] = w
-        if earlier >= 0.0 and abs(w - earlier) > 0.5:
-            least, most = 0.0, 1.0
-            for _ in range(4):
-                middle = 0.5 * (least + most)
-                fine_sine, fine_cosine = turned(circle[0, k - 1], circle[1, k - 1], middle * (2.0 * np.pi / ANGLES))
-                between = share_at(
-                    lo, hi, count, grid, tip, ux, uy, level, climb, cell, rows, i, fine_sine, fine_cosine
-                )
-                if (between > 0.5 * (w + earlier)) == (w > earlier):
-                    most = middle
-                else:
-                    least = middle
-            locate_edge(weights, i, k, 0.5 * (least + most))
-            begin = min(begin, k - 1)
-            end = k + 1
-        earlier = w
-        if w > 0.0:
-            begin = min(begin, k)
-            end = k + 1
-    rows[i, FROM], rows[i, TO] = begin, end
-    return end > begin
+            line[:] = ELSEWHERE
+        earlier = -1.0
+        begin, end = last, 0
+        for k in range(last):
+            if level * sines[k] * sin_kappa - fall <= LEAST_ADVANCE:
+                line[k] = 0.0
+                earlier = -1.0
+                continue
+            w = line[k]
+            if w == ELSEWHERE:
+                w = share_at(lo, hi, count, grid, tip, ux, uy, level, climb, cell, rows, i, sines[k], cosines[k])
+                line[k] = w
+            if earlier >= 0.0 and abs(w - earlier) > 0.5:
+                least, most = 0.0, 1.0
+                for _ in range(4):
+                    middle = 0.5 * (least + most)
+                    sine, cosine = turned(sines[k - 1], cosines[k - 1], middle * (2.0 * np.pi / ANGLES))
+                    between = share_at(lo, hi, count, grid, tip, ux, uy, level, climb, cell, rows, i, sine, cosine)
+                    if (between > 0.5 * (w + earlier)) == (w > earlier):
+                        most = middle
+                    else:
+                        least = middle
+                locate_edge(weights, i, k, 0.5 * (least + most))
+                begin = min(begin, k - 1)
+                end = k + 1
+            earlier = w
+            if w > 0.0:
+                begin = min(begin, k)
+                end = k + 1
+        rows[i, FROM], rows[i, TO] = begin, end
+        found = found or end > begin
+    return found
 
 
-@kernel
+@kernel(allocates=False)
 def locate_edge(weights: Array, i: int, k: int, fraction: float) -> None:
     """Move the limit between angles k-1 and k of row i: it lies `fraction` (0..1) of the way."""
     shift = fraction - 0.5
@@ -223,7 +249,7 @@ def locate_edge(weights: Array, i: int, k: int, fraction: float) -> None:
         weights[i, k - 1] = (1.0 + shift) * before - shift * here
 
 
-@kernel
+@kernel(allocates=False)
 def contact_of_cylinder(
     lo: Array, hi: Array, count: Ints, grid: Array, circle: Array, tip: Array, ux: float, uy: float, level: float,
     climb: float, rows: Array, first: int, number: int, weights: Array, line: Array,
@@ -280,7 +306,7 @@ def contact_of_cylinder(
     return end > begin
 
 
-@kernel
+@kernel(allocates=False)
 def solid(
     lo: Array, hi: Array, count: Ints, grid: Array, x: float, y: float, z0: float, z1: float
 ) -> tuple[int, float]:
@@ -300,8 +326,8 @@ def solid(
     return 1, ((1.0 - wy) * ((1.0 - wx) * a + wx * b) + wy * ((1.0 - wx) * c + wx * d)) / (z1 - z0)
 
 
-@kernel
-def lay_rows(edge: Array, height: float, rows: Array, piece: int) -> int:
+@kernel(allocates=False)
+def lay_rows(edge: Array, height: float, cell: float, rows: Array, piece: int) -> int:
     """Cut the part of piece `piece` of the edge (k, 8) below `height` [m] into rows; returns their number.
 
     See `Cutter.edge` for the columns of a piece and `ask_rows` for those of a row.
@@ -328,18 +354,21 @@ def lay_rows(edge: Array, height: float, rows: Array, piece: int) -> int:
     sine, cosine = np.sin(kappa0), np.cos(kappa0)
     if z1 > height:
         length = (height - z0) / sine
-    step = length / SLICES
-    for i in range(SLICES):
+    number = SLICES
+    if cosine < UPRIGHT:  # all at one radius, so that only their number over the height matters
+        number = min(max(int(np.ceil(length / (SLICE_CELLS * cell))), LEAST_SLICES), SLICES)
+    step = length / number
+    for i in range(number):
         s = (i + 0.5) * step
         rows[i, 0], rows[i, 1] = edge[piece, 1] + s * cosine, z0 + s * sine
         rows[i, 2], rows[i, 3] = sine, cosine
         rows[i, 4] = step
         rows[i, 5], rows[i, 6] = z0 + i * step * sine, z0 + (i + 1) * step * sine
         rows[i, 7] = rows[i, 0] + 0.5 * step * cosine
-    return SLICES
+    return number
 
 
-@kernel
+@kernel(allocates=False)
 def unit_forces(
     laws: Array, table: Array, scale: Array, circle: Array, level: float, climb: float, sin_kappa: float,
     cos_kappa: float, begin: int, end: int, unit: Array,
@@ -372,7 +401,7 @@ def unit_forces(
         unit[2, k] = normal * cos_kappa - axial * sin_kappa
 
 
-@kernel
+@kernel(allocates=False)
 def add_row(
     circle: Array, unit: Array, weights: Array, r: float, z: float, width: float, begin: int, end: int,
     force_u: Array, force_l: Array, force_z: Array, sums: Array,
@@ -403,9 +432,10 @@ def add_row(
 
 
 SUMS = 10
+SPARE = 9  # rows below the sums: unit forces, places, components, slices, and one for who calls `cutting_force`
 
 
-@kernel
+@kernel(allocates=False)
 def cutting_force(
     lo: Array, hi: Array, count: Ints, grid: Array, tool: Array, edge: Array, laws: Array, table: Array,
     circle: Array, tip: Array, ux: float, uy: float, level: float, climb: float, chip: float, top: float,
@@ -416,7 +446,7 @@ def cutting_force(
     tool (4,): radius, flutes, tan(helix), height of the edge; circle (2, ANGLES): sine, cosine of phi;
     ux, uy: horizontal direction of the feed; level, climb: its horizontal and vertical share (unit vector);
     chip [m]: feed per tooth; top [m]: no material is higher near the tool.
-    rows (ROWS, COLUMNS), sums (SUMS + 6, ANGLES): scratch;
+    rows (ROWS, COLUMNS), sums (SUMS + SPARE, ANGLES): scratch;
     force (3, ROWS, ANGLES) [N]: on one tooth per row and angle, along u, l, z, within the range of each row.
     result (RESULT,): wrench about the tip in S (6), torque, greatest chip thickness, axial depth, radial width,
     entry and exit angle, and the sum of engaged elements (0: no contact).
@@ -427,16 +457,15 @@ def cutting_force(
         return 0
     height = max(height, 1.0e-9)  # downwards the lowest rows ask for what is still below the tip
     last = ANGLES if climb < 0.0 else ANGLES // 2  # nothing behind the tool cuts unless it goes down
-    scale = np.empty(3)
+    scale, line = sums[SUMS + 6], sums[SUMS + 7]
     for component in range(3):
         scale[component] = laws[component, 0] * chip ** laws[component, 1] if chip > 0.0 else 0.0
-    line = np.empty(SLICES)
     unit = sums[SUMS : SUMS + 3]
     sums[:SUMS] = 0.0
     used = 0
     steepest = 0.0
     for piece in range(edge.shape[0]):
-        number = lay_rows(edge, height, rows[used:], piece)
+        number = lay_rows(edge, height, max(grid[2], grid[3]), rows[used:], piece)
         if number == 0:
             continue
         first, end = used, used + number - 1
@@ -445,16 +474,15 @@ def cutting_force(
             LEAST_ADVANCE
         ):
             continue  # no angle at which this piece advances: a flat bottom in a level cut
-        if edge[piece, 0] == 0.0 and rows[first, 3] < 1.0e-12:
+        if edge[piece, 0] == 0.0 and rows[first, 3] < UPRIGHT:
             touched = contact_of_cylinder(
                 lo, hi, count, grid, circle, tip, ux, uy, level, climb, rows, first, number, weights, line
             )
         else:
-            for i in range(first, first + number):
-                found = contact_of_row(
-                    lo, hi, count, grid, circle, tip, ux, uy, level, climb, rows, i, last, weights, sums[SUMS + 3 :]
-                )
-                touched = touched or found
+            touched = contact_of_rows(
+                lo, hi, count, grid, circle, tip, ux, uy, level, climb, rows, first, number, last, weights,
+                sums[SUMS + 3 : SUMS + 6],
+            )  # fmt: skip
         if not touched:
             continue
         used += number
@@ -515,7 +543,7 @@ def cutting_force(
     return used
 
 
-@kernel
+@kernel(allocates=False)
 def peak_force(tool: Array, rows: Array, force: Array, used: int, turning: Array) -> float:
     """Greatest force [N] within a revolution: all teeth and heights at once, each height late by its helix lag.
 

@@ -100,7 +100,7 @@ class Milling:
     @cached_property
     def _packed(self) -> tuple[Array, ...]:
         """Constants and scratch arrays of the kernel, in its order."""
-        from gcodesim.processes.engagement_kernels import ANGLES, COLUMNS, ROWS, SUMS, TABLE, power_table
+        from gcodesim.processes.engagement_kernels import ANGLES, COLUMNS, ROWS, SPARE, SUMS, TABLE, power_table
         from gcodesim.processes.milling_kernels import CLEARANCE
 
         cutter = self.cutter
@@ -123,7 +123,7 @@ class Milling:
             np.zeros((ROWS, COLUMNS)),
             np.zeros((ROWS, ANGLES)),
             np.zeros((3, ROWS, ANGLES)),
-            np.zeros((SUMS + 6, ANGLES)),
+            np.zeros((SUMS + SPARE, ANGLES)),
             np.zeros((3, 2 * ANGLES + 2)),
         )
         return (tool, cutter.edge, laws, table, circle, shapes, *scratch)

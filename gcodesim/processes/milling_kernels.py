@@ -25,6 +25,8 @@ from gcodesim.processes.engagement_kernels import (
     ENTRY,
     EXIT,
     RESULT,
+    SPARE,
+    SUMS,
     TORQUE,
     WIDTH,
     cutting_force,
@@ -74,7 +76,7 @@ CLOSE_ADVANCE = 0.02  # residual along the feed, as a share of the feed, since t
 RELAX_LEAST, RELAX_MOST = 0.01, 1.0
 
 
-@kernel
+@kernel(allocates=False)
 def top_nearby(tops: Array, grid: Array, x: float, y: float, radius: float) -> float:
     """Height [m] that no material within `radius` of (x, y) surpasses; -inf where there is no stock."""
     size = 1 << PATCH_SHIFT
@@ -89,7 +91,7 @@ def top_nearby(tops: Array, grid: Array, x: float, y: float, radius: float) -> f
     return top
 
 
-@kernel
+@kernel(allocates=False)
 def tighten_tops(
     hi: Array, count: Ints, tops: Array, grid: Array, state: Array, x: float, y: float, radius: float
 ) -> None:
@@ -107,7 +109,7 @@ def tighten_tops(
             tops[i, j] = patch_top(hi, count, i, j)
 
 
-@kernel
+@kernel(allocates=False)
 def travel_between(before: Array, after: Array, state: Array) -> float:
     """Way [m] of the displaced tip in a step from `before` to `after` (3,)."""
     square = 0.0
@@ -117,13 +119,13 @@ def travel_between(before: Array, after: Array, state: Array) -> float:
     return float(np.sqrt(square))
 
 
-@kernel
+@kernel(allocates=False)
 def bend(state: Array) -> float:
     """Deflection [m] of the tip."""
     return float(np.sqrt(state[DELTA] ** 2 + state[DELTA + 1] ** 2 + state[DELTA + 2] ** 2))
 
 
-@kernel
+@kernel(allocates=False)
 def displacement(compliance: Array, wrench: Array, delta: Array) -> None:
     """delta (3,) [m] of the tip under `wrench` (6,); compliance (3, 6): its translation rows."""
     for axis in range(3):
@@ -133,13 +135,13 @@ def displacement(compliance: Array, wrench: Array, delta: Array) -> None:
         delta[axis] = total
 
 
-@kernel
+@kernel(allocates=False)
 def along(vector: Array, ux: float, uy: float, level: float, climb: float) -> float:
     """Component of `vector` (3,) along the feed."""
     return float(level * (ux * vector[0] + uy * vector[1]) + climb * vector[2])
 
 
-@kernel
+@kernel(allocates=False)
 def solve_step(
     lo: Array, hi: Array, count: Ints, grid: Array, tool: Array, edge: Array, laws: Array, table: Array,
     circle: Array, compliance: Array, rigid: bool, tip: Array, ux: float, uy: float, level: float, climb: float,
@@ -151,7 +153,8 @@ def solve_step(
     way [m]: commanded in this step, along the feed; the chip is as thick as the tip advances (`advance_kernels`).
     Returns the number of rows that are filled for `peak_force`, and by what their forces have to be multiplied.
     """
-    place: Array = np.empty(3)
+    spare = sums[SUMS + SPARE - 1]
+    place = spare[0:3]
     if rigid:
         for axis in range(3):
             state[DELTA + axis] = 0.0
@@ -160,10 +163,11 @@ def solve_step(
             rows, weights, force, sums, result,
         )  # fmt: skip
         return used, 1.0
-    delta, residual, earlier, best = np.empty(3), np.zeros(3), np.zeros(3), np.empty(3)
+    delta, residual, earlier, best = spare[3:6], spare[6:9], spare[9:12], spare[12:15]
+    earlier[:] = 0.0
     for axis in range(3):
         delta[axis] = state[DELTA + axis]
-    fixed, bend_fixed = np.empty(TORQUE + 1), np.empty(3)
+    bend_fixed, fixed = spare[15:18], spare[18 : 19 + TORQUE]
     bent_before = along(delta, ux, uy, level, climb)
     relaxation = state[RELAXATION] if state[RELAXATION] > 0.0 else 0.5
     advance = state[ADVANCE] if state[ADVANCE] > 0.0 else 1.0
@@ -172,9 +176,10 @@ def solve_step(
     used = 0
     for turn in range(EVALUATIONS + 1):
         if turn == EVALUATIONS:  # no fixed point found: on from the best place seen, no faster than the feed
-            delta[:] = best
             advance = best_asked
         for axis in range(3):
+            if turn == EVALUATIONS:
+                delta[axis] = best[axis]
             place[axis] = tip[axis] + delta[axis]
         asked = advance
         used = cutting_force(
@@ -218,12 +223,13 @@ def solve_step(
                 relaxation = min(max(-relaxation * towards / change, RELAX_LEAST), RELAX_MOST)
         if size < least:
             least = size
-            best[:] = delta
             best_asked = asked
+            for axis in range(3):
+                best[axis] = delta[axis]
         limit = CLOSE_RELATIVE * np.sqrt(bent) + CLOSE_ABSOLUTE
         short = abs(along(residual, ux, uy, level, climb))
-        earlier[:] = residual
         for axis in range(3):
+            earlier[axis] = residual[axis]
             delta[axis] += relaxation * residual[axis]
         if size <= limit * limit and (pushed >= 0.0 or short <= CLOSE_ADVANCE * way):
             break
@@ -250,6 +256,7 @@ def mill(
     n = motion.shape[0]
     result = np.zeros(RESULT)
     before, after, p, q = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
+    spare = np.empty((2, count.shape[1]))
     rigid_machine = compliance.shape[0] == 0
     no_compliance = np.zeros((3, 6))
     widest = max(shapes[0, 1], max(shapes[1, 1], shapes[2, 1]))
@@ -374,7 +381,7 @@ def mill(
                 old, new = state[BEFORE + axis], state[DELTA + axis]
                 p[axis] = starts[piece, axis] + old + a * (new - old)
                 q[axis] = ends[piece, axis] + old + b * (new - old)
-            volume, ok = remove_piece(lo, hi, count, grid, dirty, walls, p, q, shapes[0])
+            volume, ok = remove_piece(lo, hi, count, grid, dirty, walls, p, q, shapes[0], spare)
             out[k, REMOVED] += volume
             if not ok:
                 state[STEP], state[PIECE] = k + 1.0, float(piece)
