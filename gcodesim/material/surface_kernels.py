@@ -137,7 +137,7 @@ def plain_prism(
 def is_plain(bits: Bytes, start: Ints, prism: int) -> bool:
     """Whether a prism has one group below in which all four columns begin, and one above in which they end."""
     first = start[prism]
-    return start[prism + 1] - first == 2 and bits[first] == 15 and bits[first + 1] == 15
+    return bool(start[prism + 1] - first == 2 and bits[first] == 15 and bits[first + 1] == 15)
 
 
 @kernel
