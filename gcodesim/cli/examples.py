@@ -14,7 +14,7 @@ from typing import Final
 from gcodesim.cli.main import main
 
 FOLDER: Final = Path(str(files("gcodesim"))) / "data" / "examples"
-_VERDICT = re.compile(r"^\S+: (?:\d+|no) errors?, ")
+_VERDICT = re.compile(r"\S+: (?:\d+|no) errors?, |(?:\d+|none) failed")
 
 
 def transcript_of(command: str, folder: Path) -> str:
@@ -32,9 +32,11 @@ def transcript_of(command: str, folder: Path) -> str:
             main(command.split())
     finally:
         os.chdir(before)
-    lines = []
+    lines: list[str] = []
     for line in out.getvalue().splitlines():
         if _VERDICT.match(line):
             break
         lines.append(line)
+    while lines and not lines[-1]:
+        del lines[-1]
     return "\n".join([f"$ gcodesim {command}", *lines]) + "\n"

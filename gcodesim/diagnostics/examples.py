@@ -5,12 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from importlib.resources import files
 
+_NOT_TO_READ = (".txt", ".stl", ".golden.json")
 _PROMPT = "$ gcodesim "
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Example:
-    """`files` by name with their text, `command` after `gcodesim`, and the findings as it prints them."""
+    """The example's own `files` and those that the command names, by name with their text; `command` after
+    `gcodesim`, and the findings as it prints them."""
 
     files: dict[str, str]
     command: str
@@ -34,6 +36,8 @@ def example_of(code: str) -> Example | None:
     text = transcript.read_text(encoding="utf-8")
     command = command_of(text)
     named = [word for word in command.split() if (folder / word).is_file()]
+    beside = sorted(item.name for item in folder.iterdir() if item.name.startswith(f"{code}."))
+    named += [name for name in beside if name not in named and not name.endswith(_NOT_TO_READ)]
     return Example(
         files={name: (folder / name).read_text(encoding="utf-8") for name in named},
         command=command,

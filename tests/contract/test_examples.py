@@ -20,19 +20,8 @@ NONE = {
     "GS208": "the reader refuses such blocks (GS107, GS108); only a path built in Python has a feed of zero",
     "GS728": "depends on whether pybullet is installed",
     "GS731": "depends on whether pybullet is installed",
-    "GS601": "found by `gcodesim test`, which compares with an accepted run",
-    "GS602": "found by `gcodesim test`, which compares with an accepted run",
-    "GS603": "found by `gcodesim test`, which compares with an accepted run",
-    "GS604": "found by `gcodesim test`, which compares with an accepted run",
-    "GS605": "found by `gcodesim test`, which compares with an accepted run",
-    "GS606": "found by `gcodesim test`, which compares with an accepted run",
-    "GS607": "found by `gcodesim test`, which compares with an accepted run",
-    "GS608": "found by `gcodesim test`, which compares with an accepted run",
-    "GS609": "found by `gcodesim test`, which compares with an accepted run",
-    "GS610": "found by `gcodesim test`, which compares with an accepted run",
-    "GS611": "found by `gcodesim test`, which compares with an accepted run",
-    "GS612": "found by `gcodesim test`, which compares with an accepted run",
-    "GS613": "needs a fault of gcodesim; tests/unit/regress/test_suite.py has one",
+    "GS612": "depends on whether pybullet is installed",
+    "GS613": "a fault of gcodesim itself",
 }
 TRANSCRIPTS = sorted(FOLDER.glob("GS*.txt"))
 
@@ -49,7 +38,7 @@ def test_example_prints_what_its_transcript_says(path: Path, tmp_path: Path) -> 
     text = path.read_text(encoding="utf-8")
 
     assert transcript_of(command_of(text), tmp_path) == text
-    assert re.search(rf"^\S+: (error|warning|note) {path.stem}: \S", text, re.MULTILINE)
+    assert re.search(rf"^ *\S+: (error|warning|note) {path.stem}: \S", text, re.MULTILINE)
 
 
 @pytest.mark.parametrize("path", TRANSCRIPTS, ids=lambda path: path.stem)
@@ -67,4 +56,4 @@ def test_no_file_lies_about() -> None:
     for path in FOLDER.iterdir():
         assert path.stem.startswith("GS") or path.name in texts, path.name
         if path.stem.startswith("GS"):
-            assert (FOLDER / f"{path.stem}.txt").is_file(), path.name
+            assert (FOLDER / f"{path.name[:5]}.txt").is_file(), path.name

@@ -1,0 +1,3 @@
+G21 G90
+G1 X5 F100 (expect: GS107)
+M2

@@ -1,0 +1,9 @@
+G21 G90
+T1 M6
+S5000 M3
+G0 X0 Y0 Z5
+G1 Z-2 F200
+X22 F600 (X20 when it was accepted)
+G0 Z50
+M5
+M2

@@ -1,0 +1,9 @@
+G21 G90
+T1 M6
+S5000 M3
+G0 X0 Y0 Z5
+G1 Z-2.5 F200 (Z-2 when it was accepted)
+X20 F600
+G0 Z50
+M5
+M2
