@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import json
+import os
 import re
+import subprocess
+import sys
 import time
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
@@ -125,3 +130,116 @@ def test_broken_cells_through_the_command_line(cli, path: Path) -> None:
     places = [(code.decode(), int(line), int(column)) for code, line, column in expected]
     assert done.errors == sorted(places, key=lambda place: place[1:])
     assert all(f["file"] == path.name or f["code"].startswith("GS76") for f in done.json["findings"])
+
+
+PLUNGE = """G21 G90 G17 G94
+T2 M6
+G43 H2
+S6000 M3
+G0 X50 Y30
+G0 Z2
+G1 Z-5 F200
+G0 Z20
+M5
+M2
+"""
+SARIF_LEVELS = {"error", "warning", "note", "none"}
+
+
+def test_ci_of_a_post_processor(cli, write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("GCODESIM_TEST_CACHE", str(tmp_path / "cache"))
+    (tmp_path / "suite").mkdir()
+    for name in ("clean", "part"):
+        write(f"suite/{name}.nc", PLUNGE)
+        write(f"suite/{name}.test.yaml", "cell: cell.yaml\n")
+    (tmp_path / "suite" / "cell.yaml").write_bytes((tmp_path / "cell.yaml").read_bytes())
+    assert cli("accept", "suite").status == 0
+    arguments = ("test", "suite/", "--junit", "j.xml", "--sarif", "s.sarif", "--github")
+
+    write("suite/part.nc", PLUNGE.replace(" M3", ""))  # the commit
+    done = cli(*arguments)
+    assert done.status == 1
+    assert re.search(
+        r"suite/part\.nc:7:1: error GS501: T2 feeds through [\d.]+ mm³ of stock with the spindle", done.out
+    )
+    assert re.search(r"^::error file=suite/part\.nc,line=7,.*GS501", done.out, re.MULTILINE)
+    suites = ElementTree.parse(tmp_path / "j.xml").getroot()
+    cases = list(suites.iter("testcase"))
+    assert len(cases) == 2 and [len(case.findall("failure")) for case in cases] == [0, 1]
+    (sarif,) = json.loads((tmp_path / "s.sarif").read_text())["runs"]
+    rules = [rule["id"] for rule in sarif["tool"]["driver"]["rules"]]
+    assert {result["ruleId"] for result in sarif["results"]} <= set(rules) and "GS501" in rules
+    places = [place["physicalLocation"] for result in sarif["results"] for place in result["locations"]]
+    uris = {place["artifactLocation"]["uri"] for place in places}
+    assert "suite/part.nc" in uris and not any(uri.startswith("/") or ":" in uri for uri in uris)
+    assert {result["level"] for result in sarif["results"]} <= SARIF_LEVELS
+
+    write("suite/part.nc", PLUNGE)  # the repair
+    assert cli(*arguments).status == 0
+    outputs = []
+    for number, jobs in ((1, 1), (2, 2)):
+        out = tmp_path / f"out{number}"
+        out.mkdir()
+        files = ("--junit", out / "j.xml", "--sarif", out / "s.sarif", "--gitlab", out / "g.json", "--format", "json")
+        done = subprocess.run(
+            [sys.executable, "-m", "gcodesim", "test", "suite", "-j", str(jobs), *map(str, files)],
+            capture_output=True,
+            env={**os.environ, "PYTHONHASHSEED": str(number)},
+            check=True,
+        )
+        outputs.append({"stdout": done.stdout, **{path.name: path.read_bytes() for path in sorted(out.iterdir())}})
+    assert set(outputs[0]) == {"stdout", "j.xml", "s.sarif", "g.json"} and outputs[0] == outputs[1]
+
+
+def test_replay(cli, write, tmp_path: Path) -> None:
+    """What the viewer is given; `test_processes.py` interrupts a run, `scripts/view_log.py` opens a real viewer."""
+    import trimesh
+
+    from gcodesim.playback import Recording
+
+    write("part.nc", "G21 G90 G17 G94\nT1 M6\nG43 H1\nS8000 M3\nG0 X5 Y5\nG0 Z2\nG1 Z-1 F300\nG1 X35\nG0 Y25\nM5\nM2\n")
+    assert cli("run", "part.nc", "--cell", "arm.yaml").status == 1
+    assert cli("info", "out/run.mcap", "--layout").json  # the layout is inside
+    log = Recording.open(tmp_path / "out" / "run.mcap")  # the file alone
+    assert {"arm/link_6", "tool", "tcp", "stock"} <= set(log.frames().parents)
+    volumes: dict[float, float] = {}
+    for share in (0.0, 0.6, 1.0, 0.6, 0.0):  # jumping to any time, backwards too
+        seconds = share * log.end_ns * 1e-9
+        assert cli("export", "out/run.mcap", "--to", "stl", "--at", f"{seconds:.6f}", "-o", "then.stl").status == 0
+        volume = float(trimesh.load_mesh(tmp_path / "then.stl").volume)
+        assert volumes.setdefault(share, volume) == volume
+    assert volumes[0.0] == pytest.approx(12_000, rel=1e-4)
+    assert 12_000 > volumes[0.6] + 20 > volumes[1.0] + 40
+    told = [(event.code, event.file, event.line) for event in log.events if event.is_finding]
+    assert ("GS401", "part.nc", 9) in told
+
+
+def test_comparison_after_a_change(cli, write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """0.4 mm deeper with 10 mm: pi/4 · 10² · 0.4 = 31.4 mm³ more, 0.4 mm at 200 mm/min = 0.12 s more."""
+    monkeypatch.setenv("GCODESIM_TEST_CACHE", str(tmp_path / "cache"))
+    write("fine.yaml", (tmp_path / "cell.yaml").read_text().replace("resolution: 1", "resolution: 0.2"))
+    renumbered = "".join(f"N{10 * i} {line} (op {i})\n" for i, line in enumerate(PLUNGE.splitlines(), 1))
+    for folder, text in (("old", PLUNGE), ("new", renumbered)):
+        (tmp_path / folder).mkdir()
+        write(f"{folder}/part.nc", text)
+        write("part.nc", text)
+        assert cli("run", "part.nc", "--cell", "fine.yaml", "--out", f"runs_{folder}").status == 0
+    for sides in (("old/", "new/"), ("runs_old/", "runs_new/")):
+        done = cli("diff", *sides)
+        assert done.status == 0 and done.out.startswith("no difference in motion or result")
+
+    write("part.nc", PLUNGE)
+    write("part.test.yaml", "cell: fine.yaml\n")
+    assert cli("accept").status == 0
+    write("part.nc", PLUNGE.replace("Z-5", "Z-5.4"))
+    done = cli("diff", "part.golden.json", "part.nc", "--cell", "fine.yaml")
+    assert done.status == 1
+    assert "− part.nc:7\n" in done.out and "+ part.nc:7: G1 Z-5.4 F200" in done.out and "Z −5 → −5.4 mm" in done.out
+    removed = re.search(r"stocks\.stock\.removed_mm3: \S+ → \S+ mm³ \(\+([\d.]+); tolerance `volume` allows", done.out)
+    assert float(removed[1]) == pytest.approx(31.4, abs=0.3)
+    seconds = re.search(r"time\.feed_s: \S+ → \S+ s \(\+([\d.]+); tolerance `time` allows", done.out)
+    assert float(seconds[1]) == pytest.approx(0.12, abs=0.005)
+    taken = cli("accept").out.splitlines()
+    assert taken[0] == "part: accepting part.golden.json"
+    assert taken[1:-1] == [f"  {line}" for line in done.out.splitlines()]  # exactly that list
+    assert cli("diff", "part.golden.json", "part.nc", "--cell", "fine.yaml").status == 0
