@@ -10,6 +10,7 @@ from typing import Any, TextIO
 
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText
 from gcodesim.diagnostics.show import as_json, as_text
+from gcodesim.numbers import clean
 
 _COLOUR = {Severity.ERROR: "31;1", Severity.WARNING: "33;1", Severity.NOTE: "36"}
 
@@ -53,7 +54,8 @@ def print_json(value: Any) -> None:
 
 
 def findings_as_json(findings: Iterable[Diagnostic]) -> list[dict[str, Any]]:
-    return [as_json(finding) for finding in findings]
+    """Findings as they stand in `results.json`."""
+    return [clean(as_json(finding)) for finding in findings]
 
 
 def print_table(rows: Sequence[Sequence[str]], *, indent: str = "  ") -> None:
