@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,14 @@ def add_parser(commands: Any) -> None:
         ("show", "print a cell with all defaults that are used", _show),
     ):
         action = actions.add_parser(name, help=what)
-        action.add_argument("cell", type=Path, metavar="CELL", help="the cell file (YAML)")
+        many = function is _validate
+        action.add_argument(
+            "cells" if many else "cell",
+            type=Path,
+            metavar="CELL",
+            nargs="+" if many else None,
+            help="cell files (YAML)" if many else "the cell file (YAML)",
+        )
         action.add_argument(
             "--allow-path",
             type=Path,
@@ -30,7 +38,7 @@ def add_parser(commands: Any) -> None:
             metavar="DIR",
             help="a folder besides the cell's own from which it may take files",
         )
-        if function is _validate:
+        if many:
             add_verdict_formats(action)
             add_baseline(action)
         else:
@@ -44,30 +52,31 @@ def add_parser(commands: Any) -> None:
 
 
 def _validate(arguments: argparse.Namespace) -> int:
-    from gcodesim.cell import load_cell
     from gcodesim.cli.output import findings_as_json, print_json, print_verdict
 
-    read_source(arguments.cell, "cell")
-    loaded = load_cell(arguments.cell, arguments.allow_path)
-    if loaded.cell is not None:
-        from gcodesim.simulation import layout_findings
-
-        loaded.findings.extend(layout_findings(loaded.cell))
-    met = Met(
-        program=arguments.cell,
-        findings=list(loaded.findings),
-        sources=loaded.sources,
-        files=lambda: {file.name: file.path for file in loaded.files},
-    )
-    settled = settle([met], arguments)
+    settled = settle([_met(path, arguments.allow_path) for path in arguments.cells], arguments)
     if arguments.format == "json":
-        print_json({"findings": findings_as_json(loaded.findings)})
+        print_json({"findings": [one for shown in settled.shown for one in findings_as_json(shown.met.findings)]})
     elif arguments.format == "text":
-        print_verdict(met.name, settled.shown[0].findings, loaded.sources)
+        for shown in settled.shown:
+            print_verdict(shown.name, shown.findings, shown.met.sources)
         for remark in settled.remarks:
             print(remark)
     write_formats(settled.verdict, arguments)
     return settled.status
+
+
+def _met(path: Path, allow_paths: Sequence[Path]) -> Met:
+    from gcodesim.cell import load_cell
+
+    read_source(path, "cell")
+    loaded = load_cell(path, allow_paths)
+    if loaded.cell is not None:
+        from gcodesim.simulation import layout_findings
+
+        loaded.findings.extend(layout_findings(loaded.cell))
+    files = {file.name: file.path for file in loaded.files}
+    return Met(program=path, findings=list(loaded.findings), sources=loaded.sources, files=lambda: files)
 
 
 def _show(arguments: argparse.Namespace) -> int:
