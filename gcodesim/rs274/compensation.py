@@ -293,11 +293,11 @@ def _corner(
     """Join the held move with the next one, which leaves `op` with `normal`."""
     state = control.state
     turn = _turn_outward(state.comp_normal, normal, state.side)
-    if -_STRAIGHT_ON <= turn <= _STRAIGHT_ON or not _held_moves(control):
-        _flush(control)  # after a stop nothing waits, and an inside corner is left as it is
+    if -_STRAIGHT_ON <= turn <= _STRAIGHT_ON:
+        _flush(control, lenient=True)
     elif _STRAIGHT_ON < turn <= _outside_limit(control, turns):
         held_end = state.current
-        _flush(control)
+        _flush(control, lenient=turns != 0)
         end = _with_plane(held_end, control, offset_start)
         if rapid:
             _emit(control, Held(span=control.span, kind="rapid", end=end, block=control.block_number, word="G0"))
@@ -316,8 +316,10 @@ def _corner(
             )
             _emit(control, around)
         state.comp_endpoint = offset_start
+    elif not _held_moves(control):
+        _flush(control)  # after a stop nothing waits, and an inside corner is left as it is
     else:
-        _flush(control, corner=_intersection(control, op, following))
+        _flush(control, corner=_intersection(control, following, turns))
 
 
 def _outside_limit(control: Control, following_turns: int) -> float:
@@ -354,8 +356,9 @@ def _turn_outward(before: Point, after: Point, side: int) -> float:
     return turn + 2.0 * math.pi if turn < -math.pi / 2.0 else turn
 
 
-def _intersection(control: Control, op: Point, following: _Line | _Circle) -> Point:
-    """Where the held offset path meets the next one, nearest to the corner."""
+def _intersection(control: Control, following: _Line | _Circle, turns: int) -> Point:
+    """Where the held offset path meets the next one, an arc of `turns` or a line: of two points the one that a control
+    takes, which need not be the one nearer to the corner."""
     state = control.state
     move = _held_move(control)
     first, second, _ = _PLANE[state.plane]
@@ -367,19 +370,19 @@ def _intersection(control: Control, op: Point, following: _Line | _Circle) -> Po
         raise Fault(
             "GS152", "the tool does not fit into this inside corner", hint="use a smaller tool or a larger corner"
         )
-    nearest = min(math.dist(point, op) for point in found)
-    near = [point for point in found if math.dist(point, op) < nearest * (1.0 + 1e-9) + 1e-12]
-    return min(near, key=lambda point: _along(move, point, end))
+    if len(found) == 1:
+        return found[0]
+    left, right = found  # of two circles: as seen from the held one's centre to the other
+    inside_held, inside_next = (move.turns > 0) == (state.side > 0), (turns > 0) == (state.side > 0)
+    if isinstance(held, _Line):
+        return max(found, key=lambda point: _dot(point, held.direction) * (1.0 if inside_next else -1.0))
+    if isinstance(following, _Line):
+        return max(found, key=lambda point: _dot(point, following.direction) * (-1.0 if inside_held else 1.0))
+    return left if inside_held == (turns > 0) else right
 
 
-def _along(move: Held, point: Point, end: Point) -> float:
-    """Orders two equally near points: the one that shortens the held move, and an arc the least, is meant."""
-    if move.kind == "arc":
-        from gcodesim.rs274.arcs import Arc, sweep_of
-
-        back = sweep_of(point, end, Arc(move.centre, 1 if move.turns > 0 else -1))
-        return math.fmod(abs(back), 2.0 * math.pi)
-    return (point[0] - end[0]) * move.direction[0] + (point[1] - end[1]) * move.direction[1]
+def _dot(a: Point, b: Point) -> float:
+    return a[0] * b[0] + a[1] * b[1]
 
 
 def _meet(a: _Line | _Circle, b: _Line | _Circle) -> list[Point]:
@@ -437,8 +440,12 @@ def _scaled(move: Held, factor: float) -> Held:
 # -- emission
 
 
-def _flush(control: Control, corner: Point | None = None) -> None:
-    """Emit what waits, before the events of the block in hand; `corner` is where the held move must end."""
+def _flush(control: Control, corner: Point | None = None, *, lenient: bool = False) -> None:
+    """Emit what waits, before the events of the block in hand; `corner` is where the held move must end.
+
+    A held move that would run backwards is a fault; a control does not look where the next one goes straight on or
+    is an arc round an outside corner: then (`lenient`) it is a warning.
+    """
     state = control.state
     held, state.held = state.held, ()
     later = [event for event in control.out if type(event) not in _AT_ONCE]
@@ -451,7 +458,14 @@ def _flush(control: Control, corner: Point | None = None) -> None:
             _emit(control, event)
         else:
             first, second, _ = _PLANE[state.plane]
-            _emit(control, _shortened(control, event, corner or (event.end[first], event.end[second])))
+            try:
+                move = _shortened(control, event, corner or (event.end[first], event.end[second]))
+            except Fault as fault:
+                if not lenient:
+                    raise
+                control.warn(fault.code, fault.message + "; the control does not see it", fault.hint)
+                move = event
+            _emit(control, move)
     control.out.extend(later)
 
 

@@ -111,12 +111,18 @@ def execute(words: Words, control: Control) -> None:
     machine_codes.outputs(words, control)
     machine_codes.change_tool(words, control)
     machine_codes.turn_spindle(words, control)
-    machine_codes.save_modes(words, control)
+    if machine_codes.save_modes(words, control):
+        if motion >= 0 or len(words.block.words) > 1:
+            hint = "put M72 into a block of its own"
+            control.warn("GS194", "the rest of a block with M72 is not executed when modes come back", hint)
+        return
     machine_codes.coolant(words, control)
     machine_codes.overrides(words, control)
     machine_codes.user_codes(words, control)
     if g.get(NON_MODAL) == 40:
         seconds = words.need("p", "GS105", "G4", "P is the time in seconds")
+        if seconds == -1.0:
+            raise Fault("GS106", "the dwell is negative: -1 s", at="p", hint="the control takes P-1 for a missing P")
         control.dwell(seconds)
     modes.plane(words, control)
     modes.units(words, control)

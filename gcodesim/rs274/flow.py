@@ -267,8 +267,8 @@ class FlowControl:
         frame = self.frame
         if frame.by_m98:
             raise Fault("GS130", f"the subroutine {show(label)} begins inside a program called by M98")
-        if frame.name == label and frame.first == index:
-            return
+        if len(self.frames) > 1:
+            return  # as on the control, only the main program defines: one inside another is executed in passing
         known = self.subs.get(label)
         if known is not None:
             if known == (frame.file, index):
@@ -281,6 +281,8 @@ class FlowControl:
         self.subs[label] = (frame.file, index)
         for inner in frame.file.flows:
             if inner.at > index:
+                if inner.keyword in ("return", "endsub") and inner.label == label:
+                    self._return_while_defining(frame.file, inner.at)
                 if inner.keyword == "endsub" and inner.label == label:
                     self._pass_over(frame.file, index, inner.at, defining=True)
                     frame.at = inner.at + 1
@@ -296,6 +298,20 @@ class FlowControl:
         self._pass_over(frame.file, index, None, defining=True)
         last = len(frame.file.lines) - 1
         raise Stopped("GS130", f"the subroutine {show(label)} is never closed: no `endsub` follows", index=last)
+
+    def _return_while_defining(self, file: ProgramFile, index: int) -> None:
+        """As on the control, the value of a `return` or `endsub` is computed where its subroutine is defined, too."""
+        control = self.control
+        try:
+            flow = file.block(index).flow
+            operands = () if flow is None else flow.operands
+            value = loose(operands[0], control.parameters) if operands else 0.0
+        except Fault as fault:
+            if fault.code in ("GS008", "GS120"):  # more stands behind it, or a name has no value yet
+                return
+            message = f"line {index + 1} cannot be computed where its subroutine is defined: {fault.message}"
+            raise Stopped(fault.code, message, index=index, hint=fault.hint) from None
+        control.returned, control.value_returned = value, bool(operands)
 
     def _endsub(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
         del index, arrived
@@ -324,7 +340,7 @@ class FlowControl:
         self.control.sub_level = len(self.frames) - 1
         self.control.frames = self.frames
         if frame.restores and frame.saved is not None:
-            bring_back(self.control, frame.saved)
+            bring_back(self.control, frame.saved, frame.saved_g92)
 
     def _call(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
         del arrived

@@ -32,4 +32,5 @@ class Frame:
     named: dict[str, float] = field(default_factory=dict)  # the caller's named parameters
     callers: tuple[Caller, ...] = ()
     saved: State | None = None  # M70, M73
+    saved_g92: bool = False  # whether G92 was in force then
     restores: bool = False  # M73

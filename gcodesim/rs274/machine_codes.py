@@ -203,14 +203,14 @@ def _orient(words: Words, control: Control) -> None:
     control.out.append(canon.Orient(span=control.span, angle=angle * DEG, direction=direction))
 
 
-def save_modes(words: Words, control: Control) -> None:
-    """M70 to M73."""
+def save_modes(words: Words, control: Control) -> bool:
+    """M70 to M73; whether the rest of the block is forgotten."""
     m = words.m.get(SPINDLE)
     if m is None or m < 70:
-        return
+        return False
     from gcodesim.rs274 import saved
 
-    saved.CODES[m](control)
+    return bool(saved.CODES[m](control))
 
 
 def coolant(words: Words, control: Control) -> None:

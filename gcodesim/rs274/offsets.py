@@ -16,7 +16,7 @@ from gcodesim.rs274.splines import nurbs_end
 from gcodesim.rs274.state import AXES, LINEAR, ZERO, Vector, add, subtract
 from gcodesim.rs274.tool_table import ToolEntry
 from gcodesim.rs274.words import Words
-from gcodesim.units import DEG
+from gcodesim.units import DEG, MM
 
 _SYSTEM_INDEX = {540: 1, 550: 2, 560: 3, 570: 4, 580: 5, 590: 6, 591: 7, 592: 8, 593: 9}
 
@@ -130,7 +130,28 @@ def _set_system(words: Words, control: Control, level: int) -> None:
     if turn is not None:
         control.parameters.set(first + 9, turn)
     if index == state.system:
+        before, old, turned = state.current, state.origin, state.rotation
         control.use_system(index)
+        if turned != state.rotation and (state.g92[0] or state.g92[1]):
+            _forget_g92_in_turning(control, before, old, turned)
+
+
+def _forget_g92_in_turning(control: Control, before: Vector, old: Vector, turned: float) -> None:
+    """As on the control, which leaves G92 out when the active system is turned: X and Y read as if there were none."""
+    state = control.state
+    cos, sin = math.cos(turned * DEG), math.sin(turned * DEG)
+    x = before[0] * cos - before[1] * sin + old[0] - state.origin[0]
+    y = before[0] * sin + before[1] * cos + old[1] - state.origin[1]
+    cos, sin = math.cos(state.rotation * DEG), math.sin(state.rotation * DEG)
+    true = state.current
+    state.current = (x * cos + y * sin, y * cos - x * sin, *true[2:])
+    miss = math.dist(true[:2], state.current[:2]) * state.unit / MM
+    hint = "say G92.1 before, and give both X and Y in the next move"
+    control.warn(
+        "GS106",
+        f"G10 L2 R turns a system in which G92 is in force: the control then believes to stand {miss:.3f} mm away",
+        hint,
+    )
 
 
 def _offsets_for_reading(wanted: list[tuple[int, float]], index: int, control: Control) -> list[tuple[int, float]]:

@@ -17,7 +17,7 @@ from gcodesim.rs274.program_file import KEYWORDS, ProgramFile
 from gcodesim.rs274.reader import Reader, prepare
 
 _HEAD = re.compile(r"/?(?:n(?P<number>[0-9]*(?:\.[0-9]*)?))?(?P<rest>.*)", re.DOTALL)
-_LABEL = re.compile(r"o(?:<[^>]*>|\[.*?\](?=[a-z(;]|\Z)|#[0-9<].*?(?=[a-z(;]|\Z)|[+]?[0-9]+(?:\.0*)?)(?P<word>[a-z]*)")
+_LABEL = re.compile(r"o(?:<[^>]*>|\[.*?\](?=[a-z(;]|\Z)|#[0-9<].*?(?=[a-z(;]|\Z)|[+-]?[0-9]+(?:\.0*)?)(?P<word>[a-z]*)")
 _INTERESTING = re.compile(r"[(%]|^[ \t]*/?[ \t]*[nNoO]|^[ \t]*/?[ \t]*(?:[nN][0-9. \t]*)?[mM][ \t]*0*9[ \t]*8")
 
 

@@ -44,6 +44,7 @@ def cubic_spline(words: Words, control: Control, code: int) -> None:
     ]
     _emit(control, controls, [1.0] * 4, [0.0] * 4 + [1.0] * 4, 3, end, "G5")
     state.spline_tangent = (-values["p"], -values["q"])
+    _drop_points(control)
 
 
 def quadratic_spline(words: Words, control: Control, code: int) -> None:
@@ -57,6 +58,7 @@ def quadratic_spline(words: Words, control: Control, code: int) -> None:
     start = state.current
     controls = [(start[0], start[1]), (start[0] + tangent[0], start[1] + tangent[1]), (end[0], end[1])]
     _emit(control, controls, [1.0] * 3, [0.0] * 3 + [1.0] * 3, 2, end, "G5.1")
+    _drop_points(control)
 
 
 def nurbs_start(words: Words, control: Control, code: int) -> None:
@@ -76,9 +78,8 @@ def nurbs_start(words: Words, control: Control, code: int) -> None:
         _need_pair(words, "x", "y", "G5.2")
     elif not opening:
         raise Fault("GS170", "a control point needs X and Y", at=at)
-    if state.motion != 52 and state.nurbs_points:
-        control.warn("GS170", "the control points before the last G5.2 are lost: no G5.3 ended them", "add G5.3")
-        state.nurbs_points = ()
+    if state.motion != 52:
+        _drop_points(control)
     if not state.nurbs_points:
         now = state.current
         state.nurbs_order = 3
@@ -116,6 +117,12 @@ def nurbs_end(_: Words, control: Control) -> None:
     _emit(control, [(x, y) for x, y, _ in points], [w for _, _, w in points], knots, order - 1, end, "G5.2")
     state.nurbs_order, state.nurbs_points = 0, ()
     state.motion = -1
+
+
+def _drop_points(control: Control) -> None:
+    if control.state.nurbs_points:
+        control.warn("GS170", "the control points of the last G5.2 are lost: no G5.3 ended them", "add G5.3")
+        control.state.nurbs_points = ()
 
 
 def _check(words: Words, control: Control, who: str) -> None:

@@ -36,15 +36,12 @@ def _comparable(events: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """Without what the two listings show each in its own way.
 
     A negative dwell, which ends at once, is no event here; an empty PRINT is lost by `oracle.py`; of splines the
-    preview, which gives their points, loses A, B and C; a probe that goes nowhere has no unit of feed.
+    preview, which gives their points, loses A, B and C; the unit of a probe's feed.
     """
     out = []
-    here: Any = None
     for event in events:
-        end = event.get("end")
-        if event["kind"] == "probe" and end == here:
+        if event["kind"] == "probe":  # whether it moves X, Y or Z depends on where the last one stopped
             event = {**event, "feed_unit": "mm/min"}
-        here = end or here
         if (event["kind"] == "dwell" and event["seconds"] <= 0) or (event["kind"] == "print" and not event["text"]):
             continue
         if event["kind"] == "spline" and event["end"] is not None:
@@ -109,6 +106,8 @@ def _same_line(run: Run, verdict: Verdict) -> list[str]:
     assert run.failed is not None
     if verdict.message.startswith("File ended") and run.failed.code in ("GS010", "GS130", "GS131"):
         return []  # beyond the last line
+    if "restore_settings failed" in verdict.message:
+        return [] if "saved modes cannot come back" in run.failed.message else [f"LinuxCNC: {verdict.message}"]
     places = (run.failed_line or 0, run.failed.span.line)  # a control that unwinds calls shows the place of the cause
     sources = run.sources.values()
     texts = [source.lines[n - 1] for n in places for source in sources if 0 < n <= len(source.lines)]

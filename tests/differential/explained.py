@@ -55,12 +55,44 @@ EXPLAINED: tuple[Explanation, ...] = (
         _about(r"event|(refused|accepted).*", r"G\s*0*43(?!\d)(.|\n)*G\s*0*2\s*[01](?!\d)"),
     ),
     Explanation(
+        "the standalone interpreter keeps the number of the feed when G20 or G21 changes its unit, so that M72 brings "
+        "another F back; on a machine the feed is asked for anew in the new unit, as here",
+        _about(r"differs in feed", r"M\s*0*7\s*[023](?!\d)(.|\n)*G\s*0*2\s*[01]|G\s*0*2\s*[01](.|\n)*M\s*0*7\s*[023]"),
+    ),
+    Explanation(
+        "the standalone interpreter begins with pocket 1 and no tool, so that what G10 says of tool 1 counts for the "
+        "spindle; on a machine there is no pocket in use",
+        _about(r".", r"_current_pocket|G\s*1\s*0(?![0-9]).*P\s*0*1(?![0-9])|P\s*0*1(?![0-9]).*G\s*1\s*0(?![0-9])"),
+    ),
+    Explanation(
+        "T0 M6 leaves the standalone interpreter with the tool it had",
+        _about(r".", r"T\s*0*(\.0*)?(?![0-9.])"),
+    ),
+    Explanation(
+        "LinuxCNC cannot take an inside corner behind a stop or another code in compensation: it looks at a move "
+        "that no longer waits",
+        _about(r"differs in (end|kind|sweep)", r"G\s*4\s*[12](.|\n)*(M\s*0*[01](?![0-9])|M\s*0*6(?![0-9])|M\s*60)"),
+    ),
+    Explanation(
+        "what stands behind the O-word at which a skip ends, and the label of an O-word that is skipped, are read "
+        "by LinuxCNC only so far as it needs them; a line that is broken there is refused here",
+        _about(r"refused.*GS008", r"^[\s/]*(N\s*\d*\s*)?O"),
+    ),
+    Explanation(
+        "labels that are broken expressions are found by their look here, and by computing them in LinuxCNC",
+        _about(r"refused.*GS13", r"O\s*\["),
+    ),
+    Explanation(
+        "an index of an output above 63 overflows in LinuxCNC",
+        _about(r"differs in index", r"\d{9}"),
+    ),
+    Explanation(
         "a lone carriage return ends a line here, as in old files; LinuxCNC passes over it",
         _about(r".", r"\r(?!\n)"),
     ),
     Explanation(
         "control points that no G5.3 ended join the next G5 or G5.1 in LinuxCNC; here they are dropped with a warning",
-        _about(r"spline", r"G\s*0*5\s*\.\s*2(.|\n)*G\s*0*5(?!\d)(?!\s*\.\s*[23])"),
+        _about(r"spline|GS170", r"G\s*0*5\s*\.\s*2(.|\n)*G\s*0*5(?!\d)(?!\s*\.\s*[23])"),
     ),
 )
 

@@ -310,9 +310,9 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS194",
         severity=Severity.WARNING,
-        title="Words beside M98",
-        what="A block with M98 holds other codes, or L0.",
-        why="A move that stands there is never made. L0 calls nothing, and yet the next M99 comes back to this block.",
+        title="Words beside M98 or M72",
+        what="A block with M98 holds other codes, or L0; or a block with M72 holds more than that.",
+        why="What stands there is never done. L0 calls nothing, and yet the next M99 comes back to this block.",
         remedy="Put the other words into a block of their own.",
     ),
     Code(
