@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil, sqrt
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,12 +59,22 @@ class Tile:
 def build_surface(stock: Stock, spacing: float = 0.0) -> Surface:
     """The whole surface from columns about `spacing` [m] apart; 0 takes all of them."""
     lattice = _Lattice.spaced(stock, spacing)
-    points, faces, cut = _mesh(stock, lattice, 0, len(lattice.ix), 0, len(lattice.iy))
+    columns = _Columns(stock.lo, stock.hi, stock.count, stock.walls, stock.original)
+    points, faces, cut = _mesh(columns, lattice, 0, len(lattice.ix), 0, len(lattice.iy))
     return Surface(vertices=points, faces=faces, cut=cut)
 
 
-@dataclass(frozen=True, slots=True)
-class _Lattice:
+class _Columns(NamedTuple):
+    """The columns of a stock as kernels take them, and those it came with."""
+
+    lo: Array
+    hi: Array
+    intervals: Ints
+    walls: NDArray[np.float32]
+    original: tuple[Array, Array, Ints]
+
+
+class _Lattice(NamedTuple):
     """Which columns are drawn (ix, iy) and the corners between them (xs, ys) [m]."""
 
     ix: Ints
@@ -82,7 +93,7 @@ class _Lattice:
         return _Lattice(picks[0], picks[1], corners[0], corners[1])
 
 
-def _mesh(stock: Stock, lattice: _Lattice, i0: int, i1: int, j0: int, j1: int) -> tuple[Array, Ints, Bytes]:
+def _mesh(columns: _Columns, lattice: _Lattice, i0: int, i1: int, j0: int, j1: int) -> tuple[Array, Ints, Bytes]:
     """Points, faces and their class of the drawn columns [i0, i1) x [j0, j1)."""
     from gcodesim.material.flat_kernels import find_flat, flat_faces
     from gcodesim.material.surface_kernels import build_chains, build_faces
@@ -90,11 +101,11 @@ def _mesh(stock: Stock, lattice: _Lattice, i0: int, i1: int, j0: int, j1: int) -
     ix, iy, xs, ys = lattice.ix, lattice.iy, lattice.xs, lattice.ys
     limit = STEP_JOINED * max(xs[1] - xs[0], ys[1] - ys[0])
     start, bits, rising, below, vertex, extra, points = build_chains(
-        stock.lo, stock.hi, stock.count, stock.walls, ix, iy, xs, ys, i0, i1, j0, j1, limit
+        columns.lo, columns.hi, columns.intervals, columns.walls, ix, iy, xs, ys, i0, i1, j0, j1, limit
     )
-    flat = find_flat(stock.lo, stock.hi, stock.count, *stock.original, ix, iy, i0, i1, j0, j1)
+    flat = find_flat(columns.lo, columns.hi, columns.intervals, *columns.original, ix, iy, i0, i1, j0, j1)
     faces, cut = build_faces(
-        stock.lo, stock.hi, stock.count, *stock.original, ix, iy, i0, i1, j0, j1,
+        columns.lo, columns.hi, columns.intervals, *columns.original, ix, iy, i0, i1, j0, j1,
         start, bits, rising, below, vertex, extra, points, flat,
     )  # fmt: skip
     flat_parts, flat_cut = flat_faces(flat, i0, i1, j0, j1, start, vertex)
@@ -117,6 +128,10 @@ class Tiles:
         area = nx * ny * stock.grid[2] * stock.grid[3]
         self._stock = stock
         self._lattice = _Lattice.spaced(stock, sqrt(area / DRAWN_COLUMNS) if spacing is None else spacing)
+        self._all_drawn = (len(self._lattice.ix), len(self._lattice.iy)) == (nx, ny)
+        ix, iy, xs, ys = self._lattice
+        self._places = _Lattice(np.arange(len(ix), dtype=np.int32), np.arange(len(iy), dtype=np.int32), xs, ys)
+        self._original = self._drawn_original()
         self._edges_i = _edges(len(self._lattice.ix), across)
         self._edges_j = _edges(len(self._lattice.iy), across)
 
@@ -125,14 +140,31 @@ class Tiles:
 
     def all(self) -> list[Tile]:
         """Every tile as it is now; the stock's marks of change are cleared."""
-        self._stock.dirty[:] = 0
-        return [self._draw(number) for number in range(len(self))]
+        return self._glimpse(range(len(self))).draw()
 
-    def changed(self) -> list[Tile]:
-        """The tiles of which any point may have moved since the last call; the marks are cleared."""
-        tiles = [self._draw(number) for number in range(len(self)) if self._is_dirty(number)]
+    def changed(self) -> Glimpse:
+        """The tiles of which any point may have moved since the last call, yet to be drawn; the marks are cleared."""
+        return self._glimpse([number for number in range(len(self)) if self._is_dirty(number)])
+
+    def _glimpse(self, numbers: Sequence[int]) -> Glimpse:
         self._stock.dirty[:] = 0
-        return tiles
+        tiles = [(number, self._range(number)) for number in numbers]
+        return Glimpse(tiles=tiles, lattice=self._places, columns=self._drawn() if tiles else None)
+
+    def _drawn(self) -> _Columns:
+        """A copy of the columns that are drawn."""
+        stock = self._stock
+        if self._all_drawn:
+            return _Columns(stock.lo.copy(), stock.hi.copy(), stock.count.copy(), stock.walls.copy(), self._original)
+        at = np.ix_(self._lattice.ix, self._lattice.iy)
+        return _Columns(stock.lo[at], stock.hi[at], stock.count[at], np.zeros((4, 0, 0), np.float32), self._original)
+
+    def _drawn_original(self) -> tuple[Array, Array, Ints]:
+        lo, hi, count = self._stock.original
+        ix = self._lattice.ix if count.shape[0] > 1 else np.zeros(1, np.int32)  # one for all columns of a box
+        iy = self._lattice.iy if count.shape[1] > 1 else np.zeros(1, np.int32)
+        at = np.ix_(ix, iy)
+        return lo[at], hi[at], count[at]
 
     def _range(self, number: int) -> tuple[int, int, int, int]:
         row, column = divmod(number, len(self._edges_j) - 1)
@@ -149,8 +181,22 @@ class Tiles:
         near = self._stock.dirty[first_i // PATCH : last_i // PATCH + 1, first_j // PATCH : last_j // PATCH + 1]
         return bool(near.any())
 
-    def _draw(self, number: int) -> Tile:
-        points, faces, cut = _mesh(self._stock, self._lattice, *self._range(number))
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Glimpse:
+    """Tiles as they were at a moment, with a copy of the columns that they draw: drawing them can wait."""
+
+    tiles: Sequence[tuple[int, tuple[int, int, int, int]]]
+    lattice: _Lattice
+    columns: _Columns | None
+
+    def draw(self) -> list[Tile]:
+        """The tiles; from any thread."""
+        return [self._draw(number, span) for number, span in self.tiles]
+
+    def _draw(self, number: int, span: tuple[int, int, int, int]) -> Tile:
+        assert self.columns is not None
+        points, faces, cut = _mesh(self.columns, self.lattice, *span)
         return Tile(
             number=number,
             points=np.round(points * ROUNDING) / ROUNDING + 0.0,

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from gcodesim.job import Job
     from gcodesim.log.live import LiveView
     from gcodesim.material.stock import Stock
-    from gcodesim.material.surface import Surface, Tile, Tiles
+    from gcodesim.material.surface import Glimpse, Surface, Tile, Tiles
     from gcodesim.world import WorldSteps
 
 LOG_NAME: Final = "run.mcap"
@@ -111,9 +111,7 @@ class Recorder:
         if urdf is not None:
             attachments[f"{self._shop.name}.urdf"] = urdf
         view = view_of(self._shop, self._plan, ways, rapid)
-        attachments["layout.json"] = layout(
-            layout_kind(self._shop), self._shop.joint_names, self._blocks.outputs, view
-        )
+        attachments["layout.json"] = layout(layout_kind(self._shop), self._shop.joint_names, self._blocks.outputs, view)
         run = {
             "program": job.program.name,
             "program_sha256": job.program.sha256,
@@ -164,24 +162,22 @@ class Recorder:
         self._write(record_of(window, world, []), np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64))
         self._writer.blocks(self._blocks.between(0, 1))
 
-    def look(self, window: StepWindow) -> Sequence[Sequence[Tile]]:
-        """Of each stock the tiles that have changed, as `window` leaves them, when it is time to look."""
+    def look(self, window: StepWindow) -> Sequence[Glimpse]:
+        """Of each stock what has changed, as `window` leaves it, when it is time to look; drawn when written down."""
         begin_ns = window.first * self._step_ns
         end_ns = begin_ns + len(window) * self._step_ns
         if end_ns // self._tile_ns == begin_ns // self._tile_ns:
             return []
         return [tiles.changed() for tiles in self._tiles]
 
-    def take(
-        self, record: StepRecord, found: Sequence[Diagnostic], seen: Sequence[Sequence[Tile]]
-    ) -> Callable[[], None]:
+    def take(self, record: StepRecord, found: Sequence[Diagnostic], seen: Sequence[Glimpse]) -> Callable[[], None]:
         """The next window, the findings that came up in it, and the tiles that were seen to change.
 
         Answers the work of writing it down, which can wait while the next window runs.
         """
         return lambda: self._write_down(record, found, seen)
 
-    def _write_down(self, record: StepRecord, found: Sequence[Diagnostic], drawn: Sequence[Sequence[Tile]]) -> None:
+    def _write_down(self, record: StepRecord, found: Sequence[Diagnostic], seen: Sequence[Glimpse]) -> None:
         window = record.window
         ends = (window.first + 1 + np.arange(len(window), dtype=np.int64)) * self._step_ns
         logged = np.flatnonzero(ends % self._period_ns == 0)
@@ -190,8 +186,8 @@ class Recorder:
         self._changes_of_tool(self._now_ns, int(ends[-1]), window)
         self._write(record, ends[logged], logged)
         self._now_ns = int(ends[-1])
-        for index, tiles in enumerate(drawn):
-            self._draw(self._now_ns, index, tiles)
+        for index, glimpse in enumerate(seen):
+            self._draw(self._now_ns, index, glimpse.draw())
 
     def _draw(self, t_ns: int, index: int, tiles: Sequence[Tile]) -> None:
         first = sum(len(before) for before in self._tiles[:index])
@@ -320,7 +316,7 @@ class Recorder:
     def finish(self, results: Results, execution: Execution) -> None:
         """Close the log and write results and stocks beside it."""
         for index, tiles in enumerate(self._tiles):
-            self._draw(self._now_ns, index, tiles.changed())
+            self._draw(self._now_ns, index, tiles.changed().draw())
         self._reporter.rest(self._now_ns, results.findings)
         if execution.interrupted:
             stopped = results.stopped_at

@@ -223,13 +223,34 @@ def test_only_tiles_with_changes_are_drawn_again():
     stock = Stock.box((0, 0, -5 * MM), (128 * MM, 128 * MM, 0), 0.5 * MM)
     tiles = stock.tiles()
     tiles.all()
-    assert tiles.changed() == []
+    assert tiles.changed().draw() == []
     tip = np.array([[16.0, 48.0, -1.0]]) * MM
     stock.remove(tip, tip, shape.flat(6 * MM, 20 * MM))
-    drawn = tiles.changed()
+    drawn = tiles.changed().draw()
     assert [tile.number for tile in drawn] == [1]
     assert len(drawn[0].changed) > 0
-    assert tiles.changed() == []
+    assert tiles.changed().draw() == []
+
+
+@pytest.mark.parametrize("spacing", [0.5 * MM, 1.7 * MM])
+def test_what_was_seen_is_drawn_later_as_it_was(spacing):
+    stock = Stock.box((0, 0, -5 * MM), (64 * MM, 64 * MM, 0), 0.5 * MM)
+    tiles, others = stock.tiles(spacing=spacing), stock.tiles(spacing=spacing)
+    tiles.all()
+    tip = np.array([[30.3, 31.1, -2.0]]) * MM
+    stock.remove(tip, tip + 2 * MM, shape.ball(6 * MM, 20 * MM))
+    then = {tile.number: tile for tile in others.all()}
+    stock.dirty[:] = 1
+    seen = tiles.changed()
+    stock.remove(tip - 1 * MM, tip, shape.flat(9 * MM, 20 * MM))
+
+    drawn = seen.draw()
+
+    assert len(drawn) == len(then)
+    for tile in drawn:
+        assert np.array_equal(tile.points, then[tile.number].points)
+        assert np.array_equal(tile.original, then[tile.number].original)
+        assert np.array_equal(tile.changed, then[tile.number].changed)
 
 
 def test_every_tile_that_a_change_moves_is_drawn_again():
@@ -241,7 +262,7 @@ def test_every_tile_that_a_change_moves_is_drawn_again():
         points = rng.uniform((0, 0, -3), (64, 64, -0.5), (2, 3)) * MM
         points[1] = points[0] + (points[1] - points[0]) * 0.1
         stock.remove(points[:1], points[1:], shape.ball(4 * MM, 20 * MM))
-        held |= {tile.number: tile for tile in tiles.changed()}
+        held |= {tile.number: tile for tile in tiles.changed().draw()}
     for fresh in stock.tiles().all():
         assert np.array_equal(fresh.points, held[fresh.number].points)
         assert np.array_equal(fresh.changed, held[fresh.number].changed)
