@@ -4,20 +4,16 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
-import numpy as np
 import zstandard
 from mcap.opcode import Opcode
 
-from gcodesim.log.rows import MESSAGE_HEAD, MESSAGE_OPCODE, Rows
+from gcodesim.log.order import Cut
 
 LEVEL: Final = 3  # of zstd: a log with a part is a third smaller than at 1 for a third more time of the packing thread
 _RECORD: Final = struct.Struct("<BQ")
-_MESSAGE: Final = struct.Struct("<BQHIQQ")
-_INDEX_ENTRY: Final = struct.Struct("<QQ")
 _INDEX_HEAD: Final = struct.Struct("<BQHI")
 _CHUNK_HEAD: Final = struct.Struct("<QQQII4sQ")
 
@@ -33,36 +29,16 @@ class ChunkBuilder:
         self._parts: list[bytes | memoryview] = []
         self._index: dict[int, list[bytes]] = {}
 
-    def _take(self, first_ns: int, last_ns: int, part: bytes | memoryview, size: int, count: int) -> None:
+    def add(self, cut: Cut) -> None:
+        """Records whose times do not decrease; the places in their index count from the begin of the chunk."""
         if self.count == 0:
-            self.first_ns = first_ns
-        self.last_ns = last_ns
-        self._parts.append(part)
-        self.size += size
-        self.count += count
-
-    def add_message(self, channel: int, sequence: int, t_ns: int, data: bytes) -> None:
-        """One message record; times must not decrease."""
-        self._index.setdefault(channel, []).append(_INDEX_ENTRY.pack(t_ns, self.size))
-        head = _MESSAGE.pack(MESSAGE_OPCODE, MESSAGE_HEAD + len(data), channel, sequence, t_ns, t_ns)
-        self._parts.append(head)
-        self._take(t_ns, t_ns, data, len(head) + len(data), 1)
-
-    def add_rows(self, rows: Rows, channels: Sequence[int]) -> None:
-        """The records of several instants, one for each of `channels` an instant."""
-        n = len(rows.times)
-        if n == 1:  # as often as not, when something changes at every instant
-            for channel, start in zip(channels, rows.starts, strict=True):
-                entry = _INDEX_ENTRY.pack(rows.times[0], self.size + start)
-                self._index.setdefault(channel, []).append(entry)
-        else:
-            entries = np.empty((n, 2), dtype="<u8")
-            entries[:, 0] = rows.times
-            offsets = self.size + rows.width * np.arange(n, dtype=np.uint64)
-            for channel, start in zip(channels, rows.starts, strict=True):
-                entries[:, 1] = offsets + np.uint64(start)
-                self._index.setdefault(channel, []).append(entries.tobytes())
-        self._take(rows.times[0], rows.times[-1], rows.data, len(rows.data), n * len(channels))
+            self.first_ns = cut.first_ns
+        self.last_ns = cut.last_ns
+        self._parts += cut.parts
+        self.size += cut.size
+        self.count += cut.count
+        for channel, entries in cut.index.items():
+            self._index.setdefault(channel, []).append(entries)
 
     def records(self) -> bytes:
         return b"".join(self._parts)

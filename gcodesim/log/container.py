@@ -17,6 +17,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, Final, Protocol
 
+import numpy as np
 from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
 from mcap.records import (
@@ -34,7 +35,9 @@ from mcap.records import (
     SummaryOffset,
 )
 
+from gcodesim.log.backlog import Message
 from gcodesim.log.chunk import ChunkBuilder, PackedChunk, pack
+from gcodesim.log.order import Ordered
 from gcodesim.log.rows import Rows
 from gcodesim.log.topics import Topic
 
@@ -86,7 +89,7 @@ class Container:
         self._chunks: list[ChunkIndex] = []
         self._attachments: list[AttachmentIndex] = []
         self._metadata: list[MetadataIndex] = []
-        self._counts: list[int] = [0] * (len(topics) + 1)
+        self._counts = np.zeros(len(topics) + 1, dtype=np.int64)  # messages by channel
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             self._file = open(self.part_path, "wb", buffering=0)  # noqa: SIM115  (lives as long as this object)
@@ -110,28 +113,16 @@ class Container:
         self._channels.append(channel)
         self._write(_bytes_of(channel))
 
-    def add_message(self, channel: int, t_ns: int, data: bytes) -> None:
-        """One message; times must not decrease. The sequence counts from 0 for each channel."""
-        self._chunk.add_message(channel, self._counts[channel], t_ns, data)
-        self._counts[channel] += 1
-        if self._sink is not None:
-            self._sink.message(channel, t_ns, data)
-        if self._chunk.size > CHUNK_SIZE:
-            self._close_chunk()
+    def add(self, messages: Sequence[Message], rows: Sequence[Rows], channels: Sequence[int]) -> None:
+        """Messages, sorted, and rows of the periodic `channels`; chunks are closed as they fill.
 
-    def add_rows(self, rows: Rows, channels: Sequence[int]) -> None:
-        """Messages of many instants; chunks are closed as they fill."""
-        count = len(rows.times)
-        for channel in channels:
-            self._counts[channel] += count
+        Times must not be earlier than those of before. The sequence counts from 0 for each channel.
+        """
+        ordered = Ordered(messages, rows, channels, self._counts)
         if self._sink is not None:
-            self._sink.rows(rows, channels)
-        first = 0
-        while first < count:
-            room = max(1, (CHUNK_SIZE - self._chunk.size) // rows.width + 1)
-            last = min(count, first + room)
-            self._chunk.add_rows(rows.part(first, last), channels)
-            first = last
+            _hand_over(ordered, channels, self._sink)
+        for cut in ordered.cut(self._chunk.size, CHUNK_SIZE):
+            self._chunk.add(cut)
             if self._chunk.size > CHUNK_SIZE:
                 self._close_chunk()
 
@@ -225,9 +216,9 @@ class Container:
         return Statistics(
             attachment_count=len(self._attachments),
             channel_count=len(self._channels),
-            channel_message_counts={i: n for i, n in enumerate(self._counts) if n},
+            channel_message_counts={i: n for i, n in enumerate(self._counts.tolist()) if n},
             chunk_count=len(self._chunks),
-            message_count=sum(self._counts),
+            message_count=int(self._counts.sum()),
             message_end_time=max((chunk.message_end_time for chunk in self._chunks), default=0),
             message_start_time=min((chunk.message_start_time for chunk in self._chunks), default=0),
             metadata_count=len(self._metadata),
@@ -258,6 +249,14 @@ class Container:
 
     def _failure(self, error: OSError) -> LogWriteError:
         return LogWriteError(error.errno, f"the log cannot be written: {error.strerror}", str(self.part_path))
+
+
+def _hand_over(ordered: Ordered, channels: Sequence[int], sink: Sink) -> None:
+    for item in ordered.each():
+        if isinstance(item, Rows):
+            sink.rows(item, channels)
+        else:
+            sink.message(item.channel, item.t_ns, item.data)
 
 
 def _bytes_of(record: Any) -> bytes:

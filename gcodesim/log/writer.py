@@ -8,7 +8,7 @@ gives the same bytes: times are simulated, nothing else enters.
 
 from __future__ import annotations
 
-from bisect import bisect_right
+from bisect import bisect_left
 from collections import deque
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -259,12 +259,7 @@ class LogWriter:
         if t_ns <= self._written_ns:
             return
         self._fill_start()
-        for message in self._backlog.due(t_ns):
-            # /tf_static stands before the rows in the table, everything else after them
-            after_rows = message.channel > self._periodic[0]
-            self._write_rows(message.t_ns if after_rows else message.t_ns - 1)
-            self._container.add_message(message.channel, message.t_ns, message.data)
-        self._write_rows(t_ns - 1)
+        self._container.add(self._backlog.due(t_ns), self._due_rows(t_ns), self._periodic)
         self._written_ns = t_ns
 
     def close(
@@ -318,15 +313,17 @@ class LogWriter:
     ) -> None:
         self.abandon()
 
-    def _write_rows(self, until_ns: int) -> None:
-        """Rows up to and including `until_ns`."""
-        while self._rows and (rows := self._rows[0]).times[self._next_row] <= until_ns:
-            count = bisect_right(rows.times, until_ns, self._next_row)
-            self._container.add_rows(rows.part(self._next_row, count), self._periodic)
-            self._next_row = count
-            if count == len(rows.times):
+    def _due_rows(self, before_ns: int) -> list[Rows]:
+        """Rows earlier than `before_ns`; they are gone afterwards."""
+        due = []
+        while self._rows and (rows := self._rows[0]).times[self._next_row] < before_ns:
+            last = bisect_left(rows.times, before_ns, self._next_row)
+            due.append(rows.part(self._next_row, last))
+            self._next_row = last
+            if last == len(rows.times):
                 self._rows.popleft()
                 self._next_row = 0
+        return due
 
     def _add_one(self, topic: str, t_ns: int, data: bytes) -> None:
         self._add(topic, (int(t_ns),), (data,))
