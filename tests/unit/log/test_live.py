@@ -93,6 +93,10 @@ def test_nobody_waits_for_a_viewer_that_does_not_read(run, live, tmp_path):
             b"Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13\r\n"
             b"Sec-WebSocket-Protocol: foxglove.sdk.v1\r\n\r\n"
         )
+        answer = b""
+        while not answer.endswith(b"\r\n\r\n") and (more := mute.recv(1)):
+            answer += more
+        assert b" 101 " in answer
         text = b'{"op":"subscribe","subscriptions":[{"id":1,"channelId":%d}]}' % live._channels[1].id()
         mute.sendall(bytes([0x81, 0x80 | len(text)]) + bytes(4) + text)
         for _ in range(500):
