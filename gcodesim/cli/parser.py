@@ -23,6 +23,7 @@ COMMANDS = (
     "diff",
     "explain",
     "list",
+    "schema",
     "warm_up",
 )
 

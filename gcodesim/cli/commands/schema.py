@@ -1,0 +1,31 @@
+"""`gcodesim schema NAME`: the JSON Schema of a file or of what a command prints."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from typing import Any
+
+from gcodesim.cli.exits import OK, UsageError
+
+_NAMES = ("results", "findings", "test", "diff", "canon", "baseline", "cell", "test-file")
+
+
+def add_parser(commands: Any) -> None:
+    parser = commands.add_parser(
+        "schema",
+        help="the JSON Schema of results, findings, verdicts, cells …",
+        description="Print a JSON Schema (2020-12). results: results.json and what run and check print as JSON; "
+        "findings: lint and cell validate; test, diff, canon: these commands; baseline, cell, test-file: files that are read.",
+    )
+    parser.add_argument("name", metavar="NAME", help=", ".join(_NAMES))
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    from gcodesim.formats.schemas import SCHEMAS, schema_of
+
+    if arguments.name not in SCHEMAS:
+        raise UsageError(f"there is no schema {arguments.name}; there are {', '.join(SCHEMAS)}")
+    print(json.dumps(schema_of(arguments.name), indent=2, ensure_ascii=False))
+    return OK

@@ -1,0 +1,252 @@
+"""JSON Schemas of what gcodesim prints and writes as JSON. They describe this version to the last key."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Final, get_args
+
+from gcodesim.formats.canon_schema import canon
+from gcodesim.formats.json_schema import (
+    Json,
+    array,
+    choice,
+    document,
+    nullable,
+    number,
+    of_dataclass,
+    record,
+    ref,
+    table,
+    text,
+    truth,
+    whole,
+)
+
+
+def finding() -> Json:
+    """A finding, as it stands in every JSON of ours."""
+    return record(
+        "what is wrong, where, and what to do about it",
+        code=text("stable code `GSnnn`; `gcodesim explain` tells more") | {"pattern": "^GS[0-9]{3}$"},
+        severity=choice("how bad it is in this cell", "error", "warning", "note"),
+        message=text("one line, with both numbers"),
+        hint=text("a way out; may be empty"),
+        file=text("the file, by its name"),
+        line=whole("from 1; 0: the file as a whole"),
+        column=whole("from 1, in code points; 0: no column is known"),
+        end_line=whole("the line of the end"),
+        end_column=whole("the column behind the last"),
+        callers=array(
+            "the calls that led to a subprogram, outermost first",
+            record("a call", file=text("where"), line=whole("where"), name=text("what was called")),
+        ),
+        count=whole("how often the same event came; the first is described", least=1),
+        time_s=nullable(number("simulated time of the first event")),
+        value=nullable(number("what it is, in `unit`")),
+        limit=nullable(number("what it should be at most or least, in `unit`")),
+        unit=nullable(text("unit of `value` and `limit`")),
+    )
+
+
+def _results() -> Json:
+    line = nullable(whole("line of the program", least=1))
+    hashed = record("a file that was read", name=text("its name"), sha256=text("hash of its bytes"))
+    return record(
+        "a run or a check",
+        schema=choice("name of this form", "gcodesim-results/1"),
+        status=choice("`findings`: one at or above --fail-on; `failed`: stopped early", "ok", "findings", "failed"),
+        stopped_at=nullable(
+            record("where a run stopped before the end", file=text("the file"), line=whole("the line"))
+        ),
+        inputs=record(
+            "all that decides the results",
+            gcodesim=text("version"),
+            seed=nullable(whole("of the cell")),
+            world=text("kinematic or bullet"),
+            program=hashed,
+            cell=hashed,
+            files=array("subprograms, meshes, tables", hashed),
+        ),
+        findings=array("all findings by place", ref("finding", "a finding")),
+        time=record(
+            "where the time goes; total = feed + rapid + dwell + tool_change",
+            total_s=number("all of it"),
+            feed_s=number("moves at feed"),
+            engaged_s=number("the part of feed in which material is removed or added"),
+            rapid_s=number("rapid moves"),
+            dwell_s=number("dwells, waiting"),
+            tool_change_s=number("tool changes"),
+        ),
+        distance=record("ways of the tool", feed_mm=number("at feed"), rapid_mm=number("in rapid")),
+        stocks=table(
+            "each stock by its name; empty for `check`",
+            record(
+                "a stock at the end",
+                material=text("name of the material, may be empty"),
+                initial_mm3=number("volume at the start"),
+                removed_mm3=number("taken away"),
+                deposited_mm3=number("put on"),
+                remaining_mm3=number("volume at the end"),
+                resolution_mm=number("distance of its columns"),
+                error_bound_mm3=number("how wrong the volumes may be"),
+            ),
+        ),
+        tools=array(
+            "each tool that was in the spindle while something moved",
+            record(
+                "a tool",
+                number=whole("T number"),
+                name=text("name in the cell"),
+                time_s=number("in the spindle"),
+                feed_mm=number("way at feed"),
+                removed_mm3=number("volume removed"),
+                max_force_N=number("greatest force"),
+                max_torque_Nm=number("greatest torque"),
+                max_power_W=number("greatest power"),
+                line_of_max_force=line,
+            ),
+        ),
+        joints=array(
+            "each joint or axis",
+            record(
+                "a joint",
+                name=text("as in the log"),
+                unit=choice("of all its figures; effort is in N·m or N", "deg", "mm"),
+                least=number("least position"),
+                most=number("greatest position"),
+                margin=nullable(number("least distance from a limit; null: unlimited")),
+                line_of_margin=line,
+                max_speed=number("per s"),
+                max_acceleration=number("per s²"),
+                max_effort=number("N·m, or N of a linear axis"),
+            ),
+        ),
+        not_simulated=array(
+            "words that were read and have no effect here",
+            record("a word", word=text("such as `M8`"), count=whole("how often", least=1), first_line=whole("where")),
+        ),
+    )
+
+
+def _comparison(definitions: dict[str, Json]) -> Json:
+    """`gcodesim.regress.show.as_json` of a comparison."""
+    from gcodesim.regress.changes import Comparison
+
+    of_dataclass(Comparison, definitions)
+    own = definitions.pop("Comparison")
+    return record(
+        "what changed beyond tolerance",
+        same=truth("whether nothing did"),
+        quantities=array("names of all that differs", text("such as `Z`, `moves`, `time.total_s`")),
+        broken_tolerances=array("names of the tolerances that are broken", text("`gcodesim list tolerances`")),
+        **own["properties"],
+    )
+
+
+def _diff() -> Json:
+    definitions: dict[str, Json] = {}
+    definitions["comparison"] = _comparison(definitions)
+    folders = record(
+        "two folders",
+        same=truth("whether nothing differs"),
+        programs=table("comparisons by the name in both folders", ref("comparison", "what changed")),
+        only_old=array("names that the old folder alone has", text("a name")),
+        only_new=array("names that the new folder alone has", text("a name")),
+    )
+    root = {"anyOf": [{"$ref": "#/$defs/comparison"}, folders]}
+    return document("gcodesim diff --format json", root, definitions)
+
+
+def _test() -> Json:
+    from gcodesim.regress.verdicts import State, Status
+
+    definitions: dict[str, Json] = {"finding": finding(), "results": _results()}
+    definitions["comparison"] = _comparison(definitions)
+    said = record(
+        "a finding and what it does to the verdict",
+        state=choice("`counts` makes the case fail; `docs/output-formats.md` has all", *get_args(State)),
+        reason=text("why it is suppressed, or why it counts; may be empty"),
+        **finding()["properties"],
+    )
+    definitions["said"] = said
+    root = record(
+        "the verdict of a test run",
+        schema=choice("name of this form", "gcodesim-test/1"),
+        failed=truth("whether something failed"),
+        counts=record("cases", passed=whole("passed"), failed=whole("failed"), not_run=whole("left out after -x")),
+        cases=array(
+            "each case by name",
+            record(
+                "a program in a cell",
+                name=text("unique in the suite"),
+                file=text("the test file, or the program where there is none"),
+                program=text("path from the folder of the run"),
+                cell=nullable(text("path from the folder of the run; null: the program alone")),
+                status=choice("what came of it", *get_args(Status)),
+                quantities=array("names of all that differs from what was accepted", text("a quantity")),
+                findings=array("all that was said", ref("said", "a finding")),
+                comparison=nullable(ref("comparison", "against what was accepted; null: nothing was")),
+                results=nullable(ref("results", "null: nothing ran")),
+            ),
+        ),
+        findings=array("what is wrong with test files", ref("said", "a finding")),
+        gone_from_baseline=array("entries of the baseline that no finding needed", text("an entry")),
+    )
+    return document("gcodesim test --format json", root, definitions)
+
+
+def _baseline() -> Json:
+    entry = record(
+        "a known finding",
+        file=text("path from the folder of the run"),
+        code=text("its code"),
+        line=text("the words of its line"),
+        message=text("what it says, with # for numbers"),
+        count=whole("how many of it; 1 when absent", least=1),
+    )
+    entry["required"] = [name for name in entry["required"] if name != "count"]
+    return document(
+        "gcodesim baseline",
+        record(
+            "findings that fail nothing",
+            schema=choice("name of this form", "gcodesim-baseline/1"),
+            findings=array("sorted, one a line", entry),
+        ),
+    )
+
+
+def _findings() -> Json:
+    root = record("findings of programs or cells", findings=array("by place", ref("finding", "a finding")))
+    return document("gcodesim lint and cell validate --format json", root, {"finding": finding()})
+
+
+def _cell() -> Json:
+    from gcodesim.cell.schema import cell_schema
+
+    return cell_schema()
+
+
+def _test_file() -> Json:
+    from gcodesim.regress.case_file import case_schema
+
+    return case_schema()
+
+
+SCHEMAS: Final[dict[str, Callable[[], Json]]] = {
+    "results": lambda: document(
+        "results.json, gcodesim run and check --format json", _results(), {"finding": finding()}
+    ),
+    "findings": _findings,
+    "test": _test,
+    "diff": _diff,
+    "canon": lambda: document("gcodesim canon --format json", canon(finding()), None),
+    "baseline": _baseline,
+    "cell": _cell,
+    "test-file": _test_file,
+}
+"""Schemas by name, as `gcodesim schema NAME` prints them."""
+
+
+def schema_of(name: str) -> dict[str, Any]:
+    """The schema `name`; KeyError when there is none."""
+    return SCHEMAS[name]()
