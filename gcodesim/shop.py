@@ -90,7 +90,7 @@ class Shop:
         return self.cell.tools.get(number)
 
 
-def open_shop(cell: Cell, channel: str = MAIN) -> tuple[Shop, list[Diagnostic]]:
+def open_shop(cell: Cell, channel: str = MAIN) -> Shop:
     """Kinematics and places of a cell, without stock."""
     if channel not in cell.channels:
         channel = next(iter(cell.channels))
@@ -107,7 +107,7 @@ def open_shop(cell: Cell, channel: str = MAIN) -> tuple[Shop, list[Diagnostic]]:
         name, X_WB = mover.name, mover.X_WB
         home = np.array(mover.home)
         stiffness = None if mover.stiffness is None else np.array(mover.stiffness)
-    shop = Shop(
+    return Shop(
         cell=cell,
         channel=channel,
         name=name,
@@ -118,7 +118,6 @@ def open_shop(cell: Cell, channel: str = MAIN) -> tuple[Shop, list[Diagnostic]]:
         home=home,
         stiffness=stiffness,
     )
-    return shop, list(placement.findings)
 
 
 def _loaded(chain: Chain, payload: Payload | None) -> Chain:

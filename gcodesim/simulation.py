@@ -12,6 +12,8 @@ import numpy as np
 from gcodesim.cell import Cell, LoadedCell
 from gcodesim.cell.cell import MAIN
 from gcodesim.cell.machine import MachineTool
+from gcodesim.cell.reach import reach_findings
+from gcodesim.checks.coarse import coarse_findings
 from gcodesim.checks.ends import left_on
 from gcodesim.checks.idle import blind_axis_findings, idle_findings
 from gcodesim.checks.speed import speed_findings
@@ -52,9 +54,12 @@ def prepare(program: SourceText, loaded: LoadedCell, options: Options | None = N
     cell = loaded.cell
     if cell is None:
         return job
-    shop, notes = open_shop(cell, MAIN)
+    shop = open_shop(cell, MAIN)
+    standing = standing_findings(shop)
+    job.findings.extend(standing)
+    if any(finding.level >= Severity.ERROR for finding in standing):
+        return job
     job.shop = shop
-    job.findings.extend(notes)
     job.findings.extend(_world_notes(job))
     job.findings.extend(idle_findings(cell, shop.channel))
     settings, problems = settings_of_cell(cell, shop.channel, shop.placement)
@@ -70,9 +75,24 @@ def prepare(program: SourceText, loaded: LoadedCell, options: Options | None = N
     return job
 
 
+def standing_findings(shop: Shop) -> list[Diagnostic]:
+    """GS725, GS726, GS734: what is to be said about where the work of the shop's channel stands."""
+    return [*shop.placement.findings, *reach_findings(shop.cell, shop.channel, shop.placement)]
+
+
+def layout_findings(cell: Cell) -> list[Diagnostic]:
+    """What is wrong with a cell that was read without error: places and tool tables of all its channels, no notes."""
+    found: list[Diagnostic] = []
+    for channel in cell.channels:
+        shop = open_shop(cell, channel)
+        found += standing_findings(shop)
+        found += settings_of_cell(cell, channel, shop.placement)[1]
+    return [finding for finding in dict.fromkeys(found) if finding.level > Severity.NOTE]
+
+
 def settings_in_cell(cell: Cell) -> tuple[Settings, list[Diagnostic]]:
     """Settings with which `prepare` reads the program of the cell's main channel, and what is wrong with them."""
-    shop, _ = open_shop(cell, MAIN)
+    shop = open_shop(cell, MAIN)
     settings, problems = settings_of_cell(cell, shop.channel, shop.placement)
     return replace(settings, start=_start(shop)), problems
 
@@ -208,6 +228,7 @@ def run(
     job.findings.extend(problems)
     if any(problem.level >= Severity.ERROR for problem in problems):
         return _not_run(job, out), None
+    job.findings.extend(coarse_findings(job.shop, job.plan))
     recorder = None
     if out is not None:
         _forget(out, job.shop)

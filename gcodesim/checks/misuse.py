@@ -18,7 +18,7 @@ from gcodesim.checks import Spans
 from gcodesim.checks.events import Flags, runs
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.frames import Array
-from gcodesim.units import MM, MM3, RPM
+from gcodesim.units import MM, MM3
 
 Ints = NDArray[np.int64]
 

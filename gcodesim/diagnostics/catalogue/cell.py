@@ -309,6 +309,17 @@ CODES += (
         why="It may hide tomorrow what nobody has looked at; or the finding stands at another place by now.",
         remedy="Remove the entry, or correct its code, line, N number or block.",
     ),
+    Code(
+        code="GS734",
+        severity=Severity.WARNING,
+        title="Stock out of reach",
+        what=(
+            "The whole stock lies where no tool of the cell can come: beyond the travel of an axis, or farther away "
+            "than all links of the arm and the longest tool in one line."
+        ),
+        why="Nothing would be cut, whatever the program says. Mostly a unit, a sign or a frame is wrong.",
+        remedy="Look where `gcodesim cell show` puts stock and work systems, and correct the place.",
+    ),
 )
 
 # robot descriptions (URDF)

@@ -82,4 +82,14 @@ CODES: tuple[Code, ...] = (
         why="The run would be killed by the system after minutes; so it does not begin.",
         remedy="Take the resolution that the hint names, or a smaller stock.",
     ),
+    Code(
+        code="GS412",
+        severity=Severity.WARNING,
+        title="Stock too coarse for a tool",
+        what="Fewer than two cells of the stock lie across a cutter that feeds. Material goes by columns whose centre "
+        "the cutter passes, so whole cuts may leave no trace.",
+        why="Volumes, forces and the shape of the part are then far off, and the error bound does not cover it.",
+        remedy="Take the `resolution` that the hint names. On a large stock with a fine tool, describe only the piece "
+        "that is cut.",
+    ),
 )

@@ -1,0 +1,84 @@
+"""Stock that the machine cannot come to, wherever the program goes: most often a slip of units or of a sign."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import product
+
+import numpy as np
+
+from gcodesim.cell.cell import Cell
+from gcodesim.cell.machine import MachineTool
+from gcodesim.cell.placement import Corners, Placement, bounds_of
+from gcodesim.cell.robot import Robot
+from gcodesim.diagnostics import Diagnostic
+from gcodesim.frames import Pose
+from gcodesim.units import MM
+
+
+def reach_findings(cell: Cell, channel: str, placement: Placement) -> Iterator[Diagnostic]:
+    """GS734 for each stock that no tool of the cell can touch, by bounds that are certain, not tight."""
+    if not cell.tools:
+        return
+    mover = cell.machine_of(channel)
+    longest = max(tool.true_length for tool in cell.tools.values())
+    widest = max(max((body.radius for body in tool.primitives), default=0.0) for tool in cell.tools.values())
+    for name, stock in cell.stocks.items():
+        corners = bounds_of(stock.shape)
+        if corners is None:
+            continue
+        X_WS = placement.stocks[name]
+        if isinstance(mover, MachineTool):
+            miss = _beyond_travel(mover, mover.X_WM.inverse() @ X_WS, corners, longest, widest)
+        else:
+            miss = _beyond_arm(mover, mover.X_WB.inverse() @ X_WS, corners, max(longest, widest))
+        if miss is None:
+            continue
+        message, value, limit = miss
+        yield Diagnostic(
+            code="GS734",
+            span=cell.span("stock", name),
+            message=f"no tool comes to stock `{name}`: {message}",
+            hint="check `in:` and `xyz` of the stock, `work_offsets` and `base`, and their units",
+            value=value / MM,
+            limit=limit / MM,
+            unit="mm",
+        )
+
+
+def _beyond_travel(
+    machine: MachineTool, X_MS: Pose, corners: Corners, longest: float, widest: float
+) -> tuple[str, float, float] | None:
+    """The axis whose travel ends before the stock: what to say, where the stock begins, where the travel ends [m]."""
+    if any(axis.rotary and axis.at is not None for axis in machine.axes):
+        return None  # the stock turns, or the tool does
+    cloud = X_MS.apply(np.array(list(product(*zip(*corners, strict=True)))))
+    for k, letter in enumerate("XYZ"):
+        axis = machine.axis(letter)
+        if axis is None:
+            continue
+        low, high = float(cloud[:, k].min()), float(cloud[:, k].max())
+        least = axis.lower - (longest if letter == "Z" else widest)
+        most = axis.upper + (0.0 if letter == "Z" else widest)
+        if high < least or low > most:
+            tool = "with the longest tool" if letter == "Z" else "with the widest tool"
+            where = f"it stands at {letter} {low / MM:.10g} to {high / MM:.10g} mm of the machine"
+            ends = f"the travel reaches from {least / MM:.10g} to {most / MM:.10g} mm {tool}"
+            return f"{where}, {ends}", (high if high < least else low), (least if high < least else most)
+    return None
+
+
+def _beyond_arm(robot: Robot, X_BS: Pose, corners: Corners, tool: float) -> tuple[str, float, float] | None:
+    """How far the stock is from the first joint [m], and how far the arm comes at the most, when that is less."""
+    tree = robot.chain.tree
+    if tree.prismatic.any():
+        return None
+    links = np.linalg.norm(tree.before[tree.path.astype(bool)][1:, :3, 3], axis=1)
+    reach = float(links.sum() + np.linalg.norm(tree.flange_offset[:3, 3])) + tool
+    shoulder = X_BS.inverse().apply(tree.before[0][:3, 3])
+    nearest = np.clip(shoulder, np.array(corners[0]), np.array(corners[1]))
+    distance = float(np.linalg.norm(shoulder - nearest))
+    if distance <= reach:
+        return None
+    message = f"it is {distance / MM:.10g} mm from the first joint, and all links and the longest tool in a row"
+    return f"{message} are {reach / MM:.10g} mm", distance, reach

@@ -1,0 +1,39 @@
+"""What `prepare` and `check` say before anything moves."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from gcodesim.cell.loader import read_cell
+from gcodesim.diagnostics import SourceText
+from gcodesim.simulation import check, layout_findings, prepare, run
+
+PROGRAM = "G21 G90\nT1 M6\nS9000 M3\nG0 X0 Y5 Z5\nG1 Z-1 F200\nG1 X60 F600\nG0 Z5\nM5\nM2\n"
+CELL = """
+gcodesim: 1
+machine: gantry_xyz
+stock: {box: [60, 30, 10], zero: top-front-left, resolution: 1}
+tools: {1: {type: flat_end_mill, diameter: 3}}
+"""
+
+
+def test_what_needs_no_material_is_found_by_check_too() -> None:
+    program = PROGRAM.replace("S9000", "S30000").replace("M5\n", "M8\n")
+    cell = CELL + "limits: {spindle_speed: 24000 rpm}\n"
+    loaded = read_cell(SourceText("cell.yaml", cell.encode()), Path("cell.yaml"))
+    results = check(prepare(SourceText("program.nc", program.encode()), loaded))
+    found = {finding.code: (finding.span.line, finding.value) for finding in results.findings}
+    assert found["GS513"][0] == 4 and found["GS513"][1] == pytest.approx(30000)
+    assert found["GS503"][0] == 9 and found["GS505"][0] == 9
+
+
+def test_a_tilted_system_on_a_machine_stops_before_the_program() -> None:
+    cell = CELL + "work_offsets: {G54: {rpy: [90, 0, 0]}}\n"
+    loaded = read_cell(SourceText("cell.yaml", cell.encode()), Path("cell.yaml"))
+    assert loaded.cell is not None
+    assert [finding.code for finding in layout_findings(loaded.cell)] == ["GS726"]
+    results, execution = run(prepare(SourceText("program.nc", PROGRAM.encode()), loaded))
+    assert execution is None and results.status == "failed"
+    assert [finding.code for finding in results.findings] == ["GS726"]
