@@ -290,16 +290,21 @@ class Control:
     def say_tool_offset(self) -> None:
         self.out.append(canon.ToolOffset(span=self.span, offset=self.si_axes(self.state.tool_offset)))
 
-    def skip(self, word: str) -> None:
-        """Count a word that is read but not simulated."""
-        count, first = self.not_simulated.get(word, (0, self.span))
-        self.not_simulated[word] = (count + 1, first)
+    def skip(self, word: str, place: Place | None = None) -> None:
+        """Count a word that is read but not simulated; it stands at `place` of the line."""
+        count, first = self.not_simulated.get(word, (0, None))
+        self.not_simulated[word] = (count + 1, first or self._span_of(place))
+
+    def _span_of(self, place: Place | None) -> Span:
+        """A place in the line at hand; all of the line when it is None."""
+        span = self.span
+        if place is None:
+            return span
+        return Span(span.file, span.line, place[0] + 1, span.line, place[1] + 1, span.callers)
 
     def warn(self, code: str, message: str, hint: str = "", place: Place | None = None) -> None:
         """A finding that does not stop the block, about `place` in its line or all of it."""
-        span = self.span
-        if place is not None:
-            span = Span(span.file, span.line, place[0] + 1, span.line, place[1] + 1, span.callers)
+        span = self._span_of(place)
         self.notes.append(Diagnostic(code=code, message=message, span=span, hint=hint, severity=Severity.WARNING))
 
     def change_unit(self, unit: float) -> None:

@@ -10,7 +10,7 @@ from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.motions import MOTIONS
 from gcodesim.rs274.words import Words, check_use
 
-_NOT_MODELLED = "uvw"
+NOT_MODELLED = "uvw"
 _CLAIMS_AXES = frozenset((100, 280, 300, 520, 920))
 _LENGTH_NEEDS_NO_MOTION = frozenset((431, 432))  # of these only G43.1 keeps the axis words to itself
 _CARRIES_ON_WITH_CENTRE = frozenset((20, 30))
@@ -99,9 +99,9 @@ def execute(words: Words, control: Control) -> None:
     if g.get(NON_MODAL) == 53 and g.get(MOTION, 52) != 52:
         raise Fault("GS170", f"G5.3 and {g_name(g[MOTION]).upper()} exclude each other", at=g_name(g[MOTION]))
 
-    for letter in _NOT_MODELLED:
+    for letter in NOT_MODELLED:
         if letter in words.values:
-            control.skip(letter.upper())
+            control.skip(letter.upper(), words.block.place_of(letter))
 
     modes.spindle_mode(words, control)
     modes.feed_mode(words, control)

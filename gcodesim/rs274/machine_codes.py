@@ -11,7 +11,7 @@ from gcodesim.rs274.parameters import ACTIVE_SYSTEM, INPUT_RESULT
 from gcodesim.rs274.settings import MappedAction
 from gcodesim.rs274.state import Modes
 from gcodesim.rs274.tool_table import NO_OFFSET, ToolEntry
-from gcodesim.rs274.words import Words
+from gcodesim.rs274.words import Words, place_of
 from gcodesim.units import DEG, MM
 
 _MODE_NAMES = tuple(Modes.__dataclass_fields__)
@@ -77,7 +77,7 @@ def outputs(words: Words, control: Control) -> None:
                     with_motion=m in (62, 63),
                 )
             )
-            control.skip(f"M{m} P{index}")
+            control.skip(f"M{m} P{index}", place_of(words.block, f"m{m}"))
     elif m in (67, 68):
         index = _index(words, "e", m)
         value = words.get("q")
@@ -88,7 +88,7 @@ def outputs(words: Words, control: Control) -> None:
             control.out.append(
                 canon.Output(span=control.span, type="analog", index=index, value=value, with_motion=m == 67)
             )
-            control.skip(f"M{m} E{index}")
+            control.skip(f"M{m} E{index}", place_of(words.block, f"m{m}"))
     else:
         _wait_for_input(words, control)
 
@@ -117,7 +117,7 @@ def _wait_for_input(words: Words, control: Control) -> None:
     if e is not None and mode:
         raise Fault("GS106", "an analog input can only be read at once: L0", at="l")
     control.parameters.set(INPUT_RESULT, 0.0)
-    control.skip("M66")
+    control.skip("M66", place_of(words.block, "m66"))
 
 
 def change_tool(words: Words, control: Control) -> None:
@@ -188,7 +188,7 @@ def turn_spindle(words: Words, control: Control) -> None:
 
 
 def _orient(words: Words, control: Control) -> None:
-    control.skip("M19")
+    control.skip("M19", place_of(words.block, "m19"))
     control.state.oriented = True
     angle = words.values.get("r", 0.0)
     if not 0.0 <= angle <= 360.0:
@@ -222,7 +222,7 @@ def coolant(words: Words, control: Control) -> None:
     state.mist, state.flood = (m == 7 or (state.mist and m != 9)), (m == 8 or (state.flood and m != 9))
     control.say_coolant()
     if not _act(control, m, words):
-        control.skip(f"M{m}")
+        control.skip(f"M{m}", place_of(words.block, f"m{m}"))
 
 
 def overrides(words: Words, control: Control) -> None:
@@ -246,7 +246,7 @@ def overrides(words: Words, control: Control) -> None:
     else:
         state.feed_hold = on
     control.say_overrides()
-    control.skip(f"M{m}")
+    control.skip(f"M{m}", place_of(words.block, f"m{m}"))
 
 
 def user_codes(words: Words, control: Control) -> None:
@@ -257,7 +257,7 @@ def user_codes(words: Words, control: Control) -> None:
     dialect = control.dialect
     if not (control.settings.has_cell or dialect.open_m_codes) or m not in dialect.user_m_codes:
         raise Fault("GS013", f"M{m} is mapped with another P only", at=f"m{m}", hint=f"map M{m} itself in the cell")
-    control.skip(f"M{m}")
+    control.skip(f"M{m}", place_of(words.block, f"m{m}"))
 
 
 def stop(words: Words, control: Control) -> None:
@@ -276,7 +276,7 @@ def stop(words: Words, control: Control) -> None:
     elif m == 60:
         out.append(canon.PalletShuttle(span=span))
         out.append(canon.Stop(span=span))
-        control.skip("M60")
+        control.skip("M60", place_of(words.block, "m60"))
     else:
         end_program(control, shuttle=m == 30)
 

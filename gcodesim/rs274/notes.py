@@ -44,7 +44,7 @@ def execute(note: Note, control: Control) -> None:
     if key not in _ACTING:
         unsimulated = _UNSIMULATED.match(note.text)
         if unsimulated is not None and control.dialect.name == "linuxcnc":
-            control.skip(f"({unsimulated[1].upper()})")
+            control.skip(f"({unsimulated[1].upper()})", note.place)
         return
     assert match is not None
     text = match[2]

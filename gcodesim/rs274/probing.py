@@ -9,7 +9,7 @@ from gcodesim.rs274.dialects import g_name
 from gcodesim.rs274.ends import end_point
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.state import Vector
-from gcodesim.rs274.words import Words
+from gcodesim.rs274.words import Words, place_of
 from gcodesim.units import DEG
 
 
@@ -27,6 +27,7 @@ def probe(words: Words, control: Control, code: int) -> None:
     end = end_point(words, control)
     if code in (382, 384) and end == state.current:
         raise Fault("GS180", f"{who} ends where it starts", at=at, hint="probe towards another point")
+    control.skip(who, place_of(words.block, who.lower()))
     feed, unit = control.feed(control.moves_linear(end))
     control.out.append(
         canon.Probe(

@@ -177,6 +177,7 @@ class Executor:
         try:
             block = file.block(index)
             if block.deleted and self.settings.block_delete:
+                self.control.skip("/")
                 return
             control.block_number = self.blocks
             if not block.plain:
@@ -385,6 +386,8 @@ class Executor:
         for word, (count, first) in control.not_simulated.items():
             code, hint = _code_of_skipped(word)
             message = f"{word} is read, but not simulated"
+            if word == "/":
+                message = "the line is left out because of its slash"
             run.findings.add(Diagnostic(code=code, message=message, span=first, hint=hint, count=count))
         run.parameters = {n: v for n, v in sorted(control.parameters.numbers.items()) if v}
         run.sources.update({name: file.source for name, file in self.flow.files.items()})
@@ -458,6 +461,7 @@ def _wants_auto_length(source: SourceText, settings: Settings) -> bool:
     return True
 
 
+_PROBES = ("G31", "G38.2", "G38.3", "G38.4", "G38.5")
 _SKIPPED = (
     (("M7", "M8", "M9"), "GS901", "nothing that is simulated depends on coolant"),
     (("M48", "M49", "M50", "M51", "M52", "M53"), "GS902", "feeds and speeds run at 100 %, as nobody turns a knob"),
@@ -468,7 +472,8 @@ _SKIPPED = (
     (("U", "V", "W"), "GS908", ""),
     (("G5.1", "G8"), "GS913", "the planned motion always looks ahead"),
     (("G22", "G23"), "GS913", "the cell's `travel` is checked instead"),
-    (("G27", "G29"), "GS913", "no move is made for it: write the move as G0"),
+    (("G27",), "GS913", "the move is made; whether it ends at the reference point is not looked at"),
+    (_PROBES, "GS913", "what the probe meets is not looked at: it trips at the end of the move"),
     (("G43.4",), "GS913", "the length counts along Z: the tip is not kept in place while a rotary axis turns"),
 )
 
@@ -481,6 +486,8 @@ def _code_of_skipped(word: str) -> tuple[str, str]:
     for heads, code, hint in _SKIPPED:
         if head in heads:
             return code, hint
+    if head == "/":
+        return "GS914", "the switch for lines with a slash is on (`block_delete`)"
     if head.startswith("G"):
         return "GS913", ""
     return "GS907", "say in the cell what it does, under `m_codes`"

@@ -135,4 +135,12 @@ CODES += (
         why="What depends on it on the real machine is not in the results.",
         remedy="The hint says what the simulation does instead. `checks: {GS9xx: error}` makes it an error.",
     ),
+    Code(
+        code="GS914",
+        severity=Severity.NOTE,
+        title="Lines left out by block delete",
+        what="Lines that begin with a slash are left out, because the switch for them is on.",
+        why="On a machine whose switch is off they run, and the part is another one.",
+        remedy="Set the switch as it stands on the machine; without `--block-delete` the lines run.",
+    ),
 )

@@ -56,6 +56,7 @@ class FanucControl(Control):
 
     state: FanucState
     parameters: Variables
+    via: Vector | None = None  # where the last G28 or G30 went through, of the axes, in program units
 
     def _first_state(self) -> State:
         return FanucState()

@@ -9,6 +9,7 @@ from gcodesim.rs274.dialects import g_name
 from gcodesim.rs274.dialects.fanuc import CYCLES, MIRROR, SCALING, STROKE, TURN
 from gcodesim.rs274.dialects.linuxcnc import CANCEL, COMPENSATION, MOTION, NON_MODAL, PATH, SPINDLE, STOPPING
 from gcodesim.rs274.ends import end_point
+from gcodesim.rs274.execute import NOT_MODELLED
 from gcodesim.rs274.fanuc import figure, offsets
 from gcodesim.rs274.fanuc.control import FanucControl
 from gcodesim.rs274.fanuc.cycles import cycle
@@ -19,7 +20,10 @@ from gcodesim.rs274.words import AXIS_LETTERS, Words, exponent, place_of
 
 # one-shot codes to which the axis words of their block belong
 _CLAIMS_AXES = frozenset((40, 51, 80, 100, 110, 270, 280, 290, 300, 520, 920))
-_NOT_SIMULATED = {51: "G5.1", 80: "G8", 110: "G11", 270: "G27", 290: "G29"}
+_NOT_SIMULATED = {51: "G5.1", 80: "G8", 110: "G11"}
+_EXACT_STOP = 90  # G9, for one block
+_STOPPING_PATH = 611
+_OF_THE_CONTROL = frozenset((0, 1, 2, 6, 7, 8, 9, 30, 48, 49))  # M codes that take no words
 _ARC_WORDS = frozenset("ijkr")
 _USED = frozenset("nofst") | AXIS_LETTERS
 
@@ -30,6 +34,9 @@ def execute(words: Words, control: FanucControl, has_point: dict[str, bool]) -> 
     `has_point` says of each letter whether its number was written with a point.
     """
     g, state = words.g, control.state
+    for letter in NOT_MODELLED:
+        if letter in words.values and g.get(NON_MODAL) != 40:  # U of G4 is a time
+            control.skip(letter.upper(), words.block.place_of(letter))
     modes.units(words, control)  # before F, unlike RS274
     modes.plane(words, control)
     modes.distance(words, control)
@@ -51,12 +58,15 @@ def execute(words: Words, control: FanucControl, has_point: dict[str, bool]) -> 
     modes.retract(words, control)
     offsets.tool_length(words, control)
     offsets.work_system(words, control)
+    if claimed == _EXACT_STOP and state.path != _STOPPING_PATH:
+        control.say_path(_STOPPING_PATH)
     used = _USED | _letters_of(words)
     claims = claimed in _CLAIMS_AXES or not {SCALING, MIRROR, TURN, STROKE}.isdisjoint(g)
     figure.switch(words, control, has_point)
     if claimed in _NOT_SIMULATED or STROKE in g:
-        control.skip(_NOT_SIMULATED.get(claimed) or g_name(g[STROKE]).upper())
-    elif claimed in (100, 280, 300, 520, 920):
+        name = _NOT_SIMULATED.get(claimed) or g_name(g[STROKE]).upper()
+        control.skip(name, place_of(words.block, name.lower()))
+    elif claimed in (100, 270, 280, 290, 300, 520, 920):
         offsets.non_modal(words, control)
     _cancel_cycle(words, control)
     own = g.get(MOTION, -1)
@@ -65,6 +75,7 @@ def execute(words: Words, control: FanucControl, has_point: dict[str, bool]) -> 
         _machine_coordinates(words, control)
         motion = own
     elif claimed == 310:
+        control.skip("G31", place_of(words.block, "g31"))
         _skip_function(words, control)
         motion = own
     elif claims:
@@ -74,6 +85,8 @@ def execute(words: Words, control: FanucControl, has_point: dict[str, bool]) -> 
     if own >= 0 and own not in CYCLES:
         state.cycle = -1
         state.motion = own
+    if claimed == _EXACT_STOP and state.path != _STOPPING_PATH:
+        control.say_path()
     _name_unused(words, control, used)
     if words.m.get(STOPPING) in (2, 30):
         machine_codes.end_program(control, shuttle=False)
@@ -114,7 +127,8 @@ def _cancel_cycle(words: Words, control: FanucControl) -> None:
 
 def _turn_spindle(words: Words, control: FanucControl) -> None:
     if words.m.get(SPINDLE) in (19, 29):
-        control.skip(f"M{words.m[SPINDLE]}")
+        name = f"M{words.m[SPINDLE]}"
+        control.skip(name, place_of(words.block, name.lower()))
     else:
         machine_codes.turn_spindle(words, control)
 
@@ -211,8 +225,8 @@ def _letters_of(words: Words) -> frozenset[str]:
         used |= {"d", "h"}
     if STROKE in words.g:
         used |= {"i", "j", "k", "p", "q"}
-    if words.m_codes:
-        used |= {"p", "q", "r"}
+    if any(code not in _OF_THE_CONTROL for code in words.m_codes):
+        used |= {"p", "q", "r"}  # arguments of what the machine builder made
     return frozenset(used | {"h", "d"})
 
 

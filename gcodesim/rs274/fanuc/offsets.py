@@ -13,7 +13,7 @@ from gcodesim.rs274.fanuc import variables as numbers
 from gcodesim.rs274.fanuc.control import ADDITIONAL, FanucControl, first_of
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.state import AXES, ZERO, Vector, add, subtract
-from gcodesim.rs274.words import Words
+from gcodesim.rs274.words import Words, place_of
 
 _SYSTEM_INDEX = {540: 1, 550: 2, 560: 3, 570: 4, 580: 5, 590: 6}
 _TOOL_DATA = {  # by the L of G10
@@ -42,7 +42,7 @@ def tool_length(words: Words, control: FanucControl) -> None:
     control.stay_at(axes)
     control.say_tool_offset()
     if code == 434:
-        control.skip("G43.4")
+        control.skip("G43.4", place_of(words.block, "g43.4"))
 
 
 def _check_number(number: int, letter: str, control: FanucControl) -> None:
@@ -92,7 +92,7 @@ def _check_additional(number: int, who: str) -> None:
 
 
 def non_modal(words: Words, control: FanucControl) -> None:
-    """G10, G28, G30, G52, G92."""
+    """G10, G27 to G30, G52, G92."""
     code = words.g.get(NON_MODAL)
     act = _ACTS.get(code) if code is not None else None
     if act is not None:
@@ -160,6 +160,7 @@ def _go_home(words: Words, control: FanucControl) -> None:
             raise Fault("GS106", f"G30 P{which}: only the second reference point is known", at="p")
         first = homes.G30_HOME
     control.rapid(end_point(words, control), who)
+    control.via = control.axes()
     known = control.parameters.numbers
     home = control.stored(first)
     axes = control.axes()
@@ -171,6 +172,28 @@ def _go_home(words: Words, control: FanucControl) -> None:
         last = control.out[-1]
         assert isinstance(last, canon.Rapid)
         control.out[-1] = replace(last, home=who)
+
+
+def _check_home(words: Words, control: FanucControl) -> None:
+    """G27: a rapid to a point, which a control compares with the reference point."""
+    if not words.has_axes():
+        raise Fault("GS103", "G27 needs the axes that go home", at="g27", hint="G27 X0 Y0 is a rapid to that point")
+    control.skip("G27", place_of(words.block, "g27"))
+    control.rapid(end_point(words, control), "G27")
+
+
+def _come_back(words: Words, control: FanucControl) -> None:
+    """G29: from the reference point over the point that the last G28 or G30 went through."""
+    if control.via is None:
+        hint = "it comes back over the point that G28 went through"
+        raise Fault("GS105", "G29 without a G28 or G30 before it", at="g29", hint=hint)
+    now, via = control.axes(), control.via
+    over: Vector = tuple(  # type: ignore[assignment]
+        via[axis] if letter in words.values else now[axis] for axis, letter in enumerate(AXES)
+    )
+    end = end_point(words, control)
+    control.rapid(control.point_of(subtract(over, control.state.tool_offset)), "G29")
+    control.rapid(end, "G29")
 
 
 # -- G52 and G92
@@ -200,4 +223,12 @@ def _refuse(words: Words, control: FanucControl, who: str) -> None:
         raise Fault("GS103", f"{who} needs at least one axis word", at=who.lower())
 
 
-_ACTS = {100: _set_data, 280: _go_home, 300: _go_home, 520: _set_local, 920: _preset}
+_ACTS = {
+    100: _set_data,
+    270: _check_home,
+    280: _go_home,
+    290: _come_back,
+    300: _go_home,
+    520: _set_local,
+    920: _preset,
+}

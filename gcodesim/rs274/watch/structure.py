@@ -24,7 +24,7 @@ _LOOP = re.compile(r"(DO|END)\s*[0-9]", re.IGNORECASE)
 def structure_findings(file: ProgramFile, end: Span) -> Iterator[Diagnostic]:
     """GS136 and GS137 of a program that ran to its end, which stands at `end`."""
     yield from _unused(file)
-    if end.file == file.name and not end.callers:
+    if end.file == file.name and end.line and not end.callers:
         first, count = _unreachable(file, end.line - 1)
         if first is not None:
             text = _bare(file.lines[end.line - 1])

@@ -233,3 +233,49 @@ def test_m_codes_of_machine_builders_are_no_error(program) -> None:
         "M88 is read, but not simulated",
         "M10 is read, but not simulated",
     ]
+
+
+def test_g9_stops_exactly_in_one_block(program) -> None:
+    done = program("O0001\nG21 G90 G64\nG9 G1 X10. F100.\nX20.\nM30", dialect="fanuc")
+
+    kinds = [event.get("mode") or event["kind"] for event in done.events if "end" in event or "mode" in event][-4:]
+    assert kinds == ["exact_stop", "line", "blend", "line"]
+
+
+def test_g27_and_g29_move(program) -> None:
+    """Out over the point that G28 went through, and a check of the reference point that is a rapid."""
+    done = program("O0001\nG21 G90\nG28 X10. Y20. Z0.\nG29 X1. Y2. Z0.\nG27 X5. Y6.\nM30", dialect="fanuc")
+
+    assert done.ends == [[10, 20, 0], [0, 0, 0], [10, 20, 0], [1, 2, 0], [5, 6, 0]]
+    assert [(f.code, f.span.column) for f in done.findings] == [("GS913", 1)]
+
+
+def test_g29_needs_a_g28(program) -> None:
+    (error,) = program("O0001\nG29 X1.\nM30", dialect="fanuc").errors
+
+    assert (error.code, error.span.line, error.span.column) == ("GS105", 2, 1)
+
+
+@pytest.mark.parametrize(
+    ("block", "found"),
+    [
+        ("G1 X5. P2 M8", [("GS104", 8), ("GS901", 11)]),
+        ("G1 X5. M88 P2", [("GS907", 8)]),
+        ("G1 X5. U2.", [("GS908", 8)]),
+        ("G4 U2.", []),
+        ("G31 X5.", [("GS913", 1)]),
+        ("G1 G0 X5.", [("GS104", 1)]),
+    ],
+)
+def test_no_word_is_dropped_silently(program, block: str, found: list[tuple[str, int]]) -> None:
+    done = program(f"O0001\nG21 G90 F100.\n{block}\nM30", dialect="fanuc")
+
+    assert not done.errors
+    assert [(f.code, f.span.column) for f in done.findings] == found
+
+
+def test_lines_left_out_are_counted(program) -> None:
+    done = program("O0001\n/G0 X1.\nG0 X2.\n/2 G0 X3.\nM30", dialect="fanuc", block_delete=True)
+
+    assert [(f.code, f.span.line, f.count) for f in done.findings] == [("GS914", 2, 2)]
+    assert done.run.not_simulated["/"][0] == 2
