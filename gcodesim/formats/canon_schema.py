@@ -57,7 +57,13 @@ EVENTS: Final[dict[str, list[dict[str, Json]]]] = {
         }
     ],
     "coolant": [{"flood": truth("M8"), "mist": truth("M7")}],
-    "path_mode": [{"mode": choice("how corners are taken", "exact_stop", "exact_path", "blend"), "tolerance": number("mm"), "naive": number("mm")}],
+    "path_mode": [
+        {
+            "mode": choice("how corners are taken", "exact_stop", "exact_path", "blend"),
+            "tolerance": number("mm"),
+            "naive": number("mm"),
+        }
+    ],
     "override": [{name: truth("whether it is allowed") for name in ("feed", "speed", "adaptive", "hold")}],
     "work_system": [
         {"index": whole("1 is G54", least=0), "offset": _AXES, "g92": _AXES, "rotation": number("deg")},

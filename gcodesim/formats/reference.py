@@ -1,0 +1,90 @@
+"""All keys of our JSON as Markdown, from the schemas; `docs/output-formats.md` carries it.
+
+`python -m gcodesim.formats.reference docs/output-formats.md` rewrites the part of that page between its two markers.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, Final
+
+from gcodesim.formats.schemas import schema_of
+
+BEGIN: Final = "<!-- keys: begin -->"
+END: Final = "<!-- keys: end -->"
+
+_SECTIONS: Final = (
+    ("results", "`results.json`, `run` and `check`"),
+    ("findings", "A finding, in `lint`, `cell validate` and everywhere"),
+    ("test", "`test`"),
+    ("baseline", "Baseline files"),
+)
+_ELSEWHERE: Final = ("finding", "results", "comparison")
+"""Definitions that have a section of their own, or that `gcodesim schema diff` shows."""
+
+
+def reference() -> str:
+    """A table for each form: key, type, meaning."""
+    parts: list[str] = []
+    for name, title in _SECTIONS:
+        schema = schema_of(name)
+        root = schema["$defs"]["finding"] if name == "findings" else schema
+        parts += [f"### {title}", "", "| key | type | meaning |", "|---|---|---|", *_rows(root, schema, ""), ""]
+    return "\n".join(parts).rstrip()
+
+
+def _rows(schema: dict[str, Any], whole: dict[str, Any], prefix: str) -> Iterator[str]:
+    for name, member in schema["properties"].items():
+        shown = _resolved(member, whole)
+        yield f"| `{prefix}{name}` | {_kind(member, shown)} | {_cell(member.get('description') or '')} |"
+        inner, suffix = shown, ""
+        if "items" in shown:
+            inner, suffix = _resolved(shown["items"], whole), "[]"
+        elif isinstance(shown.get("additionalProperties"), dict):
+            inner, suffix = _resolved(shown["additionalProperties"], whole), ".NAME"
+        if "properties" in inner:
+            finding = whole.get("$defs", {}).get("finding", {}).get("properties", {})
+            is_one = bool(finding) and finding.keys() <= inner["properties"].keys()
+            own = {key: one for key, one in inner["properties"].items() if not is_one or key not in finding}
+            yield from _rows({"properties": own}, whole, f"{prefix}{name}{suffix}.")
+            if is_one:
+                yield f"| `{prefix}{name}{suffix}.…` | | the keys of a finding |"
+
+
+def _resolved(schema: dict[str, Any], whole: dict[str, Any]) -> dict[str, Any]:
+    """What a reference means, unless it has its own section."""
+    for one in (schema, *schema.get("anyOf", ())):
+        target = one.get("$ref", "").rpartition("/")[2]
+        if target:
+            definition: dict[str, Any] = whole["$defs"][target]
+            return {"type": "object"} if target in _ELSEWHERE else definition
+    return schema
+
+
+def _kind(member: dict[str, Any], shown: dict[str, Any]) -> str:
+    values = shown.get("enum")
+    if values:
+        return ", ".join("null" if value is None else f"`{value}`" for value in values)
+    kind = shown.get("type", "")
+    kinds = [kind] if isinstance(kind, str) else list(kind)
+    if "anyOf" in member:
+        kinds.append("null")
+    return " or ".join(kinds)
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "\\|")
+
+
+def with_reference(page: str) -> str:
+    """`page` with the part between the markers replaced."""
+    before, _, rest = page.partition(BEGIN)
+    _, _, after = rest.partition(END)
+    return f"{before}{BEGIN}\n\n{reference()}\n\n{END}{after}"
+
+
+if __name__ == "__main__":
+    target = Path(sys.argv[1])
+    target.write_text(with_reference(target.read_text(encoding="utf-8")), encoding="utf-8")
