@@ -17,7 +17,9 @@ Pair = tuple[int | None, int | None]
 GAP: Final = 0.55
 """What it costs that an item has no partner; two of it cost less than pairing what has nothing in common."""
 
-_MOST_CELLS: Final = 40_000  # of the table for pairing by likeness; beyond it items are paired in their order
+# cells of a table for pairing by likeness, and of all such tables; beyond them items are paired in their order
+_MOST_CELLS: Final = 40_000
+_MOST_CELLS_IN_ALL: Final = 600_000
 
 
 def align(
@@ -36,6 +38,7 @@ def align(
     old_keys = [[key(item) for item in old] for key in keys]
     new_keys = [[key(item) for item in new] for key in keys]
     pairs: list[Pair] = []
+    spent = 0
     # stretches still to be treated, the last first: bounds and level of the keys
     todo = [(0, len(old), 0, len(new), 0)]
     while todo:
@@ -54,7 +57,12 @@ def align(
             anchors = _anchors(old_keys[level], new_keys[level], a0, a1, b0, b1)
             level += not anchors
         if not anchors:
-            pairs += _by_likeness(old, new, a0, a1, b0, b1, unlikeness)
+            cells = (a1 - a0) * (b1 - b0)
+            if cells > _MOST_CELLS or spent + cells > _MOST_CELLS_IN_ALL:
+                pairs += _in_their_order(a0, a1, b0, b1)
+            else:
+                spent += cells
+                pairs += _by_likeness(old, new, a0, a1, b0, b1, unlikeness)
             continue
         for a, b in anchors:
             todo.append((a0, a, b0, b, level))
@@ -113,18 +121,17 @@ def _longest_rising(pairs: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
     return chain[::-1]
 
 
+def _in_their_order(a0: int, a1: int, b0: int, b1: int) -> list[Pair]:
+    both = min(a1 - a0, b1 - b0)
+    pairs: list[Pair] = [(a0 + i, b0 + i) for i in range(both)]
+    return pairs + [(a, None) for a in range(a0 + both, a1)] + [(None, b) for b in range(b0 + both, b1)]
+
+
 def _by_likeness(
     old: Sequence[T], new: Sequence[T], a0: int, a1: int, b0: int, b1: int, unlikeness: Callable[[T, T], float]
 ) -> list[Pair]:
-    """Pairs of the least total unlikeness (Needleman and Wunsch 1970), or in their order where that takes too long."""
+    """Pairs of the least total unlikeness (Needleman and Wunsch 1970)."""
     n, m = a1 - a0, b1 - b0
-    if n * m > _MOST_CELLS:
-        both = min(n, m)
-        return (
-            [(a0 + i, b0 + i) for i in range(both)]
-            + [(a, None) for a in range(a0 + both, a1)]
-            + [(None, b) for b in range(b0 + both, b1)]
-        )
     cost = [[(i + j) * GAP if not i or not j else 0.0 for j in range(m + 1)] for i in range(n + 1)]
     paired = [[0.0] * (m + 1) for _ in range(n + 1)]
     for i in range(1, n + 1):
@@ -137,7 +144,7 @@ def _by_likeness(
         if i and j and cost[i][j] == paired[i][j]:
             i, j = i - 1, j - 1
             pairs.append((a0 + i, b0 + j))
-        elif j and cost[i][j] == cost[i][j - 1] + GAP:
+        elif not i or (j and cost[i][j] == cost[i][j - 1] + GAP):
             j -= 1
             pairs.append((None, b0 + j))
         else:

@@ -110,11 +110,20 @@ def _displacement(step: Step) -> Hashable:
 
 
 def _unlikeness(a: Step, b: Step, tolerances: Tolerances) -> float:
+    """Asked for each cell of a table, so it counts what differs without saying it."""
     if a.kind != b.kind:
         if a.kind not in MOVES or b.kind not in MOVES or a.end is None or b.end is None:
             return _UNLIKE
         return 0.6 if math.dist(a.end, b.end) < tolerances["position"].absolute + _GRID else 0.95
-    fields = len(differing(a, b, tolerances))
+    fields = 0
+    if a.end is not None and b.end is not None:
+        near = tolerances["position"].absolute + _GRID
+        fields = sum(abs(p - q) > near for p, q in zip(a.end, b.end, strict=True))
+        fields += not fields and a.through != b.through
+    if a.words != b.words:
+        fields += max(1, len(set(a.words) ^ set(b.words)) // 2)
+    if a.numbers != b.numbers:
+        fields += max(1, len(set(a.numbers) ^ set(b.numbers)) // 2)
     return 0.0 if not fields else 0.2 + 0.6 * min(1.0, fields / 6.0)
 
 

@@ -51,3 +51,27 @@ def test_a_long_sequence_takes_no_square_of_time() -> None:
     old, new = ["a"] * 20_000, ["b"] * 20_000
     pairs = align(old, new, same=lambda a, b: a == b, keys=(str,), unlikeness=lambda a, b: 0.5)
     assert pairs == [(i, i) for i in range(20_000)]
+
+
+@pytest.mark.parametrize(("old", "new"), [(3, 40), (40, 3), (30, 30)])
+def test_items_with_nothing_in_common_stay_alone(old: int, new: int) -> None:
+    """Sums of the cost of a gap differ in their last bits from its multiples; the way back must not care."""
+    pairs = align([0] * old, [1] * new, same=int.__eq__, keys=(str,), unlikeness=lambda a, b: 9.0)
+    assert [a for a, _ in pairs if a is not None] == list(range(old))
+    assert [b for _, b in pairs if b is not None] == list(range(new))
+    assert not any(a is not None and b is not None for a, b in pairs)
+
+
+def test_many_tables_are_bounded_together() -> None:
+    """Anchors with stretches of 150 items between: likeness is asked for some of them, the others go by order."""
+    asked = 0
+
+    def unlikeness(a: str, b: str) -> float:
+        nonlocal asked
+        asked += 1
+        return 0.5
+
+    old = [item for i in range(100) for item in (f"anchor {i}", *["a"] * 150)]
+    new = [item for i in range(100) for item in (f"anchor {i}", *["b"] * 150)]
+    pairs = align(old, new, same=str.__eq__, keys=(str,), unlikeness=unlikeness)
+    assert pairs == [(i, i) for i in range(len(old))] and asked < 700_000
