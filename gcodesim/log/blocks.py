@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from gcodesim.log.messages import SEVERITIES, ProgramState, log_frame, program_frame
 from gcodesim.log.scene import block_piece, polyline_update, rounded
-from gcodesim.log.template import STAMP_WIDTH, Template, padded_stamps, padded_varints
+from gcodesim.log.template import STAMP_WIDTH, Template, padded_stamps, padded_varints, split_rows
 from gcodesim.log.wire import FIXED32, chunk, tag
 
 Array = NDArray[np.float64]
@@ -51,12 +51,12 @@ def program_messages(blocks: BlockColumns) -> tuple[list[bytes], list[bytes]]:
     heads = np.empty((m, STAMP_WIDTH + 2), dtype=np.uint8)
     heads[:, :2] = 10, STAMP_WIDTH  # field 1, a message
     heads[:, 2:] = padded_stamps(np.asarray(blocks.t_ns, dtype=np.int64))
-    stamps = _split(heads)
-    lines, counts = _split(padded_varints(3, blocks.line)), _split(padded_varints(12, blocks.block))
+    stamps = split_rows(heads)
+    lines, counts = split_rows(padded_varints(3, blocks.line)), split_rows(padded_varints(12, blocks.block))
     log_lines = np.empty((m, 5), dtype=np.uint8)
     log_lines[:, 0] = tag(6, FIXED32)[0]
     log_lines[:, 1:] = np.asarray(blocks.line, dtype="<u4")[:, None].view(np.uint8)
-    places = _split(log_lines)
+    places = split_rows(log_lines)
     program_frames = [program_frame(modal) for modal in blocks.modals]
     log_frames = [log_frame(SEVERITIES["note"], modal.file) for modal in blocks.modals]
     programs, logs = [], []
@@ -83,7 +83,7 @@ def way_messages(blocks: BlockColumns) -> list[bytes]:
         chosen = np.flatnonzero(counts == count)
         if 2 <= count <= _MOST_TEMPLATE_POINTS:
             rows = points[starts[chosen][:, None] + np.arange(count)].reshape(len(chosen), -1)
-            made = _split(_way_template(int(count), blocks.frame).fill(times[chosen], {"points": rows}))
+            made = split_rows(_way_template(int(count), blocks.frame).fill(times[chosen], {"points": rows}))
         else:
             made = [
                 polyline_update(int(times[i]), "block", blocks.frame, points[starts[i] : starts[i + 1]]) for i in chosen
@@ -96,9 +96,3 @@ def way_messages(blocks: BlockColumns) -> list[bytes]:
 @lru_cache(maxsize=64)
 def _way_template(count: int, frame: str) -> Template:
     return Template(block_piece(count, frame))
-
-
-def _split(rows: NDArray[np.uint8]) -> list[bytes]:
-    """The rows of a byte matrix one by one."""
-    data, width = rows.tobytes(), rows.shape[1]
-    return [data[i : i + width] for i in range(0, len(data), width)]

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.log.shapes import Array, Box, Capsule, Color, Cone, Cylinder, Entity, Mesh, Polylines, Shape, Sphere
-from gcodesim.log.template import Piece, double_slot, nested, stamp_slot
+from gcodesim.log.template import Piece, Template, double_slot, nested, split_rows, stamp_slot
 from gcodesim.log.wire import chunk, double, packed_fixed32, stamp, text, unsigned, vectors, wrap
 
 GRID: Final = 2.0**-20
@@ -192,25 +192,39 @@ def block_piece(count: int, frame: str) -> Piece:
     return deletion + nested(2, stamp_slot(1), names, line)
 
 
-def force_update(t_ns: int, frame: str, tip: Array, force: Array) -> bytes:
-    """An arrow from `tip` (3,) [m] along `force` (3,) [N], 1 mm per N; nothing is shown of no force."""
-    magnitude = float(np.linalg.norm(force))
-    if not np.isfinite(magnitude):
+def force_updates(t_ns: NDArray[np.int64], frame: str, tip: Array, force: Array) -> list[bytes]:
+    """Arrows from `tip` (n, 3) [m] along `force` (n, 3) [N], 1 mm per N, at n times; nothing is shown of no force."""
+    magnitude = np.linalg.norm(force, axis=1)
+    if not np.isfinite(magnitude).all():
         raise ValueError("a force to draw is not finite")
-    if magnitude <= 0.0:
-        return _delete_all(t_ns)
-    length = magnitude * FORCE_SCALE
-    head = min(0.3 * length, 0.015)
-    arrow = _pose(rounded(tip), _along_x(force / magnitude)) + double(2, length - head) + double(3, 0.004)
-    arrow += double(4, head) + double(5, 0.010) + _color(6, FORCE_COLOR)
-    return b"".join([_delete_all(t_ns), *_entity(t_ns, "force", frame, [chunk(_ARROWS, arrow)])])
+    shown = np.flatnonzero(magnitude > 0.0)
+    length = magnitude[shown, None] * FORCE_SCALE
+    head = np.minimum(0.3 * length, 0.015)
+    pose = np.concatenate([rounded(tip[shown]), _along_x(force[shown] / magnitude[shown, None])], axis=1)
+    messages = [_delete_all(t) if size <= 0.0 else b"" for t, size in zip(t_ns.tolist(), magnitude, strict=True)]
+    drawn = _arrow_template(frame).fill(t_ns[shown], {"pose": pose, "shaft": length - head, "head": head})
+    for i, message in zip(shown.tolist(), split_rows(drawn), strict=True):
+        messages[i] = message
+    return messages
+
+
+@lru_cache(maxsize=16)
+def _arrow_template(frame: str) -> Template:
+    """A SceneUpdate that shows one arrow, with slots for time, `pose` (n, 7), length of `shaft` and `head` (n, 1)."""
+    place = nested(1, *(double_slot(k + 1, "pose", k) for k in range(3)))
+    turn = nested(2, *(double_slot(k + 1, "pose", 3 + k) for k in range(4)))
+    shaft, head = double_slot(2, "shaft"), double_slot(4, "head")
+    thick, broad = Piece(double(3, 0.004)), Piece(double(5, 0.010) + _color(6, FORCE_COLOR))
+    arrow = nested(_ARROWS, nested(1, place, turn), shaft, thick, head, broad)
+    deletion = nested(1, stamp_slot(1), Piece(unsigned(2, _DELETE_ALL)))
+    names = Piece(text(2, frame) + text(3, "force") + unsigned(5, 1))
+    return Template(deletion + nested(2, stamp_slot(1), names, arrow))
 
 
 def _along_x(direction: Array) -> Array:
-    """The quaternion of the shortest turn from +x to a unit vector."""
-    x, y, z = (float(c) for c in direction)
-    if x < -1.0 + 1e-12:
-        return np.array([0.0, 0.0, 1.0, 0.0])
-    q = np.array([0.0, -z, y, 1.0 + x])  # (x axis) × direction, and 1 + their cosine
-    unit: Array = q / np.linalg.norm(q)
+    """Quaternions (n, 4) of the shortest turns from +x to unit vectors (n, 3)."""
+    x, y, z = direction.T
+    q = np.stack([np.zeros_like(x), -z, y, 1.0 + x], axis=1)  # (x axis) × direction, and 1 + their cosine
+    q[x < -1.0 + 1e-12] = (0.0, 0.0, 1.0, 0.0)
+    unit: Array = q / np.linalg.norm(q, axis=1, keepdims=True)
     return unit

@@ -87,6 +87,12 @@ def padded_stamps(t_ns: NDArray[np.int64]) -> NDArray[np.uint8]:
     return np.concatenate([padded_varints(1, t_ns // _NS), padded_varints(2, t_ns % _NS)], axis=1)
 
 
+def split_rows(rows: NDArray[np.uint8]) -> list[bytes]:
+    """The rows of a byte matrix one by one."""
+    data, width = rows.tobytes(), rows.shape[1]
+    return [data[i : i + width] for i in range(0, len(data), width)]
+
+
 class Template:
     """A message, or several in a row, of fixed length."""
 
@@ -100,7 +106,7 @@ class Template:
         columns = {**arrays, "": padded_stamps(t_ns).view("V12")}
         data = np.empty((n, width), dtype=np.uint8)
         data[:] = self._bytes
-        for fill in self._fills:
+        for fill in self._fills if n else ():
             target = np.ndarray((n, fill.count), fill.dtype, data, fill.offset, (width, fill.step))
             target[:] = columns[fill.array][:, fill.column : fill.column + fill.count]
         return data

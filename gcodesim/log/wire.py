@@ -14,10 +14,13 @@ _NS: Final = 1_000_000_000
 _F8: Final = struct.Struct("<d")
 
 
+_SHORT: Final = [bytes((value,)) for value in range(128)]
+
+
 def varint(value: int) -> bytes:
     """An unsigned integer in groups of seven bits, low group first."""
-    if value < 128:
-        return bytes((value,))
+    if 0 <= value < 128:
+        return _SHORT[value]
     out = bytearray()
     while value > 127:
         out.append(value & 127 | 128)
@@ -28,7 +31,8 @@ def varint(value: int) -> bytes:
 
 def tag(number: int, kind: int) -> bytes:
     """The key in front of field `number` of wire type `kind`."""
-    return varint(number << 3 | kind)
+    key = number << 3 | kind
+    return _SHORT[key] if key < 128 else varint(key)
 
 
 def chunk(number: int, data: bytes) -> bytes:

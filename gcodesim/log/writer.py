@@ -36,7 +36,7 @@ from gcodesim.log.messages import (
     program_message,
 )
 from gcodesim.log.rows import RowBuilder, Rows
-from gcodesim.log.scene import entities_update, force_update, path_update, polyline_update
+from gcodesim.log.scene import entities_update, force_updates, path_update, polyline_update
 from gcodesim.log.schema import schema_data
 from gcodesim.log.shapes import Entity, Mesh, Shape
 from gcodesim.log.topics import PERIODIC, tile_topic, topic_table
@@ -229,9 +229,11 @@ class LogWriter:
         entity = Entity(id="tool", frame=self._frame(frame), shapes=tuple(shapes))
         self._add_one("/scene/tool", t_ns, entities_update(t_ns, [entity] if shapes else []))
 
-    def force(self, t_ns: int, tip: Array, force: Array, frame: str = ROOT) -> None:
-        """The arrow of the process force (3,) [N] at `tip` (3,) [m], both in `frame`; call it at 10 Hz."""
-        self._add_one("/scene/force", t_ns, force_update(t_ns, self._frame(frame), tip, force))
+    def forces(self, t_ns: NDArray[np.int64], tip: Array, force: Array, frame: str = ROOT) -> None:
+        """Arrows of the process force (n, 3) [N] at `tip` (n, 3) [m], both in `frame`, at n times, which increase by
+        a tenth of a second or more."""
+        if len(t_ns):
+            self._add("/scene/force", t_ns.tolist(), force_updates(t_ns, self._frame(frame), tip, force))
 
     def stock_tile(self, t_ns: int, index: int, meshes: Sequence[Mesh], frame: str = "stock") -> None:
         """All of one tile of the part: original and cut surface as meshes of one colour each."""

@@ -305,11 +305,14 @@ class Recorder:
         return X
 
     def _arrows(self, t_ns: Any, tip: Array, force: Array, size: Array) -> None:
-        for i in np.flatnonzero(t_ns % FORCE_PERIOD_NS == 0):
-            shown = bool(size[i] > 0.0)
-            if shown or self._force_shown or t_ns[i] == 0:
-                self._writer.force(int(t_ns[i]), tip[i], force[i])
-            self._force_shown = shown
+        at = np.flatnonzero(t_ns % FORCE_PERIOD_NS == 0)
+        if not len(at):
+            return
+        shown = size[at] > 0.0
+        before = np.concatenate([[self._force_shown], shown[:-1]])
+        told = at[shown | before | (t_ns[at] == 0)]
+        self._writer.forces(t_ns[told], tip[told], force[told])
+        self._force_shown = bool(shown[-1])
 
     # ---- after the run
 

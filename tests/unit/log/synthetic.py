@@ -140,7 +140,7 @@ def change_messages(log, until_ns):
         log.program(at, file="part.nc", line=number, text=text, motion="G1", wcs="G54", block=number - 1, feed=0.01)
         log.block_polyline(at, np.array([[0.5, 0, 0.1], [0.5 + 0.01 * number, 0, 0.1]]))
     for k, at in enumerate(range(0, until_ns + 1, 100 * MS)):
-        log.force(at, np.array([0.5, 0, 0.1]), np.array([10.0 * k, -5.0 * k, 1.0 * k]))
+        log.forces(np.array([at]), np.array([[0.5, 0, 0.1]]), np.array([[10.0 * k, -5.0 * k, 1.0 * k]]))
         if k % 5 == 0:
             log.stock_tile(at, (k // 5) % 4, tile(0.02 * (k // 5 % 4), 1e-4 * k))
 

@@ -8,7 +8,7 @@ from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 
 from gcodesim.frames import rotation_from_quaternion
 from gcodesim.log import Box, Capsule, Cone, Cylinder, Entity, Mesh, Polylines, Sphere
-from gcodesim.log.scene import GRID, entities_update, force_update, path_update, polyline_update, rounded
+from gcodesim.log.scene import GRID, entities_update, force_updates, path_update, polyline_update, rounded
 
 T = 3_000_000_007
 Q = np.array([0.5, -0.5, 0.5, 0.5])
@@ -146,15 +146,21 @@ def test_a_polyline_of_one_point_shows_nothing():
     assert entity.lines[0].type == LinePrimitive.LINE_STRIP and len(entity.lines[0].points) == 3
 
 
-@pytest.mark.parametrize("force", [(0, 0, 250), (-100, 0, 0), (1, 2, -3), (40, 0, 0), (-1, 1e-9, 0)])
-def test_the_force_arrow_points_along_the_force_a_millimetre_a_newton(force):
-    force = np.array(force, dtype=float)
-    (entity,) = read(force_update(T, "world", P, force)).entities
-    (arrow,) = entity.arrows
-
-    q = arrow.pose.orientation
-    along = rotation_from_quaternion(np.array([q.x, q.y, q.z, q.w]))[:, 0]
-    assert np.allclose(along, force / np.linalg.norm(force), atol=1e-6)
-    assert arrow.shaft_length + arrow.head_length == pytest.approx(1e-3 * np.linalg.norm(force))
-    assert np.allclose(xyz(arrow.pose.position), P, atol=GRID)
-    assert not read(force_update(T, "world", P, np.zeros(3))).entities
+def test_force_arrows_point_along_the_force_a_millimetre_a_newton():
+    forces = np.array([(0, 0, 250), (-100, 0, 0), (0, 0, 0), (1, 2, -3), (40, 0, 0), (-1, 1e-9, 0)], dtype=float)
+    times = T + 100_000_000 * np.arange(len(forces))
+    tips = P + 0.01 * np.arange(len(forces))[:, None]
+    for t_ns, tip, force, message in zip(times, tips, forces, force_updates(times, "world", tips, forces), strict=True):
+        update = read(message)
+        assert update.deletions[0].timestamp.ToNanoseconds() == t_ns
+        if not force.any():
+            assert not update.entities
+            continue
+        (entity,) = update.entities
+        (arrow,) = entity.arrows
+        assert (entity.id, entity.frame_id, entity.timestamp.ToNanoseconds()) == ("force", "world", t_ns)
+        q = arrow.pose.orientation
+        along = rotation_from_quaternion(np.array([q.x, q.y, q.z, q.w]))[:, 0]
+        assert np.allclose(along, force / np.linalg.norm(force), atol=1e-6)
+        assert arrow.shaft_length + arrow.head_length == pytest.approx(1e-3 * np.linalg.norm(force))
+        assert np.allclose(xyz(arrow.pose.position), tip, atol=GRID)
