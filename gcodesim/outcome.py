@@ -18,6 +18,7 @@ from gcodesim.version import __version__
 
 if TYPE_CHECKING:
     from gcodesim.executor import Execution
+    from gcodesim.motion.trajectory import TimedEvent
     from gcodesim.planning import Plan
 
 
@@ -79,6 +80,7 @@ def results_of(job: Job, execution: Execution | None, *, failed: bool = False) -
     if interrupted and execution is not None:  # what never ran does not count
         ran = np.arange(len(path)) <= execution.last_row
         length, row_time = np.where(ran, length, 0.0), np.where(ran, row_time, 0.0)
+    rests = _rests(plan, execution)
     names = {number: tool.name for number, tool in shop.cell.tools.items()}
     stopped = job.stopped_at
     if interrupted and stopped is None and execution is not None:
@@ -88,14 +90,14 @@ def results_of(job: Job, execution: Execution | None, *, failed: bool = False) -
         stopped_at=stopped,
         inputs=inputs_of(job),
         findings=findings,
-        times=_times(plan, rapid, row_time, execution),
+        times=_times(rests, rapid, row_time, execution),
         feed_distance=float(length[~rapid].sum()),
         rapid_distance=float(length[rapid].sum()),
         stocks={} if execution is None else _stock_results(shop, execution),
         tools=tool_rows(path, names, row_time, totals),
         joints=_joints(plan, shop, execution),
         not_simulated=_not_simulated(job),
-        lines=line_rows(path, row_time, length, totals),
+        lines=line_rows(path, row_time, length, totals, [(e.row, e.event.span, e.duration) for e in rests]),
     )
 
 
@@ -103,16 +105,20 @@ def first_error(findings: Sequence[Diagnostic]) -> Span | None:
     return next((finding.span for finding in findings if finding.level >= Severity.ERROR), None)
 
 
-def _times(plan: Plan, rapid: Any, row_time: Array, execution: Execution | None) -> Times:
+def _rests(plan: Plan, execution: Execution | None) -> list[TimedEvent]:
+    """The events during which the machine stood still."""
+    end = plan.trajectory.duration
+    if execution is not None and execution.interrupted:
+        end *= execution.steps / max(execution.planned, 1)
+    return [event for event in plan.trajectory.events if event.duration > 0.0 and event.time <= end]
+
+
+def _times(rests: Sequence[TimedEvent], rapid: Any, row_time: Array, execution: Execution | None) -> Times:
     """Where the time goes, from the time law."""
     from gcodesim.canon import ToolChange
 
-    events = list(plan.trajectory.events)
-    if execution is not None and execution.interrupted:
-        end = plan.trajectory.duration * execution.steps / max(execution.planned, 1)
-        events = [event for event in events if event.time <= end]
-    change = sum(e.duration for e in events if isinstance(e.event, ToolChange))
-    dwell = sum(e.duration for e in events if not isinstance(e.event, ToolChange))
+    change = sum(e.duration for e in rests if isinstance(e.event, ToolChange))
+    dwell = sum(e.duration for e in rests if not isinstance(e.event, ToolChange))
     feed = float(row_time[~rapid].sum())
     engaged = 0.0
     if execution is not None and len(row_time):

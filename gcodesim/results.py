@@ -126,29 +126,35 @@ def _field(value: Any) -> str:
     return '"' + value.replace('"', '""') + '"' if any(c in value for c in ',"\n\r') else value
 
 
-def line_rows(path: ToolPath, time: Array, distance: Array, totals: RowTotals | None) -> list[list[Any]]:
+Ints = np.ndarray[Any, np.dtype[np.int64]]
+Stand = tuple[int, Span, float]
+"""The machine stands: before which path row, for which program line, how long [s]."""
+
+
+def line_rows(
+    path: ToolPath, time: Array, distance: Array, totals: RowTotals | None, stands: Sequence[Stand] = ()
+) -> list[list[Any]]:
     """One row a program line: file, line, time, distance, mean feed, removed volume, greatest force.
 
     `time` [s] and `distance` [m] are those of each path row; a loop's passes are
-    added up.
+    added up. The time of a line has its dwells and tool changes, the feed has not.
     """
-    if not len(path):
-        return []
-    index, places = _lines_of(path)
+    index, standing, places = _lines_of(path, stands)
     count = len(places)
-    seconds = np.bincount(index, weights=time, minlength=count)
+    moving = np.bincount(index, weights=time, minlength=count)
+    still = np.bincount(standing, weights=[seconds for _, _, seconds in stands], minlength=count)
     metres = np.bincount(index, weights=distance, minlength=count)
     removed: Array = np.zeros(count)
     force: Array = np.zeros(count)
-    if totals is not None:
+    if totals is not None and len(path):
         removed += np.bincount(index, weights=totals.removed - totals.added, minlength=count)
         np.maximum.at(force, index, totals.force)
-    speed = np.divide(metres, seconds, out=np.zeros(count), where=seconds > 0.0)
+    speed = np.divide(metres, moving, out=np.zeros(count), where=moving > 0.0)
     return [
         [
             file,
             line,
-            rounded(float(seconds[i]), 6),
+            rounded(float(moving[i] + still[i]), 6),
             rounded(float(metres[i] / MM), 6),
             rounded(float(speed[i] / MM_PER_MINUTE), 6),
             rounded(float(removed[i] / MM3), 6),
@@ -158,17 +164,22 @@ def line_rows(path: ToolPath, time: Array, distance: Array, totals: RowTotals | 
     ]
 
 
-def _lines_of(path: ToolPath) -> tuple[np.ndarray[Any, np.dtype[np.int64]], list[tuple[str, int]]]:
-    """Index of each row's program line, and those lines in the order in which they first ran."""
+def _lines_of(path: ToolPath, stands: Sequence[Stand]) -> tuple[Ints, Ints, list[tuple[str, int]]]:
+    """Index of the program line of each row and of each stand, and those lines in the order in which they first ran."""
     known: dict[tuple[str, int], int] = {}
     of_span = [known.setdefault((span.file, span.line), len(known)) for span in path.spans]
-    used = np.array(of_span, dtype=np.int64)[path.source]
-    order, first = np.unique(used, return_index=True)
+    moving = np.array(of_span, dtype=np.int64)[path.source] if len(path) else np.zeros(0, dtype=np.int64)
+    standing = np.array(
+        [known.setdefault((span.file, span.line), len(known)) for _, span, _ in stands], dtype=np.int64
+    )
+    used = np.concatenate([moving, standing])
+    when = np.concatenate([2 * np.arange(len(moving)) + 1, np.array([2 * row for row, _, _ in stands], dtype=np.int64)])
+    order, first = np.unique(used[np.argsort(when, kind="stable")], return_index=True)
     order = order[np.argsort(first)]
     rank = np.zeros(len(known), dtype=np.int64)
     rank[order] = np.arange(len(order), dtype=np.int64)
     names = list(known)
-    return rank[used], [names[i] for i in order]
+    return rank[moving], rank[standing], [names[i] for i in order]
 
 
 def tool_rows(path: ToolPath, names: Mapping[int, str], time: Array, totals: RowTotals | None) -> list[dict[str, Any]]:

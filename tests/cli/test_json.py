@@ -99,14 +99,21 @@ def test_canon_and_lint_and_validate(cli, write) -> None:
     assert cell.status == 0 and cell.json == {"findings": []}
 
 
-def test_lines_csv_adds_up(cli, tmp_path: Path) -> None:
+def test_lines_csv_adds_up(cli, write, tmp_path: Path) -> None:
+    slot, cell = (tmp_path / "slot.nc").read_text(), (tmp_path / "cell.yaml").read_text()
+    write("slot.nc", slot.replace("G1 X30", "G4 P0.7\nG1 X30"))
+    write("cell.yaml", cell + "magazine: {change_time: 4 s}\n")
     value = cli("run", "slot.nc", "--cell", "cell.yaml", "--format", "json").json
     head, *rows = (tmp_path / "out" / "lines.csv").read_text().splitlines()
 
     assert head.startswith("file,line,time_s,distance_mm,")
     table = [row.split(",") for row in rows]
     assert [row[0] for row in table] == ["slot.nc"] * len(table)
-    moving = value["time"]["feed_s"] + value["time"]["rapid_s"]
-    assert math.isclose(sum(float(row[2]) for row in table), moving, abs_tol=1e-5 * len(table))
+    total = value["time"]["total_s"]
+    assert math.isclose(sum(float(row[2]) for row in table), total, abs_tol=1e-5 * len(table))
+    lines = [int(row[1]) for row in table]
+    assert lines == sorted(lines)  # each line once, in the order in which they ran
+    seconds = {int(row[1]): float(row[2]) for row in table}
+    assert (seconds[2], seconds[8]) == (4.0, 0.7)  # the tool change and the dwell
     removed = sum(float(row[5]) for row in table)
     assert math.isclose(removed, value["stocks"]["stock"]["removed_mm3"], rel_tol=1e-4)
