@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 from gcodesim import canon
 from gcodesim.rs274 import compensation
+from gcodesim.rs274.circles import Arc, apart, sweep_of
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.ends import end_point
 from gcodesim.rs274.fault import Fault
@@ -26,14 +26,6 @@ _RELATIVE_MISS = 1e-3
 _ALWAYS_MM, _ALWAYS_INCH = 0.02 * math.sqrt(2.0), 0.002 * math.sqrt(2.0)
 _NEVER_FACTOR = 100.0
 _SMALLEST_RADIUS = 1.27e-6  # [m]; the same in both units
-_FULL_CIRCLE_ANGLE = 1e-6 * DEG  # ends nearer than this about the centre make a full circle
-
-
-class Arc(NamedTuple):
-    """An arc in the active plane; `turns` is positive for counterclockwise, and counts full circles begun."""
-
-    centre: tuple[float, float]
-    turns: int
 
 
 def arc(words: Words, control: Control, code: int) -> None:
@@ -112,12 +104,6 @@ def arc_of(words: Words, control: Control, start: Vector, end: Vector, code: int
     return Arc(centre, signed_turns)
 
 
-def apart(a: tuple[float, float], b: tuple[float, float]) -> float:
-    """Distance by the plain square root, which compiled code has to the same last bit (`math.dist` it has not)."""
-    dx, dy = b[0] - a[0], b[1] - a[1]
-    return math.sqrt(dx * dx + dy * dy)
-
-
 def _check_radii(
     words: Words,
     control: Control,
@@ -189,16 +175,6 @@ def _centre_by_radius(
     dx, dy = (end[0] - start[0]) / chord, (end[1] - start[1]) / chord
     sign = height if left else -height
     return (start[0] + end[0]) / 2.0 - dy * sign, (start[1] + end[1]) / 2.0 + dx * sign
-
-
-def sweep_of(start: tuple[float, float], end: tuple[float, float], shape: Arc) -> float:
-    """Signed swept angle [rad], full turns included; coinciding ends are a full turn."""
-    (cx, cy), turns = shape
-    u, v = (start[0] - cx, start[1] - cy), (end[0] - cx, end[1] - cy)
-    angle = math.atan2(u[0] * v[1] - u[1] * v[0], u[0] * v[0] + u[1] * v[1])
-    if turns > 0:
-        return (angle + 2.0 * math.pi if angle <= _FULL_CIRCLE_ANGLE else angle) + 2.0 * math.pi * (turns - 1)
-    return (angle - 2.0 * math.pi if angle >= -_FULL_CIRCLE_ANGLE else angle) + 2.0 * math.pi * (turns + 1)
 
 
 def helix_length(control: Control, start: Vector, end: Vector, shape: Arc) -> float:

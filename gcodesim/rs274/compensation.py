@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 
 from gcodesim import canon
 from gcodesim.diagnostics import Span
+from gcodesim.rs274.circles import Arc, apart, sweep_of
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.dialects.linuxcnc import COMPENSATION
 from gcodesim.rs274.fault import Fault
@@ -150,7 +151,7 @@ def straight(words: Words, control: Control, end: Vector, *, rapid: bool) -> Non
         resolve_inverse_time(words, control, straight_length(start, end))
     feed, unit = (0.0, "m/s") if rapid else control.feed(_moves_linear(start, end))
     op, goal = (start[first], start[second]), (end[first], end[second])
-    length = math.dist(op, goal)
+    length = apart(op, goal)
     move = Held(
         span=control.span,
         kind="rapid" if rapid else "line",
@@ -183,7 +184,7 @@ def straight(words: Words, control: Control, end: Vector, *, rapid: bool) -> Non
 
 def arc(words: Words, control: Control, end: Vector, code: int) -> None:
     """G2 or G3 with compensation."""
-    from gcodesim.rs274.arcs import Arc, arc_of, helix_length, sweep_of
+    from gcodesim.rs274.arcs import arc_of, helix_length
     from gcodesim.rs274.feeds import resolve_inverse_time
 
     state = control.state
@@ -195,7 +196,7 @@ def arc(words: Words, control: Control, end: Vector, code: int) -> None:
     feed, unit = control.feed(linear=True)
     radius = state.comp_radius
     op, goal = (start[first], start[second]), (end[first], end[second])
-    arc_radius = math.dist(goal, shape.centre)
+    arc_radius = apart(goal, shape.centre)
     # the offset path lies inside a left-hand arc when compensating to the left
     inside = (shape.turns > 0) == (state.side > 0)
     if inside and arc_radius <= radius:
@@ -213,8 +214,8 @@ def arc(words: Words, control: Control, end: Vector, code: int) -> None:
     offset_end = _beside(goal, out_normal, radius)
     centre = shape.centre
     if state.comp_first:
-        if math.dist(op, goal) <= radius:
-            _too_short(math.dist(op, goal), radius, control)
+        if apart(op, goal) <= radius:
+            _too_short(apart(op, goal), radius, control)
         if radius:
             centre = _entry_centre(op, offset_end, out_normal)
         offset_start = op
@@ -364,7 +365,7 @@ def _intersection(control: Control, following: _Line | _Circle, turns: int) -> P
     first, second, _ = _PLANE[state.plane]
     end = (move.end[first], move.end[second])
     held: _Line | _Circle
-    held = _Circle(move.centre, math.dist(move.centre, end)) if move.kind == "arc" else _Line(end, move.direction)
+    held = _Circle(move.centre, apart(move.centre, end)) if move.kind == "arc" else _Line(end, move.direction)
     found = _meet(held, following)
     if not found:
         raise Fault(
@@ -399,7 +400,7 @@ def _meet(a: _Line | _Circle, b: _Line | _Circle) -> list[Point]:
     assert isinstance(line, _Line) and isinstance(circle, _Circle)
     dx, dy = line.point[0] - circle.centre[0], line.point[1] - circle.centre[1]
     along = dx * line.direction[0] + dy * line.direction[1]
-    inside = along * along - (dx * dx + dy * dy - circle.radius**2)
+    inside = along * along - (dx * dx + dy * dy - circle.radius * circle.radius)
     if inside < 0.0:
         return []
     root = math.sqrt(inside)
@@ -410,11 +411,11 @@ def _meet(a: _Line | _Circle, b: _Line | _Circle) -> list[Point]:
 
 
 def _circles_meet(a: _Circle, b: _Circle) -> list[Point]:
-    distance = math.dist(a.centre, b.centre)
+    distance = apart(a.centre, b.centre)
     if distance == 0.0:
         return []
-    along = (distance**2 + a.radius**2 - b.radius**2) / (2.0 * distance)
-    square = a.radius**2 - along**2
+    along = (distance * distance + a.radius * a.radius - b.radius * b.radius) / (2.0 * distance)
+    square = a.radius * a.radius - along * along
     if square < 0.0:
         return []
     height = math.sqrt(square)
@@ -476,8 +477,6 @@ def _shortened(control: Control, move: Held, corner: Point) -> Held:
     if before is None:
         pass
     elif move.kind == "arc":
-        from gcodesim.rs274.arcs import Arc, sweep_of
-
         sweep = sweep_of(before, corner, Arc(move.centre, move.turns))
         if abs(sweep) > abs(move.sweep) + _SWEEP_SLACK_MM * MM / state.unit:
             raise Fault(
@@ -516,8 +515,6 @@ def _emit(control: Control, move: Held) -> None:
 
 
 def _arc_event(control: Control, move: Held, start: Vector, end: Vector, at: canon.Axes) -> canon.ArcFeed:
-    from gcodesim.rs274.arcs import Arc, sweep_of
-
     state = control.state
     first, second, normal = _PLANE[state.plane]
     middle = list(end)
@@ -578,7 +575,7 @@ def _beside(point: Point, normal: Point, radius: float) -> Point:
 
 def _towards(centre: Point, point: Point, sign: float) -> Point:
     """Unit vector from the centre through `point`, times `sign`."""
-    length = math.dist(centre, point)
+    length = apart(centre, point)
     return sign * (point[0] - centre[0]) / length, sign * (point[1] - centre[1]) / length
 
 

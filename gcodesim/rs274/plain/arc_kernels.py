@@ -1,4 +1,4 @@
-"""Centre, turns and sweep of an arc from its words: `rs274/arcs.py` in compiled form, step by step the same."""
+"""Centre, turns and sweep of an arc from its words: `arcs.py` and `circles.py` compiled, step by step the same."""
 
 from __future__ import annotations
 
@@ -15,6 +15,16 @@ _FULL_CIRCLE_ANGLE = 1e-6 * (math.pi / 180.0)
 
 # what is nearer than this to a limit is left to the grammar's lane, which measures by `math.dist`
 _SURE = 1e-9
+
+
+@kernel
+def plane_axes(plane: int) -> tuple[int, int, int]:
+    """First, second and normal axis of a plane: 170, 180 or 190."""
+    if plane == 170:
+        return 0, 1, 2
+    if plane == 180:
+        return 2, 0, 1
+    return 1, 2, 0
 
 
 @kernel

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from gcodesim.compiled import kernel
+from gcodesim.rs274.plain.arc_kernels import plane_axes
 from gcodesim.rs274.plain.columns import Column
 from gcodesim.rs274.plain.layout_kernels import (
     ACTS,
@@ -45,12 +46,7 @@ def hole(seen: int, numbers: Column, modes: Column, moves: Column, facts: Column
     code = modes[CYCLE]
     if code < 0 or modes[CODES] > 0 or seen & _PLACES == 0 or seen & ~_UNDERSTOOD != 0 or modes[FEED_MODE] == 930:
         return False
-    if modes[PLANE] == 170:
-        first, second, normal = 0, 1, 2
-    elif modes[PLANE] == 180:
-        first, second, normal = 2, 0, 1
-    else:
-        first, second, normal = 1, 2, 0
+    first, second, normal = plane_axes(modes[PLANE])
     has_feed = (seen >> _F) & 1 != 0
     rate = numbers[VALUES + _F] if has_feed else numbers[FEED]
     if rate <= 0.0:

@@ -12,8 +12,11 @@ from gcodesim.diagnostics import SourceText
 from gcodesim.diagnostics.finding import Caller
 from gcodesim.native import ArrayType, NativeKernel
 from gcodesim.rs274.arcs import PLANE_AXES
+from gcodesim.rs274.compensation import is_on
 from gcodesim.rs274.control import Control
+from gcodesim.rs274.ends import start_point
 from gcodesim.rs274.plain import layout_kernels as at
+from gcodesim.rs274.plain import waiting
 from gcodesim.rs274.plain.columns import Column
 from gcodesim.units import DEG, INCH, MINUTE
 
@@ -68,7 +71,9 @@ class PlainLane:
             self._pause -= 1
             return False
         state = control.state
-        return not (state.side or state.comp_leaving or state.held or state.nurbs_order or state.diameter)
+        if state.comp_leaving or state.nurbs_order or state.diameter:
+            return False
+        return waiting.is_known(state) if is_on(control) else not state.held
 
     def run(
         self, control: Control, first: int, last: int, block: int, callers: tuple[Caller, ...]
@@ -77,15 +82,21 @@ class PlainLane:
 
         `block` is the number of the first one. Returns the index of the next line, and the moves.
         """
+        state, shift = control.state, block - first - 1
+        beside = is_on(control)
+        if beside and not waiting.is_of(state, self._name, callers, shift):
+            return first, None
         _write_state(control, self._numbers, self._modes)
         index = self._run(first, last, self._longest)
         self._judge(index - first)
         if index == first:
             return index, None
         _take_over(control, self._numbers, self._modes)
+        if beside:
+            waiting.take_over(state, self._numbers, self._modes, (self._name, callers, shift))
         if self._modes[at.ROWS] == 0:
             return index, None
-        return index, self._batch(control, callers, block - first - 1)
+        return index, self._batch(control, callers, shift)
 
     def _batch(self, control: Control, callers: tuple[Caller, ...], block_shift: int) -> MoveBatch:
         """The rows of the last call."""
@@ -100,7 +111,7 @@ class PlainLane:
             feed=moves[:, 6],
             rotary=facts[:, at.ROTARY] != 0,
             per_revolution=control.state.feed_mode == 950,
-            place=facts[:, at.LINE : at.END_COLUMN + 1],
+            place=facts[:, at.LINE : at.LINE + 3],
             block_shift=block_shift,
             shapes=self._shapes[:arcs].copy(),
             acts=self._acts[:acts].copy(),
@@ -122,29 +133,36 @@ def _write_state(control: Control, numbers: Column, modes: Column) -> None:
     turn = math.radians(state.rotation)
     words = dict(state.cycle_words)
     depth = "xyz"[PLANE_AXES[state.plane][2]]
-    runs = state.cycle == state.motion and state.cycle in _KNOWN_CYCLES and "r" in words and depth in words
-    numbers[: at.TARGET] = (*state.current[:6], *state.g92[:6], *state.origin[:6])
-    numbers[at.COS : at.VALUES] = (
+    runs = (
+        state.cycle == state.motion and state.cycle in _KNOWN_CYCLES and "r" in words and depth in words
+    ) and not state.side
+    numbers[: at.TARGET] = (*start_point(control)[:6], *state.g92[:6], *state.origin[:6])
+    numbers[at.COS : at.ARC_CENTRE] = (
         math.cos(turn), math.sin(turn), state.unit, state.feed, state.feed_unit, DEG, MINUTE,
         state.cycle_start, words.get("r", 0.0), words.get(depth, 0.0), words.get("q", 0.0), words.get("p", 0.0),
     )  # fmt: skip
-    modes[: at.WANTED] = (
+    beside = is_on(control)
+    if beside:
+        waiting.write(state, numbers, modes)
+    modes[: at.SIDE + 1] = (
         state.motion, state.plane, state.incremental, state.centre_absolute, state.feed_mode,
         state.rotation != 0.0, state.unit == INCH, state.speed != 0.0,
         state.cycle if runs else -1, state.retract == 990, state.path == 610,
+        state.side != 0, state.side if beside else 0,
     )  # fmt: skip
 
 
 def _take_over(control: Control, numbers: Column, modes: Column) -> None:
     state = control.state
     current = numbers[at.CURRENT : at.CURRENT + 6].tolist()
-    motion, plane, incremental, centre_absolute, *_ = modes[: at.WANTED].tolist()
+    motion, plane, incremental, centre_absolute, *_ = modes[: at.COMPENSATES].tolist()
     if modes[at.CYCLE] >= 0:
         depth = "xyz"[PLANE_AXES[state.plane][2]]
         words = dict(state.cycle_words)
         words["r"], words[depth] = float(numbers[at.CYCLE_R]), float(numbers[at.CYCLE_DEPTH])
         state.cycle_words = tuple(words.items())
-    state.current = (*current, *state.current[6:])
+    if not is_on(control):
+        state.current = (*current, *state.current[6:])
     state.feed, state.feed_unit = float(numbers[at.FEED]), float(numbers[at.FEED_UNIT])
     state.motion, state.plane = motion, plane
     state.incremental, state.centre_absolute = bool(incremental), bool(centre_absolute)

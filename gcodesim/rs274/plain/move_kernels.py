@@ -10,39 +10,39 @@ from __future__ import annotations
 import math
 
 from gcodesim.compiled import kernel
-from gcodesim.rs274.plain.arc_kernels import apart, centre_by_radius, radii_agree, sweep_of
+from gcodesim.rs274.plain.arc_kernels import apart, centre_by_radius, plane_axes, radii_agree, sweep_of
+from gcodesim.rs274.plain.beside_kernels import go_beside, meets
 from gcodesim.rs274.plain.columns import Column
 from gcodesim.rs274.plain.cycle_kernels import hole
 from gcodesim.rs274.plain.layout_kernels import (
     ACTS,
+    ARC_CENTRE,
+    ARC_TURNS,
     ARCS,
     CENTRE_ABSOLUTE,
     CODES,
-    COLUMN,
-    COS,
+    COMPENSATES,
     CURRENT,
-    END_COLUMN,
     FEED,
     FEED_MODE,
     FEED_UNIT,
     HAS_SPEED,
     INCH,
     INCREMENTAL,
-    LINE,
-    MIDDLE,
     MOST_ACTS_OF_LINE,
+    MOST_ROWS_OF_LINE,
     MOTION,
     MOVED,
+    PLACE,
     PLANE,
-    ROTATED,
     ROWS,
-    SIN,
+    SIDE,
     TARGET,
     UNIT,
     VALUES,
     WANTED,
 )
-from gcodesim.rs274.plain.row_kernels import append, to_machine
+from gcodesim.rs274.plain.row_kernels import append, put_arc
 from gcodesim.rs274.plain.scan_kernels import NOT_PLAIN, scan_line
 
 _F, _I, _P, _R, _X = 5, 8, 15, 17, 23
@@ -73,7 +73,9 @@ def run_lines(
     """
     modes[ROWS] = modes[ARCS] = modes[ACTS] = modes[MOVED] = 0
     index = first
-    while index < last and modes[ROWS] < len(moves) and modes[ACTS] + MOST_ACTS_OF_LINE <= len(acts):
+    while (
+        index < last and modes[ROWS] + MOST_ROWS_OF_LINE <= len(moves) and modes[ACTS] + MOST_ACTS_OF_LINE <= len(acts)
+    ):
         begin, stop = starts[index], starts[index + 1]
         if stop > begin and text[stop - 1] == 10:
             stop -= 1
@@ -85,32 +87,27 @@ def run_lines(
         if seen == NOT_PLAIN:
             break
         if seen != 0:
-            before = modes[ROWS]
+            _find_place(text, begin, stop, modes, index + 1)
             if not (
                 hole(seen, numbers, modes, moves, facts, acts)
                 if modes[MOTION] > 30 and modes[CODES] == 0
                 else _execute(seen, numbers, modes, moves, facts, shapes)
             ):
                 break
-            if modes[ROWS] > before:
-                _mark(text, begin, stop, facts, before, modes[ROWS], index + 1)
         index += 1
     return index
 
 
 @kernel
-def _mark(text: Column, begin: int, stop: int, facts: Column, first: int, last: int, line: int) -> None:
-    """Place of the written part of a line in rows from `first` to before `last`."""
+def _find_place(text: Column, begin: int, stop: int, modes: Column, line: int) -> None:
+    """Place of the written part of a line."""
     at = begin
     while at < stop and (text[at] == 32 or text[at] == 9):
         at += 1
     until = stop
     while until > at and (text[until - 1] == 32 or text[until - 1] == 9):
         until -= 1
-    for row in range(first, last):
-        facts[row, LINE] = line
-        facts[row, COLUMN] = at - begin + 1
-        facts[row, END_COLUMN] = until - begin + 1
+    modes[PLACE], modes[PLACE + 1], modes[PLACE + 2] = line, at - begin + 1, until - begin + 1
 
 
 @kernel
@@ -138,7 +135,7 @@ def _read_codes(modes: Column) -> bool:
             group = 16
         elif code == (200 if modes[INCH] else 210):
             group = 32
-        elif code == 400:  # compensation is off already
+        elif code == 400 and not modes[COMPENSATES]:  # compensation is off already
             group = 64
         else:
             return False
@@ -177,16 +174,19 @@ def _execute(seen: int, numbers: Column, modes: Column, moves: Column, facts: Co
         elif rate == 0.0 or (modes[FEED_MODE] == 950 and not modes[HAS_SPEED]):
             return False
     goes = motion >= 20 or (motion >= 0 and has_axes)
+    beside = modes[SIDE] != 0
+    if beside and (inverse or (motion >= 0 and not goes)):
+        return False
+    if modes[COMPENSATES] and modes[WANTED + 1] != modes[PLANE]:
+        return False
     if goes:
         _aim(seen, numbers, modes)
-        length = 0.0
-        if motion >= 20:
-            length = _arc(seen, numbers, modes, shapes, motion)
-            if length < 0.0:
-                return False
-        elif inverse and motion > 0:
-            length = _straight_length(numbers)
+        if motion >= 20 and not _centre(seen, numbers, modes, motion):
+            return False
+        if beside and not meets(numbers, modes, motion):
+            return False
         if inverse and motion > 0:
+            length = _arc_length(numbers, modes) if motion >= 20 else _straight_length(numbers)
             rate, rate_unit = max(0.1, length * numbers[VALUES + _F]), numbers[UNIT]
     numbers[FEED], numbers[FEED_UNIT] = rate, rate_unit
     modes[PLANE], modes[INCREMENTAL] = modes[WANTED + 1], modes[WANTED + 2]
@@ -195,10 +195,14 @@ def _execute(seen: int, numbers: Column, modes: Column, moves: Column, facts: Co
         return True
     modes[MOTION], modes[MOVED] = motion, 1
     if goes:
-        kind = motion // 10
+        kind, linear = motion // 10, motion >= 20 or _moves_linear(numbers)
+        if beside:
+            go_beside(numbers, modes, moves, facts, shapes, kind, linear)
+            return True
         if motion >= 20:
-            modes[ARCS] += 1
-        append(numbers, modes, moves, facts, kind, kind, motion >= 20 or _moves_linear(numbers))
+            across_at = numbers[TARGET + plane_axes(modes[PLANE])[2]]
+            put_arc(numbers, modes, shapes, ARC_CENTRE, across_at, _sweep(numbers, modes), modes[ARC_TURNS])
+        append(numbers, modes, moves, facts, kind, kind, linear)
     return True
 
 
@@ -238,60 +242,62 @@ def _straight_length(numbers: Column) -> float:
 
 
 @kernel
-def _arc(seen: int, numbers: Column, modes: Column, shapes: Column, motion: int) -> float:
-    """The next row of `shapes`, from the current point to the target; its length, negative when the line is left."""
-    if modes[WANTED + 1] == 170:
-        first, second, across = 0, 1, 2
-    elif modes[WANTED + 1] == 180:
-        first, second, across = 2, 0, 1
-    else:
-        first, second, across = 1, 2, 0
+def _centre(seen: int, numbers: Column, modes: Column, motion: int) -> bool:
+    """Find centre and turns of the arc from the current point to the target; False when the line is left."""
+    first, second, across = plane_axes(modes[WANTED + 1])
     ax, ay = numbers[CURRENT + first], numbers[CURRENT + second]
     bx, by = numbers[TARGET + first], numbers[TARGET + second]
     count = 1
     if (seen >> _P) & 1:
         count = int(min(numbers[VALUES + _P], 1e9))
         if count < 1 or count != numbers[VALUES + _P]:
-            return -1.0
+            return False
     if motion == 20:
         count = -count
     if (seen >> _R) & 1:
         named = (seen >> (_X + first)) & 1 or (seen >> (_X + second)) & 1
         if seen & _CENTRE != 0 or not named:
-            return -1.0
+            return False
         exists, cx, cy = centre_by_radius(numbers[VALUES + _R], ax, ay, bx, by, count, numbers[UNIT])
         if not exists:
-            return -1.0
+            return False
     else:
         if seen & _CENTRE == 0 or (seen >> (_I + across)) & 1:
-            return -1.0
+            return False
         has_first, has_second = (seen >> (_I + first)) & 1 != 0, (seen >> (_I + second)) & 1 != 0
         cx = numbers[VALUES + _I + first] if has_first else 0.0
         cy = numbers[VALUES + _I + second] if has_second else 0.0
         if modes[WANTED + 3]:
             if not (has_first and has_second):
-                return -1.0
+                return False
         else:
             cx, cy = ax + cx, ay + cy
         if not radii_agree(ax, ay, bx, by, cx, cy, numbers[UNIT], modes[INCH]):
-            return -1.0
-    angle = sweep_of(ax, ay, bx, by, cx, cy, count)
-    row = modes[ARCS]
-    for axis in range(6):
-        numbers[MIDDLE + axis] = 0.0
-    numbers[MIDDLE + first], numbers[MIDDLE + second] = cx, cy
-    numbers[MIDDLE + across] = numbers[TARGET + across]
-    to_machine(numbers, modes, MIDDLE)
-    for axis in range(3):
-        shapes[row, axis] = numbers[MIDDLE + axis] * numbers[UNIT]
-        shapes[row, axis + 3] = 0.0
-    shapes[row, across + 3] = 1.0
-    if modes[ROTATED] and across != 2:
-        x, y = shapes[row, 3], shapes[row, 4]
-        shapes[row, 3] = x * numbers[COS] - y * numbers[SIN]
-        shapes[row, 4] = x * numbers[SIN] + y * numbers[COS]
-    shapes[row, 6] = angle
-    shapes[row, 7] = abs(count)
-    flat = abs(angle) * apart(ax, ay, cx, cy)
+            return False
+    numbers[ARC_CENTRE], numbers[ARC_CENTRE + 1], modes[ARC_TURNS] = cx, cy, count
+    return True
+
+
+@kernel
+def _sweep(numbers: Column, modes: Column) -> float:
+    """Of the arc at hand, on the programmed path."""
+    first, second, _ = plane_axes(modes[WANTED + 1])
+    return sweep_of(
+        numbers[CURRENT + first],
+        numbers[CURRENT + second],
+        numbers[TARGET + first],
+        numbers[TARGET + second],
+        numbers[ARC_CENTRE],
+        numbers[ARC_CENTRE + 1],
+        modes[ARC_TURNS],
+    )
+
+
+@kernel
+def _arc_length(numbers: Column, modes: Column) -> float:
+    """As `arcs.helix_length`."""
+    first, second, across = plane_axes(modes[WANTED + 1])
+    ax, ay = numbers[CURRENT + first], numbers[CURRENT + second]
+    flat = abs(_sweep(numbers, modes)) * apart(ax, ay, numbers[ARC_CENTRE], numbers[ARC_CENTRE + 1])
     lift = numbers[TARGET + across] - numbers[CURRENT + across]
     return math.sqrt(flat * flat + lift * lift)

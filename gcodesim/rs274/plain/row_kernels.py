@@ -1,10 +1,12 @@
-"""One move out of the target point: where the machine goes, and the row that says so."""
+"""One move out of the target point: where the machine goes, and the rows that say so."""
 
 from __future__ import annotations
 
 from gcodesim.compiled import kernel
+from gcodesim.rs274.plain.arc_kernels import plane_axes
 from gcodesim.rs274.plain.columns import Column
 from gcodesim.rs274.plain.layout_kernels import (
+    ARCS,
     COS,
     CURRENT,
     DEG,
@@ -13,8 +15,12 @@ from gcodesim.rs274.plain.layout_kernels import (
     FEED_UNIT,
     G92,
     KIND,
+    LINE,
+    MIDDLE,
     MINUTE,
     ORIGIN,
+    PLACE,
+    PLANE,
     ROTARY,
     ROTATED,
     ROWS,
@@ -39,20 +45,66 @@ def to_machine(numbers: Column, modes: Column, point: int) -> None:
 
 
 @kernel
+def speed(numbers: Column, modes: Column, linear: bool) -> float:
+    """The feed in force, as `Control.feed` says it."""
+    size: float = numbers[FEED] * (numbers[FEED_UNIT] if linear else numbers[DEG])
+    return size if modes[FEED_MODE] == 950 else size / numbers[MINUTE]
+
+
+@kernel
 def append(numbers: Column, modes: Column, moves: Column, facts: Column, kind: int, word: int, linear: bool) -> None:
     """A move of `kind` (as in `canon.MoveBatch`) to the target, which becomes the current point."""
-    row = modes[ROWS]
     for axis in range(6):
         numbers[CURRENT + axis] = numbers[TARGET + axis]
+    put(numbers, modes, moves, facts, kind, word, speed(numbers, modes, linear), not linear, PLACE)
+
+
+@kernel
+def put(
+    numbers: Column,
+    modes: Column,
+    moves: Column,
+    facts: Column,
+    kind: int,
+    word: int,
+    feed: float,
+    rotary: bool,
+    place: int,
+) -> None:
+    """The row of a move to the target; `place` says where in `modes` the place of its line is."""
+    row = modes[ROWS]
     to_machine(numbers, modes, TARGET)
     for axis in range(3):
         moves[row, axis] = numbers[TARGET + axis] * numbers[UNIT]
         moves[row, axis + 3] = numbers[TARGET + axis + 3] * numbers[DEG]
-    moves[row, 6] = 0.0
-    if kind > 0:
-        size = numbers[FEED] * (numbers[FEED_UNIT] if linear else numbers[DEG])
-        moves[row, 6] = size if modes[FEED_MODE] == 950 else size / numbers[MINUTE]
+        facts[row, LINE + axis] = modes[place + axis]
+    moves[row, 6] = feed if kind > 0 else 0.0
     facts[row, KIND] = kind
-    facts[row, ROTARY] = kind > 0 and not linear
+    facts[row, ROTARY] = kind > 0 and rotary
     facts[row, WORD] = word
     modes[ROWS] = row + 1
+
+
+@kernel
+def put_arc(
+    numbers: Column, modes: Column, shapes: Column, centre: int, across_at: float, sweep: float, turns: int
+) -> None:
+    """The shape of the arc whose row comes next; `centre` says where in `numbers` it stands, of the active plane."""
+    first, second, across = plane_axes(modes[PLANE])
+    row = modes[ARCS]
+    for axis in range(6):
+        numbers[MIDDLE + axis] = 0.0
+    numbers[MIDDLE + first], numbers[MIDDLE + second] = numbers[centre], numbers[centre + 1]
+    numbers[MIDDLE + across] = across_at
+    to_machine(numbers, modes, MIDDLE)
+    for axis in range(3):
+        shapes[row, axis] = numbers[MIDDLE + axis] * numbers[UNIT]
+        shapes[row, axis + 3] = 0.0
+    shapes[row, across + 3] = 1.0
+    if modes[ROTATED] and across != 2:
+        x, y = shapes[row, 3], shapes[row, 4]
+        shapes[row, 3] = x * numbers[COS] - y * numbers[SIN]
+        shapes[row, 4] = x * numbers[SIN] + y * numbers[COS]
+    shapes[row, 6] = sweep
+    shapes[row, 7] = abs(turns)
+    modes[ARCS] = row + 1

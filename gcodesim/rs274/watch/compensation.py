@@ -52,18 +52,23 @@ class RapidInCompensation(Watch):
         at, self._at = self._at, event.end
         if not isinstance(event, canon.Rapid):
             return
-        z = event.end[2]
         if not self._on or self._safe is None or at is None or event.span == self._leaving:
-            self._safe = z
-            return
-        sideways = abs(event.end[0] - at[0]) > TINY or abs(event.end[1] - at[1]) > TINY
-        low = min(z, at[2])
-        if not sideways:
-            self._safe = min(self._safe, z) if z > at[2] else self._safe
-        elif low < self._safe - TINY:
-            self._report(event.span, (low - self._zero) / MM, (self._safe - self._zero) / MM)
+            self._safe = event.end[2]
+        elif self._is_too_low(at, event.end):
+            self._report(event.span, min(event.end[2], at[2]))
 
-    def _report(self, span: Span, z: float, safe: float) -> None:
+    def _is_too_low(self, at: tuple[float, ...], end: tuple[float, ...]) -> bool:
+        """Whether a rapid on the offset path is; one that goes straight up moves the safe height instead."""
+        assert self._safe is not None
+        if abs(end[0] - at[0]) > TINY or abs(end[1] - at[1]) > TINY:
+            return min(end[2], at[2]) < self._safe - TINY
+        if end[2] > at[2]:
+            self._safe = min(self._safe, end[2])
+        return False
+
+    def _report(self, span: Span, height: float) -> None:
+        assert self._safe is not None
+        z, safe = (height - self._zero) / MM, (self._safe - self._zero) / MM
         self._found.append(
             Diagnostic(
                 code="GS154",
@@ -77,15 +82,24 @@ class RapidInCompensation(Watch):
         )
 
     def moves(self, batch: MoveBatch) -> None:
-        if self._on:
-            self.one_by_one(batch)
-            return
         import numpy as np
 
         fast = np.flatnonzero(batch.kind == 0)
-        if len(fast):
+        if self._on and len(fast):
+            self._rapids(batch, fast.tolist())
+        elif len(fast):
             self._safe = float(batch.end[fast[-1], 2])
         self._at = tuple(batch.end[-1].tolist())
+
+    def _rapids(self, batch: MoveBatch, rows: list[int]) -> None:
+        """Rapids of a batch while compensation is on."""
+        for row in rows:
+            at = self._at if row == 0 else tuple(batch.end[row - 1].tolist())
+            end = tuple(batch.end[row].tolist())
+            if self._safe is None or at is None:
+                self._safe = end[2]
+            elif self._is_too_low(at, end):
+                self._report(batch.span(row), min(end[2], at[2]))
 
     def findings(self, *, finished: bool) -> Iterable[Diagnostic]:
         return self._found

@@ -1,5 +1,6 @@
 """Both lanes, the grammar's and the compiled one, say the same of any program: events, findings, memory."""
 
+import math
 import random
 from pathlib import Path
 
@@ -70,6 +71,16 @@ PLAIN = {
     "incremental holes": "G0 Z9\nG91\nG81 X1 Z-5 R-2\nX2.1\nY.3\nX.1 Y.1\nG90 X3\nX4\n",
     "holes in planes": "G18 G0 Y9\nG81 X1 Z1 Y-2 R3\nX2\nZ5\nY-4\nG80\nG19 G0 X5\nG83 Y1 Z1 X-2 R3 Q2\nY2\nZ2\n",
     "holes in inches": "G20 G0 Z1\nG83 X1 Z-1 R.1 Q.3\nX2\nX3\nG21\nX50\nX60\n",
+    "beside a contour": "G0 X-9 Y-9\nG41 D1 G1 X0 Y0\nX20\nY20\nX10\nY30\nX-5 F50\n"
+    "G3 X-5 Y10 I0 J-10\nG1 Y-20\nG40 X-30\n",
+    "arcs beside": "G0 X-9\nG42 D1 G1 X0 Y0\nG2 X20 Y0 I10\nG3 X40 I10\nG2 X40 Y-40 R20\n"
+    "G1 X30 Y-39\nX20 Y-50\nG3 X0 R10\n"
+    "G3 X0 Y0 J25\nG2 Z-3 X9 Y-9 J-9\nG1 X30\nG0 X40\nY9\nG1 X0\nG40 Y90\n",
+    "beside with a tool of radius 0": "G41.1 D0 G1 X0 Y0\n"
+    "X20\nY20\nX10\nG3 X-5 Y10 R30\nG93 G1 Y-20 F2\nG94 F9\nX7\nG40 X-30\nY2\n",
+    "beside in other frames": "G10 L2 P1 X1 R30\n"
+    "G54\nG18 G0 X-9 Z-9\nG42 D1 G1 X0 Z0\nX20\nZ20\nG2 X9 Z31 I-11\nG1 X0 Y7\nG91 X-5 Z9\n"
+    "F7\nX-9\nZ-60\nG40 X-9\nX9\n",
     "no motion word": "G1\nX1\nG0\nX2\nF20\nG1 F30\nX3\n",
 }
 
@@ -88,6 +99,12 @@ GUILTY = [
     "T1 M6", "#1=5", "X#1", "X[1+2]", "(MSG, hello)", "(debug, #5420)", "(a, b)", "M0", "S5", "U1", "G53 G0 X0",
     "G41 D1", "G81 X1 Z-1 R1", "X99999999999999999999", "G5.1 X1 Y1 I1 J1", "X1" + " " * 260, "G1 X1 ;" + "c" * 300,
     "G81 X1 Z-2 R1\nX2\nX3 L2\nX4 P1\nA5\nX5 R-9\nX6 Q1\nX7 G98\nF0\nX8", "G83 X1 Z-2 R1 Q0.00001\nX2", "G81 X1\nX2",
+    "G41.1 D0 X9\nX8\nG18\nX7\nG40 X3\nX4\nG42.1 D0 X2\nX9\nG81 Z-1 R3\nX4\nG18",
+    "G41 D1 X9 Y9\nX20\nY20\nZ1\nX9\nY5\nG40 X0", "G42 D1 X9 Y9\nX20\nX20.1 Y1\nX20\nY30\nX0",
+    "G41 D1 X9\nY9\nX9\nG1\nG18 X2",
+    "G41 D1 X9 Y9\nX20 Y8\nG3 X20 Y8.5 J.25\nG1 X0",
+    "G41 D1 X9 Y9\nX20 Y8\nX19 Y20\nG93 X2 F1\nY1 F2\nG94 F9\nY9\nG40 G1",
+    "G41 D1 X9 Y9\nX20 Y8\nY20\n(MSG, x)\nX5\nM0\nX3\nY9\nG20\nX2\nY3\nG0 X9\nY9\nX22\nZ4\nX30\nM30",
     "G84 X1 Z-2 R1\nX2", "G83 X1 Z-2 R1 Q1\nX2\nZ-9999\nX3", "x1 \x0b", "x1 (ä)", "x1\x00", "G1 X1 E5",
 ]  # fmt: skip
 
@@ -175,6 +192,8 @@ def random_program(rng):
             lines.append(rng.choice(["G90", "G91", "G90.1", "G91.1", "G20", "G21", "G93", "G94", "G95"]))
         elif pick < 0.94:
             lines += holes(rng, plane, number)
+        elif pick < 0.95:
+            lines += contour(rng, plane, number)
         elif pick < 0.98:
             lines.append(rng.choice(OTHERS))
         else:
@@ -191,6 +210,36 @@ def holes(rng, plane, number):
     for _ in range(rng.randint(1, 6)):
         places = [f"{a}{number()}", f"{b}{number()}", f"{a}{number()} {b}{number()}", f"{normal}-2.5", f"{a}1 R2"]
         yield rng.choice(places)
+
+
+def contour(rng, plane, number):
+    """A path with cutter compensation: mostly long moves, now and then short ones and corners that do not fit."""
+    (a, b), (i, j), _ = PLANES[plane]
+    x = y = 0.0
+    heading, straight = 0.8, True
+    yield f"G40 G90 G94 G0 {a}-50 {b}-50"
+    on = rng.choice(["41 D1", "42 D1", "41 D3", "42 D3", "41.1 D0", "42.1 D.5"])
+    yield f"G{on} G1 {a}0 {b}0 F90"
+    for _ in range(rng.randint(1, 20)):
+        heading += rng.choice([rng.uniform(-1.0, 1.0), rng.uniform(-1.0, 1.0), 0.02, 3.1, 1.5])
+        length = rng.choice([20.0, 30.0, 30.0, rng.uniform(2.0, 9.0)])
+        to_x, to_y = round(x + length * math.cos(heading), 3), round(y + length * math.sin(heading), 3)
+        pick = rng.random()
+        if pick < 0.6:
+            yield f"{rng.choice(['', 'G1', 'G0']) if straight else 'G1'} {a}{to_x:.3f} {b}{to_y:.3f}"
+            straight = True
+        elif pick < 0.8:
+            straight = False
+            size = rng.choice([1, 1, 1, -1]) * round(0.5 * length * rng.uniform(1, 4) + 0.002, 3)
+            yield f"{rng.choice(['G2', 'G3'])} {a}{to_x:.3f} {b}{to_y:.3f} R{size}"
+        elif pick < 0.84:
+            to_x, to_y, straight = x, y, False
+            yield f"{rng.choice(['G2', 'G3'])} {i}{rng.choice([9, -20.5])} {j}{rng.choice([0, 5])}"
+        else:
+            to_x, to_y = x, y
+            yield rng.choice(["F44", "G91.1", "(x)", "N9", "F20", "G1 F9", "", "G4 P1", "M8", "Z-2"])
+        x, y = to_x, to_y
+    yield f"G40 G0 {a}{number()}"
 
 
 def mutated(rng, text):
