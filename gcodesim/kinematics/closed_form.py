@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar, Protocol
+from typing import ClassVar
 
 import numpy as np
 
 from gcodesim.frames import Array, rotation_about
 from gcodesim.kinematics.chain import Chain, Indices
+from gcodesim.kinematics.closed_form_kernels import inverse_path, solve_family
 from gcodesim.kinematics.machine import Machine, poses
 from gcodesim.kinematics.path_kernels import JUMP, nearest_anywhere
 from gcodesim.kinematics.plane_kernels import NEAR
@@ -18,47 +19,6 @@ from gcodesim.kinematics.reasons import jump_reason, limit_reason
 from gcodesim.kinematics.serial import SerialArm
 
 SQUARE = 1e-9  # [-] and [m]: how exactly axes have to be square, parallel and through one point
-
-
-class Solve(Protocol):
-    """Signature of a `solve` kernel."""
-
-    def __call__(
-        self,
-        X: Array,
-        free: int,
-        only: int,
-        arm: Array,
-        R_PB: Array,
-        R_EP: Array,
-        R_FE: Array,
-        previous: Array,
-        room: Array,
-        out: Array,
-        flags: Indices,
-        /,
-    ) -> float: ...
-
-
-class InversePath(Protocol):
-    """Signature of an `inverse_path` kernel."""
-
-    def __call__(
-        self,
-        X: Array,
-        free: int,
-        seed: Array,
-        branch: int,
-        arm: Array,
-        R_PB: Array,
-        R_EP: Array,
-        R_FE: Array,
-        lower: Array,
-        upper: Array,
-        out: Array,
-        status: Statuses,
-        /,
-    ) -> None: ...
 
 
 def six_in_a_row(chain: Chain) -> bool:
@@ -80,8 +40,7 @@ class ClosedForm(Machine):
     R_PB: Array
     R_EP: Array
     R_FE: Array
-    solve: ClassVar[Solve]
-    path: ClassVar[InversePath]
+    family: ClassVar[int]
     centre_name: ClassVar[str]
     wrist_name: ClassVar[str]
 
@@ -145,14 +104,15 @@ class ClosedForm(Machine):
         start = np.array(seed, dtype=np.float64)
         limits = self.joints.lower, self.joints.upper
         branch = self._branch_of(start) if on_path else -1
-        type(self).path(X, free, start, branch, self.arm, self.R_PB, self.R_EP, self.R_FE, *limits, q, status)
+        inverse_path(self.family, X, free, start, branch, self.arm, self.R_PB, self.R_EP, self.R_FE, *limits, q, status)
         return q, status
 
     def _solve(self, X_BF: Array, previous: Array) -> tuple[Array, Indices]:
         """The eight joint vectors (8, 6) of one pose (4, 4) and their flags (8,)."""
         out, flags = np.empty((8, 6)), np.zeros(8, dtype=np.int64)
         room = np.empty((3, 3, 3))
-        type(self).solve(poses(X_BF)[0], 0, -1, self.arm, self.R_PB, self.R_EP, self.R_FE, previous, room, out, flags)
+        X = poses(X_BF)[0]
+        solve_family(self.family, X, 0, -1, self.arm, self.R_PB, self.R_EP, self.R_FE, previous, room, out, flags)
         return out, flags
 
     def _branch_of(self, q: Array) -> int:

@@ -9,9 +9,9 @@ from typing import ClassVar
 import numpy as np
 
 from gcodesim.frames import Array
-from gcodesim.kinematics import parallel_axes_kernels as kernels
 from gcodesim.kinematics.chain import Chain
-from gcodesim.kinematics.closed_form import SQUARE, ClosedForm, InversePath, Solve, six_in_a_row
+from gcodesim.kinematics.closed_form import SQUARE, ClosedForm, six_in_a_row
+from gcodesim.kinematics.closed_form_kernels import PARALLEL_AXES
 from gcodesim.kinematics.zero_axes import intersection, zero_axes
 
 
@@ -23,8 +23,7 @@ class ParallelAxes(ClosedForm):
     + 1 (wrist turned over).
     """
 
-    solve: ClassVar[Solve] = staticmethod(kernels.solve)
-    path: ClassVar[InversePath] = staticmethod(kernels.inverse_path)
+    family: ClassVar[int] = PARALLEL_AXES
     centre_name: ClassVar[str] = "wrist point (axes 5 and 6)"
     wrist_name: ClassVar[str] = "angle between axes 2 and 6"
 

@@ -9,12 +9,9 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from gcodesim.compiled import kernel
 from gcodesim.frames import Array
 from gcodesim.kinematics.chain import Indices
-from gcodesim.kinematics.path_kernels import OK, REACH, SINGULAR, choose, square_distance
 from gcodesim.kinematics.plane_kernels import (
     ELBOW,
     EXISTS,
@@ -31,8 +28,6 @@ from gcodesim.kinematics.plane_kernels import (
     shoulder_turn,
     turn_back,
 )
-from gcodesim.kinematics.protocol import Statuses
-from gcodesim.kinematics.tree_kernels import copy_row
 
 TURNED_OVER = (
     1.8  # [rad] at least between a wrist and the same turned over: joints 2 to 4 together turn by π, so π / √3
@@ -123,47 +118,3 @@ def solve(
                 if free == 0:
                     q6 += math.pi
     return apart
-
-
-@kernel
-def inverse_path(
-    X: Array,
-    free: int,
-    seed: Array,
-    branch: int,
-    arm: Array,
-    R_PB: Array,
-    R_EP: Array,
-    R_FE: Array,
-    lower: Array,
-    upper: Array,
-    out: Array,
-    status: Statuses,
-) -> None:
-    """Joints `out` (n, 6) and `status` (n,) along flange poses X (n, 4, 4), each row nearest to the one before.
-
-    `branch` is the one of `seed` when that is a row of the same path, else −1.
-    """
-    candidates = np.empty((8, 6))
-    room = np.empty((3, 3, 3))
-    flags = np.zeros(8, dtype=np.int64)
-    revolute = np.ones(6, dtype=np.int64)
-    previous = np.empty(6)
-    copy_row(seed, previous)
-    for k in range(X.shape[0]):
-        # the arm mostly goes on with shoulder and elbow as they are; then the other half of the work is not needed
-        state = REACH
-        if branch >= 0:
-            apart = solve(X[k], free, branch, arm, R_PB, R_EP, R_FE, previous, room, candidates, flags)
-            found, state = choose(candidates, flags, previous, lower, upper, revolute, branch, out[k])
-            if state == OK and square_distance(out[k], previous) < 0.25 * apart * apart:
-                branch = found
-            else:
-                state = REACH
-        if state == REACH:
-            solve(X[k], free, -1, arm, R_PB, R_EP, R_FE, previous, room, candidates, flags)
-            branch, state = choose(candidates, flags, previous, lower, upper, revolute, branch, out[k])
-        if state == OK and flags[branch] != EXISTS:
-            state = SINGULAR
-        status[k] = state
-        copy_row(out[k], previous)

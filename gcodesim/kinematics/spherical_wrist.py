@@ -9,9 +9,9 @@ from typing import ClassVar
 import numpy as np
 
 from gcodesim.frames import Array
-from gcodesim.kinematics import spherical_wrist_kernels as kernels
 from gcodesim.kinematics.chain import Chain
-from gcodesim.kinematics.closed_form import SQUARE, ClosedForm, InversePath, Solve, six_in_a_row
+from gcodesim.kinematics.closed_form import SQUARE, ClosedForm, six_in_a_row
+from gcodesim.kinematics.closed_form_kernels import SPHERICAL_WRIST
 from gcodesim.kinematics.zero_axes import intersection, zero_axes
 
 
@@ -25,8 +25,7 @@ class SphericalWrist(ClosedForm):
     turned over).
     """
 
-    solve: ClassVar[Solve] = staticmethod(kernels.solve)
-    path: ClassVar[InversePath] = staticmethod(kernels.inverse_path)
+    family: ClassVar[int] = SPHERICAL_WRIST
     centre_name: ClassVar[str] = "wrist centre"
     wrist_name: ClassVar[str] = "angle between axes 4 and 6"
 

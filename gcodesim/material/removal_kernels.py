@@ -224,7 +224,8 @@ def remove_piece(
                 total += gone
             total -= forget_walls(walls, i, j)
             dirty[i >> PATCH_SHIFT, j >> PATCH_SHIFT] = 1
-    if tall:
+    # a tool that goes down leaves walls beside itself although no column under it is tall any more
+    if tall or (total > 0.0 and high_z - low_z > length):
         total += reckon_walls(
             lo, hi, count, grid, walls, x0, y0, ux, uy, length, radius, low_z, z0, slope, shape[5] + profile
         )

@@ -62,14 +62,16 @@ def rim(side: int, offset: float, uf: float, um: float, length: float, radius: f
 
 @kernel(allocates=False)
 def renew(walls: Singles, axis: int, i: int, j: int, side: int, beyond: float, strip: float) -> float:
-    """Keep a wall that is new, or reaches at least as far as the one that is held; returns the gain [m].
+    """Keep a wall that is new, goes further than the one that is held, or as far and deeper; returns the gain [m].
 
     side: +1 when the column below the border is left standing, -1 when the one above is.
     """
     place = float(walls[axis, i, j])
-    if place * side > 0.0 and beyond < place * side - 2.0 - SAME_PLACE:
-        return 0.0
     held = float(walls[2 + axis, i, j])
+    if place * side > 0.0:
+        further = beyond - (place * side - 2.0)
+        if further < -SAME_PLACE or (further <= SAME_PLACE and abs(strip) <= abs(held)):
+            return 0.0  # another pass has taken more, or the same wall from further down
     walls[axis, i, j] = side * (beyond + 2.0)
     walls[2 + axis, i, j] = strip
     return float(walls[2 + axis, i, j]) - held

@@ -107,6 +107,21 @@ def test_drilled_hole_has_a_cone_at_its_end():
     assert abs(removed - exact) <= stock.error_bound() / MM3
 
 
+@pytest.mark.parametrize("steps", [1, 7, 400])
+@pytest.mark.parametrize("diameter", [3.3, 6.8, 10.2])
+def test_blind_hole_in_small_steps_and_out_again(diameter, steps):
+    """Walls count down to the deepest place of the cylinder, however many steps go down and up beside them."""
+    r, z = diameter / 2, diameter * 1.5
+    point = r / math.tan(math.radians(59))
+    exact = math.pi * r**2 * (z - point) + math.pi * r**2 * point / 3
+    heights = np.r_[np.linspace(5, -z, steps + 1), np.linspace(-z, 5, steps + 1)[1:]]
+    points = np.column_stack([np.full(len(heights), 40.0), np.full(len(heights), 25.0), heights])
+    stock = plate(diameter / 20)
+    removed = cut(stock, points, shape.cone(diameter * MM, math.radians(118), 40 * MM))
+    assert removed == pytest.approx(exact, rel=1e-3)
+    assert stock.volume / MM3 == pytest.approx(60_000.0 - removed, rel=1e-9)
+
+
 def test_bull_nose_plunge_leaves_its_torus():
     """Depth equal to the corner radius: a disc and half a torus tube around it (Pappus)."""
     flat, corner = 3.0, 2.0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from math import hypot, pi
+from math import hypot, pi, radians, tan
 from pathlib import Path
 
 import pytest
@@ -53,6 +53,23 @@ def test_removed_volume_of_a_program(name: str) -> None:
 def test_the_rate_of_steps_moves_no_volume(name: str) -> None:
     slow, fast = (run_case(CASES[name], 20, rate).stock.removed for rate in (250, 1000))
     assert slow == pytest.approx(fast, rel=1e-3)
+
+
+@pytest.mark.parametrize(("diameter", "angle", "depth"), [(6.8, 118, 12), (3.3, 140, 8), (8.5, 90, 10)])
+def test_removed_volume_of_a_drilled_hole(diameter: float, angle: float, depth: float) -> None:
+    """A cycle goes down in steps of a simulation and comes back up: still the volume of cylinder and cone."""
+    cell = f"""
+gcodesim: 1
+machine: gantry_xyz
+stock: {{box: [30, 20, 15], zero: top-front-left, material: al6082_t6, resolution: {diameter / 20}}}
+tools:
+  1: {{type: drill, diameter: {diameter}, point_angle: {angle}, length: 60}}
+"""
+    ran = run_texts(f"G21 G90\nT1 M6\nS2000 M3\nG0 X14 Y9 Z5\nG83 Z-{depth} R2 Q3 F200\nG80\nG0 Z10\nM5\nM2\n", cell)
+    r = diameter / 2
+    point = r / tan(radians(angle / 2))
+    assert ran.stock.removed * 1e9 == pytest.approx(pi * r**2 * (depth - 2 / 3 * point), rel=2e-3)
+    assert not ran.bad
 
 
 WALL_CELL = """

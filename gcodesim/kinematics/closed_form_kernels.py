@@ -1,0 +1,84 @@
+"""Inverse kinematics along a path for arms with a closed form, compiled: which branch goes on from pose to pose."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gcodesim.compiled import kernel
+from gcodesim.frames import Array
+from gcodesim.kinematics.chain import Indices
+from gcodesim.kinematics.parallel_axes_kernels import solve as solve_parallel_axes
+from gcodesim.kinematics.path_kernels import OK, REACH, SINGULAR, choose, square_distance
+from gcodesim.kinematics.plane_kernels import EXISTS
+from gcodesim.kinematics.protocol import Statuses
+from gcodesim.kinematics.spherical_wrist_kernels import solve as solve_spherical_wrist
+from gcodesim.kinematics.tree_kernels import copy_row
+
+SPHERICAL_WRIST, PARALLEL_AXES = 0, 1
+
+
+@kernel
+def solve_family(
+    family: int,
+    X: Array,
+    free: int,
+    only: int,
+    arm: Array,
+    R_PB: Array,
+    R_EP: Array,
+    R_FE: Array,
+    previous: Array,
+    room: Array,
+    out: Array,
+    flags: Indices,
+) -> float:
+    """`solve` of the family."""
+    if family == PARALLEL_AXES:
+        return solve_parallel_axes(X, free, only, arm, R_PB, R_EP, R_FE, previous, room, out, flags)
+    return solve_spherical_wrist(X, free, only, arm, R_PB, R_EP, R_FE, previous, room, out, flags)
+
+
+@kernel
+def inverse_path(
+    family: int,
+    X: Array,
+    free: int,
+    seed: Array,
+    branch: int,
+    arm: Array,
+    R_PB: Array,
+    R_EP: Array,
+    R_FE: Array,
+    lower: Array,
+    upper: Array,
+    out: Array,
+    status: Statuses,
+) -> None:
+    """Joints `out` (n, 6) and `status` (n,) along flange poses X (n, 4, 4), each row nearest to the one before.
+
+    `family` is SPHERICAL_WRIST or PARALLEL_AXES; the other arguments are those of its `solve`.
+    `branch` is the one of `seed` when that is a row of the same path, else −1.
+    """
+    candidates = np.empty((8, 6))
+    room = np.empty((3, 3, 3))
+    flags = np.zeros(8, dtype=np.int64)
+    revolute = np.ones(6, dtype=np.int64)
+    previous = np.empty(6)
+    copy_row(seed, previous)
+    for k in range(X.shape[0]):
+        # the arm mostly goes on with shoulder and elbow as they are; then the other half of the work is not needed
+        state = REACH
+        if branch >= 0:
+            apart = solve_family(family, X[k], free, branch, arm, R_PB, R_EP, R_FE, previous, room, candidates, flags)
+            found, state = choose(candidates, flags, previous, lower, upper, revolute, branch, out[k])
+            if state == OK and square_distance(out[k], previous) < 0.25 * apart * apart:
+                branch = found
+            else:
+                state = REACH
+        if state == REACH:
+            solve_family(family, X[k], free, -1, arm, R_PB, R_EP, R_FE, previous, room, candidates, flags)
+            branch, state = choose(candidates, flags, previous, lower, upper, revolute, branch, out[k])
+        if state == OK and flags[branch] != EXISTS:
+            state = SINGULAR
+        status[k] = state
+        copy_row(out[k], previous)
