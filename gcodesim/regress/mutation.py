@@ -23,6 +23,7 @@ from gcodesim.rs274.assumed import assumed_tools
 
 _WORD = re.compile(r"([A-Za-z])\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))")
 _COMPUTED = re.compile(r"[#\[\]=*/%]|^\s*[oO]")
+_CALLS: Final = {"O", "P", "L", "Q"}
 _PLACES: Final = 4  # of a coordinate that a mutation writes
 _ARC_PLACES: Final = 6
 
@@ -325,11 +326,17 @@ def _numbered(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] |
     return f"numbered by {step}", ()
 
 
+def _plain_words(code: str) -> list[str]:
+    """The words of a block that consists of nothing else."""
+    words = [match[0] for match in _WORD.finditer(code)]
+    return words if "".join("".join(words).split()) == "".join(code.split()) else []
+
+
 def _spaced(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | None:
     blank = random.choice(("", " ", "   ", "\t"))
     for index, line in enumerate(lines):
         code = _code(line)
-        if code.strip():
+        if _plain_words(code):
             words = blank.join(f"{m[1]}{random.choice(('', ' '))}{m[2]}" for m in _WORD.finditer(code))
             lines[index] = f"{random.choice(('', ' '))}{words} {line[len(code) :]}".rstrip()
     return f"words {len(blank)} blanks apart", ()
@@ -340,6 +347,28 @@ def _cased(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | No
         code = _code(line)
         lines[index] = "".join(random.choice((c.lower(), c.upper())) for c in code) + line[len(code) :]
     return "letters of either case", ()
+
+
+def _reordered(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | None:
+    """Words of a block in another order, which the control does not care for; a number N stays in front."""
+    count = 0
+    for index, line in enumerate(lines):
+        words = _plain_words(_code(line))
+        # where a call stands in its block, some controls do care
+        if len(words) < 2 or _CALLS & {word[0].upper() for word in words} or random.random() < 0.4:
+            continue
+        front = 1 if words[0][0] in "Nn" else 0
+        moved = words[front:]
+        random.shuffle(moved)
+        lines[index] = " ".join([*words[:front], *moved]) + _tail(line)
+        count += 1
+    return f"words of {count} lines in another order", ()
+
+
+def _line_ends(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | None:
+    """Lines end as on another system."""
+    lines[:] = [f"{line}\r" for line in lines]
+    return "lines end with CR LF", ()
 
 
 def _commented(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | None:
@@ -381,6 +410,9 @@ def _modal(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | No
     count = 0
     for index, line in enumerate(lines):
         code = _code(line)
+        if not code and line.strip()[:1] not in ("", "(", ";"):
+            motion = None  # a line that computes may name another
+            continue
         words = [(m[1].upper(), float(m[2])) for m in _WORD.finditer(code)]
         codes = [value for letter, value in words if letter == "G"]
         motion = next((value for value in codes if value in (0.0, 1.0, 2.0, 3.0)), None if codes else motion)
@@ -450,14 +482,20 @@ def _plain_arcs(lines: list[str]) -> dict[int, tuple[tuple[float, float], tuple[
         if plain and step.line - 1 not in arcs:
             start, center = step.system.to_program(step.start), step.system.to_program(arc.center)
             radius = math.dist(start[:2], center[:2])
+            said = {m[1].upper(): float(m[2]) for m in _WORD.finditer(code)}
+            asked = (center[0] - start[0], center[1] - start[1])
+            if max(abs(said.get(letter, 0.0) - way) for letter, way in zip("IJ", asked, strict=True)) > 1e-4:
+                continue  # in inches, or moved by a compensation
             arcs[step.line - 1] = ((start[0], start[1]), (center[0], center[1]), radius, arc.sweep)
     return arcs
 
 
 NEUTRAL_OPERATORS: Final[Mapping[str, Operator]] = {
+    "line ends": _line_ends,
     "numbering": _numbered,
     "spaces": _spaced,
     "case": _cased,
+    "word order": _reordered,
     "comments": _commented,
     "number formats": _spelled,
     "modal words": _modal,
