@@ -34,6 +34,9 @@ Feedback = canon.Axes | None
 _CHECK_CLOCK_EVERY = 4096
 _MOST_BLOCKS, _MOST_ROUNDS = 500_000, 10  # blocks that a program of n lines may execute: so many, and so many a line
 _MOST_FINDINGS = 1000  # a file that is no program would fill the screen
+_MOST_ALIKE = 20  # findings with the same words; further ones are counted
+_MOST_KINDS = 100  # messages of one warning that differ in a number or name
+_MOST_NOTES = 1000  # warnings kept until they are folded
 
 
 class Run:
@@ -106,6 +109,9 @@ class Executor:
         self.deadline = None if settings.time_limit is None else time.monotonic() + settings.time_limit
         self.blocks = 0
         self.next_clock = _CHECK_CLOCK_EVERY
+        self.faults = 0
+        self.told: dict[tuple[str, str], set[tuple[str, int, int]]] = {}  # where each message was given
+        self.kinds: dict[str, set[str]] = {}  # messages of the warnings with one code
         self.lanes = Lanes(run.source, settings, self.dialect) if type(self) is Executor else None
         allowed = _MOST_BLOCKS + _MOST_ROUNDS * len(run.source.lines)
         self.most_blocks = allowed if settings.max_blocks is None else settings.max_blocks
@@ -184,6 +190,8 @@ class Executor:
                 for message, hint, place in odd_numbers(block):
                     control.warn("GS197", message, hint, place)
             self._block(block, index)
+            if len(control.notes) > _MOST_NOTES:
+                self._hand_over_notes()
         except Fault as fault:
             self._fault(fault, file, index, text, block)
         except (OverflowError, RecursionError):
@@ -312,12 +320,26 @@ class Executor:
         self.recovery.after(fault, block, text)
 
     def _report(self, finding: Diagnostic, line: int | None) -> None:
-        self.run.findings.add(
-            finding, key=(finding.code, finding.message, finding.span.file, finding.span.line, finding.span.column)
-        )
+        span, what = finding.span, (finding.code, finding.message)
+        places = self.told.setdefault(what, set())
+        places.add((span.file, span.line, span.column))
+        where = (span.file, span.line, span.column) if len(places) <= _MOST_ALIKE else ("further",)
+        self.run.findings.add(finding, key=(*what, *where))
+        self.faults += 1
         if finding.level >= Severity.ERROR and self.run.failed is None:
             self.run.failed = finding
             self.run.failed_line = line
+
+    def _hand_over_notes(self) -> None:
+        """Warnings of blocks become findings: one a message, and after many of one code one for all further ones."""
+        for note in self.control.notes:
+            kinds = self.kinds.setdefault(note.code, set())
+            if note.message not in kinds and len(kinds) >= _MOST_KINDS:
+                self.run.findings.add(note, key=(note.code, "further"))
+            else:
+                kinds.add(note.message)
+                self.run.findings.add(note, key=(note.code, note.message))
+        self.control.notes.clear()
 
     def _end_of_lines(self) -> None:
         frame = self.flow.frame
@@ -349,7 +371,7 @@ class Executor:
             limit_s = self.settings.time_limit or 0.0
             message, value, unit = f"reading the program took longer than {limit_s:g} s", limit_s, "s"
             code = "GS135"
-        elif len(self.run.findings) >= _MOST_FINDINGS:
+        elif self.faults >= _MOST_FINDINGS:
             message, value, unit = f"more than {_MOST_FINDINGS} findings: reading stops here", float(_MOST_FINDINGS), ""
             code = "GS015"
         else:
@@ -377,8 +399,7 @@ class Executor:
     def _finish(self) -> None:
         run, control = self.run, self.control
         finished = run.failed is None and control.finished
-        for note in control.notes:
-            run.findings.add(note, key=(note.code, note.message))
+        self._hand_over_notes()
         run.findings.extend(self.watches.findings(finished=finished))
         if finished:
             run.findings.extend(structure_findings(self.file, control.span))

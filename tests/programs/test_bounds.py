@@ -8,7 +8,7 @@ import pytest
 
 from gcodesim.diagnostics import Severity, SourceText
 from gcodesim.diagnostics.show import as_text
-from gcodesim.rs274 import Settings, ToolEntry, ToolTable, interpret
+from gcodesim.rs274 import Settings, ToolEntry, ToolTable, interpret, lint
 
 TOOLS = ToolTable({1: ToolEntry(number=1, pocket=1, diameter=6e-3)})
 NINES = "9" * 240
@@ -118,3 +118,26 @@ def test_a_time_limit_ends_what_a_budget_of_blocks_would_not() -> None:
 
     assert run.failed is not None and run.failed.code == "GS135" and run.failed.span.line == 1
     assert time.monotonic() - begin < 5.0
+
+
+def test_the_same_fault_in_every_line_is_told_a_few_times_and_counted() -> None:
+    """Twenty places, then one finding with the count of the others, then no more is read."""
+    source = SourceText("many.nc", b"G21 G90\n" + b"G1 X5 F-300\n" * 50_000 + b"M2\n")
+
+    found = list(lint(source))
+
+    alike = [f for f in found if f.code == "GS106"]
+    assert len(alike) == 21 and sum(f.count for f in alike) == 1000
+    assert [f.count for f in alike[:20]] == [1] * 20
+    assert {f.code for f in found} == {"GS106", "GS015"}
+
+
+def test_warnings_of_many_numbers_are_folded() -> None:
+    """Warnings are no reason to stop reading, and no reason to fill the screen."""
+    lines = "".join(f"G0 X{at} 5\n" for at in range(1, 3001))
+    source = SourceText("many.nc", f"G21 G90\n{lines}M2\n".encode())
+
+    found = list(lint(source))
+
+    assert {f.code for f in found} == {"GS197"} and len(found) == 101
+    assert sum(f.count for f in found) == 3000
