@@ -329,7 +329,8 @@ class Control:
                 "GS160",
                 f"tool T{number} is not in the tool table",
                 at=at,
-                hint=f"known tools: {_listed(self.tools)}"
+                hint=f"add it {'under `tools` of the cell' if self.settings.has_cell else 'to the tool table'}; "
+                f"known are {_listed(self.tools)}"
                 if self.tools
                 else "no tool is known; name a cell or a tool table",
             )
