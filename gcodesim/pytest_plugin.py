@@ -130,7 +130,10 @@ class CaseItem(_Item):
 
         failing = counting(verdict)
         cell = f" in {verdict.cell}" if verdict.cell else ""
-        lines = [f"{verdict.program}{cell}", textwrap.indent(self._text(failing), "  ")]
+        more = f" (and {len(failing) - 1} more)" if len(failing) > 1 else ""
+        # pytest's summary shows the first line
+        head = f"{failing[0].finding.code}: {failing[0].finding.message}{more}"
+        lines = [head, f"{verdict.program}{cell}", textwrap.indent(self._text(failing), "  ")]
         if verdict.quantities:
             lines.append(f"differs from what was accepted: {', '.join(verdict.quantities)}")
             lines.append(f"`gcodesim diff` shows it; `gcodesim accept {verdict.file}` takes it over")

@@ -15,6 +15,7 @@ from xml.etree.ElementTree import Element, SubElement
 from gcodesim.diagnostics.show import as_text, place
 from gcodesim.formats.places import Places
 from gcodesim.formats.text import counting, found_text
+from gcodesim.regress.suite import INTERNAL
 from gcodesim.regress.verdicts import CaseVerdict, Found, SuiteVerdict
 
 _NAME: Final = "gcodesim"
@@ -51,8 +52,8 @@ def _suite(folder: str, members: Sequence[CaseVerdict | Found], places: Places) 
         {
             "name": _xml(folder or _NAME),
             "tests": str(len(members)),
-            "failures": str(sum(case.status == "failed" for case in cases)),
-            "errors": str(sum(fault.state == "counts" for fault in faults)),
+            "failures": str(sum(_outcome(case) == "failure" for case in cases)),
+            "errors": str(sum(_outcome(case) == "error" for case in cases) + sum(f.state == "counts" for f in faults)),
             "skipped": str(sum(case.status == "not_run" for case in cases)),
             "time": _seconds(sum(case.simulated_s for case in cases)),
         },
@@ -62,6 +63,13 @@ def _suite(folder: str, members: Sequence[CaseVerdict | Found], places: Places) 
     for fault in faults:
         _add_fault(suite, folder, fault, places)
     return suite
+
+
+def _outcome(case: CaseVerdict) -> str:
+    """The element that says how a case ended: an error is ours, not the program's."""
+    if case.status != "failed":
+        return ""
+    return "error" if any(one.code == INTERNAL for one in case.counting) else "failure"
 
 
 def _add_case(suite: Element, folder: str, case: CaseVerdict, places: Places) -> None:
@@ -75,7 +83,7 @@ def _add_case(suite: Element, folder: str, case: CaseVerdict, places: Places) ->
         first = failing[0].finding
         more = f" (and {len(failing) - 1} more)" if len(failing) > 1 else ""
         message = f"{place(first.span)}: {first.code}: {first.message}{more}"
-        failure = SubElement(element, "failure", {"type": " ".join(codes), "message": _xml(message)})
+        failure = SubElement(element, _outcome(case), {"type": " ".join(codes), "message": _xml(message)})
         failure.text = _xml("\n".join(found_text(one, places.sources) for one in failing))
     others = [found_text(one, places.sources) for one in case.found if one.state != "counts"]
     if others:

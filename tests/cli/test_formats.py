@@ -196,3 +196,33 @@ def test_equal_bytes_in_other_processes_folders_and_hash_seeds(tmp_path: Path) -
         told.append([done.stdout, *((folder / file).read_bytes() for file in files)])
     assert told[0] == told[1]
     assert str(tmp_path).encode() not in b"".join(told[0])
+
+
+def test_what_is_known_from_an_earlier_run_says_the_same(cli) -> None:
+    """`--changed` gives a verdict back; whether it did shows in no file."""
+    Path("suite/slot.nc").write_text(GOOD.replace("M5\n", "M8\n"))
+    written = []
+    for _ in range(2):
+        done = cli("test", "--changed", "--junit", "j.xml", "--sarif", "s.sarif", "--gitlab", "q.json", "--github")
+        assert done.status == 0
+        written.append([Path(name).read_bytes() for name in ("j.xml", "s.sarif", "q.json")])
+    assert "1 unchanged" in done.out and written[0] == written[1]
+
+
+def test_every_ending_has_its_status_in_every_format(cli, monkeypatch: pytest.MonkeyPatch) -> None:
+    """2 for what is not there, 130 for an interrupt: nothing is printed or written as a verdict."""
+    from gcodesim.regress import judge
+
+    for form in ("text", "json", *MACHINES):
+        absent = cli("test", "absent", "--format", form, "--sarif", "s.sarif")
+        assert (absent.status, absent.out) == (2, "")
+        assert cli("run", "slot.nc", "--cell", "absent.yaml", "--format", form).status == 2
+
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(judge, "judge", interrupted)
+    for form in ("text", *MACHINES):
+        done = cli("test", "suite", "--format", form, "--sarif", "s.sarif")
+        assert (done.status, done.out) == (130, "")
+    assert not Path("s.sarif").exists()

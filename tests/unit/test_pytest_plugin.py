@@ -69,6 +69,7 @@ def test_a_failure_shows_findings_with_their_lines_and_no_traceback(pytester: py
     done.stdout.fnmatch_lines(
         [
             "*slot.test.yaml: slot*",
+            "GS501: T1 feeds through *",
             "suite/slot.nc in cell.yaml",
             "  suite/slot.nc:7:1: error GS501: T1 feeds through *",
             "    7 | G1 Z-1 F400",
@@ -76,6 +77,7 @@ def test_a_failure_shows_findings_with_their_lines_and_no_traceback(pytester: py
             "    hint: start it with *",
             "*Captured gcodesim call*",
             "suite/slot.test.yaml: note GS607:*",
+            "FAILED suite/slot.test.yaml::slot - GS501: T1 feeds through *",
         ]
     )
     done.stdout.no_fnmatch_line("*Traceback*")

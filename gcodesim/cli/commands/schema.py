@@ -16,7 +16,8 @@ def add_parser(commands: Any) -> None:
         "schema",
         help="the JSON Schema of results, findings, verdicts, cells …",
         description="Print a JSON Schema (2020-12). results: results.json and what run and check print as JSON; "
-        "findings: lint and cell validate; test, diff, canon: these commands; baseline, cell, test-file: files that are read.",
+        "findings: lint and cell validate; test, diff, canon: these commands; baseline, cell, test-file: files that "
+        "are read.",
     )
     parser.add_argument("name", metavar="NAME", help=", ".join(_NAMES))
     parser.set_defaults(run=run)

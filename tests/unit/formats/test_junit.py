@@ -135,6 +135,12 @@ def test_a_suite_without_cases() -> None:
     assert root.attrib["tests"] == "0" and all(rule(root) for rule in RULES)
 
 
+def test_a_fault_of_ours_is_an_error() -> None:
+    root = document(suite(Found(finding=finding("GS613"), state="counts")))
+    assert (root.attrib["failures"], root.attrib["errors"]) == ("0", "1")
+    assert next(root.iter("error")).attrib["type"] == "GS613" and all(rule(root) for rule in RULES)
+
+
 def test_cases_that_were_not_run() -> None:
     case = CaseVerdict(name="c", file="c.nc", program="c.nc", cell=None, status="not_run")
     skipped = next(document(example(case)).iter("skipped"))
