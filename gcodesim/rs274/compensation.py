@@ -320,7 +320,7 @@ def _corner(
     elif not _held_moves(control):
         _flush(control)  # after a stop nothing waits, and an inside corner is left as it is
     else:
-        _flush(control, corner=_intersection(control, following, turns))
+        _flush(control, corner=_intersection(control, op, following, turns))
 
 
 def _outside_limit(control: Control, following_turns: int) -> float:
@@ -357,16 +357,29 @@ def _turn_outward(before: Point, after: Point, side: int) -> float:
     return turn + 2.0 * math.pi if turn < -math.pi / 2.0 else turn
 
 
-def _intersection(control: Control, following: _Line | _Circle, turns: int) -> Point:
-    """Where the held offset path meets the next one, an arc of `turns` or a line: of two points the one that a control
-    takes, which need not be the one nearer to the corner."""
+def _intersection(control: Control, op: Point, following: _Line | _Circle, turns: int) -> Point:
+    """Where the held offset path meets the next one, which leaves `op`: an arc of `turns`, or a line.
+
+    As on the control, the centre of an arc that meets a line is taken to be as far from `op` as from the arc's other
+    end, where it need not quite be; and of two points the one counts that the side of the tool calls for.
+    """
     state = control.state
     move = _held_move(control)
     first, second, _ = _PLANE[state.plane]
     end = (move.end[first], move.end[second])
     held: _Line | _Circle
     held = _Circle(move.centre, apart(move.centre, end)) if move.kind == "arc" else _Line(end, move.direction)
-    found = _meet(held, following)
+    inside_held, inside_next = (move.turns > 0) == (state.side > 0), (turns > 0) == (state.side > 0)
+    shift = (0.0, 0.0)
+    if isinstance(following, _Circle) and isinstance(held, _Line):
+        radius = following.radius + (state.comp_radius if inside_next else -state.comp_radius)
+        shift = _off_by(following.centre, op, radius)
+        following = replace(following, centre=_minus(following.centre, shift))
+    elif isinstance(following, _Line) and isinstance(held, _Circle):
+        radius = held.radius + (state.comp_radius if inside_held else -state.comp_radius)
+        off = _off_by(held.centre, op, radius)
+        following = replace(following, point=(following.point[0] + off[0], following.point[1] + off[1]))
+    found = [(x + shift[0], y + shift[1]) for x, y in _meet(held, following)]
     if not found:
         raise Fault(
             "GS152", "the tool does not fit into this inside corner", hint="use a smaller tool or a larger corner"
@@ -374,12 +387,21 @@ def _intersection(control: Control, following: _Line | _Circle, turns: int) -> P
     if len(found) == 1:
         return found[0]
     left, right = found  # of two circles: as seen from the held one's centre to the other
-    inside_held, inside_next = (move.turns > 0) == (state.side > 0), (turns > 0) == (state.side > 0)
     if isinstance(held, _Line):
         return max(found, key=lambda point: _dot(point, held.direction) * (1.0 if inside_next else -1.0))
     if isinstance(following, _Line):
         return max(found, key=lambda point: _dot(point, following.direction) * (-1.0 if inside_held else 1.0))
     return left if inside_held == (turns > 0) else right
+
+
+def _off_by(centre: Point, op: Point, radius: float) -> Point:
+    """How far `centre` is beyond the point that lies `radius` from `op` towards it."""
+    part = 1.0 - radius / apart(op, centre)
+    return (centre[0] - op[0]) * part, (centre[1] - op[1]) * part
+
+
+def _minus(a: Point, b: Point) -> Point:
+    return a[0] - b[0], a[1] - b[1]
 
 
 def _dot(a: Point, b: Point) -> float:

@@ -15,6 +15,10 @@ def _position(axis: int) -> Ask:
     return lambda control: control.state.current[axis]
 
 
+def _machine_position(axis: int) -> Ask:
+    return lambda control: control.axes()[axis]
+
+
 def _flag(test: Callable[[Control], bool]) -> Ask:
     return lambda control: float(test(control))
 
@@ -23,6 +27,8 @@ _SYSTEMS = (540.0, 550.0, 560.0, 570.0, 580.0, 590.0, 591.0, 592.0, 593.0)
 
 PREDEFINED: dict[str, Ask] = {
     **{f"_{letter}": _position(axis) for axis, letter in enumerate("xyzabcuvw")},
+    **{f"_abs_{letter}": _machine_position(axis) for axis, letter in enumerate("xyzabc")},
+    "_metric_machine": lambda control: 1.0,
     "_vmajor": lambda control: 2.9,
     "_vminor": lambda control: 0.0,
     "_line": lambda control: float(control.span.line),

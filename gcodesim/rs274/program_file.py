@@ -13,7 +13,8 @@ from gcodesim.rs274.reader import Reader
 
 # possessive quantifiers: a line of a million blanks is passed over once
 _FLOW = re.compile(
-    r"\s*+(?:/\s*+)?(?:[Nn][\d\s.]*+)?[Oo]\s*+([0-9][0-9\s]*+(?:\.[0\s]*+)?|<[^>]*+>|\[.*?\](?=\s*+[A-Za-z]))\s*+([A-Za-z\s]*+)(.?)"
+    r"\s*+(?:/\s*+)?(?:[Nn][\d\s.]*+)?[Oo]\s*+([0-9][0-9\s]*+(?:\.[0\s]*+)?|<[^>]*+>|\[.*?\](?=\s*+[A-Za-z])"
+    r"|#(?:<[^>]*+>|[0-9\s]++|\[.*?\](?=\s*+[A-Za-z])))\s*+([A-Za-z\s]*+)(.?)"
 )
 KEYWORDS = (
     *("sub", "endsub", "call", "return", "do", "while", "endwhile", "if", "elseif", "else", "endif"),
@@ -88,7 +89,7 @@ def plain_label(text: str) -> str:
     squeezed = re.sub(r"\s", "", text).lower()
     if squeezed.startswith("<"):
         return squeezed[1:-1]
-    if squeezed.startswith("["):
+    if squeezed.startswith(("[", "#")):
         return ""
     return squeezed.partition(".")[0].lstrip("0") or "0"
 

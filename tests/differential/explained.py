@@ -33,6 +33,14 @@ EXPLAINED: tuple[Explanation, ...] = (
         _about(r"refused.*GS012", r"G\s*1\s*[789]\s*\.\s*1"),
     ),
     Explanation(
+        "U, V and W: the standalone interpreter has a machine without them",
+        _about(r"Bad character '[uvw]' used", r"[UVW]"),
+    ),
+    Explanation(
+        "the cycles of lathes G70, G71 and G72 are not simulated: refused here",
+        _about(r"GS012 G7[012]|does not end", r"G\s*7\s*[012]"),
+    ),
+    Explanation(
         "a number above 1e30 is refused here: no machine can be given it",
         _about(r"GS123 the value .* is out of any machine's range", r"."),
     ),
@@ -62,11 +70,14 @@ EXPLAINED: tuple[Explanation, ...] = (
     Explanation(
         "the standalone interpreter begins with pocket 1 and no tool, so that what G10 says of tool 1 counts for the "
         "spindle; on a machine there is no pocket in use",
-        _about(r".", r"_current_pocket|G\s*1\s*0(?![0-9]).*P\s*0*1(?![0-9])|P\s*0*1(?![0-9]).*G\s*1\s*0(?![0-9])"),
+        _about(
+            r"differs in (end|offset|text)",
+            r"_current_pocket|G\s*1\s*0(?![0-9]).*P\s*0*1(?![0-9])|P\s*0*1(?![0-9]).*G\s*1\s*0(?![0-9])",
+        ),
     ),
     Explanation(
         "T0 M6 leaves the standalone interpreter with the tool it had",
-        _about(r".", r"T\s*0*(\.0*)?(?![0-9.])"),
+        _about(r"differs|accepted|refused", r"T\s*0+(\.0*)?(?![0-9.])"),
     ),
     Explanation(
         "LinuxCNC cannot take an inside corner behind a stop or another code in compensation: it looks at a move "

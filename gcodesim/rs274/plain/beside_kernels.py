@@ -89,7 +89,7 @@ def meets(numbers: Column, modes: Column, motion: int) -> bool:
         modes[JOIN] = _AROUND
     else:
         modes[JOIN] = _INSIDE
-        found, corner_x, corner_y = _intersection(numbers, modes, corner_x, corner_y, path_radius)
+        found, corner_x, corner_y = _intersection(numbers, modes, corner_x, corner_y, x, y, path_radius)
         if not found:
             return False
     numbers[CORNER], numbers[CORNER + 1] = corner_x, corner_y
@@ -219,14 +219,21 @@ def _runs_forward(numbers: Column, modes: Column, x: float, y: float) -> bool:
 
 @kernel
 def _intersection(
-    numbers: Column, modes: Column, end_x: float, end_y: float, next_radius: float
+    numbers: Column, modes: Column, end_x: float, end_y: float, x: float, y: float, next_radius: float
 ) -> tuple[bool, float, float]:
-    """Where the two offset paths meet, of two points the one that a control takes; `next_radius` is 0 for a line."""
+    """Where the two offset paths meet, of two points the one that a control takes; `next_radius` is 0 for a line.
+
+    The path at hand leaves the programmed corner `x`, `y`.
+    """
     dx, dy = numbers[HELD_DIRECTION], numbers[HELD_DIRECTION + 1]
     cx, cy = numbers[HELD_CENTRE], numbers[HELD_CENTRE + 1]
     start_x, start_y = numbers[NEXT_START], numbers[NEXT_START + 1]
     next_dx, next_dy = numbers[NEXT_DIRECTION], numbers[NEXT_DIRECTION + 1]
     next_cx, next_cy = numbers[ARC_CENTRE], numbers[ARC_CENTRE + 1]
+    side, held_turns, turns = modes[SIDE], modes[HELD_TURNS], modes[ARC_TURNS]
+    inside_held, inside_next = (held_turns > 0) == (side > 0), (turns > 0) == (side > 0)
+    tool = numbers[RADIUS]
+    off_x, off_y = 0.0, 0.0
     if modes[HELD_KIND] < 2:
         if next_radius == 0.0:
             cross = dx * next_dy - dy * next_dx
@@ -234,17 +241,19 @@ def _intersection(
                 return False, 0.0, 0.0
             along = ((start_x - end_x) * next_dy - (start_y - end_y) * next_dx) / cross
             return True, end_x + along * dx, end_y + along * dy
-        found, ax, ay, bx, by = _line_meets_circle(end_x, end_y, dx, dy, next_cx, next_cy, next_radius)
+        off_x, off_y = _off_by(next_cx, next_cy, x, y, next_radius + (tool if inside_next else -tool))
+        found, ax, ay, bx, by = _line_meets_circle(end_x, end_y, dx, dy, next_cx - off_x, next_cy - off_y, next_radius)
     else:
         radius = apart(cx, cy, end_x, end_y)
         if next_radius == 0.0:
+            over_x, over_y = _off_by(cx, cy, x, y, radius + (tool if inside_held else -tool))
+            start_x, start_y = start_x + over_x, start_y + over_y
             found, ax, ay, bx, by = _line_meets_circle(start_x, start_y, next_dx, next_dy, cx, cy, radius)
         else:
             found, ax, ay, bx, by = _circles_meet(cx, cy, radius, next_cx, next_cy, next_radius)
     if not found:
         return False, 0.0, 0.0
-    side, held_turns, turns = modes[SIDE], modes[HELD_TURNS], modes[ARC_TURNS]
-    inside_held, inside_next = (held_turns > 0) == (side > 0), (turns > 0) == (side > 0)
+    ax, ay, bx, by = ax + off_x, ay + off_y, bx + off_x, by + off_y
     if modes[HELD_KIND] < 2:
         b_is_further = bx * dx + by * dy > ax * dx + ay * dy
         a_is_further = bx * dx + by * dy < ax * dx + ay * dy
@@ -258,6 +267,13 @@ def _intersection(
     if takes_b:
         return True, bx, by
     return True, ax, ay
+
+
+@kernel
+def _off_by(cx: float, cy: float, x: float, y: float, radius: float) -> tuple[float, float]:
+    """How far the centre is beyond the point that lies `radius` from `x`, `y` towards it."""
+    part = 1.0 - radius / apart(x, y, cx, cy)
+    return (cx - x) * part, (cy - y) * part
 
 
 @kernel

@@ -96,6 +96,8 @@ def _called(file: ProgramFile) -> set[str] | None:
 
 def _unreachable(file: ProgramFile, end: int) -> tuple[int | None, int]:
     """Index of the first line behind the end that holds a block and that nothing leads to, and how many there are."""
+    if not file.lines:
+        return None, 0
     if _bare(file.lines[end]).startswith(("/", "%")):
         return None, 0  # a switch decides, or the mark behind which there is no program
     behind = _behind_fanuc(file, end) if isinstance(file, FanucFile) else _behind(file, end)
