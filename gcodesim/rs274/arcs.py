@@ -20,6 +20,7 @@ PLANE_AXES = {170: (0, 1, 2), 180: (2, 0, 1), 190: (1, 2, 0)}
 _PLANE_NAMES = {170: "XY", 180: "XZ", 190: "YZ"}
 _AXIS_NAMES = "XYZ"
 _CENTRE_LETTERS = "ijk"
+_MOST_TURNS = 10_000  # of one arc; more could not be planned in a moment
 
 # LinuxCNC's: a mismatch of the radii below `_ALWAYS` passes, above `_NEVER` not, between up to 0.1 % of the radius
 _RELATIVE_MISS = 1e-3
@@ -58,6 +59,9 @@ def arc_of(words: Words, control: Control, start: Vector, end: Vector, code: int
         assert whole is not None
         if whole < 1:
             raise Fault("GS106", f"{who} P{whole}: P counts turns, 1 or more", at="p", value=whole, limit=1)
+        if whole > _MOST_TURNS:
+            message = f"{who} P{whole} would be {whole} turns; an arc may have {_MOST_TURNS}"
+            raise Fault("GS106", message, at="p", value=whole, limit=_MOST_TURNS)
         turns = whole
     signed_turns = turns if code == 30 else -turns
     if "r" in words.values:

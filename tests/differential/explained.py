@@ -33,6 +33,10 @@ EXPLAINED: tuple[Explanation, ...] = (
         _about(r"refused.*GS012", r"G\s*1\s*[789]\s*\.\s*1"),
     ),
     Explanation(
+        "an arc of more than 10,000 turns is refused here: no path of it could be planned",
+        _about(r"refused.*GS106 G[23] P\d+ would be", r"P"),
+    ),
+    Explanation(
         "U, V and W: the standalone interpreter has a machine without them",
         _about(r"Bad character '[uvw]' used", r"[UVW]"),
     ),

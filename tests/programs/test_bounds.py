@@ -25,6 +25,7 @@ LINUXCNC = {
     "pecks": ("G91 F100\nG83 X1 Z-100 R1 Q0.01 L9999\nM2", "GS140"),
     "finer_pecks": ("F100\nG83 X1 Z-100 R1 Q0.0001\nM2", "GS140"),
     "threads": ("S100 M3\nG0 X10 Z5\nG76 P1 Z-20 I-2 J0.000001 K1 R1 H100000\nM2", "GS175"),
+    "turns": ("F100\nG2 I1 P99999999\nM2", "GS106"),
     "control_points": ("F100\nG5.2 P1 L999999\nX1 Y1 P1\nG5.3\nM2", "GS170"),
     # text that is long or deep
     "long_label": ("o1 call\no" + "9" * 5000 + "\nM2", "GS002"),
