@@ -1,6 +1,12 @@
 """A small finished run, which tests of everything that reads logs share."""
 
+import re
+
 import pytest
+
+CONFORMANCE = re.compile(
+    r"/test_(?P<fanuc>fanuc_)?conformance\.py::test_(in)?valid_program\[(?P<feature>[a-z0-9]+?)(_|\])"
+)
 
 PROGRAM = """(a slot of two depths and a hole)
 G21 G90 G17 G94
@@ -56,3 +62,20 @@ def slot(slot_folder):
     from gcodesim.playback import Recording
 
     return Recording.open(slot_folder)
+
+
+def pytest_terminal_summary(terminalreporter):
+    """How many programs of the conformance corpora pass, by feature: the first part of their names."""
+    counts = {}
+    for outcome in ("passed", "failed"):
+        for report in terminalreporter.stats.get(outcome, []):
+            found = CONFORMANCE.search(report.nodeid)
+            if found and report.when == "call":
+                corpus = "fanuc" if found["fanuc"] else "rs274"
+                good, bad = counts.get((corpus, found["feature"]), (0, 0))
+                counts[corpus, found["feature"]] = (good + (outcome == "passed"), bad + (outcome == "failed"))
+    if counts:
+        terminalreporter.write_sep("-", "conformance by feature")
+    for corpus in sorted({corpus for corpus, _ in counts}):
+        shown = [f"{name} {g}/{g + b}" for (of, name), (g, b) in sorted(counts.items()) if of == corpus]
+        terminalreporter.write_line(f"{corpus}: " + ", ".join(shown))
