@@ -5,7 +5,18 @@ from __future__ import annotations
 import importlib
 import sys
 
-NAMES = ("start", "reading", "inverse_kinematics", "time_law", "removal", "log", "reference", "suite", "neighbour")
+NAMES = (
+    "start",
+    "reading",
+    "interpreter",
+    "inverse_kinematics",
+    "time_law",
+    "removal",
+    "log",
+    "reference",
+    "suite",
+    "neighbour",
+)
 
 
 def main() -> int:

@@ -50,7 +50,7 @@ def five_axes(lines: int) -> Iterator[str]:
 
 def compensation(lines: int) -> Iterator[str]:
     """A wavy outline on the left of the path, around and around."""
-    yield from (*HEAD, "G0 X120 Y-20 Z5", "G1 Z-1", "G41 D1 G1 X106 Y-6", "X103 Y0")
+    yield from (*HEAD, "G0 X103 Y-30 Z5", "G1 Z-1", "G41.1 D6 G1 Y-15", "X103 Y0")
     for number in range(1, lines):
         t = 0.02 * number
         r = 103 + 3 * math.sin(7 * t)

@@ -101,6 +101,8 @@ class Block:
     flow: Flow | None = None
     deleted: bool = False
     plain: bool = False
+    odd: tuple[tuple[str, str, Place], ...] | None = None
+    """What `odd_numbers` finds in it, once it was asked."""
     _places: list[Place] | None = None
     _find: Callable[[str], list[Place]] | None = field(default=None, repr=False)
 
@@ -114,7 +116,7 @@ class Block:
     @property
     def comments(self) -> tuple[Note, ...]:
         """The comments in parentheses: what follows a semicolon never acts."""
-        return tuple(note for note in self.notes if self.text[note.place[0]] == "(")
+        return self.notes and tuple(note for note in self.notes if self.text[note.place[0]] == "(")
 
     def place_of(self, letter: str, nth: int = 0) -> Place | None:
         """Columns of the nth word with `letter`."""

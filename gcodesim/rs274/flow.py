@@ -12,6 +12,7 @@ from gcodesim.rs274.control import Control
 from gcodesim.rs274.expressions import checked, loose
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.frame import Frame, Label
+from gcodesim.rs274.parameters import MOST_ARGUMENTS
 from gcodesim.rs274.program_file import KEYWORDS, ProgramFile
 from gcodesim.rs274.reader import Reader
 from gcodesim.rs274.saved import bring_back
@@ -19,7 +20,7 @@ from gcodesim.rs274.skipped import Skipped
 from gcodesim.rs274.words import read_words
 
 MOST_LEVELS = 10
-MOST_ARGUMENTS = 30
+_NOTHING = (0.0,) * MOST_ARGUMENTS
 _NEEDS_ONE = frozenset(("if", "elseif", "while", "repeat"))
 _MAY_HAVE_ONE = frozenset(("return", "endsub"))
 _LOCAL = frozenset(KEYWORDS) - {"sub", "endsub", "call", "return"}  # their labels belong to one subroutine
@@ -329,8 +330,7 @@ class FlowControl:
         control = self.control
         value = loose(flow.operands[0], control.parameters) if flow.operands else None
         frame = self.frames.pop()
-        for number, old in enumerate(frame.arguments, 1):
-            control.parameters.set(number, old)
+        control.parameters.set_first(frame.arguments)
         control.parameters.locals = frame.named
         self._leave(frame)
         control.returned = value or 0.0
@@ -349,11 +349,10 @@ class FlowControl:
         file, first = self._find(label, index, by_m98=False)
         self._enter(file, first, label, index)
         frame = self.frame
-        frame.arguments = tuple(control.parameters.get(number) for number in range(1, MOST_ARGUMENTS + 1))
+        frame.arguments = control.parameters.first()
         frame.named = control.parameters.locals
         control.parameters.locals = {}
-        for number in range(1, MOST_ARGUMENTS + 1):
-            control.parameters.set(number, arguments[number - 1] if number <= len(arguments) else 0.0)
+        control.parameters.set_first((*arguments, *_NOTHING[len(arguments) :]))
         control.returned, control.value_returned = 0.0, False
 
     def _enter(self, file: ProgramFile, first: int, label: str, index: int) -> None:

@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 _MANY_BLOCKS: Final = 20_000
 """Blocks after which a short program, which then has a loop, has cost as much as the import."""
 
+_BLOCKS_OF_HOLE: Final = 8
+"""The block of a canned cycle costs so many others."""
+
 _WORTH_COMPILING: Final = 2_500_000
 """Bytes from which on compiling the lane, which is done once for a version, is not much longer than doing without."""
 
@@ -32,7 +35,9 @@ class Lanes:
 
     def lane_at(self, source: SourceText, block: int, control: Control) -> PlainLane | None:
         """The compiled lane, when the line at hand of `source` may be tried in it; `block` counts those so far."""
-        if self._from is None or block < self._from:
+        if self._from is None:
+            return None
+        if block < self._from and (control.state.cycle < 0 or block * _BLOCKS_OF_HOLE < self._from):
             return None
         lane = self._lanes.get(source.name)
         if lane is None:

@@ -10,6 +10,9 @@ from gcodesim.diagnostics import Diagnostic, SourceText, Span
 from gcodesim.rs274.fault import Fault
 
 LAST_NUMBER = 5601
+MOST_ARGUMENTS = 30
+_OF_CALL = tuple(range(1, MOST_ARGUMENTS + 1))
+_NOTHING = (0.0,) * MOST_ARGUMENTS
 
 PROBE = 5061  # trip point of the latest probing, 9 numbers
 PROBE_RESULT = 5070
@@ -107,6 +110,18 @@ class Parameters:
         """Store a number, in a way that `roll_back` takes back."""
         self.undo.append((self.numbers, number, self.numbers.get(number)))
         self.numbers[number] = value
+
+    def first(self) -> tuple[float, ...]:
+        """Values of the parameters that a call of a subroutine has for itself."""
+        return tuple(map(self.numbers.get, _OF_CALL, _NOTHING))
+
+    def set_first(self, values: tuple[float, ...]) -> None:
+        """Store those, as `set` does; most of them are what they were, to the very object."""
+        numbers = self.numbers
+        for number, old, value in zip(_OF_CALL, map(numbers.get, _OF_CALL), values, strict=True):
+            if old is not value:
+                self.undo.append((numbers, number, old))
+                numbers[number] = value
 
     def set_named(self, name: str, value: float) -> None:
         """`#<name>=value` in a program."""

@@ -187,7 +187,9 @@ class Executor:
                 return
             control.block_number = self.blocks
             if not block.plain:
-                for message, hint, place in odd_numbers(block):
+                if block.odd is None:
+                    block.odd = tuple(odd_numbers(block))
+                for message, hint, place in block.odd:
                     control.warn("GS197", message, hint, place)
             self._block(block, index)
             if len(control.notes) > _MOST_NOTES:
