@@ -246,8 +246,15 @@ class FlowControl:
         del flow, index
         self._end_of_loop(self._opened(label, "endrepeat", "repeat"), arrived)
 
+    def _leave_repeat(self, label: str, index: int, arrived: bool) -> None:
+        """A `break` or `continue` of a `repeat`, which is refused, must not keep reading in a loop that has ended."""
+        known = self.labels.get(self._key(label))
+        if arrived and known is not None and known.kind == "repeat":
+            self._skip_to(label, index, "endrepeat")
+
     def _break(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
-        del flow, arrived
+        del flow
+        self._leave_repeat(label, index, arrived)
         known = self._opened(label, "break", "while", "do")
         # as on the control, only the `while` that closes a `do` takes this back: after a `break` out of a
         # `while` … `endwhile`, or one passed over when such a loop ends, the next `do` runs once
@@ -256,6 +263,7 @@ class FlowControl:
 
     def _continue(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
         del flow
+        self._leave_repeat(label, index, arrived)
         known = self._opened(label, "continue", "while", "do")
         if not arrived:
             self._continuing = True

@@ -279,3 +279,33 @@ def test_lines_left_out_are_counted(program) -> None:
 
     assert [(f.code, f.span.line, f.count) for f in done.findings] == [("GS914", 2, 2)]
     assert done.run.not_simulated["/"][0] == 2
+
+
+def test_a_turn_in_another_plane_is_refused_by_name(fanuc):
+    done = fanuc(body("G17 G90", "G18", "G68 X0. Z0. R90.", "G00 Z2.", "G69", "M30"))
+
+    assert [(f.code, f.span.line) for f in done.errors] == [("GS106", 5)]
+
+
+def test_turn_keeps_the_axis_across_the_plane(fanuc):
+    done = fanuc(body("G17 G90 G68 X1. Y0. R90.", "G00 X3. Y0. Z4.", "G69", "M30"))
+
+    assert done.ends == [[pytest.approx(x, abs=1e-9) for x in (1, 2, 4)]]
+
+
+def test_tool_centre_point_control_takes_the_length(fanuc):
+    done = fanuc(body("T1 M06", "G43.4 H1", "G00 X1.", "G49", "M30"))
+
+    assert [event["offset"][2] for event in done.acts("tool_offset")][:1] == [50]
+
+
+def test_m99_p_of_a_subprogram_goes_on_at_that_block_of_the_caller(fanuc):
+    done = fanuc(body("M98 P2", "G00 X1.", "N50 G00 Y2.", "M30")[:-2] + "O0002\nG00 Z3.\nM99 P50\n%\n")
+
+    assert done.ends == [[0, 0, 3], [0, 2, 3]]
+
+
+def test_more_work_systems(fanuc):
+    done = fanuc(body("G10 L20 P7 X10. Y20.", "G54.1 P7", "G00 X1. Y1.", "G54", "G00 X1.", "M30"))
+
+    assert done.ends == [[11, 21, 0], [1, 21, 0]]

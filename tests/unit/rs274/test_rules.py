@@ -171,3 +171,89 @@ def test_stops_come_after_the_motion(program):
     kinds = [e["kind"] for e in program("M0 G0 X1\nM2").events if e["kind"] in ("rapid", "stop")]
 
     assert kinds == ["rapid", "stop"]
+
+
+def test_blanks_mean_nothing_also_inside_numbers_and_names(program):
+    assert program("#<w i d t h> = 4\ng 0 x 1 . 2 5 Y#<WIDTH>\nM2").ends == [[1.25, 4, 0]]
+
+
+def test_a_word_that_no_code_uses_is_an_error(program):
+    assert [(f.code, f.span.line) for f in program("G0 X1\nG0 X2 H3\nM2").errors] == [("GS104", 2)]
+
+
+def test_debug_formats_what_follows(program):
+    done = program("#1=2.5\n(DEBUG, a #1 %d b #1 %.2f c #1)\nM2")
+
+    assert [event["text"].split() for event in done.acts("message")] == [["a", "2.500000", "b", "2", "c", "2.50"]]
+
+
+def test_an_index_near_a_whole_number_is_that_number(program):
+    assert program("#[2.00005]=7\nG0 X#2\nM2").ends == [[7, 0, 0]]
+
+
+def test_eq_has_a_tolerance_and_lt_has_none(program):
+    assert program("G0 X[1 EQ 1.00005] Y[1 LT 1.00005] Z[1 EQ 1.001]\nM2").ends == [[1, 1, 0]]
+
+
+def test_an_unset_number_is_zero_and_an_unset_name_an_error(program):
+    assert program("G0 X[#77+1] Y[EXISTS[#<no>]]\nM2").ends == [[1, 0, 0]]
+    assert [f.code for f in program("G0 X#<no>\nM2").errors] == ["GS120"]
+
+
+def test_global_names_are_seen_everywhere_and_local_ones_in_their_call(program):
+    done = program("o1 sub\nG0 X#<_g> Y[EXISTS[#<l>]]\no1 endsub\n#<_g>=3\n#<l>=5\no1 call\nM2")
+
+    assert done.ends == [[3, 0, 0]]
+
+
+def test_g52_and_g92_share_one_store(program):
+    assert program("G92 X10\nG52 X1\nG0 X5\nM2").ends == [[6, 0, 0]]
+
+
+def test_g10_l20_makes_the_point_read_as_given_and_refuses_r(program):
+    assert program("G0 X10\nG10 L20 P1 X4\nG0 X5\nM2").ends == [[10, 0, 0], [11, 0, 0]]
+    assert program("G10 L20 P1 X4 R10\nM2").errors
+
+
+def test_g28_takes_only_the_named_axes_home(program):
+    assert program("G0 X1 Y2 Z3\nG28 Z5\nM2").ends == [[1, 2, 3], [1, 2, 5], [1, 2, 0]]
+
+
+def test_g43_1_keeps_the_axes_it_does_not_name_and_g43_2_adds(program):
+    done = program("G43.1 X1 Z5\nG43.1 Z7\nG0 X0\nG43.2 H1\nG0 X1\nM2")
+
+    offsets = [event["offset"][:3] for event in done.acts("tool_offset")]
+    assert offsets == [[1, 0, 5], [1, 0, 7], [1, 0, 57]]
+
+
+def test_g10_l1_is_seen_by_the_next_g43_only(program):
+    done = program("T1 M6\nG43\nG0 X1\nG10 L1 P1 Z9\nG0 X2\nG43\nG0 X3\nM2")
+
+    assert [event["offset"][2] for event in done.acts("tool_offset")] == [50, 9]
+
+
+def test_repeats_of_a_cycle_in_g90_stay_at_the_same_place(program):
+    lowest = [end for end in program("F100\nG0 Z5\nG81 X3 Y4 Z-1 R2 L2\nM2").ends if end[2] == -1]
+
+    assert lowest == [[3, 4, -1], [3, 4, -1]]
+
+
+def test_a_chain_of_g5_goes_on_in_its_direction(program):
+    first, second = program("F100\nG5 X4 Y0 I1 J1 P-1 Q1\nG5 X8 Y0 P-1 Q1\nM2").acts("spline")
+
+    assert first["end"][:2] == [4, 0] and second["end"][:2] == [8, 0]
+    assert second["control_points"] == 4
+
+
+def test_break_in_a_repeat_is_refused(program):
+    assert [f.code for f in program("o1 repeat [3]\no1 break\no1 endrepeat\nM2").errors] == ["GS130"]
+
+
+def test_m98_shares_numbers_with_its_caller(program):
+    assert program("#1=4\nM98 P7\nG0 X#1\nM2\nO7\n#1=9\nM99").ends == [[9, 0, 0]]
+
+
+def test_waiting_for_an_input_makes_no_event(program):
+    done = program("G0 X1\nM66 P0 L0\nG0 X2\nM2")
+
+    assert done.ends == [[1, 0, 0], [2, 0, 0]] and not done.acts("output")
