@@ -23,7 +23,7 @@ from typing import Any
 
 CORPUS = Path(__file__).parent.parent / "data" / "conformance" / "rs274"
 PACKAGE = "linuxcnc-uspace"
-_PATIENCE = 10.0  # [s] for one program
+_PATIENCE = 30.0  # [s] for one program
 _MOST_OUTPUT = 20_000_000  # bytes; a program that prints more has no end
 
 
