@@ -80,8 +80,8 @@ EXPLAINED: tuple[Explanation, ...] = (
         ),
     ),
     Explanation(
-        "the standalone interpreter stops a probe short of its end and yet stores the end in #5061 and on; here what is "
-        "stored is where it stopped",
+        "the standalone interpreter stops a probe short of its end and yet stores the end in #5061 and on; here what "
+        "is stored is where it stopped",
         _about(r"differs in (end|text|value|feed)", r"G\s*3\s*8\s*\.(.|\n)*#\s*506"),
     ),
     Explanation(
