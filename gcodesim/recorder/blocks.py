@@ -42,8 +42,8 @@ class Blocks:
     columns: BlockColumns
 
     @staticmethod
-    def of(plan: Plan, shop: Shop, sources: Mapping[str, SourceText], ways: Ways) -> Blocks:
-        """One entry a program block that moves, and one for each event of a block that does not."""
+    def of(plan: Plan, shop: Shop, sources: Mapping[str, SourceText], ways: Ways, frame: str = "world") -> Blocks:
+        """One entry a block that moves, and one for each event of a block that does not; ways are drawn in `frame`."""
         path, trajectory = plan.path, plan.trajectory
         starts = trajectory.row_ns[0]
         first = np.flatnonzero(np.diff(path.block, prepend=-1) != 0) if len(path) else np.zeros(0, dtype=np.int64)
@@ -59,7 +59,7 @@ class Blocks:
                 entries.append(_Entry(t_ns, 2 * timed.row, event=i, state=_state(timed)))
                 last = here
         entries.sort()
-        return Blocks(_columns(entries, plan, shop, sources, ways))
+        return Blocks(_columns(entries, plan, shop, sources, ways, frame))
 
     @property
     def outputs(self) -> tuple[str, ...]:
@@ -132,6 +132,7 @@ def _columns(
     shop: Shop,
     sources: Mapping[str, SourceText],
     ways: Ways,
+    frame: str,
 ) -> BlockColumns:
     path = plan.path
     modals: dict[tuple[object, ...], int] = {}
@@ -186,4 +187,5 @@ def _columns(
         modals=states or [ProgramState()],
         points=np.concatenate(pieces) if pieces else np.zeros((0, 3)),
         point_starts=np.array(point_starts, dtype=np.int64),
+        frame=frame,
     )

@@ -34,6 +34,7 @@ class Frames:
     links: tuple[int, ...]
     flange: str
     moving_stock: bool
+    moving_path: bool
 
     @staticmethod
     def of(shop: Shop) -> Frames:
@@ -42,7 +43,13 @@ class Frames:
         children = {joint.child for joint in chain.joints}
         links = tuple(i for i, name in enumerate(names) if name in children)
         table = isinstance(shop.kinematics, Cartesian) and _table_moves(shop)
-        return Frames(shop=shop, links=links, flange=f"{shop.name}/{chain.flange}", moving_stock=table)
+        return Frames(
+            shop=shop,
+            links=links,
+            flange=f"{shop.name}/{chain.flange}",
+            moving_stock=table,
+            moving_path=table and _table_travels(shop),
+        )
 
     @property
     def static(self) -> tuple[StaticFrame, ...]:
@@ -64,6 +71,11 @@ class Frames:
         return self.base if index not in self.links else f"{self.shop.name}/{self.shop.kinematics.link_names[index]}"
 
     @property
+    def path_frame(self) -> str:
+        """The frame in which the planned path rests: it goes along with the table's linear axes, as work does."""
+        return "path" if self.moving_path else "world"
+
+    @property
     def moving(self) -> tuple[tuple[str, str], ...]:
         """(parent, child) of all frames that move, in the order of `at`."""
         frames = [(self.base, self.link_frame(i)) for i in self.links]
@@ -74,6 +86,8 @@ class Frames:
             frames += [("world", stock_frame(i, p.name)) for i, p in enumerate(self.shop.stocks.values())]
             if not self.shop.stocks:
                 frames.append(("world", "stock"))
+        if self.moving_path:
+            frames.append(("world", self.path_frame))
         return tuple(frames)
 
     @property
@@ -103,6 +117,8 @@ class Frames:
             X_WC = X_WB @ shop.kinematics.table(q)
             stands = [p.X_WS for p in shop.stocks.values()] or [shop.placement.X_W("G54")]
             columns += [X_WC @ (shop.X_WB.inverse() @ X_WS).matrix for X_WS in stands]
+        if self.moving_path:
+            columns.append(self.carried(q, np.tile(np.eye(4), (len(q), 1, 1))))
         return np.stack([seven(X) for X in columns], axis=1)
 
     def carried(self, q: Array, X_WP: Array) -> Array:
@@ -131,6 +147,12 @@ def _table_moves(shop: Shop) -> bool:
     q[1] = 0.1
     table = shop.kinematics.table(q)
     return bool(np.abs(table[1] - table[0]).max() > 1e-12)
+
+
+def _table_travels(shop: Shop) -> bool:
+    """Whether any linear axis moves the table."""
+    assert isinstance(shop.kinematics, Cartesian)
+    return bool(shop.kinematics.table_travel(np.full((1, len(shop.kinematics.joints)), 0.1)).any())
 
 
 def _static(name: str, X: Pose) -> StaticFrame:

@@ -64,7 +64,7 @@ class Recorder:
         self._frames = Frames.of(self._shop)
         self._systems = work_systems(self._shop, self._plan.path)
         ways = Ways.of(self._plan, self._shop)
-        self._blocks = Blocks.of(self._plan, self._shop, job.sources, ways)
+        self._blocks = Blocks.of(self._plan, self._shop, job.sources, ways, self._frames.path_frame)
         self._tiles: list[Tiles] = [self._tiles_of(placed.stock) for placed in self._shop.stocks.values()]
         self._tile_ns = self._tile_period(self._plan.trajectory.duration_ns)
         self._limits = Limits.of(self._shop)
@@ -131,6 +131,7 @@ class Recorder:
             cell=cell_entities(self._frames),
             feed_path=ways.polylines(~rapid),
             rapid_path=ways.polylines(rapid),
+            path_frame=self._frames.path_frame,
             process_kinds=KINDS,
             stock_tiles=max(1, sum(len(tiles) for tiles in self._tiles)),
             records={"gcodesim.joints": self._limits.record},

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.frames import Array
+from gcodesim.kinematics import Cartesian
 from gcodesim.log import Polylines
 from gcodesim.motion.tool_path import ARC
 from gcodesim.shop import Shop
@@ -23,7 +24,10 @@ _MOST_ARC_POINTS = 360
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ways:
-    """Points (p, 3) [m] in W of the tip along all rows; row i has those from `starts[i]` to `starts[i + 1]`."""
+    """Points (p, 3) [m] in W of the tip along all rows; row i has those from `starts[i]` to `starts[i + 1]`.
+
+    Where linear axes carry the table it is as if they stood at zero; see `Frames.path_frame`.
+    """
 
     points: Array
     starts: NDArray[np.int64]
@@ -44,7 +48,7 @@ class Ways:
         bent = arc[row]
         if bent.any():
             points[bent] = _on_arcs(path.start, path.end, path.center, path.normal, path.sweep, row[bent], u[bent])
-        return Ways(shop.X_WB.apply(points + _shifts(plan)[row]), starts)
+        return Ways(shop.X_WB.apply(points + _shifts(plan, shop)[row]), starts)
 
     def polylines(self, rows: NDArray[np.bool_]) -> Polylines:
         """The ways of the rows (n,) that are true, each a line of its own."""
@@ -74,11 +78,17 @@ def _on_arcs(start: Array, end: Array, center: Array, normal: Array, sweep: Arra
     return points
 
 
-def _shifts(plan: Plan) -> Array:
-    """From the controlled point to the tip (n, 3) in B, in the middle of every row: tool length believed and true."""
+def _shifts(plan: Plan, shop: Shop) -> Array:
+    """From the controlled point to the tip (n, 3) in B, in the middle of every row: tool length believed and true.
+
+    Where a linear axis carries the table, the tip as the table at zero would see it.
+    """
     trajectory = plan.trajectory
     middle: Array = 0.5 * (trajectory.row_start + trajectory.row_end)
     samples = trajectory.sample(middle)
     rows = np.arange(len(middle))
-    shift: Array = plan.tip(plan.joints(samples), rows)[:, :3, 3] - samples.position[:, :3]
+    q = plan.joints(samples)
+    shift: Array = plan.tip(q, rows)[:, :3, 3] - samples.position[:, :3]
+    if isinstance(shop.kinematics, Cartesian):
+        shift -= shop.kinematics.table_travel(q)
     return shift
