@@ -178,6 +178,12 @@ def neutral_edits_are_none(folder: Path, count: int) -> None:
         assert verdict.status == "passed", f"seed {SEED}, edit {number} ({edit.operator}): {said}\n{edit.text}"
 
 
+def test_clean_programs_give_no_finding(larger_suite: Path) -> None:
+    verdict = run_suite(collect([larger_suite], larger_suite), Judging(root=larger_suite))
+    assert [case.status for case in verdict.cases] == ["passed"] * 3
+    assert [one for case in verdict.cases for one in case.found] == []
+
+
 def test_mutations_are_caught_and_named(larger_suite: Path) -> None:
     mutations_are_caught(larger_suite, DRAWN)
 
