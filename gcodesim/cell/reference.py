@@ -20,10 +20,8 @@ from gcodesim.cell.schema import units_as_text
 from gcodesim.cell.settings import Limits, LogSettings, Magazine, Simulation, Suppression
 from gcodesim.cell.stock import Body, StockSpec, Target
 from gcodesim.cell.tooling import members
+from gcodesim.key_page import escaped, rewrite
 from gcodesim.tools import TOOLS
-
-BEGIN: Final = "<!-- keys: begin -->"
-END: Final = "<!-- keys: end -->"
 
 _SECTIONS: Final[tuple[tuple[str, type], ...]] = (
     ("A place (`frames`, `base`, and among the keys of whatever stands somewhere)", Place),
@@ -60,22 +58,10 @@ def reference() -> str:
 def _table(rows: list[Key]) -> list[str]:
     head = ["| key | expects | meaning |", "|---|---|---|"]
     return head + [
-        f"| `{key.name}`{' (required)' if key.required else ''} | {_cell(key.kind.expected)} | {_cell(key.doc)} |"
+        f"| `{key.name}`{' (required)' if key.required else ''} | {escaped(key.kind.expected)} | {escaped(key.doc)} |"
         for key in rows
     ]
 
 
-def _cell(text: str) -> str:
-    return text.replace("|", "\\|")
-
-
-def with_reference(page: str) -> str:
-    """`page` with the part between the markers replaced."""
-    before, _, rest = page.partition(BEGIN)
-    _, _, after = rest.partition(END)
-    return f"{before}{BEGIN}\n\n{reference()}\n\n{END}{after}"
-
-
 if __name__ == "__main__":
-    target = Path(sys.argv[1])
-    target.write_text(with_reference(target.read_text(encoding="utf-8")), encoding="utf-8")
+    rewrite(Path(sys.argv[1]), reference())

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gcodesim.cli.exits import OK, UsageError, status_of
-from gcodesim.cli.formats import wants_formats
+from gcodesim.cli.formats import wants_formats, write_formats
 from gcodesim.cli.options import read_source
 from gcodesim.diagnostics import Diagnostic, SourceText
 
@@ -163,6 +163,21 @@ def settle(met: Sequence[Met], arguments: argparse.Namespace) -> Settled:
         ],
         verdict=verdict,
     )
+
+
+def print_findings_of(settled: Settled, arguments: argparse.Namespace) -> None:
+    """Print the findings, for commands that have nothing else to say: as text, JSON or the format asked for."""
+    from gcodesim.cli.output import findings_as_json, print_json, print_verdict
+
+    if arguments.format == "json":
+        # all of them, also what a baseline knows
+        print_json({"findings": [one for shown in settled.shown for one in findings_as_json(shown.met.findings)]})
+    elif arguments.format == "text":
+        for shown in settled.shown:
+            print_verdict(shown.name, shown.findings, shown.met.sources)
+        for remark in settled.remarks:
+            print(remark)
+    write_formats(settled.verdict, arguments)
 
 
 def _case(met: Met, fail_on: str, root: Path) -> CaseVerdict:

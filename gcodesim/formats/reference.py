@@ -11,9 +11,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from gcodesim.formats.schemas import schema_of
-
-BEGIN: Final = "<!-- keys: begin -->"
-END: Final = "<!-- keys: end -->"
+from gcodesim.key_page import escaped, rewrite
 
 _SECTIONS: Final = (
     ("results", "`results.json`, `run` and `check`"),
@@ -38,7 +36,7 @@ def reference() -> str:
 def _rows(schema: dict[str, Any], whole: dict[str, Any], prefix: str) -> Iterator[str]:
     for name, member in schema["properties"].items():
         shown = _resolved(member, whole)
-        yield f"| `{prefix}{name}` | {_kind(member, shown)} | {_cell(member.get('description') or '')} |"
+        yield f"| `{prefix}{name}` | {_kind(member, shown)} | {escaped(member.get('description') or '')} |"
         inner, suffix = shown, ""
         if "items" in shown:
             inner, suffix = _resolved(shown["items"], whole), "[]"
@@ -74,17 +72,5 @@ def _kind(member: dict[str, Any], shown: dict[str, Any]) -> str:
     return " or ".join(kinds)
 
 
-def _cell(text: str) -> str:
-    return text.replace("|", "\\|")
-
-
-def with_reference(page: str) -> str:
-    """`page` with the part between the markers replaced."""
-    before, _, rest = page.partition(BEGIN)
-    _, _, after = rest.partition(END)
-    return f"{before}{BEGIN}\n\n{reference()}\n\n{END}{after}"
-
-
 if __name__ == "__main__":
-    target = Path(sys.argv[1])
-    target.write_text(with_reference(target.read_text(encoding="utf-8")), encoding="utf-8")
+    rewrite(Path(sys.argv[1]), reference())

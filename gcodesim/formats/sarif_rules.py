@@ -4,22 +4,10 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-from gcodesim.diagnostics import Code, Severity, codes
+from gcodesim.diagnostics import Code, Severity, codes, subject_of
 
 LEVELS: Final = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "note"}
 _GITHUB: Final = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "recommendation"}
-
-_TAGS: Final = {
-    "0": "reading",
-    "1": "meaning",
-    "2": "limits",
-    "3": "collision",
-    "4": "material",
-    "5": "process",
-    "6": "regression",
-    "7": "cell",
-    "9": "not-simulated",
-}
 
 
 def rules() -> list[dict[str, Any]]:
@@ -43,7 +31,7 @@ def _rule(code: Code) -> dict[str, Any]:
             ),
         },
         "defaultConfiguration": {"level": LEVELS[code.severity]},
-        "properties": {"tags": [_TAGS[code.code[2]]], "problem.severity": _GITHUB[code.severity]},
+        "properties": {"tags": [subject_of(code.code).replace(" ", "-")], "problem.severity": _GITHUB[code.severity]},
     }
 
 

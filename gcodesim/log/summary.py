@@ -6,11 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from gcodesim.log.event import LogEvent
 from gcodesim.log.logfile import LogFile, LogReadError
 from gcodesim.log.reader import decoded
-
-EVENTS_OF_THE_RUN = ("start", "toolchange", "interrupted", "end")
-"""Codes of events that are no findings."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,18 +28,6 @@ class Place:
     file: str
     line: int
     text: str
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FindingSummary:
-    """A finding as the log tells of it, at its time."""
-
-    t_ns: int
-    code: str
-    severity: str
-    file: str
-    line: int
-    message: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,7 +55,7 @@ class LogSummary:
     topics: tuple[TopicSummary, ...]
     attachments: Mapping[str, int]
     events: Mapping[str, int]
-    findings: tuple[FindingSummary, ...]
+    findings: tuple[LogEvent, ...]
 
     @property
     def verdict(self) -> str:
@@ -101,22 +87,14 @@ def summary(path: Path) -> LogSummary:
         for i, channel in sorted(log.channels.items())
     )
     problem, events, interrupted, stopped_at = log.problem, {"note": 0, "warning": 0, "error": 0}, False, None
-    findings = []
+    findings: list[LogEvent] = []
     try:
-        for t_ns, event in decoded(log, "/event", "gcodesim.Event"):
+        for t_ns, message in decoded(log, "/event", "gcodesim.Event"):
+            event = LogEvent.of(t_ns, message)
             events[event.severity] = events.get(event.severity, 0) + 1
             interrupted |= event.code == "interrupted"
-            if event.code not in EVENTS_OF_THE_RUN:
-                findings.append(
-                    FindingSummary(
-                        t_ns=t_ns,
-                        code=event.code,
-                        severity=event.severity,
-                        file=event.file,
-                        line=event.line,
-                        message=event.message,
-                    )
-                )
+            if event.is_finding:
+                findings.append(event)
         last = next(decoded(log, "/program", "gcodesim.Program", backwards=True), None)
         if last is not None and last[1].line:
             stopped_at = Place(file=last[1].file, line=last[1].line, text=last[1].text)

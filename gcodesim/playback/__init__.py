@@ -3,6 +3,6 @@
 from gcodesim.playback.frames import FrameTree
 from gcodesim.playback.recording import Recording, RecordingError
 from gcodesim.playback.scenes import Drawing, Lines, drawing_of
-from gcodesim.playback.timeline import LogEvent, Timeline
+from gcodesim.playback.timeline import Timeline
 
-__all__ = ["Drawing", "FrameTree", "Lines", "LogEvent", "Recording", "RecordingError", "Timeline", "drawing_of"]
+__all__ = ["Drawing", "FrameTree", "Lines", "Recording", "RecordingError", "Timeline", "drawing_of"]

@@ -13,13 +13,14 @@ from typing import Any, Final
 import numpy as np
 
 from gcodesim.diagnostics import SourceText
+from gcodesim.log.event import LogEvent
 from gcodesim.log.logfile import LogFile, LogReadError, RawMessage
 from gcodesim.log.reader import decoder_of
 from gcodesim.log.series import Series, read_series
 from gcodesim.log.topics import PERIODIC
 from gcodesim.playback.frames import FrameTree
 from gcodesim.playback.scenes import Drawing, drawing_of
-from gcodesim.playback.timeline import LogEvent, Timeline
+from gcodesim.playback.timeline import Timeline
 
 LOG_NAME: Final = "run.mcap"
 PERIODIC_TOPICS: Final = tuple(topic.name for topic in PERIODIC)
@@ -118,18 +119,7 @@ class Recording:
 
     @cached_property
     def events(self) -> tuple[LogEvent, ...]:
-        return tuple(
-            LogEvent(
-                t_ns=t_ns,
-                code=m.code,
-                severity=m.severity,
-                file=m.file,
-                line=m.line,
-                message=m.message,
-                value=m.value,
-            )
-            for t_ns, m in self._changes.get("/event", [])
-        )
+        return tuple(LogEvent.of(t_ns, message) for t_ns, message in self._changes.get("/event", []))
 
     def series(self, topic: str, every_ns: int = 0) -> Series:
         """A periodic topic as columns, empty when the log has none; all seven are read at once."""

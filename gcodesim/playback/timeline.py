@@ -13,23 +13,6 @@ Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class LogEvent:
-    """A message of `/event`: a finding, a tool change, the start, the end."""
-
-    t_ns: int
-    code: str
-    severity: str
-    file: str
-    line: int
-    message: str
-    value: float
-
-    @property
-    def is_finding(self) -> bool:
-        return self.code.startswith("GS")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Modal:
     """What many blocks have in common; feed [m/s], spindle [rad/s, + = M3]."""
 

@@ -18,7 +18,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 from agreement import differences, settings, without_guilty_line
 from author import write
 from explained import explanation
-from linuxcnc import CORPUS, Interpreter, install
+from linuxcnc import CORPUS, Interpreter
 from mutations import mutated
 
 pytestmark = pytest.mark.slow
@@ -26,14 +26,6 @@ pytestmark = pytest.mark.slow
 _CHUNKS = 40
 _PROGRAMS = 20_000
 _MOST_TRIES = 8  # of one seed
-
-
-@pytest.fixture(scope="module")
-def interpreter() -> Iterator[Interpreter]:
-    problem = install()
-    assert not problem, problem
-    with Interpreter() as running:
-        yield running
 
 
 def _corpus() -> list[bytes]:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,7 +17,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 from agreement import differences, settings
 from explained import explanation
-from linuxcnc import Interpreter, install
+from linuxcnc import Interpreter
 
 pytestmark = pytest.mark.slow
 
@@ -29,14 +28,6 @@ _LEFT_OUT = {
     "smartprobe.ngc": "probes 85 s long",
     "systems.ngc": "three minutes of splines",
 }
-
-
-@pytest.fixture(scope="module")
-def interpreter() -> Iterator[Interpreter]:
-    problem = install()
-    assert not problem, problem
-    with Interpreter() as running:
-        yield running
 
 
 def _programs() -> list[Path]:

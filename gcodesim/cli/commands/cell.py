@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from gcodesim.cli.exits import FINDINGS, OK, status_of
-from gcodesim.cli.formats import add_verdict_formats, write_formats
-from gcodesim.cli.judging import Met, add_baseline, settle
+from gcodesim.cli.formats import add_verdict_formats
+from gcodesim.cli.judging import Met, add_baseline, print_findings_of, settle
 from gcodesim.cli.options import add_fail_on, add_format, read_source
 
 
@@ -52,17 +52,8 @@ def add_parser(commands: Any) -> None:
 
 
 def _validate(arguments: argparse.Namespace) -> int:
-    from gcodesim.cli.output import findings_as_json, print_json, print_verdict
-
     settled = settle([_met(path, arguments.allow_path) for path in arguments.cells], arguments)
-    if arguments.format == "json":
-        print_json({"findings": [one for shown in settled.shown for one in findings_as_json(shown.met.findings)]})
-    elif arguments.format == "text":
-        for shown in settled.shown:
-            print_verdict(shown.name, shown.findings, shown.met.sources)
-        for remark in settled.remarks:
-            print(remark)
-    write_formats(settled.verdict, arguments)
+    print_findings_of(settled, arguments)
     return settled.status
 
 

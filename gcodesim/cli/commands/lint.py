@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gcodesim.cli.exits import FINDINGS
-from gcodesim.cli.formats import add_verdict_formats, write_formats
-from gcodesim.cli.judging import Met, add_baseline, add_today, settle
+from gcodesim.cli.formats import add_verdict_formats
+from gcodesim.cli.judging import Met, add_baseline, add_today, print_findings_of, settle
 from gcodesim.cli.options import add_cell, add_fail_on, add_language, add_programs
 
 if TYPE_CHECKING:
@@ -33,20 +33,10 @@ def add_parser(commands: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from gcodesim.cli.output import findings_as_json, print_json, print_verdict
-
     read = [_read(arguments, path) for path in arguments.programs]
     met = [_met(arguments, path, one) for path, one in zip(arguments.programs, read, strict=True)]
     settled = settle(met, arguments)
-    if arguments.format == "json":
-        # all of them, also what a baseline knows
-        print_json({"findings": [one for shown in settled.shown for one in findings_as_json(shown.met.findings)]})
-    elif arguments.format == "text":
-        for shown in settled.shown:
-            print_verdict(shown.name, shown.findings, shown.met.sources)
-        for remark in settled.remarks:
-            print(remark)
-    write_formats(settled.verdict, arguments)
+    print_findings_of(settled, arguments)
     return FINDINGS if any(reading.run is None for reading in read) else settled.status
 
 

@@ -26,6 +26,11 @@ def _table(digit: str) -> dict[str, Code]:
     return {code.code: code for code in module.CODES}
 
 
+def subject_of(code: str) -> str:
+    """What the hundred of `code` is about, in words: the table that it stands in."""
+    return _TABLES[code[2]].replace("_", " ")
+
+
 def code_of(code: str) -> Code:
     """The entry of `code` (GSnnn); KeyError when there is none."""
     if len(code) != 5 or not code.startswith("GS") or code[2] not in _TABLES:

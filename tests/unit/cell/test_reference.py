@@ -7,7 +7,8 @@ from pathlib import Path
 
 from gcodesim.cell.cell import Cell
 from gcodesim.cell.records import keys
-from gcodesim.cell.reference import reference, with_reference
+from gcodesim.cell.reference import reference
+from gcodesim.key_page import with_keys
 from tests.unit.cell.text import sound
 
 PAGE = Path(__file__).parents[3] / "docs" / "cell.md"
@@ -17,7 +18,7 @@ def test_the_page_is_up_to_date() -> None:
     """`python -m gcodesim.cell.reference docs/cell.md` rewrites it."""
     page = PAGE.read_text(encoding="utf-8")
 
-    assert with_reference(page) == page
+    assert with_keys(page, reference()) == page
 
 
 def test_every_key_of_the_top_level_is_there() -> None:
