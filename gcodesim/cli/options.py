@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,6 +12,9 @@ from gcodesim.diagnostics import SourceText
 
 if TYPE_CHECKING:
     from gcodesim.regress.tolerance import Tolerances
+
+
+STDIN = Path("-")
 
 
 def add_format(parser: argparse.ArgumentParser) -> None:
@@ -57,12 +61,14 @@ def read_tolerances(arguments: argparse.Namespace) -> Tolerances:
 
 
 def add_program(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("program", type=Path, metavar="PROGRAM", help="the G-code program (.nc, .ngc, any name)")
+    parser.add_argument(
+        "program", type=Path, metavar="PROGRAM", help="the G-code program (.nc, .ngc, any name; - for stdin)"
+    )
 
 
 def add_programs(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "programs", type=Path, nargs="+", metavar="PROGRAM", help="G-code programs (.nc, .ngc, any name)"
+        "programs", type=Path, nargs="+", metavar="PROGRAM", help="G-code programs (.nc, .ngc, any name; - for stdin)"
     )
 
 
@@ -119,7 +125,9 @@ def _switch(text: str) -> bool:
 
 
 def read_source(path: Path, what: str) -> SourceText:
-    """The bytes of a file named on the command line; UsageError when it cannot be read."""
+    """The bytes of a file named on the command line; UsageError when it cannot be read. `-` is the program on stdin."""
+    if path == STDIN and what == "program":
+        return SourceText(str(path), sys.stdin.buffer.read())
     try:
         if path.is_dir():
             raise UsageError(f"{what} {path} is a folder, not a file")

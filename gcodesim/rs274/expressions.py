@@ -43,8 +43,10 @@ def _why(node: Node, parameters: Parameters) -> str:
     for side in (node.left, node.right):
         if type(side) is Binary and not side.closed and (reason := _why(side, parameters)):
             return reason
-    values = [_operation(side, parameters) if type(side) is Binary else evaluate(side, parameters)
-              for side in (node.left, node.right)]
+    values = [
+        _operation(side, parameters) if type(side) is Binary else evaluate(side, parameters)
+        for side in (node.left, node.right)
+    ]
     if node.operator == "mod" and values[1] == 0.0:
         return "MOD by zero"
     if node.operator == "**" and math.isinf(_power(*values)):

@@ -48,6 +48,7 @@ class FlowControl:
         self.labels: dict[tuple[str, str, str], Label] = {}
         self.jumps = 0
         self.loop: tuple[ProgramFile, int] | None = None  # the line last jumped back to
+        self.failed = False  # whether the program is only read on for its further faults
         self.skipped: dict[str, Skipped] = {}
         self._taken = True  # whether a branch of the `if` at hand was taken
         self._breaking = False
@@ -159,6 +160,9 @@ class FlowControl:
         return None
 
     def _back_to(self, index: int) -> None:
+        """Go on at an earlier line; after a fault once through the text is enough, and what counts may be in doubt."""
+        if self.failed:
+            return
         self.frame.at = index
         self.jumps += 1
         self.loop = (self.frame.file, index)
@@ -466,7 +470,7 @@ class FlowControl:
         if not frame.by_m98:
             raise Fault("GS130", "M99 inside an O-word subroutine", at="m99", hint="use `return` or `endsub`")
         frame.rounds -= 1
-        if frame.rounds > 0:
+        if frame.rounds > 0 and not self.failed:
             self._back_to(frame.first + 1)
             return
         self.frames.pop()

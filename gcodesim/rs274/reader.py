@@ -28,6 +28,7 @@ _BLANK = re.compile(r"[ \t]*\Z")
 _NO_BLANKS = str.maketrans("", "", " \t")
 _MOST_BRACKETS = 200
 
+
 def _plain_places(text: str) -> list[Place]:
     line_number = re.match(r"[ \t]*[Nn][0-9]+", text)
     return [m.span() for m in _WORD.finditer(text, line_number.end() if line_number else 0)]

@@ -13,6 +13,7 @@ from gcodesim.rs274.reader import prepare, read_plain
 from gcodesim.rs274.words import Words, read_words
 
 _HARMLESS = (MOTION, PLANE, DISTANCE, CENTRE, FEED_MODE, UNITS, SYSTEM)
+_FLOW = re.compile(r"\s*/?[1-9]?\s*(?:n[\d.\s]*)?(?:o|while|if\s*\[|goto|do\s*[1-9]|end\s*[1-9])")
 _PLAIN_WORD = re.compile(r"(?<![A-Za-z#<\[])([A-Za-z])[ \t]*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(?![0-9.\[])")
 
 # codes of faults that may only follow from an unknown position, feed, spindle or parameter
@@ -57,7 +58,7 @@ class Recovery:
             self._carry_over(words)
 
     def _doubt(self, text: str, block: Block | None) -> None:
-        if (block is not None and block.flow is not None) or re.match(r"\s*/?\s*(n[\d.\s]*)?o", text):
+        if (block is not None and block.flow is not None) or _FLOW.match(text):
             self.flow = self.parameters = self.position = self.modes = True
         if re.search(r"[xyzabcuvw@^]", text):
             self.position = True

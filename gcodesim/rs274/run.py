@@ -331,6 +331,7 @@ class Executor:
         if finding.level >= Severity.ERROR and self.run.failed is None:
             self.run.failed = finding
             self.run.failed_line = line
+            self.flow.failed = True
 
     def _hand_over_notes(self) -> None:
         """Warnings of blocks become findings: one a message, and after many of one code one for all further ones."""
@@ -355,7 +356,9 @@ class Executor:
             if self.run.failed is None:
                 self.watches.events([canon.EndOfFile(span=span)])
             return
-        if len(self.flow.frames) > 1:
+        if not any(line.strip() for line in frame.file.lines):
+            message, hint = "the file is empty", "a program ends with M2 or M30"
+        elif len(self.flow.frames) > 1:
             message, hint = "the file ends inside a subroutine", "close it with `endsub` or M99"
         elif self.file.has_percent:
             message, hint = "the program is opened by % and never closed", "end it with %, M2 or M30"

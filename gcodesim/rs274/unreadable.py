@@ -23,6 +23,7 @@ _NAMES_OF_TERMINALS = {
     "FUNCTION": "a function",
     "LETTER": "a word",
     "KEYWORD": "sub, call, if, while …",
+    "ADDING": "an operator",
     "SLASH": "`/`",
     "$END": "the end of the line",
     "NAME": "`<name>`",
@@ -31,6 +32,10 @@ _NAMES_OF_TERMINALS = {
 _STATEMENT = re.compile(r"/?(?:n[0-9]+)?(goto(?=[0-9#\[])|if(?=\[)|while(?=\[)|do(?=[0-9])|end(?=[0-9]))")
 _CALL = re.compile(r"[a-z]{2,}(?=\[)")
 _FLOW = re.compile(r"(?:/?(?:n[0-9.]+)?o)((?:[0-9.]+|<[^>]*>|\[[^a-z]*\])?)([a-z]*)")
+_NEXT = re.compile(  # a word, statement, setting, operand or comment begins
+    r"[a-z^@$][-+]?(?:#?[0-9.]+|#<[^>]*>|(?=[#\[]))|goto|then|do(?=[0-9])|#(?:[0-9]+|<[^>]*>)=|\[|[(;]"
+)
+_NOTE = re.compile(r"\([^()]*\)|;.*")
 _FUNCTIONS = ("abs", "acos", "asin", "atan", "cos", "exp", "fix", "fup", "ln", "round", "sin", "sqrt", "tan")
 _WITH_VALUE = frozenset(("if", "elseif", "while", "repeat", "call", "return"))
 _OPERATORS = ("mod", "eq", "ne", "gt", "ge", "lt", "le", "and", "or", "xor")
@@ -93,17 +98,17 @@ def _explain(problem: Unreadable, squeezed: str, columns: list[int], slip: str) 
         place = (columns[first], columns[last - 1] + 1)
         hint = "a number has one decimal point" if squeezed.count(".", first, last) > 1 else slip
         return Fault("GS005", f"`{squeezed[first:last]}` is not a number", at=place, hint=hint)
-    if squeezed.count("[") > squeezed.count("]") and not found:
-        return Fault("GS006", "a bracket is never closed", at=here, hint="add `]`")
+    if "RSQB" in problem.expected and _is_open(squeezed) and (not found or _NEXT.match(squeezed, at)):
+        return _never_closed(squeezed, columns, at)
     if "EQUAL" in problem.expected and _in_setting(squeezed, at):
         return Fault("GS007", "a parameter setting needs `=`", at=here, hint=slip or "write it as #1=2")
     if squeezed.count("<", 0, at + 1) > squeezed.count(">", 0, at + 1) or (found == "<" and ">" not in squeezed[at:]):
         return Fault("GS007", "the name of the parameter is never closed", at=here, hint="add `>`")
-    if squeezed.count("[", 0, at) > squeezed.count("]", 0, at):
-        return _explain_expression(squeezed, columns, at, problem, slip)
     if not found:
         hint = slip or _expectation(problem)
         return Fault("GS006", "the line ends in the middle of a value", at=here, hint=hint)
+    if squeezed.count("[", 0, at) > squeezed.count("]", 0, at):
+        return _explain_expression(squeezed, columns, at, problem, slip)
     return Fault("GS001", f"`{_visible(found)}` cannot stand here", at=here, hint=slip or _expectation(problem))
 
 
@@ -118,8 +123,32 @@ def _explain_expression(squeezed: str, columns: list[int], at: int, problem: Unr
     here = (columns[at], columns[at] + 1)
     if word == "(":
         slip = "( ) is a comment, also in an expression; group by [ ]"
+    elif word == "#":
+        slip = ""
     hint = slip or _expectation(problem)
     return Fault("GS006", f"`{_visible(word)}` cannot stand here in an expression", at=here, hint=hint)
+
+
+def _is_open(squeezed: str) -> bool:
+    """Whether the line has more opening than closing brackets, comments aside."""
+    text = _NOTE.sub("", squeezed)
+    return text.count("[") > text.count("]")
+
+
+def _never_closed(squeezed: str, columns: list[int], at: int) -> Fault:
+    """The innermost bracket that is still open at `at`, where something else begins or the line ends."""
+    opened: list[int] = []
+    for index, char in enumerate(squeezed[:at]):
+        if char == "[":
+            opened.append(index)
+        elif char == "]":
+            opened.pop()
+    follows = _NEXT.match(squeezed, at)
+    hint = "add `]`"
+    if follows:
+        hint += " before the comment" if follows[0] in "(;" else f" before {follows[0].upper()}"
+    begin = columns[opened[-1]]
+    return Fault("GS006", "a bracket is never closed", at=(begin, begin + 1), hint=hint)
 
 
 def _unknown_name(word: str, at: int, columns: list[int], what: str, known: tuple[str, ...]) -> Fault:
@@ -147,8 +176,8 @@ def _explain_flow(problem: Unreadable, squeezed: str, columns: list[int], flow: 
             at=(columns[flow.start(2)], columns[flow.end(2) - 1] + 1),
             hint=f"did you mean {near[0]}?" if near else f"known are {' '.join(KEYWORDS)}",
         )
-    if squeezed.count("[") > squeezed.count("]"):
-        return Fault("GS006", "a bracket is never closed", at=here, hint="add `]`")
+    if "RSQB" in problem.expected and _is_open(squeezed) and (at == len(squeezed) or _NEXT.match(squeezed, at)):
+        return _never_closed(squeezed, columns, at)
     if squeezed.count("[", 0, at) > squeezed.count("]", 0, at):
         return _explain_expression(squeezed, columns, at, problem, "")
     if word in _WITH_VALUE and re.match(r"[a-z0-9#.<+-]", squeezed[at : at + 1]):
@@ -182,6 +211,8 @@ def _in_setting(squeezed: str, at: int) -> bool:
 
 def _expectation(problem: Unreadable) -> str:
     names = [_NAMES_OF_TERMINALS[t] for t in _NAMES_OF_TERMINALS if t in problem.expected]
+    if "an operator" in names and "`/`" in names:
+        names.remove("`/`")  # one of them
     return f"expected {', '.join(names)}" if names else ""
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from io import BytesIO, TextIOWrapper
 from pathlib import Path
 
 import pytest
@@ -105,3 +106,23 @@ def test_json_alone_stands_on_stdout(cli, write, tmp_path: Path) -> None:
     )
 
     assert [f["code"] for f in json.loads(done.stdout)["findings"]] == ["GS021"]
+
+
+def test_a_program_may_come_from_stdin(cli, monkeypatch):
+    monkeypatch.setattr("sys.stdin", TextIOWrapper(BytesIO(b"G0 X1\nG1 Y\nM2\n")))
+    told = cli("lint", "-")
+    assert told.status == 1
+    assert told.out.startswith("-:2:4: error GS004: Y has no number\n")
+
+    monkeypatch.setattr("sys.stdin", TextIOWrapper(BytesIO(b"G0 X1\nM2\n")))
+    done = cli("canon", "-", "--format", "json")
+    assert done.status == 0 and [event["kind"] for event in done.json["events"]][-2:] == ["rapid", "end"]
+
+
+def test_an_empty_program_stops_at_its_end(cli, write):
+    done = cli("canon", write("empty.nc", ""))
+
+    assert done.status == 1
+    hint = "  hint: a program ends with M2 or M30"
+    assert done.out.splitlines()[-2:] == ["empty.nc: error GS010: the file is empty", hint]
+    assert done.err == "stopped at the end of empty.nc\n"

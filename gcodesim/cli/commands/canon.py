@@ -50,7 +50,8 @@ def run(arguments: argparse.Namespace) -> int:
     others = len(reading.findings())
     if run.failed:
         print_findings([run.failed], run.sources)
-        note(f"stopped at {run.failed.span.file}:{run.failed.span.line}")
+        span = run.failed.span
+        note(f"stopped at {span.file}:{span.line}" if span.line else f"stopped at the end of {span.file}")
         others -= 1
     if others > 0:
         note(f"{others} {'more ' if run.failed else ''}finding{'s' if others > 1 else ''}: `gcodesim lint` shows all")

@@ -40,6 +40,7 @@ class FanucFrame(Frame):
     macro: bool = False
     macro_arguments: dict[int, float] = field(default_factory=dict)
     outer: dict[int, float] = field(default_factory=dict)  # the caller's #1 to #33
+    begun: set[int] = field(default_factory=set)  # lines of DO that were passed
     calls: list[Modal] = field(default_factory=list)
 
 
@@ -82,8 +83,14 @@ class FanucFlow(FlowControl):
         if index in loops.wrong:
             raise Stopped("GS130", loops.wrong[index], hint="each DO needs its END, and loops may only nest")
         if flow.keyword == "end":
-            self._back_to(loops.starts[index])
-        elif flow.operands and not self._holds(flow):
+            start = loops.starts[index]
+            if start not in self.running.begun:
+                message = f"END{number} is reached without the DO{number} of line {start + 1}"
+                raise Fault("GS130", message, at=flow.place, hint="a GOTO may leave a loop, but not enter it")
+            self._back_to(start)
+            return
+        self.running.begun.add(index)
+        if flow.operands and not self._holds(flow):
             self.frame.at = loops.ends[index] + 1
 
     def _holds(self, flow: Flow) -> bool:
@@ -135,7 +142,7 @@ class FanucFlow(FlowControl):
                 end_program(self.control, shuttle=False)  # a control would start again from the top
             return
         frame.rounds -= 1
-        if frame.rounds > 0:
+        if frame.rounds > 0 and not self.failed:
             self._back_to(frame.first)
             if frame.macro:
                 self.control.parameters.local = dict(frame.macro_arguments)

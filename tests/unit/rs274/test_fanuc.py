@@ -212,6 +212,18 @@ def test_endless_recursion_is_a_finding(fanuc):
     assert [f.code for f in done.errors] == ["GS132"]
 
 
+def test_a_goto_may_not_enter_a_loop(fanuc):
+    done = fanuc(body("GOTO 5", "WHILE[#1 LT 3]DO1", "N5 G0 X1.", "END1", "M30"))
+
+    assert [(f.code, f.span.line) for f in done.errors] == [("GS130", 6)]
+
+
+def test_a_loop_whose_head_cannot_be_read_is_gone_through_once(fanuc):
+    done = fanuc(body("WHILE[#1 LT 3 DO1", "G0 X", "END1", "G0 Y", "M30"))
+
+    assert [(f.code, f.span.line, f.count) for f in done.errors] == [("GS006", 3, 1), ("GS004", 4, 1), ("GS004", 6, 1)]
+
+
 def test_statement_beside_words_is_refused(fanuc):
     done = fanuc(body("#1=2. G00 X1.", "M30"))
 

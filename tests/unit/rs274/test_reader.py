@@ -64,7 +64,7 @@ def test_blanks_mean_nothing_inside_numbers_and_names():
         ("G0 X-", "GS004", 4),
         ("G0 X1.2.3", "GS005", 4),
         ("N-10 G0 X1", "GS005", 0),
-        ("G0 X[1+[2*3]", "GS006", 11),
+        ("G0 X[1+[2*3]", "GS006", 4),
         ("G0 X[CUBE[2]]", "GS006", 5),
         ("G0 X[7 DIV 2]", "GS006", 7),
         ("#1 5", "GS007", 3),

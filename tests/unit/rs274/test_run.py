@@ -48,6 +48,14 @@ def test_lint_gives_the_same_findings_as_a_run(program):
     assert list(lint(SourceText("p.ngc", WRONG.encode()))) == program(WRONG).findings
 
 
+def test_after_a_fault_loops_and_calls_are_gone_through_once(program):
+    """The counter in line 2 never grows; still the file is read to its end, and each fault is told once."""
+    text = "o1 while [#1 LT 5]\n#1=[#1+1\no1 endwhile\nM98 P3 L3\no2 repeat [3]\nG0 Y\no2 endrepeat\nM2\nO3\nG0 X\nM99"
+    done = program(text)
+
+    assert [(f.code, f.span.line, f.count) for f in done.errors] == [("GS006", 2, 1), ("GS004", 6, 1), ("GS004", 10, 1)]
+
+
 def test_state_is_unchanged_by_a_guilty_block(program):
     """T is read before the fault of the block shows; still nothing of it stays."""
     done = program("T2 M6 G43 H77\nG0 Z1\nM6\nM2")

@@ -56,7 +56,7 @@ def test_slips(program, block: str, code: str, column: int, hint: str) -> None:
         ("linuxcnc", "#1=[2*(1+2)]", "GS006", 7, "group by [ ]"),
         ("linuxcnc", "o1 iff [1]", "GS008", 4, "did you mean if?"),
         ("linuxcnc", "o1 if #1", "GS008", 7, "in brackets, as in o1 if [#1]"),
-        ("linuxcnc", "o1 if [1", "GS006", 8, "add `]`"),
+        ("linuxcnc", "o1 if [1", "GS006", 7, "add `]`"),
         ("linuxcnc", "o call", "GS008", 1, "behind it, as in o100"),
         ("linuxcnc", "GOTO 5", "GS008", 1, "fanuc knows GOTO"),
         ("linuxcnc", "G54.1 P3", "GS012", 1, "fanuc knows it (--dialect fanuc)"),
@@ -96,6 +96,28 @@ def test_odd_numbers_are_warned_of(program, dialect: str, block: str, column: in
     (odd,) = [finding for finding in done.findings if finding.code == "GS197"]
     assert (odd.span.line, odd.span.column, odd.message) == (2, column, message)
     assert done.run.failed is None
+
+
+@pytest.mark.parametrize(
+    ("dialect", "block", "column", "before"),
+    [
+        ("linuxcnc", "G0 X[1+2 Y3", 5, " before Y3"),
+        ("linuxcnc", "G0 X1 Y[[2+3]*4 F100", 8, " before F100"),
+        ("linuxcnc", "#1=[SIN[3]", 4, ""),
+        ("linuxcnc", "G0 X[[[1+2", 7, ""),
+        ("linuxcnc", "o1 call [1] [2 [3]", 13, " before ["),
+        ("linuxcnc", "G0 X[1+2 #3=5", 5, " before #3="),
+        ("linuxcnc", "G0 X[2*[3+1 ; [ note", 8, " before the comment"),
+        ("fanuc", "IF [#1 EQ 2 GOTO 5", 4, " before GOTO"),
+        ("fanuc", "IF[#1EQ2 THEN #1=4", 3, " before THEN"),
+        ("fanuc", "WHILE[#1 LT 3 DO1", 6, " before DO"),
+    ],
+)
+def test_a_bracket_that_is_never_closed_is_pointed_at(program, dialect, block, column, before) -> None:
+    (error,) = program(f"G21 G90\n{block}\nM2", dialect=dialect).errors
+
+    assert (error.code, error.message) == ("GS006", "a bracket is never closed")
+    assert (error.span.line, error.span.column, error.hint) == (2, column, "add `]`" + before)
 
 
 def test_expected_is_what_may_stand_there(program) -> None:
