@@ -6,26 +6,12 @@ Needs chromium, which `make browser` installs.
 from __future__ import annotations
 
 import argparse
-import shutil
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
-FLAGS = (
-    "--headless",
-    "--no-sandbox",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--hide-scrollbars",
-    "--use-gl=angle",
-    "--use-angle=swiftshader",  # draws without a graphics card
-    "--enable-unsafe-swiftshader",
-    "--virtual-time-budget=20000",
-)
+import chromium
 
 
 def main() -> int:
@@ -36,14 +22,13 @@ def main() -> int:
     parser.add_argument("--view", default="start", help="part, cell, top, front or side")
     parser.add_argument("--size", default="1280,860", metavar="W,H", help="of the window, in pixels")
     arguments = parser.parse_args()
-    browser = shutil.which("chromium") or shutil.which("chromium-browser")
-    if browser is None:
+    if chromium.PROGRAM is None:
         print("chromium is not installed: `make browser`", file=sys.stderr)
         return 2
     address = f"{arguments.page.resolve().as_uri()}#t={arguments.time:g}&view={arguments.view}"
     with tempfile.TemporaryDirectory() as profile:
         own = (f"--user-data-dir={profile}", f"--window-size={arguments.size}", f"--screenshot={arguments.picture}")
-        subprocess.run([browser, *FLAGS, *own, address], check=True, capture_output=True, timeout=240)
+        subprocess.run([chromium.PROGRAM, *chromium.ALONE, *own, address], check=True, capture_output=True, timeout=240)
     return 0
 
 

@@ -33,6 +33,8 @@ from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
 
+import chromium
+
 from gcodesim.log.reader import read_attachment
 
 PACKAGES = ("@foxglove/studio-base@1.48.0", "react@17.0.2", "react-dom@17.0.2")
@@ -42,17 +44,6 @@ PARTS = {
     "react-dom.js": "react-dom/umd/react-dom.production.min.js",
 }
 OWN = Path(__file__).parent / "viewer"
-CHROMIUM = (
-    "--no-sandbox",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--use-angle=swiftshader",  # draws without a graphics card
-    "--enable-unsafe-swiftshader",
-    "--ignore-gpu-blocklist",
-)
 MOMENTS = (0.0, 0.5, 1.0, 0.5, 0.25, 0.0)
 COUNT = """async (png) => {
   const image = await createImageBitmap(await (await fetch("data:image/png;base64," + png)).blob());
@@ -247,11 +238,11 @@ def main() -> int:
     parser.add_argument("--at", type=float, default=0.6, help="part of the log that the picture shows")
     parser.add_argument("--layout", type=Path, help="another layout than that of the log")
     parser.add_argument("--folder", type=Path, default=Path.home() / ".cache" / "gcodesim-viewer")
-    parser.add_argument("--chromium", default=shutil.which("chromium") or "/usr/bin/chromium")
+    parser.add_argument("--chromium", default=chromium.PROGRAM or "/usr/bin/chromium")
     arguments = parser.parse_args()
     pages, bad = fetch_viewer(arguments.folder), 0
     with sync_playwright() as playwright, tempfile.TemporaryDirectory() as scratch:
-        browser = playwright.chromium.launch(executable_path=arguments.chromium, args=CHROMIUM)
+        browser = playwright.chromium.launch(executable_path=arguments.chromium, args=chromium.FLAGS)
         for log in arguments.logs:
             layout = Path(scratch) / "layout.json"
             layout.write_bytes(

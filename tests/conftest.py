@@ -65,6 +65,21 @@ def slot(slot_folder):
 
 
 def pytest_terminal_summary(terminalreporter):
+    _conformance(terminalreporter)
+    _not_run(terminalreporter)
+
+
+def _not_run(terminalreporter):
+    """Tests that something of this machine keeps from running, by name."""
+    skipped = [report for report in terminalreporter.stats.get("skipped", []) if not hasattr(report, "wasxfail")]
+    if skipped:
+        terminalreporter.write_sep("-", f"{len(skipped)} not run")
+    for report in skipped:
+        reason = report.longrepr[2] if isinstance(report.longrepr, tuple) else str(report.longrepr)
+        terminalreporter.write_line(f"{report.nodeid}: {reason.removeprefix('Skipped: ')}")
+
+
+def _conformance(terminalreporter):
     """How many programs of the conformance corpora pass, by feature: the first part of their names."""
     counts = {}
     for outcome in ("passed", "failed"):

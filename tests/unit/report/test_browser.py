@@ -7,30 +7,14 @@ which uses it as a person would and writes what it saw into the document.
 import html
 import json
 import re
-import shutil
 import subprocess
 
 import pytest
 
 from gcodesim.playback import Recording
 from gcodesim.report.page import Difference, write_page
+from scripts import chromium
 
-BROWSER = shutil.which("chromium") or shutil.which("chromium-browser")
-FLAGS = [
-    "--headless",
-    "--no-sandbox",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--disable-features=NetworkTimeServiceQuerying,OptimizationHints,MediaRouter",
-    "--use-gl=angle",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--window-size=1200,900",
-    "--virtual-time-budget=30000",
-]
 PROBE = r"""<script>
 (async () => {
   const seen = { errors: [] };
@@ -105,18 +89,15 @@ PROBE = r"""<script>
 })();
 </script></body>"""
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(BROWSER is None, reason="chromium is not installed: `make browser` does it"),
-]
+pytestmark = pytest.mark.skipif(chromium.PROGRAM is None, reason="chromium is not installed: `make browser` does it")
 
 
 def opened(page, folder):
     """The document that a page has become, and the addresses that it asked for."""
     (folder / "page.html").write_text(page, encoding="utf-8")
     log = folder / "net.json"
-    own = [f"--user-data-dir={folder / 'profile'}", f"--log-net-log={log}", "--dump-dom"]
-    command = [BROWSER, *FLAGS, *own, f"file://{folder / 'page.html'}"]
+    own = [f"--user-data-dir={folder / 'profile'}", f"--log-net-log={log}", "--window-size=1200,900", "--dump-dom"]
+    command = [chromium.PROGRAM, *chromium.ALONE, *own, f"file://{folder / 'page.html'}"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=240, check=True)
     asked = set()
     for event in json.loads(log.read_text(errors="replace"))["events"]:
