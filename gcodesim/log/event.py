@@ -8,7 +8,7 @@ from typing import Any
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LogEvent:
-    """A message of `/event`: a finding, a tool change, the start, the end."""
+    """A message of `/event`: a finding, a tool change, a text of the program, the start, the end."""
 
     t_ns: int
     code: str

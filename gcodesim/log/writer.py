@@ -211,7 +211,8 @@ class LogWriter:
         value: float = 0.0,
     ) -> None:
         """Something a test may ask for, also as a line of `/log`: a finding's code, or start, toolchange, collision,
-        limit, interrupted, end. `severity` is note, warning or error; `value` is SI, as the code says."""
+        limit, message, print, log (what the program says), interrupted, end. `severity` is note, warning or error;
+        `value` is SI, as the code says."""
         data = event_message(t_ns, code, severity, file, line, message, bodies, value)
         self._add_one("/event", t_ns, data)
         self.log(t_ns, f"{code}: {message}", severity=severity, file=file, line=line)

@@ -23,6 +23,7 @@ from gcodesim.recorder.frames import Frames, seven, stock_frame, work_systems
 from gcodesim.recorder.limits import Limits
 from gcodesim.recorder.look import layout_kind, view_of
 from gcodesim.recorder.reporter import Reporter
+from gcodesim.recorder.texts import Texts
 from gcodesim.recorder.ways import Ways
 from gcodesim.results import Results
 from gcodesim.whole_file import whole_file, write_whole
@@ -70,6 +71,7 @@ class Recorder:
         self._limits = Limits.of(self._shop)
         self._writer = LogWriter(out / LOG_NAME, self._description(ways), live)
         self._reporter = Reporter(self._writer, job.shown(job.findings))
+        self._texts = Texts(self._writer, self._plan.trajectory.events)
         self._removed = 0.0
         self._tcp: Array = np.zeros((4, 4))
         self._force_shown = False
@@ -157,6 +159,7 @@ class Recorder:
 
         self._tcp = self._frames.seen_from_table(world.q, self._actual(world.q, window.row, np.zeros((1, 6))))[0]
         self._reporter.until(0)
+        self._texts.until(0)
         self._changes_of_tool(0, -1, window)
         for index, tiles in enumerate(self._tiles):
             self._draw(0, index, tiles.all())
@@ -184,6 +187,7 @@ class Recorder:
         logged = np.flatnonzero(ends % self._period_ns == 0)
         self._writer.blocks(self._blocks.between(self._now_ns + 1, int(ends[-1]) + 1))
         self._reporter.until(int(ends[-1]), found, begin_ns=self._now_ns + 1)
+        self._texts.until(int(ends[-1]))
         self._changes_of_tool(self._now_ns, int(ends[-1]), window)
         self._write(record, ends[logged], logged)
         self._now_ns = int(ends[-1])
