@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from gcodesim.cell import Cell, Placement, place
 from gcodesim.cell.cell import MACHINE, MAIN
+from gcodesim.cell.leftover import NOTHING_LEFT, Leftover, no_stock
 from gcodesim.cell.machine import MachineTool
+from gcodesim.cell.placement import bounds_of
 from gcodesim.cell.robot import Payload, Robot
-from gcodesim.cell.stock import Box, Cylinder, Leftover, StockSpec
+from gcodesim.cell.stock import Box, Cylinder, StockSpec
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.frames import Array, Pose
 from gcodesim.kinematics import Cartesian, Chain, Inertial, Kinematics, Link, kinematics_of
@@ -195,23 +196,21 @@ def _material_named(cell: Cell, name: str) -> Material | None:
 
 def _stock(shop: Shop, name: str, spec: StockSpec) -> Stock | Diagnostic:
     from gcodesim.material.stock import Stock, finest_resolution, memory_needed
-    from gcodesim.material.stock_file import SUFFIX, StockFileError, load_stock
+    from gcodesim.material.stock_file import StockFileError, load_stock
 
     span = shop.cell.span("stock", name, "resolution")
     shape = spec.shape
     if isinstance(shape, Leftover):
-        path = _left_file(shape, name, SUFFIX)
         try:
-            return load_stock(path)
-        except (OSError, StockFileError) as error:
-            text = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+            return load_stock(shape.path)
+        except (OSError, StockFileError) as fault:  # it was there when the cell was read
             return Diagnostic(
                 code="GS410",
                 span=shop.cell.span("stock", name, "from"),
-                message=f"`{shape.name}` has no stock to go on with: {path.name}: {text}",
-                hint="name the folder that `gcodesim run --out` wrote",
+                message=no_stock(shape.name, shape.path.name, fault),
+                hint=NOTHING_LEFT,
             )
-    lower, upper = _corners(shape)
+    lower, upper = bounds_of(shape)
     size = (upper[0] - lower[0], upper[1] - lower[1], upper[2] - lower[2])
     resolution = spec.resolution or default_resolution(shop.cell, size)
     needed = memory_needed(size, resolution)
@@ -236,28 +235,6 @@ def _stock(shop: Shop, name: str, spec: StockSpec) -> Stock | Diagnostic:
     from gcodesim.material.mesh import read_mesh, stock_of_mesh
 
     return stock_of_mesh(*read_mesh(shape.path, shape.scale), resolution, material)
-
-
-def _left_file(shape: Leftover, name: str, suffix: str) -> Path:
-    """The stock file in an earlier run's folder: of the same name, else the only one there is."""
-    own = shape.folder / f"{name}{suffix}"
-    if own.exists():
-        return own
-    others = sorted(shape.folder.glob(f"*{suffix}"))
-    return others[0] if len(others) == 1 else own
-
-
-def _corners(shape: Any) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
-    from gcodesim.cell.placement import bounds_of
-
-    corners = bounds_of(shape)
-    if corners is None:
-        from gcodesim.material.mesh import read_mesh
-
-        vertices, _ = read_mesh(shape.path, shape.scale)
-        low, high = vertices.min(axis=0), vertices.max(axis=0)
-        return (float(low[0]), float(low[1]), float(low[2])), (float(high[0]), float(high[1]), float(high[2]))
-    return corners
 
 
 def default_resolution(cell: Cell, size: tuple[float, float, float]) -> float:

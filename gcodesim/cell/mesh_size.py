@@ -1,15 +1,16 @@
-"""How large a mesh file is, found without a mesh library: enough to say a wrong unit before the run."""
+"""How large a mesh file is, of the common formats found without a mesh library."""
 
 from __future__ import annotations
 
 import re
+from pathlib import Path
 from typing import Final
 
 import numpy as np
 
 Point = tuple[float, float, float]
 
-MESH_SUFFIXES: Final = (".stl", ".obj", ".ply", ".off", ".glb", ".3mf")
+MESH_SUFFIXES: Final = (".stl", ".obj", ".ply", ".off", ".glb")
 _STL_HEADER: Final = 84
 _STL_FACET: Final = 50
 _NUMBER = rb"([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)"
@@ -17,15 +18,21 @@ _STL_VERTEX = re.compile(rb"\bvertex\s+" + _NUMBER + rb"\s+" + _NUMBER + rb"\s+"
 _OBJ_VERTEX = re.compile(rb"^v\s+" + _NUMBER + rb"\s+" + _NUMBER + rb"\s+" + _NUMBER, re.MULTILINE)
 
 
-def bounds(name: str, raw: bytes) -> tuple[Point, Point] | str | None:
-    """Least and greatest corner in units of the file; a text says why there are none, None: not looked at."""
-    suffix = name.lower().rpartition(".")[2]
-    if suffix == "stl":
+def bounds(path: Path, raw: bytes) -> tuple[Point, Point] | str:
+    """Least and greatest corner, in units of the file, of the mesh at `path` with content `raw`; a text says why there
+    are none."""
+    suffix = path.suffix.lower()
+    if suffix == ".stl":
         points = _stl(raw)
-    elif suffix == "obj":
+    elif suffix == ".obj":
         points = _ascii(_OBJ_VERTEX, raw)
     else:
-        return None
+        from gcodesim.material.mesh import read_mesh
+
+        try:
+            points = read_mesh(path)[0]
+        except ValueError as fault:
+            return str(fault)
     if points is None:
         return "the file is cut off"
     if len(points) == 0:

@@ -21,7 +21,7 @@ from gcodesim.cell.machine import MachineTool
 from gcodesim.cell.placing import SYSTEMS, system_index
 from gcodesim.cell.placing import Place as Standing
 from gcodesim.cell.robot import Robot
-from gcodesim.cell.stock import Box, Cylinder, Leftover, Mesh, Shape
+from gcodesim.cell.stock import Cylinder, Shape
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.frames import Array, Pose
 from gcodesim.units import DEG, MM
@@ -76,11 +76,10 @@ class Placement:
         return X_WA.rotate(np.array(wanted.axis))
 
 
-def place(cell: Cell, channel: str = MAIN, stock_bounds: Mapping[str, Corners] | None = None) -> Placement:
+def place(cell: Cell, channel: str = MAIN) -> Placement:
     """Where the work of `channel` stands, by the rules of the cell file; pure.
 
-    `stock_bounds` gives least and greatest corner [m] of stocks whose size the cell does not know (what an earlier
-    run left, some mesh formats). Findings: GS725 (a note on what was chosen), GS726 (a tilted system on a machine).
+    Findings: GS725 (a note on what was chosen), GS726 (a tilted system on a machine).
     """
     if channel == MAIN and channel not in cell.channels:
         channel = next(iter(cell.channels))
@@ -107,7 +106,7 @@ def place(cell: Cell, channel: str = MAIN, stock_bounds: Mapping[str, Corners] |
     waiting = {name: stock for name, stock in cell.stocks.items() if stock.place.frame is None}
     automatic = isinstance(mover, MachineTool) and not own.work_offsets and bool(waiting)
     if automatic and isinstance(mover, MachineTool):
-        offsets[1], note = _automatic(cell, mover, stock_bounds or {})
+        offsets[1], note = _automatic(cell, mover)
         findings.append(note)
     elif not own.work_offsets and isinstance(mover, MachineTool):
         findings += _at_machine_zero(cell)
@@ -160,27 +159,23 @@ def _upright_base(cell: Cell, channel: Channel, robot: Robot) -> Pose:
     return Pose(robot.X_WB.p, robot.X_WB.R @ R_BP)
 
 
-def bounds_of(shape: Shape) -> Corners | None:
-    """Least and greatest corner [m] of a shape in its own frame; None when the cell does not know."""
-    if isinstance(shape, Box):
-        return shape.lower, shape.upper
+def bounds_of(shape: Shape) -> Corners:
+    """Least and greatest corner [m] of a shape in its own frame."""
     if isinstance(shape, Cylinder):
         r = shape.radius
         return (-r, -r, shape.bottom), (r, r, shape.top)
-    if isinstance(shape, Mesh) and shape.lower is not None and shape.upper is not None:
-        return shape.lower, shape.upper
-    assert isinstance(shape, (Mesh, Leftover))
-    return None
+    return shape.lower, shape.upper
 
 
-def _automatic(cell: Cell, machine: MachineTool, known: Mapping[str, Corners]) -> tuple[Pose, Diagnostic]:
+def _automatic(cell: Cell, machine: MachineTool) -> tuple[Pose, Diagnostic]:
     """G54 for stock without a place: its middle at mid-travel in X and Y, its top in reach of the longest tool."""
-    points = []
-    for name, stock in cell.stocks.items():
-        if stock.place.frame is None:
-            corners = known.get(name) or bounds_of(stock.shape) or ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
-            points.append(stock.place.X.apply(np.array(list(product(*zip(*corners, strict=True))))))
-    cloud = np.concatenate(points)
+    cloud = np.concatenate(
+        [
+            stock.place.X.apply(np.array(list(product(*zip(*bounds_of(stock.shape), strict=True)))))
+            for stock in cell.stocks.values()
+            if stock.place.frame is None
+        ]
+    )
     low, high = cloud.min(axis=0), cloud.max(axis=0)
     x, y, z = (machine.axis(letter) for letter in "XYZ")
     longest = max((tool.true_length for tool in cell.tools.values()), default=0.0)

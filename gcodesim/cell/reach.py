@@ -25,8 +25,6 @@ def reach_findings(cell: Cell, channel: str, placement: Placement) -> Iterator[D
     widest = max(max((body.radius for body in tool.primitives), default=0.0) for tool in cell.tools.values())
     for name, stock in cell.stocks.items():
         corners = bounds_of(stock.shape)
-        if corners is None:
-            continue
         X_WS = placement.stocks[name]
         if isinstance(mover, MachineTool):
             miss = _beyond_travel(mover, mover.X_WM.inverse() @ X_WS, corners, longest, widest)

@@ -202,7 +202,7 @@ def _check_mesh_sizes(cell: Cell, to: Reading) -> None:
     meshes += [(s.shape, (("stock", name, "mesh"))) for name, s in cell.stocks.items()]
     scale = _size_of_cell(cell)
     for shape, path in meshes:
-        if not isinstance(shape, Mesh) or shape.lower is None or shape.upper is None:
+        if not isinstance(shape, Mesh):
             continue
         side = max(high - low for low, high in zip(shape.lower, shape.upper, strict=True))
         if scale / _STRANGE <= side <= scale * _STRANGE:

@@ -10,6 +10,7 @@ from typing import Any, Final
 
 from gcodesim.cell.file_kinds import File, FileValue
 from gcodesim.cell.kinds import Json, Kind, Quantity, Range, Vector, scalar, short
+from gcodesim.cell.leftover import Leftover, leftover
 from gcodesim.cell.mesh_size import MESH_SUFFIXES, bounds
 from gcodesim.cell.nodes import Listing, Node
 from gcodesim.cell.nodes import Mapping as MappingNode
@@ -58,21 +59,13 @@ class Cylinder:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mesh:
-    """A triangle mesh: points of the file times `scale` [m]; `lower` and `upper` are its corners [m] if known."""
+    """A triangle mesh: points of the file times `scale` [m]; `lower` and `upper` are its corners [m]."""
 
     name: str
     path: FilePath
     scale: float
-    lower: Point | None
-    upper: Point | None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Leftover:
-    """What an earlier run left of its stock in `folder`."""
-
-    name: str
-    folder: FilePath
+    lower: Point
+    upper: Point
 
 
 Shape = Box | Cylinder | Mesh | Leftover
@@ -314,23 +307,20 @@ def _mesh(file: FileValue, unit: str | None, to: Reading, path: Path) -> Mesh | 
             f"`{short(file.name)}` is no mesh file that is read",
             f"these are: {', '.join(MESH_SUFFIXES)}",
         )
-    corners = bounds(file.name, to.shelf.sources[file.name].raw)
+    corners = bounds(file.path, to.shelf.sources[file.name].raw)
     if isinstance(corners, str):
         return to.fault("GS716", span, f"`{short(file.name)}` is no sound mesh: {corners}")
     scale = find(unit or "mm", "length")
     assert scale is not None
-    lower = upper = None
-    size = ""
-    if corners is not None:
-        lower = (corners[0][0] * scale.factor, corners[0][1] * scale.factor, corners[0][2] * scale.factor)
-        upper = (corners[1][0] * scale.factor, corners[1][1] * scale.factor, corners[1][2] * scale.factor)
-        size = " x ".join(f"{(high - low) / 1e-3:.6g}" for low, high in zip(lower, upper, strict=True)) + " mm"
+    lower = (corners[0][0] * scale.factor, corners[0][1] * scale.factor, corners[0][2] * scale.factor)
+    upper = (corners[1][0] * scale.factor, corners[1][1] * scale.factor, corners[1][2] * scale.factor)
     if unit is None:
+        size = " x ".join(f"{(high - low) / 1e-3:.6g}" for low, high in zip(lower, upper, strict=True)) + " mm"
         to.findings.add(
             Diagnostic(
                 code="GS717",
                 span=span,
-                message=f"`{short(file.name)}` has no `unit`; in mm it is {size or 'of unknown size'}",
+                message=f"`{short(file.name)}` has no `unit`; in mm it is {size}",
                 hint="write `unit: mm` (or `m`, `in`) beside it",
             )
         )
@@ -378,7 +368,12 @@ class StockSpec(Body):
             return FAULT
         if shape is None:
             assert self.leftover is not None
-            shape = Leftover(name=self.leftover.name, folder=self.leftover.path)
+            if self.resolution is not None:
+                what = "`resolution` does not go with `from`: what an earlier run left keeps its grid"
+                return to.fault("GS719", to.key((*path, "resolution")), what, "leave it out")
+            shape = leftover(self.leftover, str(path[1]) if len(path) > 1 else "stock", to, (*path, "from"))
+            if isinstance(shape, Fault):
+                return FAULT
         return replace(self, shape=shape)
 
 

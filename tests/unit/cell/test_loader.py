@@ -12,7 +12,7 @@ import pytest
 
 from gcodesim.cell import load_cell
 from gcodesim.cell.channel import MCode
-from gcodesim.cell.stock import Box, Cylinder, Leftover, Mesh
+from gcodesim.cell.stock import Box, Cylinder, Mesh
 from gcodesim.diagnostics import Severity, SourceText
 from gcodesim.units import DEG, MM, RPM
 from tests.unit.cell.text import NOWHERE, codes, loaded, sound
@@ -158,7 +158,6 @@ def test_stock_comes_in_many_shapes() -> None:
           b: {cylinder: {diameter: 80, height: 40}, zero: top-center}
           c: {cylinder: [80, 40]}
           d: {mesh: vise.obj, unit: m}
-          e: {from: subs}
         """
     )
 
@@ -167,7 +166,6 @@ def test_stock_comes_in_many_shapes() -> None:
     assert shapes["b"] == Cylinder(radius=0.04, bottom=-0.04, top=0.0)
     assert shapes["c"] == Cylinder(radius=0.04, bottom=0.0, top=0.04)
     assert isinstance(shapes["d"], Mesh) and shapes["d"].upper == pytest.approx((0.15, 0.08, 0.04))
-    assert shapes["e"] == Leftover(name="subs", folder=FOLDER / "subs")
     assert cell.span("stock", "a", "min").line == 5
 
 

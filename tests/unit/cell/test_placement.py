@@ -173,14 +173,6 @@ def test_stock_on_an_arm_needs_a_place() -> None:
     assert codes("robots: {arm: {model: ur10e}}\nstock: {box: [1, 1, 1], in: world}") == []
 
 
-def test_bounds_that_only_a_file_knows_come_from_the_caller() -> None:
-    cell = sound(GANTRY + "stock: {from: subs}")
-
-    assert g54(place(cell)) == pytest.approx([600, 400, -100])
-    known = {"stock": ((0.0, 0.0, -0.02), (0.1, 0.06, 0.0))}
-    assert g54(place(cell, stock_bounds=known)) == pytest.approx([550, 370, -100])
-
-
 def test_placing_does_not_change_the_cell() -> None:
     first = loaded(GANTRY + "stock: {box: [100, 60, 20]}").cell
     second = loaded(GANTRY + "stock: {box: [100, 60, 20]}").cell
