@@ -13,6 +13,7 @@ from gcodesim.cli.exits import OK, UsageError, status_of
 from gcodesim.cli.formats import wants_formats, write_formats
 from gcodesim.cli.options import read_source
 from gcodesim.diagnostics import Diagnostic, SourceText
+from gcodesim.diagnostics.text import shown_name
 
 if TYPE_CHECKING:
     from gcodesim.regress import CaseVerdict, SuiteVerdict
@@ -87,7 +88,7 @@ class Met:
     @property
     def name(self) -> str:
         """How the program is called where it is the only one."""
-        return self.program.name
+        return shown_name(self.program)
 
     def placed(self, root: Path) -> Met:
         """The same with all files named from `root`."""
@@ -132,7 +133,14 @@ def settle(met: Sequence[Met], arguments: argparse.Namespace) -> Settled:
     """Leave out what the baseline knows; write a new baseline where that is asked for.
 
     A baseline, like every format, names files from the folder of the run. So do the findings of several programs.
+    The status goes into `arguments` too, for when nobody reads the output to its end.
     """
+    settled = _settled(met, arguments)
+    arguments.status = settled.status
+    return settled
+
+
+def _settled(met: Sequence[Met], arguments: argparse.Namespace) -> Settled:
     if len(met) == 1 and not wants_formats(arguments) and arguments.baseline is arguments.write_baseline is None:
         only = Shown(name=met[0].name, met=met[0], findings=met[0].findings)
         return Settled(shown=[only], status=status_of(only.findings, arguments.fail_on))

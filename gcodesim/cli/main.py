@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 from typing import Final
 
-from gcodesim.cli.exits import INTERNAL, INTERRUPTED, USAGE, UsageError
+from gcodesim.cli.exits import INTERNAL, INTERRUPTED, OK, USAGE, UsageError
 from gcodesim.cli.parser import build_parser
 
 # Imports make many objects that all stay: to look for garbage among them every 700 takes a tenth of a short command.
@@ -34,9 +34,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         print("gcodesim: interrupted", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:
-        # the reader of our output went away (`| head`); nothing is wrong, but nothing may be written either
+        # the reader of our output went away (`| head`); nothing may be written, but a verdict stays what it is
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
+        return int(getattr(arguments, "status", OK))
     except Exception as error:
         _report_fault(error, sys.argv[1:] if argv is None else argv)
         return INTERNAL

@@ -76,6 +76,17 @@ def test_output_into_a_pipe_that_closes(cli, write, tmp_path: Path) -> None:
     assert process.wait(60) == 0
 
 
+def test_a_verdict_stands_when_nobody_reads_it_to_the_end(cli, write, tmp_path: Path) -> None:
+    write("wrong.nc", "G21 G90\n" + "".join(f"G1 X{i} Y F100\n" for i in range(3000)) + "M2\n")
+    for arguments in (("lint", "wrong.nc"), ("check", "wrong.nc", "--cell", "cell.yaml", "--format", "json")):
+        process = _spawn(*arguments, cwd=tmp_path)
+        assert process.stdout is not None and process.stderr is not None
+        process.stdout.close()
+        assert "Traceback" not in process.stderr.read()
+        process.stderr.close()
+        assert process.wait(60) == 1
+
+
 def test_an_interrupt_leaves_a_log_that_opens(cli, write, tmp_path: Path) -> None:
     body = "".join(f"G1 X{10 + i % 60} Y{5 + i % 40} F200\n" for i in range(6000))
     write("part.nc", "G21 G90 G17 G94\nT1 M6\nG43 H1\nS8000 M3\nG0 Z5\nG1 Z-0.2 F300\n" + body + "G0 Z20\nM5\nM2\n")
