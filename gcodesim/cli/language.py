@@ -123,6 +123,25 @@ def files_of(
     return {path.name: path for path in given} | files_read(program, names, folders, loaded)
 
 
+def write_parameters(run: Run | None, arguments: argparse.Namespace) -> None:
+    """The parameter file that the command line asks for; none when the program did not come to its end."""
+    from gcodesim.cli.output import note
+    from gcodesim.rs274 import parameter_text
+    from gcodesim.whole_file import write_whole
+
+    path: Path | None = arguments.write_parameters
+    if path is None:
+        return
+    if run is None or run.failed is not None:
+        note(f"{path} is not written: the program did not come to its end")
+        return
+    try:
+        write_whole(path, parameter_text(run.parameters, run.kept).encode())
+    except OSError as error:
+        raise UsageError(f"parameter file {path} cannot be written: {error.strerror}") from None
+    note(f"wrote {path}")
+
+
 def reading_of(arguments: argparse.Namespace, path: Path) -> Reading:
     """The program at `path`, to be read as the options of a command line and its cell say.
 

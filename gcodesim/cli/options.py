@@ -118,6 +118,16 @@ def add_language(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--time-limit", type=float, metavar="S", help="stop reading a program after S seconds")
 
 
+def add_parameter_output(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--write-parameters",
+        type=Path,
+        metavar="FILE",
+        help="write what a control keeps when the program has ended (offsets, stored positions) as a parameter file, "
+        "which --parameters reads",
+    )
+
+
 def _switch(text: str) -> bool:
     if text not in ("0", "1"):
         raise argparse.ArgumentTypeError("0 or 1 is expected")

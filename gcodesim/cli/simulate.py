@@ -19,7 +19,7 @@ from gcodesim.cell import load_cell
 from gcodesim.cli.exits import INTERRUPTED, UsageError
 from gcodesim.cli.formats import write_formats
 from gcodesim.cli.judging import Met, Shown, settle
-from gcodesim.cli.language import Language, files_of
+from gcodesim.cli.language import Language, files_of, write_parameters
 from gcodesim.cli.options import read_source
 from gcodesim.cli.output import note, print_findings, print_json, print_table, verdict
 from gcodesim.diagnostics import Severity
@@ -151,6 +151,7 @@ def _run_program(arguments: argparse.Namespace, live: LiveView | None, begin: fl
         if execution is not None:
             _print_files(arguments.out, results)
     write_formats(settled.verdict, arguments)
+    write_parameters(job.reading, arguments)
     seconds = time.perf_counter() - begin
     if execution is not None and seconds > 0.0:
         memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0

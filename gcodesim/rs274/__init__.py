@@ -1,6 +1,6 @@
 """RS274 programs: text in, canonical events and findings out. Knows no cell and no machine."""
 
-from gcodesim.rs274.parameters import read_parameters
+from gcodesim.rs274.parameters import parameter_text, read_parameters
 from gcodesim.rs274.run import Run, interpret, lint
 from gcodesim.rs274.settings import MappedAction, Settings, canonical_m_code
 from gcodesim.rs274.tool_table import ToolEntry, ToolTable
@@ -14,5 +14,6 @@ __all__ = [
     "canonical_m_code",
     "interpret",
     "lint",
+    "parameter_text",
     "read_parameters",
 ]

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from math import isfinite
 
 from gcodesim.diagnostics import Diagnostic, SourceText, Span
 from gcodesim.rs274.fault import Fault
 
 LAST_NUMBER = 5601
+_LAST_OF_ANY = 19_999  # of any dialect
 MOST_ARGUMENTS = 30
 _OF_CALL = tuple(range(1, MOST_ARGUMENTS + 1))
 _NOTHING = (0.0,) * MOST_ARGUMENTS
@@ -27,6 +28,12 @@ TOOL = 5400
 POSITION = 5420
 DEBUG_ON = 5599  # 1 from the start; at 0 a DEBUG comment says nothing
 
+# what LinuxCNC keeps from run to run, besides what its parameter file lists
+KEPT = (
+    *(number for first in (G28_HOME, G30_HOME) for number in range(first, first + 9)),
+    *range(G92_ON, ACTIVE_SYSTEM + 1),
+    *(FIRST_SYSTEM + 20 * system + axis for system in range(9) for axis in range(10)),
+)
 _READ_ONLY = frozenset([*range(5400, 5414), *range(5420, 5429)])
 
 
@@ -131,6 +138,10 @@ class Parameters:
         self.undo.append((store, name, store.get(name)))
         store[name] = value
 
+    def kept(self) -> Iterable[int]:
+        """The numbers that a control keeps when the program has ended."""
+        return KEPT
+
     def commit(self) -> None:
         """What was set stays."""
         self.undo.clear()
@@ -143,6 +154,11 @@ class Parameters:
             else:
                 store[key] = value  # type: ignore[index]
         self.undo.clear()
+
+
+def parameter_text(values: Mapping[int, float], numbers: Iterable[int]) -> str:
+    """A parameter file of `numbers`; those without a value are 0."""
+    return "".join(f"{number}\t{values.get(number, 0.0):.12g}\n" for number in sorted(set(numbers)))
 
 
 def read_parameters(source: SourceText) -> tuple[dict[int, float], list[Diagnostic]]:
@@ -159,8 +175,8 @@ def read_parameters(source: SourceText) -> tuple[dict[int, float], list[Diagnost
         value_ok = len(words) >= 2 and re.fullmatch(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?", words[1])
         if not number_ok or not value_ok:
             problem = "a line is a parameter's number and its value"
-        elif not 1 <= int(words[0]) <= LAST_NUMBER:
-            problem = f"parameter {words[0]} is out of range; they run from 1 to {LAST_NUMBER}"
+        elif not 1 <= int(words[0]) <= _LAST_OF_ANY:
+            problem = f"parameter {words[0]} is out of range; they run from 1 to {_LAST_OF_ANY}"
         elif not isfinite(float(words[1])):
             problem = "the value is too large"
         if problem:

@@ -57,6 +57,7 @@ class Run:
         self.sources: dict[str, SourceText] = {source.name: source}
         self.not_simulated: dict[str, tuple[int, Span]] = {}
         self.parameters: dict[int, float] = dict(settings.parameters)
+        self.kept: tuple[int, ...] = ()  # numbers of those that a control keeps from run to run
         self.blocks = 0
 
     def __iter__(self) -> Generator[canon.Event, Feedback, None]:
@@ -416,6 +417,7 @@ class Executor:
                 message = "the line is left out because of its slash"
             run.findings.add(Diagnostic(code=code, message=message, span=first, hint=hint, count=count))
         run.parameters = {n: v for n, v in sorted(control.parameters.numbers.items()) if v}
+        run.kept = tuple(sorted({*control.parameters.kept(), *self.settings.parameters}))
         run.sources.update({name: file.source for name, file in self.flow.files.items()})
         run.blocks = self.blocks
 

@@ -17,7 +17,9 @@ from gcodesim.rs274.program_file import KEYWORDS, ProgramFile
 from gcodesim.rs274.reader import Reader, prepare
 
 _HEAD = re.compile(r"/?(?:n(?P<number>[0-9]*(?:\.[0-9]*)?))?(?P<rest>.*)", re.DOTALL)
-_LABEL = re.compile(r"o(?:<[^>]*>|\[.*?\](?=[a-z(;]|\Z)|#[0-9<].*?(?=[a-z(;]|\Z)|[+-]?[0-9]+(?:\.0*)?)(?P<word>[a-z]*)")
+_LABEL = re.compile(
+    r"o(?:<[^>]*>|\[.*?\](?=[a-z(;]|\Z)|#[0-9<].*?(?=[a-z(;]|\Z)|[+-]?[0-9]+(?:\.0*)?(?![0-9.]))(?P<word>[a-z]*)"
+)
 _INTERESTING = re.compile(r"[(%]|^[ \t]*/?[ \t]*[nNoO]|^[ \t]*/?[ \t]*(?:[nN][0-9. \t]*)?[mM][ \t]*0*9[ \t]*8")
 
 
@@ -82,7 +84,8 @@ def _defect_of(
         return None
     label = _LABEL.match(rest)
     if label is None:
-        return always(Fault("GS008", "an O-word without a label"))
+        broken = re.match(r"o[+-]?[0-9]", rest) is not None
+        return always(Fault("GS008", "the label of an O-word must be whole" if broken else "an O-word without a label"))
     after = rest[label.end("word") :]
     word = label["word"]
     if word:

@@ -126,3 +126,41 @@ def test_an_empty_program_stops_at_its_end(cli, write):
     hint = "  hint: a program ends with M2 or M30"
     assert done.out.splitlines()[-2:] == ["empty.nc: error GS010: the file is empty", hint]
     assert done.err == "stopped at the end of empty.nc\n"
+
+
+def test_parameters_are_written_when_asked_for(cli, write):
+    """As LinuxCNC keeps them: all that it stores, what the file listed, and nothing of a program that fails."""
+    write("machine.var", "100 3\n5161 1\n5220 2\n5300 7\n")
+    write("part.ngc", "G21 G90\nG10 L2 P2 X100\nG0 X10 Y5\nG28.1\nG92 Z3\n#5300=4\n#101=8\nM2\n")
+    done = cli("canon", "part.ngc", "--parameters", "machine.var", "--write-parameters", "new.var")
+
+    lines = [line.split("\t") for line in Path("new.var").read_text().splitlines()]
+    kept = {int(number): float(value) for number, value in lines}
+    assert done.status == 0 and "wrote new.var" in done.err
+    assert {number: value for number, value in kept.items() if value} == {
+        100: 3,
+        5161: 110,
+        5162: 5,
+        5210: 1,
+        5213: -3,
+        5220: 1,
+        5241: 100,
+        5300: 4,
+    }
+    assert list(kept) == sorted(kept) and {5169, 5230, 5390} <= kept.keys() and 101 not in kept
+    cli("run", "slot.nc", "--cell", "cell.yaml", "--write-parameters", "more.var")
+    assert "5220\t1\n5221\t550\n" in Path("more.var").read_text()  # G54, where the cell places it
+
+    write("wrong.ngc", "G0 X\nM2\n")
+    assert "is not written" in cli("canon", "wrong.ngc", "--write-parameters", "wrong.var").err
+    assert not Path("wrong.var").exists()
+
+
+def test_fanuc_keeps_variables_and_offsets(cli, write):
+    write("part.nc", "O1\nG21 G90\nG10 L20 P7 X10.\n#500=4.\n#100=3.\nG10 L10 P3 R5.\nM30\n")
+    cli("canon", "part.nc", "--dialect", "fanuc", "--write-parameters", "kept.var")
+
+    assert Path("kept.var").read_text() == "500\t4\n7121\t10\n11003\t5\n"
+    write("more.nc", "O1\nG54.1 P7\nG0 X#500\nM30\n")
+    done = cli("canon", "more.nc", "--dialect", "fanuc", "--parameters", "kept.var", "--format", "json")
+    assert [event["end"][0] for event in done.json["events"] if event["kind"] == "rapid"] == [14]

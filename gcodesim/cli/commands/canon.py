@@ -6,7 +6,7 @@ import argparse
 from typing import Any
 
 from gcodesim.cli.exits import FINDINGS, OK
-from gcodesim.cli.options import add_cell, add_format, add_language, add_program
+from gcodesim.cli.options import add_cell, add_format, add_language, add_parameter_output, add_program
 from gcodesim.diagnostics import Severity
 
 
@@ -20,13 +20,14 @@ def add_parser(commands: Any) -> None:
     add_program(parser)
     add_cell(parser, required=False)
     add_language(parser)
+    add_parameter_output(parser)
     add_format(parser)
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
     import gcodesim.canon.listing as listing
-    from gcodesim.cli.language import reading_of
+    from gcodesim.cli.language import reading_of, write_parameters
     from gcodesim.cli.output import findings_as_json, note, print_findings, print_json
 
     reading = reading_of(arguments, arguments.program)
@@ -44,6 +45,7 @@ def run(arguments: argparse.Namespace) -> int:
         line = run.failed.span.line if run.failed and run.failed_line is None else run.failed_line
         printed = listing.listing(events, (run.failed.message, line) if run.failed else None)
         print_json({**printed, "findings": findings_as_json(reading.findings())})
+        write_parameters(run, arguments)
         return FINDINGS if run.failed else OK
     for event in run:
         print(listing.as_text(event))
@@ -55,4 +57,5 @@ def run(arguments: argparse.Namespace) -> int:
         others -= 1
     if others > 0:
         note(f"{others} {'more ' if run.failed else ''}finding{'s' if others > 1 else ''}: `gcodesim lint` shows all")
+    write_parameters(run, arguments)
     return FINDINGS if run.failed else OK

@@ -8,7 +8,7 @@ from typing import Any
 
 from gcodesim.cli.formats import add_verdict_formats
 from gcodesim.cli.judging import add_baseline, add_today
-from gcodesim.cli.options import add_cell, add_fail_on, add_language, add_program
+from gcodesim.cli.options import add_cell, add_fail_on, add_language, add_parameter_output, add_program
 
 PORT = 8765
 """Where viewers look first."""
@@ -40,6 +40,7 @@ def add_parser(commands: Any) -> None:
         help=f"show the log in a viewer while it is computed, at ws://localhost:PORT (default {PORT}; 0: any free one)",
     )
     add_language(parser)
+    add_parameter_output(parser)
     add_verdict_formats(parser)
     add_fail_on(parser)
     add_baseline(parser)

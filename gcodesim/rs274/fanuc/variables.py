@@ -6,6 +6,7 @@ program reads and writes them in its own.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Final
 
 from gcodesim.rs274.fault import Fault
@@ -85,6 +86,11 @@ class Variables(Parameters):
         if number == 3007:
             return float(sum(2**axis for axis in range(3) if control.state.mirror[axis] is not None))
         return self.numbers.get(number, 0.0)
+
+    def kept(self) -> Iterable[int]:
+        """#500–#999 and all offsets."""
+        kept = (range(500, 1000), *_OFFSETS, *_TOOL_OFFSETS)
+        return [number for number in self.numbers if any(number in part for part in kept)]
 
     def get(self, number: int) -> float:
         """As other files of the package read: #1–#33 of the running macro, everything else as stored."""

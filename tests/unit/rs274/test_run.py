@@ -234,7 +234,7 @@ def test_tool_table_file():
 
 
 def test_parameter_file():
-    values, findings = read_parameters(SourceText("a.var", b"5221\t100.5\n31 -2\nx 3\n9999 1\n5 1_0\n"))
+    values, findings = read_parameters(SourceText("a.var", b"5221\t100.5\n31 -2\nx 3\n29999 1\n5 1_0\n"))
 
     assert values == {5221: 100.5, 31: -2.0}
     assert [f.span.line for f in findings] == [3, 4, 5]
