@@ -3,7 +3,7 @@
 from gcodesim.log.blocks import BlockColumns
 from gcodesim.log.container import LogWriteError
 from gcodesim.log.description import LogDescription, MotionColumns, ProcessColumns, StaticFrame
-from gcodesim.log.layout import View, layout
+from gcodesim.log.layout import Camera, View, layout
 from gcodesim.log.messages import Output, ProgramState
 from gcodesim.log.shapes import Box, Capsule, Cone, Cylinder, Entity, Mesh, Polylines, Shape, Sphere
 from gcodesim.log.writer import LogWriter
@@ -11,6 +11,7 @@ from gcodesim.log.writer import LogWriter
 __all__ = [
     "BlockColumns",
     "Box",
+    "Camera",
     "Capsule",
     "Cone",
     "Cylinder",

@@ -17,30 +17,45 @@ from gcodesim.log.topics import MOST_TILES, topic_table
 KINDS: Final = ("milling", "robot", "process")
 
 Json = dict[str, Any]
+Node = str | Json
+"""A panel by its name, or two of these side by side."""
 
 _VOLUME: Final = "Plot!volume"
+_CELL: Final = "3D!cell"
+_PART: Final = "3D!part"
+
+_AXES: Final = 0.03
+"""Length of the axes at the tip, as a part of the distance of the camera."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Camera:
+    """Looks at `target` [m] in world, from `distance` [m]."""
+
+    target: tuple[float, float, float] = (0.0, 0.0, 0.25)
+    distance: float = 2.4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class View:
-    """Where the camera looks, `target` [m] in world, from `distance` [m]; between which volumes [m³] the plot goes.
+    """Camera of the cell, and one close to the part where the first is far; between which volumes [m³] the plot goes.
 
     The volumes are needed because a viewer's axis is not finer than 0.001 by itself.
     """
 
-    target: tuple[float, float, float] = (0.0, 0.0, 0.25)
-    distance: float = 2.4
+    cell: Camera = Camera()
+    part: Camera | None = None
     volumes: tuple[float, float] | None = None
 
 
 def layout(kind: str, joints: Sequence[str], outputs: Sequence[str] = (), view: View | None = None) -> bytes:
     """A layout as JSON for a log with those joints and outputs (names as in `/program`). KeyError for another kind."""
     view = view or View()
-    panels, arrangement = {"milling": _milling, "robot": _robot, "process": _process}[kind](joints)
+    panels, right = {"milling": _milling, "robot": _robot, "process": _process}[kind](joints)
     if view.volumes is not None and _VOLUME in panels:
         panels[_VOLUME] |= {"minYValue": view.volumes[0], "maxYValue": view.volumes[1]}
+    panels |= {name: _scene(name, camera) for name, camera in _cameras(view).items()}
     panels |= {
-        "3D!cell": _scene(view),
         "StateTransitions!program": _states(outputs),
         "RosOut!log": {**_titled("log"), "searchTerms": [], "minLogLevel": 1, "topicToRender": "/log"},
         "RawMessages!block": _raw("block", "/program.text"),
@@ -51,7 +66,7 @@ def layout(kind: str, joints: Sequence[str], outputs: Sequence[str] = (), view: 
         "globalVariables": {},
         "userNodes": {},
         "playbackConfig": {"speed": 1},
-        "layout": arrangement,
+        "layout": _whole(list(_cameras(view)), right),
     }
     return (json.dumps(whole, indent=1) + "\n").encode()
 
@@ -59,16 +74,26 @@ def layout(kind: str, joints: Sequence[str], outputs: Sequence[str] = (), view: 
 def view_of(layout_json: bytes) -> View:
     """Where the camera of a layout looks; ValueError or KeyError when it is none of ours."""
     panels = json.loads(layout_json)["configById"]
-    camera, plot = panels["3D!cell"]["cameraState"], panels.get(_VOLUME, {})
-    x, y, z = camera["targetOffset"]
+    plot = panels.get(_VOLUME, {})
     volumes = (plot["minYValue"], plot["maxYValue"]) if "minYValue" in plot else None
-    return View(target=(x, y, z), distance=camera["distance"], volumes=volumes)
+    part = _camera_of(panels[_PART]) if _PART in panels else None
+    return View(cell=_camera_of(panels[_CELL]), part=part, volumes=volumes)
+
+
+def _camera_of(panel: Json) -> Camera:
+    x, y, z = panel["cameraState"]["targetOffset"]
+    return Camera(target=(x, y, z), distance=panel["cameraState"]["distance"])
+
+
+def _cameras(view: View) -> dict[str, Camera]:
+    """The cameras by their panels."""
+    return {_CELL: view.cell} | ({} if view.part is None else {_PART: view.part})
 
 
 # ---- what each kind shows
 
 
-def _milling(joints: Sequence[str]) -> tuple[Json, Json]:
+def _milling(joints: Sequence[str]) -> tuple[Json, Node]:
     panels = {
         "Plot!force": _plot("force [N], power [W]", {"force": "/process.force_n", "power": "/process.power_w"}),
         "Plot!feed": _plot("feed [m/s]", _FEED),
@@ -81,10 +106,10 @@ def _milling(joints: Sequence[str]) -> tuple[Json, Json]:
     right = _column(
         _row("Plot!force", "Plot!feed"), _row("Plot!spindle", _VOLUME), _row("Plot!axes", _TEXTS), _LOG
     )
-    return panels, _with_scene(right)
+    return panels, right
 
 
-def _robot(joints: Sequence[str]) -> tuple[Json, Json]:
+def _robot(joints: Sequence[str]) -> tuple[Json, Node]:
     panels = {
         "Plot!joints": _plot("joints [rad, m]", _of_joints(joints, "position")),
         "Plot!efforts": _plot("effort [N m, N]", _of_joints(joints, "effort")),
@@ -102,10 +127,10 @@ def _robot(joints: Sequence[str]) -> tuple[Json, Json]:
         _row("Plot!force", "Plot!feed"),
         _row(_LOG, _TEXTS),
     )
-    return panels, _with_scene(right)
+    return panels, right
 
 
-def _process(joints: Sequence[str]) -> tuple[Json, Json]:
+def _process(joints: Sequence[str]) -> tuple[Json, Node]:
     panels = {
         _VOLUME: _plot("removed [m3]; below 0 added", {"volume": "/process.removed_m3"}),
         "Plot!feed": _plot("feed [m/s]", _FEED),
@@ -119,7 +144,7 @@ def _process(joints: Sequence[str]) -> tuple[Json, Json]:
         _row("Plot!limits", "Plot!joints"),
         _row(_LOG, _TEXTS),
     )
-    return panels, _with_scene(right)
+    return panels, right
 
 
 _FEED: Final = {"tip": "/motion.feed_m_s", "command": "/motion.feed_command_m_s"}
@@ -146,12 +171,12 @@ def _plot(title: str, paths: dict[str, str], lines: Sequence[float] = ()) -> Jso
         "paths": [{**curve, "enabled": True, "timestampMethod": "receiveTime"} for curve in curves],
         "showXAxisLabels": True,
         "showYAxisLabels": True,
-        "showLegend": True,
-        "legendDisplay": "floating",
+        "showLegend": len(curves) > 1,
+        "legendDisplay": "left",
         "showPlotValuesInLegend": False,
         "isSynced": True,
         "xAxisVal": "timestamp",
-        "sidebarDimension": 220,
+        "sidebarDimension": 100,
     }
 
 
@@ -170,17 +195,17 @@ def _raw(title: str, topic: str) -> Json:
     return {**_titled(title), **unused, "topicPath": topic}
 
 
-def _scene(view: View) -> Json:
+def _scene(panel: str, camera: Camera) -> Json:
     scenes = [topic.name for topic in topic_table(MOST_TILES, MOST_TILES) if topic.schema == "foxglove.SceneUpdate"]
     return {
-        **_titled("cell"),
+        **_titled(panel.partition("!")[2]),
         "cameraState": {
             "perspective": True,
-            "distance": view.distance,
+            "distance": camera.distance,
             "phi": 60,
             "thetaOffset": 40,
             "target": [0, 0, 0],
-            "targetOffset": list(view.target),
+            "targetOffset": list(camera.target),
             "targetOrientation": [0, 0, 0, 1],
             "fovy": 45,
             "near": 0.01,
@@ -201,8 +226,8 @@ def _scene(view: View) -> Json:
         "transforms": {},
         "topics": {
             **{topic: {"visible": True, "showOutlines": False} for topic in scenes},
-            "/tcp": {"visible": True, "type": "axis", "axisScale": 0.05},
-            "/target": {"visible": False, "type": "axis", "axisScale": 0.05},
+            "/tcp": {"visible": True, "type": "axis", "axisScale": round(_AXES * camera.distance, 4)},
+            "/target": {"visible": False, "type": "axis", "axisScale": round(_AXES * camera.distance, 4)},
         },
         "layers": {
             "floor": {
@@ -235,9 +260,6 @@ def _scene(view: View) -> Json:
 
 # ---- where they stand
 
-Node = str | Json
-
-
 def _split(direction: str, nodes: Sequence[Node]) -> Node:
     """Panels side by side or one above the other, all of one size."""
     first, *others = nodes
@@ -259,11 +281,11 @@ def _column(*nodes: Node) -> Node:
     return _split("column", nodes)
 
 
-def _with_scene(right: Node) -> Json:
+def _whole(scenes: Sequence[str], right: Node) -> Node:
     left = {
         "direction": "column",
         "splitPercentage": 70,
-        "first": "3D!cell",
+        "first": _row(*scenes),
         "second": "StateTransitions!program",
     }
     return {"direction": "row", "splitPercentage": 58, "first": left, "second": right}

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.frames import Array
-from gcodesim.log import View
+from gcodesim.log import Camera, View
 from gcodesim.recorder.ways import Ways
 
 if TYPE_CHECKING:
@@ -37,23 +38,28 @@ def layout_kind(shop: Shop) -> str:
 
 
 def view_of(shop: Shop, plan: Plan, ways: Ways, rapid: NDArray[np.bool_]) -> View:
-    """Robot and part, or on a machine the part alone; without a part the ways of the feeds, else of all rows."""
+    """The part from close by, a robot as a whole beside it; without a part the ways of the feeds, else of all rows."""
     work = _corners(shop)
     if not len(work):
         fed = ways.polylines(~rapid).points
         work = fed if len(fed) else ways.points
     if not len(work):
         return View(volumes=_volumes(shop, plan))
-    points = np.concatenate([work, _links(shop)]) if shop.is_arm else work
-    low, high = points.min(axis=0), points.max(axis=0)
-    middle, size = 0.5 * (low + high), float(np.linalg.norm(high - low))
+    part = _camera(work, diagonals=AROUND_WORK)
     if shop.is_arm:
-        distance = AROUND_ROBOT * size
-    else:
-        farthest = float(np.linalg.norm(ways.points - middle, axis=1).max(initial=0.0))
-        distance = max(CLOSEST, AROUND_WORK * size, AROUND_WAYS * farthest)
-    x, y, z = (round(float(v), 3) for v in middle)
-    return View(target=(x, y, z), distance=round(distance, 3), volumes=_volumes(shop, plan))
+        robot = _camera(np.concatenate([work, _links(shop)]), diagonals=AROUND_ROBOT)
+        return View(cell=robot, part=part, volumes=_volumes(shop, plan))
+    farthest = float(np.linalg.norm(ways.points - part.target, axis=1).max(initial=0.0))
+    distance = max(part.distance, round(AROUND_WAYS * farthest, 3))
+    return View(cell=replace(part, distance=distance), volumes=_volumes(shop, plan))
+
+
+def _camera(points: Array, *, diagonals: float) -> Camera:
+    """At the middle of `points` (n, 3) [m], from `diagonals` of their box."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    x, y, z = (round(float(v), 3) for v in 0.5 * (low + high))
+    distance = max(CLOSEST, diagonals * float(np.linalg.norm(high - low)))
+    return Camera(target=(x, y, z), distance=round(distance, 3))
 
 
 def _volumes(shop: Shop, plan: Plan) -> tuple[float, float] | None:

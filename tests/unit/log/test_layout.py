@@ -4,12 +4,17 @@ import json
 
 import pytest
 
-from gcodesim.log.layout import KINDS, View, layout, view_of
+from gcodesim.log.layout import KINDS, Camera, View, layout, view_of
 from gcodesim.log.schema import message_class
 from gcodesim.log.topics import MOST_TILES, topic_table
 
 JOINTS = ["mill/x", "mill/y"]
 OUTPUTS = ["analog 2", "digital 1", "gripper"]
+FAR = View(
+    cell=Camera(target=(0.5, -0.25, 1.0), distance=3.5),
+    part=Camera(target=(0.9, 0.0, 0.5), distance=0.4),
+    volumes=(-1e-5, 2e-4),
+)
 
 every_kind = pytest.mark.parametrize("kind", KINDS)
 
@@ -30,15 +35,17 @@ def paths(kind):
 
 @every_kind
 def test_every_scene_topic_is_named_and_visible(kind):
-    shown = made(kind)["configById"]["3D!cell"]["topics"]
-    for topic in topic_table(MOST_TILES, MOST_TILES):
-        if topic.schema == "foxglove.SceneUpdate":
-            assert shown[topic.name]["visible"], topic.name
+    panels = made(kind, view=FAR)["configById"]
+    for panel in ("3D!cell", "3D!part"):
+        for topic in topic_table(MOST_TILES, MOST_TILES):
+            if topic.schema == "foxglove.SceneUpdate":
+                assert panels[panel]["topics"][topic.name]["visible"], topic.name
 
 
 @every_kind
-def test_every_panel_has_its_settings_and_its_place(kind):
-    data = made(kind)
+@pytest.mark.parametrize("view", [None, FAR], ids=["one camera", "two cameras"])
+def test_every_panel_has_its_settings_and_its_place(kind, view):
+    data = made(kind, view=view)
     assert sorted(leaves(data["layout"])) == sorted(data["configById"])
     for panel in data["configById"].values():
         if "topicToRender" not in panel:
@@ -82,6 +89,14 @@ def test_each_kind_has_plots_of_its_own():
 
 
 def test_the_view_can_be_taken_from_one_layout_to_another():
-    view = View(target=(0.5, -0.25, 1.0), distance=3.5, volumes=(-1e-5, 2e-4))
-    assert view_of(layout("milling", JOINTS, view=view)) == view
-    assert view_of(layout("process", JOINTS, view=view_of(layout("milling", JOINTS, view=view)))) == view
+    for view in (FAR, View(cell=FAR.cell), View()):
+        assert view_of(layout("milling", JOINTS, view=view)) == view
+        assert view_of(layout("process", JOINTS, view=view_of(layout("milling", JOINTS, view=view)))) == view
+
+
+def test_cameras_look_where_they_are_told_and_axes_are_small_to_them():
+    panels = made("robot", view=FAR)["configById"]
+    for name, camera in (("3D!cell", FAR.cell), ("3D!part", FAR.part)):
+        state = panels[name]["cameraState"]
+        assert state["targetOffset"] == list(camera.target) and state["distance"] == camera.distance
+        assert panels[name]["topics"]["/tcp"]["axisScale"] < 0.05 * camera.distance
