@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import os
 import sys
+from argparse import Namespace
 from collections.abc import Sequence
 from typing import Final
 
@@ -21,9 +22,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(encoding="utf-8", errors="replace")  # a finding may quote any character of a program
-    parser = build_parser()
-    arguments = parser.parse_args(argv)
+    arguments: Namespace | None = None
     try:
+        arguments = build_parser().parse_args(argv)
         status = int(arguments.run(arguments))
         sys.stdout.flush()
         return status
