@@ -2,13 +2,16 @@
 
     python scripts/view_log.py LOG.mcap ...                      start, middle, end, and back again
     python scripts/view_log.py LOG.mcap --picture docs/replay.png --at 0.6
+    python scripts/view_log.py --live 8765 LOG.mcap              follows a run that `gcodesim run --live` has begun
 
 The viewer is the last published build of Foxglove Studio's open core, from
 which Lichtblick descends: the npm package `@foxglove/studio-base`. It is
 fetched once with `npm`, into ~/.cache/gcodesim-viewer. Needs npm, Debian's
 `chromium` and the Python package `playwright` (which drives it).
 
-A log is opened with the layout that it carries. At each moment the problem
+A log is opened with the layout that it carries; a run that is followed, with that of LOG, an earlier run of the same.
+The viewer is older than the present name of the live protocol and is taught it, as Lichtblick was.
+ At each moment the problem
 list of the viewer has to be empty, no panel may complain, every plot has to
 have curves; cut surface has to grow; and the picture of a moment has to be the
 same whether it was reached forwards or backwards.
@@ -46,11 +49,12 @@ PARTS = {
     "react.js": "react/umd/react.production.min.js",
     "react-dom.js": "react-dom/umd/react-dom.production.min.js",
 }
+OLD_NAME, NEW_NAME = b"foxglove.websocket.v1", b"foxglove.sdk.v1"
 OWN = Path(__file__).parent / "viewer"
 MOMENTS = (0.0, 0.5, 1.0, 0.5, 0.25, 0.0)
 def fetch_viewer(folder: Path) -> Path:
     """The web pages of the viewer in `folder`; fetched when they are not there."""
-    pages = folder / "pages"
+    pages = folder / "pages-2"
     if not pages.exists():
         with tempfile.TemporaryDirectory(dir=make(folder)) as scratch:
             made = Path(scratch)
@@ -62,6 +66,8 @@ def fetch_viewer(folder: Path) -> Path:
             (made / "pages").mkdir()
             for part, source in PARTS.items():
                 shutil.move(made / "packages" / _inside(source), made / "pages" / part)
+            script = made / "pages" / "assets" / "index.js"
+            script.write_bytes(script.read_bytes().replace(OLD_NAME, NEW_NAME))
             (made / "pages").rename(pages)
     return pages
 
@@ -144,10 +150,13 @@ class Viewer:
         self.page, self.complaints, self.close = page, list[str](), "3D!cell"
         page.on("pageerror", lambda error: self.complaints.append(f"page error: {error}"))
         page.goto(f"{site}/index.html?{source}&layoutId=log", timeout=120_000)
-        page.get_by_text("END TIME").wait_for(timeout=120_000)
+        page.get_by_text("START TIME").wait_for(timeout=120_000)
         page.get_by_text("Problems", exact=True).click()
         self.close = self.panels("3D")[-1]  # where the part is large
-        self.settled()
+        if "remote-file" in source:
+            self.settled()
+        else:
+            page.wait_for_timeout(5_000)
         page.on("console", self._hear)  # only now: before the data is there, frames are missing
 
     def _hear(self, message: Any) -> None:
@@ -247,6 +256,23 @@ def check(viewer: Viewer, shots: Path | None = None) -> list[str]:
     return [*wrong, *_empty_plots(viewer), *viewer.complaints]
 
 
+def follow(viewer: Viewer, shots: Path | None = None) -> list[str]:
+    """What the viewer does not show of a run that goes on."""
+    wrong, scenes = [], list[Picture]()
+    for i in range(4):
+        scenes.append(pixels(viewer.picture(viewer.close)))
+        if shots is not None:
+            shots.with_name(f"live_{i}.png").write_bytes(viewer.picture())
+        print(f"  {coloured(scenes[-1])} coloured pixels in the scene, {cut_surface(scenes[-1])} of cut surface")
+        problems = viewer.problems()
+        if problems:
+            wrong.append(f"problem list: {problems}")
+        time.sleep(2.0)
+    if all(alike(scenes[0], scene) for scene in scenes):
+        wrong.append("the scene does not change")
+    return [*wrong, *_empty_plots(viewer), *viewer.complaints]
+
+
 def _empty_plots(viewer: Viewer) -> Iterator[str]:
     for plot in viewer.panels("Plot"):
         if coloured(pixels(viewer.picture(plot))) < 150:
@@ -258,6 +284,7 @@ def main() -> int:
 
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("logs", nargs="+", type=Path, metavar="LOG")
+    parser.add_argument("--live", metavar="PORT", help="follow a run at this port")
     parser.add_argument("--picture", type=Path, help="only take a picture")
     parser.add_argument("--at", type=float, default=0.6, help="part of the log that the picture shows")
     parser.add_argument("--shots", type=Path, metavar="FOLDER", help="keep a picture of each moment")
@@ -275,14 +302,17 @@ def main() -> int:
             )
             with served({"run.mcap": log, "layout.json": layout}, pages) as site:
                 page = browser.new_page(viewport={"width": 1720, "height": 1000})
-                viewer = Viewer(page, site, f"ds=remote-file&ds.url={site}/run.mcap")
+                source = f"ds=remote-file&ds.url={site}/run.mcap"
+                if arguments.live:
+                    source = f"ds=foxglove-websocket&ds.url=ws://127.0.0.1:{arguments.live}"
+                viewer = Viewer(page, site, source)
                 print(log)
                 if arguments.picture:
                     viewer.seek(arguments.at)
                     arguments.picture.write_bytes(viewer.whole())
                     continue
                 shots = None if arguments.shots is None else make(arguments.shots) / log.parent.name
-                wrong = check(viewer, shots)
+                wrong = follow(viewer, shots) if arguments.live else check(viewer, shots)
                 bad += bool(wrong)
                 print("\n".join(f"  {line}" for line in wrong) if wrong else "  good")
                 page.close()
