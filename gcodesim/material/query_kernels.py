@@ -13,7 +13,7 @@ Ints = NDArray[np.int32]
 Bytes = NDArray[np.uint8]
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def surrounding(grid: Array, x: float, y: float) -> tuple[int, int, float, float]:
     """The four columns around (x, y): first index i, j and weights wx, wy of the second ones [-].
 
@@ -26,7 +26,7 @@ def surrounding(grid: Array, x: float, y: float) -> tuple[int, int, float, float
     return int(i), int(j), u - i, v - j
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def occupancy(lo: Array, hi: Array, count: Ints, grid: Array, x: float, y: float, z0: float, z1: float) -> float:
     """Share [-] of the height z0..z1 (z0 < z1) [m] that is material at (x, y): bilinear between column centres.
 
@@ -48,7 +48,7 @@ def occupancy(lo: Array, hi: Array, count: Ints, grid: Array, x: float, y: float
     return total / (z1 - z0)
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def fill_slices(
     lo: Array, hi: Array, count: Ints, grid: Array, x: float, y: float, z0: float, dz: float, out: Array
 ) -> float:
@@ -86,7 +86,7 @@ def fill_slices(
     return total
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def highest(hi: Array, count: Ints, grid: Array, x: float, y: float) -> float:
     """Height [m] of the highest material in the column that holds (x, y); -inf when there is none."""
     nx, ny = count.shape
@@ -96,7 +96,7 @@ def highest(hi: Array, count: Ints, grid: Array, x: float, y: float) -> float:
     return float(hi[i, j, count[i, j] - 1])
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def is_material(lo: Array, hi: Array, count: Ints, grid: Array, x: float, y: float, z: float) -> bool:
     """Whether the point (x, y, z) [m] lies in material."""
     nx, ny = count.shape
@@ -109,7 +109,7 @@ def is_material(lo: Array, hi: Array, count: Ints, grid: Array, x: float, y: flo
     return inside
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def highest_under(hi: Array, count: Ints, grid: Array, x: float, y: float, radius: float) -> float:
     """Height [m] of the highest material under a disc of `radius` around (x, y); -inf when there is none."""
     nx, ny = count.shape
@@ -128,7 +128,7 @@ def highest_under(hi: Array, count: Ints, grid: Array, x: float, y: float, radiu
     return top
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def volume_of(lo: Array, hi: Array, count: Ints, grid: Array) -> float:
     """Volume [m^3] of all material; summed row by row, so that the rounding of a large stock stays small."""
     nx, ny = count.shape
@@ -142,7 +142,7 @@ def volume_of(lo: Array, hi: Array, count: Ints, grid: Array) -> float:
     return total * float(grid[2] * grid[3])
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def patch_tops(hi: Array, count: Ints, tops: Array) -> None:
     """Fill `tops` (patches) with the height [m] of the highest material of each patch."""
     for pi in range(tops.shape[0]):
@@ -150,7 +150,7 @@ def patch_tops(hi: Array, count: Ints, tops: Array) -> None:
             tops[pi, pj] = patch_top(hi, count, pi, pj)
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def difference(
     lo_a: Array, hi_a: Array, count_a: Ints, ia: int, ja: int, lo_b: Array, hi_b: Array, count_b: Ints, ib: int, jb: int
 ) -> float:

@@ -26,7 +26,7 @@ NONE = np.inf  # floor of a column that nothing is swept out of
 PATCH_SHIFT = 4  # columns are watched in patches of 16 x 16
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def subtract(lo: Array, hi: Array, count: Ints, i: int, j: int, bottom: float, top: float) -> float:
     """Take [bottom, top] out of column (i, j); returns the removed length [m], or -1 when there is no room to split.
 
@@ -69,7 +69,7 @@ def subtract(lo: Array, hi: Array, count: Ints, i: int, j: int, bottom: float, t
     return removed
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def overlap(lo: Array, hi: Array, count: Ints, i: int, j: int, bottom: float, top: float) -> float:
     """Length [m] of material of column (i, j) inside [bottom, top]."""
     total = 0.0
@@ -80,7 +80,7 @@ def overlap(lo: Array, hi: Array, count: Ints, i: int, j: int, bottom: float, to
     return total
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def mark_tall(low: Array, high: Array, height: float) -> bool:
     """Whether any of the columns low..high (n,) [m] ends above `height` [m]."""
     tall = np.uint8(0)
@@ -89,7 +89,7 @@ def mark_tall(low: Array, high: Array, height: float) -> bool:
     return bool(tall > 0)
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def floor_of_disc(
     low: Array, high: Array, y: Array, x: float, ux: float, uy: float, length: float, radius2: float, bottom: float,
     floor: Array,
@@ -106,7 +106,7 @@ def floor_of_disc(
         floor[j] = bottom if hit & np.uint8(high[j] > low[j]) else NONE
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def floor_of_ball(
     low: Array, high: Array, y: Array, x: float, ux: float, uy: float, length: float, slope: float, radius2: float,
     middle: float, floor: Array,
@@ -124,7 +124,7 @@ def floor_of_ball(
         floor[j] = deep if hit else NONE
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def remove_piece(
     lo: Array,
     hi: Array,
@@ -232,7 +232,7 @@ def remove_piece(
     return total * grid[2] * grid[3], True
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def touch_piece(
     lo: Array, hi: Array, count: Ints, grid: Array, tops: Array, start: Array, end: Array, shape: Array
 ) -> tuple[float, float]:
@@ -280,7 +280,7 @@ def touch_piece(
     return volume * grid[2] * grid[3], depth
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def patch_top(hi: Array, count: Ints, pi: int, pj: int) -> float:
     """Height [m] of the highest material in patch (pi, pj); -inf when it is empty."""
     nx, ny = count.shape

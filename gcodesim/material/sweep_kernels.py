@@ -28,7 +28,7 @@ NUDGE_X = 1.0e-7
 NUDGE_Y = 0.63e-7
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def piece_line(start: Array, end: Array) -> tuple[float, float, float, float, float, float, float]:
     """Straight piece as (x, y, z of its start, unit direction ux, uy, horizontal length [m], slope dz/du [-]).
 
@@ -42,7 +42,7 @@ def piece_line(start: Array, end: Array) -> tuple[float, float, float, float, fl
     return start[0], start[1], start[2], dx / length, dy / length, length, (end[2] - start[2]) / length
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def underside(shape: Array, rho: float) -> float:
     """Height b(rho) [m] of the tool's underside above the lowest point of the shape, at radius rho <= shape[1]."""
     beyond = rho - float(shape[3])
@@ -56,7 +56,7 @@ def underside(shape: Array, rho: float) -> float:
     return corner - float(np.sqrt(max(corner * corner - beyond * beyond, 0.0)))
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def bull_nose_reach(flat: float, corner: float, c: float, slope: float) -> float:
     """Distance |u| [m] at which a corner of radius `corner` around a flat of radius `flat` is lowest over a column.
 
@@ -90,7 +90,7 @@ def bull_nose_reach(flat: float, corner: float, c: float, slope: float) -> float
     return u
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def rises_at(flat: float, corner: float, c2: float, slope: float, u: float) -> bool:
     """Whether slope * u + b(rho) of a bull nose rises with u there; multiplied out, so that the rim has no pole."""
     rho = np.sqrt(u * u + c2)
@@ -100,7 +100,7 @@ def rises_at(flat: float, corner: float, c2: float, slope: float, u: float) -> b
     return bool(slope * rho * np.sqrt(max(corner * corner - beyond * beyond, 0.0)) + beyond * u > 0.0)
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def lowest_at(shape: Array, c2: float, slope: float, first: float, last: float) -> float:
     """The u [m] at which slope * u + b(rho) is least; first <= u <= last, all of it over the column; c2 = c^2."""
     if slope == 0.0:
@@ -128,7 +128,7 @@ def lowest_at(shape: Array, c2: float, slope: float, first: float, last: float) 
     return min(max(free, first), last)
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def swept_interval(
     shape: Array, c2: float, along: float, low_z: float, high_z: float, z: float, length: float, slope: float
 ) -> tuple[float, float]:
@@ -153,7 +153,7 @@ def swept_interval(
     return bottom, top
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def row_range(origin: float, step: float, nudge: float, count: int, least: float, most: float) -> tuple[int, int]:
     """First and last + 1 index of the columns whose (nudged) centres lie in [least, most], widened by one."""
     first = int(np.floor((least - origin) / step - 0.5 - nudge)) - 1
@@ -161,7 +161,7 @@ def row_range(origin: float, step: float, nudge: float, count: int, least: float
     return max(first, 0), min(last, count)
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def strip_range(
     x: float, radius: float, x0: float, y0: float, ux: float, uy: float, length: float
 ) -> tuple[float, float]:

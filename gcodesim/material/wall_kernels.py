@@ -26,7 +26,7 @@ Singles = NDArray[np.float32]
 SAME_PLACE = 1.0e-5  # walls nearer than this part of a cell are the same wall, cut again
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def forget_walls(walls: Singles, i: int, j: int) -> float:
     """Drop the walls of column (i, j), because it was cut itself; returns the strips they held [m]."""
     held = 0.0
@@ -41,7 +41,7 @@ def forget_walls(walls: Singles, i: int, j: int) -> float:
     return held
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def rim(side: int, offset: float, uf: float, um: float, length: float, radius: float) -> tuple[float, float, float]:
     """Rim of a swept disc on a line that crosses it: (position [m], weight, place along the piece [m]).
 
@@ -60,7 +60,7 @@ def rim(side: int, offset: float, uf: float, um: float, length: float, radius: f
     return um * s + side * np.sqrt(half2), half2 / (radius * radius), s
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def renew(walls: Singles, axis: int, i: int, j: int, side: int, beyond: float, strip: float) -> float:
     """Keep a wall that is new, goes further than the one that is held, or as far and deeper; returns the gain [m].
 
@@ -77,7 +77,7 @@ def renew(walls: Singles, axis: int, i: int, j: int, side: int, beyond: float, s
     return float(walls[2 + axis, i, j]) - held
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def material_above(lo: Array, hi: Array, count: Ints, i: int, j: int, bottom: float) -> float:
     """Length [m] of material of column (i, j) above `bottom`."""
     total = 0.0
@@ -87,7 +87,7 @@ def material_above(lo: Array, hi: Array, count: Ints, i: int, j: int, bottom: fl
     return total
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def reckon_walls(
     lo: Array,
     hi: Array,

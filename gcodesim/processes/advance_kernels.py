@@ -13,7 +13,7 @@ from gcodesim.processes.engagement_kernels import FROM, TO, TORQUE, Array
 LEAST, MOST = 1.0e-3, 4.0  # advance over feed within which a chip is reckoned with
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def edge_wrench(
     tool: Array, laws: Array, circle: Array, ux: float, uy: float, rows: Array, weights: Array, used: int, wrench: Array
 ) -> None:
@@ -50,7 +50,7 @@ def edge_wrench(
     wrench[TORQUE] = share * torque
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def solve_advance(rubbed: float, pushed: float, bent: float, feed: float, asked: float, exponent: float) -> float:
     """Advance over feed [-] of a step that begins with the tip `bent` along the feed (0: as the command) [m].
 

@@ -52,7 +52,7 @@ FORCE, TORQUE, CHIP, DEPTH, WIDTH, ENTRY, EXIT, CONTACT = 0, 6, 7, 8, 9, 10, 11,
 RESULT = 13
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def power_table(laws: Array, table: Array) -> None:
     """Fill `table` (3, TABLE) with x**p on 0..1 for the exponents laws[:, 1]: a power costs more than all the rest."""
     for component in range(3):
@@ -60,14 +60,14 @@ def power_table(laws: Array, table: Array) -> None:
             table[component, i] = (i / (table.shape[1] - 1.0)) ** laws[component, 1]
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def power_at(table: Array, component: int, left: int, part: float) -> float:
     """Value between point `left` of `table` and the next, `part` of the way."""
     value: float = (1.0 - part) * table[component, left] + part * table[component, left + 1]
     return value
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def clearances(grid: Array, ux: float, uy: float) -> tuple[float, float]:
     """How far [m] ahead of the cutter, and inside its width, to ask: no column around such a place is under it.
 
@@ -76,7 +76,7 @@ def clearances(grid: Array, ux: float, uy: float) -> tuple[float, float]:
     return float(np.sqrt(grid[2] * grid[2] + grid[3] * grid[3])), float(grid[2] * abs(uy) + grid[3] * abs(ux))
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def probe(
     r: float, outer: float, sine: float, cosine: float, ahead: float, aside: float, level: float
 ) -> tuple[float, float, float]:
@@ -94,7 +94,7 @@ def probe(
     return x + level * way, y + level * (wide - y), way
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def turned(sine: float, cosine: float, angle: float) -> tuple[float, float]:
     """Sine and cosine a small `angle` (up to 0.1 rad) further on; series, exact to the last digits."""
     b = angle * angle
@@ -103,14 +103,14 @@ def turned(sine: float, cosine: float, angle: float) -> tuple[float, float]:
     return sine * c + cosine * s, cosine * c - sine * s
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def plunge_way(rows: Array, i: int, cell: float, level: float) -> float:
     """Least way d [m] for row i: falling, so far that columns a cell nearer to the axis, with lower floor, are full."""
     steep = STEEPEST if rows[i, 2] > STEEPEST * rows[i, 3] else rows[i, 2] / rows[i, 3]
     return float((1.0 - level) * (0.5 * (rows[i, 6] - rows[i, 5]) + cell * steep))
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def share_at(
     lo: Array, hi: Array, count: Ints, grid: Array, tip: Array, ux: float, uy: float, level: float, climb: float,
     cell: float, rows: Array, i: int, sine: float, cosine: float,
@@ -128,7 +128,7 @@ def share_at(
     return float(occupancy(lo, hi, count, grid, x, y, low, high))
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def read_single(
     lo: Array, hi: Array, last_i: float, last_j: float, ny: np.uint64, us: Array, vs: Array, ups: Array, bottom: float,
     top: float, share: Array,
@@ -157,7 +157,71 @@ def read_single(
         share[k] = full if u == us[k] and v == vs[k] else ELSEWHERE
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
+def behind_range(sines: Array, gain: float, fall: float) -> int:
+    """How many angles from either side of the tool backwards an element may advance, up to a quarter of the circle.
+
+    It does where gain sin(phi) > fall; sines (ANGLES,) of the angles.
+    """
+    for k in range(ANGLES // 4):
+        if gain * sines[k] >= -fall:
+            return k
+    return ANGLES // 4
+
+
+@kernel(lean=True)
+def leave_advancing(sines: Array, level: float, sin_kappa: float, fall: float, line: Array) -> bool:
+    """Set the share (n,) to 0 where an element does not advance; whether any is left that is not known."""
+    unknown = np.uint8(0)
+    for k in range(line.shape[0]):
+        share = line[k] if level * sines[k] * sin_kappa - fall > LEAST_ADVANCE else 0.0
+        unknown |= np.uint8(share == ELSEWHERE)
+        line[k] = share
+    return bool(unknown > 0)
+
+
+@kernel(lean=True)
+def mark_steps(
+    sines: Array, level: float, sin_kappa: float, fall: float, line: Array, copy: Array, steps: Array
+) -> int:
+    """Copy `line` (n,) and mark in `steps` (n,) where it changes by more than half from angle to angle, both advancing.
+
+    Returns how many there are.
+    """
+    number = 0
+    for k in range(line.shape[0]):
+        copy[k] = line[k]
+    steps[0] = 0.0
+    # slices, because an index of which the compiler cannot see that it is not negative keeps it to one angle at a time
+    before, after, step_after, sines_before, sines_after = line[:-1], line[1:], steps[1:], sines[:-1], sines[1:]
+    for k in range(step_after.shape[0]):
+        advancing = np.uint8(level * sines_after[k] * sin_kappa - fall > LEAST_ADVANCE)
+        advancing &= np.uint8(level * sines_before[k] * sin_kappa - fall > LEAST_ADVANCE)
+        step = advancing & np.uint8(abs(after[k] - before[k]) > 0.5)
+        step_after[k] = 1.0 if step else 0.0
+        number += 1 if step else 0
+    return number
+
+
+@kernel(lean=True)
+def reach_of(share: Array, steps: Array) -> tuple[int, int]:
+    """The range of angles of which `share` (n,) is not 0, or can get a part of what is across a step."""
+    n = share.shape[0]
+    begin, end = 0, n
+    while begin < n and share[begin] <= 0.0:
+        begin += 1
+    if begin == n:
+        return n, 0
+    while share[end - 1] <= 0.0:
+        end -= 1
+    if steps[begin] > 0.0:
+        begin -= 1
+    if end < n and steps[end] > 0.0:
+        end += 1
+    return begin, end
+
+
+@kernel(lean=True)
 def contact_of_rows(
     lo: Array, hi: Array, count: Ints, grid: Array, circle: Array, tip: Array, ux: float, uy: float, level: float,
     climb: float, rows: Array, first: int, number: int, last: int, weights: Array, places: Array,
@@ -177,7 +241,8 @@ def contact_of_rows(
     tip_u, tip_v = (tip[0] - grid[0]) * to_x - 0.5, (tip[1] - grid[1]) * to_y - 0.5
     uxx, uyx, uxy, uyy = ux * to_x, uy * to_x, ux * to_y, uy * to_y
     single = lo.shape[2] == 1 and nx > 1 and ny > 1  # nearly always
-    sines, cosines, us, vs, ups = circle[0], circle[1], places[0, :last], places[1, :last], places[2, :last]
+    lows, highs = lo.reshape(lo.size), hi.reshape(hi.size)
+    sines, cosines, us, vs, ups = circle[0], circle[1], places[0], places[1], places[2]
     found = False
     for i in range(first, first + number):
         radius, outer = rows[i, 0], rows[i, 7] + ahead
@@ -187,8 +252,11 @@ def contact_of_rows(
         bottom, top = tip[2] + rows[i, 5] + min(0.5 * (1.0 - level) * cell * climb, 0.0), tip[2] + rows[i, 6]
         top = max(top, bottom + THIN)
         line = weights[i, :last]
+        behind = behind_range(sines, level * sin_kappa, LEAST_ADVANCE + fall) if last == ANGLES else 0
+        front_end, back_begin = min(ANGLES // 2 + behind, last), last - behind
+        line[front_end:back_begin] = ELSEWHERE
         # where to ask, for all angles first: no branches, no dependence between turns, so several angles go at a time
-        for k in range(last):
+        for k in range(front_end):
             px, py = radius * sines[k], radius * cosines[k]
             wide = min(max(py, -inside), inside)
             front = sines[k] > 0.0
@@ -198,47 +266,55 @@ def contact_of_rows(
             us[k] = tip_u + uxx * px - uyx * py
             vs[k] = tip_v + uyy * px + uxy * py
             ups[k] = climb * max(way, least_way)
+        for k in range(back_begin, last):
+            px, py = radius * sines[k] + level * ahead, radius * cosines[k]
+            us[k] = tip_u + uxx * px - uyx * py
+            vs[k] = tip_v + uyy * px + uxy * py
+            ups[k] = climb * max(ahead, least_way)
         if single:
+            limit_i, limit_j, columns = np.float64(nx - 2), np.float64(ny - 2), np.uint64(ny)
             read_single(
-                lo.reshape(nx * ny), hi.reshape(nx * ny), np.float64(nx - 2), np.float64(ny - 2), np.uint64(ny), us,
-                vs, ups, bottom, top, line,
+                lows, highs, limit_i, limit_j, columns, us[:front_end], vs[:front_end], ups[:front_end], bottom, top,
+                line[:front_end],
+            )  # fmt: skip
+            read_single(
+                lows, highs, limit_i, limit_j, columns, us[back_begin:last], vs[back_begin:last], ups[back_begin:last],
+                bottom, top, line[back_begin:],
             )  # fmt: skip
         else:
             line[:] = ELSEWHERE
-        earlier = -1.0
-        begin, end = last, 0
+        if leave_advancing(sines, level, sin_kappa, fall, line):
+            for k in range(last):
+                if line[k] == ELSEWHERE:
+                    line[k] = share_at(
+                        lo, hi, count, grid, tip, ux, uy, level, climb, cell, rows, i, sines[k], cosines[k]
+                    )  # fmt: skip
+        found_share, steps = us[:last], vs[:last]  # the places are not needed any more
+        left = mark_steps(sines, level, sin_kappa, fall, line, found_share, steps)
+        begin, end = reach_of(found_share, steps)
         for k in range(last):
-            if level * sines[k] * sin_kappa - fall <= LEAST_ADVANCE:
-                line[k] = 0.0
-                earlier = -1.0
+            if left == 0:
+                break
+            if steps[k] == 0.0:
                 continue
-            w = line[k]
-            if w == ELSEWHERE:
-                w = share_at(lo, hi, count, grid, tip, ux, uy, level, climb, cell, rows, i, sines[k], cosines[k])
-                line[k] = w
-            if earlier >= 0.0 and abs(w - earlier) > 0.5:
-                least, most = 0.0, 1.0
-                for _ in range(4):
-                    middle = 0.5 * (least + most)
-                    sine, cosine = turned(sines[k - 1], cosines[k - 1], middle * (2.0 * np.pi / ANGLES))
-                    between = share_at(lo, hi, count, grid, tip, ux, uy, level, climb, cell, rows, i, sine, cosine)
-                    if (between > 0.5 * (w + earlier)) == (w > earlier):
-                        most = middle
-                    else:
-                        least = middle
-                locate_edge(weights, i, k, 0.5 * (least + most))
-                begin = min(begin, k - 1)
-                end = k + 1
-            earlier = w
-            if w > 0.0:
-                begin = min(begin, k)
-                end = k + 1
+            left -= 1
+            earlier, w = found_share[k - 1], found_share[k]
+            least, most = 0.0, 1.0
+            for _ in range(4):
+                middle = 0.5 * (least + most)
+                sine, cosine = turned(sines[k - 1], cosines[k - 1], middle * (2.0 * np.pi / ANGLES))
+                between = share_at(lo, hi, count, grid, tip, ux, uy, level, climb, cell, rows, i, sine, cosine)
+                if (between > 0.5 * (w + earlier)) == (w > earlier):
+                    most = middle
+                else:
+                    least = middle
+            locate_edge(weights, i, k, 0.5 * (least + most))
         rows[i, FROM], rows[i, TO] = begin, end
         found = found or end > begin
     return found
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def locate_edge(weights: Array, i: int, k: int, fraction: float) -> None:
     """Move the limit between angles k-1 and k of row i: it lies `fraction` (0..1) of the way."""
     shift = fraction - 0.5
@@ -249,7 +325,7 @@ def locate_edge(weights: Array, i: int, k: int, fraction: float) -> None:
         weights[i, k - 1] = (1.0 + shift) * before - shift * here
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def contact_of_cylinder(
     lo: Array, hi: Array, count: Ints, grid: Array, circle: Array, tip: Array, ux: float, uy: float, level: float,
     climb: float, rows: Array, first: int, number: int, weights: Array, line: Array,
@@ -306,7 +382,7 @@ def contact_of_cylinder(
     return end > begin
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def solid(
     lo: Array, hi: Array, count: Ints, grid: Array, x: float, y: float, z0: float, z1: float
 ) -> tuple[int, float]:
@@ -326,7 +402,7 @@ def solid(
     return 1, ((1.0 - wy) * ((1.0 - wx) * a + wx * b) + wy * ((1.0 - wx) * c + wx * d)) / (z1 - z0)
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def lay_rows(edge: Array, height: float, cell: float, rows: Array, piece: int) -> int:
     """Cut the part of piece `piece` of the edge (k, 8) below `height` [m] into rows; returns their number.
 
@@ -368,7 +444,7 @@ def lay_rows(edge: Array, height: float, cell: float, rows: Array, piece: int) -
     return number
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def unit_forces(
     laws: Array, table: Array, scale: Array, circle: Array, level: float, climb: float, sin_kappa: float,
     cos_kappa: float, begin: int, end: int, unit: Array,
@@ -401,7 +477,7 @@ def unit_forces(
         unit[2, k] = normal * cos_kappa - axial * sin_kappa
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def add_row(
     circle: Array, unit: Array, weights: Array, r: float, z: float, width: float, begin: int, end: int,
     force_u: Array, force_l: Array, force_z: Array, sums: Array,
@@ -412,13 +488,18 @@ def add_row(
 
     Sums over rows stay apart by angle: so this loop has no dependence between its turns.
     """
-    for k in range(begin, end):
-        b = weights[k] * width
-        tangential, inward = b * unit[0, k], b * unit[1, k]
-        a_u = -tangential * circle[1, k] - inward * circle[0, k]
-        a_l = tangential * circle[0, k] - inward * circle[1, k]
-        a_z = b * unit[2, k]
-        force_u[k], force_l[k], force_z[k] = a_u, a_l, a_z
+    # slices, because an index of which the compiler cannot see that it is not negative keeps it to one angle at a time
+    sines, cosines, share = circle[0, begin:end], circle[1, begin:end], weights[begin:end]
+    unit_t, unit_r, unit_a = unit[0, begin:end], unit[1, begin:end], unit[2, begin:end]
+    f_u, f_l, f_z = force_u[begin:end], force_l[begin:end], force_z[begin:end]
+    sums = sums[:, begin:end]
+    for k in range(share.shape[0]):
+        b = share[k] * width
+        tangential, inward = b * unit_t[k], b * unit_r[k]
+        a_u = -tangential * cosines[k] - inward * sines[k]
+        a_l = tangential * sines[k] - inward * cosines[k]
+        a_z = b * unit_a[k]
+        f_u[k], f_l[k], f_z[k] = a_u, a_l, a_z
         sums[0, k] += a_u
         sums[1, k] += a_l
         sums[2, k] += a_z
@@ -426,16 +507,16 @@ def add_row(
         sums[4, k] += z * a_l
         sums[5, k] += r * a_z
         sums[6, k] += r * tangential
-        sums[7, k] += weights[k]
-        sums[8, k] = max(sums[8, k], weights[k])
-        sums[9, k] = max(sums[9, k], weights[k] * r)
+        sums[7, k] += share[k]
+        sums[8, k] = max(sums[8, k], share[k])
+        sums[9, k] = max(sums[9, k], share[k] * r)
 
 
 SUMS = 10
 SPARE = 9  # rows below the sums: unit forces, places, components, slices, and one for who calls `cutting_force`
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def cutting_force(
     lo: Array, hi: Array, count: Ints, grid: Array, tool: Array, edge: Array, laws: Array, table: Array,
     circle: Array, tip: Array, ux: float, uy: float, level: float, climb: float, chip: float, top: float,
@@ -543,12 +624,12 @@ def cutting_force(
     return used
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def peak_force(tool: Array, rows: Array, force: Array, used: int, turning: Array) -> float:
     """Greatest force [N] within a revolution: all teeth and heights at once, each height late by its helix lag.
 
     Rows lag by z tan(helix) / radius; forces between the angles are interpolated.
-    turning (3, 2 ANGLES): scratch; one tooth's force over its angle at the tip, then that of all teeth behind it.
+    turning (3, 3 ANGLES + 1): scratch; one tooth's force over its angle at the tip, twice, then that of all teeth.
     """
     delta = 2.0 * np.pi / ANGLES
     teeth = int(tool[1])
@@ -563,27 +644,28 @@ def peak_force(tool: Array, rows: Array, force: Array, used: int, turning: Array
         for axis in range(3):
             source = force[axis, i]
             target = turning[axis, whole:]
-            for k in range(begin, end):
-                target[k] += (1.0 - part) * source[k]
-            for k in range(begin, end):
-                target[k + 1] += part * source[k]
-    for axis in range(3):
-        one, all_teeth = turning[axis, :ANGLES], turning[axis, ANGLES : 2 * ANGLES]
+            target[begin] += (1.0 - part) * source[begin]
+            inner, here, earlier = target[begin + 1 : end], source[begin + 1 : end], source[begin : end - 1]
+            for k in range(inner.shape[0]):
+                inner[k] = inner[k] + (1.0 - part) * here[k] + part * earlier[k]
+            target[end] += part * source[end - 1]
+    for axis in range(3):  # both halves in one, and the first angles again behind them for what turns past the end
+        one, all_teeth = turning[axis, : 2 * ANGLES + 1], turning[axis, 2 * ANGLES + 1 : 3 * ANGLES + 1]
         for k in range(ANGLES):
-            one[k] += all_teeth[k]
-            all_teeth[k] = 0.0
+            one[k] += one[ANGLES + k]
+            one[ANGLES + k] = one[k]
+        one[2 * ANGLES] = one[0]
         for tooth in range(teeth):
             place = tooth * ANGLES / teeth
             whole = int(place)
             part = place - whole
+            here, following = one[whole : whole + ANGLES], one[whole + 1 : whole + 1 + ANGLES]
             for k in range(ANGLES):
-                here = k + whole if k + whole < ANGLES else k + whole - ANGLES
-                following = here + 1 if here + 1 < ANGLES else 0
-                all_teeth[k] += (1.0 - part) * one[here] + part * one[following]
+                all_teeth[k] += (1.0 - part) * here[k] + part * following[k]
     greatest = 0.0
     for k in range(ANGLES):
         square = 0.0
         for axis in range(3):
-            square += turning[axis, ANGLES + k] ** 2
+            square += turning[axis, 2 * ANGLES + 1 + k] ** 2
         greatest = max(greatest, square)
     return float(np.sqrt(greatest))

@@ -124,7 +124,7 @@ class Milling:
             np.zeros((ROWS, ANGLES)),
             np.zeros((3, ROWS, ANGLES)),
             np.zeros((SUMS + SPARE, ANGLES)),
-            np.zeros((3, 2 * ANGLES + 2)),
+            np.zeros((3, 3 * ANGLES + 1)),
         )
         return (tool, cutter.edge, laws, table, circle, shapes, *scratch)
 

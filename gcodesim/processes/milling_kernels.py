@@ -76,7 +76,7 @@ CLOSE_ADVANCE = 0.02  # residual along the feed, as a share of the feed, since t
 RELAX_LEAST, RELAX_MOST = 0.01, 1.0
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def top_nearby(tops: Array, grid: Array, x: float, y: float, radius: float) -> float:
     """Height [m] that no material within `radius` of (x, y) surpasses; -inf where there is no stock."""
     size = 1 << PATCH_SHIFT
@@ -91,7 +91,7 @@ def top_nearby(tops: Array, grid: Array, x: float, y: float, radius: float) -> f
     return top
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def tighten_tops(
     hi: Array, count: Ints, tops: Array, grid: Array, state: Array, x: float, y: float, radius: float
 ) -> None:
@@ -109,7 +109,7 @@ def tighten_tops(
             tops[i, j] = patch_top(hi, count, i, j)
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def travel_between(before: Array, after: Array, state: Array) -> float:
     """Way [m] of the displaced tip in a step from `before` to `after` (3,)."""
     square = 0.0
@@ -119,13 +119,13 @@ def travel_between(before: Array, after: Array, state: Array) -> float:
     return float(np.sqrt(square))
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def bend(state: Array) -> float:
     """Deflection [m] of the tip."""
     return float(np.sqrt(state[DELTA] ** 2 + state[DELTA + 1] ** 2 + state[DELTA + 2] ** 2))
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def displacement(compliance: Array, wrench: Array, delta: Array) -> None:
     """delta (3,) [m] of the tip under `wrench` (6,); compliance (3, 6): its translation rows."""
     for axis in range(3):
@@ -135,13 +135,13 @@ def displacement(compliance: Array, wrench: Array, delta: Array) -> None:
         delta[axis] = total
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def along(vector: Array, ux: float, uy: float, level: float, climb: float) -> float:
     """Component of `vector` (3,) along the feed."""
     return float(level * (ux * vector[0] + uy * vector[1]) + climb * vector[2])
 
 
-@kernel(allocates=False)
+@kernel(lean=True)
 def solve_step(
     lo: Array, hi: Array, count: Ints, grid: Array, tool: Array, edge: Array, laws: Array, table: Array,
     circle: Array, compliance: Array, rigid: bool, tip: Array, ux: float, uy: float, level: float, climb: float,
