@@ -77,9 +77,11 @@ def results_of(job: Job, execution: Execution | None, *, failed: bool = False) -
     length = path.length
     rapid = (path.kind == RAPID) | (path.kind == HOME)
     row_time = plan.trajectory.row_time
+    ran: int | None = None
     if interrupted and execution is not None:  # what never ran does not count
-        ran = np.arange(len(path)) <= execution.last_row
-        length, row_time = np.where(ran, length, 0.0), np.where(ran, row_time, 0.0)
+        ran = execution.last_row + 1
+        length, row_time = length.copy(), row_time.copy()
+        length[ran:] = row_time[ran:] = 0.0
     rests = _rests(plan, execution)
     names = {number: tool.name for number, tool in shop.cell.tools.items()}
     stopped = job.stopped_at
@@ -94,10 +96,10 @@ def results_of(job: Job, execution: Execution | None, *, failed: bool = False) -
         feed_distance=float(length[~rapid].sum()),
         rapid_distance=float(length[rapid].sum()),
         stocks={} if execution is None else _stock_results(shop, execution),
-        tools=tool_rows(path, names, row_time, totals),
+        tools=tool_rows(path, names, row_time, length, totals),
         joints=_joints(plan, shop, execution),
         not_simulated=_not_simulated(job),
-        lines=line_rows(path, row_time, length, totals, [(e.row, e.event.span, e.duration) for e in rests]),
+        lines=line_rows(path, row_time, length, totals, [(e.row, e.event.span, e.duration) for e in rests], ran),
     )
 
 

@@ -132,12 +132,18 @@ Stand = tuple[int, Span, float]
 
 
 def line_rows(
-    path: ToolPath, time: Array, distance: Array, totals: RowTotals | None, stands: Sequence[Stand] = ()
+    path: ToolPath,
+    time: Array,
+    distance: Array,
+    totals: RowTotals | None,
+    stands: Sequence[Stand] = (),
+    ran: int | None = None,
 ) -> list[list[Any]]:
     """One row a program line: file, line, time, distance, mean feed, removed volume, greatest force.
 
     `time` [s] and `distance` [m] are those of each path row; a loop's passes are
     added up. The time of a line has its dwells and tool changes, the feed has not.
+    Where only the first `ran` path rows were reached, later lines are left out.
     """
     index, standing, places = _lines_of(path, stands)
     count = len(places)
@@ -150,6 +156,8 @@ def line_rows(
         removed += np.bincount(index, weights=totals.removed - totals.added, minlength=count)
         np.maximum.at(force, index, totals.force)
     speed = np.divide(metres, moving, out=np.zeros(count), where=moving > 0.0)
+    reached = np.zeros(count, dtype=bool)
+    reached[index[:ran]] = reached[standing] = True
     return [
         [
             file,
@@ -161,6 +169,7 @@ def line_rows(
             rounded(float(force[i]), 6),
         ]
         for i, (file, line) in enumerate(places)
+        if reached[i]
     ]
 
 
@@ -169,9 +178,7 @@ def _lines_of(path: ToolPath, stands: Sequence[Stand]) -> tuple[Ints, Ints, list
     known: dict[tuple[str, int], int] = {}
     of_span = [known.setdefault((span.file, span.line), len(known)) for span in path.spans]
     moving = np.array(of_span, dtype=np.int64)[path.source] if len(path) else np.zeros(0, dtype=np.int64)
-    standing = np.array(
-        [known.setdefault((span.file, span.line), len(known)) for _, span, _ in stands], dtype=np.int64
-    )
+    standing = np.array([known.setdefault((span.file, span.line), len(known)) for _, span, _ in stands], dtype=np.int64)
     used = np.concatenate([moving, standing])
     when = np.concatenate([2 * np.arange(len(moving)) + 1, np.array([2 * row for row, _, _ in stands], dtype=np.int64)])
     order, first = np.unique(used[np.argsort(when, kind="stable")], return_index=True)
@@ -182,13 +189,14 @@ def _lines_of(path: ToolPath, stands: Sequence[Stand]) -> tuple[Ints, Ints, list
     return rank[moving], rank[standing], [names[i] for i in order]
 
 
-def tool_rows(path: ToolPath, names: Mapping[int, str], time: Array, totals: RowTotals | None) -> list[dict[str, Any]]:
-    """One entry a tool that was in the spindle while something moved."""
+def tool_rows(
+    path: ToolPath, names: Mapping[int, str], time: Array, distance: Array, totals: RowTotals | None
+) -> list[dict[str, Any]]:
+    """One entry a tool that was in the spindle while something moved; `time` [s] and `distance` [m] of path rows."""
     if not len(path):
         return []
     numbers = np.array([state.tool for state in path.states], dtype=np.int64)[path.state]
     feeds = (path.kind != RAPID) & (path.kind != HOME)
-    length = path.length
     entries = []
     for number in sorted(set(numbers.tolist())):
         mine = numbers == number
@@ -198,7 +206,7 @@ def tool_rows(path: ToolPath, names: Mapping[int, str], time: Array, totals: Row
             "number": int(number),
             "name": names.get(int(number), f"T{number}"),
             "time_s": rounded(float(time[mine].sum())),
-            "feed_mm": rounded(float(length[mine & feeds].sum() / MM)),
+            "feed_mm": rounded(float(distance[mine & feeds].sum() / MM)),
         }
         force = np.zeros(1) if totals is None else totals.force[mine]
         removed = 0.0 if totals is None else float(totals.removed[mine].sum())

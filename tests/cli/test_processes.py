@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import json
 import os
 import signal
 import subprocess
@@ -87,10 +89,11 @@ def test_a_verdict_stands_when_nobody_reads_it_to_the_end(cli, write, tmp_path: 
         assert process.wait(60) == 1
 
 
-def test_an_interrupt_leaves_a_log_that_opens(cli, write, tmp_path: Path) -> None:
+@pytest.mark.parametrize("world", ["kinematic", "bullet"])
+def test_an_interrupt_leaves_a_log_that_opens(cli, write, tmp_path: Path, world: str) -> None:
     body = "".join(f"G1 X{10 + i % 60} Y{5 + i % 40} F200\n" for i in range(6000))
     write("part.nc", "G21 G90 G17 G94\nT1 M6\nG43 H1\nS8000 M3\nG0 Z5\nG1 Z-0.2 F300\n" + body + "G0 Z20\nM5\nM2\n")
-    process = _spawn("run", "part.nc", "--cell", "cell.yaml", cwd=tmp_path)
+    process = _spawn("run", "part.nc", "--cell", "cell.yaml", "--world", world, cwd=tmp_path)
     begin = time.monotonic()
     part = tmp_path / "out" / "run.mcap.part"
     while time.monotonic() - begin < 60 and not (part.exists() and part.stat().st_size > 300_000):
@@ -107,7 +110,12 @@ def test_an_interrupt_leaves_a_log_that_opens(cli, write, tmp_path: Path) -> Non
     assert told.status == 0
     line = int(told.out.split("incomplete, stopped at part.nc:")[1].split()[0].rstrip(","))
     assert 6 < line < 6006
-    assert '"status": "failed"' in (tmp_path / "out" / "results.json").read_text()
+    results = json.loads((tmp_path / "out" / "results.json").read_text())
+    assert results["status"] == "failed"
+    rows = list(csv.DictReader((tmp_path / "out" / "lines.csv").read_text().splitlines()))
+    assert max(int(row["line"]) for row in rows) == line == results["stopped_at"]["line"]
+    assert sum(float(row["time_s"]) for row in rows) == pytest.approx(results["time"]["total_s"], rel=1e-4)
+    assert results["tools"][0]["feed_mm"] == pytest.approx(results["distance"]["feed_mm"])
 
 
 @pytest.mark.parametrize("cell", ["cell.yaml", "arm.yaml"])
