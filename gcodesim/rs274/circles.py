@@ -1,11 +1,14 @@
-"""An arc in the active plane, and the small geometry that arcs and cutter compensation share."""
+"""An arc in the active plane, and the small geometry that arcs, corners and cutter compensation share."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import NamedTuple
 
 from gcodesim.units import DEG
+
+Point = tuple[float, float]
 
 _FULL_CIRCLE_ANGLE = 1e-6 * DEG  # ends nearer than this about the centre make a full circle
 
@@ -15,6 +18,20 @@ class Arc(NamedTuple):
 
     centre: tuple[float, float]
     turns: int
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A line without ends; `direction` has length 1."""
+
+    point: Point
+    direction: Point
+
+
+@dataclass(frozen=True, slots=True)
+class Circle:
+    centre: Point
+    radius: float
 
 
 def apart(a: tuple[float, float], b: tuple[float, float]) -> float:
@@ -31,3 +48,42 @@ def sweep_of(start: tuple[float, float], end: tuple[float, float], shape: Arc) -
     if turns > 0:
         return (angle + 2.0 * math.pi if angle <= _FULL_CIRCLE_ANGLE else angle) + 2.0 * math.pi * (turns - 1)
     return (angle - 2.0 * math.pi if angle >= -_FULL_CIRCLE_ANGLE else angle) + 2.0 * math.pi * (turns + 1)
+
+
+def meet(a: Line | Circle, b: Line | Circle) -> list[Point]:
+    """Points that two lines or circles have in common: none, one or two; of a line and a circle along the line."""
+    if isinstance(a, Line) and isinstance(b, Line):
+        cross = a.direction[0] * b.direction[1] - a.direction[1] * b.direction[0]
+        if abs(cross) < 1e-12:
+            return []
+        dx, dy = b.point[0] - a.point[0], b.point[1] - a.point[1]
+        along = (dx * b.direction[1] - dy * b.direction[0]) / cross
+        return [(a.point[0] + along * a.direction[0], a.point[1] + along * a.direction[1])]
+    if isinstance(a, Circle) and isinstance(b, Circle):
+        return _circles_meet(a, b)
+    line, circle = (a, b) if isinstance(a, Line) else (b, a)
+    assert isinstance(line, Line) and isinstance(circle, Circle)
+    dx, dy = line.point[0] - circle.centre[0], line.point[1] - circle.centre[1]
+    along = dx * line.direction[0] + dy * line.direction[1]
+    inside = along * along - (dx * dx + dy * dy - circle.radius * circle.radius)
+    if inside < 0.0:
+        return []
+    root = math.sqrt(inside)
+    return [
+        (line.point[0] + t * line.direction[0], line.point[1] + t * line.direction[1])
+        for t in (-along - root, -along + root)
+    ]
+
+
+def _circles_meet(a: Circle, b: Circle) -> list[Point]:
+    distance = apart(a.centre, b.centre)
+    if distance == 0.0:
+        return []
+    along = (distance * distance + a.radius * a.radius - b.radius * b.radius) / (2.0 * distance)
+    square = a.radius * a.radius - along * along
+    if square < 0.0:
+        return []
+    height = math.sqrt(square)
+    ux, uy = (b.centre[0] - a.centre[0]) / distance, (b.centre[1] - a.centre[1]) / distance
+    foot = (a.centre[0] + along * ux, a.centre[1] + along * uy)
+    return [(foot[0] - height * uy, foot[1] + height * ux), (foot[0] + height * uy, foot[1] - height * ux)]

@@ -15,15 +15,13 @@ from dataclasses import dataclass, replace
 
 from gcodesim import canon
 from gcodesim.diagnostics import Span
-from gcodesim.rs274.circles import Arc, apart, sweep_of
+from gcodesim.rs274.circles import Arc, Circle, Line, Point, apart, meet, sweep_of
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.dialects.linuxcnc import COMPENSATION
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.state import Vector, scaled
 from gcodesim.rs274.words import Words
 from gcodesim.units import DEG, MM
-
-Point = tuple[float, float]
 
 _PLANE = {170: (0, 1, 2), 180: (2, 0, 1), 190: (1, 2, 0)}
 _STRAIGHT_ON = 0.05  # [rad] corners flatter than this are passed without an arc or an intersection
@@ -175,7 +173,7 @@ def straight(words: Words, control: Control, end: Vector, *, rapid: bool) -> Non
     normal = _left(direction) if state.side > 0 else _right(direction)
     offset_start = _beside(op, normal, radius)
     if not state.comp_first:
-        _corner(control, op, normal, offset_start, _Line(offset_start, direction), rapid=rapid)
+        _corner(control, op, normal, offset_start, Line(offset_start, direction), rapid=rapid)
     offset_end = _with_plane(end, control, _beside(goal, normal, radius))
     control.out.append(replace(move, end=offset_end, direction=direction))
     state.current, state.comp_programmed, state.comp_normal = offset_end, end, normal
@@ -222,7 +220,7 @@ def arc(words: Words, control: Control, end: Vector, code: int) -> None:
     else:
         in_normal = _towards(shape.centre, op, sign)
         offset_start = _beside(op, in_normal, radius)
-        circle = _Circle(shape.centre, arc_radius + sign * radius)
+        circle = Circle(shape.centre, arc_radius + sign * radius)
         _corner(control, op, in_normal, offset_start, circle, turns=shape.turns)
     control.out.append(
         Held(
@@ -269,24 +267,12 @@ def _too_short(length: float, radius: float, control: Control) -> None:
 # -- corners
 
 
-@dataclass(frozen=True, slots=True)
-class _Line:
-    point: Point
-    direction: Point
-
-
-@dataclass(frozen=True, slots=True)
-class _Circle:
-    centre: Point
-    radius: float
-
-
 def _corner(
     control: Control,
     op: Point,
     normal: Point,
     offset_start: Point,
-    following: _Line | _Circle,
+    following: Line | Circle,
     *,
     turns: int = 0,
     rapid: bool = False,
@@ -357,7 +343,7 @@ def _turn_outward(before: Point, after: Point, side: int) -> float:
     return turn + 2.0 * math.pi if turn < -math.pi / 2.0 else turn
 
 
-def _intersection(control: Control, op: Point, following: _Line | _Circle, turns: int) -> Point:
+def _intersection(control: Control, op: Point, following: Line | Circle, turns: int) -> Point:
     """Where the held offset path meets the next one, which leaves `op`: an arc of `turns`, or a line.
 
     As on the control, the centre of an arc that meets a line is taken to be as far from `op` as from the arc's other
@@ -367,19 +353,19 @@ def _intersection(control: Control, op: Point, following: _Line | _Circle, turns
     move = _held_move(control)
     first, second, _ = _PLANE[state.plane]
     end = (move.end[first], move.end[second])
-    held: _Line | _Circle
-    held = _Circle(move.centre, apart(move.centre, end)) if move.kind == "arc" else _Line(end, move.direction)
+    held: Line | Circle
+    held = Circle(move.centre, apart(move.centre, end)) if move.kind == "arc" else Line(end, move.direction)
     inside_held, inside_next = (move.turns > 0) == (state.side > 0), (turns > 0) == (state.side > 0)
     shift = (0.0, 0.0)
-    if isinstance(following, _Circle) and isinstance(held, _Line):
+    if isinstance(following, Circle) and isinstance(held, Line):
         radius = following.radius + (state.comp_radius if inside_next else -state.comp_radius)
         shift = _off_by(following.centre, op, radius)
         following = replace(following, centre=_minus(following.centre, shift))
-    elif isinstance(following, _Line) and isinstance(held, _Circle):
+    elif isinstance(following, Line) and isinstance(held, Circle):
         radius = held.radius + (state.comp_radius if inside_held else -state.comp_radius)
         off = _off_by(held.centre, op, radius)
         following = replace(following, point=(following.point[0] + off[0], following.point[1] + off[1]))
-    found = [(x + shift[0], y + shift[1]) for x, y in _meet(held, following)]
+    found = [(x + shift[0], y + shift[1]) for x, y in meet(held, following)]
     if not found:
         raise Fault(
             "GS152", "the tool does not fit into this inside corner", hint="use a smaller tool or a larger corner"
@@ -387,9 +373,9 @@ def _intersection(control: Control, op: Point, following: _Line | _Circle, turns
     if len(found) == 1:
         return found[0]
     left, right = found  # of two circles: as seen from the held one's centre to the other
-    if isinstance(held, _Line):
+    if isinstance(held, Line):
         return max(found, key=lambda point: _dot(point, held.direction) * (1.0 if inside_next else -1.0))
-    if isinstance(following, _Line):
+    if isinstance(following, Line):
         return max(found, key=lambda point: _dot(point, following.direction) * (-1.0 if inside_held else 1.0))
     return left if inside_held == (turns > 0) else right
 
@@ -406,44 +392,6 @@ def _minus(a: Point, b: Point) -> Point:
 
 def _dot(a: Point, b: Point) -> float:
     return a[0] * b[0] + a[1] * b[1]
-
-
-def _meet(a: _Line | _Circle, b: _Line | _Circle) -> list[Point]:
-    if isinstance(a, _Line) and isinstance(b, _Line):
-        cross = a.direction[0] * b.direction[1] - a.direction[1] * b.direction[0]
-        if abs(cross) < 1e-12:
-            return []
-        dx, dy = b.point[0] - a.point[0], b.point[1] - a.point[1]
-        along = (dx * b.direction[1] - dy * b.direction[0]) / cross
-        return [(a.point[0] + along * a.direction[0], a.point[1] + along * a.direction[1])]
-    if isinstance(a, _Circle) and isinstance(b, _Circle):
-        return _circles_meet(a, b)
-    line, circle = (a, b) if isinstance(a, _Line) else (b, a)
-    assert isinstance(line, _Line) and isinstance(circle, _Circle)
-    dx, dy = line.point[0] - circle.centre[0], line.point[1] - circle.centre[1]
-    along = dx * line.direction[0] + dy * line.direction[1]
-    inside = along * along - (dx * dx + dy * dy - circle.radius * circle.radius)
-    if inside < 0.0:
-        return []
-    root = math.sqrt(inside)
-    return [
-        (line.point[0] + t * line.direction[0], line.point[1] + t * line.direction[1])
-        for t in (-along - root, -along + root)
-    ]
-
-
-def _circles_meet(a: _Circle, b: _Circle) -> list[Point]:
-    distance = apart(a.centre, b.centre)
-    if distance == 0.0:
-        return []
-    along = (distance * distance + a.radius * a.radius - b.radius * b.radius) / (2.0 * distance)
-    square = a.radius * a.radius - along * along
-    if square < 0.0:
-        return []
-    height = math.sqrt(square)
-    ux, uy = (b.centre[0] - a.centre[0]) / distance, (b.centre[1] - a.centre[1]) / distance
-    foot = (a.centre[0] + along * ux, a.centre[1] + along * uy)
-    return [(foot[0] - height * uy, foot[1] + height * ux), (foot[0] + height * uy, foot[1] - height * ux)]
 
 
 def scale(control: Control, factor: float) -> None:

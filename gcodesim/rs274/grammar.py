@@ -66,6 +66,9 @@ class _Build(Transformer[Token, Any]):
     def word(self, letter: Token, value: Node) -> tuple[str, Any]:
         return "word", (letter.start_pos, Word(letter.value, value))
 
+    def corner_word(self, comma: Token, letter: Token, value: Node) -> tuple[str, Any]:
+        return "word", (comma.start_pos, Word(f",{letter.value}", value))
+
     def setting(self, hash_sign: Token, index: Node, value: Node) -> tuple[str, Any]:
         return "setting", (hash_sign.start_pos, index, value)
 

@@ -502,6 +502,11 @@ _SKIPPED = (
     (("G22", "G23"), "GS913", "the cell's `travel` is checked instead"),
     (("G27",), "GS913", "the move is made; whether it ends at the reference point is not looked at"),
     (_PROBES, "GS913", "what the probe meets is not looked at: it trips at the end of the move"),
+    (("G5",), "GS913", "the planned motion always looks ahead"),
+    (("G60",), "GS913", "the move goes straight to its end, without the overrun"),
+    (("G10",), "GS913", "the blocks up to G11 are passed over: they write data of the control"),
+    (("G30",), "GS913", "where that reference point lies is not known: the machine goes home"),
+    (("POPEN", "PCLOS", "BPRNT", "SETVN"), "GS912", "nothing is sent; `gcodesim canon` lists the texts of DPRNT"),
     (("G43.4",), "GS913", "the length counts along Z: the tip is not kept in place while a rotary axis turns"),
 )
 

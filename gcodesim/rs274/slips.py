@@ -10,6 +10,7 @@ _UNITS = "numbers carry no unit: G21 says millimetres, G20 inches"
 _SLIPS: tuple[tuple[re.Pattern[str], str], ...] = tuple(
     (re.compile(pattern.replace("|>", _HERE)), hint)
     for pattern, hint in (
+        (r",|>a", ",A, the angle of a move, is not simulated: write both coordinates of its end"),
         (r"([0-9]*)|>,([0-9]+)", "the decimal sign is a point: write {0}.{1}"),
         (r"([0-9.]+)|>_([0-9]+)", "digits are not grouped: write {0}{1}"),
         (r"([0-9.]*) ?|>o([0-9.]*)(?![a-z<\[])", "is it the letter O? Write the digit 0: {0}0{1}"),

@@ -144,7 +144,7 @@ def place_of(block: Block, at: Place | str | None) -> Place | None:
     """Columns of what a fault names: a place, a letter, or a code such as `g43`."""
     if at is None or isinstance(at, tuple):
         return at
-    if len(at) == 1:
+    if len(at) == 1 or at[0] == ",":
         return block.place_of(at)
     for (letter, value), place in zip(block.words, block.places, strict=False):
         if letter == at[0] and type(value) is float and abs(value - float(at[1:])) < 1e-6:
@@ -165,6 +165,13 @@ def _add_g(words: Words, position: int, value: float, dialect: Dialect) -> None:
     group = dialect.g_groups.get(tenths)
     if group is None or abs(value * 10.0 - tenths) > 1e-3:
         shown = f"G{value:g}"
+        if tenths in dialect.unsimulated and abs(value * 10.0 - tenths) <= 1e-3:
+            raise Fault(
+                "GS915",
+                f"{shown} is not simulated: {dialect.unsimulated[tenths]}",
+                at=words.block.places[position],
+                hint="without it the moves behind it would be others than on the control",
+            )
         raise Fault(
             "GS012",
             f"{shown} is no G code of {dialect.name}",

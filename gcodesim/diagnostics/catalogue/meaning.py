@@ -204,6 +204,17 @@ CODES: tuple[Code, ...] = (
         remedy="Give R and the depth, P where it dwells, Q where it pecks; R must lie above the depth.",
     ),
     Code(
+        code="GS142",
+        severity=Severity.ERROR,
+        title="Corner that cannot be made",
+        what=(
+            "A chamfer ,C or a rounding ,R is put in where two feeds meet. Here there is no second feed in the plane, "
+            "or the corner needs more of one of them than there is."
+        ),
+        why="The control stops with an alarm in the middle of the contour.",
+        remedy="Write the move behind the corner into the next block, or make the corner smaller.",
+    ),
+    Code(
         code="GS150",
         severity=Severity.ERROR,
         title="Refused in cutter compensation",

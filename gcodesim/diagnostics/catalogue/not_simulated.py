@@ -136,6 +136,14 @@ CODES += (
         remedy="The hint says what the simulation does instead. `checks: {GS9xx: error}` makes it an error.",
     ),
     Code(
+        code="GS915",
+        severity=Severity.ERROR,
+        title="A G code that cannot be left out",
+        what="The control has this code, the simulation has not, and the moves behind it mean something else with it.",
+        why="Simulated without it they would be other moves than those of the machine.",
+        remedy="Simulate the rest of the program by itself, or let the post write plain moves.",
+    ),
+    Code(
         code="GS914",
         severity=Severity.NOTE,
         title="Lines left out by block delete",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 # G codes are written times ten: G54 is 540, G59.3 is 593
 
@@ -14,7 +14,8 @@ class Dialect:
 
     `g_groups` and `m_groups` give each code's modal group; `users` says which
     codes use a letter (`g43`, `m66` …), so that a word that nothing uses is a
-    finding; letters that stand in no entry are always allowed. `computes`
+    finding; letters that stand in no entry are always allowed. `unsimulated`
+    says what codes do that the control has and the simulation has not. `computes`
     tells of parameters and expressions, `open_m_codes` that machine builders
     use up `user_m_codes` as they like, so that no program is wrong because of
     one. `first_motion` is the motion in force at the start, -1 for none.
@@ -31,6 +32,7 @@ class Dialect:
     users: Mapping[str, frozenset[str]]
     user_m_codes: range
     letters: frozenset[str]
+    unsimulated: Mapping[int, str] = field(default_factory=dict)
     open_m_codes: bool = False
     needs_end: bool = True
     flow_words: bool = True

@@ -8,6 +8,9 @@
 | variables | vacant ones, levels, system variables | `variables.py`, `expressions.py` |
 | work systems | external offset, G54.1, G52 and G92 apart, G68 | `control.py`, `offsets.py` |
 | figures | G51 scaling, G51.1 mirror image | `figure.py` |
+| polar coordinates | G16: radius and angle of the plane | `polar.py` |
+| devices outside | POPEN, DPRNT, PCLOS | `external.py` |
+| corners | `,C` and `,R` between moves | `corners.py` |
 | drilling | heights pass on, K repeats, X Y before R | `cycles.py` |
 | a block from first to last | ignored words are warned of, not refused | `execute.py` |
 """
@@ -37,12 +40,12 @@ from gcodesim.rs274.dialects.linuxcnc import (
 )
 
 # groups that RS274 does not have
-SCALING, MIRROR, TURN, MACRO, STROKE = 21, 22, 23, 24, 25
+SCALING, MIRROR, TURN, MACRO, STROKE, POLAR = 21, 22, 23, 24, 25, 26
 
 CYCLES = (730, 740, 760, 810, 820, 830, 840, 850, 860, 870, 880, 890)
 
 _G_GROUPS = {
-    NON_MODAL: (40, 51, 80, 90, 100, 110, 270, 280, 290, 300, 310, 520, 530, 650, 920),
+    NON_MODAL: (40, 50, 51, 80, 90, 100, 110, 270, 280, 290, 300, 310, 520, 530, 600, 650, 920, 921),
     MOTION: (0, 10, 20, 30, 330, *CYCLES),
     CANCEL: (800,),
     PLANE: (170, 180, 190),
@@ -60,6 +63,52 @@ _G_GROUPS = {
     TURN: (680, 690),
     MACRO: (660, 661, 670),
     STROKE: (220, 230),
+    POLAR: (150, 160),
+}
+
+# what such controls have, too, and would make other moves than those written
+_UNSIMULATED = {
+    22: "involute interpolation",
+    32: "involute interpolation",
+    23: "exponential interpolation",
+    33: "exponential interpolation",
+    24: "a circle in space",
+    34: "a circle in space",
+    61: "a spline",
+    62: "a NURBS curve",
+    70: "hypothetical axis interpolation",
+    71: "cylindrical interpolation",
+    1070: "cylindrical interpolation",
+    106: "tool retract and recover",
+    121: "polar coordinate interpolation",
+    131: "polar coordinate interpolation",
+    1120: "polar coordinate interpolation",
+    1130: "polar coordinate interpolation",
+    311: "multi-stage skip",
+    370: "tool length measurement",
+    401: "normal direction control",
+    411: "normal direction control",
+    421: "normal direction control",
+    412: "cutter compensation for five axes",
+    422: "cutter compensation for five axes",
+    431: "tool length along the tool's axis",
+    435: "tool centre point control by vectors",
+    450: "tool offset along the axes",
+    460: "tool offset along the axes",
+    470: "tool offset along the axes",
+    480: "tool offset along the axes",
+    491: "tool centre point control",
+    531: "the tool's direction for a tilted plane",
+    542: "rotary table dynamic fixture offset",
+    544: "workpiece setting error compensation",
+    682: "a tilted working plane",
+    683: "a tilted working plane",
+    684: "a tilted working plane",
+    721: "figure copy",
+    722: "figure copy",
+    811: "chopping",
+    842: "rigid tapping in the older form",
+    843: "rigid tapping in the older form",
 }
 
 _M_GROUPS = {
@@ -80,7 +129,8 @@ FANUC = Dialect(
     users={},  # a control passes over a word that nothing uses; `execute.py` warns
     user_m_codes=range(10, 1000),
     open_m_codes=True,
-    letters=frozenset("abcdefghijklmpqrstuvwxyz"),
+    unsimulated=_UNSIMULATED,
+    letters=frozenset((*"abcdefghijklmpqrstuvwxyz", ",c", ",r")),
     named_parameters=False,
     first_motion=0,
     executor="gcodesim.rs274.fanuc.executor:FanucExecutor",

@@ -7,14 +7,18 @@ The turn is about Z. It fits the base class, which knows `R(point + g92) + origi
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-from typing import Any, Self
+from dataclasses import dataclass, fields, replace
+from typing import TYPE_CHECKING, Any, Self
 
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.fanuc import variables as numbers
 from gcodesim.rs274.fanuc.variables import Variables
 from gcodesim.rs274.state import ZERO, State, Vector, add, scaled, subtract
 from gcodesim.units import MM
+
+if TYPE_CHECKING:
+    from gcodesim.rs274.fanuc.corners import Corner
+    from gcodesim.rs274.fanuc.polar import Polar
 
 ADDITIONAL = 100  # the index of G54.1 P1 is one more
 
@@ -36,6 +40,8 @@ class FanucState(State):
     before_cycle: int = 0  # the motion of group 1 that goes on after G80
     clear: float | None = None  # heights of the chain of cycles, in the work system
     bottom: float | None = None
+    polar: Polar | None = None  # G16
+    corner: Corner | None = None  # a move that waits for the next one
 
     def copy(self) -> Self:
         twin = object.__new__(type(self))
@@ -56,6 +62,7 @@ class FanucControl(Control):
 
     state: FanucState
     parameters: Variables
+    writing: bool = False  # between a G10 that writes data of the control and G11
     via: Vector | None = None  # where the last G28 or G30 went through, of the axes, in program units
 
     def _first_state(self) -> State:
@@ -126,6 +133,9 @@ class FanucControl(Control):
             state.clear = None if state.clear is None else state.clear * factor
             state.bottom = None if state.bottom is None else state.bottom * factor
             state.cycle_start *= factor
+            if state.polar is not None:
+                x, y = state.polar.centre
+                state.polar = replace(state.polar, centre=(x * factor, y * factor), radius=state.polar.radius * factor)
         super().change_unit(unit)
 
     # -- tool data
@@ -173,6 +183,7 @@ class FanucControl(Control):
             10: state.retract / 10.0,
             14: 53.0 + state.system if state.system <= 6 else 54.1,
             16: 69.0 if state.turn is None else 68.0,
+            17: 15.0 if state.polar is None else 16.0,
             107: float(state.radius_number),
             109: state.feed * state.feed_unit / state.unit,
             111: float(state.length_number),

@@ -8,9 +8,9 @@ from gcodesim.rs274 import parameters as numbers
 from gcodesim.rs274.dialects import g_name
 from gcodesim.rs274.dialects.fanuc import CYCLES, MIRROR, SCALING, STROKE, TURN
 from gcodesim.rs274.dialects.linuxcnc import CANCEL, COMPENSATION, MOTION, NON_MODAL, PATH, SPINDLE, STOPPING
-from gcodesim.rs274.ends import end_point
+from gcodesim.rs274.ends import end_point, start_point
 from gcodesim.rs274.execute import NOT_MODELLED
-from gcodesim.rs274.fanuc import figure, offsets
+from gcodesim.rs274.fanuc import corners, figure, offsets, polar
 from gcodesim.rs274.fanuc.control import FanucControl
 from gcodesim.rs274.fanuc.cycles import cycle
 from gcodesim.rs274.fault import Fault
@@ -19,8 +19,9 @@ from gcodesim.rs274.motions import MOTIONS
 from gcodesim.rs274.words import AXIS_LETTERS, Words, exponent, place_of
 
 # one-shot codes to which the axis words of their block belong
-_CLAIMS_AXES = frozenset((40, 51, 80, 100, 110, 270, 280, 290, 300, 520, 920))
-_NOT_SIMULATED = {51: "G5.1", 80: "G8", 110: "G11"}
+_CLAIMS_AXES = frozenset((40, 50, 51, 80, 100, 110, 270, 280, 290, 300, 520, 920, 921))
+_NOT_SIMULATED = {50: "G5", 51: "G5.1", 80: "G8"}
+_ONE_WAY = 600  # G60
 _EXACT_STOP = 90  # G9, for one block
 _STOPPING_PATH = 611
 _OF_THE_CONTROL = frozenset((0, 1, 2, 6, 7, 8, 9, 30, 48, 49))  # M codes that take no words
@@ -63,10 +64,11 @@ def execute(words: Words, control: FanucControl, has_point: dict[str, bool]) -> 
     used = _USED | _letters_of(words)
     claims = claimed in _CLAIMS_AXES or not {SCALING, MIRROR, TURN, STROKE}.isdisjoint(g)
     figure.switch(words, control, has_point)
+    polar.switch(words, control)
     if claimed in _NOT_SIMULATED or STROKE in g:
         name = _NOT_SIMULATED.get(claimed) or g_name(g[STROKE]).upper()
         control.skip(name, place_of(words.block, name.lower()))
-    elif claimed in (100, 270, 280, 290, 300, 520, 920):
+    elif claimed in (100, 270, 280, 290, 300, 520, 920, 921):
         offsets.non_modal(words, control)
     _cancel_cycle(words, control)
     own = g.get(MOTION, -1)
@@ -77,6 +79,10 @@ def execute(words: Words, control: FanucControl, has_point: dict[str, bool]) -> 
     elif claimed == 310:
         control.skip("G31", place_of(words.block, "g31"))
         _skip_function(words, control)
+        motion = own
+    elif claimed == _ONE_WAY:
+        control.skip("G60", place_of(words.block, "g60"))
+        _moved_by(words, control, 0, -1)
         motion = own
     elif claims:
         motion = own
@@ -92,7 +98,7 @@ def execute(words: Words, control: FanucControl, has_point: dict[str, bool]) -> 
         machine_codes.end_program(control, shuttle=False)
     else:
         machine_codes.stop(words, control)
-    if state.side:
+    if state.side and state.corner is None:
         compensation.settle(control)
 
 
@@ -101,19 +107,25 @@ def _moved_by(words: Words, control: FanucControl, motion: int, own: int) -> fro
     arc = motion in (20, 30)
     state = control.state
     if motion in CYCLES:
-        figure.apply(words, control, motion)
-        cycle(words, control, motion)
+        for each in polar.repeats(words, control, motion):
+            polar.resolve(each, control, state.current)
+            figure.apply(each, control, motion)
+            cycle(each, control, motion)
         state.motion = motion
         return frozenset("rpqkl")
+    polar.resolve(words, control, start_point(control) if state.corner is None else state.corner.move.end)
     if not words.has_axes() and not (arc and {"i", "j", "k"} & words.values.keys()):
         return frozenset()
     if arc:
         words.values.pop("p", None)
     kept = state.motion
     motion = figure.apply(words, control, motion)
-    MOTIONS[motion](words, control, motion)
+    if corners.is_near(words, control):
+        corners.move(words, control, motion)
+    else:
+        MOTIONS[motion](words, control, motion)
     state.motion = own if own >= 0 else kept
-    return _ARC_WORDS if arc else frozenset("k" if motion == 330 else "")
+    return corners.LETTERS | (_ARC_WORDS if arc else frozenset("k" if motion == 330 else ""))
 
 
 def _cancel_cycle(words: Words, control: FanucControl) -> None:
@@ -191,6 +203,7 @@ def _skip_function(words: Words, control: FanucControl) -> None:
     if state.side:
         raise Fault("GS150", "G31 is refused while cutter compensation is on", at="g31", hint="say G40 first")
     check_feed(words, control, "G31")
+    polar.resolve(words, control, start_point(control))
     figure.apply(words, control, 10)
     end = end_point(words, control)
     feed, unit = control.feed(control.moves_linear(end))
@@ -217,7 +230,7 @@ def _letters_of(words: Words) -> frozenset[str]:
     claimed = words.g.get(NON_MODAL)
     if claimed in (40, 300, 310):
         used |= {"p", "q"}
-    if claimed in (51, 80):
+    if claimed in (50, 51, 80):
         used |= {"p", "q", "r"}
     if claimed == 100:
         used |= {"p", "r", "l", "q"}

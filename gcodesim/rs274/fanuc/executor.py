@@ -6,6 +6,7 @@ from gcodesim import canon
 from gcodesim.diagnostics import Diagnostic, SourceText, Span
 from gcodesim.rs274.block import Block
 from gcodesim.rs274.dialects.linuxcnc import CANCEL, MOTION, STOPPING
+from gcodesim.rs274.fanuc import corners
 from gcodesim.rs274.fanuc import variables as numbers
 from gcodesim.rs274.fanuc.arguments import arguments_of
 from gcodesim.rs274.fanuc.control import FanucControl
@@ -49,7 +50,9 @@ class FanucExecutor(Executor):
     def _end_of_part(self) -> None:
         """The program runs into the next one of its file, or into the end of it."""
         part = self.flow.running.part
-        following = next((other for other in self.file.parts if other.first >= part.end), None)
+        following = next(
+            (other for other in self.file.parts if other.number is not None and other.first >= part.end), None
+        )
         if following is None or len(self.flow.frames) > 1:
             self._end_of_lines()
             return
@@ -135,6 +138,9 @@ class FanucExecutor(Executor):
         return Block(block.line, block.text, words, notes=block.notes, _places=places)
 
     def _words_of(self, block: Block, index: int) -> None:
+        if self.control.writing:
+            self.control.writing = not any(word == ("g", 11.0) for word in block.words)
+            return
         calls = self.flow.running.calls
         codes = [value for letter, value in block.words if letter == "g"]
         macro = next((code for code in codes if code in _MACRO_CODES), None)
@@ -180,9 +186,21 @@ class FanucExecutor(Executor):
         words = [block.words[at] for at in kept]
         return Block(block.line, block.text, words, _places=[places[at] for at in kept])  # type: ignore[arg-type]
 
+    def _execute(self, words: Words, index: int) -> None:
+        corners.check_follows(words, self.control)
+        super()._execute(words, index)
+
+    def _fault(self, fault: Fault, file: ProgramFile, index: int, text: str, block: Block | None) -> None:
+        state = self.control.state
+        if state.corner is not None:  # nobody knows what would have followed
+            state.current, state.corner = state.corner.move.end, None
+        super()._fault(fault, file, index, text, block)
+
     def _is_plain(self, words: Words) -> bool:
         """Whether the block is a straight move or an arc and nothing else."""
         g, state = words.g, self.control.state
+        if state.polar is not None or state.corner is not None:
+            return False
         motion = g.get(MOTION, state.motion)
         if words.m or len(g) > (MOTION in g) or CANCEL in g or state.side:
             return False
@@ -227,6 +245,8 @@ class FanucExecutor(Executor):
             before = Block(block.line, block.text, words[:at], _places=places[:at])
             self._execute(read_words(before, self.dialect, self.control.parameters, {}, False), index)
         given = dict(words[at + 1 :])
+        if self.control.state.corner is not None:
+            corners.check_follows(Words(block), self.control)
         if "p" not in given:
             raise Fault("GS105", f"{name} needs the word P", at=places[at], hint="P is the number of the program")
         number, rounds = given["p"], given.get("l", 1.0)

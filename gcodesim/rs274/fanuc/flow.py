@@ -7,6 +7,7 @@ from pathlib import Path
 
 from gcodesim.diagnostics import Caller, SourceText
 from gcodesim.rs274.block import Flow
+from gcodesim.rs274.fanuc import external
 from gcodesim.rs274.fanuc.control import FanucControl
 from gcodesim.rs274.fanuc.expressions import number_of
 from gcodesim.rs274.fanuc.program import MOST_LOOPS, FanucFile, Part
@@ -70,6 +71,9 @@ class FanucFlow(FlowControl):
     def execute(self, flow: Flow, index: int) -> None:
         """A statement that stands alone: GOTO, DO, END, or the O of the running program."""
         if flow.keyword == "program":
+            return
+        if flow.keyword in external.KEYWORDS:
+            external.execute(flow, self.control)
             return
         if flow.keyword == "goto":
             if not flow.operands or self._holds(flow):

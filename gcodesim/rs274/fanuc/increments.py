@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from gcodesim.rs274.arcs import PLANE_AXES
 from gcodesim.rs274.block import Block
 from gcodesim.rs274.fanuc.control import FanucControl
 from gcodesim.units import INCH
 
-_LENGTHS = frozenset("xyzuvwijkr")
+_LENGTHS = frozenset((*"xyzuvwijkr", ",c", ",r"))
 _ANGLES = frozenset("abc")
 _MM, _INCH, _DEGREE, _SECOND = 1e-3, 1e-4, 1e-3, 1e-3  # IS-B
 _REPEATS_OR_MODES = frozenset((73.0, 74.0, 76.0, *(float(n) for n in range(81, 90))))
@@ -19,6 +20,8 @@ def in_increments(block: Block, control: FanucControl) -> Block:
     inch = 20.0 in codes or (control.state.unit == INCH and 21.0 not in codes)
     length = _INCH if inch else _MM
     per_turn = 95.0 in codes or (control.state.feed_mode == 950 and 94.0 not in codes)
+    polar = 16.0 in codes or (control.state.polar is not None and 15.0 not in codes)
+    polar_angle = "xyz"[PLANE_AXES[control.state.plane][1]] if polar else ""
     words = []
     for (letter, value), (first, last) in zip(block.words, block.places, strict=True):
         factor = 1.0
@@ -29,6 +32,8 @@ def in_increments(block: Block, control: FanucControl) -> Block:
                 factor = _DEGREE
             elif 51.0 in codes and letter in "ijk":
                 factor = 1.0  # thousandths of the size anyway
+            elif letter == polar_angle:
+                factor = _DEGREE
             elif letter in _LENGTHS or (letter == "q" and drilling):
                 factor = 1.0 if letter == "k" and drilling else length
             elif letter in _ANGLES:

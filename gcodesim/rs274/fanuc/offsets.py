@@ -9,6 +9,7 @@ from gcodesim.rs274 import parameters as homes
 from gcodesim.rs274.dialects import g_name
 from gcodesim.rs274.dialects.linuxcnc import LENGTH, NON_MODAL, SYSTEM
 from gcodesim.rs274.ends import end_point
+from gcodesim.rs274.fanuc import polar
 from gcodesim.rs274.fanuc import variables as numbers
 from gcodesim.rs274.fanuc.control import ADDITIONAL, FanucControl, first_of
 from gcodesim.rs274.fault import Fault
@@ -16,7 +17,9 @@ from gcodesim.rs274.state import AXES, ZERO, Vector, add, subtract
 from gcodesim.rs274.words import Words, place_of
 
 _SYSTEM_INDEX = {540: 1, 550: 2, 560: 3, 570: 4, 580: 5, 590: 6}
+_UNTIL_G11 = (3, 50, 52)  # tool life, parameters of the control: the blocks up to G11 are data
 _TOOL_DATA = {  # by the L of G10
+    1: numbers.LENGTH_WEAR,
     10: numbers.LENGTH_GEOMETRY,
     11: numbers.LENGTH_WEAR,
     12: numbers.RADIUS_GEOMETRY,
@@ -104,6 +107,10 @@ def non_modal(words: Words, control: FanucControl) -> None:
 
 def _set_data(words: Words, control: FanucControl) -> None:
     level = words.whole("l", "G10")
+    if level in _UNTIL_G11:
+        control.skip(f"G10 L{level}", place_of(words.block, "g10"))
+        control.writing = True
+        return
     words.need("p", "GS105", "G10", "P is the number of what is set")
     number = words.whole("p", "G10")
     assert number is not None
@@ -113,7 +120,8 @@ def _set_data(words: Words, control: FanucControl) -> None:
         _set_tool(words, control, _TOOL_DATA[level], number)
     else:
         message = "G10 needs the word L" if level is None else f"G10 L{level} is not simulated"
-        raise Fault("GS105", message, at="g10" if level is None else "l", hint="L2 L20 L10 L11 L12 L13 are known")
+        hint = "L2, L20, L10 to L13 and L1 are, and L3, L50, L52 are passed over"
+        raise Fault("GS105", message, at="g10" if level is None else "l", hint=hint)
 
 
 def _set_system(words: Words, control: FanucControl, level: int, number: int) -> None:
@@ -153,22 +161,25 @@ def _go_home(words: Words, control: FanucControl) -> None:
     if not words.has_axes():
         hint = f"G91 {who} Z0 takes Z home from where it stands"
         raise Fault("GS103", f"{who} needs the axes that go home", at=who.lower(), hint=hint)
-    first = homes.G28_HOME
+    first: int | None = homes.G28_HOME
+    polar.refuse(words, control, who)
     if code == 300:
         which = words.whole("p", "G30") or 2
-        if which != 2:
-            raise Fault("GS106", f"G30 P{which}: only the second reference point is known", at="p")
-        first = homes.G30_HOME
+        if which not in (2, 3, 4):
+            raise Fault("GS106", f"G30 P{which}: P is 2, 3 or 4", at="p", value=which)
+        if which > 2:
+            control.skip(f"G30 P{which}", place_of(words.block, "g30"))
+        first = homes.G30_HOME if which == 2 else None
     control.rapid(end_point(words, control), who)
     control.via = control.axes()
     known = control.parameters.numbers
-    home = control.stored(first)
+    home = ZERO if first is None else control.stored(first)
     axes = control.axes()
     end: Vector = tuple(  # type: ignore[assignment]
         home[axis] if letter in words.values else axes[axis] for axis, letter in enumerate(AXES)
     )
     control.rapid(control.point_of(subtract(end, control.state.tool_offset)), who)
-    if not any(first + axis in known for axis in range(6)):
+    if first is None or not any(first + axis in known for axis in range(6)):
         last = control.out[-1]
         assert isinstance(last, canon.Rapid)
         control.out[-1] = replace(last, home=who)
@@ -178,6 +189,7 @@ def _check_home(words: Words, control: FanucControl) -> None:
     """G27: a rapid to a point, which a control compares with the reference point."""
     if not words.has_axes():
         raise Fault("GS103", "G27 needs the axes that go home", at="g27", hint="G27 X0 Y0 is a rapid to that point")
+    polar.refuse(words, control, "G27")
     control.skip("G27", place_of(words.block, "g27"))
     control.rapid(end_point(words, control), "G27")
 
@@ -187,6 +199,7 @@ def _come_back(words: Words, control: FanucControl) -> None:
     if control.via is None:
         hint = "it comes back over the point that G28 went through"
         raise Fault("GS105", "G29 without a G28 or G30 before it", at="g29", hint=hint)
+    polar.refuse(words, control, "G29")
     now, via = control.axes(), control.via
     over: Vector = tuple(  # type: ignore[assignment]
         via[axis] if letter in words.values else now[axis] for axis, letter in enumerate(AXES)
@@ -216,6 +229,17 @@ def _preset(words: Words, control: FanucControl) -> None:
     control.reframe(preset=add(state.preset, subtract(reads, tuple(wanted))))  # type: ignore[arg-type]
 
 
+def _clear_preset(words: Words, control: FanucControl) -> None:
+    """G92.1: for the axes named, G92 and G52 are taken back."""
+    _refuse(words, control, "G92.1")
+    state = control.state
+
+    def cleared(shift: Vector) -> Vector:
+        return tuple(0.0 if letter in words.values else shift[axis] for axis, letter in enumerate(AXES))  # type: ignore[return-value]
+
+    control.reframe(preset=cleared(state.preset), local=cleared(state.local))
+
+
 def _refuse(words: Words, control: FanucControl, who: str) -> None:
     if control.state.side:
         raise Fault("GS150", f"{who} is refused in cutter compensation", at=who.lower(), hint="say G40 first")
@@ -231,4 +255,5 @@ _ACTS = {
     300: _go_home,
     520: _set_local,
     920: _preset,
+    921: _clear_preset,
 }

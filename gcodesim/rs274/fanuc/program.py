@@ -8,12 +8,15 @@ from functools import cached_property
 from typing import NamedTuple
 
 from gcodesim.diagnostics import SourceText
+from gcodesim.rs274.block import Block
+from gcodesim.rs274.fanuc.external import statement
 from gcodesim.rs274.program_file import ProgramFile
 from gcodesim.rs274.reader import Reader
 
 _BLANK_OR_NOTE = r"(?:\s|\([^)]*\))*"
 _PROGRAM = re.compile(rf"{_BLANK_OR_NOTE}(?:[Oo]|:)\s*0*([0-9]{{1,15}})(?![0-9])")
 _SEQUENCE = re.compile(rf"{_BLANK_OR_NOTE}(?:/[1-9]?\s*)?[Nn]\s*0*([0-9]{{1,15}})(?![0-9])")
+_EXTERNAL = re.compile(r"PRNT|POPEN|PCLOS|SETVN", re.IGNORECASE)
 _LOOP = re.compile(r"(DO|END)\s*([0-9]{1,15})(?![0-9])")
 _NOTE = re.compile(r"\([^)]*\)|;.*")
 MOST_LOOPS = 3
@@ -43,6 +46,12 @@ class FanucFile(ProgramFile):
         self.begin, self.end = _between_percents(self.lines)
         self.has_percent = False  # a program that runs into the second % has no end, so it is no end by itself
         self.first = self.parts[0].first
+
+    def block(self, index: int) -> Block:
+        text = self.lines[index]
+        if _EXTERNAL.search(text) is not None and (found := statement(index + 1, text)) is not None:
+            return found
+        return super().block(index)
 
     @cached_property
     def parts(self) -> list[Part]:

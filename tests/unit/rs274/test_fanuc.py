@@ -321,3 +321,160 @@ def test_more_work_systems(fanuc):
     done = fanuc(body("G10 L20 P7 X10. Y20.", "G54.1 P7", "G00 X1. Y1.", "G54", "G00 X1.", "M30"))
 
     assert done.ends == [[11, 21, 0], [1, 21, 0]]
+
+
+def test_a_rounding_goes_tangentially_from_move_to_move(fanuc):
+    """R2 in a right angle to the left: from (18, 0) about (18, 2) to (20, 2), with the feed of its own block."""
+    done = fanuc(body("G90 G94 G00 X0. Y0.", "G01 X20. F100. ,R2.", "M08 Y20. F50.", "M30"))
+
+    arc = done.acts("arc")[0]
+    assert done.ends[1:] == [[18, 0, 0], [20, 2, 0], [20, 20, 0]]
+    assert (arc["center"], arc["ccw"], arc["sweep"], arc["feed"], arc["line"]) == ([18, 2, 0], True, 90, 100, 4)
+    kinds = [event["kind"] for event in done.events]
+    assert kinds.index("coolant") > kinds.index("arc")  # M08 belongs to the block behind
+    assert [line["feed"] for line in done.acts("line")] == [100, 50]
+
+
+def test_chamfers_follow_each_other_also_in_incremental_mode(fanuc):
+    done = fanuc(body("G91 G01 X20. F100. ,C3.", "Y10. ,C2.", "X-20.", "M30"))
+
+    assert done.ends == [[17, 0, 0], [20, 3, 0], [20, 8, 0], [18, 10, 0], [0, 10, 0]]
+
+
+def test_a_rounding_between_a_line_and_an_arc(fanuc):
+    """Up along x = 0 into the clockwise half circle of radius 10 about (0, 20), which begins at right angles: the
+    rounding R1 is 1 from the line, on the right, and outside 11 from the centre: at (1, 20 - sqrt(120)) … but the
+    corner is where the circle begins, (0, 10), so the arc goes left or right of it."""
+    done = fanuc(body("G90 G00 X0. Y0.", "G01 Y10. F100. ,R1.", "G03 Y30. R10.", "M30"))
+
+    rounding, arc = done.acts("arc")
+    y = 20 - 120**0.5
+    assert rounding["center"] == pytest.approx([1, y, 0])
+    assert done.ends[1] == pytest.approx([0, y, 0])
+    assert done.ends[2] == pytest.approx([10 / 11, 20 - 10 / 11 * 120**0.5, 0])
+    assert rounding["ccw"] is False and arc["ccw"] is True and arc["center"] == [0, 20, 0]
+    assert arc["end"][:3] == [0, 30, 0]
+
+
+def test_cutter_compensation_follows_the_corner_with_its_rounding(fanuc):
+    """D1 is 6 mm across; left of the contour a right turn is outside: the rounding R5 becomes one of R8."""
+    done = fanuc(body("G90 G00 X-20. Y-20.", "G41 D01 G01 X0. Y-10. F100.", "Y20. ,R5.", "X20.", "G40 G00 X40.", "M30"))
+
+    assert [line["end"][:2] for line in done.acts("line")][1:] == [[-3, 15], [20, 23]]
+    arc = done.acts("arc")[0]
+    assert (arc["center"], arc["end"][:2], arc["sweep"]) == ([5, 15, 0], [5, 23], -90)
+    order = [event["kind"] for event in done.events if event["kind"] in ("line", "arc")]
+    assert order == ["line", "line", "arc", "line"]
+
+
+def test_a_mirror_image_has_its_corners_too(fanuc):
+    done = fanuc(body("G51 X0. Y0. Z0. P2.", "G51.1 X0.", "G90 G01 X10. F100. ,R1.", "Y10.", "M30"))
+
+    assert done.ends == [[-18, 0, 0], [-20, 2, 0], [-20, 20, 0]]
+    assert done.acts("arc")[0]["ccw"] is False
+
+
+@pytest.mark.parametrize(
+    ("blocks", "line"),
+    [
+        (("G01 X20. ,R15.", "Y10."), 5),  # needs 15 mm of 10
+        (("G01 X20. ,C2.", "M08", "Y10."), 5),
+        (("G01 X20. ,C2.", "G00 Y10."), 5),
+        (("G01 X20. ,C2.", "Y10. Z5."), 5),
+        (("G01 X20. ,C2. ,R2.", "Y10."), 4),
+        (("G01 X20. ,C2. M00", "Y10."), 4),
+        (("G00 X20. ,C2.", "G01 Y10."), 4),
+        (("G01 X20. ,C2.",), 5),
+    ],
+)
+def test_corners_that_cannot_be_made(fanuc, blocks, line):
+    done = fanuc(body("G90 G94 F100.", *blocks, "M30"))
+
+    assert [(f.code, f.span.line) for f in done.errors] == [("GS142", line)]
+
+
+def test_polar_coordinates(fanuc):
+    """Radius and angle about the program's zero; each stays until another is written; G15 ends it."""
+    done = fanuc(body("G90 G17 G16", "G00 X10. Y90.", "Y180.", "X5.", "G15 X1. Y2.", "M30"))
+
+    want = [[0, 10, 0], [-10, 0, 0], [-5, 0, 0], [1, 2, 0]]
+    assert done.ends == [pytest.approx(end, abs=1e-9) for end in want]
+
+
+def test_polar_holes_with_an_angle_added(fanuc):
+    done = fanuc(
+        body("G90 G00 Z5.", "G16 G99 G81 X10. Y0. Z-1. R1. F100.", "G91 Y90. K2", "G90 G15 G80 X0.", "M30"),
+    )
+
+    bottoms = [end[:2] for end in done.ends if end[2] == -1]
+    assert bottoms == [pytest.approx(place, abs=1e-9) for place in ([10, 0], [0, 10], [-10, 0])]
+
+
+def test_an_incremental_radius_counts_from_where_the_tool_stands(fanuc):
+    done = fanuc(body("G90 G00 X10. Y10.", "G16", "G91 X5. G90 Y0.", "M30"))
+
+    assert not done.errors
+    done = fanuc(body("G90 G00 X10. Y10.", "G16 G91 X5. Y-45.", "M30"))
+    assert done.ends[-1] == pytest.approx([15, 10, 0])
+
+
+def test_an_arc_in_polar_coordinates_is_given_by_its_radius(fanuc):
+    done = fanuc(body("G90 G16 G00 X10. Y0.", "G03 X10. Y90. R10. F100.", "M30"))
+
+    assert done.acts("arc")[0]["center"] == pytest.approx([0, 0, 0], abs=1e-9)
+    (error,) = fanuc(body("G90 G16 G00 X10. Y0.", "G03 Y90. I-10. F100.", "M30")).errors
+    assert (error.code, error.span.line) == ("GS110", 4)
+
+
+@pytest.mark.parametrize("level", ["L50", "L52", "L3"])
+def test_blocks_that_write_data_of_the_control_are_passed_over(fanuc, level):
+    done = fanuc(body(f"G10 {level}", "N5130 R100", "P1 L10", "T9 H1 D1", "G11", "G00 X1.", "M30"))
+
+    assert done.ends == [[1, 0, 0]]
+    assert [(f.code, f.span.line) for f in done.findings] == [("GS913", 3)]
+    assert not done.acts("tool_select")
+
+
+def test_old_tool_data(fanuc):
+    """L1 of older controls is the wear: 50 mm of the table and 0.5."""
+    done = fanuc(body("G10 L1 P1 R.5", "G43 H1 G00 Z60.", "M30"))
+
+    assert done.acts("tool_offset")[0]["offset"][2] == 50.5
+
+
+@pytest.mark.parametrize("which", [3, 4])
+def test_further_reference_points_are_the_machines_home_and_told(fanuc, which):
+    done = fanuc(body("G90 G00 X10. Z-5.", f"G91 G30 P{which} Z0.", "M30"), parameters={5183: 20.0})
+
+    assert done.ends == [[10, 0, -5], [10, 0, -5], [10, 0, 0]]
+    assert [f.code for f in done.findings] == ["GS913"]
+    assert fanuc(body("G91 G30 P5 Z0.", "M30")).errors
+
+
+def test_g60_goes_there_at_rapid(fanuc):
+    done = fanuc(body("G90 G01 X1. F100.", "G60 X5.", "X6.", "M30"))
+
+    assert [event["kind"] for event in done.acts("line", "rapid")] == ["line", "rapid", "line"]
+    assert [f.code for f in done.findings] == ["GS913"]
+
+
+def test_g92_1_takes_presets_back(fanuc):
+    done = fanuc(body("G90 G00 X10. Y10.", "G92 X0. Y0.", "G52 X3.", "G92.1 X0.", "G00 X1. Y1.", "M30"))
+
+    assert done.ends[-1] == [1, 11, 0]
+
+
+@pytest.mark.parametrize("code", ["G68.2 X0 Y0 Z0 I0 J30. K0", "G12.1", "G07.1 C20.", "G43.5 H1", "G107 C20."])
+def test_codes_that_would_change_the_moves_are_not_left_out(fanuc, code):
+    (error,) = fanuc(body(code, "G00 X1.", "M30")).errors
+
+    assert (error.code, error.span.line, error.span.column) == ("GS915", 3, 1)
+
+
+def test_dprnt_prints_numbers_in_its_form(fanuc):
+    """[53] is five digits before the point and three behind; a vacant variable prints nothing."""
+    lines = ("#1=128.47398", "#2=-91.2", "#3=123.456", "POPEN", "N5 DPRNT[X#1[53]*Y#2[53]*T#3[20]V#9[11]]", "PCLOS")
+    done = fanuc(body(*lines, "M30"))
+
+    assert [event["text"] for event in done.acts("print")] == ["X128.474 Y-91.200 T23V"]
+    assert [f.code for f in done.findings] == ["GS912", "GS912"]
