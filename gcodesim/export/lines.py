@@ -30,9 +30,7 @@ def write_lines(recording: Recording, out: TextIO, topics: Sequence[str] = (), p
             decoders[channel] = (record.topic, decoder_of(log, channel))
     slots: dict[int, int] = {}
     count = 0
-    for message in log.messages(first_ns=part.first_ns, last_ns=part.last_ns):
-        if message.channel not in decoders:
-            continue
+    for message in log.messages(decoders, first_ns=part.first_ns, last_ns=part.last_ns):
         if part.period_ns:
             slot = (message.t_ns - part.first_ns) // part.period_ns
             if slots.get(message.channel) == slot:

@@ -103,7 +103,7 @@ def _write_changes(recording: Recording, out: TextIO, topic: str, part: Part) ->
     writer = csv.writer(out, lineterminator="\n")
     names: list[str] = []
     count = 0
-    for raw in log.messages(channel, first_ns=part.first_ns, last_ns=part.last_ns):
+    for raw in log.messages([channel], first_ns=part.first_ns, last_ns=part.last_ns):
         message = decode(raw)
         if not names:
             names = [name for name in leaves(message) if "[" not in name]

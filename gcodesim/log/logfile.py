@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from io import BytesIO
@@ -118,19 +118,25 @@ class LogFile:
         return schema.name if schema is not None else ""
 
     def messages(
-        self, channel: int | None = None, *, first_ns: int = 0, last_ns: int | None = None, backwards: bool = False
+        self,
+        channels: Collection[int] | None = None,
+        *,
+        first_ns: int = 0,
+        last_ns: int | None = None,
+        backwards: bool = False,
     ) -> Iterator[RawMessage]:
-        """Messages in the order of the file, of one channel or all, in a span of time.
+        """Messages in the order of the file, of some channels or all, in a span of time.
 
         LogReadError when a chunk does not agree with its checksum.
         """
+        wanted = None if channels is None else frozenset(channels)
         with self.path.open("rb") as stream:
             for chunk in reversed(self.chunks) if backwards else self.chunks:
                 if chunk.last_ns < first_ns or (last_ns is not None and chunk.first_ns > last_ns):
                     continue
-                if channel is not None and chunk.channels is not None and channel not in chunk.channels:
+                if wanted is not None and chunk.channels is not None and wanted.isdisjoint(chunk.channels):
                     continue
-                found = _chunk_messages(_read_chunk(stream, chunk.offset), channel)
+                found = _chunk_messages(_read_chunk(stream, chunk.offset), wanted)
                 for message in reversed(list(found)) if backwards else found:
                     if message.t_ns >= first_ns and (last_ns is None or message.t_ns <= last_ns):
                         yield message
@@ -278,7 +284,7 @@ def _read_chunk(stream: BinaryIO, offset: int) -> bytes:
     return records
 
 
-def _chunk_messages(records: bytes, channel: int | None) -> Iterator[RawMessage]:
+def _chunk_messages(records: bytes, channels: frozenset[int] | None) -> Iterator[RawMessage]:
     at, end = 0, len(records)
     while at < end:
         opcode, length = _RECORD.unpack_from(records, at)
@@ -286,5 +292,5 @@ def _chunk_messages(records: bytes, channel: int | None) -> Iterator[RawMessage]
         at = start + length
         if opcode == MESSAGE_OPCODE:
             id, sequence, t_ns, _ = _MESSAGE.unpack_from(records, start)
-            if channel is None or id == channel:
+            if channels is None or id in channels:
                 yield RawMessage(id, sequence, t_ns, records[start + _MESSAGE.size : at])

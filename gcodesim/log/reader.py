@@ -65,10 +65,9 @@ def read_all(path: Path, topics: Sequence[str] = ()) -> Iterator[tuple[str, int,
         if channel is None:
             raise KeyError(topic)
         wanted[channel] = (topic, decoder_of(log, channel))
-    for message in log.messages():
-        if message.channel in wanted:
-            topic, decode = wanted[message.channel]
-            yield topic, message.t_ns, decode(message)
+    for message in log.messages(wanted):
+        topic, decode = wanted[message.channel]
+        yield topic, message.t_ns, decode(message)
 
 
 def decoded(log: LogFile, topic: str, wanted: str = "", *, backwards: bool = False) -> Iterator[tuple[int, Any]]:
@@ -77,7 +76,7 @@ def decoded(log: LogFile, topic: str, wanted: str = "", *, backwards: bool = Fal
     if channel is None or (wanted and log.schema_name(channel) != wanted):
         return
     decode = decoder_of(log, channel)
-    for message in log.messages(channel, backwards=backwards):
+    for message in log.messages([channel], backwards=backwards):
         yield message.t_ns, decode(message)
 
 

@@ -70,9 +70,7 @@ def read_series(
     times: dict[int, list[int]] = {channel: [] for channel in wanted if channel is not None}
     found: dict[int, list[bytes]] = {channel: [] for channel in times}
     left_out: dict[int, tuple[int, bytes]] = {}
-    for message in log.messages(first_ns=first_ns, last_ns=last_ns):
-        if message.channel not in times:
-            continue
+    for message in log.messages(times, first_ns=first_ns, last_ns=last_ns):
         if every_ns and message.t_ns % every_ns:
             left_out[message.channel] = (message.t_ns, message.data)
             continue

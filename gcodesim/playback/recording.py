@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -107,10 +107,9 @@ class Recording:
             if channel is not None:
                 wanted[channel] = (topic, decoder_of(self.log, channel))
         found: dict[str, list[tuple[int, Any]]] = {topic: [] for topic, _ in wanted.values()}
-        for message in self.log.messages():
-            if message.channel in wanted:
-                topic, decode = wanted[message.channel]
-                found[topic].append((message.t_ns, decode(message)))
+        for message in self.log.messages(wanted):
+            topic, decode = wanted[message.channel]
+            found[topic].append((message.t_ns, decode(message)))
         return found
 
     @cached_property
@@ -147,24 +146,27 @@ class Recording:
         names = (channel.topic for channel in self.log.channels.values())
         return tuple(sorted(name for name in names if name.startswith(_TILES)))
 
+    def _channels_of(self, topics: Iterable[str]) -> dict[int, str]:
+        """Those of `topics` that the log has, by the numbers of their channels."""
+        found = {self.log.channel_id(topic): topic for topic in topics}
+        return {channel: topic for channel, topic in found.items() if channel is not None}
+
     def tile_times(self) -> dict[str, list[tuple[int, int]]]:
         """When each tile changes [ns], and how many bytes the message of it has."""
-        channels = {self.log.channel_id(topic): topic for topic in self.tile_topics}
+        channels = self._channels_of(self.tile_topics)
         times: dict[str, list[tuple[int, int]]] = {topic: [] for topic in self.tile_topics}
-        for message in self.log.messages():
-            if message.channel in channels:
-                times[channels[message.channel]].append((message.t_ns, len(message.data)))
+        for message in self.log.messages(channels):
+            times[channels[message.channel]].append((message.t_ns, len(message.data)))
         return times
 
     def tiles(self, wanted: Mapping[str, Sequence[int]]) -> Iterator[tuple[int, str, tuple[Drawing, ...]]]:
         """Time, topic and content of the tiles that were sent at the `wanted` times [ns] of each topic."""
-        by_channel = {self.log.channel_id(topic): (topic, set(times)) for topic, times in wanted.items()}
+        channels = self._channels_of([topic for topic, times in wanted.items() if times])
+        at = {topic: frozenset(times) for topic, times in wanted.items()}
         decoders: dict[int, Callable[[RawMessage], Any]] = {}
-        for message in self.log.messages():
-            if message.channel not in by_channel:
-                continue
-            topic, times = by_channel[message.channel]
-            if message.t_ns in times:
+        for message in self.log.messages(channels):
+            topic = channels[message.channel]
+            if message.t_ns in at[topic]:
                 if message.channel not in decoders:
                     decoders[message.channel] = decoder_of(self.log, message.channel)
                 yield message.t_ns, topic, drawing_of(decoders[message.channel](message))

@@ -139,7 +139,7 @@ def test_attachments_and_messages_can_be_read(run, tmp_path):
     times = [t for t, _ in read_messages(path, "/scene/tool")]
     assert times == [0, 500 * MS]
     file = LogFile.open(path)
-    some = [m.t_ns for m in file.messages(file.channel_id("/tf"), first_ns=30 * MS, last_ns=90 * MS)]
+    some = [m.t_ns for m in file.messages([file.channel_id("/tf")], first_ns=30 * MS, last_ns=90 * MS)]
     assert some == [40 * MS, 60 * MS, 80 * MS]
-    last = next(file.messages(file.channel_id("/program"), backwards=True))
+    last = next(file.messages([file.channel_id("/program")], backwards=True))
     assert last.t_ns == 2000 * MS
