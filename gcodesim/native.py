@@ -31,7 +31,9 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-_FROM_C: Final = frozenset(("atan2", "sqrt", "fabs", "sin", "cos", "fmod"))
+_FROM_C: Final = frozenset(
+    "atan2 sqrt fabs sin cos tan asin acos exp log pow floor ceil copysign fmod".split()  # noqa: SIM905
+)
 _NEVER_CALLED: Final = "NRT_MemInfo_call_dtor"  # frees arrays that numba has made: there are none
 
 
@@ -55,6 +57,10 @@ class NativeKernel:
     def is_ready(self) -> bool:
         """Whether a call needs no compiler."""
         return self._path is not None and self._path.exists()
+
+    def prepare(self) -> None:
+        """Compile, should that not be done; calls are quick from now on."""
+        _ = self._function or self._kernel.compiled
 
     def bind(self, *arrays: NDArray[np.generic]) -> Callable[..., int]:
         """The kernel for these arrays, which have to stay alive; it is called with the integers alone."""

@@ -7,11 +7,13 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final
 
 from gcodesim.canon.events import ArcFeed, Dwell, Event, FeedUnit, LinearFeed, PathMode, Rapid
-from gcodesim.diagnostics import Caller, Span
+from gcodesim.diagnostics import Span
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
+
+    from gcodesim.diagnostics.span_table import Origin
 
 # kinds of moves
 RAPID: Final = 0
@@ -33,15 +35,14 @@ class MoveBatch:
 
     `kind` (n,): RAPID, LINE, ARC_CW, ARC_CCW; `word` (n,) the number of the motion word, 81 for G81; `end` (n, 6)
     [m, rad]; `feed` (n,) as in `LinearFeed`, 0 for rapids, in rad where `rotary` (n,), per revolution where
-    `per_revolution`. `place` (n, 3) is line, column and end column in `file`; moves of one block stand together and
-    have one line. The block number of a move is its line plus `block_shift`.
+    `per_revolution`. `place` (n, 3) is line, column and end column, in that file and under that chain of callers
+    which `origin` (n,) names among the `origins`; `block` (n,) is the block number. Moves of one block stand together.
     The arcs among them, in order, have the m rows `shapes` (m, 8): centre, normal, sweep, turns.
     `acts` (k, 2) happen before the move that the first number names: EXACT path control for a hole, BACK to `path`,
     DWELL for `dwell` seconds.
     """
 
-    file: str
-    callers: tuple[Caller, ...]
+    origins: tuple[Origin, ...]
     kind: NDArray[np.int32]
     word: NDArray[np.int32]
     end: NDArray[np.float64]
@@ -49,7 +50,8 @@ class MoveBatch:
     rotary: NDArray[np.bool_]
     per_revolution: bool
     place: NDArray[np.int32]
-    block_shift: int
+    origin: NDArray[np.int32]
+    block: NDArray[np.int32]
     shapes: NDArray[np.float64]
     acts: NDArray[np.int32]
     path: PathMode
@@ -61,7 +63,8 @@ class MoveBatch:
     def span(self, row: int) -> Span:
         """Where move `row` stands."""
         line, column, end_column = self.place[row].tolist()
-        return Span(self.file, line, column, line, end_column, self.callers)
+        file, callers = self.origins[int(self.origin[row])]
+        return Span(file, line, column, line, end_column, callers)
 
     def act(self, row: int, what: int) -> PathMode | Dwell:
         """The event of an act before move `row`."""
@@ -95,15 +98,18 @@ class MoveBatch:
             self.feed[rows].tolist(),
             self.rotary[rows].tolist(),
             self.place[rows].tolist(),
+            self.origin[rows].tolist(),
+            self.block[rows].tolist(),
             strict=True,
         )
         shapes = iter(self.shapes[arcs].tolist())
-        file, callers, shift = self.file, self.callers, self.block_shift
-        span = Span("")
-        for kind, number, end, feed, rotary, (line, column, end_column) in moves:
-            if line != span.line:  # the events of a block share their span
+        span, last = Span(""), -1
+        for kind, number, end, feed, rotary, (line, column, end_column), origin, block in moves:
+            if block != last:  # the events of a block share their span
+                last = block
+                file, callers = self.origins[origin]
                 span = Span(file, line, column, line, end_column, callers)
-            block, word, unit = line + shift, f"G{number}", units[rotary]
+            word, unit = f"G{number}", units[rotary]
             if kind == RAPID:
                 yield Rapid(span=span, end=end, block=block, word=word)
             elif kind == LINE:
@@ -138,6 +144,8 @@ class MoveBatch:
             feed=self.feed[rows:],
             rotary=self.rotary[rows:],
             place=self.place[rows:],
+            origin=self.origin[rows:],
+            block=self.block[rows:],
             shapes=self.shapes[int((self.kind[:rows] > LINE).sum()) :],
             acts=acts,
         )

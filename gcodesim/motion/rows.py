@@ -83,17 +83,15 @@ class Rows:
         """The rows of a batch, with `feed` (n,) as a path has it and the index of each row's tool state, or of all."""
         self._flush()
         n = len(batch)
-        lines = batch.place[:, 0]
         begins = np.ones(n, dtype=bool)  # moves of one block have one place
-        begins[1:] = lines[1:] != lines[:-1]
-        place = batch.place[begins][:, (0, 1, 0, 2)]
-        spans = SpanTable(((batch.file, batch.callers),), np.zeros(len(place), dtype=np.int32), place)
+        begins[1:] = batch.block[1:] != batch.block[:-1]
+        spans = SpanTable(batch.origins, batch.origin[begins], batch.place[begins][:, (0, 1, 0, 2)])
         columns = {
             "kind": np.minimum(batch.kind, ARC),
             "end": batch.end,
             "feed": feed,
             "rotary_feed": batch.rotary,
-            "block": lines + batch.block_shift,
+            "block": batch.block,
             "state": state,
             "source": np.cumsum(begins) - 1,
             **tags._asdict(),

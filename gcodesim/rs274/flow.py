@@ -23,7 +23,7 @@ MOST_LEVELS = 10
 _NOTHING = (0.0,) * MOST_ARGUMENTS
 _NEEDS_ONE = frozenset(("if", "elseif", "while", "repeat"))
 _MAY_HAVE_ONE = frozenset(("return", "endsub"))
-_LOCAL = frozenset(KEYWORDS) - {"sub", "endsub", "call", "return"}  # their labels belong to one subroutine
+LOCAL_WORDS = frozenset(KEYWORDS) - {"sub", "endsub", "call", "return"}  # their labels belong to one subroutine
 
 
 class Stopped(Fault):
@@ -46,14 +46,15 @@ class FlowControl:
         self.subs: dict[str, tuple[ProgramFile, int]] = {}
         self.programs: dict[str, tuple[ProgramFile, int]] = {}
         self.labels: dict[tuple[str, str, str], Label] = {}
-        self.jumps = 0
+        self.changes = 0
+        """Counts the O-words and calls, for those who keep a copy of what they change."""
         self.loop: tuple[ProgramFile, int] | None = None  # the line last jumped back to
         self.failed = False  # whether the program is only read on for its further faults
         self.skipped: dict[str, Skipped] = {}
-        self._taken = True  # whether a branch of the `if` at hand was taken
-        self._breaking = False
-        self._continuing = False
-        self._arrived = False  # the line at hand was reached by leaving a branch
+        self.taken = True  # whether a branch of the `if` at hand was taken
+        self.breaking = False
+        self.continuing = False
+        self.arrived = False  # the line at hand was reached by leaving a branch
 
     @property
     def frame(self) -> Frame:
@@ -63,7 +64,8 @@ class FlowControl:
 
     def execute(self, flow: Flow, index: int) -> None:
         """Execute the O-word of the line at hand; sets where to go on."""
-        arrived, self._arrived = self._arrived, False
+        self.changes += 1
+        arrived, self.arrived = self.arrived, False
         label = self._label(flow.label)
         self._check_operands(flow)
         if not flow.keyword:
@@ -122,27 +124,31 @@ class FlowControl:
 
     def _skip_to(self, label: str, index: int, *keywords: str) -> None:
         """Go on at the next O-word of `label`, which should have one of `keywords`; what lies between is not read."""
-        found = self.frame.file.find_flow(index, label, _LOCAL)
+        found = self.frame.file.find_flow(index, label, LOCAL_WORDS)
         self._pass_over(self.frame.file, index, None if found is None else found.at)
         if found is None:
             last = len(self.frame.file.lines) - 1
             wanted = " or ".join(f"`{k}`" for k in keywords)
             raise Stopped("GS130", f"{show(label)} is never closed: no {wanted} follows", index=last)
         self.frame.at = found.at
-        self._arrived = True
+        self.arrived = True
 
     def _pass_over(self, file: ProgramFile, after: int, before: int | None, *, defining: bool = False) -> None:
         """Raise `Stopped` at the first line between two that is broken even for a control that skips it."""
+        found = self.skipped_of(file).first(after, len(file.lines) if before is None else before, defining=defining)
+        if found is not None:
+            index, fault = found
+            message = f"line {index + 1}, which is passed over, cannot be read: {fault.message}"
+            raise Stopped(fault.code, message, index=index, hint=fault.hint)
+
+    def skipped_of(self, file: ProgramFile) -> Skipped:
+        """What a control that skips lines of `file` finds broken."""
         skipped = self.skipped.get(file.name)
         if skipped is None:
             longest = self.control.dialect.longest_line
             skipped = Skipped(file, self.reader, longest, lambda index: self._broken_call(file, index))
             self.skipped[file.name] = skipped
-        found = skipped.first(after, len(file.lines) if before is None else before, defining=defining)
-        if found is not None:
-            index, fault = found
-            message = f"line {index + 1}, which is passed over, cannot be read: {fault.message}"
-            raise Stopped(fault.code, message, index=index, hint=fault.hint)
+        return skipped
 
     def _broken_call(self, file: ProgramFile, index: int) -> Fault | None:
         """What is wrong with the words of a line with M98; they are computed even where it is passed over."""
@@ -164,7 +170,6 @@ class FlowControl:
         if self.failed:
             return
         self.frame.at = index
-        self.jumps += 1
         self.loop = (self.frame.file, index)
 
     def _test(self, flow: Flow) -> float:
@@ -179,7 +184,7 @@ class FlowControl:
         self._branch(label, index, taken=holds)
 
     def _branch(self, label: str, index: int, *, taken: bool) -> None:
-        self._taken = taken
+        self.taken = taken
         if not taken:
             self._skip_to(label, index, "elseif", "else", "endif")
 
@@ -187,7 +192,7 @@ class FlowControl:
         del arrived
         holds = self._test(flow) != 0.0  # computed in any case, so that a fault in it is one
         self._opened(label, "elseif", "if")
-        if self._taken:
+        if self.taken:
             self._skip_to(label, index, "endif")
         else:
             self._branch(label, index, taken=holds)
@@ -195,14 +200,14 @@ class FlowControl:
     def _else(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
         del flow
         self._opened(label, "else", "if")
-        if self._taken:
+        if self.taken:
             self._skip_to(label, index, "endif")
-        self._taken = self._taken or arrived
+        self.taken = self.taken or arrived
 
     def _endif(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
         del flow, index, arrived
         self._opened(label, "endif", "if")
-        self._taken = True  # this very line would not run, had an outer branch not been taken
+        self.taken = True  # this very line would not run, had an outer branch not been taken
 
     # loops; a skip stops at every O-word of its label, which then acts as on a control that is skipping
 
@@ -210,7 +215,7 @@ class FlowControl:
         holds = self._test(flow) != 0.0
         known = self.labels.get(self._key(label))
         if known is not None and known.kind == "do":
-            broken, self._breaking = self._breaking, False
+            broken, self.breaking = self.breaking, False
             if not broken and holds:
                 self._back_to(known.index)
             return
@@ -223,9 +228,9 @@ class FlowControl:
         self._end_of_loop(self._opened(label, "endwhile", "while"), arrived)
 
     def _end_of_loop(self, known: Label, arrived: bool) -> None:
-        continues = self._continuing
+        continues = self.continuing
         if arrived:
-            self._continuing = False
+            self.continuing = False
         if not arrived or continues:
             self._back_to(known.index)
 
@@ -262,7 +267,7 @@ class FlowControl:
         known = self._opened(label, "break", "while", "do")
         # as on the control, only the `while` that closes a `do` takes this back: after a `break` out of a
         # `while` … `endwhile`, or one passed over when such a loop ends, the next `do` runs once
-        self._breaking = True
+        self.breaking = True
         self._skip_to(label, index, "while" if known.kind == "do" else "endwhile")
 
     def _continue(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
@@ -270,7 +275,7 @@ class FlowControl:
         self._leave_repeat(label, index, arrived)
         known = self._opened(label, "continue", "while", "do")
         if not arrived:
-            self._continuing = True
+            self.continuing = True
         self._skip_to(label, index, "while" if known.kind == "do" else "endwhile")
 
     # subroutines
@@ -379,7 +384,6 @@ class FlowControl:
         self.frames.append(Frame(file, first, name=label, first=first, callers=(*self.frame.callers, caller)))
         self.control.sub_level = len(self.frames) - 1
         self.control.frames = self.frames
-        self.jumps += 1
 
     def _find(self, label: str, index: int, *, by_m98: bool) -> tuple[ProgramFile, int]:
         """File and line index of a subroutine or program: known, in a file of its name, or further down.
@@ -451,6 +455,7 @@ class FlowControl:
 
     def call_program(self, number: int, rounds: int, index: int) -> None:
         """M98 P L."""
+        self.changes += 1
         label = str(number)
         if rounds <= 0:  # as on the control, a level is entered without going anywhere
             message = "M98 with L0 calls nothing, but the next M99 comes back to here, as on the control"
@@ -466,6 +471,7 @@ class FlowControl:
 
     def end_of_program(self) -> None:
         """M99 of a subprogram: the next round of an M98, or back to the caller."""
+        self.changes += 1
         frame = self.frame
         if not frame.by_m98:
             raise Fault("GS130", "M99 inside an O-word subroutine", at="m99", hint="use `return` or `endsub`")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 from gcodesim.diagnostics import SourceText
 from gcodesim.diagnostics.text import LONG
 from gcodesim.rs274.control import Control
-from gcodesim.rs274.dialects import Dialect
+from gcodesim.rs274.flow import FlowControl
 from gcodesim.rs274.settings import Settings
 
 if TYPE_CHECKING:
@@ -24,27 +24,27 @@ _WORTH_COMPILING: Final = 2_500_000
 
 
 class Lanes:
-    """The compiled lanes of the files of one run, opened when they pay."""
+    """The compiled lane of one run, opened when it pays."""
 
-    def __init__(self, source: SourceText, settings: Settings, dialect: Dialect) -> None:
-        self._dialect = dialect
-        self._lanes: dict[str, PlainLane] = {}
+    def __init__(self, source: SourceText, settings: Settings, control: Control, flow: FlowControl) -> None:
+        self._control, self._flow = control, flow
+        self._lane: PlainLane | None = None
         self._eager = settings.lane == "compiled"
         self._may_compile = self._eager or len(source.raw) >= _WORTH_COMPILING
         self._from = {"grammar": None, "compiled": 0}.get(settings.lane, 0 if len(source.raw) >= LONG else _MANY_BLOCKS)
 
-    def lane_at(self, source: SourceText, block: int, control: Control) -> PlainLane | None:
-        """The compiled lane, when the line at hand of `source` may be tried in it; `block` counts those so far."""
-        if self._from is None:
-            return None
-        if block < self._from and (control.state.cycle < 0 or block * _BLOCKS_OF_HOLE < self._from):
-            return None
-        lane = self._lanes.get(source.name)
+    def lane_at(self, block: int) -> PlainLane | None:
+        """The compiled lane, when the line at hand may be tried in it; `block` counts those so far."""
+        lane = self._lane
         if lane is None:
+            if self._from is None:
+                return None
+            if block < self._from and (self._control.state.cycle < 0 or block * _BLOCKS_OF_HOLE < self._from):
+                return None
             from gcodesim.rs274.plain.lane import RUN_LINES, PlainLane  # brings numpy, perhaps the compiler
 
             if not (self._may_compile or RUN_LINES.is_ready()):
                 self._from = None
                 return None
-            lane = self._lanes[source.name] = PlainLane(source, self._dialect.longest_line, eager=self._eager)
-        return lane if lane.is_open(control) else None
+            lane = self._lane = PlainLane(self._control, self._flow, eager=self._eager)
+        return lane if lane.is_open() else None

@@ -58,6 +58,8 @@ class Parameters:
         self._position = position
         self._predefined = predefined
         self.undo: list[tuple[dict[int, float] | dict[str, float], int | str, float | None]] = []
+        self.changes = 0
+        """Counts what may have changed a value, for those who keep a copy."""
 
     def index(self, value: float) -> int:
         """The number meant by `#value`: within 1e-4 of an integer counts as that integer."""
@@ -115,6 +117,7 @@ class Parameters:
 
     def set(self, number: int, value: float) -> None:
         """Store a number, in a way that `roll_back` takes back."""
+        self.changes += 1
         self.undo.append((self.numbers, number, self.numbers.get(number)))
         self.numbers[number] = value
 
@@ -124,6 +127,7 @@ class Parameters:
 
     def set_first(self, values: tuple[float, ...]) -> None:
         """Store those, as `set` does; most of them are what they were, to the very object."""
+        self.changes += 1
         numbers = self.numbers
         for number, old, value in zip(_OF_CALL, map(numbers.get, _OF_CALL), values, strict=True):
             if old is not value:
@@ -135,6 +139,7 @@ class Parameters:
         store = self.globals if name.startswith("_") else self.locals
         if name.startswith("_") and self._predefined(name) is not None:
             raise Fault("GS122", f"#<{name}> shows the state of the machine and cannot be set")
+        self.changes += 1
         self.undo.append((store, name, store.get(name)))
         store[name] = value
 
@@ -148,6 +153,7 @@ class Parameters:
 
     def roll_back(self) -> None:
         """Take back everything set since the last commit."""
+        self.changes += 1
         for store, key, value in reversed(self.undo):
             if value is None:
                 store.pop(key, None)  # type: ignore[arg-type]

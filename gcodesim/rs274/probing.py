@@ -55,6 +55,7 @@ def tripped(control: Control, event: canon.Probe, reply: canon.Axes | None) -> N
             *control.tip(state.current)[6:],
         )  # type: ignore[assignment]
         state.current = control.point_of(tip)
+    control.parameters.changes += 1
     for axis in range(9):
         value = control.machine_units(state.current[axis], axis)
         control.parameters.numbers[numbers.PROBE + axis] = state.current[axis] if axis < 9 else value

@@ -113,7 +113,7 @@ class Executor:
         self.faults = 0
         self.told: dict[tuple[str, str], set[tuple[str, int, int]]] = {}  # where each message was given
         self.kinds: dict[str, set[str]] = {}  # messages of the warnings with one code
-        self.lanes = Lanes(run.source, settings, self.dialect) if type(self) is Executor else None
+        self.lanes = Lanes(run.source, settings, self.control, self.flow) if type(self) is Executor else None
         allowed = _MOST_BLOCKS + _MOST_ROUNDS * len(run.source.lines)
         self.most_blocks = allowed if settings.max_blocks is None else settings.max_blocks
 
@@ -138,15 +138,14 @@ class Executor:
             if index >= len(frame.file.lines):
                 self._end_of_lines()
                 break
-            if self.lanes is not None and (lane := self.lanes.lane_at(frame.file.source, self.blocks, control)):
-                last = min(len(frame.file.lines), index + max(self.most_blocks - self.blocks, 0))
-                frame.at, batch = lane.run(control, index, last, self.blocks, frame.callers)
-                self.blocks += frame.at - index
+            if self.lanes is not None and (lane := self.lanes.lane_at(self.blocks)):
+                done, batch, last = lane.run(self.blocks, max(self.most_blocks - self.blocks, 0))
+                self.blocks += done
                 if batch is not None and self.run.failed is None:
                     self.watches.moves(batch)
                     yield batch
-                if frame.at > index:
-                    if self._exhausted(frame.at - 1):
+                if done:
+                    if self._exhausted(*last):
                         break
                     continue
             frame.at = index + 1
@@ -171,7 +170,7 @@ class Executor:
                             tripped(control, event, None)
                 out.clear()
             self.blocks += 1
-            if self._exhausted(index):
+            if self._exhausted(frame.file, index):
                 break
         self._finish()
 
@@ -244,7 +243,12 @@ class Executor:
     def _execute(self, words: Words, index: int) -> None:
         control = self.control
         if self._is_plain(words):
-            execute_move(words, control)
+            try:
+                execute_move(words, control)
+            except (Fault, OverflowError):
+                control.parameters.roll_back()
+                raise
+            control.parameters.commit()
             if self.run.failed is None:
                 self.watches.events(control.out)
             return
@@ -367,8 +371,8 @@ class Executor:
             message, hint = "the program has no end", "end it with M2 or M30"
         self._report(Diagnostic(code="GS010", message=message, span=span, hint=hint), len(frame.file.lines))
 
-    def _exhausted(self, index: int) -> bool:
-        """Whether the budget of blocks or time is used up; reported once."""
+    def _exhausted(self, file: ProgramFile, index: int) -> bool:
+        """Whether the budget of blocks or time is used up after a line of `file`; reported once."""
         limit = self.most_blocks
         if self.blocks > limit:
             message, value, unit = f"the program did not end within {limit} blocks", float(limit), "blocks"
@@ -382,7 +386,6 @@ class Executor:
             code = "GS015"
         else:
             return False
-        file = self.flow.frame.file
         line = index
         if self.flow.loop is not None:
             file, line = self.flow.loop

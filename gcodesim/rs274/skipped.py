@@ -8,7 +8,7 @@ M98 in front of a line even computed; what is broken there is an error.
 from __future__ import annotations
 
 import re
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -37,6 +37,10 @@ class Skipped:
     def __init__(self, file: ProgramFile, reader: Reader, longest: int, call: Callable[[int], Fault | None]) -> None:
         self._found = list(_defects(file, reader, longest, call))
         self._at = [defect.at for defect in self._found]
+
+    def is_clear(self, after: int, before: int) -> bool:
+        """Whether nothing between the indices `after` and `before` may ever be broken."""
+        return bisect_right(self._at, after) == bisect_left(self._at, before)
 
     def first(self, after: int, before: int, *, defining: bool) -> tuple[int, Fault] | None:
         """Index and fault of the first broken line between the indices `after` and `before`."""

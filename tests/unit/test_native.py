@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 from gcodesim.compiled import Kernel
-from gcodesim.diagnostics import SourceText
 from gcodesim.native import ArrayType, NativeKernel
-from gcodesim.rs274.plain.lane import PlainLane
+from gcodesim.rs274.plain.lane import RUN_LINES
 
 SCAN = "gcodesim.rs274.plain.scan_kernels"
 BYTES = [ArrayType("u1", readonly=True)]
@@ -81,7 +80,7 @@ def test_without_the_compiler_kernels_run_as_python():
 
 def test_reading_a_long_program_does_not_load_numba(tmp_path):
     """What the machine code is for: with it in the cache numba stays out of the process."""
-    PlainLane(SourceText("p.nc", b"G1"), 252)  # compiles it, should it not be there
+    RUN_LINES.prepare()  # compiles it, should it not be there
     program = tmp_path / "long.nc"
     program.write_text("F100\n" + "G1 X1 Y2 Z3\nG1 X2 Y3 Z4\n" * 20_000 + "M2\n")
     code = (

@@ -213,7 +213,7 @@ class FanucFlow(FlowControl):
         )
         self.frames.append(frame)
         self.control.sub_level = len(self.frames) - 1
-        self.jumps += 1
+        self.changes += 1
         return frame
 
     def _find_program(self, number: int) -> tuple[FanucFile, Part]:

@@ -176,7 +176,7 @@ def _wait(numbers: Column, modes: Column, kind: int, linear: bool) -> None:
     numbers[HELD_SWEEP] = sweep
     numbers[HELD_FEED] = speed(numbers, modes, linear) if kind > 0 else 0.0
     modes[HELD_KIND], modes[HELD_TURNS], modes[HELD_ROTARY] = kind, turns, kind > 0 and not linear
-    for each in range(3):
+    for each in range(5):
         modes[HELD_PLACE + each] = modes[PLACE + each]
 
 

@@ -8,22 +8,24 @@ from typing import Final
 import numpy as np
 
 from gcodesim.canon.batch import MoveBatch
-from gcodesim.diagnostics import SourceText
-from gcodesim.diagnostics.finding import Caller
+from gcodesim.diagnostics.span_table import Origin
 from gcodesim.native import ArrayType, NativeKernel
 from gcodesim.rs274.arcs import PLANE_AXES
-from gcodesim.rs274.compensation import is_on
+from gcodesim.rs274.compensation import Held, is_on
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.ends import start_point
+from gcodesim.rs274.flow import FlowControl
 from gcodesim.rs274.plain import layout_kernels as at
 from gcodesim.rs274.plain import waiting
 from gcodesim.rs274.plain.columns import Column
+from gcodesim.rs274.plain.program_state import ProgramState
+from gcodesim.rs274.program_file import ProgramFile
 from gcodesim.units import DEG, INCH, MINUTE
 
 MOST_MOVES: Final = 1 << 15
 """Rows of a batch; so much memory is in use at a time however long the program is."""
 
-_MOVES_OF_LINE = 16  # room in short files, for holes
+_MOST_LINES: Final = 1 << 18  # of one call, so that loops without moves meet the clock now and then
 _SHORT_RUN = 12  # lines; below that the way through the door costs more than the lines by themselves
 _LONGEST_PAUSE = 64
 
@@ -39,6 +41,8 @@ RUN_LINES: Final = NativeKernel(
         ArrayType("i4", 2),
         ArrayType("f8", 2),
         ArrayType("i4", 2),
+        ArrayType("f8"),
+        ArrayType("i8"),
     ],
     integers=3,
 )
@@ -46,78 +50,108 @@ _KNOWN_CYCLES: Final = frozenset((730, 810, 820, 830, 850, 890))
 
 
 class PlainLane:
-    """Executes the plain lines of one file; `eager` tries every line, whether it may pay or not."""
+    """Executes the lines of a program that the kernels know; `eager` tries every line, whether it may pay or not."""
 
-    def __init__(self, source: SourceText, longest_line: int, *, eager: bool = False) -> None:
-        self._table = source.table
-        self._name = source.name
-        self._longest = longest_line
+    def __init__(self, control: Control, flow: FlowControl, *, eager: bool = False) -> None:
+        self._control, self._flow = control, flow
+        self._longest = control.dialect.longest_line
         self._eager = eager
         self._pause, self._next_pause = 0, 1
         self._numbers, self._modes = np.zeros(at.NUMBERS), np.zeros(at.MODES, dtype=np.int64)
-        room = min(_MOVES_OF_LINE * len(self._table) + _MOVES_OF_LINE, MOST_MOVES)
-        self._moves = np.empty((room, at.END_FEED))
-        self._facts = np.empty((room, at.FACTS), dtype=np.int32)
-        self._shapes = np.empty((room, at.SHAPE))
-        self._acts = np.empty((room, 2), dtype=np.int32)
+        self._moves = np.empty((MOST_MOVES, at.END_FEED))
+        self._facts = np.empty((MOST_MOVES, at.FACTS), dtype=np.int32)
+        self._shapes = np.empty((MOST_MOVES, at.SHAPE))
+        self._acts = np.empty((MOST_MOVES, 2), dtype=np.int32)
+        self._program = ProgramState(control, flow, self._modes, self._numbers)
+        self._bind()
+
+    def _bind(self) -> None:
+        program = self._program
         self._run = RUN_LINES.bind(
-            self._table.data, self._table.starts, self._numbers, self._modes,
-            self._moves, self._facts, self._shapes, self._acts,
+            program.text.data, program.text.starts, self._numbers, self._modes,
+            self._moves, self._facts, self._shapes, self._acts, program.memory, program.tables,
         )  # fmt: skip
 
-    def is_open(self, control: Control) -> bool:
+    def is_open(self) -> bool:
         """Whether the line at hand may be tried: the state is one that the kernels know, and trying may pay."""
         if self._pause > 0:
             self._pause -= 1
             return False
-        state = control.state
-        if state.comp_leaving or state.nurbs_order or state.diameter:
+        state = self._control.state
+        if state.comp_leaving or state.nurbs_order or state.diameter or self._program.is_full:
             return False
-        return waiting.is_known(state) if is_on(control) else not state.held
+        return waiting.is_known(state) if is_on(self._control) else not state.held
 
-    def run(
-        self, control: Control, first: int, last: int, block: int, callers: tuple[Caller, ...]
-    ) -> tuple[int, MoveBatch | None]:
-        """Execute lines from index `first` to before `last` as far as they are plain.
+    def run(self, block: int, most: int) -> tuple[int, MoveBatch | None, tuple[ProgramFile, int]]:
+        """Execute at most `most` lines from the one at hand on, as far as the kernels know them.
 
-        `block` is the number of the first one. Returns the index of the next line, and the moves.
+        `block` is the number of the first one. Returns how many, the moves, and file and index of the last line.
         """
-        state, shift = control.state, block - first - 1
+        control, flow, program = self._control, self._flow, self._program
+        if program.add_files():
+            self._bind()
+        program.write()
+        first = program.text.base_of(flow.frame.file) + flow.frame.at
         beside = is_on(control)
-        if beside and not waiting.is_of(state, self._name, callers, shift):
-            return first, None
         _write_state(control, self._numbers, self._modes)
-        index = self._run(first, last, self._longest)
-        self._judge(index - first)
-        if index == first:
-            return index, None
+        if beside:
+            (move,) = control.state.held
+            assert type(move) is Held
+            origin = program.chain((move.span.file, move.span.callers))
+            line = program.placed(origin)[1] + move.span.line
+            waiting.write(control.state, self._numbers, self._modes, line, origin)
+        self._modes[at.PLACE + 3] = block
+        done = self._run(first, min(most, _MOST_LINES), self._longest)
+        if self._modes[at.FLOWS] == at.FLOWS_WANTED:
+            program.find_flows()
+            self._bind()
+            if done == 0:
+                return self.run(block, most)
+        self._judge(done)
+        if done == 0:
+            return 0, None, (flow.frame.file, flow.frame.at)
+        last = program.take_over()
         _take_over(control, self._numbers, self._modes)
         if beside:
-            waiting.take_over(state, self._numbers, self._modes, (self._name, callers, shift))
-        if self._modes[at.ROWS] == 0:
-            return index, None
-        return index, self._batch(control, callers, shift)
+            waiting.take_over(control.state, self._numbers, self._modes, program.placed)
+        return done, self._batch() if self._modes[at.ROWS] else None, last
 
-    def _batch(self, control: Control, callers: tuple[Caller, ...], block_shift: int) -> MoveBatch:
+    def _batch(self) -> MoveBatch:
         """The rows of the last call."""
         rows, arcs, acts = self._modes[at.ROWS : at.ACTS + 1].tolist()
         moves, facts = self._moves[:rows].copy(), self._facts[:rows].copy()
+        origins, origin = self._origins(facts)
         return MoveBatch(
-            file=self._name,
-            callers=callers,
+            origins=origins,
             kind=facts[:, at.KIND],
             word=facts[:, at.WORD],
             end=moves[:, :6],
             feed=moves[:, 6],
             rotary=facts[:, at.ROTARY] != 0,
-            per_revolution=control.state.feed_mode == 950,
+            per_revolution=self._control.state.feed_mode == 950,
             place=facts[:, at.LINE : at.LINE + 3],
-            block_shift=block_shift,
+            origin=origin,
+            block=facts[:, at.LINE + 3],
             shapes=self._shapes[:arcs].copy(),
             acts=self._acts[:acts].copy(),
-            path=control.path_mode(),
+            path=self._control.path_mode(),
             dwell=float(self._numbers[at.CYCLE_P]),
         )
+
+    def _origins(self, facts: Column) -> tuple[tuple[Origin, ...], Column]:
+        """Files and chains of callers of the moves, and which each move has; makes line numbers of indices."""
+        chains, place = facts[:, at.LINE + 4], facts[:, at.LINE]
+        if (chains == chains[0]).all():
+            origin, before_first = self._program.placed(int(chains[0]))
+            place -= before_first
+            chains[:] = 0
+            return (origin,), chains
+        known: dict[Origin, int] = {}
+        numbers, which = np.unique(chains, return_inverse=True)
+        placed = [self._program.placed(number) for number in numbers.tolist()]
+        place -= np.array([before_first for _, before_first in placed], dtype=np.int32)[which]
+        chains[:] = np.array([known.setdefault(origin, len(known)) for origin, _ in placed], dtype=np.int32)[which]
+        return tuple(known), chains
 
     def _judge(self, lines: int) -> None:
         """Leave the line that stopped the run to the other lane, after short runs some more."""
@@ -142,8 +176,6 @@ def _write_state(control: Control, numbers: Column, modes: Column) -> None:
         state.cycle_start, words.get("r", 0.0), words.get(depth, 0.0), words.get("q", 0.0), words.get("p", 0.0),
     )  # fmt: skip
     beside = is_on(control)
-    if beside:
-        waiting.write(state, numbers, modes)
     modes[: at.SIDE + 1] = (
         state.motion, state.plane, state.incremental, state.centre_absolute, state.feed_mode,
         state.rotation != 0.0, state.unit == INCH, state.speed != 0.0,

@@ -43,7 +43,13 @@ NEXT_DIRECTION: Final = 71
 NEXT_NORMAL: Final = 73
 CORNER: Final = 75
 VALUES: Final = 77  # of the letters A to Z in the line
-NUMBERS: Final = 103
+RESULT: Final = 103  # of the expression at hand, and a word's value
+RETURNED: Final = 104  # by the last `return`
+STACK: Final = 105  # of values while an expression is computed
+MOST_VALUES: Final = 64
+SETTINGS: Final = 169  # values of the line's `#index=value`, in order
+ARGUMENTS: Final = 201  # values of the brackets behind an O-word
+NUMBERS: Final = 231
 
 # modes: the state, what it will be after the line, what happened, codes in the line
 MOTION: Final = 0
@@ -63,26 +69,59 @@ HAS_ENDPOINT: Final = 13
 HELD_KIND: Final = 14
 HELD_TURNS: Final = 15
 HELD_ROTARY: Final = 16
-HELD_PLACE: Final = 17  # line, column, end column
-WANTED: Final = 20  # motion, plane, incremental, centre absolute
-MOVED: Final = 24
-ROWS: Final = 25
-ARCS: Final = 26
-ACTS: Final = 27
-PLACE: Final = 28  # of the line at hand, as HELD_PLACE
-ARC_TURNS: Final = 31  # of the arc at hand, negative for clockwise
-JOIN: Final = 32  # how the move that waits meets the one at hand
-CODES: Final = 33  # how many G words, then ten times each
+HELD_PLACE: Final = 17  # line, column, end column, block, origin
+WANTED: Final = 22  # motion, plane, incremental, centre absolute
+MOVED: Final = 26
+ROWS: Final = 27
+ARCS: Final = 28
+ACTS: Final = 29
+PLACE: Final = 30  # of the line at hand, as HELD_PLACE
+ARC_TURNS: Final = 35  # of the arc at hand, negative for clockwise
+JOIN: Final = 36  # how the move that waits meets the one at hand
+CODES: Final = 37  # how many G words, then ten times each
 MOST_CODES: Final = 8
-MODES: Final = 42
+# the program: where it is, and what its O-words and parameters did
+NEXT: Final = 46  # index of the line to execute next, and of the last one executed
+LAST: Final = 47
+END: Final = 48  # behind the last line of the file
+LEVEL: Final = 49  # of calls: 0 in the main program; the lowest one since the kernel was called
+LOWEST: Final = 50
+LOOP: Final = 51  # index of the line last jumped back to, -1 for none
+TAKEN: Final = 52  # as in `FlowControl`
+BREAKING: Final = 53
+CONTINUING: Final = 54
+ARRIVED: Final = 55
+HAS_RETURNED: Final = 56
+HAS_NAMES: Final = 57  # whether the dialect has named parameters
+FLOWS: Final = 58  # how many rows of O-words; negative while nobody has looked for them
+FLOWS_WANTED: Final = -2
+FLOWED: Final = 59  # what happened since the kernel was called: an O-word
+NAMED: Final = 60  # a named parameter set
+CALLED: Final = 61  # a call or return, which sets #1 to #30
+CHANGED: Final = 62  # how many numbered parameters set
+EPOCH: Final = 63  # of the latest call; a local value counts when it is of the epoch of its level
+NAMES_USED: Final = 64
+LETTERS_USED: Final = 65
+CHAINS_USED: Final = 66
+# the line at hand
+NAME: Final = 67
+MISSING: Final = 68  # EXISTS was asked of a name without a value
+FRESH: Final = 69  # a name is set that has none
+TEXT: Final = 70  # where an O-word begins
+SET: Final = 71  # how many settings, then their targets: numbers, or names as -1 - name
+MOST_SET: Final = 30
+OPERATORS: Final = 102  # stack while an expression is computed
+MOST_OPERATORS: Final = 64
+FAILED: Final = 166  # whether the program is only read on for its further faults
+MODES: Final = 167
 
 # rows of moves: floats 0 to 5 the end, 6 the feed; integers:
 END_FEED: Final = 7
 KIND: Final = 0
 ROTARY: Final = 1
 WORD: Final = 2  # number of the motion word, 81 for G81
-LINE: Final = 3  # then column and end column
-FACTS: Final = 6
+LINE: Final = 3  # then column, end column, block and origin
+FACTS: Final = 8
 
 # rows of arcs: centre, normal, sweep, turns
 SHAPE: Final = 8
@@ -94,3 +133,73 @@ DWELL: Final = 2
 MOST_ACTS_OF_LINE: Final = 3
 
 MOST_ROWS_OF_LINE: Final = 2  # but for holes, which look for themselves
+
+# memory: what `#` means. Numbered parameters by number, each level's #1 to #30 of its caller, then named ones:
+# rows of the levels, last that of the global ones
+MOST_LEVELS: Final = 10
+MOST_NAMES: Final = 1024  # places; three quarters are used at most
+LAST_NUMBER: Final = 5601
+OF_CALL: Final = 30
+KEPT: Final = 5602
+NAMED_VALUES: Final = KEPT + MOST_LEVELS * OF_CALL
+MEMORY: Final = NAMED_VALUES + (MOST_LEVELS + 1) * MOST_NAMES
+
+# tables: rows of integers one after the other
+FRAMES: Final = 0  # the stack of calls
+FRAME: Final = 8
+AT: Final = 0  # index of the line that is next there, kept while a call is out
+SCOPE: Final = 1  # number of the subroutine's name
+CHAIN: Final = 2  # number of the chain of callers
+RETURNS: Final = 3  # whether `endsub` may be executed here
+FIRST: Final = 4  # row of the `call` that made the frame
+FRAME_EPOCH: Final = 5
+FRAME_END: Final = 6
+NAMES: Final = FRAMES + MOST_LEVELS * FRAME  # by hash: where in LETTERS, how long, of which kind
+A_NAME: Final = 3
+LOCAL: Final = 0
+GLOBAL: Final = 1
+UNKNOWN: Final = 2  # a predefined one that is asked of the other lane
+POSITION_NAME: Final = 10  # then by axis
+FEED_NAME: Final = 20
+VALUE_NAME: Final = 21
+VALUE_RETURNED_NAME: Final = 22
+CALL_LEVEL_NAME: Final = 23
+LETTERS: Final = NAMES + MOST_NAMES * A_NAME
+MOST_LETTERS: Final = 16384
+STAMPS: Final = LETTERS + MOST_LETTERS  # epoch of each named value
+CHAINS: Final = STAMPS + (MOST_LEVELS + 1) * MOST_NAMES  # by hash: the caller's chain plus 1, row of the call
+MOST_CHAINS: Final = 4096
+CHANGES: Final = CHAINS + 2 * MOST_CHAINS  # numbered parameters that were set, each once
+IS_CHANGED: Final = CHANGES + LAST_NUMBER + 1
+FLOW_ROWS: Final = IS_CHANGED + LAST_NUMBER + 1  # lines with an O-word, in order
+FLOW: Final = 14
+FLOW_AT: Final = 0  # index of the line
+KEYWORD: Final = 1  # 0 where the line is left
+GROUP: Final = 2  # first row of the same label in the same subroutine; it keeps the label's state
+BEHIND: Final = 3  # where the text behind the keyword begins
+FOLLOWING: Final = 4  # row of the next O-word of the label, -1 where the way there is left
+FLOW_SCOPE: Final = 5  # subroutine in whose text it stands
+SUB: Final = 6  # of a call: index of the line with `sub`, -1 when unknown, its scope, the end of its file
+SUB_SCOPE: Final = 7
+SUB_END: Final = 8
+OPENED_BY: Final = 9  # state of the label: keyword, line that opened it, rounds left of a repeat or -1
+OPENED_AT: Final = 10
+LEFT: Final = 11
+TOUCHED: Final = 12
+
+# keywords
+IF: Final = 1
+ELSEIF: Final = 2
+ELSE: Final = 3
+ENDIF: Final = 4
+WHILE: Final = 5
+ENDWHILE: Final = 6
+DO: Final = 7
+REPEAT: Final = 8
+ENDREPEAT: Final = 9
+BREAK: Final = 10
+CONTINUE: Final = 11
+SUB_WORD: Final = 12
+ENDSUB: Final = 13
+RETURN: Final = 14
+CALL: Final = 15

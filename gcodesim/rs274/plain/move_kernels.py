@@ -1,4 +1,4 @@
-"""Plain lines executed on arrays: `rs274/execute.py`, `motions.py` and `arcs.py` for what CAM systems write.
+"""Lines executed on arrays: `rs274/run.py`, `execute.py`, `motions.py` and `arcs.py` for what programs mostly are.
 
 A line is executed here only when it is certain what it does and that it is
 right; every other line, and so every finding, belongs to the grammar's lane.
@@ -14,36 +14,53 @@ from gcodesim.rs274.plain.arc_kernels import apart, centre_by_radius, plane_axes
 from gcodesim.rs274.plain.beside_kernels import go_beside, meets
 from gcodesim.rs274.plain.columns import Column
 from gcodesim.rs274.plain.cycle_kernels import hole
+from gcodesim.rs274.plain.flow_kernels import o_word
 from gcodesim.rs274.plain.layout_kernels import (
     ACTS,
     ARC_CENTRE,
     ARC_TURNS,
     ARCS,
+    CALLED,
     CENTRE_ABSOLUTE,
+    CHAIN,
+    CHANGED,
     CODES,
     COMPENSATES,
     CURRENT,
+    END,
     FEED,
     FEED_MODE,
     FEED_UNIT,
+    FLOWED,
+    FLOWS,
+    FLOWS_WANTED,
+    FRAME,
+    FRAMES,
     HAS_SPEED,
     INCH,
     INCREMENTAL,
+    LAST,
+    LEVEL,
+    LOWEST,
     MOST_ACTS_OF_LINE,
     MOST_ROWS_OF_LINE,
     MOTION,
     MOVED,
+    NAMED,
+    NEXT,
     PLACE,
     PLANE,
     ROWS,
+    SET,
     SIDE,
     TARGET,
     UNIT,
     VALUES,
     WANTED,
 )
+from gcodesim.rs274.plain.memory_kernels import settle
 from gcodesim.rs274.plain.row_kernels import append, put_arc
-from gcodesim.rs274.plain.scan_kernels import NOT_PLAIN, scan_line
+from gcodesim.rs274.plain.scan_kernels import NOT_PLAIN, O_WORD, scan_line
 
 _F, _I, _P, _R, _X = 5, 8, 15, 17, 23
 _AXES = (1 << 23) | (1 << 24) | (1 << 25) | 7
@@ -61,20 +78,28 @@ def run_lines(
     facts: Column,
     shapes: Column,
     acts: Column,
+    memory: Column,
+    tables: Column,
     first: int,
-    last: int,
+    most: int,
     longest: int,
 ) -> int:
-    """Execute lines from index `first` to before `last` as far as they are plain; returns where it stopped.
+    """Execute up to `most` lines from index `first` on as far as they are understood; returns how many.
 
-    `text` with `starts` (see `LineTable`); `longest` is the most characters a line may have. `numbers` and `modes`
-    are the state before and after. Moves are appended to `moves` and `facts`, arcs to `shapes` as well, what
-    happens between them to `acts`; all as in the layout. A full array ends the run too.
+    `text` with `starts` (see `LineTable`, `ProgramText`); `longest` is the most characters a line may have. `numbers`,
+    `modes`, `memory` and `tables` are the state before and after. Moves are appended to `moves` and `facts`, arcs to
+    `shapes` as well, what happens between them to `acts`; all as in the layout. A full array ends the run too.
     """
-    modes[ROWS] = modes[ARCS] = modes[ACTS] = modes[MOVED] = 0
-    index = first
+    modes[ROWS] = modes[ARCS] = modes[ACTS] = modes[MOVED] = modes[FLOWED] = modes[NAMED] = modes[CALLED] = 0
+    modes[CHANGED] = 0
+    modes[LOWEST] = modes[LEVEL]
+    modes[NEXT] = modes[LAST] = index = first
+    done = 0
     while (
-        index < last and modes[ROWS] + MOST_ROWS_OF_LINE <= len(moves) and modes[ACTS] + MOST_ACTS_OF_LINE <= len(acts)
+        done < most
+        and index < modes[END]
+        and modes[ROWS] + MOST_ROWS_OF_LINE <= len(moves)
+        and modes[ACTS] + MOST_ACTS_OF_LINE <= len(acts)
     ):
         begin, stop = starts[index], starts[index + 1]
         if stop > begin and text[stop - 1] == 10:
@@ -83,31 +108,45 @@ def run_lines(
             stop -= 1
         if stop - begin > longest:
             break
-        seen = scan_line(text, begin, stop, numbers, modes)
+        seen = scan_line(text, begin, stop, numbers, modes, memory, tables)
         if seen == NOT_PLAIN:
             break
-        if seen != 0:
-            _find_place(text, begin, stop, modes, index + 1)
-            if not (
-                hole(seen, numbers, modes, moves, facts, acts)
-                if modes[MOTION] > 30 and modes[CODES] == 0
-                else _execute(seen, numbers, modes, moves, facts, shapes)
-            ):
+        if seen == O_WORD:
+            if modes[FLOWS] < 0:
+                modes[FLOWS] = FLOWS_WANTED
                 break
-        index += 1
-    return index
+            if not o_word(text, index, stop, numbers, modes, memory, tables):
+                break
+        else:
+            if seen != 0:
+                _find_place(text, begin, stop, modes, tables, index)
+                if not (
+                    hole(seen, numbers, modes, moves, facts, acts)
+                    if modes[MOTION] > 30 and modes[CODES] == 0
+                    else _execute(seen, numbers, modes, moves, facts, shapes)
+                ):
+                    break
+            if modes[SET] > 0:
+                settle(numbers, modes, memory, tables)
+            modes[NEXT] = index + 1
+        modes[LAST] = index
+        index = modes[NEXT]
+        modes[PLACE + 3] += 1
+        done += 1
+    return done
 
 
 @kernel
-def _find_place(text: Column, begin: int, stop: int, modes: Column, line: int) -> None:
-    """Place of the written part of a line."""
+def _find_place(text: Column, begin: int, stop: int, modes: Column, tables: Column, index: int) -> None:
+    """Place of the written part of a line; its block number is there already."""
     at = begin
     while at < stop and (text[at] == 32 or text[at] == 9):
         at += 1
     until = stop
     while until > at and (text[until - 1] == 32 or text[until - 1] == 9):
         until -= 1
-    modes[PLACE], modes[PLACE + 1], modes[PLACE + 2] = line, at - begin + 1, until - begin + 1
+    modes[PLACE], modes[PLACE + 1], modes[PLACE + 2] = index, at - begin + 1, until - begin + 1
+    modes[PLACE + 4] = tables[FRAMES + FRAME * modes[LEVEL] + CHAIN]
 
 
 @kernel

@@ -77,7 +77,8 @@ def put(
     for axis in range(3):
         moves[row, axis] = numbers[TARGET + axis] * numbers[UNIT]
         moves[row, axis + 3] = numbers[TARGET + axis + 3] * numbers[DEG]
-        facts[row, LINE + axis] = modes[place + axis]
+    for each in range(5):
+        facts[row, LINE + each] = modes[place + each]
     moves[row, 6] = feed if kind > 0 else 0.0
     facts[row, KIND] = kind
     facts[row, ROTARY] = kind > 0 and rotary

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from gcodesim.diagnostics import Span
-from gcodesim.diagnostics.finding import Caller
+from gcodesim.diagnostics.span_table import Origin
 from gcodesim.rs274.compensation import Held
 from gcodesim.rs274.plain import layout_kernels as at
 from gcodesim.rs274.plain.columns import Column
@@ -24,16 +26,8 @@ def is_known(state: State) -> bool:
     return move.kind == "rapid" or (move.feed_unit in ("m/rev", "rad/rev")) == (state.feed_mode == 950)
 
 
-def is_of(state: State, file: str, callers: tuple[Caller, ...], block_shift: int) -> bool:
-    """Whether the move that waits can stand in one batch with those of a file, of a chain of callers."""
-    (move,) = state.held
-    assert type(move) is Held
-    span = move.span
-    return span.file == file and span.callers == callers and move.block == span.line + block_shift
-
-
-def write(state: State, numbers: Column, modes: Column) -> None:
-    """What the kernels have to know of the move that waits, and of the one before."""
+def write(state: State, numbers: Column, modes: Column, index: int, origin: int) -> None:
+    """What the kernels have to know of the move that waits, in the line with `index`, and of the one before."""
     (move,) = state.held
     assert type(move) is Held
     endpoint = state.comp_endpoint
@@ -44,12 +38,12 @@ def write(state: State, numbers: Column, modes: Column) -> None:
     kind = _KINDS.index(move.kind) + (move.turns > 0)
     modes[at.HAS_ENDPOINT : at.WANTED] = (
         endpoint is not None, kind, move.turns, move.feed_unit in ("rad/s", "rad/rev"),
-        move.span.line, move.span.column, move.span.end_column,
+        index, move.span.column, move.span.end_column, move.block, origin,
     )  # fmt: skip
 
 
-def take_over(state: State, numbers: Column, modes: Column, place: tuple[str, tuple[Caller, ...], int]) -> None:
-    """What waits after a run of lines; `place` is file, callers and block shift."""
+def take_over(state: State, numbers: Column, modes: Column, origin_of: Callable[[int], tuple[Origin, int]]) -> None:
+    """What waits after a run of lines; `origin_of` a number gives file and callers, and the index of line 0."""
 
     def point(first: int) -> Vector:
         x, y, z, a, b, c = numbers[first : first + 6].tolist()
@@ -59,8 +53,9 @@ def take_over(state: State, numbers: Column, modes: Column, place: tuple[str, tu
         a, b = numbers[first : first + 2].tolist()
         return a, b
 
-    file, callers, block_shift = place
-    kind, turns, rotary, line, column, end_column = modes[at.HELD_KIND : at.WANTED].tolist()
+    kind, turns, rotary, index, column, end_column, block, origin = modes[at.HELD_KIND : at.WANTED].tolist()
+    (file, callers), base = origin_of(origin)
+    line = index - base
     per_revolution = kind > 0 and state.feed_mode == 950
     state.held = (
         Held(
@@ -73,7 +68,7 @@ def take_over(state: State, numbers: Column, modes: Column, place: tuple[str, tu
             sweep=float(numbers[at.HELD_SWEEP]),
             feed=float(numbers[at.HELD_FEED]),
             feed_unit=("rad" if rotary else "m") + ("/rev" if per_revolution else "/s"),  # type: ignore[arg-type]
-            block=line + block_shift,
+            block=block,
             word=f"G{kind}",
         ),
     )

@@ -95,8 +95,7 @@ def _random_moves(seed: int) -> list[tuple[int, tuple[float, ...]]]:
 def _batch(moves: list[tuple[int, tuple[float, ...]]]) -> MoveBatch:
     n, arcs = len(moves), sum(kind > 1 for kind, _ in moves)
     return MoveBatch(
-        file="p.ngc",
-        callers=(),
+        origins=(("p.ngc", ()),),
         kind=np.array([kind for kind, _ in moves], dtype=np.int32),
         word=np.array([kind for kind, _ in moves], dtype=np.int32),
         end=np.array([end for _, end in moves]),
@@ -104,7 +103,8 @@ def _batch(moves: list[tuple[int, tuple[float, ...]]]) -> MoveBatch:
         rotary=np.zeros(n, dtype=bool),
         per_revolution=False,
         place=np.array([(k + 1, 1, 9) for k in range(n)], dtype=np.int32),
-        block_shift=0,
+        origin=np.zeros(n, dtype=np.int32),
+        block=np.arange(n, dtype=np.int32),
         shapes=np.tile([0.0, 0.0, 0.0, 0.0, 0.0, 1.0, -pi, 1.0], (arcs, 1)),
         acts=np.zeros((0, 2), dtype=np.int32),
         path=PathMode(span=Span("p.ngc"), mode="exact_path"),
