@@ -173,7 +173,7 @@ def straight(words: Words, control: Control, end: Vector, *, rapid: bool) -> Non
     normal = _left(direction) if state.side > 0 else _right(direction)
     offset_start = _beside(op, normal, radius)
     if not state.comp_first:
-        _corner(control, op, normal, offset_start, Line(offset_start, direction), rapid=rapid)
+        _corner(control, op, normal, offset_start, Line(offset_start, direction), end, rapid=rapid)
     offset_end = _with_plane(end, control, _beside(goal, normal, radius))
     control.out.append(replace(move, end=offset_end, direction=direction))
     state.current, state.comp_programmed, state.comp_normal = offset_end, end, normal
@@ -221,7 +221,7 @@ def arc(words: Words, control: Control, end: Vector, code: int) -> None:
         in_normal = _towards(shape.centre, op, sign)
         offset_start = _beside(op, in_normal, radius)
         circle = Circle(shape.centre, arc_radius + sign * radius)
-        _corner(control, op, in_normal, offset_start, circle, turns=shape.turns)
+        _corner(control, op, in_normal, offset_start, circle, end, turns=shape.turns)
     control.out.append(
         Held(
             span=control.span,
@@ -273,11 +273,15 @@ def _corner(
     normal: Point,
     offset_start: Point,
     following: Line | Circle,
+    goal: Vector,
     *,
     turns: int = 0,
     rapid: bool = False,
 ) -> None:
-    """Join the held move with the next one, which leaves `op` with `normal`."""
+    """Join the held move with the next one, which leaves `op` with `normal` for `goal`.
+
+    As on the control, rotary axes reach their goal on the way round an outside corner.
+    """
     state = control.state
     turn = _turn_outward(state.comp_normal, normal, state.side)
     if -_STRAIGHT_ON <= turn <= _STRAIGHT_ON:
@@ -285,7 +289,7 @@ def _corner(
     elif _STRAIGHT_ON < turn <= _outside_limit(control, turns):
         held_end = state.current
         _flush(control, lenient=turns != 0)
-        end = _with_plane(held_end, control, offset_start)
+        end = (*_with_plane(held_end, control, offset_start)[:3], *goal[3:])
         if rapid:
             _emit(control, Held(span=control.span, kind="rapid", end=end, block=control.block_number, word="G0"))
         else:

@@ -234,7 +234,11 @@ class Control:
 
     def moves_linear(self, end: Vector) -> bool:
         """Whether a move to `end` moves X, Y or Z; one that moves nothing counts as linear."""
-        now = self.state.comp_emitted if self.state.comp_leaving else self.state.current
+        state = self.state
+        if state.strayed is not None:
+            goal, here = self.si_axes(self.tip(end)), state.strayed[1]
+            return goal[:3] != here[:3] or goal[3:6] == here[3:6]
+        now = state.comp_emitted if state.comp_leaving else state.current
         return end[:3] != now[:3] or end[3:6] == now[3:6]
 
     def dwell(self, seconds: float) -> None:
@@ -275,17 +279,14 @@ class Control:
             naive=state.path_naive if blend else 0.0,
         )
 
-    def say_overrides(self, *, feed: bool | None = None, speed: bool | None = None) -> None:
+    def say_overrides(self, **changes: bool) -> None:
+        """Say that some of the switches `feed`, `speed`, `adaptive`, `hold` change; the machine keeps the others.
+
+        A cycle may leave a switch otherwise than M48 to M53 set it, so the machine's are remembered by themselves.
+        """
         state = self.state
-        self.out.append(
-            canon.Override(
-                span=self.span,
-                feed=state.feed_override if feed is None else feed,
-                speed=state.speed_override if speed is None else speed,
-                adaptive=state.adaptive_feed,
-                hold=state.feed_hold,
-            )
-        )
+        state.switches = {**state.switches, **changes}
+        self.out.append(canon.Override(span=self.span, **state.switches))
 
     def say_tool_offset(self) -> None:
         self.out.append(canon.ToolOffset(span=self.span, offset=self.si_axes(self.state.tool_offset)))

@@ -169,7 +169,10 @@ def _run(
         height = level
     believed = list(state.current)
     believed[normal] = level  # also after G88, where the operator is to bring the tool there
+    here = control.si_axes(control.tip(state.current))
     state.current = tuple(believed)  # type: ignore[assignment]
+    if here != control.si_axes(control.tip(state.current)):
+        state.strayed = (control.block_number, here)
     if state.path != 610:
         control.say_path()
 
@@ -265,16 +268,19 @@ def _tap(head: Head, hole: Hole, level: float) -> None:
     """G84, G74: feed both ways, the spindle reverses at the bottom; overrides are off meanwhile."""
     control = head.control
     direction = control.state.spindle
+    before = control.state.switches
     control.say_overrides(feed=False, speed=False)
     if head.normal != 2 and control.dialect.name == "linuxcnc":
         _tap_astray(head, hole, level, direction)
+        control.say_overrides(**before)
+        head.turn(direction)
         return
     head.feed_to(hole.bottom)
     head.turn(-direction)
     if hole.dwell:
         control.dwell(hole.dwell)
     head.feed_to(level)
-    control.say_overrides()
+    control.say_overrides(**before)
     head.turn(direction)
 
 
@@ -298,8 +304,7 @@ def _tap_astray(head: Head, hole: Hole, level: float, direction: int) -> None:
     if hole.dwell:
         control.dwell(hole.dwell)
     feed(level)
-    control.say_overrides()
-    head.turn(direction)
+    control.state.strayed = (control.block_number, control.si_axes(control.tip(control.state.current)))
     back = list(now)
     back[head.normal] = level
     control.state.current = tuple(back)  # type: ignore[assignment]

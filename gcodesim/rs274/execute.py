@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from gcodesim import canon
 from gcodesim.rs274 import compensation, machine_codes, modes, offsets
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.dialects import g_name
@@ -142,6 +143,16 @@ def execute(words: Words, control: Control) -> None:
     machine_codes.stop(words, control)
     if control.state.side:
         compensation.settle(control)
+    _notice_moves(control)
+
+
+def _notice_moves(control: Control) -> None:
+    """Once a move was made the program is where it believes to be."""
+    strayed = control.state.strayed
+    if strayed is None or strayed[0] == control.block_number:
+        return
+    if any(isinstance(event, canon.Motion) for event in control.out):
+        control.state.strayed = None
 
 
 def _check_spindle_number(words: Words) -> None:
@@ -184,6 +195,7 @@ def execute_move(words: Words, control: Control) -> None:
         state.feed, state.feed_unit = feed
         raise
     state.motion = motion
+    _notice_moves(control)
 
 
 def _check_machine_coordinates(words: Words, control: Control, motion: int) -> None:

@@ -237,15 +237,19 @@ def overrides(words: Words, control: Control) -> None:
     on = p is None or p != 0.0
     if m in (48, 49):
         state.feed_override = state.speed_override = m == 48
+        control.say_overrides(feed=m == 48, speed=m == 48)
     elif m == 50:
         state.feed_override = on
+        control.say_overrides(feed=on)
     elif m == 51:
         state.speed_override = on
+        control.say_overrides(speed=on)
     elif m == 52:
         state.adaptive_feed = on
+        control.say_overrides(adaptive=on)
     else:
         state.feed_hold = on
-    control.say_overrides()
+        control.say_overrides(hold=on)
     control.skip(f"M{m}", place_of(words.block, f"m{m}"))
 
 
@@ -295,7 +299,7 @@ def end_program(control: Control, *, shuttle: bool) -> None:
         control.say_coolant()
     if not state.feed_override:
         state.feed_override = True  # the spindle's override stays as it is
-        control.say_overrides()
+        control.say_overrides(feed=True)
     if shuttle:
         control.out.append(canon.PalletShuttle(span=control.span))
     state.plane, state.incremental, state.feed_mode, state.side = 170, False, 940, 0

@@ -255,8 +255,8 @@ def _go_home(first: int, code: int) -> Callable[[Words, Control], None]:
         offset = (*state.tool_offset[:3], 0.0, 0.0, 0.0, *state.tool_offset[6:])
         end = control.point_of(subtract(home, offset))
         leaving, state.comp_leaving = state.comp_leaving, False
-        if leaving and not words.has_axes():
-            control.rapid(state.current, word)  # after G40 first from beside the path to the programmed point
+        if (leaving or state.strayed is not None) and not words.has_axes():
+            control.rapid(state.current, word)  # first from beside the path, or out of a hole, to the programmed point
         if words.has_axes():
             control.rapid(end_point(words, control), word)
             named = [letter in words.values for letter in AXES]

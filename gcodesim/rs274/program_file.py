@@ -14,7 +14,8 @@ from gcodesim.rs274.reader import Reader
 # possessive quantifiers: a line of a million blanks is passed over once
 _FLOW = re.compile(
     r"\s*+(?:/\s*+)?(?:[Nn][\d\s.]*+)?[Oo]\s*+([0-9][0-9\s]*+(?:\.[0\s]*+)?|<[^>]*+>|\[.*?\](?=\s*+[A-Za-z])"
-    r"|#(?:<[^>]*+>|[0-9\s]++|\[.*?\](?=\s*+[A-Za-z])))\s*+([A-Za-z\s]*+)(.?)"
+    r"|#(?:<[^>]*+>|[0-9\s]++|\[.*?\](?=\s*+[A-Za-z])))\s*+([A-Za-z\s]*+)(.?)",
+    re.ASCII,
 )
 KEYWORDS = (
     *("sub", "endsub", "call", "return", "do", "while", "endwhile", "if", "elseif", "else", "endif"),
@@ -78,7 +79,7 @@ class ProgramFile:
 
 def _keyword(text: str, behind: str) -> str:
     """The keyword that `text` begins with, as a control that passes over the line looks for it; else the text."""
-    squeezed = re.sub(r"\s", "", text).lower()
+    squeezed = re.sub(r"\s", "", text, flags=re.ASCII).lower()
     if not squeezed:
         return "" if behind in ("", "(", ";") else "?"
     return next((keyword for keyword in _BY_LENGTH if squeezed.startswith(keyword)), squeezed)
@@ -86,7 +87,7 @@ def _keyword(text: str, behind: str) -> str:
 
 def plain_label(text: str) -> str:
     """`100`, `<name>` as they are compared; empty for a computed one."""
-    squeezed = re.sub(r"\s", "", text).lower()
+    squeezed = re.sub(r"\s", "", text, flags=re.ASCII).lower()
     if squeezed.startswith("<"):
         return squeezed[1:-1]
     if squeezed.startswith(("[", "#")):

@@ -138,7 +138,8 @@ class Executor:
             if index >= len(frame.file.lines):
                 self._end_of_lines()
                 break
-            if self.lanes is not None and (lane := self.lanes.lane_at(self.blocks)):
+            lanes = self.lanes if control.state.strayed is None else None
+            if lanes is not None and (lane := lanes.lane_at(self.blocks)):
                 done, batch, last = lane.run(self.blocks, max(self.most_blocks - self.blocks, 0))
                 self.blocks += done
                 if batch is not None and self.run.failed is None:

@@ -7,10 +7,11 @@ are SI.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
 from typing import Self
 
-from gcodesim.canon import Event
+from gcodesim.canon import Axes, Event
 
 # X Y Z A B C U V W in program units and degrees
 Vector = tuple[float, float, float, float, float, float, float, float, float]
@@ -18,6 +19,7 @@ Vector = tuple[float, float, float, float, float, float, float, float, float]
 ZERO: Vector = (0.0,) * 9
 LINEAR = (True, True, True, False, False, False, True, True, True)
 AXES = "xyzabcuvw"
+_SWITCHES = {"feed": True, "speed": True, "adaptive": False, "hold": True}
 
 
 @dataclass(slots=True)
@@ -68,6 +70,9 @@ class State(Modes):
     cycle_words: tuple[tuple[str, float], ...] = ()
     cycle_start: float = 0.0
     cycle_dwell: float = 0.0  # the last P of a cycle, which G74 and G84 take when they have none
+    switches: Mapping[str, bool] = field(default_factory=lambda: _SWITCHES)  # of overrides, as the machine has them
+    # after G88 the program believes to be where the operator brings the tool: the block, and where it really stands
+    strayed: tuple[int, Axes] | None = None
     # cutter compensation: side +1 left, -1 right; `comp_first` until its first move is made
     side: int = 0
     comp_radius: float = 0.0
