@@ -19,7 +19,17 @@ from typing import Any
 import numpy as np
 from mcap.writer import CompressionType, Writer
 
-from gcodesim.log import BlockColumns, LogDescription, LogWriter, Mesh, MotionColumns, ProcessColumns, ProgramState
+from gcodesim.log import (
+    BlockColumns,
+    BlockMessages,
+    ByteStrings,
+    LogDescription,
+    LogWriter,
+    Mesh,
+    MotionColumns,
+    ProcessColumns,
+    ProgramState,
+)
 from gcodesim.log.schema import message_class, schema_data
 from gcodesim.log.topics import PERIODIC
 
@@ -141,15 +151,17 @@ def blocks(path: Path, m: int) -> float:
     texts = [f"X{i * 0.013:.3f} Y{i * 0.007:.3f}" for i in range(m)]
     start = time.perf_counter()
     log.blocks(
-        BlockColumns(
-            t_ns=rows * PERIOD,
-            line=rows + 1,
-            block=rows,
-            text=texts,
-            modal=np.zeros(m, dtype=int),
-            modals=[ProgramState(file="bench.nc", motion="G1", wcs="G54")],
-            points=points[np.stack([rows, rows + 1], axis=1).reshape(-1)],
-            point_starts=2 * np.arange(m + 1),
+        BlockMessages(
+            BlockColumns(
+                t_ns=rows * PERIOD,
+                line=rows + 1,
+                block=rows,
+                text=ByteStrings.of(text.encode() for text in texts),
+                modal=np.zeros(m, dtype=int),
+                modals=[ProgramState(file="bench.nc", motion="G1", wcs="G54")],
+                points=points[np.stack([rows, rows + 1], axis=1).reshape(-1)],
+                point_starts=2 * np.arange(m + 1),
+            )
         )
     )
     log.close(m * PERIOD, "finished")

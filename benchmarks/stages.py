@@ -39,7 +39,11 @@ STAGES = {
         "gcodesim.recorder.recorder:Recorder.start",
         "gcodesim.recorder.recorder:Recorder._write_down",
     ),
-    "log: stock": ("gcodesim.material.surface:Tiles.changed", "gcodesim.recorder.recorder:Recorder._draw"),
+    "log: stock": (
+        "gcodesim.material.surface:Tiles.changed",
+        "gcodesim.material.surface:Glimpse.draw",
+        "gcodesim.recorder.recorder:Recorder._draw",
+    ),
     "results + STL": (
         "gcodesim.simulation:results_of",
         "gcodesim.recorder.recorder:Recorder.finish",

@@ -1,6 +1,7 @@
 """The log of a run: one MCAP file that opens in Foxglove or Lichtblick. Takes columns; knows nobody who made them."""
 
-from gcodesim.log.blocks import BlockColumns
+from gcodesim.log.blocks import BlockColumns, BlockMessages
+from gcodesim.log.byte_strings import ByteStrings
 from gcodesim.log.container import LogWriteError
 from gcodesim.log.description import LogDescription, MotionColumns, ProcessColumns, StaticFrame
 from gcodesim.log.layout import Camera, View, layout
@@ -10,7 +11,9 @@ from gcodesim.log.writer import LogWriter
 
 __all__ = [
     "BlockColumns",
+    "BlockMessages",
     "Box",
+    "ByteStrings",
     "Camera",
     "Capsule",
     "Cone",

@@ -2,52 +2,127 @@
 
 from __future__ import annotations
 
-from bisect import bisect_right
-from collections.abc import Iterable
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.log.byte_kernels import place
+from gcodesim.log.byte_strings import ByteStrings
+
+Ints = NDArray[np.int64]
 
 
 class Message(NamedTuple):
-    """Sorted by time, then channel (the order of the topic table), then arrival."""
+    """One message by itself."""
 
     t_ns: int
     channel: int
-    arrival: int
     data: bytes
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Messages:
+    """m messages in the order of time, then of channel (the topic table), then of arrival.
+
+    `t_ns`, `channel`, `size` (m,); message i lies in `pools[pool[i]]` from `begin[i]` on.
+    """
+
+    t_ns: Ints
+    channel: Ints
+    size: Ints
+    pool: Ints
+    begin: Ints
+    pools: tuple[NDArray[np.uint8], ...]
+
+    def __len__(self) -> int:
+        return len(self.t_ns)
+
+    def __getitem__(self, index: int) -> Message:
+        start = int(self.begin[index])
+        data = self.pools[int(self.pool[index])][start : start + int(self.size[index])]
+        return Message(int(self.t_ns[index]), int(self.channel[index]), data.tobytes())
+
+    def __iter__(self) -> Iterator[Message]:
+        for index in range(len(self)):
+            yield self[index]
+
+    def copy_to(self, out: NDArray[np.uint8], at: Ints) -> None:
+        """Copy what message i says to `out` from `at[i]` on."""
+        for number, pool in enumerate(self.pools):
+            mine = np.flatnonzero(self.pool == number)
+            place(at[mine], out, pool, self.begin[mine], self.size[mine])
+
+
+class _Run:
+    """Messages that came together, in order of time, of which the first ones are gone."""
+
+    __slots__ = ("arrival", "channel", "data", "next", "starts", "t_ns")
+
+    def __init__(self, t_ns: Ints, channel: Ints, arrival: Ints, strings: ByteStrings) -> None:
+        self.t_ns, self.channel, self.arrival = t_ns, channel, arrival
+        self.data, self.starts = strings.data, strings.starts
+        self.next = 0
 
 
 class Backlog:
     """Takes messages in any order and gives them out in theirs.
 
-    What arrived between two calls of `due` is sorted once, latest first, and
-    then only loses its end. So it costs little to hand over a whole program at
-    its start.
+    What comes together stays together until it is due, so that it costs little to hand over a whole program at its
+    start.
     """
 
     def __init__(self) -> None:
-        self._arrived: list[Message] = []
-        self._runs: list[list[Message]] = []
+        self._single: list[tuple[int, int, int, bytes]] = []
+        self._runs: list[_Run] = []
         self._arrivals = 0
 
-    def add(self, channel: int, times: Iterable[int], messages: Iterable[bytes]) -> None:
-        for t_ns, data in zip(times, messages, strict=True):
-            self._arrived.append(Message(t_ns, channel, self._arrivals, data))
-            self._arrivals += 1
+    def add(self, channel: int, t_ns: int, message: bytes) -> None:
+        """One message."""
+        self._single.append((t_ns, channel, self._arrivals, message))
+        self._arrivals += 1
 
-    def due(self, before_ns: int) -> list[Message]:
+    def add_many(self, channel: int, t_ns: Ints, messages: Sequence[bytes]) -> None:
+        """Messages of one channel at times (m,) that do not decrease."""
+        strings = messages if isinstance(messages, ByteStrings) else ByteStrings.of(messages)
+        count = len(t_ns)
+        if len(strings) != count:
+            raise ValueError(f"{len(strings)} messages at {count} times")
+        arrival = np.arange(self._arrivals, self._arrivals + count, dtype=np.int64)
+        self._runs.append(_Run(t_ns, np.full(count, channel, dtype=np.int64), arrival, strings))
+        self._arrivals += count
+
+    def due(self, before_ns: int) -> Messages:
         """All messages earlier than `before_ns`, in order; they are gone afterwards."""
-        if self._arrived:
-            self._arrived.sort(reverse=True)
-            self._runs.append(self._arrived)
-            self._arrived = []
-        found: list[Message] = []
+        if self._single:
+            self._single.sort(key=lambda one: one[0])
+            t_ns, channel, arrival = np.array([one[:3] for one in self._single], dtype=np.int64).T
+            self._runs.append(_Run(t_ns, channel, arrival, ByteStrings.of(one[3] for one in self._single)))
+            self._single = []
+        found: list[tuple[_Run, slice]] = []
         for run in self._runs:
-            first = bisect_right(run, -before_ns, key=lambda message: -message.t_ns)
-            found += run[first:]
-            del run[first:]
-        self._runs = [run for run in self._runs if run]
-        found.sort()
-        return found
+            last = int(np.searchsorted(run.t_ns, before_ns))
+            if last > run.next:
+                found.append((run, slice(run.next, last)))
+                run.next = last
+        self._runs = [run for run in self._runs if run.next < len(run.t_ns)]
+        return _in_order(found)
 
     def __bool__(self) -> bool:
-        return bool(self._arrived or self._runs)
+        return bool(self._single or self._runs)
+
+
+def _in_order(found: Sequence[tuple[_Run, slice]]) -> Messages:
+    """Parts of runs as one sequence."""
+    none = np.zeros(0, dtype=np.int64)
+    t_ns = np.concatenate([none, *(run.t_ns[part] for run, part in found)])
+    channel = np.concatenate([none, *(run.channel[part] for run, part in found)])
+    arrival = np.concatenate([none, *(run.arrival[part] for run, part in found)])
+    begin = np.concatenate([none, *(run.starts[:-1][part] for run, part in found)])
+    size = np.concatenate([none, *(run.starts[1:][part] for run, part in found)]) - begin
+    pool = np.repeat(np.arange(len(found), dtype=np.int64), [part.stop - part.start for _, part in found])
+    order = np.lexsort((arrival, channel, t_ns))
+    pools = tuple(run.data for run, _ in found)
+    return Messages(t_ns[order], channel[order], size[order], pool[order], begin[order], pools)

@@ -26,7 +26,7 @@ class ChunkBuilder:
         self.count = 0
         self.first_ns = 0
         self.last_ns = 0
-        self._parts: list[bytes | memoryview] = []
+        self._parts: list[memoryview] = []
         self._index: dict[int, list[bytes]] = {}
 
     def add(self, cut: Cut) -> None:
@@ -34,8 +34,8 @@ class ChunkBuilder:
         if self.count == 0:
             self.first_ns = cut.first_ns
         self.last_ns = cut.last_ns
-        self._parts += cut.parts
-        self.size += cut.size
+        self._parts.append(cut.records)
+        self.size += len(cut.records)
         self.count += cut.count
         for channel, entries in cut.index.items():
             self._index.setdefault(channel, []).append(entries)

@@ -35,7 +35,7 @@ from mcap.records import (
     SummaryOffset,
 )
 
-from gcodesim.log.backlog import Message
+from gcodesim.log.backlog import Messages
 from gcodesim.log.chunk import ChunkBuilder, PackedChunk, pack
 from gcodesim.log.order import Ordered
 from gcodesim.log.rows import Rows
@@ -113,8 +113,8 @@ class Container:
         self._channels.append(channel)
         self._write(_bytes_of(channel))
 
-    def add(self, messages: Sequence[Message], rows: Sequence[Rows], channels: Sequence[int]) -> None:
-        """Messages, sorted, and rows of the periodic `channels`; chunks are closed as they fill.
+    def add(self, messages: Messages, rows: Sequence[Rows], channels: Sequence[int]) -> None:
+        """Messages and rows of the periodic `channels`; chunks are closed as they fill.
 
         Times must not be earlier than those of before. The sequence counts from 0 for each channel.
         """

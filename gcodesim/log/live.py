@@ -79,12 +79,12 @@ class LiveView:
         with self._lock:
             watched = [(i, channel) for i, channel in enumerate(channels) if self._channels[channel - 1].has_sinks()]
             if watched:
-                for k, t_ns in enumerate(rows.times):
+                for k, t_ns in enumerate(rows.times.tolist()):
                     for i, channel in watched:
                         self._send(channel, t_ns, _message_of(rows, k, i))
             for i, channel in enumerate(channels):
-                self._last[channel] = lambda i=i: (rows.times[last], _message_of(rows, last, i))  # type: ignore[misc]
-        self._server.broadcast_time(rows.times[last])
+                self._last[channel] = lambda i=i: (int(rows.times[last]), _message_of(rows, last, i))  # type: ignore[misc]
+        self._server.broadcast_time(int(rows.times[last]))
 
     def close(self) -> None:
         """End; a viewer that is there gets a moment to take what is on its way."""
@@ -123,6 +123,5 @@ class _Arrivals:
 
 def _message_of(rows: Rows, instant: int, number: int) -> bytes:
     """One of the messages of an instant."""
-    begin = instant * rows.width
     ends = (*rows.starts[1:], rows.width)
-    return bytes(rows.data[begin + rows.starts[number] + _HEAD : begin + ends[number]])
+    return rows.matrix[instant, rows.starts[number] + _HEAD : ends[number]].tobytes()

@@ -1,7 +1,7 @@
 """Messages and rows in the order of the file, and chunks cut out of them.
 
 Between two rows of periodic messages there are often messages of blocks, tiles and arrows. Sorting them in, heads,
-sequence, places and indexes are computed for a whole window at once; what is left for each message is to be joined.
+sequence, places and indexes are computed for a whole window at once, and the records are copied to their places.
 """
 
 from __future__ import annotations
@@ -14,7 +14,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.log.backlog import Message
+from gcodesim.log.backlog import Message, Messages
+from gcodesim.log.byte_strings import ByteStrings
 from gcodesim.log.rows import MESSAGE_HEAD, MESSAGE_OPCODE, Rows
 
 Ints = NDArray[np.int64]
@@ -26,10 +27,9 @@ HEAD: Final = np.dtype(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cut:
-    """A part of a chunk: records one after the other, and by channel the index entries of its messages."""
+    """A part of a chunk: its records, and by channel the index entries of its messages."""
 
-    parts: list[bytes | memoryview]
-    size: int
+    records: memoryview
     count: int
     first_ns: int
     last_ns: int
@@ -44,49 +44,60 @@ class Ordered:
     """
 
     def __init__(
-        self, messages: Sequence[Message], rows: Sequence[Rows], channels: Sequence[int], counts: NDArray[np.int64]
+        self, messages: Messages, rows: Sequence[Rows], channels: Sequence[int], counts: NDArray[np.int64]
     ) -> None:
-        """`messages` sorted, `rows` in time order; `counts` by channel number are raised by what comes."""
+        """`rows` in time order; `counts` by channel number are raised by what comes."""
         self._channels = channels
         self._rows = rows
-        self._data = [message.data for message in messages]
-        self._times = np.array([message.t_ns for message in messages], dtype=np.int64)
-        self._channel = np.array([message.channel for message in messages], dtype=np.int64)
+        self._messages = messages
         instants = np.array([len(r.times) for r in rows], dtype=np.int64)
-        self._row_times = np.concatenate([np.asarray(r.times, dtype=np.int64) for r in rows] or [np.zeros(0, np.int64)])
+        self._row_times = np.concatenate([np.zeros(0, np.int64), *(r.times for r in rows)])
         self._row_of = np.repeat(np.arange(len(rows)), instants)
         self._row_borders = [0, *np.cumsum(instants).tolist()]
-        after = self._channel > channels[0]
+        after = messages.channel > channels[0]
         self._before = np.where(  # rows in front of each message
             after,
-            np.searchsorted(self._row_times, self._times, side="right"),
-            np.searchsorted(self._row_times, self._times, side="left"),
+            np.searchsorted(self._row_times, messages.t_ns, side="right"),
+            np.searchsorted(self._row_times, messages.t_ns, side="left"),
         )
         self._at = np.arange(len(messages)) + self._before  # places in the order of both
         self._row_at = np.arange(len(self._row_times))
         self._row_at += np.searchsorted(self._before, np.arange(len(self._row_times)), side="right")
-        self._heads = self._made_heads(counts)
-        counts[list(channels)] += len(self._row_times)
         sizes = np.empty(len(messages) + len(self._row_times), dtype=np.int64)
-        sizes[self._at] = HEAD.itemsize + np.fromiter(map(len, self._data), np.int64, len(messages))
+        sizes[self._at] = HEAD.itemsize + messages.size
         sizes[self._row_at] = np.array([r.width for r in rows], dtype=np.int64)[self._row_of] if len(rows) else 0
         self._ends = np.cumsum(sizes)
+        self._data = self._records(sizes, self._heads(counts))
+        counts[list(channels)] += len(self._row_times)
 
-    def _made_heads(self, counts: NDArray[np.int64]) -> bytes:
-        """Heads of all messages, one after the other."""
-        heads = np.empty(len(self._data), dtype=HEAD)
+    def _heads(self, counts: NDArray[np.int64]) -> NDArray[np.void]:
+        """Heads of all messages."""
+        messages, count = self._messages, len(self._messages)
+        heads = np.empty(count, dtype=HEAD)
         heads["opcode"] = MESSAGE_OPCODE
-        heads["size"] = MESSAGE_HEAD + np.fromiter(map(len, self._data), np.int64, len(self._data))
-        heads["channel"] = self._channel
-        heads["t_ns"] = heads["publish_ns"] = self._times
-        grouped = np.argsort(self._channel, kind="stable")
-        number = np.bincount(self._channel, minlength=len(counts))
+        heads["size"] = MESSAGE_HEAD + messages.size
+        heads["channel"] = messages.channel
+        heads["t_ns"] = heads["publish_ns"] = messages.t_ns
+        grouped = np.argsort(messages.channel, kind="stable")
+        number = np.bincount(messages.channel, minlength=len(counts))
         first = np.cumsum(number) - number
-        rank = np.empty(len(grouped), dtype=np.int64)
-        rank[grouped] = np.arange(len(grouped)) - np.repeat(first, number)
-        heads["sequence"] = counts[self._channel] + rank
+        rank = np.empty(count, dtype=np.int64)
+        rank[grouped] = np.arange(count) - np.repeat(first, number)
+        heads["sequence"] = counts[messages.channel] + rank
         counts += number
-        return heads.tobytes()
+        return heads
+
+    def _records(self, sizes: Ints, heads: NDArray[np.void]) -> memoryview:
+        """All records, one after the other."""
+        data = np.empty(int(sizes.sum()), dtype=np.uint8)
+        begins = self._ends - sizes
+        at = begins[self._at]
+        ByteStrings.rows(heads.view(np.uint8).reshape(len(heads), HEAD.itemsize)).copy_to(data, at)
+        self._messages.copy_to(data, at + HEAD.itemsize)
+        at = begins[self._row_at]
+        for rows, first, last in zip(self._rows, self._row_borders[:-1], self._row_borders[1:], strict=True):
+            ByteStrings.rows(rows.matrix).copy_to(data, at[first:last])
+        return data.data
 
     def cut(self, filled: int, most: int) -> Iterator[Cut]:
         """Parts of chunks: the first for one that has `filled` bytes; all but the last fill theirs beyond `most`."""
@@ -101,10 +112,9 @@ class Ordered:
         a, b = np.searchsorted(self._at, [first, last]).tolist()
         r, s = np.searchsorted(self._row_at, [first, last]).tolist()
         begins = np.concatenate([[start], self._ends[first : last - 1]]) - start + filled
-        times = np.concatenate([self._times[a:b], self._row_times[r:s]])
+        times = np.concatenate([self._messages.t_ns[a:b], self._row_times[r:s]])
         return Cut(
-            parts=self._parts(a, b, r, s),
-            size=int(self._ends[last - 1]) - start,
+            records=self._data[start : int(self._ends[last - 1])],
             count=b - a + (s - r) * len(self._channels),
             first_ns=int(times.min()),
             last_ns=int(times.max()),
@@ -113,8 +123,8 @@ class Ordered:
 
     def _message_index(self, a: int, b: int, begins: Ints, first: int) -> dict[int, bytes]:
         entries = np.empty((b - a, 2), dtype="<u8")
-        entries[:, 0], entries[:, 1] = self._times[a:b], begins[self._at[a:b] - first]
-        channel = self._channel[a:b]
+        entries[:, 0], entries[:, 1] = self._messages.t_ns[a:b], begins[self._at[a:b] - first]
+        channel = self._messages.channel[a:b]
         grouped = np.argsort(channel, kind="stable")
         entries = entries[grouped]
         numbers, starts = np.unique(channel[grouped], return_index=True)
@@ -136,20 +146,6 @@ class Ordered:
             index[channel] = entries.tobytes()
         return index
 
-    def _parts(self, a: int, b: int, r: int, s: int) -> list[bytes | memoryview]:
-        """Messages a ≤ i < b and rows r ≤ j < s, joined later."""
-        parts: list[bytes | memoryview] = []
-        heads, width = memoryview(self._heads), HEAD.itemsize
-        for i, before in enumerate(self._before[a:b].tolist(), start=a):
-            if before > r:
-                parts += [rows.data for rows in self._rows_between(r, before)]
-                r = before
-            parts.append(heads[i * width : (i + 1) * width])
-            parts.append(self._data[i])
-        if s > r:
-            parts += [rows.data for rows in self._rows_between(r, s)]
-        return parts
-
     def each(self) -> Iterator[Message | Rows]:
         """Messages, and rows between them, one after the other."""
         r = 0
@@ -157,7 +153,7 @@ class Ordered:
             if before > r:
                 yield from self._rows_between(r, before)
                 r = before
-            yield Message(int(self._times[i]), int(self._channel[i]), i, self._data[i])
+            yield self._messages[i]
         yield from self._rows_between(r, len(self._row_times))
 
     def _rows_between(self, first: int, last: int) -> Iterator[Rows]:

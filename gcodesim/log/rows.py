@@ -68,17 +68,19 @@ def _messages(description: LogDescription, kind: str) -> tuple[Piece, ...]:
 
 
 class Rows(NamedTuple):
-    """Records of n instants: `width` bytes of `data` for each, in which message m begins at `starts[m]`."""
+    """Records of n instants, one a row of `matrix` (n, width), in which message m begins at `starts[m]`."""
 
-    times: list[int]  # [ns]
-    data: memoryview
-    width: int
+    times: NDArray[np.int64]  # [ns]
+    matrix: NDArray[np.uint8]
     starts: tuple[int, ...]
+
+    @property
+    def width(self) -> int:
+        return int(self.matrix.shape[1])
 
     def part(self, first: int, last: int) -> Rows:
         """Instants first ≤ i < last, sharing memory."""
-        data = self.data[first * self.width : last * self.width]
-        return Rows(self.times[first:last], data, self.width, self.starts)
+        return Rows(self.times[first:last], self.matrix[first:last], self.starts)
 
 
 class RowTemplate:
@@ -99,7 +101,7 @@ class RowTemplate:
     def fill(self, t_ns: NDArray[np.int64], sequence: NDArray[np.int64], arrays: Mapping[str, NDArray[Any]]) -> Rows:
         """Rows of the instants `t_ns` (n,) from `arrays` of shape (n, columns)."""
         data = self._template.fill(t_ns, {**arrays, "time": t_ns[:, None], "sequence": sequence[:, None]})
-        return Rows(t_ns.tolist(), data.data.cast("B"), data.shape[1], self._starts)
+        return Rows(t_ns, data, self._starts)
 
 
 class RowBuilder:

@@ -16,8 +16,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.log.byte_strings import ByteStrings
 from gcodesim.log.shapes import Array, Box, Capsule, Color, Cone, Cylinder, Entity, Mesh, Polylines, Shape, Sphere
-from gcodesim.log.template import Piece, Template, double_slot, nested, split_rows, stamp_slot
+from gcodesim.log.template import Piece, Template, double_slot, nested, stamp_slot
 from gcodesim.log.wire import chunk, double, packed_fixed32, stamp, text, unsigned, vectors, wrap
 
 GRID: Final = 2.0**-20
@@ -118,7 +119,7 @@ def entities_update(t_ns: int, entities: Sequence[Entity]) -> bytes:
     """
     if len({entity.id for entity in entities}) < len(entities):
         raise ValueError("two entities of one message share an id")
-    drawn = [replace(entity, shapes=tuple(map(_checked, entity.shapes))) for entity in entities]
+    drawn = [replace(entity, shapes=tuple(map(_compact, entity.shapes))) for entity in entities]
     update = _entities(t_ns, drawn)
     if len(update) <= MOST_MESSAGE_BYTES:
         return update
@@ -132,12 +133,8 @@ def entities_update(t_ns: int, entities: Sequence[Entity]) -> bytes:
     raise ValueError(f"a scene takes {len(update)} bytes; {MOST_MESSAGE_BYTES} are possible")
 
 
-def _checked(shape: Shape) -> Shape:
-    if not isinstance(shape, Mesh):
-        return shape
-    if shape.triangles.size and not (shape.triangles.min() >= 0 and shape.triangles.max() < len(shape.points)):
-        raise ValueError("a triangle points outside its mesh")
-    return shape.compact()
+def _compact(shape: Shape) -> Shape:
+    return shape.compact() if isinstance(shape, Mesh) else shape
 
 
 def _coarser(shape: Shape, size: float) -> Shape:
@@ -192,7 +189,7 @@ def block_piece(count: int, frame: str) -> Piece:
     return deletion + nested(2, stamp_slot(1), names, line)
 
 
-def force_updates(t_ns: NDArray[np.int64], frame: str, tip: Array, force: Array) -> list[bytes]:
+def force_updates(t_ns: NDArray[np.int64], frame: str, tip: Array, force: Array) -> ByteStrings:
     """Arrows from `tip` (n, 3) [m] along `force` (n, 3) [N], 1 mm per N, at n times; nothing is shown of no force."""
     magnitude = np.linalg.norm(force, axis=1)
     if not np.isfinite(magnitude).all():
@@ -201,11 +198,10 @@ def force_updates(t_ns: NDArray[np.int64], frame: str, tip: Array, force: Array)
     length = magnitude[shown, None] * FORCE_SCALE
     head = np.minimum(0.3 * length, 0.015)
     pose = np.concatenate([rounded(tip[shown]), _along_x(force[shown] / magnitude[shown, None])], axis=1)
-    messages = [_delete_all(t) if size <= 0.0 else b"" for t, size in zip(t_ns.tolist(), magnitude, strict=True)]
-    drawn = _arrow_template(frame).fill(t_ns[shown], {"pose": pose, "shaft": length - head, "head": head})
-    for i, message in zip(shown.tolist(), split_rows(drawn), strict=True):
-        messages[i] = message
-    return messages
+    arrows = _arrow_template(frame).fill(t_ns[shown], {"pose": pose, "shaft": length - head, "head": head})
+    bare = np.flatnonzero(magnitude <= 0.0)
+    none = ByteStrings.of(_delete_all(t) for t in t_ns[bare].tolist())
+    return ByteStrings.mixed([(shown, ByteStrings.rows(arrows)), (bare, none)])
 
 
 @lru_cache(maxsize=16)

@@ -8,6 +8,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.log.mesh_kernels import number_used, take_used
+
 Array = NDArray[np.float64]
 Color = tuple[float, float, float, float]
 
@@ -78,13 +80,20 @@ class Mesh(Shape):
     triangles: NDArray[np.integer]
 
     def compact(self) -> Mesh:
-        """The same without points that no triangle uses, such as those of a tile's other mesh, if they are many."""
-        used = np.zeros(len(self.points), dtype=bool)
-        used[self.triangles.reshape(-1)] = True
-        if np.count_nonzero(used) > 0.9 * len(used):
+        """The same without points that no triangle uses, such as those of a tile's other mesh, if they are many.
+
+        ValueError when a triangle points outside.
+        """
+        triangles = np.require(self.triangles, np.int32, ["C", "W"]).reshape(-1, 3)
+        number = np.empty(len(self.points), dtype=np.int32)
+        used = number_used(triangles, number)
+        if used < 0:
+            raise ValueError("a triangle points outside its mesh")
+        if used > 0.9 * len(number):
             return self
-        number = np.cumsum(used) - 1
-        return replace(self, points=self.points[used], triangles=number[self.triangles])
+        kept, renumbered = np.empty((used, 3)), np.empty_like(triangles)
+        take_used(np.require(self.points, np.float64, ["C", "W"]), triangles, number, kept, renumbered)
+        return replace(self, points=kept, triangles=renumbered)
 
     def coarser(self, size: float) -> Mesh:
         """Points in one cube of edge `size` [m] become one, and triangles that vanish by this are left out."""

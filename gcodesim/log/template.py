@@ -87,12 +87,6 @@ def padded_stamps(t_ns: NDArray[np.int64]) -> NDArray[np.uint8]:
     return np.concatenate([padded_varints(1, t_ns // _NS), padded_varints(2, t_ns % _NS)], axis=1)
 
 
-def split_rows(rows: NDArray[np.uint8]) -> list[bytes]:
-    """The rows of a byte matrix one by one."""
-    data, width = rows.tobytes(), rows.shape[1]
-    return [data[i : i + width] for i in range(0, len(data), width)]
-
-
 class Template:
     """A message, or several in a row, of fixed length."""
 

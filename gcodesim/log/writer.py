@@ -8,7 +8,6 @@ gives the same bytes: times are simulated, nothing else enters.
 
 from __future__ import annotations
 
-from bisect import bisect_left
 from collections import deque
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -21,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.log.backlog import Backlog
-from gcodesim.log.blocks import BlockColumns, program_messages, way_messages
+from gcodesim.log.blocks import BlockMessages
 from gcodesim.log.columns import ColumnBatch
 from gcodesim.log.container import Container, Sink
 from gcodesim.log.description import Array, LogDescription, MotionColumns, ProcessColumns
@@ -180,22 +179,21 @@ class LogWriter:
         if not _BLOCK_FIELDS.isdisjoint(changed):
             self._add_one("/log", t_ns, log_message(t_ns, SEVERITIES["note"], known.text, known.file, known.line))
 
-    def blocks(self, blocks: BlockColumns) -> None:
-        """Many blocks at once: what `program` and `block_polyline` write for each, several times faster."""
-        times = np.asarray(blocks.t_ns).tolist()
-        if not times:
+    def blocks(self, blocks: BlockMessages, first: int = 0, last: int | None = None) -> None:
+        """Blocks first ≤ i < last: what `program` and `block_polyline` write for each, many times faster."""
+        columns = blocks.columns
+        last = len(columns) if last is None else last
+        if first >= last:
             return
-        if times != sorted(times):
-            raise ValueError("the blocks are not in the order of their begin")
-        self._frame(blocks.frame)
-        programs, logs = program_messages(blocks)
-        for topic, messages in (("/program", programs), ("/log", logs), ("/scene/block", way_messages(blocks))):
-            self._add(topic, times, messages)
+        self._frame(columns.frame)
+        for times, made in blocks.between(first, last):
+            for topic, messages in made.items():
+                self._add(topic, times, messages)
         self._program = replace(
-            blocks.modals[int(blocks.modal[-1])],
-            line=int(blocks.line[-1]),
-            text=blocks.text[-1],
-            block=int(blocks.block[-1]),
+            columns.modals[int(columns.modal[last - 1])],
+            line=int(columns.line[last - 1]),
+            text=columns.text[last - 1].decode(),
+            block=int(columns.block[last - 1]),
         )
 
     def event(
@@ -234,7 +232,8 @@ class LogWriter:
         """Arrows of the process force (n, 3) [N] at `tip` (n, 3) [m], both in `frame`, at n times, which increase by
         a tenth of a second or more."""
         if len(t_ns):
-            self._add("/scene/force", t_ns.tolist(), force_updates(t_ns, self._frame(frame), tip, force))
+            times = np.asarray(t_ns, dtype=np.int64)
+            self._add("/scene/force", times, force_updates(times, self._frame(frame), tip, force))
 
     def stock_tile(self, t_ns: int, index: int, meshes: Sequence[Mesh], frame: str = "stock") -> None:
         """All of one tile of the part: original and cut surface as meshes of one colour each."""
@@ -320,7 +319,7 @@ class LogWriter:
         """Rows earlier than `before_ns`; they are gone afterwards."""
         due = []
         while self._rows and (rows := self._rows[0]).times[self._next_row] < before_ns:
-            last = bisect_left(rows.times, before_ns, self._next_row)
+            last = int(np.searchsorted(rows.times, before_ns))
             due.append(rows.part(self._next_row, last))
             self._next_row = last
             if last == len(rows.times):
@@ -329,16 +328,20 @@ class LogWriter:
         return due
 
     def _add_one(self, topic: str, t_ns: int, data: bytes) -> None:
-        self._add(topic, (int(t_ns),), (data,))
+        self._backlog.add(self._channel(topic, int(t_ns)), int(t_ns), data)
 
-    def _add(self, topic: str, times: Sequence[int], messages: Sequence[bytes]) -> None:
+    def _add(self, topic: str, times: NDArray[np.int64], messages: Sequence[bytes]) -> None:
         """Messages at times that do not decrease."""
-        if times[0] < self._written_ns:
-            raise ValueError(f"{topic} at {times[0]} ns comes late: all before {self._written_ns} ns is written")
+        self._backlog.add_many(self._channel(topic, int(times[0])), times, messages)
+
+    def _channel(self, topic: str, t_ns: int) -> int:
+        """The channel of a topic that has a message at `t_ns`."""
+        if t_ns < self._written_ns:
+            raise ValueError(f"{topic} at {t_ns} ns comes late: all before {self._written_ns} ns is written")
         channel = self._channels[topic]
-        if times[0] == 0:
+        if t_ns == 0:
             self._at_start.add(channel)
-        self._backlog.add(channel, times, messages)
+        return channel
 
     def _fill_start(self) -> None:
         """Every topic has a message at time 0, or a jump to the start would show nothing of it."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,77 +11,64 @@ from numpy.typing import NDArray
 from gcodesim.canon import Action, Event, OptionalStop, Stop, ToolChange
 from gcodesim.canon import Output as OutputEvent
 from gcodesim.cell.placing import SYSTEMS
-from gcodesim.log import BlockColumns, Output, ProgramState
+from gcodesim.diagnostics.span_table import SpanTable
+from gcodesim.frames import Array
+from gcodesim.log import BlockColumns, BlockMessages, Output, ProgramState
+from gcodesim.recorder.lines import texts_of
 from gcodesim.recorder.ways import Ways
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from gcodesim.diagnostics import SourceText
+    from gcodesim.motion.tool_path import ToolPath, ToolState
     from gcodesim.motion.trajectory import TimedEvent
     from gcodesim.planning import Plan
     from gcodesim.shop import Shop
 
 Ints = NDArray[np.int64]
 
+STATES: Final = ("running", "toolchange", "paused")
+"""What `/program` calls the state of a block."""
 
-class _Entry(NamedTuple):
-    """A block that begins: when, in which order, its first path row or, without motion, its first event (else −1)."""
 
-    t_ns: int
-    order: int
-    row: int = -1
-    event: int = -1
-    state: str = "running"
+class _Entries(NamedTuple):
+    """Blocks (m,) as they begin: when, in which order, the first path row or, without motion, the first event (else −1)
+
+    and which of the `STATES` that event brings.
+    """
+
+    t_ns: Ints
+    order: Ints
+    row: Ints
+    event: Ints
+    state: Ints
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Blocks:
     """m blocks as the log tells of them, in the order of their begin."""
 
-    columns: BlockColumns
+    messages: BlockMessages
+
+    @property
+    def columns(self) -> BlockColumns:
+        return self.messages.columns
 
     @staticmethod
     def of(plan: Plan, shop: Shop, sources: Mapping[str, SourceText], ways: Ways, frame: str = "world") -> Blocks:
         """One entry a block that moves, and one for each event of a block that does not; ways are drawn in `frame`."""
-        path, trajectory = plan.path, plan.trajectory
-        starts = trajectory.row_ns[0]
-        first = np.flatnonzero(np.diff(path.block, prepend=-1) != 0) if len(path) else np.zeros(0, dtype=np.int64)
-        entries = [_Entry(int(starts[row]), 2 * int(row) + 1, row=int(row)) for row in first]
-        moving = {(path.span(int(row)).file, path.span(int(row)).line, int(starts[row])) for row in first}
-        last = (-1, "", -1)
-        for i, timed in enumerate(trajectory.events):
-            span, t_ns = timed.event.span, round(timed.time * 1e9)
-            here = (t_ns, span.file, span.line)
-            if here == last and _rests(timed):  # as T1 M6: the block is known, and stands still
-                entries[-1] = entries[-1]._replace(state=_state(timed))
-            elif span.line and here != last and (span.file, span.line, t_ns) not in moving:
-                entries.append(_Entry(t_ns, 2 * timed.row, event=i, state=_state(timed)))
-                last = here
-        entries.sort()
-        return Blocks(_columns(entries, plan, shop, sources, ways, frame))
+        return Blocks(BlockMessages(_columns(_entries(plan), plan, shop, sources, ways, frame)))
 
     @property
     def outputs(self) -> tuple[str, ...]:
         """Names of all outputs that the program sets."""
         return tuple(sorted({output.name for modal in self.columns.modals for output in modal.outputs}))
 
-    def between(self, first_ns: int, end_ns: int) -> BlockColumns:
-        """The blocks that begin at `first_ns` or later, before `end_ns`."""
-        c = self.columns
-        a, b = np.searchsorted(c.t_ns, [first_ns, end_ns])
-        starts = c.point_starts[a : b + 1]
-        return BlockColumns(
-            t_ns=c.t_ns[a:b],
-            line=c.line[a:b],
-            block=c.block[a:b],
-            text=c.text[a:b],
-            modal=c.modal[a:b],
-            modals=c.modals,
-            points=c.points[starts[0] : starts[-1]] if len(starts) else c.points[:0],
-            point_starts=starts - (starts[0] if len(starts) else 0),
-            frame=c.frame,
-        )
+    def between(self, first_ns: int, end_ns: int) -> tuple[int, int]:
+        """The first of the blocks that begin at `first_ns` or later, and the first of those at `end_ns` or later."""
+        first, end = np.searchsorted(self.columns.t_ns, [first_ns, end_ns]).tolist()
+        return first, end
 
 
 def _rests(timed: TimedEvent) -> bool:
@@ -96,26 +83,58 @@ def _state(timed: TimedEvent) -> str:
     return "toolchange" if isinstance(timed.event, ToolChange) else "paused"
 
 
-class _Outputs:
-    """The outputs that the program has set, from event to event."""
+def _entries(plan: Plan) -> _Entries:
+    """The blocks in the order of their begin."""
+    path, trajectory = plan.path, plan.trajectory
+    first = _first_rows(path)
+    starts = np.asarray(trajectory.row_ns[0], dtype=np.int64)[first]
+    rests: list[tuple[int, int, int, int, int]] = []
+    last = (-1, "", -1)
+    for i, timed in enumerate(trajectory.events):
+        span, t_ns = timed.event.span, round(timed.time * 1e9)
+        here = (t_ns, span.file, span.line)
+        if here == last and _rests(timed):  # as T1 M6: the block is known, and stands still
+            rests[-1] = (*rests[-1][:4], STATES.index(_state(timed)))
+        elif span.line and here != last and not _moves(path, first, starts, here):
+            rests.append((t_ns, 2 * timed.row, -1, i, STATES.index(_state(timed))))
+            last = here
+    running = STATES.index("running")
+    moving = (starts, 2 * first + 1, first, np.full(len(first), -1), np.full(len(first), running))
+    still = np.array(rests, dtype=np.int64).reshape(-1, 5).T
+    columns = [np.concatenate(both) for both in zip(moving, still, strict=True)]
+    ranked = np.lexsort(columns[3::-1])
+    return _Entries(*(column[ranked] for column in columns))
 
-    def __init__(self, plan: Plan) -> None:
-        switches = ((timed, _switched(timed.event)) for timed in plan.trajectory.events)
-        self._events = [((round(timed.time * 1e9), 2 * timed.row), to) for timed, to in switches if to is not None]
-        self._next = 0
-        self._now: dict[str, Output] = {}
-        self.shown: tuple[Output, ...] = ()
 
-    def at(self, entry: _Entry) -> tuple[Output, ...]:
-        """Those in force once the block of `entry` has begun; entries come in their order."""
-        before = self._next
-        while self._next < len(self._events) and self._events[self._next][0] <= entry[:2]:
-            output = self._events[self._next][1]
-            self._now[output.name] = output
-            self._next += 1
-        if self._next > before:
-            self.shown = tuple(self._now[name] for name in sorted(self._now))
-        return self.shown
+def _first_rows(path: ToolPath) -> Ints:
+    """The row with which each block of a path begins."""
+    return np.flatnonzero(np.diff(path.block, prepend=-1) != 0) if len(path) else np.zeros(0, dtype=np.int64)
+
+
+def _moves(path: ToolPath, first: Ints, starts: Ints, here: tuple[int, str, int]) -> bool:
+    """Whether one of the blocks that begin with rows `first` at `starts` has the time, file and line of `here`."""
+    a, b = np.searchsorted(starts, [here[0], here[0] + 1])
+    spans = (path.span(int(row)) for row in first[a:b])
+    return any((span.file, span.line) == here[1:] for span in spans)
+
+
+def _switches(plan: Plan, entries: _Entries) -> tuple[Ints, list[tuple[Output, ...]]]:
+    """Which of the states (m,) of all outputs is in force once each block has begun, and these states."""
+    switches = ((timed, _switched(timed.event)) for timed in plan.trajectory.events)
+    events = [(round(timed.time * 1e9), 2 * timed.row, to) for timed, to in switches if to is not None]
+    now: dict[str, Output] = {}
+    shown: list[tuple[Output, ...]] = [()]
+    for _, _, output in events:
+        now[output.name] = output
+        shown.append(tuple(now[name] for name in sorted(now)))
+    t_ns = np.concatenate([[event[0] for event in events], entries.t_ns]).astype(np.int64)
+    order = np.concatenate([[event[1] for event in events], entries.order]).astype(np.int64)
+    is_block = np.arange(len(t_ns)) >= len(events)
+    ranked = np.lexsort((is_block, order, t_ns))
+    passed = np.cumsum(~is_block[ranked])
+    count = np.empty(len(t_ns), dtype=np.int64)
+    count[ranked] = passed
+    return count[len(events) :], shown
 
 
 def _switched(event: Event) -> Output | None:
@@ -127,7 +146,7 @@ def _switched(event: Event) -> Output | None:
 
 
 def _columns(
-    entries: list[_Entry],
+    entries: _Entries,
     plan: Plan,
     shop: Shop,
     sources: Mapping[str, SourceText],
@@ -135,57 +154,85 @@ def _columns(
     frame: str,
 ) -> BlockColumns:
     path = plan.path
-    modals: dict[tuple[object, ...], int] = {}
-    states: list[ProgramState] = []
-    lines, texts, modal, spans = [], [], [], []
-    point_starts, pieces = [0], []
-    block_end = np.flatnonzero(np.diff(path.block, append=-1) != 0) if len(path) else np.zeros(0, dtype=np.int64)
-    outputs = _Outputs(plan)
-    for number, entry in enumerate(entries):
-        row, order = entry.row, entry.order
-        at = row if row >= 0 else min(order // 2, len(path) - 1)
-        span = path.span(row) if row >= 0 else plan.trajectory.events[entry.event].event.span
-        state = path.states[path.state[at]] if at >= 0 else path.states[0]
-        feed = float(path.feed[row]) if row >= 0 and np.isfinite(path.feed[row]) else 0.0
-        word = state.word if row >= 0 else ""
-        switched = outputs.at(entry)
-        coolant = (state.flood, state.mist)
-        key = (span.file, word, state.tool, state.system, feed, state.spindle, entry.state, coolant, switched)
-        if key not in modals:
-            modals[key] = len(states)
-            tool = shop.tool(state.tool)
-            states.append(
-                ProgramState(
-                    file=span.file,
-                    motion=word,
-                    tool=state.tool,
-                    tool_name=tool.name if tool is not None else "",
-                    wcs=SYSTEMS[state.system - 1],
-                    feed=feed,
-                    spindle=state.spindle,
-                    state=entry.state,
-                    flood=state.flood,
-                    mist=state.mist,
-                    outputs=switched,
-                )
-            )
-        source = sources.get(span.file)
-        lines.append(span.line)
-        texts.append(source.line(span.line).strip() if source is not None else "")
-        modal.append(modals[key])
-        spans.append(number)
-        if row >= 0:
-            end = int(block_end[np.searchsorted(block_end, row)]) + 1
-            pieces.append(ways.points[ways.starts[row] : ways.starts[end]])
-        point_starts.append(point_starts[-1] + (len(pieces[-1]) if row >= 0 else 0))
+    names, file, line = _places(entries, plan)
+    moving = entries.row >= 0
+    at = np.where(moving, entries.row, np.minimum(entries.order // 2, len(path) - 1))
+    state = np.where(at >= 0, path.state[np.maximum(at, 0)], 0) if len(path) else np.zeros(len(at), dtype=np.int64)
+    feed = np.zeros(len(at))
+    feed[moving] = path.feed[entries.row[moving]]
+    feed[~np.isfinite(feed)] = 0.0
+    switched, shown = _switches(plan, entries)
+    keys = np.stack([file, moving, state, feed.view(np.int64), entries.state, switched], axis=1).astype(np.int64)
+    which, first = _groups(keys)
+    modals = [
+        _modal(shop, path.states[state[i]], names[file[i]], moving[i], feed[i], STATES[entries.state[i]], shown[j])
+        for i, j in zip(first.tolist(), switched[first].tolist(), strict=True)
+    ]
+    points, point_starts = _points(entries, path, ways)
     return BlockColumns(
-        t_ns=np.array([entry.t_ns for entry in entries], dtype=np.int64),
-        line=np.array(lines, dtype=np.int64),
-        block=np.array(spans, dtype=np.int64),
-        text=texts,
-        modal=np.array(modal, dtype=np.int64),
-        modals=states or [ProgramState()],
-        points=np.concatenate(pieces) if pieces else np.zeros((0, 3)),
-        point_starts=np.array(point_starts, dtype=np.int64),
+        t_ns=entries.t_ns,
+        line=line,
+        block=np.arange(len(at), dtype=np.int64),
+        text=texts_of(sources, names, file, line),
+        modal=which,
+        modals=modals or [ProgramState()],
+        points=points,
+        point_starts=point_starts,
         frame=frame,
     )
+
+
+def _places(entries: _Entries, plan: Plan) -> tuple[list[str], Ints, Ints]:
+    """The files by name; file and line (m,) of each block."""
+    spans = SpanTable.of(plan.path.spans)
+    known: dict[str, int] = {}
+    of_origin = np.array([known.setdefault(name, len(known)) for name, _ in spans.origins], dtype=np.int64)
+    file, line = np.zeros((2, len(entries.t_ns)), dtype=np.int64)
+    moving = np.flatnonzero(entries.row >= 0)
+    source = plan.path.source[entries.row[moving]]
+    if len(moving):
+        file[moving], line[moving] = of_origin[spans.origin[source]], spans.lines[source]
+    for i in np.flatnonzero(entries.row < 0).tolist():
+        span = plan.trajectory.events[entries.event[i]].event.span
+        file[i], line[i] = known.setdefault(span.file, len(known)), span.line
+    return list(known), file, line
+
+
+def _groups(keys: Ints) -> tuple[Ints, Ints]:
+    """Numbers (m,) of equal rows of `keys` (m, k), and the first row of each number."""
+    ranked = np.lexsort(keys.T)
+    fresh = (np.diff(keys[ranked], axis=0, prepend=keys[ranked[:1]] - 1) != 0).any(axis=1)
+    which = np.empty(len(keys), dtype=np.int64)
+    which[ranked] = np.cumsum(fresh) - 1
+    return which, ranked[fresh]
+
+
+def _modal(
+    shop: Shop, state: ToolState, file: str, moving: bool, feed: float, word: str, outputs: tuple[Output, ...]
+) -> ProgramState:
+    """What the blocks of one group share; `word` is their state."""
+    tool = shop.tool(state.tool)
+    return ProgramState(
+        file=file,
+        motion=state.word if moving else "",
+        tool=state.tool,
+        tool_name=tool.name if tool is not None else "",
+        wcs=SYSTEMS[state.system - 1],
+        feed=float(feed),
+        spindle=state.spindle,
+        state=word,
+        flood=state.flood,
+        mist=state.mist,
+        outputs=outputs,
+    )
+
+
+def _points(entries: _Entries, path: ToolPath, ways: Ways) -> tuple[Array, Ints]:
+    """The ways of all blocks, one after the other, and where each begins (m + 1,)."""
+    first = _first_rows(path)
+    row = entries.row
+    after = np.append(first[1:], len(path))[np.searchsorted(first, np.maximum(row, 0))] if len(first) else row
+    begin = ways.starts[np.maximum(row, 0)]
+    count = np.where(row >= 0, ways.starts[np.maximum(after, 0)] - begin, 0)
+    starts = np.concatenate([[0], np.cumsum(count)])
+    return ways.points[np.repeat(begin - starts[:-1], count) + np.arange(starts[-1])], starts

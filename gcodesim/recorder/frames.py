@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gcodesim.frames import Array, Pose, quaternion_from_rotation
+from gcodesim.frames import Array, Pose
 from gcodesim.kinematics import Cartesian
 from gcodesim.log import StaticFrame
+from gcodesim.recorder.pose_kernels import write_poses
 from gcodesim.shop import Shop
 
 if TYPE_CHECKING:
@@ -18,7 +19,14 @@ if TYPE_CHECKING:
 
 def seven(X: Array) -> Array:
     """Poses (n, 4, 4) as rows x y z qx qy qz qw (n, 7)."""
-    return np.concatenate([X[..., :3, 3], quaternion_from_rotation(X[..., :3, :3])], axis=-1)
+    rows = np.empty((len(X), 1, 7))
+    _write(X, rows, 0)
+    return rows[:, 0]
+
+
+def _write(X: Array, rows: Array, first: int) -> None:
+    """Poses (n, 4, 4) as column `first` of `rows` (n, F, 7)."""
+    write_poses(np.require(X, np.float64, ["C", "W"])[:, None], np.zeros(1, dtype=np.int64), first, rows)
 
 
 def stock_frame(index: int, name: str) -> str:
@@ -106,10 +114,7 @@ class Frames:
         `part` (n, 4, 4) active work system in W where it is now (`carried`).
         """
         shop = self.shop
-        links = shop.kinematics.links(q)
-        columns = [links[:, i] for i in self.links]
-        if self.flange_is_extra:
-            columns.append(shop.kinematics.forward(q))
+        columns = [shop.kinematics.forward(q)] if self.flange_is_extra else []
         columns += [tools, tcp, part]
         if self.moving_stock:
             X_WB = shop.X_WB.matrix
@@ -119,7 +124,11 @@ class Frames:
             columns += [X_WC @ (shop.X_WB.inverse() @ X_WS).matrix for X_WS in stands]
         if self.moving_path:
             columns.append(self.carried(q, np.tile(np.eye(4), (len(q), 1, 1))))
-        return np.stack([seven(X) for X in columns], axis=1)
+        rows = np.empty((len(q), len(self.links) + len(columns), 7))
+        write_poses(shop.kinematics.links(q), np.array(self.links, dtype=np.int64), 0, rows)
+        for column, X in enumerate(columns, start=len(self.links)):
+            _write(X, rows, column)
+        return rows
 
     def carried(self, q: Array, X_WP: Array) -> Array:
         """Work systems (n, 4, 4) in W, given for a table at zero, where the table's linear axes at `q` bring them."""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gcodesim.frames import Array
+from gcodesim.recorder.pose_kernels import most_used
 
 if TYPE_CHECKING:
     from gcodesim.shop import Shop
@@ -32,9 +33,10 @@ class Limits:
 
     def used(self, q: Array, qd: Array, effort: Array) -> tuple[Array, Array, Array]:
         """Share (n,) that the nearest joint uses of its travel, speed and effort, from those of all joints (n, j)."""
-        joints = self.shop.kinematics.joints
-        travel = np.abs(q - self.middle) / self.reach
-        return _most(travel), _most(np.abs(qd) / joints.speed), _most(np.abs(effort) / joints.effort)
+        joints, none = self.shop.kinematics.joints, np.zeros(len(self.middle))
+        questions = ((q, self.middle, self.reach), (qd, none, joints.speed), (effort, none, joints.effort))
+        travel, speed, load = (_most(*question) for question in questions)
+        return travel, speed, load
 
     @property
     def record(self) -> dict[str, str]:
@@ -55,8 +57,10 @@ class Limits:
         }
 
 
-def _most(share: Array) -> Array:
-    most: Array = np.nan_to_num(share, posinf=0.0).max(axis=1, initial=0.0)
+def _most(value: Array, middle: Array, limit: Array) -> Array:
+    most = np.empty(len(value))
+    value, middle, limit = (np.require(array, np.float64, ["C", "W"]) for array in (value, middle, limit))
+    most_used(value, middle, limit, most)
     return most
 
 

@@ -22,6 +22,7 @@ from gcodesim.recorder.bodies import cell_entities, tile_meshes, tool_shapes
 from gcodesim.recorder.frames import Frames, seven, stock_frame, work_systems
 from gcodesim.recorder.limits import Limits
 from gcodesim.recorder.look import layout_kind, view_of
+from gcodesim.recorder.pose_kernels import bend, compare
 from gcodesim.recorder.reporter import Reporter
 from gcodesim.recorder.texts import Texts
 from gcodesim.recorder.ways import Ways
@@ -64,6 +65,7 @@ class Recorder:
         self._period_ns = job.cell.log.period_ns
         self._frames = Frames.of(self._shop)
         self._systems = work_systems(self._shop, self._plan.path)
+        self._speeds = np.array([state.spindle for state in self._plan.path.states])
         ways = Ways.of(self._plan, self._shop)
         self._blocks = Blocks.of(self._plan, self._shop, job.sources, ways, self._frames.path_frame)
         self._tiles: list[Tiles] = [self._tiles_of(placed.stock) for placed in self._shop.stocks.values()]
@@ -73,7 +75,7 @@ class Recorder:
         self._reporter = Reporter(self._writer, job.shown(job.findings))
         self._texts = Texts(self._writer, self._plan.trajectory.events)
         self._removed = 0.0
-        self._tcp: Array = np.zeros((4, 4))
+        self._cut_at: Array = np.zeros(3)  # where the tip stands over the work
         self._force_shown = False
         self._now_ns = 0
         self._tool = -1
@@ -157,14 +159,15 @@ class Recorder:
         """The state at time 0."""
         from gcodesim.executor.record import record_of
 
-        self._tcp = self._frames.seen_from_table(world.q, self._actual(world.q, window.row, np.zeros((1, 6))))[0]
+        X_WT = self._actual(world.q, window.row, np.zeros((1, 6)))
+        self._cut_at = self._frames.seen_from_table(world.q, X_WT)[0, :3, 3]
         self._reporter.until(0)
         self._texts.until(0)
         self._changes_of_tool(0, -1, window)
         for index, tiles in enumerate(self._tiles):
             self._draw(0, index, tiles.all())
         self._write(record_of(window, world, []), np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64))
-        self._writer.blocks(self._blocks.between(0, 1))
+        self._writer.blocks(self._blocks.messages, *self._blocks.between(0, 1))
 
     def look(self, window: StepWindow) -> Sequence[Glimpse]:
         """Of each stock what has changed, as `window` leaves it, when it is time to look; drawn when written down."""
@@ -185,7 +188,8 @@ class Recorder:
         window = record.window
         ends = (window.first + 1 + np.arange(len(window), dtype=np.int64)) * self._step_ns
         logged = np.flatnonzero(ends % self._period_ns == 0)
-        self._writer.blocks(self._blocks.between(self._now_ns + 1, int(ends[-1]) + 1))
+        begun = self._blocks.between(self._now_ns + 1, int(ends[-1]) + 1)
+        self._writer.blocks(self._blocks.messages, *begun)
         self._reporter.until(int(ends[-1]), found, begin_ns=self._now_ns + 1)
         self._texts.until(int(ends[-1]))
         self._changes_of_tool(self._now_ns, int(ends[-1]), window)
@@ -221,49 +225,59 @@ class Recorder:
 
     def _actual(self, q: Array, row: Any, deflection: Array) -> Array:
         """X_WT (n, 4, 4) of the tip on the link side: motors at `q`, gears bent by `deflection` (n, 6) in B."""
-        X_BT = self._plan.tip(q, row)
-        if np.any(deflection):
-            X_BT = X_BT.copy()
-            X_BT[:, :3, 3] += deflection[:, :3]
-            X_BT[:, :3, :3] = _small_turns(deflection[:, 3:]) @ X_BT[:, :3, :3]
-        X: Array = self._shop.X_WB.matrix @ X_BT
+        X = np.require(self._plan.tip(q, row), np.float64, ["C", "W"])
+        bend(self._shop.X_WB.matrix, deflection, X)
         return X
+
+    def _speed(self, record: StepRecord, at: Any) -> tuple[Array, Array]:
+        """Speed (m,) of the tip over the work in steps `at` (m,), and X_WT (m, 4, 4) at their ends.
+
+        A step's way begins where the step before ended; no other poses are needed.
+        """
+        world = record.world
+        needed = np.zeros(len(record), dtype=bool)
+        needed[at] = needed[np.maximum(at - 1, 0)] = needed[-1] = True
+        steps = np.flatnonzero(needed)
+        place = np.cumsum(needed)  # 0 is the end of the window before
+        q = world.q[steps]
+        X_WT = self._actual(q, record.window.row[steps], record.deflection[steps])
+        cut = self._frames.seen_from_table(q, X_WT)[:, :3, 3]  # feed is the tool's way over the work
+        way = np.concatenate([self._cut_at[None], cut])
+        self._cut_at = cut[-1]
+        now, before = place[at], np.where(at > 0, place[at - 1], 0)
+        return np.linalg.norm(way[now] - way[before], axis=1) / record.window.dt, X_WT[now - 1]
 
     def _write(self, record: StepRecord, t_ns: Any, at: Any) -> None:
         """Columns of the log instants `t_ns` (m,), which are steps `at` (m,) of the record."""
         window, world = record.window, record.world
-        tcp = self._actual(world.q, window.row, record.deflection)
-        cut = self._frames.seen_from_table(world.q, tcp)  # feed is the tool's way over the work
-        before = np.concatenate([self._tcp[None], cut[:-1]])
-        speed = np.linalg.norm(cut[:, :3, 3] - before[:, :3, 3], axis=1) / window.dt
-        self._tcp = cut[-1]
+        speed, X_WT = self._speed(record, at)
         removed = self._removed + np.cumsum(record.removed)
         self._removed = float(removed[-1])
         if not len(at):
             return
-        X_WB = self._shop.X_WB.matrix
-        target = X_WB @ window.tip[at]
-        X_WT = tcp[at]
+        q, qd, effort = world.q[at], world.qd[at], world.effort[at]
+        X_WB = self._shop.X_WB
+        target = X_WB.matrix @ window.tip[at]
         part = self._systems[self._plan.path.state[window.row[at]] if len(self._plan.path) else np.zeros(len(at), int)]
-        part = self._frames.carried(world.q[at], part)
-        local = np.einsum("nji,nj->ni", part[:, :3, :3], X_WT[:, :3, 3] - part[:, :3, 3])
-        wrench = _in_world(X_WB, record.wrench[at])
+        part = self._frames.carried(q, part)
+        errors, local = np.empty((len(at), 2)), np.empty((len(at), 3))
+        compare(target, X_WT, part, errors, local)
+        wrench = _in_world(X_WB.R, record.wrench[at])
         force = np.linalg.norm(wrench[:, :3], axis=1)
-        spindle = self._spindle(window.row[at])
-        travel, pace, load = self._limits.used(world.q[at], world.qd[at], world.effort[at])
+        travel, pace, load = self._limits.used(q, qd, effort)
         self._writer.window(
             t_ns,
-            tf=self._frames.at(world.q[at], X_WT, self._tools(window.tool[at]), part),
-            joint_position=world.q[at],
-            joint_velocity=world.qd[at],
-            joint_effort=world.effort[at],
+            tf=self._frames.at(q, X_WT, self._tools(window.tool[at]), part),
+            joint_position=q,
+            joint_velocity=qd,
+            joint_effort=effort,
             target=seven(target),
             tcp=seven(X_WT),
             motion=MotionColumns(
-                feed=speed[at],
+                feed=speed,
                 feed_command=np.linalg.norm(window.samples.velocity[at, :3], axis=1),
-                position_error=np.linalg.norm(X_WT[:, :3, 3] - target[:, :3, 3], axis=1),
-                orientation_error=_angles(target, X_WT),
+                position_error=errors[:, 0],
+                orientation_error=errors[:, 1],
                 block_fraction=np.clip(self._fractions(window, at), 0.0, 1.0),
                 position=local,
                 limit=world.saturated[at].any(axis=1),
@@ -274,7 +288,7 @@ class Recorder:
             process=ProcessColumns(
                 kind=record.kind[at],
                 engaged=record.engaged[at],
-                spindle=spindle,
+                spindle=self._spindle(window.row[at]),
                 force=force,
                 torque=record.torque[at],
                 power=record.power[at],
@@ -297,8 +311,7 @@ class Recorder:
 
     def _spindle(self, row: Any) -> Array:
         path = self._plan.path
-        speeds = np.array([state.spindle for state in path.states])
-        return speeds[path.state[row]] if len(path) else np.full(len(row), speeds[0])
+        return self._speeds[path.state[row]] if len(path) else np.full(len(row), self._speeds[0])
 
     def _tools(self, numbers: Any) -> Array:
         """X_FT (n, 4, 4) of the tools in the spindle."""
@@ -352,31 +365,8 @@ class Recorder:
         self._writer.abandon()
 
 
-def _in_world(X_WB: Array, wrench: Array) -> Array:
-    R = X_WB[:3, :3]
-    return np.concatenate([wrench[:, :3] @ R.T, wrench[:, 3:] @ R.T], axis=1)
-
-
-def _small_turns(vectors: Array) -> Array:
-    """Rotation matrices (n, 3, 3) of small rotation vectors (n, 3) [rad] (Rodrigues 1840)."""
-    angle = np.linalg.norm(vectors, axis=1)
-    axis = vectors / np.maximum(angle, 1e-300)[:, None]
-    skew = np.zeros((len(vectors), 3, 3))
-    skew[:, 0, 1], skew[:, 0, 2], skew[:, 1, 2] = -axis[:, 2], axis[:, 1], -axis[:, 0]
-    skew -= skew.transpose(0, 2, 1)
-    sine, cosine = np.sin(angle)[:, None, None], np.cos(angle)[:, None, None]
-    turns: Array = np.eye(3) + sine * skew + (1.0 - cosine) * (skew @ skew)
-    return turns
-
-
-def _angles(A: Array, B: Array) -> Array:
-    """Angle (n,) [rad] between the rotations of two stacks of poses; exact for small angles too."""
-    R = np.einsum("nji,njk->nik", A[:, :3, :3], B[:, :3, :3])
-    sine = 0.5 * np.linalg.norm(
-        np.stack([R[:, 2, 1] - R[:, 1, 2], R[:, 0, 2] - R[:, 2, 0], R[:, 1, 0] - R[:, 0, 1]], axis=1), axis=1
-    )
-    angles: Array = np.arctan2(sine, 0.5 * (np.trace(R, axis1=1, axis2=2) - 1.0))
-    return angles
+def _in_world(R_WB: Array, wrench: Array) -> Array:
+    return np.concatenate([wrench[:, :3] @ R_WB.T, wrench[:, 3:] @ R_WB.T], axis=1)
 
 
 def _as_placed(stock: Stock) -> Surface:

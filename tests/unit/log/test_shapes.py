@@ -1,8 +1,9 @@
 """Lines to draw: cut from paths, and thinned to what a viewer takes."""
 
 import numpy as np
+import pytest
 
-from gcodesim.log import Polylines
+from gcodesim.log import Mesh, Polylines
 
 
 def test_lines_from_segments_join_where_segments_touch():
@@ -43,3 +44,20 @@ def test_of_too_many_lines_the_longest_are_drawn():
 
     assert len(lines.points) <= 200 and len(lines.starts) == 50
     assert lines.points[lines.segments()[:, 1], 0].min() == 951.0
+
+
+def test_a_mesh_without_its_unused_points_is_the_same():
+    rng = np.random.default_rng(6)
+    points = rng.normal(size=(500, 3))
+    triangles = rng.choice(np.arange(0, 500, 3), (200, 3))
+    mesh = Mesh(points=points, triangles=triangles)
+    small = mesh.compact()
+    assert (small.points[small.triangles] == points[triangles]).all()
+    assert len(small.points) == len(np.unique(triangles))
+    assert small.compact() is small  # all are used
+
+
+@pytest.mark.parametrize("wrong", [-1, 3])
+def test_a_triangle_outside_its_mesh_is_refused(wrong):
+    with pytest.raises(ValueError, match="outside its mesh"):
+        Mesh(points=np.zeros((3, 3)), triangles=np.array([[0, 1, 2], [0, wrong, 1]])).compact()

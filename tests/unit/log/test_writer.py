@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gcodesim.log import BlockColumns, ProgramState
+from gcodesim.log import BlockColumns, BlockMessages, ByteStrings, ProgramState
 from gcodesim.log.logfile import LogFile
 from gcodesim.log.reader import read_columns, read_messages
 from gcodesim.log.summary import summary
@@ -166,15 +166,17 @@ def test_many_blocks_at_once_say_what_single_calls_say(run, complaints, new_log,
 
     many = new_log(tmp_path / "many.mcap")
     many.blocks(
-        BlockColumns(
-            t_ns=times,
-            line=np.arange(1, m + 1),
-            block=np.arange(m),
-            text=lines,
-            modal=modal,
-            modals=modals,
-            points=points,
-            point_starts=starts,
+        BlockMessages(
+            BlockColumns(
+                t_ns=times,
+                line=np.arange(1, m + 1),
+                block=np.arange(m),
+                text=ByteStrings.of(text.encode() for text in lines),
+                modal=modal,
+                modals=modals,
+                points=points,
+                point_starts=starts,
+            )
         )
     )
     single = new_log(tmp_path / "single.mcap")
