@@ -93,26 +93,32 @@ def mark_tall(low: Array, high: Array, height: float) -> bool:
 def floor_of_disc(
     low: Array, high: Array, y: Array, x: float, ux: float, uy: float, length: float, radius2: float, bottom: float,
     floor: Array,
-) -> None:  # fmt: skip
+) -> bool:  # fmt: skip
     """Fill `floor` (n,): `bottom` [m] for columns of a row that a disc sweeps over and that end above it, else NONE.
 
-    The piece as in `piece_line`; columns stand at x, y (n,) from its start and reach from low to high (n,) [m].
+    Returns whether there is any. The piece as in `piece_line`; columns stand at x, y (n,) from its start and reach
+    from low to high (n,) [m].
     """
+    found = np.uint8(0)
     for j in range(low.shape[0]):
         along = x * ux + y[j] * uy
         across = y[j] * ux - x * uy
         near = min(max(0.0, -along), length - along)
         hit = np.uint8(across * across + near * near <= radius2) & np.uint8(high[j] > bottom)
-        floor[j] = bottom if hit & np.uint8(high[j] > low[j]) else NONE
+        hit &= np.uint8(high[j] > low[j])
+        floor[j] = bottom if hit else NONE
+        found |= hit
+    return bool(found > 0)
 
 
 @kernel(lean=True)
 def floor_of_ball(
     low: Array, high: Array, y: Array, x: float, ux: float, uy: float, length: float, slope: float, radius2: float,
     middle: float, floor: Array,
-) -> None:  # fmt: skip
+) -> bool:  # fmt: skip
     """The same for a ball, with the floor of its sweep; middle: its height at the start of the piece [m]."""
     lean = slope / np.sqrt(1.0 + slope * slope)
+    found = np.uint8(0)
     for j in range(low.shape[0]):
         along = x * ux + y[j] * uy
         across = y[j] * ux - x * uy
@@ -122,6 +128,8 @@ def floor_of_ball(
         deep = middle + slope * (along + u) - np.sqrt(max(depth2, 0.0))
         hit = np.uint8(depth2 >= 0.0) & np.uint8(deep < high[j]) & np.uint8(high[j] > low[j])
         floor[j] = deep if hit else NONE
+        found |= hit
+    return bool(found > 0)
 
 
 @kernel(lean=True)
@@ -162,6 +170,7 @@ def remove_piece(
     if first_i >= last_i or first_j >= last_j:
         return 0.0, True
     ys, floor = spare[0], spare[1]
+    lows, highs = lo.reshape(lo.size), hi.reshape(hi.size)
     for j in range(first_j, last_j):
         ys[j - first_j] = grid[1] + (j + 0.5 + NUDGE_Y) * grid[3] - y0
     begin_j = first_j
@@ -174,13 +183,15 @@ def remove_piece(
         if first_j >= last_j:
             continue
         if single:  # the loops in these have no branches, so that several columns go at a time
-            low, high = lo[i].reshape(ny)[first_j:last_j], hi[i].reshape(ny)[first_j:last_j]
+            low, high = lows[i * ny + first_j : i * ny + last_j], highs[i * ny + first_j : i * ny + last_j]
             tall = tall or mark_tall(low, high, tall_from)
             y = ys[first_j - begin_j : last_j - begin_j]
             if ball:
-                floor_of_ball(low, high, y, x - x0, ux, uy, length, slope, radius2, middle, floor)
+                found = floor_of_ball(low, high, y, x - x0, ux, uy, length, slope, radius2, middle, floor)
             else:
-                floor_of_disc(low, high, y, x - x0, ux, uy, length, radius2, bottom_least, floor)
+                found = floor_of_disc(low, high, y, x - x0, ux, uy, length, radius2, bottom_least, floor)
+            if not found:
+                continue
         for j in range(first_j, last_j):
             if single and floor[j - first_j] == NONE:
                 continue

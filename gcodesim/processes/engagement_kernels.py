@@ -170,6 +170,38 @@ def behind_range(sines: Array, gain: float, fall: float) -> int:
 
 
 @kernel(lean=True)
+def grid_frame(grid: Array, tip: Array, ux: float, uy: float) -> tuple[float, float, float, float, float, float]:
+    """From u, l about the tip to columns: (i0, j0, i per u, i per l, j per u, j per l); whole at centres of columns."""
+    to_x, to_y = 1.0 / grid[2], 1.0 / grid[3]
+    return (
+        (tip[0] - grid[0]) * to_x - 0.5, (tip[1] - grid[1]) * to_y - 0.5, ux * to_x, -uy * to_x, uy * to_y, ux * to_y
+    )  # fmt: skip
+
+
+@kernel(lean=True)
+def lay_places(
+    sines: Array, cosines: Array, radius: float, outer: float, ahead: float, inside: float, level: float, climb: float,
+    least_way: float, frame: tuple[float, float, float, float, float, float], us: Array, vs: Array, ups: Array,
+) -> None:  # fmt: skip
+    """Where to ask for material at many angles at once, as `probe` does for one: columns (us, vs), rise `ups` [m].
+
+    outer [m]: the element's largest radius and `ahead` together; inside [m]: greatest distance to the side; least_way
+    [m]: the shortest way along the feed; frame: see `grid_frame`. No branches, no dependence between turns.
+    """
+    i0, j0, i_u, i_l, j_u, j_l = frame
+    for k in range(us.shape[0]):
+        px, py = radius * sines[k], radius * cosines[k]
+        wide = min(max(py, -inside), inside)
+        front = sines[k] > 0.0
+        way = np.sqrt(outer * outer - wide * wide) - px if front else ahead
+        py = py + level * (wide - py) if front else py
+        px += level * way
+        us[k] = i0 + i_u * px + i_l * py
+        vs[k] = j0 + j_u * px + j_l * py
+        ups[k] = climb * max(way, least_way)
+
+
+@kernel(lean=True)
 def leave_advancing(sines: Array, level: float, sin_kappa: float, fall: float, line: Array) -> bool:
     """Set the share (n,) to 0 where an element does not advance; whether any is left that is not known."""
     unknown = np.uint8(0)
@@ -237,9 +269,7 @@ def contact_of_rows(
     cell = max(grid[2], grid[3])
     nx, ny = count.shape
     ahead, aside = clearances(grid, ux, uy)
-    to_x, to_y = 1.0 / grid[2], 1.0 / grid[3]
-    tip_u, tip_v = (tip[0] - grid[0]) * to_x - 0.5, (tip[1] - grid[1]) * to_y - 0.5
-    uxx, uyx, uxy, uyy = ux * to_x, uy * to_x, ux * to_y, uy * to_y
+    frame = grid_frame(grid, tip, ux, uy)
     single = lo.shape[2] == 1 and nx > 1 and ny > 1  # nearly always
     lows, highs = lo.reshape(lo.size), hi.reshape(hi.size)
     sines, cosines, us, vs, ups = circle[0], circle[1], places[0], places[1], places[2]
@@ -255,34 +285,18 @@ def contact_of_rows(
         behind = behind_range(sines, level * sin_kappa, LEAST_ADVANCE + fall) if last == ANGLES else 0
         front_end, back_begin = min(ANGLES // 2 + behind, last), last - behind
         line[front_end:back_begin] = ELSEWHERE
-        # where to ask, for all angles first: no branches, no dependence between turns, so several angles go at a time
-        for k in range(front_end):
-            px, py = radius * sines[k], radius * cosines[k]
-            wide = min(max(py, -inside), inside)
-            front = sines[k] > 0.0
-            way = np.sqrt(outer * outer - wide * wide) - px if front else ahead
-            py = py + level * (wide - py) if front else py
-            px += level * way
-            us[k] = tip_u + uxx * px - uyx * py
-            vs[k] = tip_v + uyy * px + uxy * py
-            ups[k] = climb * max(way, least_way)
-        for k in range(back_begin, last):
-            px, py = radius * sines[k] + level * ahead, radius * cosines[k]
-            us[k] = tip_u + uxx * px - uyx * py
-            vs[k] = tip_v + uyy * px + uxy * py
-            ups[k] = climb * max(ahead, least_way)
-        if single:
-            limit_i, limit_j, columns = np.float64(nx - 2), np.float64(ny - 2), np.uint64(ny)
-            read_single(
-                lows, highs, limit_i, limit_j, columns, us[:front_end], vs[:front_end], ups[:front_end], bottom, top,
-                line[:front_end],
+        for begin, end in ((0, front_end), (back_begin, last)):
+            lay_places(
+                sines[begin:end], cosines[begin:end], radius, outer, ahead, inside, level, climb, least_way, frame,
+                us[begin:end], vs[begin:end], ups[begin:end],
             )  # fmt: skip
-            read_single(
-                lows, highs, limit_i, limit_j, columns, us[back_begin:last], vs[back_begin:last], ups[back_begin:last],
-                bottom, top, line[back_begin:],
-            )  # fmt: skip
-        else:
-            line[:] = ELSEWHERE
+            if single:
+                read_single(
+                    lows, highs, np.float64(nx - 2), np.float64(ny - 2), np.uint64(ny), us[begin:end], vs[begin:end],
+                    ups[begin:end], bottom, top, line[begin:end],
+                )  # fmt: skip
+            else:
+                line[begin:end] = ELSEWHERE
         if leave_advancing(sines, level, sin_kappa, fall, line):
             for k in range(last):
                 if line[k] == ELSEWHERE:
@@ -328,13 +342,27 @@ def locate_edge(weights: Array, i: int, k: int, fraction: float) -> None:
 @kernel(lean=True)
 def contact_of_cylinder(
     lo: Array, hi: Array, count: Ints, grid: Array, circle: Array, tip: Array, ux: float, uy: float, level: float,
-    climb: float, rows: Array, first: int, number: int, weights: Array, line: Array,
+    climb: float, rows: Array, first: int, number: int, weights: Array, line: Array, places: Array,
 ) -> bool:  # fmt: skip
     """The same for all rows of a cylinder at once, first..first+number: they stand above each other."""
+    nx, ny = count.shape
     ahead, aside = clearances(grid, ux, uy)
     half = ANGLES // 2
+    radius, outer = rows[first, 0], rows[first, 7] + ahead
+    share, us, vs, ups = places[0, :half], places[1, :half], places[2, :half], places[3, :half]
     bottom, top = tip[2] + rows[first, 5], tip[2] + rows[first + number - 1, 6]
     height = (top - bottom) / number
+    if lo.shape[2] == 1 and nx > 1 and ny > 1:
+        lay_places(
+            circle[0, :half], circle[1, :half], radius, outer, ahead, max(radius - aside, 0.0), level, climb, 0.0,
+            grid_frame(grid, tip, ux, uy), us, vs, ups,
+        )  # fmt: skip
+        read_single(
+            lo.reshape(lo.size), hi.reshape(hi.size), np.float64(nx - 2), np.float64(ny - 2), np.uint64(ny), us, vs,
+            ups, bottom, top, share,
+        )  # fmt: skip
+    else:
+        share[:] = ELSEWHERE
     earlier = -1.0
     begin, end = half, 0
     for k in range(half):
@@ -342,16 +370,14 @@ def contact_of_cylinder(
             weights[first : first + number, k] = 0.0
             earlier = -1.0
             continue
-        px, py, way = probe(rows[first, 0], rows[first, 7], circle[0, k], circle[1, k], ahead, aside, level)
-        x, y = tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py
-        z0, z1 = bottom + climb * way, top + climb * way
-        simple, share = solid(lo, hi, count, grid, x, y, z0, z1)
-        if simple == 1 and (share == 0.0 or share >= 1.0 - 1.0e-9):
-            share = 0.0 if share == 0.0 else 1.0
+        if share[k] == 0.0 or share[k] >= 1.0 - 1.0e-9:  # all of it, or nothing
+            total = 0.0 if share[k] == 0.0 else 1.0
             for i in range(number):
-                weights[first + i, k] = share
-            total = share
+                weights[first + i, k] = total
         else:
+            px, py, way = probe(radius, rows[first, 7], circle[0, k], circle[1, k], ahead, aside, level)
+            x, y = tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py
+            z0 = bottom + climb * way
             total = fill_slices(lo, hi, count, grid, x, y, z0, height, line[:number]) / number
             for i in range(number):
                 weights[first + i, k] = line[i]
@@ -360,7 +386,7 @@ def contact_of_cylinder(
             for _ in range(4):
                 middle = 0.5 * (least + most)
                 fine_sine, fine_cosine = turned(circle[0, k - 1], circle[1, k - 1], middle * (2.0 * np.pi / ANGLES))
-                px, py, way = probe(rows[first, 0], rows[first, 7], fine_sine, fine_cosine, ahead, aside, level)
+                px, py, way = probe(radius, rows[first, 7], fine_sine, fine_cosine, ahead, aside, level)
                 z0, z1 = bottom + climb * way, top + climb * way
                 x, y = tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py
                 between = occupancy(lo, hi, count, grid, x, y, z0, z1)
@@ -453,28 +479,35 @@ def unit_forces(
 
     scale (3,): K c**p of each component; angles at which the edge does not advance get 0.
     """
+    sines, unit_t, unit_r, unit_a = circle[0, begin:end], unit[0, begin:end], unit[1, begin:end], unit[2, begin:end]
+    fall = climb * cos_kappa
+    if laws[0, 1] == 1.0 and laws[1, 1] == 1.0 and laws[2, 1] == 1.0:
+        for k in range(sines.shape[0]):
+            advance = level * sines[k] * sin_kappa - fall
+            grown = min(advance, 1.0)
+            normal, axial = scale[1] * grown + laws[1, 2], scale[2] * grown + laws[2, 2]
+            cuts = advance > LEAST_ADVANCE
+            unit_t[k] = scale[0] * grown + laws[0, 2] if cuts else 0.0
+            unit_r[k] = normal * sin_kappa + axial * cos_kappa if cuts else 0.0
+            unit_a[k] = normal * cos_kappa - axial * sin_kappa if cuts else 0.0
+        return
     common = laws[0, 1] == laws[1, 1] and laws[0, 1] == laws[2, 1]
-    linear = common and laws[0, 1] == 1.0
-    for k in range(begin, end):
-        advance = level * circle[0, k] * sin_kappa - climb * cos_kappa
+    for k in range(sines.shape[0]):
+        advance = min(level * sines[k] * sin_kappa - fall, 1.0)
         if advance <= LEAST_ADVANCE:
-            unit[0, k], unit[1, k], unit[2, k] = 0.0, 0.0, 0.0
+            unit_t[k], unit_r[k], unit_a[k] = 0.0, 0.0, 0.0
             continue
-        advance = min(advance, 1.0)
-        if linear:
-            grown_t, grown_r, grown_a = advance, advance, advance
-        else:
-            place = advance * (TABLE - 1)
-            left = min(int(place), TABLE - 2)
-            part = place - left
-            grown_t = power_at(table, 0, left, part)
-            grown_r, grown_a = grown_t, grown_t
-            if not common:
-                grown_r, grown_a = power_at(table, 1, left, part), power_at(table, 2, left, part)
+        place = advance * (TABLE - 1)
+        left = min(int(place), TABLE - 2)
+        part = place - left
+        grown_t = power_at(table, 0, left, part)
+        grown_r, grown_a = grown_t, grown_t
+        if not common:
+            grown_r, grown_a = power_at(table, 1, left, part), power_at(table, 2, left, part)
         normal, axial = scale[1] * grown_r + laws[1, 2], scale[2] * grown_a + laws[2, 2]
-        unit[0, k] = scale[0] * grown_t + laws[0, 2]
-        unit[1, k] = normal * sin_kappa + axial * cos_kappa
-        unit[2, k] = normal * cos_kappa - axial * sin_kappa
+        unit_t[k] = scale[0] * grown_t + laws[0, 2]
+        unit_r[k] = normal * sin_kappa + axial * cos_kappa
+        unit_a[k] = normal * cos_kappa - axial * sin_kappa
 
 
 @kernel(lean=True)
@@ -492,7 +525,9 @@ def add_row(
     sines, cosines, share = circle[0, begin:end], circle[1, begin:end], weights[begin:end]
     unit_t, unit_r, unit_a = unit[0, begin:end], unit[1, begin:end], unit[2, begin:end]
     f_u, f_l, f_z = force_u[begin:end], force_l[begin:end], force_z[begin:end]
-    sums = sums[:, begin:end]
+    all_u, all_l, all_z = sums[0, begin:end], sums[1, begin:end], sums[2, begin:end]
+    tilt_u, tilt_l, lift = sums[3, begin:end], sums[4, begin:end], sums[5, begin:end]
+    torque, contact, most, widest = sums[6, begin:end], sums[7, begin:end], sums[8, begin:end], sums[9, begin:end]
     for k in range(share.shape[0]):
         b = share[k] * width
         tangential, inward = b * unit_t[k], b * unit_r[k]
@@ -500,20 +535,20 @@ def add_row(
         a_l = tangential * sines[k] - inward * cosines[k]
         a_z = b * unit_a[k]
         f_u[k], f_l[k], f_z[k] = a_u, a_l, a_z
-        sums[0, k] += a_u
-        sums[1, k] += a_l
-        sums[2, k] += a_z
-        sums[3, k] += z * a_u
-        sums[4, k] += z * a_l
-        sums[5, k] += r * a_z
-        sums[6, k] += r * tangential
-        sums[7, k] += share[k]
-        sums[8, k] = max(sums[8, k], share[k])
-        sums[9, k] = max(sums[9, k], share[k] * r)
+        all_u[k] += a_u
+        all_l[k] += a_l
+        all_z[k] += a_z
+        tilt_u[k] += z * a_u
+        tilt_l[k] += z * a_l
+        lift[k] += r * a_z
+        torque[k] += r * tangential
+        contact[k] += share[k]
+        most[k] = max(most[k], share[k])
+        widest[k] = max(widest[k], share[k] * r)
 
 
 SUMS = 10
-SPARE = 9  # rows below the sums: unit forces, places, components, slices, and one for who calls `cutting_force`
+SPARE = 9  # rows below the sums: unit forces (until then shares), places, components, slices, one for the caller
 
 
 @kernel(lean=True)
@@ -557,8 +592,9 @@ def cutting_force(
             continue  # no angle at which this piece advances: a flat bottom in a level cut
         if edge[piece, 0] == 0.0 and rows[first, 3] < UPRIGHT:
             touched = contact_of_cylinder(
-                lo, hi, count, grid, circle, tip, ux, uy, level, climb, rows, first, number, weights, line
-            )
+                lo, hi, count, grid, circle, tip, ux, uy, level, climb, rows, first, number, weights, line,
+                sums[SUMS + 2 : SUMS + 6],
+            )  # fmt: skip
         else:
             touched = contact_of_rows(
                 lo, hi, count, grid, circle, tip, ux, uy, level, climb, rows, first, number, last, weights,
