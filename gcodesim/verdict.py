@@ -16,7 +16,7 @@ def final_findings(
 ) -> list[Diagnostic]:
     """All findings in their order, with the cell's severities, without those that it suppresses.
 
-    A suppression whose day is past (`until` before `today`) no longer counts;
+    A suppression whose day is past (`until` before `today`) no longer counts, which the finding's hint says;
     without `today` it is the system's date. No date enters the result.
     """
     if cell is None:
@@ -26,8 +26,17 @@ def final_findings(
         if any(_suppresses(entry, finding, program, today) for entry in cell.suppress):
             continue
         severity = cell.severity(finding.code)
-        shown.append(finding if severity is None else replace(finding, severity=severity))
+        finding = finding if severity is None else replace(finding, severity=severity)
+        ended = [i for i, entry in enumerate(cell.suppress) if _fits(entry, finding, program)]
+        shown.append(replace(finding, hint=_ended(cell, ended[0], finding.hint)) if ended else finding)
     return shown
+
+
+def _ended(cell: Cell, index: int, hint: str) -> str:
+    """The hint of a finding that was suppressed up to a day; no day is in it, so that none enters a file."""
+    span = cell.span("suppress", index)
+    told = f"its suppression in {span.file}:{span.line} has ended ({cell.suppress[index].reason})"
+    return f"{hint}; {told}" if hint else told
 
 
 def suppressed_findings(

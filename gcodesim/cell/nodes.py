@@ -22,6 +22,9 @@ _FORBIDDEN = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f\ufffe\uffff]")
 # C1 controls come from Windows code pages read as Latin-1; the others end no line in YAML 1.2, but do in the parser
 _HARMLESS = dict.fromkeys((*range(128, 160), 8232, 8233, 65279), "�")
 # A cell has some hundred nodes. Copies made by aliases beyond this number are an attack or a mistake.
+CELL = "cell"
+"""How people call the file that most is read from."""
+
 _MOST_COPIES = 10_000
 _DEEPEST = 60
 
@@ -93,7 +96,7 @@ class Places:
 
 
 def compose(
-    source: SourceText, findings: Findings, *, what: str = "cell", example: str = "machine: gantry_xyz"
+    source: SourceText, findings: Findings, *, what: str = CELL, example: str = "machine: gantry_xyz"
 ) -> Mapping | None:
     """The mapping that `source` holds; None when there is none to go on with. Faults go to `findings`.
 
@@ -116,7 +119,15 @@ def compose(
     if isinstance(root, Mapping) or (root is None and findings.has_errors()):
         return root
     if root is None or (isinstance(root, Scalar) and root.empty):
-        _nothing(findings, source.name, what, example)
+        told = "; `gcodesim init DIR` writes an example" if what == CELL else ""
+        findings.add(
+            Diagnostic(
+                code="GS705",
+                span=Span(source.name, 1, 1, 1, 2),
+                message=f"the {what} is empty",
+                hint=f"the shortest one is `{example}`{told}",
+            )
+        )
         return None
     findings.add(
         Diagnostic(
@@ -127,17 +138,6 @@ def compose(
         )
     )
     return None
-
-
-def _nothing(findings: Findings, file: str, what: str, example: str) -> None:
-    findings.add(
-        Diagnostic(
-            code="GS705",
-            span=Span(file, 1, 1, 1, 2),
-            message=f"the {what} is empty",
-            hint=f"the shortest one is `{example}`; `gcodesim init DIR` writes an example",
-        )
-    )
 
 
 def _events(text: str, places: Places, findings: Findings) -> Iterator[Any]:

@@ -145,7 +145,7 @@ def surface_text(surface: SurfaceChange) -> str:
 def finding_text(change: FindingChange) -> str:
     one = change.shown
     place = f"{one['file']}:{one['line']}" if one["line"] else one["file"]
-    text = f"{change.kind:<7} {place}: {one['severity']} {one['code']}: {one['message']}"
+    text = f"{change.kind} {place}: {one['severity']} {one['code']}: {one['message']}"
     if change.kind == "changed" and change.old is not None:
         text += f" (was: {change.old['message']}{_times(change.old)})"
     return text + _times(one)

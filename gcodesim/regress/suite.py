@@ -4,24 +4,22 @@ from __future__ import annotations
 
 import sys
 import traceback
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from datetime import date
-from multiprocessing import get_context
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, TypeVar
+from typing import TYPE_CHECKING, Final
 
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.regress.case import Case, Collected
 from gcodesim.regress.sources import Sources
 from gcodesim.regress.verdicts import CaseVerdict, Found, SuiteVerdict
+from gcodesim.regress.workers import in_parallel
 
 if TYPE_CHECKING:
     from gcodesim.regress.baseline import Baseline
     from gcodesim.regress.cache import Cache
     from gcodesim.regress.judge import Judging
-
-T = TypeVar("T")
 
 INTERNAL: Final = "GS613"
 """A case that could not be judged because of a fault of gcodesim."""
@@ -125,25 +123,6 @@ def _program(case: Case, how: Judging) -> str:
     from gcodesim.regress.case import shown_path
 
     return shown_path(case.program, how.root)
-
-
-def in_parallel(
-    work: Callable[[Case, Judging], T], cases: Sequence[Case], how: Judging, jobs: int
-) -> Generator[T, None, None]:
-    """`work` on all cases, in their order, by `jobs` processes; closing it gives up what has not begun."""
-    if jobs < 2 or len(cases) < 2:
-        yield from (work(case, how) for case in cases)
-        return
-    from concurrent.futures import ProcessPoolExecutor
-
-    # a fresh interpreter each: nothing that this process has loaded or locked comes along
-    with ProcessPoolExecutor(min(jobs, len(cases)), mp_context=get_context("spawn")) as pool:
-        futures = [pool.submit(work, case, how) for case in cases]
-        try:
-            for future in futures:
-                yield future.result()
-        finally:
-            pool.shutdown(wait=True, cancel_futures=True)
 
 
 def with_baseline(verdict: CaseVerdict, baseline: Baseline, lines: Sources) -> CaseVerdict:

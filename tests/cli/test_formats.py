@@ -151,6 +151,9 @@ def test_a_suppression_counts_until_its_day_in_every_format(cli, command: tuple[
         after = cli(*command, "--today", "2027-03-02", "--format", form, "--sarif", "s.sarif")
         assert after.status == 1 and failing("s.sarif") == STOPPED
         assert "2027-03" not in Path("s.sarif").read_text()
+        if form == "text":
+            assert "its suppression in cell.yaml:" in after.out and "has ended (dry run)" in after.out
+            assert "has ended" not in before.out
 
 
 @pytest.mark.parametrize(("fail_on", "status"), [("error", 0), ("warning", 1), ("never", 0)])

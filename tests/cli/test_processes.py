@@ -118,6 +118,24 @@ def test_an_interrupt_leaves_a_log_that_opens(cli, write, tmp_path: Path, world:
     assert results["tools"][0]["feed_mm"] == pytest.approx(results["distance"]["feed_mm"])
 
 
+@pytest.mark.parametrize("by", [signal.SIGKILL, signal.SIGINT])
+def test_workers_end_with_a_test_run_however_it_ends(cli, write, tmp_path: Path, by: signal.Signals) -> None:
+    long = "".join(f"G1 X{10 + i % 60} Y{5 + i % 40} F200\n" for i in range(6000))
+    for name in ("a.nc", "b.nc"):
+        write(name, f"G21 G90 G17 G94\nT1 M6\nG43 H1\nS8000 M3\nG0 Z5\nG1 Z-0.2 F300\n{long}M5\nM2\n")
+    process = _spawn("test", "-j", "2", "--cell", "cell.yaml", cwd=tmp_path)
+    workers: list[int] = []
+    begin = time.monotonic()
+    while len(workers) < 3 and time.monotonic() - begin < 60:  # the third keeps count of what workers share
+        workers = [int(pid) for pid in Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()]
+        time.sleep(0.02)
+    assert process.poll() is None and len(workers) == 3
+    process.send_signal(by)
+    said, errors = process.communicate(timeout=20)  # workers hold the same streams: this ends when all have ended
+    assert process.returncode == (130 if by == signal.SIGINT else -by), said + errors
+    assert "Traceback" not in errors
+
+
 @pytest.mark.parametrize("cell", ["cell.yaml", "arm.yaml"])
 @pytest.mark.parametrize("world", ["kinematic", "bullet"])
 def test_the_same_bytes_in_every_process_and_folder(cli, tmp_path: Path, cell: str, world: str) -> None:

@@ -33,7 +33,7 @@ def run(arguments: argparse.Namespace) -> int:
     from gcodesim.diagnostics.show import as_text
     from gcodesim.regress.accept import propose, take
     from gcodesim.regress.sources import Sources
-    from gcodesim.regress.suite import in_parallel
+    from gcodesim.regress.workers import in_parallel
 
     collected, how = selected(arguments)
     proposals = []

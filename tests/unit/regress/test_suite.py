@@ -59,6 +59,18 @@ def test_expected_findings_do_not_count_and_missing_ones_do(suite: Path) -> None
     assert pocket.status == "failed" and codes(pocket) == ["GS601"]
 
 
+def test_an_accepted_finding_that_is_gone_is_told(suite: Path) -> None:
+    program = broken(suite)
+    (suite / "pocket.golden.json").unlink()
+    (proposal,) = (propose(case, Judging(root=suite)) for case in collect([suite / "pocket.test.yaml"], suite).cases)
+    assert proposal.text is not None
+    (suite / "pocket.golden.json").write_text(proposal.text)
+    program.write_text(program.read_text().replace(*NO_SPINDLE[::-1]))
+    pocket = verdict_of(suite).cases[0]
+    gone = [one.finding.message for one in pocket.found if one.finding.code == "GS606"]
+    assert any(message.startswith("finding gone pocket.nc:9: error GS501: T1 feeds") for message in gone)
+
+
 @pytest.mark.parametrize(
     ("text", "wanted"),
     [
@@ -110,6 +122,7 @@ def test_faults_of_a_test_file_have_places_and_hints(
     (finding,) = (one.finding for one in found if one.state == "counts")
     assert verdict.failed and finding.code == code and finding.span.file == "pocket.test.yaml"
     assert (finding.span.line, finding.span.column) == place and hint in (finding.hint or "")
+    assert "gcodesim init" not in (finding.hint or "")  # that writes no test file
 
 
 @pytest.mark.parametrize(

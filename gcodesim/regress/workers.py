@@ -1,0 +1,55 @@
+"""Processes that share the cases of a suite, and that never outlive it."""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Callable, Generator, Sequence
+from multiprocessing import get_context
+from multiprocessing.connection import Connection
+from threading import Thread
+from typing import TYPE_CHECKING, TypeVar
+
+from gcodesim.regress.case import Case
+
+if TYPE_CHECKING:
+    from gcodesim.regress.judge import Judging
+
+T = TypeVar("T")
+
+
+def in_parallel(
+    work: Callable[[Case, Judging], T], cases: Sequence[Case], how: Judging, jobs: int
+) -> Generator[T, None, None]:
+    """`work` on all cases, in their order, by `jobs` processes; closing it gives up what has not come to its end."""
+    if jobs < 2 or len(cases) < 2:
+        yield from (work(case, how) for case in cases)
+        return
+    from concurrent.futures import ProcessPoolExecutor
+
+    # a fresh interpreter each: nothing that this process has loaded or locked comes along
+    context = get_context("spawn")
+    watched, held = context.Pipe(duplex=False)
+    pool = ProcessPoolExecutor(min(jobs, len(cases)), mp_context=context, initializer=_tie, initargs=(watched,))
+    try:
+        futures = [pool.submit(work, case, how) for case in cases]
+        for future in futures:
+            yield future.result()
+    except BaseException:  # also that nobody wants the rest: nothing of a case that is cut off is kept
+        held.close()
+        raise
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+        held.close()
+        watched.close()
+
+
+def _tie(watched: Connection) -> None:
+    """Let this process end when the other end of `watched` is closed or its owner dies, however it dies."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # a terminal interrupts all; the owner decides
+    Thread(target=_end_with, args=(watched,), daemon=True).start()
+
+
+def _end_with(watched: Connection) -> None:
+    watched.poll(None)
+    os._exit(1)
