@@ -15,10 +15,14 @@ import pytest
 
 if TYPE_CHECKING:
     from gcodesim.regress import CaseVerdict, Found
+    from gcodesim.regress.baseline import Baseline
+    from gcodesim.regress.cache import Cache
     from gcodesim.regress.case import Case, Collected
 
 _SUFFIXES: Final = (".test.yaml", ".test.yml")
 _FAIL_ON: Final = ("error", "warning", "note", "never")
+_BASELINE: Final[pytest.StashKey[Baseline]] = pytest.StashKey()
+_CACHE: Final[pytest.StashKey[Cache]] = pytest.StashKey()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -35,6 +39,30 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         metavar="DAY",
         help="the day with which `until:` of suppressions is compared (default: the system's)",
     )
+    group.addoption(
+        "--gcodesim-baseline",
+        type=Path,
+        metavar="FILE",
+        help="findings in this file, which `gcodesim test --write-baseline` wrote, are known and do not fail",
+    )
+    group.addoption(
+        "--gcodesim-changed",
+        action="store_true",
+        help="run only cases that have not passed before with the same inputs, here or in `gcodesim test`",
+    )
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    path = config.option.gcodesim_baseline
+    if path is None:
+        return
+    from gcodesim.diagnostics import SourceText
+    from gcodesim.regress.baseline import Baseline, BaselineError
+
+    try:
+        config.stash[_BASELINE] = Baseline.read(SourceText.read(config.invocation_params.dir / path))
+    except (OSError, BaselineError) as error:
+        raise pytest.UsageError(f"baseline {path} cannot be read: {error}") from None
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
@@ -110,20 +138,33 @@ class CaseItem(_Item):
         self._case = case
 
     def runtest(self) -> None:
-        from gcodesim.regress.judge import Judging, judge
-
-        options = self.config.option
-        how = Judging(
-            root=self.config.rootpath,
-            fail_on=options.gcodesim_fail_on,
-            today=options.gcodesim_today or date.today(),
-        )
-        verdict, _ = judge(self._case, how)
+        verdict = self._verdict()
         told = [one for one in verdict.found if one.state != "counts"]
         if told:
             self.add_report_section("call", "gcodesim", self._text(told))
         if verdict.status == "failed":
             raise CaseFailure(self._failure(verdict))
+
+    def _verdict(self) -> CaseVerdict:
+        """As `gcodesim test` comes to it, and in the same memory."""
+        from gcodesim.regress.cache import Cache, default_folder
+        from gcodesim.regress.judge import Judging, judge
+        from gcodesim.regress.sources import Sources
+        from gcodesim.regress.suite import with_baseline
+
+        options, root = self.config.option, self.config.rootpath
+        today = options.gcodesim_today or date.today()
+        how = Judging(root=root, fail_on=options.gcodesim_fail_on, today=today)
+        stash = self.config.stash
+        if _CACHE not in stash:
+            stash[_CACHE] = Cache(default_folder(), root, how.settings)
+        cache = stash[_CACHE]
+        verdict = cache.find(self._case, today) if options.gcodesim_changed else None
+        if verdict is None:
+            verdict, outcome = judge(self._case, how)
+            cache.keep(self._case, verdict, outcome.files, outcome.until, today)
+        baseline = stash.get(_BASELINE, None)
+        return verdict if baseline is None else with_baseline(verdict, baseline, Sources(root))
 
     def _failure(self, verdict: CaseVerdict) -> str:
         from gcodesim.formats.text import counting

@@ -48,6 +48,11 @@ class Judging:
     fail_on: str = "error"
     today: date | None = None
 
+    @property
+    def settings(self) -> str:
+        """What a verdict depends on besides its case and the day, for who remembers it."""
+        return f"fail on {self.fail_on}"
+
 
 @dataclass(slots=True, kw_only=True)
 class Outcome:

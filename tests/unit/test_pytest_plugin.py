@@ -31,8 +31,9 @@ def loaded(tmp_path_factory: pytest.TempPathFactory) -> None:
 
 
 @pytest.fixture
-def folder(pytester: pytest.Pytester) -> Path:
+def folder(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A rootdir with a cell and a clean program with its test file; the plugin comes by its entry point."""
+    monkeypatch.setenv("GCODESIM_TEST_CACHE", str(pytester.path / "memory"))
     pytester.makeini("[pytest]\n")
     (pytester.path / "suite").mkdir()
     write(pytester, "cell.yaml", CELL)
@@ -127,6 +128,49 @@ def test_options(pytester: pytest.Pytester, folder: Path, day: str, outcome: str
     run(pytester, "--gcodesim-today", day).assert_outcomes(**{outcome: 1})
     never = run(pytester, "--gcodesim-today", day, "--gcodesim-fail-on", "never")
     never.assert_outcomes(passed=1)
+
+
+def test_a_baseline_takes_what_is_known_and_nothing_else(pytester: pytest.Pytester, folder: Path) -> None:
+    from gcodesim.cli import main
+
+    write(pytester, "suite/slot.nc", SLOT.replace(" M3", ""))
+    main(["test", "suite", "--write-baseline", "known.json"])
+    run(pytester, "--gcodesim-baseline", "known.json").assert_outcomes(passed=1)
+    run(pytester).assert_outcomes(failed=1)
+    write(pytester, "suite/slot.nc", SLOT.replace(" M3", "").replace("G1 X30", "G1 X30\nG0 X40"))
+    done = run(pytester, "--gcodesim-baseline", "known.json")
+    done.assert_outcomes(failed=1)
+    done.stdout.fnmatch_lines(["*error GS401*", "*Captured gcodesim*", "*error GS501*", "*in the baseline*"])
+
+
+@pytest.mark.parametrize("text", [None, "{}", "G0 X1"])
+def test_a_baseline_that_cannot_be_read_is_wrong_usage(
+    pytester: pytest.Pytester, folder: Path, text: str | None
+) -> None:
+    if text is not None:
+        write(pytester, "known.json", text)
+    done = run(pytester, "--gcodesim-baseline", "known.json")
+    assert done.ret == pytest.ExitCode.USAGE_ERROR
+    done.stderr.fnmatch_lines(["*baseline known.json cannot be read: *"])
+
+
+def test_what_passed_is_remembered_and_what_changed_runs(
+    pytester: pytest.Pytester, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from gcodesim.cli import main
+    from gcodesim.regress import judge
+
+    ran = []
+    judged = judge.judge
+    monkeypatch.setattr(judge, "judge", lambda case, how: ran.append(case.name) or judged(case, how))
+    main(["test", "suite"])  # one memory for both
+    ran.clear()
+    run(pytester, "--gcodesim-changed").assert_outcomes(passed=1)
+    assert ran == []
+    run(pytester).assert_outcomes(passed=1)
+    write(pytester, "suite/slot.nc", SLOT + "\n(more)\n")
+    run(pytester, "--gcodesim-changed").assert_outcomes(passed=1)
+    assert ran == ["suite/slot", "suite/slot"]
 
 
 def test_selection_by_name(pytester: pytest.Pytester, folder: Path) -> None:

@@ -72,7 +72,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _cache(arguments: argparse.Namespace, how: Judging) -> Cache:
     from gcodesim.regress.cache import Cache, default_folder
 
-    return Cache(arguments.cache or default_folder(), how.root, f"fail on {how.fail_on}")
+    return Cache(arguments.cache or default_folder(), how.root, how.settings)
 
 
 def _report(verdict: SuiteVerdict, how: Judging, arguments: argparse.Namespace) -> None:
