@@ -117,7 +117,9 @@ def pause(control: Control) -> None:
     """Before a stop: what waits is emitted as it is, and the compensation goes on afterwards."""
     if control.state.side:
         settle(control)
+        before, control.out[:] = list(control.out), []  # the block at hand may have moved, too
         _flush(control)
+        control.out[:0] = before
 
 
 def settle(control: Control) -> None:
@@ -307,7 +309,7 @@ def _corner(
             )
             _emit(control, around)
         state.comp_endpoint = offset_start
-    elif not _held_moves(control):
+    elif not any(type(event) is Held for event in state.held):
         _flush(control)  # after a stop nothing waits, and an inside corner is left as it is
     else:
         _flush(control, corner=_intersection(control, op, following, turns))
@@ -336,8 +338,16 @@ def _held_moves(control: Control) -> list[Held]:
 
 
 def _held_move(control: Control) -> Held:
-    """The move in the plane that waits; those across the plane follow it."""
-    return _held_moves(control)[0]
+    """The move in the plane that waits; those across the plane follow it.
+
+    After a stop only some across the plane may wait: then a move that ended here in the direction of the one before.
+    """
+    waiting = _held_moves(control)
+    if waiting:
+        return waiting[0]
+    state = control.state
+    x, y = state.comp_normal
+    return Held(span=control.span, kind="line", end=state.current, direction=(y, -x) if state.side > 0 else (-y, x))
 
 
 def _turn_outward(before: Point, after: Point, side: int) -> float:

@@ -9,9 +9,10 @@ from gcodesim.rs274.dialects import g_name
 from gcodesim.rs274.dialects.linuxcnc import CANCEL, LENGTH, MOTION, NON_MODAL
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.motions import MOTIONS
-from gcodesim.rs274.words import Words, check_use
+from gcodesim.rs274.words import Words, check_use, is_used
 
 NOT_MODELLED = "uvw"
+_NO_Q = -1.0  # by which LinuxCNC tells that a block has no Q
 _CLAIMS_AXES = frozenset((100, 280, 300, 520, 920))
 _LENGTH_NEEDS_NO_MOTION = frozenset((431, 432))  # of these only G43.1 keeps the axis words to itself
 _CARRIES_ON_WITH_CENTRE = frozenset((20, 30))
@@ -93,7 +94,11 @@ def execute(words: Words, control: Control) -> None:
     g = words.g
     if g.get(NON_MODAL) == 530:
         _check_machine_coordinates(words, control, motion)
-    check_use(words, control.dialect, g_name(motion) if motion >= 0 else "")
+    motion_name = g_name(motion) if motion >= 0 else ""
+    if words.values.get("q") == _NO_Q and not is_used(words, "q", control.dialect, motion_name):
+        control.warn("GS106", "Q-1 counts as no Q at all, as on the control", place=words.block.place_of("q"))
+        del words.values["q"]
+    check_use(words, control.dialect, motion_name)
 
     if "$" in words.values:
         _check_spindle_number(words)

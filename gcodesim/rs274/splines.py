@@ -15,6 +15,7 @@ from gcodesim.rs274.state import Vector
 from gcodesim.rs274.words import Words
 
 Point = tuple[float, float]
+Weighted = tuple[float, float, float]
 
 _FLATNESS = 1e-6  # [m] the polyline of an event stays this near to the curve
 _FEWEST, _MOST = 16, 4096  # pieces of the polyline for one span of the curve
@@ -42,9 +43,8 @@ def cubic_spline(words: Words, control: Control, code: int) -> None:
         (end[0] + values["p"], end[1] + values["q"]),
         (end[0], end[1]),
     ]
-    _emit(control, controls, [1.0] * 4, [0.0] * 4 + [1.0] * 4, 3, end, "G5")
+    _emit(control, _with_left_over(control, controls), 4, end, "G5")
     state.spline_tangent = (-values["p"], -values["q"])
-    _drop_points(control)
 
 
 def quadratic_spline(words: Words, control: Control, code: int) -> None:
@@ -57,8 +57,7 @@ def quadratic_spline(words: Words, control: Control, code: int) -> None:
     end = _end(words, control, "G5.1")
     start = state.current
     controls = [(start[0], start[1]), (start[0] + tangent[0], start[1] + tangent[1]), (end[0], end[1])]
-    _emit(control, controls, [1.0] * 3, [0.0] * 3 + [1.0] * 3, 2, end, "G5.1")
-    _drop_points(control)
+    _emit(control, _with_left_over(control, controls), 3, end, "G5.1")
 
 
 def nurbs_start(words: Words, control: Control, code: int) -> None:
@@ -112,11 +111,19 @@ def nurbs_end(_: Words, control: Control) -> None:
         )
     last = points[-1]
     end: Vector = (last[0], last[1], *state.current[2:])
-    spans = len(points) - order + 1
-    knots = [0.0] * order + [float(n) for n in range(1, spans)] + [float(spans)] * order
-    _emit(control, [(x, y) for x, y, _ in points], [w for _, _, w in points], knots, order - 1, end, "G5.2")
+    _emit(control, points, order, end, "G5.2")
     state.nurbs_order, state.nurbs_points = 0, ()
     state.motion = -1
+
+
+def _with_left_over(control: Control, controls: Sequence[Point]) -> list[Weighted]:
+    """The control points of a curve; as on the control, those of a G5.2 that no G5.3 ended come first."""
+    state = control.state
+    points = [*state.nurbs_points, *((x, y, 1.0) for x, y in controls)]
+    if state.nurbs_points:
+        control.warn("GS170", "the control points of the last G5.2 join this curve: no G5.3 ended them", "add G5.3")
+        state.nurbs_points = ()
+    return points
 
 
 def _drop_points(control: Control) -> None:
@@ -154,21 +161,16 @@ def _end(words: Words, control: Control, who: str) -> Vector:
     return end_point(words, control)
 
 
-def _emit(
-    control: Control,
-    controls: Sequence[Point],
-    weights: Sequence[float],
-    knots: Sequence[float],
-    degree: int,
-    end: Vector,
-    word: str,
-) -> None:
+def _emit(control: Control, points: Sequence[Weighted], order: int, end: Vector, word: str) -> None:
     """The event of the curve; its polyline is as fine as `_FLATNESS` asks."""
     state = control.state
     unit = state.unit
     z = state.current[2]
     tail = state.current[3:]
-    polyline = flatten(controls, weights, knots, degree, _FLATNESS / unit)
+    spans = len(points) - order + 1
+    knots = [0.0] * order + [float(n) for n in range(1, spans)] + [float(spans)] * order
+    controls, weights = [(x, y) for x, y, _ in points], [weight for _, _, weight in points]
+    polyline = flatten(controls, weights, knots, order - 1, _FLATNESS / unit)
     feed, feed_unit = control.feed(linear=True)
     control.out.append(
         canon.SplineFeed(

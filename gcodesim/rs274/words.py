@@ -109,10 +109,9 @@ def read_words(
 
 def check_use(words: Words, dialect: Dialect, motion: str) -> None:
     """Every word must be used by a code of the block, or by the motion that goes on."""
-    names = words.names
     for letter in words.values:
-        users = dialect.users.get(letter)
-        if users is not None and motion not in users and names.isdisjoint(users):
+        if not is_used(words, letter, dialect, motion):
+            users = dialect.users[letter]
             if letter == "$" and "s" in words.values:
                 continue
             who = " ".join(sorted((u.upper() for u in users if u != "user"), key=_code_order))
@@ -120,6 +119,12 @@ def check_use(words: Words, dialect: Dialect, motion: str) -> None:
             if letter == "e":
                 hint = exponent(words.block) or hint
             raise Fault("GS104", f"nothing in this block uses the word {letter.upper()}", at=letter, hint=hint)
+
+
+def is_used(words: Words, letter: str, dialect: Dialect, motion: str) -> bool:
+    """Whether a code of the block, or the motion that goes on, uses `letter`."""
+    users = dialect.users.get(letter)
+    return users is None or motion in users or not words.names.isdisjoint(users)
 
 
 def exponent(block: Block) -> str:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import re
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 import numpy as np
 from linuxcnc import CORPUS, Verdict
@@ -14,6 +17,9 @@ from gcodesim import canon
 from gcodesim.canon.listing import listing
 from gcodesim.diagnostics import SourceText
 from gcodesim.rs274 import Settings, ToolTable, interpret
+from gcodesim.rs274.control import Control
+from gcodesim.rs274.parameters import PROBE
+from gcodesim.rs274.probing import tripped
 from gcodesim.rs274.run import Run
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "programs"))
@@ -23,6 +29,7 @@ from corpus import compare
 _MOST_BLOCKS = 50_000
 _TOLERANCE = 1e-4  # mm
 _SHORT_OF_END = 0.254e-3  # [m]
+_TRUE_CHANGE_OF_UNIT = Control.change_unit
 
 
 def settings() -> Settings:
@@ -44,16 +51,55 @@ def _comparable(events: list[dict[str, Any]]) -> list[dict[str, Any]]:
             event = {**event, "feed_unit": "mm/min"}
         if (event["kind"] == "dwell" and event["seconds"] <= 0) or (event["kind"] == "print" and not event["text"]):
             continue
-        if event["kind"] == "spline" and event["end"] is not None:
+        if event["kind"] == "spline" and event.get("end") is not None:
             event = {**event, "end": event["end"][:3]}
         out.append(event)
     return out
 
 
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """What gcodesim makes of a program beside LinuxCNC: how it differs, the run, its events in the normal form."""
+
+    differences: list[str]
+    run: Run
+    events: list[dict[str, Any]]
+
+    @property
+    def before(self) -> list[dict[str, Any]]:
+        """The events of gcodesim up to the first that differs."""
+        match = re.match(r"event (\d+) ", self.differences[0]) if self.differences else None
+        return self.events if match is None else self.events[: int(match[1]) + 1]
+
+    @property
+    def refused_line(self) -> str:
+        """The text of the line that gcodesim refuses."""
+        failed = self.run.failed
+        return "" if failed is None else self.run.sources[failed.span.file].line(failed.span.line)
+
+    @property
+    def shown(self) -> tuple[dict[str, Any], dict[str, Any]] | None:
+        """The first event that differs, as LinuxCNC and as gcodesim have it."""
+        found = [
+            json.loads(part) for part in re.findall(r"^  (?:expected|actual) +(\{.*\})$", self.differences[0], re.M)
+        ]
+        return (found[0], found[1]) if len(found) == 2 else None
+
+
 def differences(program: bytes, verdict: Verdict, ours: Settings) -> list[str]:
     """How gcodesim differs from LinuxCNC's `verdict`: acceptance, guilty line, events to 0.0001 mm; empty if not."""
+    return compared(program, verdict, ours).differences
+
+
+def compared(program: bytes, verdict: Verdict, ours: Settings) -> Comparison:
+    """`program` run by gcodesim beside LinuxCNC's `verdict`."""
     run = interpret(SourceText("program.ngc", program), ours)
-    events = _as_probed(run)
+    printed = listing(_as_standalone(run), None)["events"]
+    found = _differences(run, printed, verdict)
+    return Comparison(found, run, compare().canonical(_comparable(printed), "all", _TOLERANCE) if found else [])
+
+
+def _differences(run: Run, printed: list[dict[str, Any]], verdict: Verdict) -> list[str]:
     failed = run.failed
     if verdict.status == "endless":
         return [] if failed is not None and failed.code == "GS134" else ["LinuxCNC does not end"]
@@ -62,17 +108,39 @@ def differences(program: bytes, verdict: Verdict, ours: Settings) -> list[str]:
     if verdict.status == "error":
         if failed is None:
             return [f"accepted; LinuxCNC: {verdict.message} in `{verdict.text.strip()}`"]
-        return _same_line(run, verdict) or _same_beginning(verdict.events, listing(events, None)["events"])
+        return _same_line(run, verdict) or _same_beginning(verdict.events, printed)
     if failed is not None:
         return [f"refused by {failed.code} {failed.message} in line {failed.span.line}; LinuxCNC accepts"]
-    theirs, mine = _comparable(verdict.events), _comparable(listing(events, None)["events"])
+    theirs, mine = _comparable(verdict.events), _comparable(printed)
     if verdict.complaint:  # the preview went another way, so no points of splines are known
         theirs, mine = _without_curves(theirs), _without_curves(mine)
     return compare().compare({"status": "ok", "events": theirs}, {"status": "ok", "events": mine}, "all", _TOLERANCE)
 
 
+def _as_standalone(run: Run) -> list[canon.Event]:
+    """The events of a run on the machine that the standalone interpreter makes up.
+
+    A probe stops short of its end, and yet the end is what is stored. Asked for the tool offset after a change of
+    unit, it answers with the same numbers.
+    """
+    with mock.patch("gcodesim.rs274.run.tripped", _tripped), mock.patch.object(Control, "change_unit", _change_unit):
+        return _as_probed(run)
+
+
+def _tripped(control: Control, event: canon.Probe, reply: canon.Axes | None) -> None:
+    tripped(control, event, None)
+    stored = {PROBE + axis: control.parameters.get(PROBE + axis) for axis in range(9)}
+    tripped(control, event, reply)
+    control.parameters.numbers |= stored
+
+
+def _change_unit(control: Control, unit: float) -> None:
+    offset = control.state.tool_offset
+    _TRUE_CHANGE_OF_UNIT(control, unit)
+    control.state.tool_offset = offset
+
+
 def _as_probed(run: Run) -> list[canon.Event]:
-    """The events of a run in which a probe stops where the standalone interpreter makes it stop: short of its end."""
     stream = iter(run)
     events: list[canon.Event] = []
     here = np.zeros(6)

@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import importlib.util
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -23,6 +24,7 @@ from typing import Any
 
 CORPUS = Path(__file__).parent.parent / "data" / "conformance" / "rs274"
 PACKAGE = "linuxcnc-uspace"
+_APT = Path("/etc/apt")
 _PATIENCE = 30.0  # [s] for one program
 _MOST_OUTPUT = 20_000_000  # bytes; a program that prints more has no end
 
@@ -51,6 +53,51 @@ def install() -> str:
     return "" if shutil.which("rs274") else f"the package {PACKAGE} brings no rs274"
 
 
+def source(folder: Path) -> Path | None:
+    """The source package unpacked below `folder`, which brings the interpreter's own tests; None where apt has none.
+
+    apt's own list of sources stays as it is: a copy of it that asks for sources is used.
+    """
+    lists = folder / "lists"
+    (lists / "partial").mkdir(parents=True)
+    wanted = folder / "wanted.list"
+    wanted.write_text(
+        "".join(_sources_of(path) for path in [_APT / "sources.list", *(_APT / "sources.list.d").glob("*")])
+    )
+    options = [
+        "-o",
+        f"Dir::Etc::sourcelist={wanted}",
+        "-o",
+        "Dir::Etc::sourceparts=-",
+        "-o",
+        f"Dir::State::lists={lists}",
+    ]
+    for command in (["update", "-qq"], ["source", "--download-only", "-qq", PACKAGE]):
+        if subprocess.run(["apt-get", *options, *command], cwd=folder, capture_output=True).returncode:
+            return None
+    archive = next(folder.glob("linuxcnc_*.orig.tar.*"), None)
+    if archive is None or subprocess.run(["tar", "-xf", archive], cwd=folder, capture_output=True).returncode:
+        return None
+    return next((path for path in sorted(folder.iterdir()) if (path / "tests" / "interp").is_dir()), None)
+
+
+def _sources_of(path: Path) -> str:
+    """The entries of a list of sources, in either of apt's forms, as lines that ask for sources."""
+    if not path.is_file():
+        return ""
+    text = path.read_text()
+    if path.suffix != ".sources":
+        return re.sub(r"^deb (.*)$", r"deb-src \1", "\n".join(re.findall(r"^deb .*$", text, re.M)), flags=re.M) + "\n"
+    out = []
+    for entry in re.split(r"\n\s*\n", text):
+        fields = dict(re.findall(r"^([A-Za-z-]+):[ \t]*(.*)$", entry, re.M))
+        signed = f"[signed-by={fields['Signed-By']}] " if "Signed-By" in fields else ""
+        for address in fields.get("URIs", "").split():
+            for suite in fields.get("Suites", "").split():
+                out.append(f"deb-src {signed}{address} {suite} {fields.get('Components', '')}\n")
+    return "".join(out)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Verdict:
     """What the interpreter made of a program: `status` is ok, error, endless or crash; `text` the guilty line."""
@@ -69,11 +116,15 @@ class Interpreter:
     def __init__(self, *, tools: Path = CORPUS / "tools.tbl", subroutines: Path = CORPUS / "subs") -> None:
         self._folder = tempfile.TemporaryDirectory(prefix="rs274-")
         self.folder = Path(self._folder.name)
-        self.tools = oracle().read_tool_table(str(tools))
-        shutil.copy(tools, self.folder / "tool.tbl")
+        self.set_tools(tools)
         self.program = self.folder / "program.ngc"
         self.executable = oracle().private_copy(oracle().find_rs274(), str(self.folder), "mm")
         self.set_folders(self.folder, subroutines)
+
+    def set_tools(self, table: Path) -> None:
+        """The tool table."""
+        self.tools = oracle().read_tool_table(str(table))
+        shutil.copy(table, self.folder / "tool.tbl")
 
     def set_folders(self, prefix: Path, subroutines: Path | str) -> None:
         """Where O-word subroutines in files of their own are looked for; several folders joined by colons."""

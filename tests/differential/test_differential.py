@@ -15,7 +15,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from agreement import differences, settings, without_guilty_line
+from agreement import compared, settings, without_guilty_line
 from author import write
 from explained import explanation
 from linuxcnc import CORPUS, Interpreter
@@ -55,11 +55,11 @@ def test_programs_agree(chunk: int, interpreter: Interpreter) -> None:
         for _ in range(_MOST_TRIES):
             assert program is not None
             verdict = interpreter.run(program)
-            found = differences(program, verdict, ours)
+            found = compared(program, verdict, ours)
             count += 1
-            if found and not explanation(program, verdict, found[0]):
-                unexplained.append(f"seed {seed}: {found[0]}\n{program.decode('latin-1')}")
-            if found or verdict.status != "error":
+            if found.differences and not explanation(program, verdict, found):
+                unexplained.append(f"seed {seed}: {found.differences[0]}\n{program.decode('latin-1')}")
+            if found.differences or verdict.status != "error":
                 break
             program = without_guilty_line(program, verdict)
             if program is None:
