@@ -11,6 +11,7 @@ import numpy as np
 
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.diagnostics.show import as_json
+from gcodesim.diagnostics.span_table import SpanTable
 from gcodesim.executor.totals import JointTotals, RowTotals
 from gcodesim.frames import Array
 from gcodesim.kinematics.chain import Joints
@@ -86,7 +87,7 @@ class Results:
     tools: Sequence[Mapping[str, Any]] = ()
     joints: Sequence[Mapping[str, Any]] = ()
     not_simulated: Sequence[Mapping[str, Any]] = ()
-    lines: Sequence[Sequence[Any]] = ()
+    lines: LineRows = field(default_factory=lambda: LineRows())
 
     def as_json(self) -> dict[str, Any]:
         stopped = self.stopped_at
@@ -115,20 +116,47 @@ class Results:
 
     def lines_csv(self) -> str:
         """The file `lines.csv`: one program line a row."""
-        head = "file,line,time_s,distance_mm,feed_mm_min,removed_mm3,max_force_N"
-        rows = [",".join(_field(value) for value in row) for row in self.lines]
-        return "\n".join([head, *rows]) + "\n"
-
-
-def _field(value: Any) -> str:
-    if not isinstance(value, str):
-        return str(clean(value))
-    return '"' + value.replace('"', '""') + '"' if any(c in value for c in ',"\n\r') else value
+        return self.lines.csv()
 
 
 Ints = np.ndarray[Any, np.dtype[np.int64]]
 Stand = tuple[int, Span, float]
 """The machine stands: before which path row, for which program line, how long [s]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LineRows:
+    """Program lines (m,) in the order in which they first ran: which of the `files`, line number, and `numbers` (m, 5).
+
+    These are time [s], distance [mm], mean feed [mm/min], removed volume [mm³] and greatest force [N].
+    """
+
+    files: Sequence[str] = ()
+    file: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    line: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    numbers: Array = field(default_factory=lambda: np.zeros((0, 5)))
+
+    def csv(self) -> str:
+        """A text with a head; numbers have six digits."""
+        head = "file,line,time_s,distance_mm,feed_mm_min,removed_mm3,max_force_N\n"
+        names = [_quoted(name) for name in self.files]
+        columns = (_six_digits(column) for column in self.numbers.T)
+        rows = zip((names[i] for i in self.file.tolist()), map(str, self.line.tolist()), *columns, strict=True)
+        return head + "".join([",".join(row) + "\n" for row in rows])
+
+
+def _quoted(text: str) -> str:
+    return '"' + text.replace('"', '""') + '"' if any(c in text for c in ',"\n\r') else text
+
+
+def _six_digits(values: Array) -> list[str]:
+    """Texts of numbers (m,) to six significant digits, written as JSON has them."""
+    given = (values + 0.0).tolist()  # + 0.0 turns -0.0 into 0.0
+    texts = ("%.6g " * len(given) % tuple(given)).split()
+    for i, text in enumerate(texts):
+        if "e" in text or "n" in text:  # with a power of ten, or none at all
+            texts[i] = str(clean(rounded(given[i], 6)))
+    return texts
 
 
 def line_rows(
@@ -138,15 +166,15 @@ def line_rows(
     totals: RowTotals | None,
     stands: Sequence[Stand] = (),
     ran: int | None = None,
-) -> list[list[Any]]:
+) -> LineRows:
     """One row a program line: file, line, time, distance, mean feed, removed volume, greatest force.
 
     `time` [s] and `distance` [m] are those of each path row; a loop's passes are
     added up. The time of a line has its dwells and tool changes, the feed has not.
     Where only the first `ran` path rows were reached, later lines are left out.
     """
-    index, standing, places = _lines_of(path, stands)
-    count = len(places)
+    files, file, line, index, standing = _lines_of(path, stands)
+    count = len(line)
     moving = np.bincount(index, weights=time, minlength=count)
     still = np.bincount(standing, weights=[seconds for _, _, seconds in stands], minlength=count)
     metres = np.bincount(index, weights=distance, minlength=count)
@@ -158,35 +186,32 @@ def line_rows(
     speed = np.divide(metres, moving, out=np.zeros(count), where=moving > 0.0)
     reached = np.zeros(count, dtype=bool)
     reached[index[:ran]] = reached[standing] = True
-    return [
-        [
-            file,
-            line,
-            rounded(float(moving[i] + still[i]), 6),
-            rounded(float(metres[i] / MM), 6),
-            rounded(float(speed[i] / MM_PER_MINUTE), 6),
-            rounded(float(removed[i] / MM3), 6),
-            rounded(float(force[i]), 6),
-        ]
-        for i, (file, line) in enumerate(places)
-        if reached[i]
-    ]
+    numbers = np.stack([moving + still, metres / MM, speed / MM_PER_MINUTE, removed / MM3, force], axis=1)
+    return LineRows(files=files, file=file[reached], line=line[reached], numbers=numbers[reached])
 
 
-def _lines_of(path: ToolPath, stands: Sequence[Stand]) -> tuple[Ints, Ints, list[tuple[str, int]]]:
-    """Index of the program line of each row and of each stand, and those lines in the order in which they first ran."""
-    known: dict[tuple[str, int], int] = {}
-    of_span = [known.setdefault((span.file, span.line), len(known)) for span in path.spans]
-    moving = np.array(of_span, dtype=np.int64)[path.source] if len(path) else np.zeros(0, dtype=np.int64)
-    standing = np.array([known.setdefault((span.file, span.line), len(known)) for _, span, _ in stands], dtype=np.int64)
-    used = np.concatenate([moving, standing])
-    when = np.concatenate([2 * np.arange(len(moving)) + 1, np.array([2 * row for row, _, _ in stands], dtype=np.int64)])
-    order, first = np.unique(used[np.argsort(when, kind="stable")], return_index=True)
-    order = order[np.argsort(first)]
-    rank = np.zeros(len(known), dtype=np.int64)
-    rank[order] = np.arange(len(order), dtype=np.int64)
-    names = list(known)
-    return rank[moving], rank[standing], [names[i] for i in order]
+def _lines_of(path: ToolPath, stands: Sequence[Stand]) -> tuple[list[str], Ints, Ints, Ints, Ints]:
+    """The lines in the order in which they first ran: names of files, which of them, line numbers; and the index of the
+
+    line of each path row and of each stand.
+    """
+    spans = SpanTable.of(path.spans)
+    known: dict[str, int] = {}
+    of_origin = np.array([known.setdefault(name, len(known)) for name, _ in spans.origins], dtype=np.int64)
+    resting = [(known.setdefault(span.file, len(known)), span.line) for _, span, _ in stands]
+    file, line = np.array(resting, dtype=np.int64).reshape(-1, 2).T
+    rows = path.source if len(path) else np.zeros(0, dtype=np.int64)
+    file, line = np.append(of_origin[spans.origin[rows]], file), np.append(spans.lines[rows].astype(np.int64), line)
+    when = np.append(2 * np.arange(len(rows)) + 1, np.array([2 * row for row, _, _ in stands], dtype=np.int64))
+    order = np.argsort(when, kind="stable")
+    _, first, which = np.unique((file << 32 | line)[order], return_index=True, return_inverse=True)
+    by_time = np.argsort(first)
+    rank = np.empty(len(first), dtype=np.int64)
+    rank[by_time] = np.arange(len(first))
+    index = np.empty(len(order), dtype=np.int64)
+    index[order] = rank[which]
+    shown = order[first[by_time]]
+    return list(known), file[shown], line[shown], index[: len(rows)], index[len(rows) :]
 
 
 def tool_rows(
