@@ -8,7 +8,8 @@ faster than it is fed, and dig itself in without ever moving on.
 from __future__ import annotations
 
 from gcodesim.compiled import kernel
-from gcodesim.processes.engagement_kernels import FROM, TO, TORQUE, Array
+from gcodesim.processes.engagement_kernels import FROM, TO, Array
+from gcodesim.processes.force_kernels import TORQUE
 
 LEAST, MOST = 1.0e-3, 4.0  # advance over feed within which a chip is reckoned with
 

@@ -114,7 +114,7 @@ def element_forces(law: Law, chip: Array, b: Array, phi: Array, kappa: Array) ->
     """Force (3, …) in K and tangential force [N] of edge elements in contact.
 
     chip: thickness [m] >= 0; b: width [m]; phi, kappa: angles [rad]; all of one shape. See the physics conventions in
-    `engagement_kernels`.
+    `force_kernels`.
     """
     laws = law.packed
     grown = [np.where(chip > 0.0, np.maximum(chip, 1e-300) ** p, 0.0) for p in laws[:, 1]]

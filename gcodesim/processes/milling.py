@@ -100,7 +100,8 @@ class Milling:
     @cached_property
     def _packed(self) -> tuple[Array, ...]:
         """Constants and scratch arrays of the kernel, in its order."""
-        from gcodesim.processes.engagement_kernels import ANGLES, COLUMNS, ROWS, SPARE, SUMS, TABLE, power_table
+        from gcodesim.processes.engagement_kernels import ANGLES, COLUMNS, ROWS
+        from gcodesim.processes.force_kernels import SPARE, SUMS, TABLE, power_table
         from gcodesim.processes.milling_kernels import CLEARANCE
 
         cutter = self.cutter

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from gcodesim.compiled import kernel
 from gcodesim.material.kernels import PATCH_SHIFT, patch_top, remove_piece, touch_piece
 from gcodesim.processes.advance_kernels import edge_wrench, solve_advance
-from gcodesim.processes.engagement_kernels import (
+from gcodesim.processes.force_kernels import (
     CHIP,
     DEPTH,
     ENTRY,

@@ -5,7 +5,7 @@ import pytest
 
 from gcodesim.material.stock import Stock
 from gcodesim.processes.advance_kernels import LEAST, MOST, edge_wrench, solve_advance
-from gcodesim.processes.engagement_kernels import RESULT, TORQUE, cutting_force
+from gcodesim.processes.force_kernels import RESULT, TORQUE, cutting_force
 from gcodesim.processes.laws import LinearEdge
 from gcodesim.processes.milling import Milling
 from gcodesim.tools import TOOLS
