@@ -50,5 +50,6 @@ def test_options_that_the_pages_name_exist(name: str) -> None:
     [commands] = [one for one in parser._actions if hasattr(one, "choices") and one.choices]
     for command in commands.choices.values():  # type: ignore[union-attr]
         known |= set(re.findall(r"--[a-z][\w-]+", command.format_help()))
-    of_pytest = {"--gcodesim-fail-on", "--gcodesim-today", "--lf"}
+    plugin = (TOP / "gcodesim" / "pytest_plugin.py").read_text(encoding="utf-8")
+    of_pytest = {"--lf", *re.findall(r'addoption\(\s*"(--[a-z][\w-]+)"', plugin)}
     assert set(re.findall(r"--[a-z][\w-]+", page(name))) <= known | of_pytest
