@@ -51,7 +51,8 @@ class Control:
         self.last_system: canon.WorkSystem | None = None
         self.saved_modes: list[tuple[State, float, float, bool]] = []
         self.not_simulated: dict[str, tuple[int, Span]] = {}
-        self.auto_length = False
+        self.auto_length = False  # M6 takes the length along: nothing in the program is about lengths
+        self.length_cancelled = False  # G49 is all that the program says about them
         self.sub_level = 0
         self.finished = False
         self.frames: list[Frame] = []

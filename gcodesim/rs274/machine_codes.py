@@ -148,8 +148,11 @@ def change_tool(words: Words, control: Control) -> None:
         canon.ToolChange(span=control.span, tool=number) if m == 6 else canon.ToolNumber(span=control.span, tool=number)
     )
     control.out.append(event)
-    if m == 6 and control.auto_length and control.settings.auto_length is not None:
-        _assume_length(number, control)
+    if m == 6 and control.settings.auto_length is not None:
+        if control.auto_length:
+            _assume_length(number, control)
+        elif control.length_cancelled:
+            _tell_missing_length(number, control)
 
 
 def _assume_length(number: int, control: Control) -> None:
@@ -170,6 +173,25 @@ def _assume_length(number: int, control: Control) -> None:
             hint="write G43 after M6, or set `tool_length: strict`",
         )
     )
+
+
+def _tell_missing_length(number: int, control: Control) -> None:
+    """A program that says G49 and never G43 works with the nose of the spindle, which is rarely meant."""
+    length = (control.settings.auto_length or {}).get(number, 0.0)
+    if length > 0.0:
+        control.notes.append(
+            Diagnostic(
+                code="GS198",
+                message=f"T{number} works without its length: the program says G49 and never G43, so the tip is "
+                f"{length / MM:g} mm below the places that are programmed",
+                span=control.span,
+                hint=f"say G43 H{number} after the tool change; or, when Z is touched off with this tool, give it "
+                "that work offset",
+                value=length / MM,
+                limit=0.0,
+                unit="mm",
+            )
+        )
 
 
 def turn_spindle(words: Words, control: Control) -> None:

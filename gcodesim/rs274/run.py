@@ -103,7 +103,9 @@ class Executor:
         self.dialect: Dialect = DIALECTS[settings.dialect]
         self.reader = Reader(self.dialect)
         self.file, self.control, self.flow = self._parts(run.source)
-        self.control.auto_length = _wants_auto_length(run.source, settings)
+        if settings.tool_length == "auto" and settings.auto_length is not None:
+            words = _length_words(run.source)
+            self.control.auto_length, self.control.length_cancelled = not words, words == {b"9"}
         self.control.frames = self.flow.frames
         self.recovery = Recovery(self.control)
         self.watches = Watches()
@@ -480,17 +482,18 @@ _LENGTH_WORDS = [re.compile(letter + rb"[ \t]*0*4[ \t]*[39]") for letter in (b"G
 _NOTE = re.compile(rb"\([^)]*\)?|;.*")
 
 
-def _wants_auto_length(source: SourceText, settings: Settings) -> bool:
-    """Whether M6 has to take the tool length along: no line of the program says G43 or G49."""
-    if settings.tool_length != "auto" or settings.auto_length is None:
-        return False
+def _length_words(source: SourceText) -> set[bytes]:
+    """Last digits of the words about tool length that the program says: 3 of G43 and its kin, 9 of G49."""
     raw = source.raw
+    said: set[bytes] = set()
     for word in _LENGTH_WORDS:
         for found in word.finditer(raw):
             begin = max(raw.rfind(b"\n", 0, found.start()), raw.rfind(b"\r", 0, found.start())) + 1
             if word.search(_NOTE.sub(b"", raw[begin : found.end()])):
-                return False
-    return True
+                said.add(found.group()[-1:])
+                if b"3" in said:
+                    return said
+    return said
 
 
 _PROBES = ("G31", "G38.2", "G38.3", "G38.4", "G38.5")

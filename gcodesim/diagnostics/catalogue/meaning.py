@@ -457,4 +457,12 @@ CODES += (
         why="Controls drop blanks and multiply signs: X5 5 is X55. Mostly a letter was lost.",
         remedy="Write the missing letter, or the number in one piece with one sign.",
     ),
+    Code(
+        code="GS198",
+        severity=Severity.NOTE,
+        title="Tool without its length, as the program has it",
+        what="The program says G49 and never G43, and the tool in the spindle is long.",
+        why="The programmed places are those of the spindle's nose then: the tip stands deeper by the length.",
+        remedy="Say G43 H… after M6. Where Z is touched off with the tool, put its length into the work offset.",
+    ),
 )

@@ -238,3 +238,13 @@ def test_parameter_file():
 
     assert values == {5221: 100.5, 31: -2.0}
     assert [f.span.line for f in findings] == [3, 4, 5]
+
+
+def test_a_tool_works_without_its_length_where_only_g49_is_said(program):
+    def told(text, **settings):
+        return [f.span.line for f in program(text, auto_length={1: 0.06, 2: 0.0}, **settings).findings]
+
+    assert told("G49\nT1 M6\nG0 Z0\nT2 M6\nG0 Z0\nM2") == [2]
+    assert told("G49\nT1 M6\nG43 H1\nG0 Z0\nM2") == []
+    assert told("G49\nT1 M6\nG0 Z0 (never g43)\nM2") == [2]
+    assert told("G49\nT1 M6\nG0 Z0\nM2", tool_length="strict") == []
