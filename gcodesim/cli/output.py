@@ -58,13 +58,13 @@ def findings_as_json(findings: Iterable[Diagnostic]) -> list[dict[str, Any]]:
     return [clean(as_json(finding)) for finding in findings]
 
 
-def print_table(rows: Sequence[Sequence[str]], *, indent: str = "  ") -> None:
-    """Columns aligned: the first to the left, the others to the right."""
+def print_table(rows: Sequence[Sequence[str]], *, indent: str = "  ", names: int = 1) -> None:
+    """Columns aligned: the first ones, of `names`, to the left, those of numbers to the right."""
     if not rows:
         return
     widths = [max(len(row[i]) for row in rows if i < len(row)) for i in range(max(len(row) for row in rows))]
     for row in rows:
-        cells = [row[0].ljust(widths[0])] + [cell.rjust(widths[i]) for i, cell in enumerate(row) if i]
+        cells = [cell.ljust(widths[i]) if i < names else cell.rjust(widths[i]) for i, cell in enumerate(row)]
         print((indent + "  ".join(cells)).rstrip())
 
 

@@ -15,6 +15,9 @@ from gcodesim.units import DEG, MM, MM3, MM_PER_MINUTE, RPM, UM
 
 Array = NDArray[np.float64]
 
+NEGLIGIBLE: Final = 1e-3
+"""No force [N], power [W], speed [mm/min], error [µm] … up to here means anything, in the units of the charts."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Curve:
@@ -34,6 +37,11 @@ class Chart:
     title: str
     unit: str
     curves: tuple[Curve, ...]
+
+    @property
+    def speaks(self) -> bool:
+        """Whether anything of it is more than rounding."""
+        return any(np.abs(curve.values).max(initial=0.0) > NEGLIGIBLE for curve in self.curves)
 
 
 def _field(

@@ -27,7 +27,6 @@ SCRIPTS: Final = ("data.js", "scene.js", "charts.js", "panels.js", "bar.js", "ma
 _SLOTS: Final = 3000  # parts of the time of which a chart shows least and greatest, shared by its curves
 _LEAST_SLOTS: Final = 600
 _SLOWEST: Final = 40
-_NOTHING_SHOWN: Final = 1e-12
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -124,7 +123,7 @@ def run_data(recording: Recording, name: str, pack: Pack) -> dict[str, Any]:
         ],
         "findings": _findings(recording),
         "replay": replay_of(recording, pack),
-        "charts": [_chart(chart, pack) for chart in charts_of(recording, CHARTS) if _speaks(chart)],
+        "charts": [_chart(chart, pack) for chart in charts_of(recording, CHARTS) if chart.speaks],
         "times": _times(recording),
         "results": {
             key: results.get(key)
@@ -161,11 +160,6 @@ def _findings(recording: Recording) -> list[dict[str, Any]]:
         shown = {key: finding.get(key) for key in ("code", "severity", "message", "hint", "file", "line", "count")}
         found.append({**shown, "t": None if t_ns is None else int(ticks([t_ns])[0])})
     return found
-
-
-def _speaks(chart: Chart) -> bool:
-    """Whether anything of it is not zero."""
-    return any(np.abs(curve.values).max(initial=0.0) > _NOTHING_SHOWN for curve in chart.curves)
 
 
 def _chart(chart: Chart, pack: Pack) -> dict[str, Any]:

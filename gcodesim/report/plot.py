@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.playback.quantities import Chart, thinned
+from gcodesim.playback.quantities import NEGLIGIBLE, Chart, thinned
 from gcodesim.playback.recording import Recording
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ FORMATS: Final = ("svg", "png", "pdf")
 _WIDTH, _HEIGHT, _HEAD = 11.0, 1.9, 1.1  # inches: of the picture, of one chart, of title and line axis
 _SLOTS: Final = 1500  # two points in each: finer than a screen is wide
 _INK, _MUTED, _GRID = "#1f2933", "#66727f", "#e4e8ec"
-_COLOURS: Final = ("#1768ac", "#d1495b", "#2e933c", "#edae49", "#7b4fb5", "#00798c", "#8d5524", "#66727f")
+_COLOURS: Final = ("#1768ac", "#d1495b", "#2e933c", "#edae49", "#7b4fb5", "#e07a9c", "#8d5524", "#66727f")
 _FAINT: Final = "#b9c3cd"
 _BANDS: Final = ("#f5f8fb", "#fdf8ef")  # one tool, the next tool
 _SEVERE: Final = {"error": "#d1495b", "warning": "#edae49"}
@@ -116,6 +116,8 @@ def _chart(axis: Axes, chart: Chart, first_ns: int, last_ns: int) -> None:
     for side in ("top", "right"):
         axis.spines[side].set_visible(False)
     axis.margins(y=0.08)
+    if not chart.speaks:  # rounding is not to fill a chart
+        axis.set_ylim(-NEGLIGIBLE, NEGLIGIBLE)
     if all(curve.values.min(initial=0.0) >= 0.0 for curve in chart.curves):
         axis.set_ylim(bottom=0.0)
     if len(chart.curves) > 1:

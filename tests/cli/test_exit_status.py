@@ -120,7 +120,7 @@ def test_a_full_disk_leaves_no_half_file(cli, tmp_path: Path, monkeypatch: pytes
     left = {path.name for path in (tmp_path / "out").iterdir() if not path.name.endswith(".part")}
     assert left <= {"run.mcap"}
     if "run.mcap" in left:
-        assert cli("info", "out/run.mcap").out.startswith("run.mcap: finished")
+        assert cli("info", "out/run.mcap").out.startswith("out/run.mcap: finished")
 
 
 def test_a_full_disk_in_the_log(cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -20,7 +20,7 @@ def test_a_person_reads_what_it_is_and_what_was_found(cli, log):
 
     assert said.status == 0
     first, *rest = said.out.splitlines()
-    assert first.startswith("run.mcap: finished, with 2 errors")
+    assert first.startswith("out/run.mcap: finished, with 2 errors")
     told = dict(line.strip().split("  ", 1) for line in rest if line.startswith("  ") and "  " in line.strip())
     assert told["program"].strip() == "part.nc" and told["cell"].strip() == "cell.yaml"
     assert told["steps"].strip() == "4 ms; every 20 ms in the log"

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterator, Sequence
+from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +12,7 @@ from gcodesim.cli.exits import OK, UsageError
 from gcodesim.cli.options import add_format
 
 if TYPE_CHECKING:
-    from gcodesim.log.summary import LogSummary
+    from gcodesim.log.summary import LogSummary, TopicSummary
 
 MOST_FINDINGS = 20
 """Findings that are shown; JSON has all."""
@@ -75,9 +77,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _print(facts: LogSummary) -> None:
     from gcodesim.cli.output import print_table
+    from gcodesim.units import MM3
 
     counts = ", ".join(f"{n} {name}{'' if n == 1 else 's'}" for name, n in _findings_by_severity(facts).items() if n)
-    print(f"{facts.path.name}: {facts.verdict}{f', with {counts}' if counts else ''}")
+    print(f"{facts.path}: {facts.verdict}{f', with {counts}' if counts else ''}")
     if facts.problem:
         print(f"  {facts.problem}")
     run, rows = facts.run, list[tuple[str, str]]()
@@ -90,7 +93,8 @@ def _print(facts: LogSummary) -> None:
     if "blocks" in facts.result:
         rows += [("blocks", facts.result["blocks"])]
     if "removed_m3" in facts.result:
-        rows += [("removed", f"{float(facts.result['removed_m3']) * 1e9:.1f} mm³")]
+        removed = float(facts.result["removed_m3"]) / MM3
+        rows += [("added" if removed < 0.0 else "removed", f"{abs(removed):.1f} mm³")]
     rows += [("file", f"{_bytes(facts.size)} in {facts.chunks} chunk{'' if facts.chunks == 1 else 's'}")]
     rows += [("attached", ", ".join(f"{name} ({_bytes(size)})" for name, size in facts.attachments.items()) or "none")]
     rows += [("missing", text) for text in facts.missing]
@@ -110,9 +114,22 @@ def _print(facts: LogSummary) -> None:
     print_table(
         [
             ["topic", "schema", "messages", "rate"],
-            *([topic.name, topic.schema, str(topic.count), f"{topic.rate:.4g}/s"] for topic in facts.topics),
-        ]
+            *(
+                [name, schema, str(count), f"{rate:.3g}/s" if count > 1 else "once"]
+                for name, schema, count, rate in _topic_rows(facts.topics)
+            ),
+        ],
+        names=2,
     )
+
+
+def _topic_rows(topics: Sequence[TopicSummary]) -> Iterator[tuple[str, str, int, float]]:
+    """Name, schema, messages and rate; topics that are numbered, as tiles are, in one row."""
+    for (stem, schema), group in groupby(topics, lambda topic: (topic.name.rstrip("0123456789"), topic.schema)):
+        one = list(group)
+        first, last = one[0].name, one[-1].name[len(stem) :]
+        name = first if len(one) == 1 else f"{first} … {last}"
+        yield name, schema, sum(topic.count for topic in one), sum(topic.rate for topic in one)
 
 
 def _as_json(facts: LogSummary) -> dict[str, Any]:

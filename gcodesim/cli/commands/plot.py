@@ -9,7 +9,7 @@ from typing import Any
 from gcodesim.cli.exits import OK, UsageError
 from gcodesim.cli.moments import add_range, chosen_range, open_recording
 
-_USUAL = "force,power,feed,error"
+_USUAL = ("force", "power", "removal", "feed", "error")
 
 
 def add_parser(commands: Any) -> None:
@@ -20,7 +20,9 @@ def add_parser(commands: Any) -> None:
         epilog="quantities: force, torque, power, removal, removed, spindle, feed, error, joints, speed, effort",
     )
     parser.add_argument("log", type=Path, metavar="LOG", help="a run.mcap, or the folder of a run")
-    parser.add_argument("--what", default=_USUAL, metavar="A,B", help=f"the quantities (default: {_USUAL})")
+    parser.add_argument(
+        "--what", metavar="A,B", help=f"the quantities (default: those of {', '.join(_USUAL)} that are not all zero)"
+    )
     add_range(parser)
     parser.add_argument(
         "-o", "--out", type=Path, metavar="FILE", help="a .svg, .png or .pdf (default: the program's name with .svg)"
@@ -34,7 +36,7 @@ def run(arguments: argparse.Namespace) -> int:
     from gcodesim.whole_file import write_whole
 
     recording = open_recording(arguments.log)
-    what = [name.strip() for name in arguments.what.split(",") if name.strip()]
+    what = [name.strip() for name in (arguments.what or "").split(",") if name.strip()]
     for name in what:
         if name not in QUANTITIES:
             raise UsageError(f"there is no quantity {name}; there are {', '.join(QUANTITIES)}")
@@ -43,8 +45,9 @@ def run(arguments: argparse.Namespace) -> int:
     if kind not in FORMATS:
         raise UsageError(f"{out.name}: a picture ends in .svg, .png or .pdf")
     first_ns, last_ns = chosen_range(arguments, recording)
+    charts = charts_of(recording, what) or [chart for chart in charts_of(recording, _USUAL) if chart.speaks]
     try:
-        picture = draw(recording, charts_of(recording, what), kind, first_ns=first_ns, last_ns=last_ns)
+        picture = draw(recording, charts, kind, first_ns=first_ns, last_ns=last_ns)
     except NoPlotError as reason:
         raise UsageError(str(reason)) from None
     try:
