@@ -18,6 +18,7 @@ import time
 from pathlib import Path
 
 from benchmarks import job
+from benchmarks.stages import LOG
 
 GOALS = {"kinematic": 6.0, "bullet": 15.0}  # s, of the whole job on two cores
 RATE = 250
@@ -73,6 +74,9 @@ def main(blocks: int = job.BLOCKS) -> None:
                 whole = sum(stages.values())
                 for stage, share in stages.items():
                     print(f"    {stage:20} {share:8.2f} s {100.0 * share / whole:5.1f} %")
+                writing, size = sum(stages[stage] for stage in LOG), (out / "run.mcap").stat().st_size
+                print(f"    writing the log: {100.0 * writing / whole:.1f} %, goal 20 %; ", end="")
+                print(f"{size / 1e6:.1f} MB, goal 60 MB")
                 if has_bullet:
                     steps = round(seconds * RATE)
                     bare = bare_loop(steps)

@@ -44,11 +44,15 @@ STAGES = {
         "gcodesim.material.surface:Glimpse.draw",
         "gcodesim.recorder.recorder:Recorder._draw",
     ),
+    "log: packing": ("gcodesim.log.container:pack",),
     "results + STL": (
         "gcodesim.simulation:results_of",
         "gcodesim.recorder.recorder:Recorder.finish",
     ),
 }
+
+LOG = tuple(stage for stage in STAGES if stage.startswith("log"))
+"""What writing the log takes, drawing the stock included."""
 
 
 class Stopwatch:
