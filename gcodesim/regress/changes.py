@@ -82,6 +82,7 @@ class Change:
     new: Any
     allowed: float | None = None
     tolerance: str = ""
+    unit: str = ""
 
     @property
     def delta(self) -> float | None:

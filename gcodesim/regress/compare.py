@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Final
 
 from gcodesim.regress.changes import Change
-from gcodesim.regress.tolerance import DEFAULTS, Tolerances, quantity_of
+from gcodesim.regress.tolerance import DEFAULTS, QUANTITIES, Tolerances, quantity_of
 
 # what identifies a run or places a number, but is no result; findings are compared on their own
 _NOT_COMPARED: Final = frozenset(
@@ -30,23 +30,46 @@ def compare_results(old: Mapping[str, Any], new: Mapping[str, Any], tolerances: 
     return list(_compare("", old, new, tolerances))
 
 
-def _compare(path: str, old: Any, new: Any, tolerances: Tolerances) -> Iterator[Change]:
+def _compare(path: str, old: Any, new: Any, tolerances: Tolerances, of_joint: str = "") -> Iterator[Change]:
+    """`of_joint`: the unit of the joint that the values are of."""
     if isinstance(old, Mapping) and isinstance(new, Mapping):
+        of_joint = str(new.get("unit", of_joint))
         for key in [*old, *(key for key in new if key not in old)]:
             if key not in _NOT_COMPARED:
-                yield from _compare(f"{path}.{key}" if path else key, old.get(key), new.get(key), tolerances)
+                yield from _compare(f"{path}.{key}" if path else key, old.get(key), new.get(key), tolerances, of_joint)
     elif isinstance(old, list) and isinstance(new, list):
         yield from _compare(path, _by_name(old), _by_name(new), tolerances)
     elif is_number(old) and is_number(new):
-        name = quantity_of(path)
-        if not tolerances[name].allows(old, new):
-            yield Change(quantity=path, old=old, new=new, allowed=tolerances[name].limit(old), tolerance=name)
+        if not tolerances[quantity_of(path)].allows(old, new):
+            yield change_of(path, old, new, tolerances, of_joint)
     elif path == "status":
         # whether findings count depends on how a run was asked for; findings are compared themselves
         if (old in _BROKEN) != (new in _BROKEN) or (old != new and INCOMPLETE in (old, new)):
             yield Change(quantity=path, old=old, new=new)
     elif old != new:
         yield Change(quantity=path, old=old, new=new)
+
+
+def change_of(path: str, old: float, new: float, tolerances: Tolerances, of_joint: str = "") -> Change:
+    """The change of a number, with what its tolerance allows and its unit."""
+    name = quantity_of(path)
+    unit = QUANTITIES[name].unit or _joint_unit(name, of_joint)
+    return Change(quantity=path, old=old, new=new, allowed=tolerances[name].limit(old), tolerance=name, unit=unit)
+
+
+def _joint_unit(quantity: str, unit: str) -> str:
+    """The unit of a quantity of a joint that moves in `unit`, deg or mm."""
+    match quantity:
+        case "joint":
+            return unit
+        case "joint_speed":
+            return f"{unit}/s"
+        case "joint_acceleration":
+            return f"{unit}/s²"
+        case "joint_effort":
+            return "N" if unit == "mm" else "N·m"
+        case _:
+            return ""
 
 
 def is_number(value: Any) -> bool:

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any, Final
 
 from gcodesim.diagnostics import SourceText
 from gcodesim.regress.changes import Change, Comparison, SurfaceChange
-from gcodesim.regress.compare import compare_results, is_number, value_at
+from gcodesim.regress.compare import change_of, compare_results, is_number, value_at
 from gcodesim.regress.findings import compare_findings
 from gcodesim.regress.motion import Step, steps_of
 from gcodesim.regress.moves import compare_motion
 from gcodesim.regress.surfaces import Coarse, coarse_of, compare_coarse, compare_stocks
-from gcodesim.regress.tolerance import DEFAULTS, Tolerances, quantity_of
+from gcodesim.regress.tolerance import DEFAULTS, Tolerances
 from gcodesim.rs274 import interpret
 
 if TYPE_CHECKING:
@@ -136,8 +136,7 @@ def _totals(old: Mapping[str, Any], new: Mapping[str, Any], tolerances: Toleranc
         except KeyError:
             continue
         if is_number(a) and is_number(b) and abs(a - b) > _ROUNDING * max(abs(a), abs(b)):
-            name = quantity_of(path)
-            changes.append(Change(quantity=path, old=a, new=b, allowed=tolerances[name].limit(a), tolerance=name))
+            changes.append(change_of(path, a, b, tolerances))
     return changes
 
 

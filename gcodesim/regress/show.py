@@ -8,7 +8,6 @@ from typing import Any, Final
 
 from gcodesim.numbers import clean
 from gcodesim.regress.changes import Change, Comparison, FieldChange, FindingChange, MoveChange, Place, SurfaceChange
-from gcodesim.regress.tolerance import QUANTITIES
 
 NO_DIFFERENCE: Final = "no difference in motion or result"
 _MOST_OF_A_PAGE: Final = 100  # entries of a kind in Markdown: sites take 65,000 characters for a comment
@@ -41,11 +40,6 @@ def value_text(value: Any) -> str:
     return str(value)
 
 
-def _unit(change: Change) -> str:
-    unit = QUANTITIES[change.tolerance].unit if change.tolerance else ""
-    return f" {unit}" if unit else ""
-
-
 def allowance(tolerance: str, allowed: float | None, unit: str) -> str:
     """``tolerance `volume` allows 0.5 mm³``; empty where nothing is allowed for."""
     if not tolerance or allowed is None:
@@ -55,7 +49,7 @@ def allowance(tolerance: str, allowed: float | None, unit: str) -> str:
 
 def change_text(change: Change) -> str:
     """`stocks.stock.removed_mm3: 656.5 → 687.9 mm³ (+31.4; tolerance `volume` allows 0.657 mm³)`."""
-    unit = _unit(change)
+    unit = f" {change.unit}" if change.unit else ""
     if isinstance(change.old or change.new, Mapping):
         return f"{change.quantity} {'came' if change.old is None else 'went'}"
     if change.delta is None:
@@ -245,7 +239,7 @@ def _rest(entries: Sequence[object]) -> list[str]:
 
 
 def _row(change: Change) -> str:
-    unit = _unit(change)
+    unit = f" {change.unit}" if change.unit else ""
     difference = "" if change.delta is None else f"{signed(change.delta)}{unit}"
     allowed = "" if change.allowed is None else f"{number(float(f'{change.allowed:.3g}'))}{unit}"
     mark = "**" if change.allowed is None or (change.delta is not None and abs(change.delta) > change.allowed) else ""

@@ -63,3 +63,14 @@ def test_an_entry_more_does_not_shift_the_others() -> None:
     new = deepcopy(OLD)
     new["tools"] = [{"number": 2, "max_force_N": 5.0}, *OLD["tools"]]  # type: ignore[misc]
     assert [change.quantity for change in compare_results(OLD, new)] == ["tools.2"]
+
+
+@pytest.mark.parametrize(
+    ("unit", "units"), [("deg", ["deg", "deg/s", "deg/s²", "N·m"]), ("mm", ["mm", "mm/s", "mm/s²", "N"])]
+)
+def test_numbers_of_joints_have_the_units_of_their_motion(unit: str, units: list[str]) -> None:
+    joint = {"name": "arm/j", "unit": unit, "least": 0, "max_speed": 10, "max_acceleration": 100, "max_effort": 50}
+    new = {**joint, "least": -5, "max_speed": 20, "max_acceleration": 200, "max_effort": 90}
+    changes = compare_results({"joints": [joint]}, {"joints": [new]})
+    assert [change.unit for change in changes] == units
+    assert [change.unit for change in compare_results(OLD, changed("time", "total_s", to=20.0))] == ["s"]
