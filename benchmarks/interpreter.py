@@ -1,14 +1,16 @@
 """`gcodesim lint` as a whole process beside LinuxCNC's own interpreter, `rs274 -g`, on the same files.
 
-    python -m benchmarks.interpreter [PROGRAM LINES]
+    python -m benchmarks.interpreter [PROGRAM [LINES]]
 
-Each is started in turn, best of some runs by user processor time, output discarded. The interpreter is Debian's
-package `linuxcnc-uspace`; where it is missing only our own times are printed. What it prints with -g are canonical
-calls; `lint` prints findings, but computes the same events and looks at each of them.
+LINES are rounds of the loop where PROGRAM is `calls` or `macros`. Each is started in turn, best of some runs by user
+processor time, output discarded. The interpreter is Debian's package `linuxcnc-uspace`; where it is missing only our
+own times are printed. What it prints with -g are canonical calls; `lint` prints findings, but computes the same events
+and looks at each of them.
 """
 
 from __future__ import annotations
 
+import argparse
 import os
 import shutil
 import subprocess
@@ -48,7 +50,7 @@ def compare(name: str, lines: int, folder: Path) -> None:
     """One line: both times, and how many times faster we are."""
     program = folder / "program.ngc"
     program.write_bytes(cam.text(cam.PROGRAMS[name](lines)))
-    ours = [sys.executable, "-m", "gcodesim", "lint", str(program)]
+    ours = [sys.executable, "-m", "gcodesim", "lint", "--max-blocks", str(10**9), str(program)]
     theirs = ["rs274", "-g", "-t", "tool.tbl", "-v", "parameters.var", "-i", "machine.ini", str(program)]
     has_yardstick = shutil.which("rs274") is not None
     best, yardstick = float("inf"), float("inf")
@@ -61,8 +63,11 @@ def compare(name: str, lines: int, folder: Path) -> None:
     print(f"{name:14} {lines:9,}   lint {best:7.2f} s   {beside}", flush=True)
 
 
-def main(*wanted: str) -> None:
-    jobs = [(wanted[0], int(wanted[1]))] if wanted else JOBS
+def main(program: str | None = None, lines: int | None = None) -> None:
+    """All jobs, those of one program, or that program at another size."""
+    jobs = [job for job in JOBS if program in (None, job[0])]
+    if program is not None and lines is not None:
+        jobs = [(program, lines)]
     with tempfile.TemporaryDirectory(prefix="interpreter-") as name:
         folder = Path(name)
         (folder / "tool.tbl").write_text(_TOOLS)
@@ -74,9 +79,18 @@ def main(*wanted: str) -> None:
         user_seconds(
             [sys.executable, "-m", "gcodesim", "lint", str(warm)], folder
         )  # machine code is made once for a version
-        for program, lines in jobs:
-            compare(program, lines, folder)
+        for job in jobs:
+            compare(*job, folder)
+
+
+def _lines(text: str) -> int:
+    if not text.isdecimal() or int(text) == 0:
+        raise argparse.ArgumentTypeError(f"LINES must be a whole number above 0, not {text}")
+    return int(text)
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.interpreter", description=__doc__.partition("\n")[0])
+    parser.add_argument("program", nargs="?", choices=list(cam.PROGRAMS), help="which program; all of them when none")
+    parser.add_argument("lines", nargs="?", type=_lines, help="how long it is; the sizes of the table when not given")
+    main(**vars(parser.parse_args()))

@@ -69,14 +69,18 @@ class NativeKernel:
             kernel = self._kernel
             return lambda *integers: int(kernel(*arrays, *integers))
         result, problem = ctypes.c_int64(), ctypes.c_void_p()
-        first: list[Any] = [ctypes.byref(result), ctypes.byref(problem)]
+        words: list[Any] = [ctypes.byref(result), ctypes.byref(problem)]
         for array in arrays:
             # as numba passes arrays: owner, parent, items, size of an item, data, shape, strides
             data = array.__array_interface__["data"][0]
-            first += [None, None, array.size, array.itemsize, data, *array.shape, *array.strides]
+            words += map(ctypes.c_int64, (0, 0, array.size, array.itemsize, data, *array.shape, *array.strides))
+        places = [ctypes.c_int64() for _ in range(self._integers)]
+        words += places
 
         def call(*integers: int) -> int:
-            if function(*first, *integers) != 0:
+            for place, integer in zip(places, integers, strict=True):
+                place.value = integer
+            if function(*words) != 0:
                 raise RuntimeError(f"{self._name} failed")
             return result.value
 
@@ -124,12 +128,8 @@ class NativeKernel:
         engine.add_object_file(llvm.ObjectFileRef.from_data(code))
         engine.finalize_object()
         self._engine = engine  # owns the code
-        parameters: list[Any] = [ctypes.c_void_p, ctypes.c_void_p]
-        for kind in self._types:
-            pointers = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64, ctypes.c_int64, ctypes.c_void_p]
-            parameters += pointers + [ctypes.c_int64] * (2 * kind.dimensions)
-        parameters += [ctypes.c_int64] * self._integers
-        return ctypes.CFUNCTYPE(ctypes.c_int32, *parameters)(engine.get_function_address(symbol))
+        # without types of its arguments, which are ctypes' own then: converting some eighty takes twice as long
+        return ctypes.CFUNCTYPE(ctypes.c_int32)(engine.get_function_address(symbol))
 
     def _compile(self) -> tuple[str, bytes] | None:
         """Symbol and object code; None when the code needs more than this file gives it."""

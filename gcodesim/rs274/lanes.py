@@ -13,7 +13,7 @@ from gcodesim.rs274.settings import Settings
 if TYPE_CHECKING:
     from gcodesim.rs274.plain.lane import PlainLane
 
-_MANY_BLOCKS: Final = 20_000
+_MANY_BLOCKS: Final = 6_000
 """Blocks after which a short program, which then has a loop, has cost as much as the import."""
 
 _BLOCKS_OF_HOLE: Final = 8

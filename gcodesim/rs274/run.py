@@ -145,8 +145,13 @@ class Executor:
                 done, batch, last = lane.run(self.blocks, max(self.most_blocks - self.blocks, 0))
                 self.blocks += done
                 if batch is not None and self.run.failed is None:
-                    self.watches.moves(batch)
-                    yield batch
+                    if len(batch) < lane.worth_a_batch:
+                        events = list(batch.events())
+                        self.watches.events(events)
+                        yield from events
+                    else:
+                        self.watches.moves(batch)
+                        yield batch
                 if done:
                     if self._exhausted(*last):
                         break

@@ -30,6 +30,15 @@ def test_it_prints_a_ratio(name, capsys):
     assert max(numbers) > 0.0
 
 
+@pytest.mark.parametrize("wrong", [["drillling", "100"], ["raster", "many"], ["raster", "0"], ["raster", "1", "2"]])
+def test_the_interpreter_benchmark_refuses_what_it_does_not_know(wrong):
+    command = [sys.executable, "-m", "benchmarks.interpreter", *wrong]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+
+    assert done.returncode == 2
+    assert "usage: python -m benchmarks.interpreter" in done.stderr
+
+
 def test_the_reference_job_is_that_of_the_goals():
     job = importlib.import_module("benchmarks.job")
     lines = list(job.lines())

@@ -111,6 +111,8 @@ def go_beside(
         _arc(numbers, modes, shapes, HELD_CENTRE, modes[HELD_TURNS])
     _emit(numbers, modes, moves, facts, held, numbers[HELD_FEED], modes[HELD_ROTARY] != 0, HELD_PLACE)
     if modes[JOIN] == _AROUND:
+        for axis in range(3, 6):
+            numbers[HELD_END + axis] = numbers[CURRENT + axis]
         numbers[HELD_END + first], numbers[HELD_END + second] = numbers[NEXT_START], numbers[NEXT_START + 1]
         if kind == 0:
             _emit(numbers, modes, moves, facts, 0, 0.0, False, PLACE)

@@ -1,4 +1,4 @@
-"""Holes of a running canned cycle: `rs274/cycles.py` for G73, G81 to G83, G85 and G89, step by step the same."""
+"""Holes of canned cycles: `rs274/cycles.py` for G73, G81 to G83, G85 and G89, step by step the same."""
 
 from __future__ import annotations
 
@@ -8,10 +8,12 @@ from gcodesim.rs274.plain.columns import Column
 from gcodesim.rs274.plain.layout_kernels import (
     ACTS,
     BACK,
-    CODES,
+    CENTRE_ABSOLUTE,
+    COMPENSATES,
     CURRENT,
     CYCLE,
     CYCLE_DEPTH,
+    CYCLE_DWELL,
     CYCLE_P,
     CYCLE_Q,
     CYCLE_R,
@@ -24,50 +26,77 @@ from gcodesim.rs274.plain.layout_kernels import (
     FEED_UNIT,
     INCH,
     INCREMENTAL,
+    IS_EXTENDED,
+    MOTION,
     PLANE,
     RETRACT_TO_R,
     ROWS,
+    RUNNING,
+    STARTED,
     TARGET,
     UNIT,
     VALUES,
+    WANTED,
+    WANTS_R,
 )
 from gcodesim.rs274.plain.row_kernels import append
 
-_F, _R, _X = 5, 17, 23
+_F, _P, _Q, _R, _X = 5, 15, 16, 17, 23
 _PLACES = (1 << 23) | (1 << 24) | (1 << 25)
-_UNDERSTOOD = _PLACES | (1 << 5) | (1 << 17)
+_UNDERSTOOD = _PLACES | (1 << 5) | (1 << 6) | (1 << 17)  # F, G and R
 _CLEARANCE_MM, _CLEARANCE_INCH = 0.254, 0.01  # as in cycles.py
 _MOST_PECKS = 100_000
 
 
 @kernel
-def hole(seen: int, numbers: Column, modes: Column, moves: Column, facts: Column, acts: Column) -> bool:
-    """The moves of one line that runs the cycle again; False, and nothing done, when the line is left."""
-    code = modes[CYCLE]
-    if code < 0 or modes[CODES] > 0 or seen & _PLACES == 0 or seen & ~_UNDERSTOOD != 0 or modes[FEED_MODE] == 930:
+def hole(code: int, seen: int, numbers: Column, modes: Column, moves: Column, facts: Column, acts: Column) -> bool:
+    """The moves of one line that starts the cycle `code` or runs it again; False, and nothing done, when it is left."""
+    pecking, dwelling = code == 730 or code == 830, code == 820 or code == 890
+    understood = _UNDERSTOOD | (1 << _Q if pecking else 0) | (1 << _P if dwelling else 0)
+    if seen & _PLACES == 0 or seen & ~understood != 0 or modes[FEED_MODE] == 930 or modes[COMPENSATES]:
         return False
     first, second, normal = plane_axes(modes[PLANE])
+    if modes[RUNNING] != code:
+        needs = (1 << _R) | (1 << (_X + normal)) | (understood & ~_UNDERSTOOD)
+        if seen & needs != needs:
+            return False
+    elif modes[CYCLE] != code:
+        return False
+    if (modes[WANTED + 1] != modes[PLANE]) or (code == 730 and not modes[IS_EXTENDED]):
+        return False
+    dwell = numbers[VALUES + _P] if (seen >> _P) & 1 else numbers[CYCLE_P]
+    if dwell != numbers[CYCLE_P] and modes[ACTS] > 0:
+        return False  # the acts of a batch have one dwell
+    step = numbers[VALUES + _Q] if (seen >> _Q) & 1 else numbers[CYCLE_Q]
     has_feed = (seen >> _F) & 1 != 0
     rate = numbers[VALUES + _F] if has_feed else numbers[FEED]
     if rate <= 0.0:
         return False
-    incremental = modes[INCREMENTAL] != 0
-    base = numbers[CYCLE_START]
+    incremental = modes[WANTED + 2] != 0
+    base = numbers[CYCLE_START] if modes[RUNNING] >= 0 else numbers[CURRENT + normal]
     retract = numbers[VALUES + _R] if (seen >> _R) & 1 else numbers[CYCLE_R]
     depth = numbers[VALUES + _X + normal] if (seen >> (_X + normal)) & 1 else numbers[CYCLE_DEPTH]
     clear = retract + (base if incremental else 0.0)
     bottom = depth + (clear if incremental else 0.0)
-    dwells = code == 890 or (code == 820 and numbers[CYCLE_P] != 0.0)
-    if not clear >= bottom or (dwells and numbers[CYCLE_P] < 0.0):
+    dwells = code == 890 or (code == 820 and dwell != 0.0)
+    if not clear >= bottom or (dwells and dwell < 0.0):
         return False
     pecks = 0.0
-    if code == 730 or code == 830:
-        if not numbers[CYCLE_Q] > 0.0:
+    if pecking:
+        if not step > 0.0:
             return False
-        pecks = (clear - bottom) / numbers[CYCLE_Q]
+        pecks = (clear - bottom) / step
     if pecks > _MOST_PECKS or modes[ROWS] + 3.0 * pecks + 8.0 > len(moves):
         return False
     numbers[CYCLE_R], numbers[CYCLE_DEPTH] = retract, depth
+    numbers[CYCLE_P], numbers[CYCLE_Q], numbers[CYCLE_START] = dwell, step, base
+    if dwelling:
+        numbers[CYCLE_DWELL] = dwell
+    if modes[RUNNING] != code:
+        modes[STARTED] = 1
+    modes[MOTION], modes[CYCLE], modes[RUNNING] = code, code, code
+    modes[INCREMENTAL], modes[CENTRE_ABSOLUTE] = modes[WANTED + 2], modes[WANTED + 3]
+    modes[RETRACT_TO_R] = modes[WANTS_R]
     if has_feed:
         numbers[FEED], numbers[FEED_UNIT] = rate, numbers[UNIT]
     word = code // 10
@@ -91,13 +120,13 @@ def hole(seen: int, numbers: Column, modes: Column, moves: Column, facts: Column
         _along(numbers, modes, moves, facts, normal, clear, 0, word)
     if pecks > 0.0:
         gap = _CLEARANCE_INCH if modes[INCH] else _CLEARANCE_MM
-        down = clear - numbers[CYCLE_Q]
+        down = clear - step
         while down > bottom:
             _along(numbers, modes, moves, facts, normal, down, 1, word)
             if code == 830:
                 _along(numbers, modes, moves, facts, normal, clear, 0, word)
             _along(numbers, modes, moves, facts, normal, down + gap, 0, word)
-            down -= numbers[CYCLE_Q]
+            down -= step
     _along(numbers, modes, moves, facts, normal, bottom, 1, word)
     if dwells:
         _act(modes, acts, DWELL)

@@ -26,8 +26,9 @@ MOST_MOVES: Final = 1 << 15
 """Rows of a batch; so much memory is in use at a time however long the program is."""
 
 _MOST_LINES: Final = 1 << 18  # of one call, so that loops without moves meet the clock now and then
-_SHORT_RUN = 12  # lines; below that the way through the door costs more than the lines by themselves
+_SHORT_RUN = 6  # lines; below that the way through the door costs more than the lines by themselves
 _LONGEST_PAUSE = 64
+_WORTH_A_BATCH = 12  # moves; fewer are looked at faster one by one
 
 RUN_LINES: Final = NativeKernel(
     "gcodesim.rs274.plain.move_kernels",
@@ -46,6 +47,8 @@ RUN_LINES: Final = NativeKernel(
     ],
     integers=3,
 )
+_PECK, _DWELL = {"q": at.CYCLE_Q}, {"p": at.CYCLE_P}
+_WORDS_OF_SOME: Final = {730: _PECK, 830: _PECK, 820: _DWELL, 890: _DWELL}
 _KNOWN_CYCLES: Final = frozenset((730, 810, 820, 830, 850, 890))
 
 
@@ -56,6 +59,7 @@ class PlainLane:
         self._control, self._flow = control, flow
         self._longest = control.dialect.longest_line
         self._eager = eager
+        self.worth_a_batch = 0 if eager else _WORTH_A_BATCH
         self._pause, self._next_pause = 0, 1
         self._numbers, self._modes = np.zeros(at.NUMBERS), np.zeros(at.MODES, dtype=np.int64)
         self._moves = np.empty((MOST_MOVES, at.END_FEED))
@@ -175,6 +179,7 @@ def _write_state(control: Control, numbers: Column, modes: Column) -> None:
         math.cos(turn), math.sin(turn), state.unit, state.feed, state.feed_unit, DEG, MINUTE,
         state.cycle_start, words.get("r", 0.0), words.get(depth, 0.0), words.get("q", 0.0), words.get("p", 0.0),
     )  # fmt: skip
+    numbers[at.CYCLE_DWELL], modes[at.RUNNING] = state.cycle_dwell, state.cycle
     beside = is_on(control)
     modes[: at.SIDE + 1] = (
         state.motion, state.plane, state.incremental, state.centre_absolute, state.feed_mode,
@@ -188,15 +193,16 @@ def _take_over(control: Control, numbers: Column, modes: Column) -> None:
     state = control.state
     current = numbers[at.CURRENT : at.CURRENT + 6].tolist()
     motion, plane, incremental, centre_absolute, *_ = modes[: at.COMPENSATES].tolist()
-    if modes[at.CYCLE] >= 0:
-        depth = "xyz"[PLANE_AXES[state.plane][2]]
-        words = dict(state.cycle_words)
-        words["r"], words[depth] = float(numbers[at.CYCLE_R]), float(numbers[at.CYCLE_DEPTH])
-        state.cycle_words = tuple(words.items())
+    cycle = int(modes[at.CYCLE])
+    if cycle >= 0:
+        words = {} if modes[at.STARTED] else dict(state.cycle_words)
+        places = {"xyz"[PLANE_AXES[state.plane][2]]: at.CYCLE_DEPTH, "r": at.CYCLE_R, **_WORDS_OF_SOME.get(cycle, {})}
+        state.cycle_words = tuple((words | {letter: float(numbers[place]) for letter, place in places.items()}).items())
+    state.cycle, state.cycle_start = int(modes[at.RUNNING]), float(numbers[at.CYCLE_START])
+    state.cycle_dwell = float(numbers[at.CYCLE_DWELL])
+    state.retract = 990 if modes[at.RETRACT_TO_R] else 980
     if not is_on(control):
         state.current = (*current, *state.current[6:])
     state.feed, state.feed_unit = float(numbers[at.FEED]), float(numbers[at.FEED_UNIT])
     state.motion, state.plane = motion, plane
     state.incremental, state.centre_absolute = bool(incremental), bool(centre_absolute)
-    if modes[at.MOVED]:
-        state.cycle = -1

@@ -49,7 +49,8 @@ STACK: Final = 105  # of values while an expression is computed
 MOST_VALUES: Final = 64
 SETTINGS: Final = 169  # values of the line's `#index=value`, in order
 ARGUMENTS: Final = 201  # values of the brackets behind an O-word
-NUMBERS: Final = 231
+CYCLE_DWELL: Final = 231  # the last P of a cycle
+NUMBERS: Final = 232
 
 # modes: the state, what it will be after the line, what happened, codes in the line
 MOTION: Final = 0
@@ -60,7 +61,7 @@ FEED_MODE: Final = 4
 ROTATED: Final = 5
 INCH: Final = 6
 HAS_SPEED: Final = 7
-CYCLE: Final = 8  # the running canned cycle when the kernels know it, else -1
+CYCLE: Final = 8  # the running canned cycle when the kernels know its words, else -1
 RETRACT_TO_R: Final = 9  # G99
 EXACT_PATH: Final = 10  # G61
 COMPENSATES: Final = 11  # G41 or G42 is in force
@@ -71,7 +72,6 @@ HELD_TURNS: Final = 15
 HELD_ROTARY: Final = 16
 HELD_PLACE: Final = 17  # line, column, end column, block, origin
 WANTED: Final = 22  # motion, plane, incremental, centre absolute
-MOVED: Final = 26
 ROWS: Final = 27
 ARCS: Final = 28
 ACTS: Final = 29
@@ -92,7 +92,7 @@ BREAKING: Final = 53
 CONTINUING: Final = 54
 ARRIVED: Final = 55
 HAS_RETURNED: Final = 56
-HAS_NAMES: Final = 57  # whether the dialect has named parameters
+IS_EXTENDED: Final = 57  # whether the dialect has what LinuxCNC added to RS274
 FLOWS: Final = 58  # how many rows of O-words; negative while nobody has looked for them
 FLOWS_WANTED: Final = -2
 FLOWED: Final = 59  # what happened since the kernel was called: an O-word
@@ -113,7 +113,10 @@ MOST_SET: Final = 30
 OPERATORS: Final = 102  # stack while an expression is computed
 MOST_OPERATORS: Final = 64
 FAILED: Final = 166  # whether the program is only read on for its further faults
-MODES: Final = 167
+RUNNING: Final = 167  # the running canned cycle, -1 for none
+WANTS_R: Final = 168  # G99 after the line
+STARTED: Final = 169  # a cycle began since the kernel was called, so the words of the one before are gone
+MODES: Final = 170
 
 # rows of moves: floats 0 to 5 the end, 6 the feed; integers:
 END_FEED: Final = 7

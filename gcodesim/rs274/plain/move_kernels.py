@@ -27,6 +27,7 @@ from gcodesim.rs274.plain.layout_kernels import (
     CODES,
     COMPENSATES,
     CURRENT,
+    CYCLE,
     END,
     FEED,
     FEED_MODE,
@@ -39,30 +40,36 @@ from gcodesim.rs274.plain.layout_kernels import (
     HAS_SPEED,
     INCH,
     INCREMENTAL,
+    IS_EXTENDED,
     LAST,
     LEVEL,
     LOWEST,
     MOST_ACTS_OF_LINE,
     MOST_ROWS_OF_LINE,
     MOTION,
-    MOVED,
     NAMED,
     NEXT,
     PLACE,
     PLANE,
+    RETRACT_TO_R,
     ROWS,
+    RUNNING,
     SET,
     SIDE,
+    STARTED,
     TARGET,
     UNIT,
     VALUES,
     WANTED,
+    WANTS_R,
 )
 from gcodesim.rs274.plain.memory_kernels import settle
 from gcodesim.rs274.plain.row_kernels import append, put_arc
 from gcodesim.rs274.plain.scan_kernels import NOT_PLAIN, O_WORD, scan_line
 
-_F, _I, _P, _R, _X = 5, 8, 15, 17, 23
+_F, _I, _P, _Q, _R, _X = 5, 8, 15, 16, 17, 23
+_CYCLES = (810, 820, 830, 850, 890)  # and G73
+_NO_CYCLE = 800
 _AXES = (1 << 23) | (1 << 24) | (1 << 25) | 7
 _CENTRE = (1 << 8) | (1 << 9) | (1 << 10)
 _OF_ARCS = _CENTRE | (1 << 15) | (1 << 17)
@@ -90,7 +97,7 @@ def run_lines(
     `modes`, `memory` and `tables` are the state before and after. Moves are appended to `moves` and `facts`, arcs to
     `shapes` as well, what happens between them to `acts`; all as in the layout. A full array ends the run too.
     """
-    modes[ROWS] = modes[ARCS] = modes[ACTS] = modes[MOVED] = modes[FLOWED] = modes[NAMED] = modes[CALLED] = 0
+    modes[ROWS] = modes[ARCS] = modes[ACTS] = modes[STARTED] = modes[FLOWED] = modes[NAMED] = modes[CALLED] = 0
     modes[CHANGED] = 0
     modes[LOWEST] = modes[LEVEL]
     modes[NEXT] = modes[LAST] = index = first
@@ -120,11 +127,7 @@ def run_lines(
         else:
             if seen != 0:
                 _find_place(text, begin, stop, modes, tables, index)
-                if not (
-                    hole(seen, numbers, modes, moves, facts, acts)
-                    if modes[MOTION] > 30 and modes[CODES] == 0
-                    else _execute(seen, numbers, modes, moves, facts, shapes)
-                ):
+                if not _execute(seen, numbers, modes, moves, facts, shapes, acts):
                     break
             if modes[SET] > 0:
                 settle(numbers, modes, memory, tables)
@@ -151,8 +154,9 @@ def _find_place(text: Column, begin: int, stop: int, modes: Column, tables: Colu
 
 @kernel
 def _read_codes(modes: Column) -> bool:
-    """Motion, plane, distance and centre mode after the G words of a line; whether all words are plain."""
+    """Motion, plane, distance, centre and retract mode after the G words of a line; whether all words are plain."""
     modes[WANTED] = -1
+    modes[WANTS_R] = modes[RETRACT_TO_R]
     modes[WANTED + 1], modes[WANTED + 2] = modes[PLANE], modes[INCREMENTAL]
     modes[WANTED + 3] = modes[CENTRE_ABSOLUTE]
     groups = 0
@@ -167,7 +171,15 @@ def _read_codes(modes: Column) -> bool:
         elif code == 900 or code == 910:
             group = 4
             modes[WANTED + 2] = 1 if code == 910 else 0
-        elif code == 901 or code == 911:
+        elif code in _CYCLES or (code == 730 and modes[IS_EXTENDED]):
+            group = 1
+            modes[WANTED] = code
+        elif (code == 980 or code == 990) and not modes[COMPENSATES]:
+            group = 128
+            modes[WANTS_R] = 1 if code == 990 else 0
+        elif code == _NO_CYCLE:
+            group = 256
+        elif (code == 901 or code == 911) and modes[IS_EXTENDED]:
             group = 8
             modes[WANTED + 3] = 1 if code == 901 else 0
         elif code == 930 and modes[FEED_MODE] == 930:  # G94 and G95 discard the feed
@@ -181,22 +193,34 @@ def _read_codes(modes: Column) -> bool:
         if groups & group:
             return False
         groups |= group
-    return True
+    if groups & 256 and modes[WANTED] < 0:
+        modes[WANTED] = _NO_CYCLE
+    # a chain of holes in another plane needs another word for their depth
+    running: int = modes[RUNNING]
+    return running < 0 or modes[WANTED + 1] == modes[PLANE]
 
 
 @kernel
-def _execute(seen: int, numbers: Column, modes: Column, moves: Column, facts: Column, shapes: Column) -> bool:
-    """Execute one line, with at most one move; False when it is left."""
+def _execute(
+    seen: int, numbers: Column, modes: Column, moves: Column, facts: Column, shapes: Column, acts: Column
+) -> bool:
+    """Execute one line, with at most one move or hole; False when it is left."""
     if not _read_codes(modes):
         return False
     motion = modes[WANTED]
     has_axes = seen & _AXES != 0
     modal = modes[MOTION]
     if motion < 0 and (has_axes or ((modal == 20 or modal == 30) and seen & _CENTRE != 0)):
-        if modal != 0 and modal != 10 and modal != 20 and modal != 30:
+        if modal < 0 or modal == _NO_CYCLE:
             return False
         motion = modal
-    if motion < 20 and seen & _OF_ARCS != 0:
+    if motion > 30 and motion != _NO_CYCLE:
+        return hole(motion, seen, numbers, modes, moves, facts, acts)
+    if (seen >> _Q) & 1:
+        return False
+    if (motion < 20 or motion == _NO_CYCLE) and seen & _OF_ARCS != 0:
+        return False
+    if motion == _NO_CYCLE and (has_axes or modes[COMPENSATES]):
         return False
     inverse = modes[FEED_MODE] == 930
     has_feed = (seen >> _F) & 1 != 0
@@ -206,13 +230,13 @@ def _execute(seen: int, numbers: Column, modes: Column, moves: Column, facts: Co
             return False
         if not inverse:
             rate, rate_unit = numbers[VALUES + _F], numbers[UNIT]
-    if motion > 0:
+    if 0 < motion <= 30:
         if inverse:
             if not has_feed:
                 return False
         elif rate == 0.0 or (modes[FEED_MODE] == 950 and not modes[HAS_SPEED]):
             return False
-    goes = motion >= 20 or (motion >= 0 and has_axes)
+    goes = 20 <= motion <= 30 or (motion >= 0 and has_axes)
     beside = modes[SIDE] != 0
     if beside and (inverse or (motion >= 0 and not goes)):
         return False
@@ -229,10 +253,10 @@ def _execute(seen: int, numbers: Column, modes: Column, moves: Column, facts: Co
             rate, rate_unit = max(0.1, length * numbers[VALUES + _F]), numbers[UNIT]
     numbers[FEED], numbers[FEED_UNIT] = rate, rate_unit
     modes[PLANE], modes[INCREMENTAL] = modes[WANTED + 1], modes[WANTED + 2]
-    modes[CENTRE_ABSOLUTE] = modes[WANTED + 3]
+    modes[CENTRE_ABSOLUTE], modes[RETRACT_TO_R] = modes[WANTED + 3], modes[WANTS_R]
     if motion < 0:
         return True
-    modes[MOTION], modes[MOVED] = motion, 1
+    modes[MOTION], modes[CYCLE], modes[RUNNING] = motion, -1, -1
     if goes:
         kind, linear = motion // 10, motion >= 20 or _moves_linear(numbers)
         if beside:

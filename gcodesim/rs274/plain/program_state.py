@@ -49,8 +49,8 @@ class ProgramState:
         self._origins: dict[int, Origin] = {}
         self._seen = (-1, -1)
         self._subs_seen = (0, 0)
-        modes[at.FLOWS] = -1
-        modes[at.HAS_NAMES] = control.dialect.named_parameters
+        modes[at.FLOWS] = -1 if control.dialect.flow_words else 0
+        modes[at.IS_EXTENDED] = control.dialect.named_parameters
         modes[at.EPOCH] = 1
         for name in PREDEFINED:
             self.tables[at.NAMES + at.A_NAME * self._name(name) + 2] = _KINDS.get(name, at.UNKNOWN)

@@ -39,8 +39,8 @@ O_WORD = -2
 """What it returns for a line that begins with an O-word; TEXT says where."""
 
 _G = 6
-# A B C F G I J K P R X Y Z
-_KNOWN = sum(1 << (ord(letter) - ord("a")) for letter in "abcfgijkprxyz")
+# A B C F G I J K P Q R X Y Z
+_KNOWN = sum(1 << (ord(letter) - ord("a")) for letter in "abcfgijkpqrxyz")
 _LARGEST = 1e30  # as in expressions.py
 
 

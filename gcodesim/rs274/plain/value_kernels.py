@@ -15,7 +15,7 @@ from gcodesim.rs274.plain.columns import Column
 from gcodesim.rs274.plain.layout_kernels import (
     COMPENSATES,
     CURRENT,
-    HAS_NAMES,
+    IS_EXTENDED,
     LAST_NUMBER,
     MISSING,
     MOST_OPERATORS,
@@ -265,7 +265,7 @@ def _parameter(value: float, numbers: Column, modes: Column, memory: Column) -> 
 @kernel
 def name_at(text: Column, at: int, stop: int, modes: Column, tables: Column) -> int:
     """Read a name behind its `<` into NAME; returns where it ends, behind its `>`."""
-    if not modes[HAS_NAMES]:
+    if not modes[IS_EXTENDED]:
         return LEFT_OUT
     return find_name(text, at, stop, modes, tables)
 

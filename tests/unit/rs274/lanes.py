@@ -10,12 +10,17 @@ CORPUS = Path(__file__).parents[2] / "data" / "conformance" / "rs274"
 TOOLS, _ = ToolTable.read(SourceText.read(CORPUS / "tools.tbl"))
 
 
+def run_of(text, **settings):
+    """A run of a program with the corpus' tools and subroutines."""
+    source = SourceText("p.ngc", text if isinstance(text, bytes) else text.encode())
+    return interpret(source, Settings(tool_table=TOOLS, subroutines=(CORPUS / "subs",), **settings))
+
+
 def both(text, **settings):
     """What each lane makes of a program: events, findings, what else a run tells; and the compiled lane's stream."""
-    source = SourceText("p.ngc", text if isinstance(text, bytes) else text.encode())
     said = []
     for lane in ("grammar", "compiled"):
-        run = interpret(source, Settings(tool_table=TOOLS, lane=lane, subroutines=(CORPUS / "subs",), **settings))
+        run = run_of(text, lane=lane, **settings)
         stream = list(run.stream())
         events = [event for item in stream for event in (item.events() if isinstance(item, MoveBatch) else [item])]
         said.append(

@@ -180,6 +180,41 @@ def holes(rng, plane, number):
         yield rng.choice(places)
 
 
+MODES = ["G95 F1", "G94 F99", "G92 X1", "G80 F7", "G0", "G1", "M8", ""]
+
+
+def chain_of_holes(rng):
+    """A program of holes: cycles that begin, go on and end, with their modes and now and then a wrong word."""
+    plane = rng.choice(["G17", "G17", "G18", "G19"])
+    normal = {"G17": "Z", "G18": "Y", "G19": "X"}[plane]
+    places = "XYZ".replace(normal, "")
+
+    def hole():
+        code = rng.choice(["", "", "", "G81", "G81", "G82", "G83", "G73", "G85", "G89", "G86"])
+        odd = rng.random() < 0.03
+        words = [f"{axis}{rng.choice(['1', '-2.5', '7'])}" for axis in rng.sample(places, rng.randint(not code, 2))]
+        words += [f"{normal}{rng.choice(['-2', '-3.5', '9' if odd else '-5'])}"] * (bool(code) != odd)
+        words += [f"R{rng.choice(['1', '3', '-3' if odd else '2'])}"] * (bool(code) or rng.random() < 0.1)
+        words += [f"P{rng.choice(['.5', '1', '0', '-1' if odd else '2'])}"] * (code in ("G82", "G89", "G86") or odd)
+        words += [f"Q{rng.choice(['.7', '2', '0' if odd else '1'])}"] * (code in ("G83", "G73") or odd)
+        words += [rng.choice(["L2", "L1", "A1", "I1", "F0", "Q1", "P1"])] * odd + ["F50"] * (rng.random() < 0.06)
+        modes = [rng.choice(group) for group in (["G98", "G99"], ["G90", "G90", "G91"], [plane]) if rng.random() < 0.2]
+        if odd:
+            modes.append(rng.choice(["G90.1", "G18", "G80", "G98"]))
+        return " ".join([*modes, code, *words][:: rng.choice([1, 1, -1])])
+
+    lines = [rng.choice(["G21", "G20"]), plane, "F100 S500 M3", f"G0 {normal}{rng.choice([0, 2, 5])}"]
+    for _ in range(rng.randint(5, 40)):
+        pick = rng.random()
+        if pick < 0.8:
+            lines.append(hole())
+        elif pick < 0.9:
+            lines.append(f"G{rng.choice([0, 1])} {rng.choice('XYZ')}{rng.randint(-3, 9)}")
+        else:
+            lines.append(rng.choice(["G80", "G80", "G98", "G99", "G17", "G18", "G90", "G61", "G64 P.1", *MODES]))
+    return "\n".join([*lines, "M2"]) + "\n"
+
+
 def contour(rng, plane, number):
     """A path with cutter compensation: mostly long moves, now and then short ones and corners that do not fit."""
     (a, b), (i, j), _ = PLANES[plane]
@@ -194,7 +229,8 @@ def contour(rng, plane, number):
         to_x, to_y = round(x + length * math.cos(heading), 3), round(y + length * math.sin(heading), 3)
         pick = rng.random()
         if pick < 0.6:
-            yield f"{rng.choice(['', 'G1', 'G0']) if straight else 'G1'} {a}{to_x:.3f} {b}{to_y:.3f}"
+            turn = rng.choice(["", "", "", "", f" C{number()}"])
+            yield f"{rng.choice(['', 'G1', 'G0']) if straight else 'G1'} {a}{to_x:.3f} {b}{to_y:.3f}{turn}"
             straight = True
         elif pick < 0.8:
             straight = False
@@ -224,19 +260,35 @@ def test_mutated_programs():
         assert_same(mutated(rng, random_program(rng)))
 
 
+def test_random_holes():
+    rng = random.Random(9)
+    assert sum(moves_in_batches(assert_same(chain_of_holes(rng))) for _ in range(60)) > 250
+
+
 @pytest.mark.slow
 def test_many_random_and_mutated_programs():
     rng = random.Random(7)
     for _ in range(4000):
-        assert_same(mutated(rng, random_program(rng)))
+        text = chain_of_holes(rng) if rng.random() < 0.3 else random_program(rng)
+        assert_same(mutated(rng, text))
 
 
+@pytest.mark.parametrize("block_delete", [False, True])
 @pytest.mark.parametrize("kind", ["valid", "invalid"])
-def test_corpus(kind):
-    programs = sorted((CORPUS / kind).glob("*.ngc"))
-    assert len(programs) > 20
+@pytest.mark.parametrize("corpus", ["rs274", "differences"])
+def test_corpus(corpus, kind, block_delete):
+    programs = sorted((CORPUS.parent / corpus / kind).glob("*.ngc"))
+    assert len(programs) > 10
     for program in programs:
-        assert_same(program.read_bytes())
+        assert_same(program.read_bytes(), block_delete=block_delete)
+
+
+@pytest.mark.parametrize("dialect", ["rs274", "linuxcnc"])
+def test_broken_programs(dialect):
+    programs = sorted((CORPUS.parents[1] / "programs" / "broken").glob("*.nc"))
+    assert len(programs) > 50
+    for program in programs:
+        assert_same(program.read_bytes(), dialect=dialect, max_blocks=5000)
 
 
 def test_a_batch_builds_the_path_that_its_events_build():
