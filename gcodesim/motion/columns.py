@@ -5,3 +5,4 @@ from typing import Any
 from numpy.typing import NDArray
 
 Column = NDArray[Any]
+Columns = tuple[Column, ...]

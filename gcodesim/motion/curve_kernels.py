@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from gcodesim.compiled import kernel
-from gcodesim.motion.columns import Column
+from gcodesim.motion.columns import Column, Columns
 
 STRAIGHT = 0
 ROUND = 1
@@ -36,23 +36,13 @@ def axis_travel(distance: float, speed: float, acceleration: float, t: float) ->
 
 @kernel
 def curve_point(
-    i: int,
-    s: float,
-    kind: Column,
-    start: Column,
-    end: Column,
-    center: Column,
-    radial: Column,
-    sideways: Column,
-    lift: Column,
-    sweep: Column,
-    growth: Column,
-    length: Column,
-    axis_limits: Column,
-    position: Column,
-    tangent: Column,
+    i: int, s: float, curves: Columns, axis_limits: Column, position: Column, tangent: Column
 ) -> None:
-    """Write position (6,) and derivative by s (6,) of curve `i` at `s` into the last two arguments."""
+    """Write position (6,) and derivative by s (6,) of curve `i` at `s` into the last two arguments.
+
+    `curves` are the columns of `curves.Curves` in its order.
+    """
+    kind, start, end, center, radial, sideways, lift, sweep, growth, length = curves
     if kind[i] == TIMED:
         for k in range(6):
             step = end[i, k] - start[i, k]

@@ -1,11 +1,14 @@
-"""Points of pieces; arrays in and out. Column meanings: `pieces.Pieces` and `curves.Curves`."""
+"""Points of pieces, and of a trajectory along them; arrays in and out.
+
+Columns come as tuples in the order of `pieces.Pieces.arrays`, `curves.Curves.arrays` and `trajectory.Phases`.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
 from gcodesim.compiled import kernel
-from gcodesim.motion.columns import Column
+from gcodesim.motion.columns import Column, Columns
 from gcodesim.motion.curve_kernels import curve_point
 
 OVERLAP = 1
@@ -13,86 +16,62 @@ OVERLAP = 1
 
 @kernel
 def piece_point(
-    i: int,
-    s: float,
-    kind: Column,
-    curve: Column,
-    second: Column,
-    begin: Column,
-    length: Column,
-    ratio: Column,
-    axis_limits: Column,
-    c_kind: Column,
-    c_start: Column,
-    c_end: Column,
-    c_center: Column,
-    c_radial: Column,
-    c_sideways: Column,
-    c_lift: Column,
-    c_sweep: Column,
-    c_growth: Column,
-    c_length: Column,
-    position: Column,
-    tangent: Column,
-    spare: Column,
+    i: int, s: float, pieces: Columns, curves: Columns, position: Column, tangent: Column, spare: Column
 ) -> None:
     """Write position (6,) and derivative by s (6,) of piece `i` at `s`; `spare` (2, 6) is overwritten."""
+    kind, curve, second, begin, length, ratio, axis_limits = pieces
     a = curve[i]
     if kind[i] != OVERLAP:
-        curve_point(
-            a, begin[i] + s, c_kind, c_start, c_end, c_center, c_radial, c_sideways, c_lift, c_sweep, c_growth,
-            c_length, axis_limits, position, tangent,
-        )  # fmt: skip
+        curve_point(a, begin[i] + s, curves, axis_limits, position, tangent)
         return
     b = second[i]
     u = s / length[i]
     # tau = u T; first curve: v1 (tau - tau²/2T), second: ratio v1 tau²/2T; length = v1 T
     s1 = begin[i] + length[i] * u * (1.0 - 0.5 * u)
     s2 = 0.5 * ratio[i] * length[i] * u * u
-    curve_point(
-        a, s1, c_kind, c_start, c_end, c_center, c_radial, c_sideways, c_lift, c_sweep, c_growth,
-        c_length, axis_limits, position, tangent,
-    )  # fmt: skip
-    curve_point(
-        b, s2, c_kind, c_start, c_end, c_center, c_radial, c_sideways, c_lift, c_sweep, c_growth,
-        c_length, axis_limits, spare[0], spare[1],
-    )  # fmt: skip
+    curve_point(a, s1, curves, axis_limits, position, tangent)
+    curve_point(b, s2, curves, axis_limits, spare[0], spare[1])
+    start = curves[1]
     for k in range(6):
-        position[k] += spare[0, k] - c_start[b, k]
+        position[k] += spare[0, k] - start[b, k]
         tangent[k] = tangent[k] * (1.0 - u) + spare[1, k] * ratio[i] * u
 
 
 @kernel
-def points(
-    piece: Column,
-    s: Column,
-    kind: Column,
-    curve: Column,
-    second: Column,
-    begin: Column,
-    length: Column,
-    ratio: Column,
-    axis_limits: Column,
-    c_kind: Column,
-    c_start: Column,
-    c_end: Column,
-    c_center: Column,
-    c_radial: Column,
-    c_sideways: Column,
-    c_lift: Column,
-    c_sweep: Column,
-    c_growth: Column,
-    c_length: Column,
-) -> tuple[Column, Column]:
+def points(piece: Column, s: Column, pieces: Columns, curves: Columns) -> tuple[Column, Column]:
     """Positions (k, 6) and derivatives by s (k, 6) at `s` (k,) on pieces `piece` (k,)."""
     n = len(s)
     position = np.empty((n, 6))
     tangent = np.empty((n, 6))
     spare = np.empty((2, 6))
     for j in range(n):
-        piece_point(
-            piece[j], s[j], kind, curve, second, begin, length, ratio, axis_limits,
-            c_kind, c_start, c_end, c_center, c_radial, c_sideways, c_lift, c_sweep, c_growth, c_length,
-            position[j], tangent[j], spare,
-        )  # fmt: skip
+        piece_point(piece[j], s[j], pieces, curves, position[j], tangent[j], spare)
     return position, tangent
+
+
+@kernel
+def sample(
+    t: Column, phase: Column, phases: Columns, pieces: Columns, curves: Columns
+) -> tuple[Column, Column, Column, Column]:
+    """Position (n, 6), velocity (n, 6), place in the piece (n,) and ds/dt (n,) at times `t` in phases `phase`."""
+    phase_time, phase_duration, phase_piece, phase_s, phase_speed, phase_acceleration = phases
+    length = pieces[4]
+    n = len(t)
+    position = np.empty((n, 6))
+    velocity = np.empty((n, 6))
+    place = np.empty(n)
+    rate = np.empty(n)
+    spare = np.empty((2, 6))
+    for j in range(n):
+        p = phase[j]
+        i = phase_piece[p]
+        tau = min(max(t[j] - phase_time[p], 0.0), phase_duration[p])
+        v, a = phase_speed[p], phase_acceleration[p]
+        s = min(max(phase_s[p] + tau * (v + 0.5 * a * tau), 0.0), length[i])
+        v = max(v + a * tau, 0.0)
+        piece_point(i, s, pieces, curves, position[j], velocity[j], spare)
+        for k in range(6):
+            velocity[j, k] *= v
+        place[j] = s
+        rate[j] = v
+    return position, velocity, place, rate

@@ -69,12 +69,15 @@ class Pieces:
     def points(self, piece: NDArray[np.intp] | NDArray[np.int32], s: Array) -> tuple[Array, Array]:
         """Positions (k, 6) and their derivatives by s (k, 6) at `s` (k,) on pieces `piece` (k,)."""
         return points(
-            np.ascontiguousarray(piece, dtype=np.int64), np.ascontiguousarray(s, dtype=float), *self.arrays
+            np.ascontiguousarray(piece, dtype=np.int64),
+            np.ascontiguousarray(s, dtype=float),
+            self.arrays,
+            self.curves.arrays,
         )
 
     @property
     def arrays(self) -> tuple[Any, ...]:
-        """What the piece kernels take after their own arguments."""
+        """The columns in the order the kernels take them, and the limits; those of `curves` come beside them."""
         return (
             self.kind,
             self.curve,
@@ -83,7 +86,6 @@ class Pieces:
             self.length,
             self.ratio,
             self.limits.arrays,
-            *self.curves.arrays,
         )
 
     def inner_ends(self) -> tuple[NDArray[np.int64], Array, NDArray[np.int64]]:

@@ -142,12 +142,17 @@ class Trajectory:
         t = np.ascontiguousarray(t, dtype=float)
         if not len(self.phases.time):
             return self._nothing(t)
-        from gcodesim.motion.trajectory_kernels import sample
+        from gcodesim.motion.piece_kernels import sample
 
         p = self.phases
         phase = np.clip(np.searchsorted(p.time, t, side="right") - 1, 0, len(p.time) - 1)
+        pieces = self._pieces_or_rest
         position, velocity, s, speed = sample(
-            t, phase, p.time, p.duration, p.piece, p.s, p.speed, p.acceleration, *self._pieces_or_rest.arrays
+            t,
+            phase,
+            (p.time, p.duration, p.piece, p.s, p.speed, p.acceleration),
+            pieces.arrays,
+            pieces.curves.arrays,
         )
         piece = p.piece[phase]
         outside = (t < 0.0) | (t > self.duration)
@@ -160,7 +165,7 @@ class Trajectory:
             velocity=velocity,
             piece=piece,
             s=s,
-            fraction=s / np.maximum(self._pieces_or_rest.length[piece], 1e-300),
+            fraction=s / np.maximum(pieces.length[piece], 1e-300),
             row=self.rows_at(t, event),
             speed=speed,
             event=event,

@@ -3,15 +3,23 @@
 While a cut grows the tip is pushed back against the feed, so that it advances less than commanded and its chips are
 thinner; while the cut fades the bend is worked off through thicker ones. Without this a soft machine would be bent
 faster than it is fed, and dig itself in without ever moving on.
+
+Where the feed turns, the tip does not turn at once: its bend has to swing round with the force, and it can do so only
+by cutting its way. It travels on a curve of the size of its bend.
 """
 
 from __future__ import annotations
+
+import math
 
 from gcodesim.compiled import kernel
 from gcodesim.processes.engagement_kernels import FROM, TO, Array
 from gcodesim.processes.force_kernels import TORQUE
 
 LEAST, MOST = 1.0e-3, 4.0  # advance over feed within which a chip is reckoned with
+SAME_WAY = 1.0e-6  # [rad] between two directions that count as one
+SLOWEST = 0.25  # of the rate of a tip that goes round at the distance of its bend
+HELD = 4.0  # steps of bend against the travel, below which a tool counts as not held back
 
 
 @kernel(lean=True)
@@ -79,3 +87,34 @@ def solve_advance(rubbed: float, pushed: float, bent: float, feed: float, asked:
             return float(following)
         a = following
     return float(a)
+
+
+@kernel(lean=True)
+def turn_travel(travel: Array, feed: Array, bend: Array, advance: float, way: float) -> float:
+    """Turn the direction `travel` (2,) of the tip towards that of the feed (2,), unit vectors; the cosine left.
+
+    bend (>= 2,) [m]: deflection across the tool; advance [-]: of the tip over the feed; way [m]: commanded now.
+
+    As long as force and bend delta keep their angle to the travel, d delta = advance travel - feed says, by its part
+    across delta, how far all three turn in a step. On an arc of radius R that leaves a lag of b / R, b being the bend
+    against the travel; round a corner the tip comes within some lengths of its bend. Where nothing holds it back, b
+    being small, it turns at once.
+    """
+    across, cosine = travel[0] * feed[1] - travel[1] * feed[0], travel[0] * feed[0] + travel[1] * feed[1]
+    size = math.sqrt(bend[0] * bend[0] + bend[1] * bend[1])
+    against = -(bend[0] * travel[0] + bend[1] * travel[1])
+    if against < HELD * way or (abs(across) < SAME_WAY and cosine > 0.0):
+        travel[0], travel[1] = feed[0], feed[1]
+        return 1.0
+    pace = way / size
+    turn = (bend[0] * (advance * travel[1] - feed[1]) - bend[1] * (advance * travel[0] - feed[0])) / size * pace
+    side = 1.0 if (across if across != 0.0 else turn) > 0.0 else -1.0
+    turn = max(side * turn, SLOWEST * pace * (abs(across) if cosine > 0.0 else 1.0))
+    if turn >= math.atan2(abs(across), cosine):
+        travel[0], travel[1] = feed[0], feed[1]
+        return 1.0
+    c, s = math.cos(turn), side * math.sin(turn)
+    x, y = c * travel[0] - s * travel[1], s * travel[0] + c * travel[1]
+    size = math.sqrt(x * x + y * y)
+    travel[0], travel[1] = x / size, y / size
+    return float(travel[0] * feed[0] + travel[1] * feed[1])

@@ -8,7 +8,8 @@ last step's delta by relaxation, with the factor taken from the last two residua
 Tuck 1969). With constant engagement the first residual is already small: then one more relaxed step follows without
 asking again, so delta goes to C F without overshoot, however soft the machine. `F/C` one step late would ring as soon
 as the cut is stiffer than the machine. A machine so soft that it has no balance nearby (a narrow shoulder that slips
-to the side) travels on towards the best that was found, no faster than the feed.
+to the side) travels on towards the best that was found, no faster than the feed. Where the feed turns, forces are those
+of the direction in which the bent tip still travels (`advance_kernels.turn_travel`).
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 
 from gcodesim.compiled import kernel
 from gcodesim.material.kernels import PATCH_SHIFT, patch_top, remove_piece, touch_piece
-from gcodesim.processes.advance_kernels import edge_wrench, solve_advance
+from gcodesim.processes.advance_kernels import edge_wrench, solve_advance, turn_travel
 from gcodesim.processes.force_kernels import (
     CHIP,
     DEPTH,
@@ -50,9 +51,9 @@ OUTPUTS = 25
 # places in `state` (STATE,)
 (
     DELTA, RELAXATION, FEED_X, FEED_Y, FREEDOM, CUTTING, TIP, HAS_TIP, STEP, PIECE, BEFORE, PATCH_X, PATCH_Y, CREDIT,
-    ADVANCE,
-) = (0, 3, 4, 5, 6, 7, 8, 11, 12, 13, 14, 17, 18, 19, 20)  # fmt: skip
-STATE = 21
+    ADVANCE, TRAVEL,
+) = (0, 3, 4, 5, 6, 7, 8, 11, 12, 13, 14, 17, 18, 19, 20, 21)  # fmt: skip
+STATE = 23
 PLACED, BLOCKED, FREE = 0.0, 1.0, 2.0  # values of FREEDOM
 
 LEAST_SPEED = 1.0e-7  # [m/s]; slower is a dwell
@@ -145,12 +146,13 @@ def along(vector: Array, ux: float, uy: float, level: float, climb: float) -> fl
 def solve_step(
     lo: Array, hi: Array, count: Ints, grid: Array, tool: Array, edge: Array, laws: Array, table: Array,
     circle: Array, compliance: Array, rigid: bool, tip: Array, ux: float, uy: float, level: float, climb: float,
-    chip: float, way: float, top: float, rows: Array, weights: Array, force: Array, sums: Array, state: Array,
-    result: Array,
+    chip: float, way: float, behind: float, top: float, rows: Array, weights: Array, force: Array, sums: Array,
+    state: Array, result: Array,
 ) -> tuple[int, float]:  # fmt: skip
     """Wrench and deflection of one step together; `state` holds the deflection before and after.
 
-    way [m]: commanded in this step, along the feed; the chip is as thick as the tip advances (`advance_kernels`).
+    way [m]: commanded in this step, of which `behind` [m] does not count along the travel (ux, uy) of the tip; the chip
+    is as thick as the tip advances (`advance_kernels`).
     Returns the number of rows that are filled for `peak_force`, and by what their forces have to be multiplied.
     """
     spare = sums[SUMS + SPARE - 1]
@@ -168,7 +170,7 @@ def solve_step(
     for axis in range(3):
         delta[axis] = state[DELTA + axis]
     bend_fixed, fixed = spare[15:18], spare[18 : 19 + TORQUE]
-    bent_before = along(delta, ux, uy, level, climb)
+    bent_before = along(delta, ux, uy, level, climb) + behind
     relaxation = state[RELAXATION] if state[RELAXATION] > 0.0 else 0.5
     advance = state[ADVANCE] if state[ADVANCE] > 0.0 else 1.0
     asked, best_asked, ratio, pushed = advance, advance, 1.0, 0.0
@@ -341,15 +343,20 @@ def mill(
                 turning_in = shared > LEAST_VOLUME
                 if turning_in:
                     state[CREDIT] = CREDIT_CELLS * cell
+            feed, heading = state[FEED_X : FEED_X + 2], state[TRAVEL : TRAVEL + 2]
+            if rigid_machine or level == 0.0 or state[CUTTING] == 0.0:
+                heading[0], heading[1] = feed[0], feed[1]
             if turning_in:
                 chip = speed * 2.0 * np.pi / (spindle * tool[1]) if speed > LEAST_SPEED else 0.0
-                way = 0.0
+                way, behind = 0.0, 0.0
                 if speed > LEAST_SPEED:
                     way = np.sqrt(travel * travel + (after[2] - before[2]) ** 2)
+                    aside = 1.0 - turn_travel(heading, feed, state[DELTA : DELTA + 3], state[ADVANCE], way * level)
+                    behind = way * level * level * aside
                 used, ratio = solve_step(
                     lo, hi, count, grid, tool, edge, laws, table, circle,
                     no_compliance if rigid_machine else compliance[k], rigid_machine, before,
-                    state[FEED_X], state[FEED_Y], level, climb, chip, way, top, rows, weights, force, sums, state,
+                    heading[0], heading[1], level, climb, chip, way, behind, top, rows, weights, force, sums, state,
                     result,
                 )  # fmt: skip
             elif not rapid:

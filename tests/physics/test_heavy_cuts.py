@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -40,9 +41,20 @@ def gantry() -> np.ndarray:
 
 def cut(C: np.ndarray, law: Law, begin: float, way: float, y: float, depth: float) -> tuple[ProcessStep, np.ndarray]:
     """A straight cut along X by a 6 mm end mill in a block that ends at y = 0; C F (n, 3) of its wrenches beside it."""
-    n = round(abs(way) / (FEED * DT))
-    points = np.zeros((n + 1, 3))
-    points[:, 0], points[:, 1], points[:, 2] = begin + np.linspace(0.0, way, n + 1), y, -depth
+    return cut_along(C, law, [(begin, y), (begin + way, y)], depth)
+
+
+def cut_along(
+    C: np.ndarray, law: Law, corners: list[tuple[float, float]], depth: float, cell: float = 0.5e-3
+) -> tuple[ProcessStep, np.ndarray]:
+    """The same along straight lines between `corners` [m], which are passed at full feed."""
+    parts = [np.array(corners[:1])]
+    for a, b in itertools.pairwise(np.array(corners)):
+        n = round(float(np.linalg.norm(b - a)) / (FEED * DT))
+        parts.append(a + np.linspace(0.0, 1.0, n + 1)[1:, None] * (b - a))
+    level = np.concatenate(parts)
+    points = np.column_stack([level, np.full(len(level), -depth)])
+    n = len(points) - 1
     process = Milling(cutter=TOOLS["flat_end_mill"](number=1, diameter=6e-3, length=60e-3), law=law)
     window = Window(
         piece_start=points[:-1],
@@ -56,7 +68,7 @@ def cut(C: np.ndarray, law: Law, begin: float, way: float, y: float, depth: floa
         dt=DT,
         compliance=np.tile(C, (n, 1, 1)),
     )
-    stock = Stock.box((0.0, 0.0, -12e-3), (44e-3, 40e-3, 0.0), 0.5e-3)
+    stock = Stock.box((0.0, 0.0, -12e-3), (44e-3, 40e-3, 0.0), cell)
     found = process.run(stock, window, process.begin())
     return found, np.einsum("ij,nj->ni", C[:3], found.wrench)
 
@@ -111,3 +123,29 @@ def test_a_slot_in_a_soft_arm_settles_at_the_balance_of_depth_and_bend() -> None
         depth = 1e-3 / (1.0 + gain[2] / share)
         assert closed[-1] == pytest.approx(gain / share * depth, rel=0.02)
         assert found.axial_depth[-1] == pytest.approx(depth, rel=0.02)
+
+
+@pytest.mark.parametrize("share", [1.0, 0.3])
+@pytest.mark.parametrize("machine", [arm, gantry])
+@pytest.mark.parametrize("turn", [-45.0, -90.0, -135.0])
+def test_a_tool_that_is_bent_goes_round_a_corner(turn: float, machine: object, share: float) -> None:
+    """The bend swings round with the force by cutting its way, not from one step to the next; then all is as on a
+    straight line in the new direction."""
+    assert callable(machine)
+    C = machine() / share
+    corner = (22e-3, 24e-3)
+    end = (corner[0] + 16e-3 * math.cos(turn * DEG), corner[1] + 16e-3 * math.sin(turn * DEG))
+    found, closed = cut_along(C, STEEL, [(-4e-3, 24e-3), corner, end], 1e-3, 0.25e-3)
+    n = round(26e-3 / (FEED * DT))
+    size, miss = np.linalg.norm(closed, axis=1), np.linalg.norm(found.deflection - closed, axis=1)
+    swing = np.linalg.norm(np.diff(found.deflection, axis=0), axis=1)[n - 1 :] / (FEED * DT)
+    force = np.linalg.norm(found.wrench[:, :3], axis=1)
+
+    assert size[n - 1] > 5.0 * FEED * DT  # it has something to swing round
+    assert swing.max() < 3.0
+    assert found.removed[n:].max() < 8.0 * found.removed[n - 100 : n].mean()
+    assert force[n:].max() < 2.5 * max(force[n - 1], force[-1])
+    assert (miss <= 0.01 * size + 0.5e-6).mean() > 0.99
+    before = (corner[0] - 40e-3 * math.cos(turn * DEG), corner[1] - 40e-3 * math.sin(turn * DEG))
+    straight, _ = cut_along(C, STEEL, [before, end], 1e-3, 0.25e-3)
+    assert found.wrench[-1, :3] == pytest.approx(straight.wrench[-1, :3], rel=0.03, abs=0.01 * force[-1])
