@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import re
+from collections.abc import Callable
+from functools import wraps
 from typing import TYPE_CHECKING, Final
 
 from gcodesim.cli.exits import UsageError
@@ -69,6 +71,23 @@ def chosen_range(arguments: argparse.Namespace, recording: Recording) -> tuple[i
             raise UsageError(f"the run ends at {recording.end_ns * 1e-9:g} s, before {begin * 1e-9:g} s")
         return begin, end
     return 0, None
+
+
+def reads_logs(run: Callable[[argparse.Namespace], int]) -> Callable[[argparse.Namespace], int]:
+    """`run` of a command, for which a log that turns out to be damaged is wrong usage."""
+
+    @wraps(run)
+    def guarded(arguments: argparse.Namespace) -> int:
+        try:
+            return run(arguments)
+        except Exception as error:
+            from gcodesim.log.logfile import LogReadError
+
+            if not isinstance(error, LogReadError):
+                raise
+            raise UsageError(f"the log is damaged: {error}") from None
+
+    return guarded
 
 
 def open_recording(path: object) -> Recording:

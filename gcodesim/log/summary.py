@@ -35,7 +35,7 @@ class LogSummary:
     """What `gcodesim info` tells. `run` and `result` are the records of the log, as texts.
 
     `complete`: the file has its end and the run came to its own. `state` is
-    finished, failed, interrupted or, without an end, running. `problem` says
+    finished, failed, interrupted, without an end running, or unknown. `problem` says
     what is wrong with the file, `missing` what of a whole log is not there.
     `stopped_at` is the last program line there is. `events` counts by severity.
     """
@@ -60,6 +60,8 @@ class LogSummary:
     @property
     def verdict(self) -> str:
         """One line: how the run ended, and where when it did not come to its end."""
+        if not self.run and self.complete:
+            return "an MCAP file, but no log of gcodesim"
         place = f" at {self.stopped_at.file}:{self.stopped_at.line}" if self.stopped_at else ""
         if self.complete:
             return self.state if self.state == "finished" else f"{self.state}{place}"
@@ -104,7 +106,7 @@ def summary(path: Path) -> LogSummary:
     return LogSummary(
         path=log.path,
         complete=log.complete and not problem and not interrupted,
-        state="interrupted" if interrupted else result.get("state", "running"),
+        state="interrupted" if interrupted else result.get("state", "unknown" if log.complete else "running"),
         problem=problem,
         missing=() if log.complete and not problem else _missing(log, stopped_at),
         stopped_at=stopped_at,

@@ -46,12 +46,17 @@ class Recording:
         folder = path if path.is_dir() else None
         file = path / LOG_NAME if folder is not None else path
         try:
-            return Recording(LogFile.open(file), folder)
+            log = LogFile.open(file)
         except FileNotFoundError:
             where = f"folder {path} holds no {LOG_NAME}" if folder is not None else f"log {path} is not there"
             raise RecordingError(where) from None
         except (LogReadError, OSError) as error:
             raise RecordingError(f"log {file} cannot be read: {error}") from None
+        if not log.chunks and not log.complete:
+            raise RecordingError(f"log {file} holds nothing that can be read: {log.problem}")
+        if "gcodesim.run" not in log.metadata:
+            raise RecordingError(f"{file} is an MCAP file, but no log of gcodesim")
+        return Recording(log, folder)
 
     @property
     def end_ns(self) -> int:

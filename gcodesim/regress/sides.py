@@ -158,6 +158,8 @@ def _log(path: Path) -> Facts:
         held = {name: log.attachment(name) for name in log.attachments}
     except LogReadError as error:
         raise SideError(f"{path} cannot be read: {error}") from None
+    if not {RESULTS_NAME, _PROGRAM} & set(held):
+        raise SideError(f"{path} holds neither a program nor results: there is nothing to compare")
     results: dict[str, Any] = json.loads(held[RESULTS_NAME]) if RESULTS_NAME in held else {"status": INCOMPLETE}
     if _PROGRAM not in held:
         return Facts(name=str(path), results=results, remarks=(f"{path} holds no program",))

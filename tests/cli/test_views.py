@@ -101,6 +101,52 @@ def test_what_is_not_there_is_usage(run, tmp_path, command):
         assert status == 2 and "Traceback" not in said and said.startswith("gcodesim: ")
 
 
+@pytest.fixture
+def damaged(slot_folder, tmp_path):
+    """Logs that cannot be read: one with another byte in a chunk, one cut before its first chunk, one of others."""
+    from mcap.reader import make_reader
+    from mcap.writer import Writer
+
+    whole = (slot_folder / "run.mcap").read_bytes()
+    with (slot_folder / "run.mcap").open("rb") as stream:
+        chunk = make_reader(stream).get_summary().chunk_indexes[0]
+    at = chunk.chunk_start_offset + chunk.chunk_length // 2
+    (tmp_path / "bit.mcap").write_bytes(whole[:at] + bytes([whole[at] ^ 255]) + whole[at + 1 :])
+    (tmp_path / "early.mcap").write_bytes(whole[: chunk.chunk_start_offset])
+    with (tmp_path / "other.mcap").open("wb") as stream:
+        writer = Writer(stream)
+        writer.start()
+        channel = writer.register_channel("/chat", "json", writer.register_schema("chat", "jsonschema", b"{}"))
+        writer.add_message(channel, 5, b"{}", 5)
+        writer.finish()
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        *(["export", "--to", form, "-o", "out"] for form in ("csv", "jsonl", "stl", "glb", "rosbag2")),
+        *(["plot"], ["report"], ["report", "--times"]),
+    ],
+)
+def test_damaged_and_foreign_logs_are_usage_and_leave_nothing(run, damaged, command):
+    before = sorted(damaged.iterdir())
+    told = {name: run(*command, log=damaged / f"{name}.mcap") for name in ("bit", "early", "other")}
+
+    assert [status for status, _, _ in told.values()] == [2, 2, 2], told
+    assert all(said.startswith("gcodesim: ") and said.count("\n") == 1 for _, _, said in told.values()), told
+    assert "the log is damaged: " in told["bit"][2] and "no log of gcodesim" in told["other"][2]
+    assert "holds nothing that can be read" in told["early"][2]
+    assert sorted(damaged.iterdir()) == before
+
+
+def test_a_log_of_others_is_known_as_such(run, damaged):
+    status, _, said = run("diff", "bit.mcap", log=damaged / "other.mcap")
+    assert status == 2 and "holds neither a program nor results" in said
+    status, out, _ = run("info", log=damaged / "other.mcap")
+    assert status == 0 and out.splitlines()[0].endswith("other.mcap: an MCAP file, but no log of gcodesim")
+
+
 def test_a_missing_library_is_named(run, monkeypatch):
     from gcodesim.report import libraries
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gcodesim.cli.exits import FINDINGS, OK, UsageError
+from gcodesim.cli.moments import reads_logs
 from gcodesim.cli.options import add_tolerances, read_tolerances
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ def add_parser(commands: Any) -> None:
         metavar="FILE",
         help="besides, write a page that replays both runs side by side and lists what differs",
     )
-    parser.set_defaults(run=run)
+    parser.set_defaults(run=reads_logs(run))
 
 
 def run(arguments: argparse.Namespace) -> int:

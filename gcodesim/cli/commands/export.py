@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from gcodesim.cli.exits import OK, UsageError
-from gcodesim.cli.moments import add_range, chosen_range, nanoseconds, open_recording
+from gcodesim.cli.moments import add_range, chosen_range, nanoseconds, open_recording, reads_logs
 
 if TYPE_CHECKING:
     from gcodesim.export.select import Part
@@ -68,7 +68,7 @@ def add_parser(commands: Any) -> None:
     parser.add_argument(
         "--world", action="store_true", help="stl: where the part stands in the world, not its own frame"
     )
-    parser.set_defaults(run=run)
+    parser.set_defaults(run=reads_logs(run))
 
 
 def run(arguments: argparse.Namespace) -> int:

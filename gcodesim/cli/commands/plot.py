@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from gcodesim.cli.exits import OK, UsageError
-from gcodesim.cli.moments import add_range, chosen_range, open_recording
+from gcodesim.cli.moments import add_range, chosen_range, open_recording, reads_logs
 
 _USUAL = ("force", "power", "removal", "feed", "error")
 
@@ -27,7 +27,7 @@ def add_parser(commands: Any) -> None:
     parser.add_argument(
         "-o", "--out", type=Path, metavar="FILE", help="a .svg, .png or .pdf (default: the program's name with .svg)"
     )
-    parser.set_defaults(run=run)
+    parser.set_defaults(run=reads_logs(run))
 
 
 def run(arguments: argparse.Namespace) -> int:

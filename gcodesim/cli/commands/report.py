@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from gcodesim.cli.exits import OK, UsageError
-from gcodesim.cli.moments import open_recording
+from gcodesim.cli.moments import open_recording, reads_logs
 from gcodesim.cli.options import add_format
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ def add_parser(commands: Any) -> None:
         "--times", action="store_true", help="print the time by tool, layer and line; the parts add up to the total"
     )
     add_format(parser)
-    parser.set_defaults(run=run)
+    parser.set_defaults(run=reads_logs(run))
 
 
 def run(arguments: argparse.Namespace) -> int:
