@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import cached_property
 from pathlib import Path
 
 from gcodesim.diagnostics import Caller, SourceText
@@ -27,7 +28,7 @@ LOCAL_WORDS = frozenset(KEYWORDS) - {"sub", "endsub", "call", "return"}  # their
 
 
 class Stopped(Fault):
-    """A fault after which no next line is known; `index` is where reading stood."""
+    """A fault after which a control knows no next line; `index` is where its reading stood."""
 
     def __init__(self, code: str, message: str, *, index: int | None = None, hint: str = "") -> None:
         super().__init__(code, message, hint=hint)
@@ -49,6 +50,7 @@ class FlowControl:
         self.changes = 0
         """Counts the O-words and calls, for those who keep a copy of what they change."""
         self.loop: tuple[ProgramFile, int] | None = None  # the line last jumped back to
+        self.entered: set[tuple[str, int]] = set()  # subroutines that were called since the first fault
         self.failed = False  # whether the program is only read on for its further faults
         self.skipped: dict[str, Skipped] = {}
         self.taken = True  # whether a branch of the `if` at hand was taken
@@ -59,6 +61,15 @@ class FlowControl:
     @property
     def frame(self) -> Frame:
         return self.frames[-1]
+
+    @property
+    def reads_on(self) -> bool:
+        """Whether what is left of a program with calls is only read for its further faults, each subroutine once."""
+        return self.failed and self._has_calls
+
+    @cached_property
+    def _has_calls(self) -> bool:
+        return any(flow.keyword == "call" for flow in self.frames[0].file.flows)
 
     # -- O-words
 
@@ -364,6 +375,8 @@ class FlowControl:
         control = self.control
         arguments = [loose(node, control.parameters) for node in flow.operands]
         file, first = self._find(label, index, by_m98=False)
+        if self._was_read(file, first):
+            return
         self._enter(file, first, label, index)
         frame = self.frame
         frame.arguments = control.parameters.first()
@@ -371,6 +384,15 @@ class FlowControl:
         control.parameters.locals = {}
         control.parameters.set_first((*arguments, *_NOTHING[len(arguments) :]))
         control.returned, control.value_returned = 0.0, False
+
+    def _was_read(self, file: ProgramFile, first: int) -> bool:
+        """Whether a subroutine need not be called: after a fault each is read once, for its own faults."""
+        if not self.failed:
+            return False
+        where = (file.name, first)
+        known = where in self.entered
+        self.entered.add(where)
+        return known
 
     def _enter(self, file: ProgramFile, first: int, label: str, index: int) -> None:
         if len(self.frames) >= MOST_LEVELS:
@@ -464,6 +486,8 @@ class FlowControl:
             self.frame.by_m98 = True
             return
         file, first = self._find(label, index, by_m98=True)
+        if self._was_read(file, first):
+            return
         self._enter(file, first + 1, label, index)
         self.frame.by_m98 = True
         self.frame.first = first

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from gcodesim.rs274.block import Block
+from gcodesim.rs274.block import Block, Name
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.dialects.linuxcnc import CENTRE, DISTANCE, FEED_MODE, MOTION, PLANE, SYSTEM, UNITS
 from gcodesim.rs274.ends import end_point
@@ -13,7 +13,7 @@ from gcodesim.rs274.reader import prepare, read_plain
 from gcodesim.rs274.words import Words, read_words
 
 _HARMLESS = (MOTION, PLANE, DISTANCE, CENTRE, FEED_MODE, UNITS, SYSTEM)
-_FLOW = re.compile(r"\s*/?[1-9]?\s*(?:n[\d.\s]*)?(?:o|while|if\s*\[|goto|do\s*[1-9]|end\s*[1-9])")
+_FLOW = re.compile(r"\s*+(?:/[1-9]?)?\s*+(?:n[\d.\s]*+)?(?:o|while|if\s*+\[|goto|do\s*+[1-9]|end\s*+[1-9])")
 _PLAIN_WORD = re.compile(r"(?<![A-Za-z#<\[])([A-Za-z])[ \t]*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(?![0-9.\[])")
 
 # codes of faults that may only follow from an unknown position, feed, spindle or parameter
@@ -22,7 +22,8 @@ _BY_FEED = frozenset(("GS107",))
 _BY_SPINDLE = frozenset(("GS108", "GS175"))
 _BY_PARAMETER = frozenset(("GS120", "GS121", "GS123"))
 _BY_MODE = frozenset(("GS101", "GS104", "GS150", "GS170", "GS191"))
-_BY_FLOW = frozenset(("GS130", "GS131", "GS132"))
+_BY_FLOW = frozenset(("GS130", "GS132"))
+_NOT_FOUND = "GS131"
 
 
 class Recovery:
@@ -37,9 +38,11 @@ class Recovery:
         self.modes = False
         self.flow = False
 
-    def is_consequence(self, fault: Fault) -> bool:
+    def is_consequence(self, fault: Fault, block: Block | None) -> bool:
         """Whether `fault` may come from an earlier skipped block alone."""
         code = fault.code
+        if code == _NOT_FOUND:
+            return self.parameters and block is not None and _is_computed(block)
         return (
             (self.position and code in _BY_POSITION)
             or (self.feed and code in _BY_FEED)
@@ -128,3 +131,10 @@ class Recovery:
             pass
         del control.out[kept:]
         control.parameters.commit()
+
+
+def _is_computed(block: Block) -> bool:
+    """Whether what is called has to be computed."""
+    if block.flow is not None:
+        return not isinstance(block.flow.label, float | Name)
+    return any(not isinstance(value, float) for _, value in block.words)

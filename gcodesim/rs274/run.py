@@ -140,7 +140,7 @@ class Executor:
             if index >= len(frame.file.lines):
                 self._end_of_lines()
                 break
-            lanes = self.lanes if control.state.strayed is None else None
+            lanes = None if control.state.strayed is not None or flow.reads_on else self.lanes
             if lanes is not None and (lane := lanes.lane_at(self.blocks)):
                 done, batch, last = lane.run(self.blocks, max(self.most_blocks - self.blocks, 0))
                 self.blocks += done
@@ -329,8 +329,7 @@ class Executor:
         stopped = index
         if isinstance(fault, Stopped):
             stopped = index if fault.index is None else fault.index
-            self.control.finished = True
-        if not self.recovery.is_consequence(fault):
+        if not self.recovery.is_consequence(fault, block):
             self._report(finding, stopped + 1)
         self.recovery.after(fault, block, text)
 

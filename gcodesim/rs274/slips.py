@@ -13,6 +13,7 @@ _SLIPS: tuple[tuple[re.Pattern[str], str], ...] = tuple(
         (r",|>a", ",A, the angle of a move, is not simulated: write both coordinates of its end"),
         (r"([0-9]*)|>,([0-9]+)", "the decimal sign is a point: write {0}.{1}"),
         (r"([0-9.]+)|>_([0-9]+)", "digits are not grouped: write {0}{1}"),
+        (r"(?<![a-z])([gm]) ?|>o([0-9.]*)(?![a-z<\[])", "is it the letter O? Write the digit 0: {0}0{1}"),
         (r"([0-9.]*) ?|>o([0-9.]*)(?![a-z<\[])", "is it the letter O? Write the digit 0: {0}0{1}"),
         (r"(?<![a-z])[a-np-z]([0-9.]+)o ?|>(?![<\[])", "is it the letter O? Write the digit 0: {0}0"),
         (r"([0-9.]+)l ?|>", "is it the letter? Write the digit 1: {0}1"),

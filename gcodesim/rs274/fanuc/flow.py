@@ -125,6 +125,8 @@ class FanucFlow(FlowControl):
             return
         calls = self.running.calls
         file, part = self._find_program(number)
+        if self._was_read(file, part.first):
+            return
         self._push(file, part, number, rounds, index).calls = calls
 
     def repeats_of(self, word: float, rounds: int | None) -> tuple[int, int]:
@@ -191,6 +193,8 @@ class FanucFlow(FlowControl):
         if sum(isinstance(frame, FanucFrame) and frame.macro for frame in self.frames) >= MOST_MACRO_LEVELS:
             raise Stopped("GS132", f"macros are called more than {MOST_MACRO_LEVELS} deep")
         file, part = self._find_program(number)
+        if self._was_read(file, part.first):
+            return
         frame = self._push(file, part, number, rounds, index)
         frame.calls = calls
         frame.macro, frame.macro_arguments = True, arguments

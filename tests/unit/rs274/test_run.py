@@ -56,6 +56,23 @@ def test_after_a_fault_loops_and_calls_are_gone_through_once(program):
     assert [(f.code, f.span.line, f.count) for f in done.errors] == [("GS006", 2, 1), ("GS004", 6, 1), ("GS004", 10, 1)]
 
 
+def test_a_subroutine_that_is_missing_hides_nothing_behind_its_call(program):
+    """A control stops at the call; the reader goes on, names the next one that is missing, too, and what else is wrong."""
+    done = program("o100 call\nG0 X\no200 call\no3 if [1]\nG0 Y\nM2")
+
+    assert [(f.code, f.span.line) for f in done.errors] == [("GS131", 1), ("GS004", 2), ("GS131", 3), ("GS004", 5)]
+    assert done.run.failed_line == 6 and done.ends == []
+
+
+def test_after_a_fault_each_subroutine_is_read_once(program):
+    """Ten calls in each of ten subroutines would be 10**9 calls."""
+    subs = "".join(f"o{n} sub\n" + f"o{n + 1} call\n" * 10 + f"o{n} endsub\n" for n in range(1, 9))
+    done = program(f"{subs}o9 sub\nG0 X\no9 endsub\nG0 Y\no1 call\nM2")
+
+    assert [(f.code, f.span.line, f.count) for f in done.errors] == [("GS004", 98, 1), ("GS004", 100, 1)]
+    assert done.run.blocks < 300
+
+
 def test_state_is_unchanged_by_a_guilty_block(program):
     """T is read before the fault of the block shows; still nothing of it stays."""
     done = program("T2 M6 G43 H77\nG0 Z1\nM6\nM2")
