@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import gc
 import os
 import sys
@@ -19,6 +20,7 @@ GARBAGE_EVERY: Final = 100_000
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a command line; returns the exit status: 0 clean, 1 findings, 2 usage, 70 our fault, 130 interrupted."""
     gc.set_threshold(GARBAGE_EVERY)
+    atexit.register(gc.freeze)  # else the interpreter looks through all of them several times before it ends
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(encoding="utf-8", errors="replace")  # a finding may quote any character of a program
