@@ -127,22 +127,23 @@ def _live(arguments: argparse.Namespace) -> LiveView | None:
 def _run_program(arguments: argparse.Namespace, live: LiveView | None, begin: float) -> int:
     from gcodesim.world import WorldUnavailable
 
-    loaded = _loaded(arguments)
-    job = _prepared(arguments, arguments.program, loaded)
     if arguments.out.exists() and not arguments.out.is_dir():
         raise UsageError(f"{arguments.out} is a file, not a folder")
-    try:
-        with _Stop() as stop, _Bar() as bar:
+    with _Bar() as bar:
+        loaded = _loaded(arguments)
+        job = _prepared(arguments, arguments.program, loaded)
+        with _Stop() as stop:
 
             def progress(now: Progress) -> None:
                 bar(now)
                 stop.obey()
 
-            results, execution = run(job, arguments.out, progress, live)
-    except WorldUnavailable as reason:
-        raise UsageError(str(reason)) from None
-    except OSError as error:
-        raise UsageError(_unwritten(arguments.out, error)) from None
+            try:
+                results, execution = run(job, arguments.out, progress, live)
+            except WorldUnavailable as reason:
+                raise UsageError(str(reason)) from None
+            except OSError as error:
+                raise UsageError(_unwritten(arguments.out, error)) from None
     settled = settle([_met(arguments, arguments.program, loaded, job, results)], arguments)
     if arguments.format == "json":
         print_json(results.as_json())
@@ -206,7 +207,7 @@ class _Stop:
 
 
 class _Bar:
-    """A bar with time left on a terminal, nothing elsewhere."""
+    """A bar with time left on a terminal, nothing elsewhere. It says `reading` until the first step is done."""
 
     def __enter__(self) -> _Bar:
         self._bar = None
@@ -215,20 +216,21 @@ class _Bar:
             from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
             self._bar = Progress(
-                TextColumn("block {task.fields[block]}"),
+                TextColumn("{task.description}"),
                 BarColumn(),
                 TextColumn("{task.percentage:>3.0f} %"),
                 TimeRemainingColumn(),
                 console=Console(stderr=True),
                 transient=True,
             )
-            self._task = self._bar.add_task("run", total=1, block=0)
+            self._task = self._bar.add_task("reading", total=None)
             self._bar.start()
         return self
 
     def __call__(self, progress: Progress) -> None:
         if self._bar is not None:
-            self._bar.update(self._task, completed=progress.step, total=progress.steps, block=progress.row + 1)
+            block = f"block {progress.row + 1}"
+            self._bar.update(self._task, completed=progress.step, total=progress.steps, description=block)
 
     def __exit__(self, *_: object) -> None:
         if self._bar is not None:
