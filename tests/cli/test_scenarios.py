@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import re
 import subprocess
@@ -88,6 +89,37 @@ def test_a_resolution_that_no_memory_holds(cli, write, tmp_path: Path) -> None:
     assert done.status == 1
     assert re.search(r"fine\.yaml:3:\d+: error GS411: .* needs .*\(\d{10,} bytes\)", done.out)
     assert re.search(r"the finest resolution that fits is 0\.0\d+ mm", done.out)
+
+
+@pytest.mark.slow
+def test_a_heavy_program(write, tmp_path: Path) -> None:
+    """100,000 blocks of a raster on an arm at 0.25 mm, in the world with dynamics, into a pipe."""
+    rows = []
+    for row in range(100):
+        columns = range(1000) if row % 2 == 0 else range(999, -1, -1)
+        for column in columns:
+            x, y = 5 + 0.19 * column, 5 + 1.1 * row
+            rows.append(f"G1 X{x:.3f} Y{y:.3f} Z{-2 + math.sin(x / 9) * math.cos(y / 7):.3f} F4000\n")
+    head = "G21 G90 G17 G64 P0.02\nT1 M6\nG43 H1\nS12000 M3\nG0 X5 Y5 Z10\nG1 Z-1 F600\n"
+    write("big.nc", head + "".join(rows) + "G0 Z50\nM5\nM2\n")
+    write(
+        "arm.yaml",
+        "gcodesim: 1\nrobots: {arm: {model: kuka_kr10_r1100_2}}\nwork_offsets: {G54: {xyz: [450, -60, 250]}}\n"
+        "stock: {box: [200, 120, 20], zero: top-front-left, in: G54, material: al6082_t6, resolution: 0.25}\n"
+        "tools: {1: {type: ball_end_mill, diameter: 8, length: 60}}\nsimulation: {world: bullet}\n",
+    )
+    command = [sys.executable, "-m", "gcodesim", "run", "big.nc", "--cell", "arm.yaml"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=900)
+
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "big.nc: no errors, no warnings" in done.stdout
+    last = done.stderr.strip().splitlines()[-1]
+    ratio, memory = re.search(r"([\d.]+) simulated seconds in a real one, peak memory (\d+) MB", last).groups()
+    assert float(ratio) > 0.0 and int(memory) < 1000
+    assert "block " not in done.stderr and "\x1b" not in done.stderr  # no bar in a pipe
+    results = (tmp_path / "out" / "results.json").read_text()
+    assert "peak" not in results and json.loads(results)["time"]["total_s"] > 200
+    assert len((tmp_path / "out" / "lines.csv").read_text().splitlines()) > 100_000
 
 
 def test_nothing_is_cut_and_nothing_is_invented(cli, write, tmp_path: Path) -> None:
