@@ -24,6 +24,7 @@ _BY_PARAMETER = frozenset(("GS120", "GS121", "GS123"))
 _BY_MODE = frozenset(("GS101", "GS104", "GS150", "GS170", "GS191"))
 _BY_FLOW = frozenset(("GS130", "GS132"))
 _NOT_FOUND = "GS131"
+_MOST_WORDS = 100  # of a line that are looked at; a longer one is no block
 
 
 class Recovery:
@@ -90,6 +91,8 @@ class Recovery:
                 continue
             seen.add(low)
             found.append(f"{letter}{number}")
+            if len(found) > _MOST_WORDS:
+                return None
         while found:
             plain = read_plain(block.line if block else 0, " ".join(found))
             if plain is None:
