@@ -2,7 +2,7 @@
 
     axes = turn(point - centre) + centre + G52 + G92 + G5x + external + tool offset
 
-The turn is about Z. It fits the base class, which knows `R(point + g92) + origin`.
+The turn is in the plane of its G68. About Z it fits the base class, which knows `R(point + g92) + origin`.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from gcodesim.rs274.fanuc.corners import Corner
     from gcodesim.rs274.fanuc.polar import Polar
 
+_XY = (0, 1)
 ADDITIONAL = 100  # the index of G54.1 P1 is one more
 
 
@@ -30,7 +31,8 @@ class FanucState(State):
     preset: Vector = ZERO  # G92
     local: Vector = ZERO  # G52
     turn: float | None = None  # G68 [deg]
-    turn_centre: tuple[float, float] = (0.0, 0.0)
+    turn_axes: tuple[int, int] = _XY  # the axes of the plane that is turned
+    turn_centre: tuple[float, float] = (0.0, 0.0)  # on those axes
     mirror: tuple[float | None, float | None, float | None] = (None, None, None)  # G51.1
     scale: tuple[float, float, float] = (1.0, 1.0, 1.0)  # G51
     scale_centre: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -95,12 +97,34 @@ class FanucControl(Control):
         if state.turn is None:
             state.origin, state.rotation, state.g92 = base, 0.0, ZERO
         else:
-            x, y = state.turn_centre
-            state.origin = (base[0] + x, base[1] + y, *base[2:])
-            state.rotation = state.turn
-            state.g92 = (-x, -y, *ZERO[2:])
+            centre = list(ZERO)
+            for axis, value in zip(state.turn_axes, state.turn_centre, strict=True):
+                centre[axis] = value
+            state.origin = add(base, tuple(centre))  # type: ignore[arg-type]
+            state.rotation = state.turn if state.turn_axes == _XY else 0.0
+            state.g92 = subtract(ZERO, tuple(centre))  # type: ignore[arg-type]
         self.stay_at(axes)
         self.say_system()
+
+    def tip(self, point: Vector) -> Vector:
+        state = self.state
+        if state.turn is None or state.turn_axes == _XY:
+            return super().tip(point)
+        return add(self._turned(add(point, state.g92), state.turn), state.origin)
+
+    def point_of(self, tip: Vector) -> Vector:
+        state = self.state
+        if state.turn is None or state.turn_axes == _XY:
+            return super().point_of(tip)
+        return subtract(self._turned(subtract(tip, state.origin), -state.turn), state.g92)
+
+    def _turned(self, point: Vector, degrees: float) -> Vector:
+        """`point` turned in the plane of G68 about its zero."""
+        (first, second), out = self.state.turn_axes, list(point)
+        cos, sin = self._turn(degrees)
+        out[first] = point[first] * cos - point[second] * sin
+        out[second] = point[first] * sin + point[second] * cos
+        return tuple(out)  # type: ignore[return-value]
 
     def system_offset(self, index: int) -> tuple[Vector, float]:
         return self.stored(first_of(index)), 0.0

@@ -5,6 +5,7 @@ from __future__ import annotations
 from gcodesim import canon
 from gcodesim.rs274 import compensation, machine_codes, modes
 from gcodesim.rs274 import parameters as numbers
+from gcodesim.rs274.arcs import PLANE_AXES
 from gcodesim.rs274.dialects import g_name
 from gcodesim.rs274.dialects.fanuc import CYCLES, MIRROR, SCALING, STROKE, TURN
 from gcodesim.rs274.dialects.linuxcnc import CANCEL, COMPENSATION, MOTION, NON_MODAL, PATH, SPINDLE, STOPPING
@@ -118,6 +119,14 @@ def _moved_by(words: Words, control: FanucControl, motion: int, own: int) -> fro
         return frozenset()
     if arc:
         words.values.pop("p", None)
+        if (
+            state.turn is not None
+            and state.rotation == 0.0 != state.turn
+            and PLANE_AXES[state.plane][:2] != state.turn_axes
+        ):
+            raise Fault(
+                "GS106", "an arc outside the plane of G68 is not simulated", hint="say G69 before, or stay in it"
+            )
     kept = state.motion
     motion = figure.apply(words, control, motion)
     if corners.is_near(words, control):

@@ -81,13 +81,13 @@ def _mirror(words: Words, control: FanucControl, *, on: bool) -> None:
 
 def _turn(words: Words, control: FanucControl) -> None:
     _refuse_in_compensation(control, "G68")
-    if control.state.plane != 170:
-        raise Fault("GS106", "G68 is simulated in the XY plane only", at="g68", hint="say G17")
     angle = words.need("r", "GS105", "G68", "R is the angle in degrees")
     del words.values["r"]
     base, here = control.base(), control.tip(control.state.current)
-    x, y = (words.values.pop(letter, here[axis] - base[axis]) for axis, letter in enumerate("xy"))
-    control.reframe(turn=angle, turn_centre=(x, y))
+    axes = PLANE_AXES[control.state.plane][:2]
+    centre = tuple(words.values.pop("xyz"[axis], here[axis] - base[axis]) for axis in axes)
+    control.reframe(turn=None)  # a turn in force gives way
+    control.reframe(turn=angle, turn_axes=axes, turn_centre=centre)
 
 
 def apply(words: Words, control: FanucControl, motion: int) -> int:

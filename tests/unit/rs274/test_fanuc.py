@@ -293,10 +293,24 @@ def test_lines_left_out_are_counted(program) -> None:
     assert done.run.not_simulated["/"][0] == 2
 
 
-def test_a_turn_in_another_plane_is_refused_by_name(fanuc):
-    done = fanuc(body("G17 G90", "G18", "G68 X0. Z0. R90.", "G00 Z2.", "G69", "M30"))
+def test_a_turn_in_g18_goes_from_z_to_x(fanuc):
+    """By 90 degrees about X1 Z0: 2 along Z from there becomes 2 along X, and 2 along X becomes -2 along Z."""
+    done = fanuc(body("G90 G18", "G68 X1. Z0. R90.", "G00 X1. Y4. Z2.", "X3. Z0.", "G69", "X0. Z0.", "M30"))
 
-    assert [(f.code, f.span.line) for f in done.errors] == [("GS106", 5)]
+    want = [[3, 4, 0], [1, 4, -2], [0, 4, 0]]
+    assert done.ends == [pytest.approx(end, abs=1e-9) for end in want]
+
+
+def test_a_turn_in_g19_and_its_arcs(fanuc):
+    """In YZ by 90 degrees: Y5 becomes Z5; the arc about Y0 keeps its sense, one in another plane is refused."""
+    done = fanuc(body("G90 G19 G68 Y0. Z0. R90.", "G00 Y5. Z0.", "G03 Y-5. J-5. F100.", "M30"))
+
+    arc = done.acts("arc")[0]
+    assert done.ends == [pytest.approx(end, abs=1e-9) for end in ([0, 0, 5], [0, 0, -5])]
+    assert arc["center"] == pytest.approx([0, 0, 0], abs=1e-9)
+    assert (arc["normal"], arc["ccw"], arc["sweep"]) == ([1, 0, 0], True, 180)
+    errors = fanuc(body("G90 G19 G68 Y0. Z0. R90.", "G17 G03 X5. R5. F100.", "M30")).errors
+    assert [(f.code, f.span.line) for f in errors] == [("GS106", 4)]
 
 
 def test_turn_keeps_the_axis_across_the_plane(fanuc):

@@ -57,7 +57,7 @@ def test_after_a_fault_loops_and_calls_are_gone_through_once(program):
 
 
 def test_a_subroutine_that_is_missing_hides_nothing_behind_its_call(program):
-    """A control stops at the call; the reader goes on, names the next one that is missing, too, and what else is wrong."""
+    """A control stops at the call; the reader goes on, names the next missing one and what else is wrong."""
     done = program("o100 call\nG0 X\no200 call\no3 if [1]\nG0 Y\nM2")
 
     assert [(f.code, f.span.line) for f in done.errors] == [("GS131", 1), ("GS004", 2), ("GS131", 3), ("GS004", 5)]
