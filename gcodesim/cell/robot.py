@@ -109,6 +109,7 @@ class RobotForm:
         return Robot(
             name=str(path[-1]),
             model=self.model,
+            urdf=None if self.urdf is None else self.urdf.name,
             description=description,
             chain=chain,
             base=self.base,
@@ -150,12 +151,14 @@ def measures_of(chain: Chain) -> tuple[Measure, ...]:
 class Robot:
     """A robot that stands in the cell.
 
-    `model` names a shipped one, else None; `description` is its URDF and `chain` what that says. `home` [rad] or [m],
+    `model` names a shipped one, else `urdf` is the file's name as the cell writes it; `description` is where that file
+    lies and `chain` what it says. `home` [rad] or [m],
     `stiffness` of the gears [N·m/rad] or [N/m], or None for rigid ones; `X_WB` is its base in the world.
     """
 
     name: str
     model: str | None
+    urdf: str | None
     description: FilePath
     chain: Chain = field(compare=False, repr=False)
     base: Place
@@ -192,7 +195,7 @@ class RobotKind(Kind):
         return _FORM.schema(definitions)
 
     def show(self, value: Any) -> Any:
-        shown: Json = {"model": value.model} if value.model else {"urdf": value.description.name}
+        shown: Json = {"model": value.model} if value.model else {"urdf": value.urdf}
         shown["base"] = Record(Place, "a place").show(value.base)
         shown["home"] = [Quantity(m).show(v) for m, v in zip(measures_of(value.chain), value.home, strict=True)]
         shown["stiffness"] = RIGID if value.stiffness is None else _show_stiffness(value)
@@ -202,7 +205,7 @@ class RobotKind(Kind):
 
     def plain(self, value: Any) -> tuple[str, Any]:
         measures = measures_of(value.chain)
-        shown: Json = {"model": value.model} if value.model else {"urdf": value.description.name}
+        shown: Json = {"model": value.model} if value.model else {"urdf": value.urdf}
         shown["base"] = Record(Place, "a place").plain(value.base)[1]
         shown["joint_units"] = ["mm" if m == "length" else "deg" for m in measures]
         shown["home"] = [Quantity(m).plain(v)[1] for m, v in zip(measures, value.home, strict=True)]

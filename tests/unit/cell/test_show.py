@@ -31,6 +31,18 @@ def test_the_shown_cell_is_a_cell_that_means_the_same(path: Path) -> None:
     assert [d for d in again.cell.defaults_used if d.path[0] == "tools"] == []  # all is written now
 
 
+def test_files_are_named_as_the_cell_names_them(tmp_path: Path) -> None:
+    (tmp_path / "robot").mkdir()
+    (tmp_path / "robot" / "arm.urdf").write_bytes((TESTS / "data" / "cells" / "sound" / "arm.urdf").read_bytes())
+    path = tmp_path / "cell.yaml"
+    path.write_text("gcodesim: 1\nrobots: {arm: {urdf: robot/arm.urdf}}\n")
+    cell = load_cell(path).cell
+    assert cell is not None
+
+    assert "    urdf: robot/arm.urdf\n" in cell_as_text(cell)
+    assert cell_as_json(cell)["cell"]["robots"]["arm"]["urdf"] == "robot/arm.urdf"
+
+
 def test_defaults_are_marked() -> None:
     text = cell_as_text(sound("machine: gantry_xyz\ntools: {1: {type: flat_end_mill, diameter: 6 mm}}"))
 
