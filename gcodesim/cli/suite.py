@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -68,6 +69,17 @@ def selected(arguments: argparse.Namespace) -> tuple[Collected, Judging]:
             "comment, or any program when --cell names a cell"
         )
     return collected, Judging(root=root, fail_on=arguments.fail_on, today=arguments.today or date.today())
+
+
+@contextmanager
+def workers_are_safe() -> Iterator[None]:
+    """UsageError when a worker is killed: it asked for more than the machine has."""
+    from gcodesim.regress.workers import WorkerLostError
+
+    try:
+        yield
+    except WorkerLostError as reason:
+        raise UsageError(f"{reason}, perhaps for want of memory; fewer at once (-j) need less") from None
 
 
 def jobs_of(arguments: argparse.Namespace) -> int:

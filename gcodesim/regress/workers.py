@@ -18,14 +18,22 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 
+class WorkerLostError(Exception):
+    """A worker was killed from outside, as systems do that run out of memory."""
+
+
 def in_parallel(
     work: Callable[[Case, Judging], T], cases: Sequence[Case], how: Judging, jobs: int
 ) -> Generator[T, None, None]:
-    """`work` on all cases, in their order, by `jobs` processes; closing it gives up what has not come to its end."""
+    """`work` on all cases, in their order, by `jobs` processes; closing it gives up what has not come to its end.
+
+    WorkerLostError when one of them is killed.
+    """
     if jobs < 2 or len(cases) < 2:
         yield from (work(case, how) for case in cases)
         return
     from concurrent.futures import ProcessPoolExecutor
+    from concurrent.futures.process import BrokenProcessPool
 
     # a fresh interpreter each: nothing that this process has loaded or locked comes along
     context = get_context("spawn")
@@ -35,6 +43,8 @@ def in_parallel(
         futures = [pool.submit(work, case, how) for case in cases]
         for future in futures:
             yield future.result()
+    except BrokenProcessPool:
+        raise WorkerLostError(f"one of {jobs} workers was killed") from None
     except BaseException:  # also that nobody wants the rest: nothing of a case that is cut off is kept
         held.close()
         raise

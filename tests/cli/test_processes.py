@@ -136,6 +136,21 @@ def test_workers_end_with_a_test_run_however_it_ends(cli, write, tmp_path: Path,
     assert "Traceback" not in errors
 
 
+def test_a_worker_that_is_killed_is_told(cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from gcodesim.regress import suite
+
+    for name in ("a.nc", "b.nc"):
+        (tmp_path / name).write_bytes((tmp_path / "slot.nc").read_bytes())
+    monkeypatch.setattr(suite, "judged", _killed)
+    done = cli("test", "-j", "2", "--cell", "cell.yaml")
+    assert done.status == 2 and "one of 2 workers was killed, perhaps for want of memory" in done.err
+
+
+def _killed(*_: object) -> None:
+    """What a worker does instead of its case, at the hand of a system without memory."""
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
 @pytest.mark.parametrize("cell", ["cell.yaml", "arm.yaml"])
 @pytest.mark.parametrize("world", ["kinematic", "bullet"])
 def test_the_same_bytes_in_every_process_and_folder(cli, tmp_path: Path, cell: str, world: str) -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from gcodesim.cli.exits import FINDINGS, OK, UsageError
 from gcodesim.cli.options import add_format
-from gcodesim.cli.suite import Bar, add_selection, jobs_of, selected
+from gcodesim.cli.suite import Bar, add_selection, jobs_of, selected, workers_are_safe
 
 if TYPE_CHECKING:
     from gcodesim.regress.accept import Proposal
@@ -37,7 +37,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     collected, how = selected(arguments)
     proposals = []
-    with Bar(len(collected.cases)) as step:
+    with workers_are_safe(), Bar(len(collected.cases)) as step:
         for proposal in in_parallel(propose, collected.cases, how, jobs_of(arguments)):
             step(proposal.name)
             proposals.append(proposal)

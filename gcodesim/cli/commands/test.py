@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from gcodesim.cli import exits
 from gcodesim.cli.formats import add_verdict_formats, write_formats
 from gcodesim.cli.judging import add_baseline, read_baseline, write_baseline
-from gcodesim.cli.suite import Bar, add_selection, jobs_of, selected
+from gcodesim.cli.suite import Bar, add_selection, jobs_of, selected, workers_are_safe
 
 if TYPE_CHECKING:
     from gcodesim.regress import SuiteVerdict
@@ -48,7 +48,7 @@ def run(arguments: argparse.Namespace) -> int:
     begin = time.perf_counter()
     collected, how = selected(arguments)
     cache = _cache(arguments, how)
-    with Bar(len(collected.cases)) as step:
+    with workers_are_safe(), Bar(len(collected.cases)) as step:
         verdict = run_suite(
             collected,
             how,
