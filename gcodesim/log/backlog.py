@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,8 @@ from gcodesim.log.byte_kernels import place
 from gcodesim.log.byte_strings import ByteStrings
 
 Ints = NDArray[np.int64]
+
+LARGE: Final = 1 << 14  # bytes: a message that is copied by itself, once
 
 
 class Message(NamedTuple):
@@ -27,7 +29,8 @@ class Message(NamedTuple):
 class Messages:
     """m messages in the order of time, then of channel (the topic table), then of arrival.
 
-    `t_ns`, `channel`, `size` (m,); message i lies in `pools[pool[i]]` from `begin[i]` on.
+    `t_ns`, `channel`, `size` (m,); message i lies in `pools[pool[i]]` from `begin[i]` on. A pool that cannot be written
+    is one large message.
     """
 
     t_ns: Ints
@@ -49,11 +52,16 @@ class Messages:
         for index in range(len(self)):
             yield self[index]
 
-    def copy_to(self, out: NDArray[np.uint8], at: Ints) -> None:
-        """Copy what message i says to `out` from `at[i]` on."""
-        for number, pool in enumerate(self.pools):
-            mine = np.flatnonzero(self.pool == number)
-            place(at[mine], out, pool, self.begin[mine], self.size[mine])
+    def copy_to(self, out: NDArray[np.uint8], at: Ints, part: slice) -> None:
+        """Copy what the messages of a `part` say to `out`, each from its `at` on."""
+        numbers, begin, size = self.pool[part], self.begin[part], self.size[part]
+        for number in np.unique(numbers).tolist():
+            mine, pool = np.flatnonzero(numbers == number), self.pools[number]
+            if pool.flags.writeable:
+                place(at[mine], out, pool, begin[mine], size[mine])
+            else:  # a large message, as it came
+                (only,) = mine
+                out[at[only] : at[only] + size[only]] = pool
 
 
 class _Run:
@@ -98,8 +106,10 @@ class Backlog:
         """All messages earlier than `before_ns`, in order; they are gone afterwards."""
         if self._single:
             self._single.sort(key=lambda one: one[0])
-            t_ns, channel, arrival = np.array([one[:3] for one in self._single], dtype=np.int64).T
-            self._runs.append(_Run(t_ns, channel, arrival, ByteStrings.of(one[3] for one in self._single)))
+            self._take([one for one in self._single if len(one[3]) < LARGE])
+            for one in self._single:
+                if len(one[3]) >= LARGE:
+                    self._take([one])
             self._single = []
         found: list[tuple[_Run, slice]] = []
         for run in self._runs:
@@ -109,6 +119,16 @@ class Backlog:
                 run.next = last
         self._runs = [run for run in self._runs if run.next < len(run.t_ns)]
         return _in_order(found)
+
+    def _take(self, singles: Sequence[tuple[int, int, int, bytes]]) -> None:
+        """Single messages, sorted, become a run."""
+        if not singles:
+            return
+        t_ns, channel, arrival = np.array([one[:3] for one in singles], dtype=np.int64).T
+        data = [one[3] for one in singles]
+        large = len(data[0]) >= LARGE
+        strings = ByteStrings.rows(np.frombuffer(data[0], dtype=np.uint8)[None]) if large else ByteStrings.of(data)
+        self._runs.append(_Run(t_ns, channel, arrival, strings))
 
     def __bool__(self) -> bool:
         return bool(self._single or self._runs)

@@ -7,8 +7,10 @@ import zlib
 from dataclasses import dataclass
 from typing import Final
 
+import numpy as np
 import zstandard
 from mcap.opcode import Opcode
+from numpy.typing import NDArray
 
 from gcodesim.log.order import Cut
 
@@ -21,12 +23,13 @@ _CHUNK_HEAD: Final = struct.Struct("<QQQII4sQ")
 class ChunkBuilder:
     """Message records of one chunk and their index."""
 
-    def __init__(self) -> None:
+    def __init__(self, room: NDArray[np.uint8]) -> None:
+        """`room` takes the records; a larger one replaces it when they are more."""
+        self.room = room
         self.size = 0
         self.count = 0
         self.first_ns = 0
         self.last_ns = 0
-        self._parts: list[memoryview] = []
         self._index: dict[int, list[bytes]] = {}
 
     def add(self, cut: Cut) -> None:
@@ -34,14 +37,19 @@ class ChunkBuilder:
         if self.count == 0:
             self.first_ns = cut.first_ns
         self.last_ns = cut.last_ns
-        self._parts.append(cut.records)
-        self.size += len(cut.records)
+        size = self.size + cut.size
+        if size > len(self.room):
+            larger = np.empty(size, dtype=np.uint8)
+            larger[: self.size] = self.room[: self.size]
+            self.room = larger
+        cut.write(self.room)
+        self.size = size
         self.count += cut.count
         for channel, entries in cut.index.items():
             self._index.setdefault(channel, []).append(entries)
 
-    def records(self) -> bytes:
-        return b"".join(self._parts)
+    def records(self) -> memoryview:
+        return self.room[: self.size].data
 
     def index_records(self) -> dict[int, bytes]:
         """A message index record for each channel of this chunk, channels in order."""

@@ -34,6 +34,7 @@ from mcap.records import (
     Statistics,
     SummaryOffset,
 )
+from numpy.typing import NDArray
 
 from gcodesim.log.backlog import Messages
 from gcodesim.log.chunk import ChunkBuilder, PackedChunk, pack
@@ -43,6 +44,7 @@ from gcodesim.log.topics import Topic
 
 MAGIC: Final = b"\x89MCAP0\r\n"
 CHUNK_SIZE: Final = 1 << 20
+ROOM: Final = CHUNK_SIZE * 5 // 4  # a chunk ends with the message that makes it larger than wanted
 MOST_PACKING: Final = 3  # chunks that wait for the packing thread; then the run waits, too
 _RECORD: Final = struct.Struct("<BQ")
 
@@ -81,9 +83,10 @@ class Container:
         self.part_path = path.with_name(path.name + ".part")
         self._offset = 0
         self._crc = 0
-        self._chunk = ChunkBuilder()
+        self._rooms: list[NDArray[np.uint8]] = []  # of chunks that are written
+        self._chunk = self._new_chunk()
         self._packer = ThreadPoolExecutor(1, thread_name_prefix="log")
-        self._packing: deque[Future[PackedChunk]] = deque()
+        self._packing: deque[tuple[ChunkBuilder, Future[PackedChunk]]] = deque()
         self._schemas: dict[str, Schema] = {}
         self._channels: list[Channel] = []
         self._chunks: list[ChunkIndex] = []
@@ -130,16 +133,26 @@ class Container:
         """Have the chunk packed while the run goes on, and write those that are ready."""
         self._check_open()
         if self._chunk.count:
-            self._packing.append(self._packer.submit(pack, self._chunk))
-            self._chunk = ChunkBuilder()
-        while self._packing and (self._packing[0].done() or len(self._packing) > MOST_PACKING):
-            self._write_chunk(self._packing.popleft().result())
+            self._packing.append((self._chunk, self._packer.submit(pack, self._chunk)))
+            self._chunk = self._new_chunk()
+        while self._packing and (self._packing[0][1].done() or len(self._packing) > MOST_PACKING):
+            self._write_first()
 
     def flush(self) -> None:
         """Put all messages so far on disk."""
         self._close_chunk()
         while self._packing:
-            self._write_chunk(self._packing.popleft().result())
+            self._write_first()
+
+    def _new_chunk(self) -> ChunkBuilder:
+        """An empty chunk; the room of a former one is used again, as the system takes long to find new memory."""
+        return ChunkBuilder(self._rooms.pop() if self._rooms else np.empty(ROOM, dtype=np.uint8))
+
+    def _write_first(self) -> None:
+        """Wait for the first of the chunks that are packed, and write it."""
+        chunk, packed = self._packing.popleft()
+        self._write_chunk(packed.result())
+        self._rooms.append(chunk.room)
 
     def _write_chunk(self, chunk: PackedChunk) -> None:
         start = self._offset

@@ -1,13 +1,13 @@
 """Messages and rows in the order of the file, and chunks cut out of them.
 
 Between two rows of periodic messages there are often messages of blocks, tiles and arrows. Sorting them in, heads,
-sequence, places and indexes are computed for a whole window at once, and the records are copied to their places.
+sequence, places and indexes are computed for a whole window at once; then the records are copied to their places.
 """
 
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -27,13 +27,17 @@ HEAD: Final = np.dtype(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cut:
-    """A part of a chunk: its records, and by channel the index entries of its messages."""
+    """A part of a chunk: `size` bytes of records, and by channel the index entries of their messages.
 
-    records: memoryview
+    `write` puts the records into the chunk's bytes, where the index says that they are.
+    """
+
+    size: int
     count: int
     first_ns: int
     last_ns: int
     index: dict[int, bytes]
+    write: Callable[[NDArray[np.uint8]], None]
 
 
 class Ordered:
@@ -67,10 +71,10 @@ class Ordered:
         sizes[self._at] = HEAD.itemsize + messages.size
         sizes[self._row_at] = np.array([r.width for r in rows], dtype=np.int64)[self._row_of] if len(rows) else 0
         self._ends = np.cumsum(sizes)
-        self._data = self._records(sizes, self._heads(counts))
+        self._heads = self._made_heads(counts)
         counts[list(channels)] += len(self._row_times)
 
-    def _heads(self, counts: NDArray[np.int64]) -> NDArray[np.void]:
+    def _made_heads(self, counts: NDArray[np.int64]) -> ByteStrings:
         """Heads of all messages."""
         messages, count = self._messages, len(self._messages)
         heads = np.empty(count, dtype=HEAD)
@@ -85,19 +89,7 @@ class Ordered:
         rank[grouped] = np.arange(count) - np.repeat(first, number)
         heads["sequence"] = counts[messages.channel] + rank
         counts += number
-        return heads
-
-    def _records(self, sizes: Ints, heads: NDArray[np.void]) -> memoryview:
-        """All records, one after the other."""
-        data = np.empty(int(sizes.sum()), dtype=np.uint8)
-        begins = self._ends - sizes
-        at = begins[self._at]
-        ByteStrings.rows(heads.view(np.uint8).reshape(len(heads), HEAD.itemsize)).copy_to(data, at)
-        self._messages.copy_to(data, at + HEAD.itemsize)
-        at = begins[self._row_at]
-        for rows, first, last in zip(self._rows, self._row_borders[:-1], self._row_borders[1:], strict=True):
-            ByteStrings.rows(rows.matrix).copy_to(data, at[first:last])
-        return data.data
+        return ByteStrings.rows(heads.view(np.uint8).reshape(count, HEAD.itemsize))
 
     def cut(self, filled: int, most: int) -> Iterator[Cut]:
         """Parts of chunks: the first for one that has `filled` bytes; all but the last fill theirs beyond `most`."""
@@ -112,37 +104,47 @@ class Ordered:
         a, b = np.searchsorted(self._at, [first, last]).tolist()
         r, s = np.searchsorted(self._row_at, [first, last]).tolist()
         begins = np.concatenate([[start], self._ends[first : last - 1]]) - start + filled
+        message_at, row_at = begins[self._at[a:b] - first], begins[self._row_at[r:s] - first]
         times = np.concatenate([self._messages.t_ns[a:b], self._row_times[r:s]])
+
+        def write(data: NDArray[np.uint8]) -> None:
+            self._heads[a:b].copy_to(data, message_at)
+            self._messages.copy_to(data, message_at + HEAD.itemsize, slice(a, b))
+            done = 0
+            for rows in self._rows_between(r, s):
+                ByteStrings.rows(rows.matrix).copy_to(data, row_at[done : done + len(rows.times)])
+                done += len(rows.times)
+
         return Cut(
-            records=self._data[start : int(self._ends[last - 1])],
+            size=int(self._ends[last - 1]) - start,
             count=b - a + (s - r) * len(self._channels),
             first_ns=int(times.min()),
             last_ns=int(times.max()),
-            index={**self._message_index(a, b, begins, first), **self._row_index(r, s, begins, first)},
+            index={**self._message_index(slice(a, b), message_at), **self._row_index(slice(r, s), row_at)},
+            write=write,
         )
 
-    def _message_index(self, a: int, b: int, begins: Ints, first: int) -> dict[int, bytes]:
-        entries = np.empty((b - a, 2), dtype="<u8")
-        entries[:, 0], entries[:, 1] = self._messages.t_ns[a:b], begins[self._at[a:b] - first]
-        channel = self._messages.channel[a:b]
+    def _message_index(self, part: slice, at: Ints) -> dict[int, bytes]:
+        entries = np.stack([self._messages.t_ns[part], at], axis=1).astype("<u8")
+        channel = self._messages.channel[part]
         grouped = np.argsort(channel, kind="stable")
         entries = entries[grouped]
         numbers, starts = np.unique(channel[grouped], return_index=True)
-        borders = [*starts.tolist(), b - a]
+        borders = [*starts.tolist(), len(channel)]
         return {
             number: entries[i:j].tobytes()
             for number, i, j in zip(numbers.tolist(), borders[:-1], borders[1:], strict=True)
         }
 
-    def _row_index(self, r: int, s: int, begins: Ints, first: int) -> dict[int, bytes]:
-        if r == s:
+    def _row_index(self, part: slice, at: Ints) -> dict[int, bytes]:
+        if not len(at):
             return {}
-        entries = np.empty((s - r, 2), dtype="<u8")
-        entries[:, 0] = self._row_times[r:s]
-        at, places = begins[self._row_at[r:s] - first], np.array([rows.starts for rows in self._rows])
+        entries = np.empty((len(at), 2), dtype="<u8")
+        entries[:, 0] = self._row_times[part]
+        places = np.array([rows.starts for rows in self._rows])[self._row_of[part]]
         index = {}
         for k, channel in enumerate(self._channels):
-            entries[:, 1] = at + places[self._row_of[r:s], k]
+            entries[:, 1] = at + places[:, k]
             index[channel] = entries.tobytes()
         return index
 
