@@ -517,7 +517,7 @@ _SKIPPED = (
     (("G60",), "GS913", "the move goes straight to its end, without the overrun"),
     (("G10",), "GS913", "the blocks up to G11 are passed over: they write data of the control"),
     (("G30",), "GS913", "where that reference point lies is not known: the machine goes home"),
-    (("POPEN", "PCLOS", "BPRNT", "SETVN"), "GS912", "nothing is sent; `gcodesim canon` lists the texts of DPRNT"),
+    (("POPEN", "PCLOS", "BPRNT", "SETVN"), "GS912", "nothing is sent; texts of DPRNT stand in the log of a run"),
     (("G43.4",), "GS913", "the length counts along Z: the tip is not kept in place while a rotary axis turns"),
 )
 
@@ -525,7 +525,8 @@ _SKIPPED = (
 def _code_of_skipped(word: str) -> tuple[str, str]:
     """Code and hint of a word that is not simulated."""
     if word.startswith("("):
-        return "GS912", "no file is written and no code is run; `gcodesim canon` lists the texts of (LOG, …)"
+        hint = "no file is written and no code is run; texts of (LOG, …) are in the log of a run and in `canon`"
+        return "GS912", hint
     head = word.split(" ")[0]
     for heads, code, hint in _SKIPPED:
         if head in heads:

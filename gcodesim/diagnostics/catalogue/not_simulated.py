@@ -125,7 +125,7 @@ CODES += (
             "does neither."
         ),
         why="Who reads that file after the run does not find it.",
-        remedy="`gcodesim canon` lists the texts of (LOG, …) and where probing moves end.",
+        remedy="Texts of (LOG, …) are events in the log of a run; `gcodesim canon` lists them, and where probes end.",
     ),
     Code(
         code="GS913",

@@ -164,6 +164,13 @@ def test_numbers_without_a_point_in_increments(fanuc):
     assert fanuc(text.replace("X1000", "X5")).ends[0] == [5, 1, 0]
 
 
+def test_corners_and_polar_angles_in_increments(fanuc):
+    """,R2000 is 2 mm; under G16 Y90000 is 90 degrees."""
+    done = fanuc(body("G90 G01 X20. F100 ,R2000", "Y10.", "G16 X20. Y90000", "M30"), decimal_point="increments")
+
+    assert done.ends == [[18, 0, 0], [20, 2, 0], [20, 10, 0], [pytest.approx(0, abs=1e-9), 20, 0]]
+
+
 def test_locals_of_a_macro_are_its_own_and_m98_shares_them(fanuc):
     done = fanuc(
         body("#1=5.", "G65 P9000 A1.", "M98 P8000", "G00 Z#1", "M30", "O9000", "#1=9.", "M99", "O8000", "#1=#1+1.")[:-2]
