@@ -47,6 +47,7 @@ class FlowControl:
         self.subs: dict[str, tuple[ProgramFile, int]] = {}
         self.programs: dict[str, tuple[ProgramFile, int]] = {}
         self.labels: dict[tuple[str, str, str], Label] = {}
+        self.touched: dict[tuple[str, str, str], Label] = {}  # labels opened since the compiled lane took them over
         self.changes = 0
         """Counts the O-words and calls, for those who keep a copy of what they change."""
         self.loop: tuple[ProgramFile, int] | None = None  # the line last jumped back to
@@ -120,6 +121,7 @@ class FlowControl:
             )
         if known is None:
             known = self.labels[key] = Label(kind, index)
+        self.touched[key] = known
         return known
 
     def _opened(self, label: str, keyword: str, *kinds: str) -> Label:

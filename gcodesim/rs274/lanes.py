@@ -19,7 +19,7 @@ _MANY_BLOCKS: Final = 6_000
 _BLOCKS_OF_HOLE: Final = 8
 """The block of a canned cycle costs so many others."""
 
-_WORTH_COMPILING: Final = 2_500_000
+_WORTH_COMPILING: Final = 5_000_000
 """Bytes from which on compiling the lane, which is done once for a version, is not much longer than doing without."""
 
 

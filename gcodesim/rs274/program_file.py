@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from bisect import bisect_right
 from collections.abc import Sequence
 from functools import cached_property
 from typing import NamedTuple
@@ -71,10 +72,22 @@ class ProgramFile:
 
     def find_flow(self, after: int, label: str, keywords: frozenset[str]) -> FlowLine | None:
         """The next line after index `after` with an O-word of `label` and one of `keywords`."""
-        for flow in self.flows:
-            if flow.at > after and flow.label == label and flow.keyword in keywords:
+        known = self._flows_by_label.get(label, [])
+        for flow in known[bisect_right(known, after, key=_line) :]:
+            if flow.keyword in keywords:
                 return flow
         return None
+
+    @cached_property
+    def _flows_by_label(self) -> dict[str, list[FlowLine]]:
+        known: dict[str, list[FlowLine]] = {}
+        for flow in self.flows:
+            known.setdefault(flow.label, []).append(flow)
+        return known
+
+
+def _line(flow: FlowLine) -> int:
+    return flow.at
 
 
 def _keyword(text: str, behind: str) -> str:

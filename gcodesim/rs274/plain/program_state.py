@@ -74,6 +74,7 @@ class ProgramState:
         self._modes[at.FLOWS] = len(self._rows)
         self._subs_seen = (0, 0)
         self._seen = (-1, -1)
+        self._flow.touched = dict(self._flow.labels)
 
     # -- into the tables
 
@@ -121,14 +122,15 @@ class ProgramState:
                 self.memory[kept : kept + at.OF_CALL] = frame.arguments
             if level > 0 and not frame.by_m98:
                 self._write_names(frame.named, level - 1)
-        for (*scope, name), label in flow.labels.items():
-            group = self._flows.groups.get((scope[0], scope[1], name))
+        for key, label in flow.touched.items():
+            group = self._flows.groups.get(key)
             if group is not None:
                 self._rows[group, at.OPENED_BY : at.LEFT + 1] = (
                     _NUMBER_OF[label.kind],
-                    self.text.bases[scope[0]] + label.index,
+                    self.text.bases[key[0]] + label.index,
                     -1 if label.left is None else label.left,
                 )
+        flow.touched.clear()
 
     def _write_parameters(self) -> None:
         parameters, memory = self._control.parameters, self.memory
