@@ -30,7 +30,8 @@ class Settings:
     the program's first G61 or G64. `has_cell` makes user M-codes legal.
     `start` [m, rad] is where the axes stand before the first block.
     `decimal_point` says what X10 is to Fanuc: 10 mm, or 10 increments of 0.001 mm.
-    `lane` "grammar" reads every line by itself, "compiled" all plain ones as arrays; "auto" chooses by the length.
+    `lane` "grammar" reads every line by itself, "compiled" all that its kernels know as arrays; "auto" chooses by the
+    length of the text and by how much has been executed.
     Both say the same.
     `max_blocks` and `time_limit` [s] end an endless program; without the first,
     its length says how much is too much.
