@@ -2,7 +2,7 @@
 
 | Question | Fanuc | where |
 | --- | --- | --- |
-| structure of a file | `%`, O numbers, several programs in one file or folder | `program.py` |
+| structure of a file | `%`, O numbers or names, several programs in one file or folder | `program.py`, `names.py` |
 | going elsewhere | GOTO, IF, WHILE DO END, M98, M99 P, G65, G66, G66.1, G67 | `flow.py` |
 | arguments of macros | lists I and II | `arguments.py` |
 | variables | vacant ones, levels, system variables | `variables.py`, `expressions.py` |

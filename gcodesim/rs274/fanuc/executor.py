@@ -53,7 +53,7 @@ class FanucExecutor(Executor):
         following = next(
             (other for other in self.file.parts if other.number is not None and other.first >= part.end), None
         )
-        if following is None or len(self.flow.frames) > 1:
+        if following is None or following.number is None or len(self.flow.frames) > 1:
             self._end_of_lines()
             return
         file, last = self.file, part.end - 1
@@ -61,7 +61,7 @@ class FanucExecutor(Executor):
             last -= 1
         line = following.first + 1
         span = Span.of_line(file.name, last + 1, file.lines[last])
-        hint = f"end it with M30 before line {line}, where O{following.number:04d} begins"
+        hint = f"end it with M30 before line {line}, where {file.shown(following.number)} begins"
         self._report(Diagnostic(code="GS010", message="the program has no end", span=span, hint=hint), last + 1)
 
     def _block(self, block: Block, index: int) -> None:

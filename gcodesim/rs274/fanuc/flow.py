@@ -134,7 +134,7 @@ class FanucFlow(FlowControl):
         number = self._whole(word, "P")
         if rounds is not None:
             return number, rounds
-        if number > 9999 and self._lines.program(number) is None:
+        if number > 9999 and self._lines.program(number) is None and number not in self._lines.names:
             return number % 10000, number // 10000
         return number, 1
 
@@ -205,7 +205,8 @@ class FanucFlow(FlowControl):
         if len(self.frames) > MOST_LEVELS:
             hint = "a program that calls itself needs an IF that ends it"
             raise Stopped("GS132", f"programs are called more than {MOST_LEVELS} deep", hint=hint)
-        caller = Caller(self.frame.file.name, index + 1, f"O{number}")
+        name = self._lines.names.get(number)
+        caller = Caller(self.frame.file.name, index + 1, f"O{number}" if name is None else f"<{name}>")
         frame = FanucFrame(
             file,
             part.first,
@@ -228,11 +229,15 @@ class FanucFlow(FlowControl):
             if part is not None:
                 assert isinstance(file, FanucFile)
                 return file, part
-        hint = f"begin it with a line O{number:04d}, or put it as O{number:04d}.nc into a folder of subroutines"
-        raise Stopped("GS131", f"there is no program O{number:04d}", hint=hint)
+        shown = self._lines.shown(number)
+        hint = f"begin it with a line {shown}, or put it as {shown.strip('<>')}.nc into a folder of subroutines"
+        raise Stopped("GS131", f"there is no program {shown}", hint=hint)
 
     def _file_of_number(self, number: int) -> FanucFile | None:
+        name = self._lines.names.get(number)
         names = [f"{head}{digits}" for head in ("O", "o", "") for digits in (f"{number:04d}", str(number))]
+        if name is not None:
+            names = [] if set(name) & set("/\\:\0") or name.startswith(".") else [name]
         for folder in self.folders:
             for name in dict.fromkeys(name + suffix for name in names for suffix in _SUFFIXES):
                 known = self.files.get(name)

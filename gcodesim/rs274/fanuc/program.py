@@ -8,8 +8,9 @@ from functools import cached_property
 from typing import NamedTuple
 
 from gcodesim.diagnostics import SourceText
-from gcodesim.rs274.block import Block
+from gcodesim.rs274.block import Block, Word
 from gcodesim.rs274.fanuc.external import statement
+from gcodesim.rs274.fanuc.names import called_name, head_name, number_of_name
 from gcodesim.rs274.program_file import ProgramFile
 from gcodesim.rs274.reader import Reader
 
@@ -43,24 +44,56 @@ class FanucFile(ProgramFile):
 
     def __init__(self, source: SourceText, reader: Reader) -> None:
         super().__init__(source, reader)
+        self.names: dict[int, str] = {}
         self.begin, self.end = _between_percents(self.lines)
         self.has_percent = False  # a program that runs into the second % has no end, so it is no end by itself
         self.first = self.parts[0].first
 
     def block(self, index: int) -> Block:
         text = self.lines[index]
+        if "<" in text and (named := self._named(index, text)) is not None:
+            return named
         if _EXTERNAL.search(text) is not None and (found := statement(index + 1, text)) is not None:
             return found
         return super().block(index)
 
+    def _named(self, index: int, text: str) -> Block | None:
+        """The block of a line that opens a program by a name, or calls one."""
+        if head_name(text) is not None:
+            return Block(index + 1, text, [])
+        called = called_name(text)
+        if called is None:
+            return None
+        name, (first, last) = called
+        number = self._number_of(name)
+        read = self._reader.read(index + 1, text[:first] + " " * (last - first) + text[last:])
+        at = sum(place < (first, last) for place in read.places)
+        words = [*read.words[:at], Word("p", float(number)), *read.words[at:]]
+        places = [*read.places[:at], (first, last), *read.places[at:]]
+        return Block(index + 1, text, words, notes=read.notes, deleted=read.deleted, _places=places)
+
+    def _number_of(self, name: str) -> int:
+        number = number_of_name(name)
+        self.names[number] = name
+        return number
+
+    def shown(self, number: int) -> str:
+        """A program as messages call it."""
+        name = self.names.get(number)
+        return f"O{number:04d}" if name is None else f"<{name}>"
+
+    def _head(self, index: int) -> int | None:
+        """The number of the program that a line opens."""
+        match = _PROGRAM.match(self.lines[index])
+        if match is not None:
+            return int(match[1])
+        name = head_name(self.lines[index]) if "<" in self.lines[index] else None
+        return None if name is None else self._number_of(name)
+
     @cached_property
     def parts(self) -> list[Part]:
         """The programs in their order; text before the first O is a program without number when it says anything."""
-        heads = [
-            (index, int(match[1]))
-            for index in range(self.begin, self.end)
-            if (match := _PROGRAM.match(self.lines[index])) is not None
-        ]
+        heads = [(index, number) for index in range(self.begin, self.end) if (number := self._head(index)) is not None]
         if not heads:
             return [Part(None, self.begin, self.end)]
         parts = []

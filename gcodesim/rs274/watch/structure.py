@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator
 
 from gcodesim.diagnostics import Diagnostic, Span
+from gcodesim.rs274.fanuc.names import called_name, number_of_name
 from gcodesim.rs274.fanuc.program import FanucFile
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.program_file import FlowLine, ProgramFile
@@ -65,7 +66,8 @@ def _defined(file: ProgramFile) -> Iterator[tuple[str, int, str]]:
         for part in file.parts[1:]:
             lines = file.lines[part.first : part.end]
             if part.number is not None and any(_RETURNS.search(_bare(line)) for line in lines):
-                yield str(part.number), part.first, f"O{part.number}"
+                name = file.names.get(part.number)
+                yield str(part.number), part.first, f"O{part.number}" if name is None else f"<{name}>"
         return
     own = file.name.rpartition(".")[0].lower()
     for flow in file.flows:
@@ -82,6 +84,9 @@ def _called(file: ProgramFile) -> set[str] | None:
     for line in file.lines:
         text = _bare(line)
         if not _CALLS.search(text):
+            continue
+        if (named := called_name(text)) is not None:
+            numbers.add(str(number_of_name(named[0])))
             continue
         for match in _NUMBER.finditer(text):
             if match[1] is None:

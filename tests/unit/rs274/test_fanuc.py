@@ -499,3 +499,18 @@ def test_dprnt_prints_numbers_in_its_form(fanuc):
 
     assert [event["text"] for event in done.acts("print")] == ["X128.474 Y-91.200 T23V"]
     assert [f.code for f in done.findings] == ["GS912", "GS912"]
+
+
+def test_programs_may_have_names(fanuc, tmp_path):
+    """`O<NAME>` or `<NAME>` opens one, M98 and G65 call it by that; letters ignore case, also in a folder."""
+    (tmp_path / "FAR.nc").write_text("%\n<FAR>\nG00 Z#1\nM99\n%\n")
+    text = (
+        "%\nO<PART-1> (x)\nG21 G90 G00 X1.\nM98 <sub-2> L2\nG65 <MAC> A3.\nG65 <FAR> A7.\nM30\n"
+        "<SUB-2>\nG91 G00 Y1.\nG90\nM99\nO<MAC>\nG00 Z#1\nM99\n%\n"
+    )
+    done = fanuc(text, subroutines=(tmp_path,))
+    assert done.ends == [[1, 0, 0], [1, 1, 0], [1, 2, 0], [1, 2, 3], [1, 2, 7]]
+    assert not done.findings
+
+    (error,) = fanuc("%\n<A>\nM98 <B>\nM30\n%\n").errors
+    assert (error.code, error.span.line, error.message) == ("GS131", 3, "there is no program <B>")
