@@ -344,7 +344,7 @@ def mill(
                 if turning_in:
                     state[CREDIT] = CREDIT_CELLS * cell
             feed, heading = state[FEED_X : FEED_X + 2], state[TRAVEL : TRAVEL + 2]
-            if rigid_machine or level == 0.0 or state[CUTTING] == 0.0:
+            if rigid_machine or level == 0.0 or state[CUTTING] == 0.0 or (heading[0] == 0.0 and heading[1] == 0.0):
                 heading[0], heading[1] = feed[0], feed[1]
             if turning_in:
                 chip = speed * 2.0 * np.pi / (spindle * tool[1]) if speed > LEAST_SPEED else 0.0
@@ -361,6 +361,8 @@ def mill(
                 )  # fmt: skip
             elif not rapid:
                 state[DELTA : DELTA + 3] = 0.0
+            if level == 0.0:  # straight up or down: what comes then begins afresh
+                heading[0], heading[1] = 0.0, 0.0
             # a rapid keeps the bend until the tool is out: springing back inside its own cut would gouge the wall,
             # which a tool that still turns would resist
             state[CUTTING] = 1.0 if used > 0 else 0.0

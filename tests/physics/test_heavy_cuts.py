@@ -45,15 +45,15 @@ def cut(C: np.ndarray, law: Law, begin: float, way: float, y: float, depth: floa
 
 
 def cut_along(
-    C: np.ndarray, law: Law, corners: list[tuple[float, float]], depth: float, cell: float = 0.5e-3
+    C: np.ndarray, law: Law, corners: list[tuple[float, ...]], depth: float, cell: float = 0.5e-3
 ) -> tuple[ProcessStep, np.ndarray]:
-    """The same along straight lines between `corners` [m], which are passed at full feed."""
-    parts = [np.array(corners[:1])]
-    for a, b in itertools.pairwise(np.array(corners)):
+    """The same along straight lines between `corners` (x, y) or (x, y, z) [m], which are passed at full feed."""
+    ends = np.array([(*corner, -depth)[:3] for corner in corners])
+    parts = [ends[:1]]
+    for a, b in itertools.pairwise(ends):
         n = round(float(np.linalg.norm(b - a)) / (FEED * DT))
         parts.append(a + np.linspace(0.0, 1.0, n + 1)[1:, None] * (b - a))
-    level = np.concatenate(parts)
-    points = np.column_stack([level, np.full(len(level), -depth)])
+    points = np.concatenate(parts)
     n = len(points) - 1
     process = Milling(cutter=TOOLS["flat_end_mill"](number=1, diameter=6e-3, length=60e-3), law=law)
     window = Window(
@@ -149,3 +149,17 @@ def test_a_tool_that_is_bent_goes_round_a_corner(turn: float, machine: object, s
     before = (corner[0] - 40e-3 * math.cos(turn * DEG), corner[1] - 40e-3 * math.sin(turn * DEG))
     straight, _ = cut_along(C, STEEL, [before, end], 1e-3, 0.25e-3)
     assert found.wrench[-1, :3] == pytest.approx(straight.wrench[-1, :3], rel=0.03, abs=0.01 * force[-1])
+
+
+def test_a_cut_after_a_plunge_begins_in_its_own_direction() -> None:
+    """Where the tool came from before it went down does not matter."""
+    top, bottom, end = (24e-3, 20e-3, 1e-3), (24e-3, 20e-3, -1e-3), (24e-3, 26e-3, -1e-3)
+    steps = round(6e-3 / (FEED * DT))
+    wrenches = []
+    for start in ((20e-3, 20e-3, 1e-3), (28e-3, 20e-3, 1e-3), (24e-3, 16e-3, 1e-3)):
+        found, _ = cut_along(arm() / 0.3, STEEL, [start, top, bottom, end], 1e-3, 0.25e-3)
+        wrenches.append(found.wrench[-steps:, :3])
+
+    scale = np.linalg.norm(wrenches[0], axis=1).max()
+    for other in wrenches[1:]:
+        assert np.abs(other - wrenches[0]).max() < 0.02 * scale
