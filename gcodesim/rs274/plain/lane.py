@@ -196,7 +196,7 @@ def _take_over(control: Control, numbers: Column, modes: Column) -> None:
     cycle = int(modes[at.CYCLE])
     if cycle >= 0:
         words = {} if modes[at.STARTED] else dict(state.cycle_words)
-        places = {"xyz"[PLANE_AXES[state.plane][2]]: at.CYCLE_DEPTH, "r": at.CYCLE_R, **_WORDS_OF_SOME.get(cycle, {})}
+        places = {"xyz"[PLANE_AXES[plane][2]]: at.CYCLE_DEPTH, "r": at.CYCLE_R, **_WORDS_OF_SOME.get(cycle, {})}
         state.cycle_words = tuple((words | {letter: float(numbers[place]) for letter, place in places.items()}).items())
     state.cycle, state.cycle_start = int(modes[at.RUNNING]), float(numbers[at.CYCLE_START])
     state.cycle_dwell = float(numbers[at.CYCLE_DWELL])
