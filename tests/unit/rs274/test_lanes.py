@@ -38,8 +38,8 @@ PLAIN = {
     "boring": "G0 Z9\nG85 X1 Z-5 R1\nX2\nG89 X3 Z-4 R2 P1\nX5\nX6 Y1\n",
     "incremental holes": "G0 Z9\nG91\nG81 X1 Z-5 R-2\nX2.1\nY.3\nX.1 Y.1\nG90 X3\nX4\n",
     "holes in planes": "G18 G0 Y9\nG81 X1 Z1 Y-2 R3\nX2\nZ5\nY-4\nG80\nG19 G0 X5\nG83 Y1 Z1 X-2 R3 Q2\nY2\nZ2\n",
-    "holes in one plane after the other": "G19 G0 X5\nG89 Y1 Z1 X-2 R3 P1\nY2\nG80\nG0 X9 Z9\nG17\nG81 X1 Y1 Z-2 R3\nX2\nM8\n"
-    "X3\nG80\nG18\nG83 X1 Z1 Y-5 R1 Q2\nX4\n(MSG, x)\nX5\nG1 X0\n",
+    "holes in one plane after the other": "G19 G0 X5\nG89 Y1 Z1 X-2 R3 P1\nY2\nG80\nG0 X9 Z9\nG17\nG81 X1 Y1 Z-2 R3\n"
+    "X2\nM8\nX3\nG80\nG18\nG83 X1 Z1 Y-5 R1 Q2\nX4\n(MSG, x)\nX5\nG1 X0\n",
     "holes in inches": "G20 G0 Z1\nG83 X1 Z-1 R.1 Q.3\nX2\nX3\nG21\nX50\nX60\n",
     "beside a contour": "G0 X-9 Y-9\nG41 D1 G1 X0 Y0\nX20\nY20\nX10\nY30\nX-5 F50\n"
     "G3 X-5 Y10 I0 J-10\nG1 Y-20\nG40 X-30\n",
