@@ -313,9 +313,9 @@ class FlowControl:
         for inner in frame.file.flows:
             if inner.at > index:
                 if inner.keyword in ("return", "endsub") and inner.label == label:
+                    self._pass_over(frame.file, index, inner.at, defining=True)
                     self._return_while_defining(frame.file, inner.at)
                 if inner.keyword == "endsub" and inner.label == label:
-                    self._pass_over(frame.file, index, inner.at, defining=True)
                     frame.at = inner.at + 1
                     return
                 if inner.keyword in ("sub", ""):

@@ -170,6 +170,13 @@ EXPLAINED: tuple[Explanation, ...] = (
         _found(r"refused.*GS106 L\d+ is no way to wait"),
     ),
     Explanation(
+        "the number of an input is whole here; LinuxCNC rounds it", _found(r"refused.*GS106 P of M66 must be a whole")
+    ),
+    Explanation(
+        "ROUND, FIX and FUP of an infinite value overflow in LinuxCNC; here they are no number",
+        _found(r"refused.*GS123 the value is no number: nan"),
+    ),
+    Explanation(
         "outputs are numbered from 0: LinuxCNC hands on whatever number there is",
         _found(r"refused.*GS106 the number of the output is negative"),
     ),
