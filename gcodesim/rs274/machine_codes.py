@@ -106,6 +106,9 @@ def _wait_for_input(words: Words, control: Control) -> None:
     p, e = words.whole("p", "M66"), words.whole("e", "M66")
     if (p is None) == (e is None):
         raise Fault("GS105", "M66 needs either P (digital input) or E (analog input)", at="m66")
+    for letter, number in (("p", p), ("e", e)):
+        if number is not None and number < 0:
+            raise Fault("GS106", f"the number of the input is negative: {number}", at=letter, value=number)
     mode = words.whole("l", "M66") or 0
     if not 0 <= mode <= 4:
         raise Fault("GS106", f"L{mode} is no way to wait; L0 to L4 are", at="l")
