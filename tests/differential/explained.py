@@ -170,6 +170,21 @@ EXPLAINED: tuple[Explanation, ...] = (
         _found(r"refused.*GS106 L\d+ is no way to wait"),
     ),
     Explanation(
+        "a P-1 is no P to LinuxCNC, so that another one may follow",
+        lambda case: (
+            "GS009 P stands twice" in case.found
+            and re.search(r"P\s*-\s*0*1\b", case.compared.refused_line, re.I) is not None
+        ),
+    ),
+    Explanation(
+        "a NUL ends a line of LinuxCNC's",
+        lambda case: "U+0000" in case.found and "\0" in case.compared.refused_line,
+    ),
+    Explanation(
+        "an arc behind a tapping cycle outside G17, of which LinuxCNC does not know where it left the tool",
+        lambda case: "differs in sweep" in case.found and case.says(r"G\s*(74|84)") and case.says(r"G\s*0*1\s*[89]"),
+    ),
+    Explanation(
         "the number of an input is whole here; LinuxCNC rounds it", _found(r"refused.*GS106 P of M66 must be a whole")
     ),
     Explanation(
