@@ -36,6 +36,9 @@ class Inspector:
             timed.row: timed.event.span for timed in plan.path.events if isinstance(timed.event, ToolChange)
         }
         self._blind = _blind_turns(plan, shop)
+        # a rapid that takes less than a cell has touched nothing that the grid could show
+        grids = (placed.stock.grid[2:] for placed in shop.stocks.values())
+        self._grain = max((float(dx * dy * max(dx, dy)) for dx, dy in grids), default=0.0)
         self._starts = plan.trajectory.row_start if len(plan.path) else np.zeros(1)
 
     def fresh(self, record: StepRecord, totals: RowTotals, joints: JointTotals) -> list[Diagnostic]:
@@ -76,7 +79,7 @@ class Inspector:
             spindle=rows.spindle,
             time=self._starts,
             rapid_cut=totals.rapid_cut,
-            rapid_bound=totals.rapid_bound,
+            rapid_bound=totals.rapid_bound + self._grain,
             stopped_cut=totals.stopped_cut,
             reversed_cut=totals.reversed_cut,
             shank=totals.shank,

@@ -129,3 +129,10 @@ def test_clean_programs_raise_no_alarm(name: str, cell: str, world: str) -> None
     ran = misuse(CLEAN[name], cell, world)
     assert not ran.bad
     assert ran.stock.removed > 0.0
+
+
+def test_a_rapid_back_into_a_hole_that_a_soft_arm_pecks_is_no_cut() -> None:
+    """Less than a cell: the arm stands a micrometre elsewhere than when it drilled, and short steps bound little."""
+    program = "G21 G90 G17 G94\nT2 M6\nG43 H2\nS3000 M3\nG0 X7.3 Y12.1 Z5\nG98 G83 Z-18 R1 Q3 F300\nG80\n" + TAIL
+    fine = ARM.replace("resolution: 0.5", "resolution: 0.25") + "simulation: {rate: 2 kHz}\n"
+    assert misuse(program, fine).bad == []
