@@ -18,7 +18,7 @@ Bytes = NDArray[np.uint8]
 FLAT_SIDE = 16  # columns along one side of a patch
 
 
-@kernel
+@kernel(lean=True)
 def end_of(lo: Array, hi: Array, count: Ints, i: int, j: int, top: int) -> float:
     """Where column (i, j) ends for good (top 1) or begins (top 0) [m]; NaN when it is empty."""
     n = count[i, j]
@@ -75,7 +75,7 @@ def find_flat(
     return flat
 
 
-@kernel
+@kernel(lean=True)
 def lattice_vertex(start: Ints, vertex: Ints, columns: int, a: int, b: int, top: int) -> int:
     """The first (top 0) or last (top 1) vertex over a point of the tile's lattice."""
     place = a * columns + b
@@ -83,7 +83,7 @@ def lattice_vertex(start: Ints, vertex: Ints, columns: int, a: int, b: int, top:
     return int(vertex[group])
 
 
-@kernel
+@kernel(lean=True)
 def outline(
     flat: Bytes, pi: int, pj: int, top: int, i0: int, i1: int, j0: int, j1: int, start: Ints, vertex: Ints, out: Ints
 ) -> int:

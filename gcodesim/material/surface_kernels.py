@@ -33,7 +33,7 @@ DIAGONAL_02 = 0b0101
 DIAGONAL_13 = 0b1010
 
 
-@kernel
+@kernel(lean=True)
 def corner_column(a: int, b: int, corner: int) -> tuple[int, int]:
     """Column (i, j) at a corner of the prism around lattice point (a, b)."""
     i = a if corner in (1, 2) else a - 1
@@ -41,7 +41,7 @@ def corner_column(a: int, b: int, corner: int) -> tuple[int, int]:
     return i, j
 
 
-@kernel
+@kernel(lean=True)
 def wall_shifts(walls: Singles, a: int, b: int, shifts: Array) -> None:
     """Fill `shifts` (4,): how far [cells] the wall at each border of a prism stands from it, in x (0, 2) or y (1, 3).
 
@@ -61,7 +61,7 @@ def wall_shifts(walls: Singles, a: int, b: int, shifts: Array) -> None:
             shifts[corner] = 0.0
 
 
-@kernel
+@kernel(lean=True)
 def strand_shift(mask: int, only: int, shifts: Array) -> tuple[float, float, int]:
     """Sum of the places (in cells, from the lattice point) of the walls in a mask, and their number.
 
@@ -90,13 +90,13 @@ def strand_shift(mask: int, only: int, shifts: Array) -> tuple[float, float, int
     return x, y, borders
 
 
-@kernel
+@kernel(lean=True)
 def is_diagonal(mask: int) -> bool:
     """Whether exactly two opposite corners are material."""
     return mask in (DIAGONAL_02, DIAGONAL_13)
 
 
-@kernel
+@kernel(lean=True)
 def rim_shift(below: int, above: int, shifts: Array, first: int, second: int) -> float:
     """Shift [cells] along the stock's side of a wall that runs out there, at one of two borders; 0 without a wall."""
     for corner in (first, second):
@@ -106,7 +106,7 @@ def rim_shift(below: int, above: int, shifts: Array, first: int, second: int) ->
     return 0.0
 
 
-@kernel
+@kernel(lean=True)
 def plain_prism(
     lo: Array, hi: Array, place_i: Places, place_j: Places, ends: Places, limit: float, heights: Array
 ) -> bool:
@@ -133,7 +133,7 @@ def plain_prism(
     return True
 
 
-@kernel
+@kernel(lean=True)
 def is_plain(bits: Bytes, start: Ints, prism: int) -> bool:
     """Whether a prism has one group below in which all four columns begin, and one above in which they end."""
     first = start[prism]
@@ -287,7 +287,7 @@ def build_chains(
     return start, bits[:groups], rising[:groups], below[:groups], vertex[:groups], extra[:groups], points[:made]
 
 
-@kernel
+@kernel(lean=True)
 def seen_vertex(bits: Bytes, rising: Bytes, below: Bytes, vertex: Ints, group: int, corner: int) -> int:
     """The vertex of a group as the strand around a material corner sees it; -1 when that strand passes by."""
     mask = below[group]
@@ -301,7 +301,7 @@ def seen_vertex(bits: Bytes, rising: Bytes, below: Bytes, vertex: Ints, group: i
     return int(vertex[group]) + (1 if lower != 0 else 0)
 
 
-@kernel
+@kernel(lean=True)
 def find_group(bits: Bytes, rising: Bytes, begin: int, corner: int, change: int) -> int:
     """The group, from `begin` on, in which a corner's column makes its `change`-th change (even: rise, odd: fall)."""
     left = change
@@ -314,7 +314,7 @@ def find_group(bits: Bytes, rising: Bytes, begin: int, corner: int, change: int)
         group += 1
 
 
-@kernel
+@kernel(lean=True)
 def collect_chain(
     bits: Bytes, rising: Bytes, below: Bytes, vertex: Ints, extra: Ints, first: int, last: int, corner: int, out: Ints
 ) -> int:
@@ -332,7 +332,7 @@ def collect_chain(
     return n
 
 
-@kernel
+@kernel(lean=True)
 def was_there(lo: Array, hi: Array, count: Ints, i: int, j: int, bottom: float, top: float) -> float:
     """Length [m] of [bottom, top] that was material in column (i, j); arrays may have one column for all."""
     if count.shape[0] == 1:
@@ -347,7 +347,7 @@ def was_there(lo: Array, hi: Array, count: Ints, i: int, j: int, bottom: float, 
     return total
 
 
-@kernel
+@kernel(lean=True)
 def was_end(lo: Array, hi: Array, count: Ints, i: int, j: int, z: float, rises: bool) -> bool:
     """Whether column (i, j) began (`rises`) or ended at z from the outset."""
     if count.shape[0] == 1:
@@ -360,7 +360,7 @@ def was_end(lo: Array, hi: Array, count: Ints, i: int, j: int, z: float, rises: 
     return found
 
 
-@kernel
+@kernel(lean=True)
 def build_wall(
     points: Array,
     chain_p: Ints,
