@@ -196,12 +196,11 @@ def _lines_of(path: ToolPath, stands: Sequence[Stand]) -> tuple[list[str], Ints,
     line of each path row and of each stand.
     """
     spans = SpanTable.of(path.spans)
-    known: dict[str, int] = {}
-    of_origin = np.array([known.setdefault(name, len(known)) for name, _ in spans.origins], dtype=np.int64)
+    known, of_span = spans.files()
     resting = [(known.setdefault(span.file, len(known)), span.line) for _, span, _ in stands]
     file, line = np.array(resting, dtype=np.int64).reshape(-1, 2).T
     rows = path.source if len(path) else np.zeros(0, dtype=np.int64)
-    file, line = np.append(of_origin[spans.origin[rows]], file), np.append(spans.lines[rows].astype(np.int64), line)
+    file, line = np.append(of_span[rows], file), np.append(spans.lines[rows].astype(np.int64), line)
     when = np.append(2 * np.arange(len(rows)) + 1, np.array([2 * row for row, _, _ in stands], dtype=np.int64))
     order = np.argsort(when, kind="stable")
     _, first, which = np.unique((file << 32 | line)[order], return_index=True, return_inverse=True)

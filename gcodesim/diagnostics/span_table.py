@@ -43,6 +43,12 @@ class SpanTable(Sequence[Span]):
         """The line of each span (n,)."""
         return self.place[:, 0]
 
+    def files(self) -> tuple[dict[str, int], NDArray[np.int64]]:
+        """The files by name, numbered from 0 as they come; and the number (n,) of each span's file."""
+        known: dict[str, int] = {}
+        of_origin = np.array([known.setdefault(name, len(known)) for name, _ in self.origins], dtype=np.int64)
+        return known, of_origin[self.origin]
+
     def __len__(self) -> int:
         return len(self.origin)
 

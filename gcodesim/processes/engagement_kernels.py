@@ -243,6 +243,22 @@ def lay_places(
 
 
 @kernel(lean=True)
+def ask_places(
+    lows: Array, highs: Array, count: Ints, us: Array, vs: Array, ups: Array, bottom: float, top: float, share: Array
+) -> None:
+    """Share (n,) of bottom..top [m] that is material at places from `lay_places`; ELSEWHERE where columns have more
+    than one interval, or the stock is a single row. lows, highs: the ends of all intervals in one row.
+    """
+    nx, ny = count.shape
+    if lows.shape[0] == nx * ny and nx > 1 and ny > 1:  # nearly always
+        read_single(
+            lows, highs, np.float64(nx - 2), np.float64(ny - 2), np.uint64(ny), us, vs, ups, bottom, top, share
+        )  # fmt: skip
+    else:
+        share[:] = ELSEWHERE
+
+
+@kernel(lean=True)
 def leave_advancing(sines: Array, level: float, sin_kappa: float, fall: float, line: Array) -> bool:
     """Set the share (n,) to 0 where an element does not advance; whether any is left that is not known."""
     unknown = np.uint8(0)
@@ -319,10 +335,8 @@ def contact_of_rows(
     Where contact begins or ends between two angles, the limit is found by halving and the weight is shared out.
     """
     cell = max(grid[2], grid[3])
-    nx, ny = count.shape
     ahead, aside = clearances(grid, ux, uy)
     frame = grid_frame(grid, tip, ux, uy)
-    single = lo.shape[2] == 1 and nx > 1 and ny > 1  # nearly always
     lows, highs = lo.reshape(lo.size), hi.reshape(hi.size)
     sines, cosines, us, vs, ups = circle[0], circle[1], places[0], places[1], places[2]
     found = False
@@ -336,19 +350,15 @@ def contact_of_rows(
         line = weights[i, :last]
         behind = behind_range(sines, level * sin_kappa, LEAST_ADVANCE + fall) if last == ANGLES else 0
         front_end, back_begin = min(ANGLES // 2 + behind, last), last - behind
-        line[front_end:back_begin] = ELSEWHERE
+        line[front_end:back_begin] = ELSEWHERE  # nothing advances there; rounding may leave one to be asked by itself
         for begin, end in ((0, front_end), (back_begin, last)):
             lay_places(
                 sines[begin:end], cosines[begin:end], radius, outer, ahead, inside, level, climb, least_way, frame,
                 us[begin:end], vs[begin:end], ups[begin:end],
             )  # fmt: skip
-            if single:
-                read_single(
-                    lows, highs, np.float64(nx - 2), np.float64(ny - 2), np.uint64(ny), us[begin:end], vs[begin:end],
-                    ups[begin:end], bottom, top, line[begin:end],
-                )  # fmt: skip
-            else:
-                line[begin:end] = ELSEWHERE
+            ask_places(
+                lows, highs, count, us[begin:end], vs[begin:end], ups[begin:end], bottom, top, line[begin:end]
+            )  # fmt: skip
         if leave_advancing(sines, level, sin_kappa, fall, line):
             for k in range(last):
                 if line[k] == ELSEWHERE:
@@ -386,24 +396,17 @@ def contact_of_cylinder(
     climb: float, rows: Array, first: int, number: int, weights: Array, line: Array, places: Array,
 ) -> bool:  # fmt: skip
     """The same for all rows of a cylinder at once, first..first+number: they stand above each other."""
-    nx, ny = count.shape
     ahead, aside = clearances(grid, ux, uy)
     half = ANGLES // 2
     radius, outer = rows[first, 0], rows[first, 7] + ahead
     share, us, vs, ups = places[0, :half], places[1, :half], places[2, :half], places[3, :half]
     bottom, top = tip[2] + rows[first, 5], tip[2] + rows[first + number - 1, 6]
     height = (top - bottom) / number
-    if lo.shape[2] == 1 and nx > 1 and ny > 1:
-        lay_places(
-            circle[0, :half], circle[1, :half], radius, outer, ahead, max(radius - aside, 0.0), level, climb, 0.0,
-            grid_frame(grid, tip, ux, uy), us, vs, ups,
-        )  # fmt: skip
-        read_single(
-            lo.reshape(lo.size), hi.reshape(hi.size), np.float64(nx - 2), np.float64(ny - 2), np.uint64(ny), us, vs,
-            ups, bottom, top, share,
-        )  # fmt: skip
-    else:
-        share[:] = ELSEWHERE
+    lay_places(
+        circle[0, :half], circle[1, :half], radius, outer, ahead, max(radius - aside, 0.0), level, climb, 0.0,
+        grid_frame(grid, tip, ux, uy), us, vs, ups,
+    )  # fmt: skip
+    ask_places(lo.reshape(lo.size), hi.reshape(hi.size), count, us, vs, ups, bottom, top, share)
     earlier = -1.0
     begin, end = half, 0
     for k in range(half):

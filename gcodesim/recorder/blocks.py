@@ -185,13 +185,12 @@ def _columns(
 def _places(entries: _Entries, plan: Plan) -> tuple[list[str], Ints, Ints]:
     """The files by name; file and line (m,) of each block."""
     spans = SpanTable.of(plan.path.spans)
-    known: dict[str, int] = {}
-    of_origin = np.array([known.setdefault(name, len(known)) for name, _ in spans.origins], dtype=np.int64)
+    known, of_span = spans.files()
     file, line = np.zeros((2, len(entries.t_ns)), dtype=np.int64)
     moving = np.flatnonzero(entries.row >= 0)
     source = plan.path.source[entries.row[moving]]
     if len(moving):
-        file[moving], line[moving] = of_origin[spans.origin[source]], spans.lines[source]
+        file[moving], line[moving] = of_span[source], spans.lines[source]
     for i in np.flatnonzero(entries.row < 0).tolist():
         span = plan.trajectory.events[entries.event[i]].event.span
         file[i], line[i] = known.setdefault(span.file, len(known)), span.line

@@ -13,7 +13,7 @@ from gcodesim.rs274.control import Control
 from gcodesim.rs274.expressions import checked, loose
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.frame import Frame, Label
-from gcodesim.rs274.parameters import MOST_ARGUMENTS
+from gcodesim.rs274.parameters import MOST_ARGUMENTS, NO_ARGUMENTS
 from gcodesim.rs274.program_file import KEYWORDS, ProgramFile
 from gcodesim.rs274.reader import Reader
 from gcodesim.rs274.saved import bring_back
@@ -21,7 +21,6 @@ from gcodesim.rs274.skipped import Skipped
 from gcodesim.rs274.words import read_words
 
 MOST_LEVELS = 10
-_NOTHING = (0.0,) * MOST_ARGUMENTS
 _NEEDS_ONE = frozenset(("if", "elseif", "while", "repeat"))
 _MAY_HAVE_ONE = frozenset(("return", "endsub"))
 LOCAL_WORDS = frozenset(KEYWORDS) - {"sub", "endsub", "call", "return"}  # their labels belong to one subroutine
@@ -384,7 +383,7 @@ class FlowControl:
         frame.arguments = control.parameters.first()
         frame.named = control.parameters.locals
         control.parameters.locals = {}
-        control.parameters.set_first((*arguments, *_NOTHING[len(arguments) :]))
+        control.parameters.set_first((*arguments, *NO_ARGUMENTS[len(arguments) :]))
         control.returned, control.value_returned = 0.0, False
 
     def _was_read(self, file: ProgramFile, first: int) -> bool:

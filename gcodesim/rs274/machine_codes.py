@@ -188,8 +188,8 @@ def _tell_missing_length(number: int, control: Control) -> None:
                 message=f"T{number} works without its length: the program says G49 and never G43, so the tip is "
                 f"{length / MM:g} mm below the places that are programmed",
                 span=control.span,
-                hint=f"say G43 H{number} after the tool change; or, when Z is touched off with this tool, give it "
-                "that work offset",
+                hint=f"say G43 H{number} after the tool change; if Z was touched off with the tool in the spindle, add "
+                "its length to Z of the work offset",
                 value=length / MM,
                 limit=0.0,
                 unit="mm",

@@ -13,7 +13,7 @@ LAST_NUMBER = 5601
 _LAST_OF_ANY = 19_999  # of any dialect
 MOST_ARGUMENTS = 30
 _OF_CALL = tuple(range(1, MOST_ARGUMENTS + 1))
-_NOTHING = (0.0,) * MOST_ARGUMENTS
+NO_ARGUMENTS = (0.0,) * MOST_ARGUMENTS
 
 PROBE = 5061  # trip point of the latest probing, 9 numbers
 PROBE_RESULT = 5070
@@ -123,7 +123,7 @@ class Parameters:
 
     def first(self) -> tuple[float, ...]:
         """Values of the parameters that a call of a subroutine has for itself."""
-        return tuple(map(self.numbers.get, _OF_CALL, _NOTHING))
+        return tuple(map(self.numbers.get, _OF_CALL, NO_ARGUMENTS))
 
     def set_first(self, values: tuple[float, ...]) -> None:
         """Store those, as `set` does; most of them are what they were, to the very object."""

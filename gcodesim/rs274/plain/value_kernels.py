@@ -57,29 +57,20 @@ def number_at(text: Column, at: int, stop: int, numbers: Column) -> int:
 
     An integer below 2**53 divided once by a power of ten is rounded as `float` does it.
     """
-    mantissa = 0
-    digits = 0
-    read = 0
-    places = 0
-    while at < stop and 48 <= text[at] <= 57:
-        mantissa = mantissa * 10 + (byte_at(text, at) - 48)
-        if mantissa > 0:
-            digits += 1
-        read += 1
-        at += 1
-        if digits > _MOST_DIGITS:
-            return LEFT_OUT
-    if at < stop and text[at] == 46:
-        at += 1
-        while at < stop and 48 <= text[at] <= 57:
+    mantissa, digits, read, places = 0, 0, 0, 0
+    pointed = False
+    while at < stop and (48 <= text[at] <= 57 or (text[at] == 46 and not pointed)):
+        if text[at] == 46:
+            pointed = True
+        else:
             mantissa = mantissa * 10 + (byte_at(text, at) - 48)
-            if mantissa > 0:
-                digits += 1
-            places += 1
-            at += 1
+            digits += 1 if mantissa > 0 else 0
+            read += 1
+            places += 1 if pointed else 0
             if digits > _MOST_DIGITS or places > _MOST_PLACES:
                 return LEFT_OUT
-    if read + places == 0:
+        at += 1
+    if read == 0:
         return LEFT_OUT
     value = float(mantissa)
     if places > 0:
