@@ -156,15 +156,15 @@ class Container:
 
     def _write_chunk(self, chunk: PackedChunk) -> None:
         start = self._offset
-        self._write(chunk.chunk + chunk.indexes)
+        self._write(chunk.records)
         self._chunks.append(
             ChunkIndex(
-                chunk_length=len(chunk.chunk),
+                chunk_length=chunk.chunk_size,
                 chunk_start_offset=start,
                 compression="zstd",
                 compressed_size=chunk.packed_size,
                 message_end_time=chunk.last_ns,
-                message_index_length=len(chunk.indexes),
+                message_index_length=len(chunk.records) - chunk.chunk_size,
                 message_index_offsets={channel: start + offset for channel, offset in chunk.offsets.items()},
                 message_start_time=chunk.first_ns,
                 uncompressed_size=chunk.unpacked_size,
