@@ -91,7 +91,7 @@ def reads_logs(run: Callable[[argparse.Namespace], int]) -> Callable[[argparse.N
 
 
 def open_recording(path: object) -> Recording:
-    """The log or output folder named on the command line; UsageError when it cannot be read."""
+    """The log or output folder named on the command line; UsageError when nothing of it can be read."""
     from pathlib import Path
 
     from gcodesim.playback import Recording, RecordingError
@@ -100,3 +100,15 @@ def open_recording(path: object) -> Recording:
         return Recording.open(Path(str(path)))
     except RecordingError as error:
         raise UsageError(str(error)) from None
+
+
+def status_of_reading(*recordings: Recording) -> int:
+    """After all was read: tell on stderr (stdout may hold a table) what could not be, and the status that it makes."""
+    from gcodesim.cli.exits import status_of
+    from gcodesim.cli.output import note
+    from gcodesim.diagnostics.show import as_text
+
+    found = [finding for recording in recordings for finding in recording.findings]
+    for finding in found:
+        note(as_text(finding, {}))
+    return status_of(found, "error")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
+from functools import cache
 from typing import Any, TextIO
 
 from google.protobuf.json_format import MessageToDict
@@ -16,6 +17,8 @@ from gcodesim.playback.recording import Recording
 
 def write_lines(recording: Recording, out: TextIO, topics: Sequence[str] = (), part: Part | None = None) -> int:
     """One object a line: topic, t_ns, message; of `topics`, else of all, in the order of the log. Returns how many.
+
+    Fields stand in the order of their schema, so that lines of one topic are alike.
 
     A period thins each topic on its own. NoTableError when the log has no such topic.
     """
@@ -37,9 +40,39 @@ def write_lines(recording: Recording, out: TextIO, topics: Sequence[str] = (), p
                 continue
             slots[message.channel] = slot
         topic, decode = decoders[message.channel]
-        fields = MessageToDict(
-            decode(message), preserving_proto_field_name=True, always_print_fields_with_no_presence=True
+        value = decode(message)
+        fields = _in_order(
+            MessageToDict(value, preserving_proto_field_name=True, always_print_fields_with_no_presence=True),
+            value.DESCRIPTOR,
         )
         out.write(json.dumps({"topic": topic, "t_ns": message.t_ns, "message": fields}, ensure_ascii=False) + "\n")
         count += 1
     return count
+
+
+def _in_order(fields: dict[str, Any], kind: Any) -> dict[str, Any]:
+    """`fields` of a message of `kind` (its descriptor) as its schema has them; protobuf puts those that are 0 last."""
+    ordered = {}
+    for name, inner in _fields_of(kind):
+        if name not in fields:
+            continue
+        value = fields[name]
+        if inner is not None:
+            if isinstance(value, dict):
+                value = _in_order(value, inner)
+            elif isinstance(value, list):
+                value = [_in_order(one, inner) if isinstance(one, dict) else one for one in value]
+        ordered[name] = value
+    return ordered
+
+
+@cache
+def _fields_of(kind: Any) -> tuple[tuple[str, Any], ...]:
+    """Names of the fields of a descriptor, with the descriptor of what is in them when that is a message."""
+    return tuple(
+        (
+            field.name,
+            None if field.message_type is None or field.message_type.GetOptions().map_entry else field.message_type,
+        )
+        for field in kind.fields
+    )

@@ -2,23 +2,18 @@
 
 A complete log is opened by its summary. From a log that was cut off (a killed
 run, a full disk, a copy that stopped) everything up to the last whole chunk is
-found by walking its records.
+found by walking its records. A chunk that is damaged costs its own messages only.
 """
 
 from __future__ import annotations
 
-import struct
 import zlib
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
-from io import BytesIO
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, BinaryIO, Final, NamedTuple
+from typing import Any, BinaryIO, Final
 
-import zstandard
-from mcap.data_stream import ReadDataStream
-from mcap.exceptions import EndOfFile
 from mcap.opcode import Opcode
 from mcap.records import (
     Attachment,
@@ -34,26 +29,26 @@ from mcap.records import (
 )
 
 from gcodesim.log.container import MAGIC
-from gcodesim.log.rows import MESSAGE_OPCODE, RECORD_HEAD
+from gcodesim.log.damage import Damage
+from gcodesim.log.rows import RECORD_HEAD
+from gcodesim.log.stored import (
+    DAMAGE,
+    RECORD,
+    LogReadError,
+    RawMessage,
+    messages_in,
+    read_chunk,
+    record_at,
+    records_of,
+    stream_of,
+)
 
-_RECORD: Final = struct.Struct("<BQ")
-_MESSAGE: Final = struct.Struct("<HIQQ")
-_CHUNK: Final = struct.Struct("<QQQII")
-_DAMAGE: Final = (struct.error, UnicodeDecodeError, EndOfFile)  # what reading a damaged record may raise
+__all__ = ["ChunkPlace", "LogFile", "LogReadError", "RawMessage"]
+
 _FOOTER_SIZE: Final = RECORD_HEAD + 20 + len(MAGIC)
-
-
-class LogReadError(Exception):
-    """The file is no log, or a part of it that was asked for is damaged."""
-
-
-class RawMessage(NamedTuple):
-    """A message as stored."""
-
-    channel: int
-    sequence: int
-    t_ns: int
-    data: bytes
+_DATA_END_SIZE: Final = RECORD_HEAD + 4
+_BLOCK: Final = 1 << 20
+_PRIVATE: Final = 0x80  # from here on opcodes are anybody's
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +63,10 @@ class ChunkPlace:
 
 @dataclass(slots=True)
 class LogFile:
-    """The contents of a log. `complete`: the file has its end; `problem` says what is wrong otherwise."""
+    """The contents of a log. `complete`: the file has its end; `problem` says what is wrong otherwise.
+
+    `lenient`: what is damaged is left out and noted in `damage`; else reading it raises.
+    """
 
     path: Path
     complete: bool = False
@@ -81,16 +79,19 @@ class LogFile:
     attachments: dict[str, tuple[int, int]] = field(default_factory=dict)  # name: offset of the record, data size
     counts: dict[int, int] = field(default_factory=dict)  # messages by channel
     size: int = 0  # of the file
+    data_end: int = 0  # where the records before the index end, in a complete file
     whole: int = 0  # bytes in whole records; less than `size` in a file that was cut off
+    lenient: bool = False
+    damage: list[Damage] = field(default_factory=list)  # as far as it was met, in the order of the file
 
     @staticmethod
-    def open(path: Path) -> LogFile:
+    def open(path: Path, *, lenient: bool = False) -> LogFile:
         """Read what there is. When `path` is missing, `path` + `.part` is taken, the log of a run that did not end.
 
         OSError when neither can be read, LogReadError when it is no MCAP file.
         """
         part = path.with_name(path.name + ".part")
-        log = LogFile(part if part.exists() and not path.exists() else path)
+        log = LogFile(part if part.exists() and not path.exists() else path, lenient=lenient)
         with log.path.open("rb") as stream:
             head = stream.read(len(MAGIC))
             if head != MAGIC and not (log.path == part and MAGIC.startswith(head)):
@@ -98,11 +99,12 @@ class LogFile:
             try:
                 if log._read_summary(stream):
                     return log
-            except _DAMAGE:
+            except DAMAGE:
                 log.problem = "the index at the end of the file is damaged"
-            log = LogFile(log.path, problem=log.problem or "the file ends before its index")
-            with suppress(*_DAMAGE):
+            log = LogFile(log.path, problem=log.problem or "the file ends before its index", lenient=lenient)
+            with suppress(*DAMAGE):
                 log._walk(stream)
+            log._settle_times()
         return log
 
     @property
@@ -127,7 +129,7 @@ class LogFile:
     ) -> Iterator[RawMessage]:
         """Messages in the order of the file, of some channels or all, in a span of time.
 
-        LogReadError when a chunk does not agree with its checksum.
+        LogReadError when a chunk does not agree with its checksum, but for a lenient log.
         """
         wanted = None if channels is None else frozenset(channels)
         with self.path.open("rb") as stream:
@@ -136,16 +138,84 @@ class LogFile:
                     continue
                 if wanted is not None and chunk.channels is not None and wanted.isdisjoint(chunk.channels):
                     continue
-                found = _chunk_messages(_read_chunk(stream, chunk.offset), wanted)
-                for message in reversed(list(found)) if backwards else found:
+                try:
+                    found = list(messages_in(read_chunk(stream, chunk.offset), wanted))
+                except LogReadError as error:
+                    self._note_chunk(chunk, error)
+                    if not self.lenient:
+                        raise LogReadError(str(self.damage_at(chunk.offset))) from error
+                    continue
+                for message in reversed(found) if backwards else found:
                     if message.t_ns >= first_ns and (last_ns is None or message.t_ns <= last_ns):
                         yield message
 
     def attachment(self, name: str) -> bytes:
-        """The contents of an attached file. KeyError when there is none."""
-        offset, _ = self.attachments[name]
+        """The contents of an attached file. KeyError when there is none, LogReadError when it is damaged."""
+        offset, size = self.attachments[name]
         with self.path.open("rb") as stream:
-            return bytes(Attachment.read(_record_at(stream, offset)).data)
+            record = record_at(stream, offset, Opcode.ATTACHMENT)
+        with suppress(*DAMAGE):
+            attached, crc = Attachment.read(stream_of(record)), int.from_bytes(record[-4:], "little")
+            if attached.name == name and len(attached.data) == size and crc in (0, zlib.crc32(record[:-4])):
+                return bytes(attached.data)
+        raise LogReadError(f"the attached file {name} is damaged")
+
+    def attached(self, name: str) -> bytes | None:
+        """The same for a lenient log: None when there is none, or when it is damaged, which is noted."""
+        if name not in self.attachments:
+            return None
+        try:
+            return self.attachment(name)
+        except LogReadError:
+            self._note(Damage(offset=self.attachments[name][0], what=name, reason="is damaged"))
+            return None
+
+    def check(self) -> None:
+        """Read the whole file once and note all that is damaged in it.
+
+        One checksum covers a complete file, so each chunk is looked at only when that does not agree.
+        """
+        with self.path.open("rb") as stream:
+            if self.complete and self._agrees(stream):
+                return
+            for chunk in self.chunks:
+                try:
+                    for _ in messages_in(read_chunk(stream, chunk.offset), frozenset()):
+                        pass
+                except LogReadError as error:
+                    self._note_chunk(chunk, error)
+        for name in self.attachments:
+            self.attached(name)
+        if self.complete and not self.damage and self.library.startswith("gcodesim"):
+            self._note(Damage(offset=len(MAGIC), what="record", reason="does not agree with the checksum of the file"))
+
+    def _agrees(self, stream: BinaryIO) -> bool:
+        """Whether the records before the index have the checksum that their end tells; False when it tells none."""
+        stream.seek(self.data_end)
+        end = stream.read(_DATA_END_SIZE)
+        crc = int.from_bytes(end[RECORD_HEAD:], "little")
+        if end[:1] != bytes([Opcode.DATA_END]) or not crc:
+            return False
+        stream.seek(0)
+        left, found = self.data_end, 0
+        while left and (block := stream.read(min(_BLOCK, left))):
+            left -= len(block)
+            found = zlib.crc32(block, found)
+        return not left and found == crc
+
+    def _note_chunk(self, chunk: ChunkPlace, error: LogReadError) -> None:
+        self._note(
+            Damage(offset=chunk.offset, what="chunk", reason=str(error), first_ns=chunk.first_ns, last_ns=chunk.last_ns)
+        )
+
+    def damage_at(self, offset: int) -> Damage | None:
+        """What is known to be wrong with the record at `offset`."""
+        return next((damage for damage in self.damage if damage.offset == offset), None)
+
+    def _note(self, damage: Damage) -> None:
+        if self.damage_at(damage.offset) is None:
+            self.damage.append(damage)
+            self.damage.sort(key=lambda known: known.offset)
 
     # ---- a file with its end
 
@@ -159,9 +229,10 @@ class LogFile:
         tail = stream.read(_FOOTER_SIZE)
         if tail[-len(MAGIC) :] != MAGIC or tail[0] != Opcode.FOOTER:
             return False
-        footer = Footer.read(_stream_of(tail[RECORD_HEAD:]))
+        footer = Footer.read(stream_of(tail[RECORD_HEAD:]))
         if not len(MAGIC) <= footer.summary_start < size - _FOOTER_SIZE:
             return False
+        self.data_end = footer.summary_start - _DATA_END_SIZE
         stream.seek(footer.summary_start)
         summary = stream.read(size - _FOOTER_SIZE - footer.summary_start)
         covered = summary + tail[: RECORD_HEAD + 16]
@@ -169,7 +240,7 @@ class LogFile:
             self.problem = "the index at the end of the file is damaged"
             return False
         metadata = []
-        for opcode, record in _records_of(summary):
+        for opcode, record in records_of(summary):
             match opcode:
                 case Opcode.SCHEMA | Opcode.CHANNEL:
                     self._take_definition(opcode, record)
@@ -187,8 +258,12 @@ class LogFile:
                 case Opcode.METADATA_INDEX:
                     metadata.append(MetadataIndex.read(record).offset)
         for offset in metadata:
-            self._take_metadata(_record_at(stream, offset))
-        self.library = Header.read(_record_at(stream, len(MAGIC))).library
+            try:
+                self._take_metadata(stream_of(record_at(stream, offset, Opcode.METADATA)))
+            except DAMAGE:
+                self._note(Damage(offset=offset, what="record", reason="is damaged"))
+        with suppress(*DAMAGE):
+            self.library = Header.read(stream_of(record_at(stream, len(MAGIC), Opcode.HEADER))).library
         self.complete = True
         return True
 
@@ -200,29 +275,33 @@ class LogFile:
         self.whole = at = len(MAGIC)
         while at + RECORD_HEAD <= size:
             stream.seek(at)
-            opcode, length = _RECORD.unpack(stream.read(RECORD_HEAD))
+            opcode, length = RECORD.unpack(stream.read(RECORD_HEAD))
             if at + RECORD_HEAD + length > size:
+                break
+            if not opcode or Opcode.DATA_END < opcode < _PRIVATE:
+                self.problem = f"the file is damaged from byte {at} on, and its index is not there"
                 break
             match opcode:
                 case Opcode.DATA_END:  # what follows is the index, not all of it
                     self.whole = at + RECORD_HEAD + length
                     break
                 case Opcode.HEADER:
-                    self.library = Header.read(_stream_of(stream.read(length))).library
+                    self.library = Header.read(stream_of(stream.read(length))).library
                 case Opcode.SCHEMA | Opcode.CHANNEL:
-                    self._take_definition(opcode, _stream_of(stream.read(length)))
+                    self._take_definition(opcode, stream_of(stream.read(length)))
                 case Opcode.METADATA:
-                    self._take_metadata(_stream_of(stream.read(length)))
+                    self._take_metadata(stream_of(stream.read(length)))
                 case Opcode.ATTACHMENT:
-                    attached = Attachment.read(_stream_of(stream.read(length)))
+                    attached = Attachment.read(stream_of(stream.read(length)))
                     self.attachments[attached.name] = (at, len(attached.data))
                 case Opcode.CHUNK:
                     try:
-                        messages = list(_chunk_messages(_read_chunk(stream, at), None))
+                        messages = list(messages_in(read_chunk(stream, at), None))
                     except LogReadError as error:
-                        self.problem = str(error)
-                        break
-                    self._take_chunk(at, messages)
+                        self._note_chunk(place := ChunkPlace(at, self.end_ns, self.end_ns, None), error)
+                        self.chunks.append(place)
+                    else:
+                        self._take_chunk(at, messages)
             self.whole = at = at + RECORD_HEAD + length
 
     def _take_chunk(self, offset: int, messages: list[RawMessage]) -> None:
@@ -231,6 +310,18 @@ class LogFile:
         channels = frozenset(message.channel for message in messages)
         if messages:
             self.chunks.append(ChunkPlace(offset, messages[0].t_ns, messages[-1].t_ns, channels))
+
+    def _settle_times(self) -> None:
+        """A damaged chunk that a walk met held what lies between its neighbours: its own times may be damaged, too."""
+        after = self.end_ns
+        damaged = {damage.offset: i for i, damage in enumerate(self.damage)}
+        for i, chunk in reversed(list(enumerate(self.chunks))):
+            if chunk.offset in damaged:
+                self.chunks[i] = replace(chunk, last_ns=after)
+                at = damaged[chunk.offset]
+                self.damage[at] = replace(self.damage[at], last_ns=after)
+            else:
+                after = chunk.first_ns
 
     def _take_definition(self, opcode: int, record: Any) -> None:
         if opcode == Opcode.SCHEMA:
@@ -243,54 +334,3 @@ class LogFile:
     def _take_metadata(self, record: Any) -> None:
         found = Metadata.read(record)
         self.metadata[found.name] = found.metadata
-
-
-def _stream_of(data: bytes) -> Any:
-    return ReadDataStream(BytesIO(data))
-
-
-def _record_at(stream: BinaryIO, offset: int) -> Any:
-    """The contents of the record at `offset`."""
-    stream.seek(offset)
-    _, length = _RECORD.unpack(stream.read(RECORD_HEAD))
-    return _stream_of(stream.read(length))
-
-
-def _records_of(data: bytes) -> Iterator[tuple[int, Any]]:
-    at = 0
-    while at < len(data):
-        opcode, length = _RECORD.unpack_from(data, at)
-        yield opcode, _stream_of(data[at + RECORD_HEAD : at + RECORD_HEAD + length])
-        at += RECORD_HEAD + length
-
-
-def _read_chunk(stream: BinaryIO, offset: int) -> bytes:
-    """The records of the chunk at `offset`, unpacked and checked."""
-    stream.seek(offset)
-    _, length = _RECORD.unpack(stream.read(RECORD_HEAD))
-    body = stream.read(length)
-    try:
-        first_ns, _, size, crc, name_length = _CHUNK.unpack_from(body)
-        start = _CHUNK.size + name_length
-        compression = body[_CHUNK.size : start].decode()
-        packed = body[start + 8 :]
-        if compression not in ("", "zstd"):
-            raise LogReadError(f"a chunk is packed with {compression}, which gcodesim does not write")
-        records = zstandard.ZstdDecompressor().decompress(packed, max_output_size=size) if compression else packed
-    except (struct.error, UnicodeDecodeError, zstandard.ZstdError) as error:
-        raise LogReadError(f"a chunk at byte {offset} is damaged") from error
-    if len(records) != size or (crc and zlib.crc32(records) != crc):
-        raise LogReadError(f"the chunk at {first_ns * 1e-9:.3f} s does not agree with its checksum")
-    return records
-
-
-def _chunk_messages(records: bytes, channels: frozenset[int] | None) -> Iterator[RawMessage]:
-    at, end = 0, len(records)
-    while at < end:
-        opcode, length = _RECORD.unpack_from(records, at)
-        start = at + RECORD_HEAD
-        at = start + length
-        if opcode == MESSAGE_OPCODE:
-            id, sequence, t_ns, _ = _MESSAGE.unpack_from(records, start)
-            if channels is None or id in channels:
-                yield RawMessage(id, sequence, t_ns, records[start + _MESSAGE.size : at])

@@ -70,13 +70,15 @@ def read_all(path: Path, topics: Sequence[str] = ()) -> Iterator[tuple[str, int,
         yield topic, message.t_ns, decode(message)
 
 
-def decoded(log: LogFile, topic: str, wanted: str = "", *, backwards: bool = False) -> Iterator[tuple[int, Any]]:
-    """Messages of a topic; none when it is not there or not of the `wanted` schema."""
+def decoded(
+    log: LogFile, topic: str, wanted: str = "", *, last_ns: int | None = None, backwards: bool = False
+) -> Iterator[tuple[int, Any]]:
+    """Messages of a topic up to a time; none when it is not there or not of the `wanted` schema."""
     channel = log.channel_id(topic)
     if channel is None or (wanted and log.schema_name(channel) != wanted):
         return
     decode = decoder_of(log, channel)
-    for message in log.messages([channel], backwards=backwards):
+    for message in log.messages([channel], last_ns=last_ns, backwards=backwards):
         yield message.t_ns, decode(message)
 
 

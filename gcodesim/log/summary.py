@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from gcodesim.log.damage import Damage
 from gcodesim.log.event import LogEvent
 from gcodesim.log.logfile import LogFile, LogReadError
 from gcodesim.log.reader import decoded
@@ -34,9 +35,10 @@ class Place:
 class LogSummary:
     """What `gcodesim info` tells. `run` and `result` are the records of the log, as texts.
 
-    `complete`: the file has its end and the run came to its own. `state` is
+    `complete`: the file has its end, nothing in it is damaged, and the run came to its own. `state` is
     finished, failed, interrupted, without an end running, or unknown. `problem` says
-    what is wrong with the file, `missing` what of a whole log is not there.
+    what is wrong with the file, `missing` what of a whole log is not there,
+    `damage` what is there and cannot be read.
     `stopped_at` is the last program line there is. `events` counts by severity.
     """
 
@@ -45,6 +47,7 @@ class LogSummary:
     state: str
     problem: str
     missing: tuple[str, ...]
+    damage: tuple[Damage, ...]
     stopped_at: Place | None
     duration_ns: int
     library: str
@@ -66,17 +69,20 @@ class LogSummary:
         if self.complete:
             return self.state if self.state == "finished" else f"{self.state}{place}"
         if self.state == "finished":
-            return "finished, but the file is incomplete"
+            return f"finished, but the file is {'damaged' if self.damage else 'incomplete'}"
         return f"incomplete, stopped{place}" if place else "incomplete"
 
 
-def summary(path: Path) -> LogSummary:
+def summary(path: Path, *, check: bool = True) -> LogSummary:
     """What the log at `path` is; a `.part` beside it is read when the log itself is missing.
 
-    Reads the index and the chunks with events and with the last program line.
-    OSError when there is no such file, LogReadError when it is no log.
+    Reads the whole file, for its checksum; without `check` the index and the
+    chunks with events and with the last program line, so that damage elsewhere
+    is not seen. OSError when there is no such file, LogReadError when it is no log.
     """
-    log = LogFile.open(path)
+    log = LogFile.open(path, lenient=True)
+    if check:
+        log.check()
     end_ns = log.end_ns
     seconds = end_ns * 1e-9
     topics = tuple(
@@ -97,18 +103,19 @@ def summary(path: Path) -> LogSummary:
             interrupted |= event.code == "interrupted"
             if event.is_finding:
                 findings.append(event)
-        last = next(decoded(log, "/program", "gcodesim.Program", backwards=True), None)
-        if last is not None and last[1].line:
-            stopped_at = Place(file=last[1].file, line=last[1].line, text=last[1].text)
+        stopped_at = _place_at(log, end_ns)
     except LogReadError as error:
         problem = problem or str(error)
     result = log.metadata.get("gcodesim.result", {})
+    if log.damage:
+        problem = problem or f"{len(log.damage)} part{'' if len(log.damage) == 1 else 's'} of it cannot be read"
     return LogSummary(
         path=log.path,
         complete=log.complete and not problem and not interrupted,
         state="interrupted" if interrupted else result.get("state", "unknown" if log.complete else "running"),
         problem=problem,
         missing=() if log.complete and not problem else _missing(log, stopped_at),
+        damage=tuple(log.damage),
         stopped_at=stopped_at,
         duration_ns=end_ns,
         library=log.library,
@@ -124,10 +131,10 @@ def summary(path: Path) -> LogSummary:
 
 
 def _missing(log: LogFile, last: Place | None) -> tuple[str, ...]:
-    """What a log without an end does not have, in words."""
-    missing = []
+    """What a log that is damaged or has no end does not have, in words."""
+    missing = [_in_words(log, damage) for damage in log.damage]
     ended = "gcodesim.result" in log.metadata  # the run did, though not the file
-    if last is not None and not ended:
+    if last is not None and not ended and not log.complete:
         missing.append(f"what came after {log.end_ns * 1e-9:.3f} s, in or after {last.file}:{last.line}")
     if not log.chunks:
         missing.append("every message")
@@ -139,3 +146,20 @@ def _missing(log: LogFile, last: Place | None) -> tuple[str, ...]:
         missing.append("the result")
     expected = ("program.nc", "cell.yaml", "layout.json", "results.json")
     return (*missing, *(name for name in expected if name not in log.attachments))
+
+
+def _place_at(log: LogFile, t_ns: int) -> Place | None:
+    """The program line in force at a time, as far as the log tells."""
+    programs = decoded(log, "/program", "gcodesim.Program", last_ns=t_ns, backwards=True)
+    last = next((program for _, program in programs), None)
+    return Place(file=last.file, line=last.line, text=last.text) if last is not None and last.line else None
+
+
+def _in_words(log: LogFile, damage: Damage) -> str:
+    """What is damaged, and for a chunk from which line on."""
+    if damage.what != "chunk" or damage.first_ns is None:
+        return str(damage)
+    number = [chunk.offset for chunk in log.chunks].index(damage.offset) + 1
+    place = _place_at(log, damage.first_ns - 1)
+    where = f", in or after {place.file}:{place.line}" if place is not None else ""
+    return f"{damage.span}{where}: chunk {number} of {len(log.chunks)}, at byte {damage.offset}, {damage.reason}"

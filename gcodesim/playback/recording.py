@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -12,7 +13,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from gcodesim.diagnostics import SourceText
+from gcodesim.diagnostics import Diagnostic, Severity, SourceText, Span
 from gcodesim.log.event import LogEvent
 from gcodesim.log.logfile import LogFile, LogReadError, RawMessage
 from gcodesim.log.reader import decoder_of
@@ -34,7 +35,10 @@ class RecordingError(Exception):
 
 @dataclass(eq=False)
 class Recording:
-    """One run. `folder` is the output folder when that was named, else None: a log alone has no files beside it."""
+    """One run. `folder` is the output folder when that was named, else None: a log alone has no files beside it.
+
+    What is damaged in the log is left out; `findings` tells what that was, once it was asked for.
+    """
 
     log: LogFile
     folder: Path | None
@@ -46,7 +50,7 @@ class Recording:
         folder = path if path.is_dir() else None
         file = path / LOG_NAME if folder is not None else path
         try:
-            log = LogFile.open(file)
+            log = LogFile.open(file, lenient=True)
         except FileNotFoundError:
             where = f"folder {path} holds no {LOG_NAME}" if folder is not None else f"log {path} is not there"
             raise RecordingError(where) from None
@@ -54,8 +58,11 @@ class Recording:
             raise RecordingError(f"log {file} cannot be read: {error}") from None
         if not log.chunks and not log.complete:
             raise RecordingError(f"log {file} holds nothing that can be read: {log.problem}")
-        if "gcodesim.run" not in log.metadata:
+        if "gcodesim.run" not in log.metadata and not log.library.startswith("gcodesim"):
             raise RecordingError(f"{file} is an MCAP file, but no log of gcodesim")
+        if log.chunks and next(log.messages(), None) is None:
+            reason = log.damage[0] if log.damage else "its chunks hold no message"
+            raise RecordingError(f"log {file} holds nothing that can be read: {reason}")
         return Recording(log, folder)
 
     @property
@@ -72,16 +79,55 @@ class Recording:
         """Name of the program."""
         return self.run.get("program", self.log.path.name)
 
+    @property
+    def findings(self) -> tuple[Diagnostic, ...]:
+        """What cannot be read of the log, as far as it was asked for until now."""
+        span, end_s = Span(self.log.path.name), self.end_ns * 1e-9
+        found = [
+            Diagnostic(
+                code="GS614",
+                span=span,
+                message=f"{damage}; what was in it is left out",
+                time=None if damage.first_ns is None else damage.first_ns * 1e-9,
+                hint="`gcodesim info` tells all that is damaged; run the program again for a whole log",
+            )
+            for damage in self.log.damage
+        ]
+        if self.log.problem:
+            ended = "gcodesim.result" in self.log.metadata
+            lost = "" if ended else f"; what came after {end_s:.3f} s is not there"
+            found.append(
+                Diagnostic(
+                    code="GS614",
+                    severity=Severity.WARNING,
+                    span=span,
+                    message=f"{self.log.problem}{lost}",
+                    time=end_s,
+                    hint="the run was killed, or the file was not copied whole; `gcodesim info` tells what is missing",
+                )
+            )
+        return tuple(found)
+
+    @property
+    def gaps(self) -> tuple[tuple[int, int], ...]:
+        """Spans of time [ns] of which nothing is known, because their chunks are damaged."""
+        return tuple(
+            (damage.first_ns, damage.last_ns)
+            for damage in self.log.damage
+            if damage.first_ns is not None and damage.last_ns is not None
+        )
+
     @cached_property
     def results(self) -> dict[str, Any]:
         """The results that the log carries, else those beside it; {} when the run did not come to its end."""
-        if "results.json" in self.log.attachments:
-            value = json.loads(self.log.attachment("results.json"))
-        elif self.folder is not None and (self.folder / "results.json").is_file():
-            value = json.loads((self.folder / "results.json").read_bytes())
-        else:
-            value = {}
-        return value if isinstance(value, dict) else {}
+        data = self.log.attached("results.json")
+        if data is None and self.folder is not None:
+            with suppress(OSError):
+                data = (self.folder / "results.json").read_bytes()
+        with suppress(ValueError):
+            value = json.loads(data or b"{}")
+            return value if isinstance(value, dict) else {}
+        return {}
 
     @cached_property
     def line_rows(self) -> list[dict[str, str]] | None:
@@ -97,10 +143,11 @@ class Recording:
         """The program and its subprograms by the names that the log uses."""
         found, ran = {}, self.timeline.files()
         for name in self.log.attachments:
-            if name == "program.nc":
-                found[self.name] = SourceText(self.name, self.log.attachment(name))
-            elif name in ran and name not in _OTHER_FILES:
-                found[name] = SourceText(name, self.log.attachment(name))
+            shown = self.name if name == "program.nc" else name
+            if name == "program.nc" or (name in ran and name not in _OTHER_FILES):
+                raw = self.log.attached(name)
+                if raw is not None:
+                    found[shown] = SourceText(shown, raw)
         return found
 
     @cached_property

@@ -13,6 +13,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from gcodesim.diagnostics.show import as_json
 from gcodesim.numbers import clean
 from gcodesim.playback import Recording
 from gcodesim.playback.quantities import Chart, charts_of, extremes
@@ -90,7 +91,7 @@ def run_data(recording: Recording, name: str, pack: Pack) -> dict[str, Any]:
     ran = list(timeline.files())
     known = [file for file in sources if file not in ran]
     names = ran + known
-    return {
+    value = {
         "name": name,
         "program": recording.name,
         "cell": run.get("cell", ""),
@@ -121,7 +122,6 @@ def run_data(recording: Recording, name: str, pack: Pack) -> dict[str, Any]:
             }
             for modal in timeline.modals
         ],
-        "findings": _findings(recording),
         "replay": replay_of(recording, pack),
         "charts": [_chart(chart, pack) for chart in charts_of(recording, CHARTS) if chart.speaks],
         "times": _times(recording),
@@ -130,6 +130,8 @@ def run_data(recording: Recording, name: str, pack: Pack) -> dict[str, Any]:
             for key in ("time", "distance", "stocks", "tools", "joints", "not_simulated", "inputs")
         },
     }
+    # now that all was read, it is known what cannot be
+    return {**value, "findings": _findings(recording), "damaged": bool(recording.log.damage)}
 
 
 def _findings(recording: Recording) -> list[dict[str, Any]]:
@@ -154,7 +156,7 @@ def _findings(recording: Recording) -> list[dict[str, Any]]:
             if event.is_finding
         ]
     found = []
-    for finding in listed:
+    for finding in [*listed, *map(as_json, recording.findings)]:
         seconds, place = finding.get("time_s"), (finding.get("file"), finding.get("line"))
         t_ns = round(seconds * 1e9) if seconds is not None else first.get(place)
         shown = {key: finding.get(key) for key in ("code", "severity", "message", "hint", "file", "line", "count")}

@@ -79,7 +79,7 @@ def draw(
         FigureCanvasAgg(figure)
         axes = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
         for axis, chart in zip(axes, shown, strict=True):
-            _chart(axis, chart, first_ns, last_ns)
+            _chart(axis, chart, first_ns, last_ns, recording.gaps)
             _background(axis, recording, first_ns, last_ns)
         axes[-1].set_xlabel("time [s]")
         axes[0].set_xlim(first_ns * 1e-9, max(last_ns, first_ns + 1) * 1e-9)
@@ -100,15 +100,16 @@ def _within(t_ns: NDArray[np.int64], first_ns: int, last_ns: int) -> NDArray[np.
     return inside
 
 
-def _chart(axis: Axes, chart: Chart, first_ns: int, last_ns: int) -> None:
+def _chart(axis: Axes, chart: Chart, first_ns: int, last_ns: int, gaps: Sequence[tuple[int, int]]) -> None:
     plain = [curve for curve in chart.curves if not curve.faint]
     for curve in chart.curves:
         inside = _within(curve.t_ns, first_ns, last_ns)
         t_ns, values = thinned(curve.t_ns[inside], curve.values[inside], _SLOTS)
         colour = _FAINT if curve.faint else _COLOURS[plain.index(curve) % len(_COLOURS)]
+        t_ns, values = _broken(t_ns, values, gaps)
         seconds = t_ns * 1e-9
         axis.plot(seconds, values, color=colour, linewidth=0.9, label=curve.label, zorder=2 if curve.faint else 3)
-        if len(chart.curves) == 1 and len(values) and values.min() >= 0.0:
+        if len(chart.curves) == 1 and len(values) and np.nanmin(values) >= 0.0:
             axis.fill_between(seconds, values, 0.0, color=colour, alpha=0.12, linewidth=0.0, zorder=2)
     axis.set_ylabel(f"{chart.title}\n[{chart.unit}]")
     axis.grid(True, axis="both")
@@ -122,6 +123,18 @@ def _chart(axis: Axes, chart: Chart, first_ns: int, last_ns: int) -> None:
         axis.set_ylim(bottom=0.0)
     if len(chart.curves) > 1:
         axis.legend(loc="center left", bbox_to_anchor=(1.005, 0.5), frameon=False, fontsize=8.5, handlelength=1.3)
+
+
+def _broken(
+    t_ns: NDArray[np.int64], values: NDArray[np.float64], gaps: Sequence[tuple[int, int]]
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """A curve that is interrupted where the log cannot be read, rather than drawn straight across."""
+    places = np.searchsorted(t_ns, [begin for begin, _ in gaps], side="right")
+    within = [(place, gap) for place, gap in zip(places, gaps, strict=True) if 0 < place < len(t_ns)]
+    if not within:
+        return t_ns, values
+    at = [place for place, _ in within]
+    return np.insert(t_ns, at, [begin for _, (begin, _) in within]), np.insert(values, at, np.nan)
 
 
 def _background(axis: Axes, recording: Recording, first_ns: int, last_ns: int) -> None:
@@ -147,6 +160,10 @@ def _background(axis: Axes, recording: Recording, first_ns: int, last_ns: int) -
                         fontsize=7.5,
                         color=_MUTED,
                     )
+    for begin, end in recording.gaps:
+        left, right = max(begin, first_ns) * 1e-9, min(end, last_ns) * 1e-9
+        if right > left:
+            axis.axvspan(left, right, facecolor="none", edgecolor=_MUTED, hatch="////", linewidth=0.0, zorder=1)
     for event in recording.events:
         if event.severity in _SEVERE and first_ns <= event.t_ns <= last_ns:
             axis.axvline(

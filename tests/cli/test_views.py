@@ -103,13 +103,18 @@ def test_what_is_not_there_is_usage(run, tmp_path, command):
 
 @pytest.fixture
 def damaged(slot_folder, tmp_path):
-    """Logs that cannot be read: one with another byte in a chunk, one cut before its first chunk, one of others."""
+    """Logs with something wrong: another byte in a chunk, nothing but zeros in all, cut before the first, of others."""
     from mcap.reader import make_reader
     from mcap.writer import Writer
 
     whole = (slot_folder / "run.mcap").read_bytes()
     with (slot_folder / "run.mcap").open("rb") as stream:
-        chunk = make_reader(stream).get_summary().chunk_indexes[0]
+        chunks = make_reader(stream).get_summary().chunk_indexes
+    chunk = chunks[0]
+    nothing = bytearray(whole)
+    for one in chunks:
+        nothing[one.chunk_start_offset : one.chunk_start_offset + one.chunk_length] = bytes(one.chunk_length)
+    (tmp_path / "zeros.mcap").write_bytes(nothing)
     at = chunk.chunk_start_offset + chunk.chunk_length // 2
     (tmp_path / "bit.mcap").write_bytes(whole[:at] + bytes([whole[at] ^ 255]) + whole[at + 1 :])
     (tmp_path / "early.mcap").write_bytes(whole[: chunk.chunk_start_offset])
@@ -129,15 +134,50 @@ def damaged(slot_folder, tmp_path):
         *(["plot"], ["report"], ["report", "--times"]),
     ],
 )
-def test_damaged_and_foreign_logs_are_usage_and_leave_nothing(run, damaged, command):
+def test_logs_of_which_nothing_can_be_read_are_usage_and_leave_nothing(run, damaged, command):
     before = sorted(damaged.iterdir())
-    told = {name: run(*command, log=damaged / f"{name}.mcap") for name in ("bit", "early", "other")}
+    told = {name: run(*command, log=damaged / f"{name}.mcap") for name in ("zeros", "early", "other")}
 
     assert [status for status, _, _ in told.values()] == [2, 2, 2], told
     assert all(said.startswith("gcodesim: ") and said.count("\n") == 1 for _, _, said in told.values()), told
-    assert "the log is damaged: " in told["bit"][2] and "no log of gcodesim" in told["other"][2]
+    assert "holds nothing that can be read: 0.000 to " in told["zeros"][2]
+    assert "no log of gcodesim" in told["other"][2]
     assert "holds nothing that can be read" in told["early"][2]
     assert sorted(damaged.iterdir()) == before
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        *(["export", "--to", form, "-o", "out.file"] for form in ("csv", "jsonl", "stl", "glb", "rosbag2")),
+        *(["plot", "-o", "out.file.svg"], ["report", "-o", "out.file"]),
+    ],
+)
+def test_of_a_damaged_log_comes_what_can_be_read_and_a_finding(run, damaged, command):
+    status, out, said = run(*command, log=damaged / "bit.mcap")
+
+    assert status == 1 and out.startswith("wrote ")
+    assert said.startswith("bit.mcap: error GS614: 0.000 to ") and "what was in it is left out" in said
+    assert len(list(damaged.glob("out.file*"))) == 1
+
+
+def test_a_page_says_that_its_log_is_damaged(run, damaged, tmp_path):
+    from gcodesim.playback import Recording
+    from gcodesim.report.pack import Pack
+    from gcodesim.report.page import run_data
+
+    shown = run_data(Recording.open(damaged / "bit.mcap"), "", Pack())
+    (finding,) = [finding for finding in shown["findings"] if finding["code"] == "GS614"]
+    assert shown["damaged"] and finding["severity"] == "error" and finding["t"] == 0
+
+
+def test_times_of_a_log_that_was_cut_off_come_with_a_warning(run, slot_folder, tmp_path):
+    whole = (slot_folder / "run.mcap").read_bytes()
+    (tmp_path / "cut.mcap").write_bytes(whole[: len(whole) * 9 // 10])
+    status, out, said = run("report", "--times", log=tmp_path / "cut.mcap")
+
+    assert status == 0 and "by tool" in out
+    assert said.startswith("cut.mcap: warning GS614: the file ends before its index; what came after ")
 
 
 def test_a_log_of_others_is_known_as_such(run, damaged):

@@ -8,8 +8,8 @@ from io import BytesIO, StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from gcodesim.cli.exits import OK, UsageError
-from gcodesim.cli.moments import add_range, chosen_range, nanoseconds, open_recording, reads_logs
+from gcodesim.cli.exits import UsageError
+from gcodesim.cli.moments import add_range, chosen_range, nanoseconds, open_recording, reads_logs, status_of_reading
 
 if TYPE_CHECKING:
     from gcodesim.export.select import Part
@@ -87,7 +87,7 @@ def run(arguments: argparse.Namespace) -> int:
         _moment(arguments, recording)
     else:
         _bag(arguments, recording, topics, part)
-    return OK
+    return status_of_reading(recording)
 
 
 def _refuse_useless(arguments: argparse.Namespace) -> None:

@@ -23,7 +23,7 @@ def add_parser(commands: Any) -> None:
         "info",
         help="what a log is, from what it came, whether it is whole",
         description="Say what a log holds: program, cell, duration, findings, topics, attached files; "
-        "and whether it is whole or was cut off, and then what is missing.",
+        "and whether it is whole, was cut off or is damaged, and then what is missing.",
     )
     parser.add_argument(
         "log",
@@ -32,6 +32,12 @@ def add_parser(commands: Any) -> None:
         help="a run.mcap, the folder of a run, or the run.mcap.part of one that was killed",
     )
     add_format(parser)
+    parser.add_argument(
+        "--quick",
+        action="store_true",
+        help="do not read the whole file for its checksum, only the index and what is shown: damage elsewhere stays "
+        "unseen",
+    )
     parser.add_argument(
         "--extract",
         type=Path,
@@ -61,7 +67,7 @@ def run(arguments: argparse.Namespace) -> int:
         if arguments.layout is not None:
             print(_layout(arguments.log, arguments.layout), end="")
             return OK
-        facts = summary(arguments.log)
+        facts = summary(arguments.log, check=not arguments.quick)
     except FileNotFoundError:
         raise UsageError(f"log {arguments.log} is not there") from None
     except (LogReadError, OSError) as error:
@@ -145,6 +151,16 @@ def _as_json(facts: LogSummary) -> dict[str, Any]:
             "state": facts.state,
             "problem": facts.problem or None,
             "missing": facts.missing,
+            "damage": [
+                {
+                    "what": damage.what,
+                    "byte": damage.offset,
+                    "from_s": None if damage.first_ns is None else damage.first_ns * 1e-9,
+                    "to_s": None if damage.last_ns is None else damage.last_ns * 1e-9,
+                    "problem": damage.reason,
+                }
+                for damage in facts.damage
+            ],
             "stopped_at": {"file": place.file, "line": place.line, "text": place.text}
             if place is not None and not (facts.complete and facts.state == "finished")
             else None,
@@ -206,7 +222,7 @@ def _layout(path: Path, kind: str) -> str:
 
     if kind and kind not in KINDS:
         raise UsageError(f"there is no layout '{kind}'; there are {', '.join(KINDS)}")
-    log = LogFile.open(path)
+    log = LogFile.open(path, lenient=True)
     try:
         own = log.attachment("layout.json")
     except KeyError:
@@ -221,19 +237,25 @@ def _layout(path: Path, kind: str) -> str:
 
 def _extract(log: Path, folder: Path, *, said: bool) -> None:
     """Write every attachment of `log` into `folder`; a file that is there already stays, and is an error."""
+    from gcodesim.cli.output import note
     from gcodesim.log.logfile import LogFile
 
-    opened = LogFile.open(log)
+    opened = LogFile.open(log, lenient=True)
     # a name may come from anywhere: only its last part counts
     files = {Path(name).name: name for name in opened.attachments}
     present = [name for name in files if (folder / name).exists()]
     if present:
         raise UsageError(f"{folder / present[0]} is there already; nothing was written")
+    contents = {own: opened.attached(name) for own, name in files.items()}
+    whole = {own: data for own, data in contents.items() if data is not None}
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        for own, name in files.items():
-            (folder / own).write_bytes(opened.attachment(name))
+        for own, data in whole.items():
+            (folder / own).write_bytes(data)
     except OSError as error:
         raise UsageError(f"{folder} cannot be written: {error.strerror}") from None
     if said:
-        print(f"\nwrote {', '.join(files)} into {folder}")
+        print(f"\nwrote {', '.join(whole) or 'nothing'} into {folder}")
+    for own in contents:
+        if own not in whole:
+            note(f"gcodesim: {own} is damaged in the log and was not written")

@@ -6,8 +6,8 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from gcodesim.cli.exits import OK, UsageError
-from gcodesim.cli.moments import add_range, chosen_range, open_recording, reads_logs
+from gcodesim.cli.exits import UsageError
+from gcodesim.cli.moments import add_range, chosen_range, open_recording, reads_logs, status_of_reading
 
 _USUAL = ("force", "power", "removal", "feed", "error")
 
@@ -55,4 +55,4 @@ def run(arguments: argparse.Namespace) -> int:
     except OSError as error:
         raise UsageError(f"{out} cannot be written: {error.strerror}") from None
     print(f"wrote {out}")
-    return OK
+    return status_of_reading(recording)

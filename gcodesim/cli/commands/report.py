@@ -6,8 +6,8 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from gcodesim.cli.exits import OK, UsageError
-from gcodesim.cli.moments import open_recording, reads_logs
+from gcodesim.cli.exits import UsageError
+from gcodesim.cli.moments import open_recording, reads_logs, status_of_reading
 from gcodesim.cli.options import add_format
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ def run(arguments: argparse.Namespace) -> int:
             print_json(report.as_json())
         else:
             _print_times(report)
-        return OK
+        return status_of_reading(*recordings)
     if arguments.format == "json":
         raise UsageError("--format json means nothing for a page; --times has numbers")
     from gcodesim.report.libraries import LibraryMissingError
@@ -65,7 +65,7 @@ def run(arguments: argparse.Namespace) -> int:
     except OSError as error:
         raise UsageError(f"{arguments.out} cannot be written: {error.strerror}") from None
     print(f"wrote {arguments.out}, {len(page) / 1e6:.1f} MB; open it in a browser")
-    return OK
+    return status_of_reading(*recordings)
 
 
 def _print_times(report: TimeReport) -> None:

@@ -10,6 +10,7 @@ G.head = (place) => {
     if (G.runs.length > 1) place.appendChild(G.make("b", "", run.name));
     const label = { ok: "clean", findings: "findings", failed: run.complete ? "failed" : "incomplete" }[run.status] || run.status;
     place.appendChild(G.make("span", `status ${run.status}`, label));
+    if (run.damaged) place.appendChild(G.make("span", "status failed", "log damaged"));
     if (run.stopped_at) place.appendChild(G.make("span", "where", `stopped at ${run.stopped_at.file}:${run.stopped_at.line}`));
   }
   place.appendChild(G.make("span", "where", [...new Set(G.runs.map((run) => `${run.cell} · ${run.world} world`))].join(" / ")));

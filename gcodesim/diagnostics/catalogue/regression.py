@@ -120,4 +120,18 @@ CODES: tuple[Code, ...] = (
         why="There is no verdict on it; those on the other cases stand. The exit status is 70.",
         remedy="Report it with the trace on stderr, the program and the cell.",
     ),
+    Code(
+        code="GS614",
+        severity=Severity.ERROR,
+        title="Part of a log cannot be read",
+        what=(
+            "A chunk or an attached file of a log does not agree with its checksum, or (a warning) the log ends before "
+            "its time. What could be read was used."
+        ),
+        why="Tables, charts and pages have a gap there, and the part may look older than it is behind it.",
+        remedy=(
+            "`gcodesim info` tells what is damaged and which time it was about. Copy the file again, or run the "
+            "program again: the same inputs give the same log."
+        ),
+    ),
 )

@@ -43,3 +43,23 @@ def test_a_period_thins_every_topic(slot):
 def test_a_topic_that_is_not_there_is_refused(slot):
     with pytest.raises(NoTableError, match="/nothing"):
         lines(slot, ["/nothing"])
+
+
+def test_fields_stand_in_the_order_of_their_schema_whatever_is_zero(slot):
+    from gcodesim.log.schema import decoder
+
+    def orders(value, kind):
+        yield kind.full_name, tuple(value), kind
+        for field in kind.fields:
+            inner = value.get(field.name)
+            for one in inner if isinstance(inner, list) else [inner]:
+                if isinstance(one, dict) and field.message_type is not None:
+                    yield from orders(one, field.message_type)
+
+    log = slot.log
+    for topic in ("/tcp", "/process", "/joint_states", "/program", "/scene/tool", "/tf"):
+        schema = log.schemas[log.channels[log.channel_id(topic)].schema_id]
+        top = decoder(schema.name, schema.data).DESCRIPTOR
+        for line in lines(slot, [topic])[:200]:
+            for name, keys, kind in orders(line["message"], top):
+                assert list(keys) == [field.name for field in kind.fields if field.name in keys], (topic, name)

@@ -1,0 +1,35 @@
+"""What of a log cannot be read: where it lies, and which time it was about."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Damage:
+    """A part of a log that does not read: the record at byte `offset`, and why.
+
+    `what` is `chunk`, the name of an attachment, or `record` for what lies
+    between those. A chunk held messages from `first_ns` to `last_ns`; where its
+    own times are lost, those of its neighbours stand for them.
+    """
+
+    offset: int
+    what: str
+    reason: str
+    first_ns: int | None = None
+    last_ns: int | None = None
+
+    @property
+    def span(self) -> str:
+        """`13.240 to 14.800 s`, empty for what is not about a time."""
+        if self.first_ns is None or self.last_ns is None:
+            return ""
+        return f"{self.first_ns * 1e-9:.3f} to {self.last_ns * 1e-9:.3f} s"
+
+    def __str__(self) -> str:
+        if self.what == "chunk":
+            return f"{self.span}: the chunk at byte {self.offset} {self.reason}"
+        if self.what == "record":
+            return f"a record at or behind byte {self.offset} {self.reason}"
+        return f"{self.what}, attached at byte {self.offset}, {self.reason}"
