@@ -59,6 +59,7 @@ def settings_of_cell(
         m_codes={word: MappedAction(target=code.target, verb=code.verb) for word, code in own.m_codes.items()},
         has_cell=True,
         tool_length=own.tool_length,
+        loaded_tool=own.loaded_tool or 0,
         auto_length=lengths,
         path_control=own.path_control,
         decimal_point=own.decimal_point,

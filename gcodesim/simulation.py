@@ -14,6 +14,7 @@ from gcodesim.cell.cell import MAIN
 from gcodesim.cell.machine import MachineTool
 from gcodesim.cell.reach import reach_findings
 from gcodesim.checks.coarse import coarse_findings
+from gcodesim.checks.empty_spindle import empty_spindle_findings
 from gcodesim.checks.ends import left_on
 from gcodesim.checks.idle import blind_axis_findings, idle_findings
 from gcodesim.checks.speed import speed_findings
@@ -71,6 +72,7 @@ def prepare(program: SourceText, loaded: LoadedCell, options: Options | None = N
     job.sources |= job.reading.sources
     job.findings.extend(job.reading.findings)
     job.findings.extend(left_on(job.events))
+    job.findings.extend(empty_spindle_findings(path, cell))
     _plan(job, shop, path)
     return job
 

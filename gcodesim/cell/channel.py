@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Final, Literal
 
 from gcodesim.cell.file_kinds import File, FileValue
-from gcodesim.cell.kinds import Choice, Json, Kind, ListOf, Quantity, Switch, Text, scalar, short
+from gcodesim.cell.kinds import Choice, Json, Kind, ListOf, Quantity, Switch, Text, Whole, scalar, short
 from gcodesim.cell.nodes import Mapping as MappingNode
 from gcodesim.cell.nodes import Node
 from gcodesim.cell.placing import SYSTEM_NAMES, Place, system_name
@@ -261,4 +261,7 @@ class Channel:
     )
     tool_length: Literal["auto", "strict"] = key(
         Choice(("auto", "strict")), "`auto`: in a program without G43 and G49, M6 acts like M6 G43", default="auto"
+    )
+    loaded_tool: int | None = key(
+        Whole(), "number of the tool that is in the spindle at the start; default none", default=None, quiet=True
     )

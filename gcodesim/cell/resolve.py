@@ -38,6 +38,7 @@ def resolve(cell: Cell, to: Reading) -> Cell:
     _check_materials(to)
     _check_stock_on_arm(cell, to)
     _check_mesh_sizes(cell, to)
+    _check_loaded_tools(cell, to)
     _check_codes(cell, to)
     _check_world(cell, to)
     return replace(cell, spans=_spans(cell, to), defaults_used=tuple(to.defaults))
@@ -145,6 +146,23 @@ def _check_frames(to: Reading) -> None:
         elif not follows_work:
             message = f"`{reference.name}` is no fixed frame"
             to.fault("GS712", span, message, "only stock, fixtures, the target and a tool axis may stand in it")
+
+
+def _check_loaded_tools(cell: Cell, to: Reading) -> None:
+    if ("tools",) in to.broken:
+        return
+    for name, channel in cell.channels.items():
+        number = channel.loaded_tool
+        if number is None or number in cell.tools:
+            continue
+        own: Path = ("channels", name, "loaded_tool")
+        known = ", ".join(f"T{tool}" for tool in sorted(cell.tools)) or "none"
+        to.fault(
+            "GS712",
+            to.span(own) if own in to.spans else to.span(("loaded_tool",)),
+            f"there is no tool T{number} to be loaded",
+            f"tools of this cell: {known}",
+        )
 
 
 def _check_stock_on_arm(cell: Cell, to: Reading) -> None:

@@ -158,16 +158,30 @@ def change_tool(words: Words, control: Control) -> None:
             _tell_missing_length(number, control)
 
 
+def load_first_tool(control: Control) -> None:
+    """The tool that stands in the spindle before the first block; as after M61, nothing moves."""
+    number = control.settings.loaded_tool
+    if not number:
+        return
+    control.spindle_tool = control.tools.get(number, ToolEntry(number=number))
+    control.state.tool = number
+    control.out.append(canon.ToolNumber(span=control.span, tool=number))
+    if control.auto_length:
+        length = _take_length(number, control)
+        control.notes.append(
+            Diagnostic(
+                code="GS195",
+                message=f"the program never says G43: Z counts as touched off with T{number}, the loaded tool "
+                f"({length / MM:g} mm long)",
+                span=control.span,
+                hint="write G43, or set `tool_length: strict`",
+            )
+        )
+
+
 def _assume_length(number: int, control: Control) -> None:
     """M6 acts like M6 G43 with the cell's true length."""
-    lengths = control.settings.auto_length or {}
-    length = lengths.get(number, 0.0)
-    axes = control.axes()
-    offset = list(NO_OFFSET)
-    offset[2] = length
-    control.state.tool_offset = control.from_si(tuple(offset))  # type: ignore[arg-type]
-    control.stay_at(axes)
-    control.say_tool_offset()
+    length = _take_length(number, control)
     control.notes.append(
         Diagnostic(
             code="GS195",
@@ -176,6 +190,18 @@ def _assume_length(number: int, control: Control) -> None:
             hint="write G43 after M6, or set `tool_length: strict`",
         )
     )
+
+
+def _take_length(number: int, control: Control) -> float:
+    """The cell's true length [m] of a tool, in force from here on."""
+    length = (control.settings.auto_length or {}).get(number, 0.0)
+    axes = control.axes()
+    offset = list(NO_OFFSET)
+    offset[2] = length
+    control.state.tool_offset = control.from_si(tuple(offset))  # type: ignore[arg-type]
+    control.stay_at(axes)
+    control.say_tool_offset()
+    return length
 
 
 def _tell_missing_length(number: int, control: Control) -> None:

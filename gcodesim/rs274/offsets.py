@@ -34,7 +34,7 @@ def tool_length(words: Words, control: Control) -> None:
         )
     axes = control.axes()
     if code == 490:
-        offset = ZERO
+        offset = state.tool_offset if control.auto_length else ZERO  # touched off with the tool, not measured
     elif code == 430:
         offset = control.from_si(_entry_of_h(words, control).offset)
     elif code == 431:

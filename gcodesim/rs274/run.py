@@ -19,6 +19,7 @@ from gcodesim.rs274.expressions import checked, names_in
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.flow import FlowControl, Stopped
 from gcodesim.rs274.lanes import Lanes
+from gcodesim.rs274.machine_codes import load_first_tool
 from gcodesim.rs274.odd_numbers import odd_numbers
 from gcodesim.rs274.parameters import Parameters
 from gcodesim.rs274.probing import tripped
@@ -105,7 +106,10 @@ class Executor:
         self.file, self.control, self.flow = self._parts(run.source)
         if settings.tool_length == "auto" and settings.auto_length is not None:
             words = _length_words(run.source)
-            self.control.auto_length, self.control.length_cancelled = not words, words == {b"9"}
+            if settings.loaded_tool:  # Z was touched off with it, and G49 takes nothing of that away
+                self.control.auto_length = b"3" not in words
+            else:
+                self.control.auto_length, self.control.length_cancelled = not words, words == {b"9"}
         self.control.frames = self.flow.frames
         self.recovery = Recovery(self.control)
         self.watches = Watches()
@@ -131,6 +135,7 @@ class Executor:
         control.span = Span(self.file.name)
         self._initial_path_control()
         control.say_system()
+        load_first_tool(control)
         self.watches.events(out)
         yield from out
         out.clear()

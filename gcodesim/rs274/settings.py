@@ -28,6 +28,8 @@ class Settings:
     length [m] of each tool of the cell; with `tool_length="auto"` a program
     without any G43 or G49 takes it at M6. `path_control` is what stands before
     the program's first G61 or G64. `has_cell` makes user M-codes legal.
+    `loaded_tool` is in the spindle before the first block, 0 for none; in a program
+    without G43 its length counts from there on.
     `start` [m, rad] is where the axes stand before the first block.
     `decimal_point` says what X10 is to Fanuc: 10 mm, or 10 increments of 0.001 mm.
     `lane` "grammar" reads every line by itself, "compiled" all that its kernels know as arrays; "auto" chooses by the
@@ -47,6 +49,7 @@ class Settings:
     has_cell: bool = False
     start: Axes = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     tool_length: Literal["auto", "strict"] = "auto"
+    loaded_tool: int = 0
     auto_length: Mapping[int, float] | None = None
     path_control: str = "G64"
     decimal_point: Literal["calculator", "increments"] = "calculator"

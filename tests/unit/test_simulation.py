@@ -37,3 +37,33 @@ def test_a_tilted_system_on_a_machine_stops_before_the_program() -> None:
     results, execution = run(prepare(SourceText("program.nc", PROGRAM.encode()), loaded))
     assert execution is None and results.status == "failed"
     assert [finding.code for finding in results.findings] == ["GS726"]
+
+
+BY_HAND = "G21 G90\nS9000 M3\nG0 X0 Y5 Z5\nG1 Z-1 F200\nG1 X60 F600\nG0 Z5\nM5\nM2\n"
+
+
+def findings_of(program: str, cell: str) -> list[tuple[str, int]]:
+    loaded = read_cell(SourceText("cell.yaml", cell.encode()), Path("cell.yaml"))
+    results = check(prepare(SourceText("program.nc", program.encode()), loaded))
+    return [(finding.code, finding.span.line) for finding in results.findings]
+
+
+def test_a_program_that_feeds_with_an_empty_spindle_is_told() -> None:
+    assert ("GS506", 4) in findings_of(BY_HAND, CELL)
+    assert "GS506" not in {code for code, _ in findings_of(BY_HAND, CELL + "loaded_tool: 1\n")}
+    assert "GS506" not in {code for code, _ in findings_of(PROGRAM, CELL)}
+    without_stock = CELL.replace("stock: {box: [60, 30, 10], zero: top-front-left, resolution: 1}\n", "")
+    assert "GS506" not in {code for code, _ in findings_of(BY_HAND, without_stock)}
+
+
+def test_a_loaded_tool_cuts() -> None:
+    loaded = read_cell(SourceText("cell.yaml", (CELL + "loaded_tool: 1\n").encode()), Path("cell.yaml"))
+    results, _ = run(prepare(SourceText("program.nc", BY_HAND.encode()), loaded))
+    # a slot 1 mm deep along the whole stock, with the half disc where the tool went in
+    assert results.stocks["stock"].removed == pytest.approx(1e-3 * 3e-3 * 60e-3, rel=0.05)
+
+
+def test_a_loaded_tool_that_is_nowhere_is_a_fault_of_the_cell() -> None:
+    loaded = read_cell(SourceText("cell.yaml", (CELL + "loaded_tool: 4\n").encode()), Path("cell.yaml"))
+    found = [finding for finding in loaded.findings if finding.code == "GS712"]
+    assert len(found) == 1 and "T4" in found[0].message and "T1" in found[0].hint and found[0].span.line == 6

@@ -47,6 +47,15 @@ CODES: tuple[Code, ...] = (
         remedy="Put M9 before the end of the program.",
     ),
     Code(
+        code="GS506",
+        severity=Severity.WARNING,
+        title="Feeds with an empty spindle",
+        what="The program has feed moves, the cell has stock, and no move of the program has a tool in the spindle.",
+        why="Programs for small controls call no tool: somebody puts it in by hand. As long as the cell does not say "
+        "which one that is, nothing is cut and nothing can be found wrong with the cut.",
+        remedy="Name the tool under `loaded_tool` of the cell, or call one in the program with T and M6.",
+    ),
+    Code(
         code="GS510",
         severity=Severity.ERROR,
         title="Spindle power exceeded",

@@ -41,6 +41,8 @@ def tool_length(words: Words, control: FanucControl) -> None:
     z = control.program_units(length, 2) if number else 0.0
     axes = control.axes()
     state.length_mode, state.length_number = mode, number
+    if mode == 490 and control.auto_length:
+        return  # touched off with the tool, not measured
     state.tool_offset = ZERO if mode == 490 else (0.0, 0.0, -z if mode == 440 else z, *ZERO[3:])
     control.stay_at(axes)
     control.say_tool_offset()
