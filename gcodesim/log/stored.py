@@ -22,7 +22,7 @@ DAMAGE: Final = (struct.error, UnicodeDecodeError, EndOfFile)
 LARGEST_CHUNK: Final = 1 << 30
 """A chunk that says that it is larger unpacked is damaged; ours have little more than a megabyte."""
 
-_MESSAGE: Final = struct.Struct("<HIQQ")
+_MESSAGE: Final = struct.Struct("<BQHIQQ")  # with the head of its record
 _CHUNK: Final = struct.Struct("<QQQII")
 
 
@@ -84,17 +84,17 @@ def read_chunk(stream: BinaryIO, offset: int) -> bytes:
 
 
 def messages_in(records: bytes, channels: frozenset[int] | None) -> Iterator[RawMessage]:
+    """The messages among the records of a chunk, of some channels or all. LogReadError when they are not whole."""
     at, end = 0, len(records)
+    opened = end - _MESSAGE.size  # the last place where a message may begin
     while at < end:
-        try:
-            opcode, length = RECORD.unpack_from(records, at)
-            start = at + RECORD_HEAD
-            at = start + length
-            if at > end:
-                raise LogReadError("ends within a record")
-            if opcode == MESSAGE_OPCODE:
-                id, sequence, t_ns, _ = _MESSAGE.unpack_from(records, start)
-        except struct.error as error:  # only where nothing is checked: ours has a checksum
-            raise LogReadError("ends within a record") from error
-        if opcode == MESSAGE_OPCODE and (channels is None or id in channels):
-            yield RawMessage(id, sequence, t_ns, records[start + _MESSAGE.size : at])
+        if at <= opened:
+            opcode, length, channel, sequence, t_ns, _ = _MESSAGE.unpack_from(records, at)
+        else:
+            opcode, length = RECORD.unpack(records[at : at + RECORD_HEAD].ljust(RECORD_HEAD, b"\xff"))
+        start = at + _MESSAGE.size
+        at += RECORD_HEAD + length
+        if at > end or (opcode == MESSAGE_OPCODE and start > at):  # only where nothing was checked: ours has a checksum
+            raise LogReadError("ends within a record")
+        if opcode == MESSAGE_OPCODE and (channels is None or channel in channels):
+            yield RawMessage(channel, sequence, t_ns, records[start:at])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -43,6 +44,7 @@ class Recording:
     log: LogFile
     folder: Path | None
     _series: dict[tuple[str, int], Series] = field(default_factory=dict)
+    _tile_times: dict[str, list[tuple[int, int]]] = field(default_factory=lambda: defaultdict(list))
 
     @staticmethod
     def open(path: Path) -> Recording:
@@ -152,14 +154,21 @@ class Recording:
 
     @cached_property
     def _changes(self) -> dict[str, list[tuple[int, Any]]]:
-        """Time and message of all topics that are neither periodic nor tiles, from one walk through the log."""
+        """Time and message of all topics that are neither periodic nor tiles, from one walk through the log.
+
+        The walk notes the tiles that it passes by.
+        """
         wanted: dict[int, tuple[str, Callable[[RawMessage], Any]]] = {}
         for topic in ("/tf_static", "/program", "/event", "/scene/cell", "/scene/path", "/scene/tool"):
             channel = self.log.channel_id(topic)
             if channel is not None:
                 wanted[channel] = (topic, decoder_of(self.log, channel))
         found: dict[str, list[tuple[int, Any]]] = {topic: [] for topic, _ in wanted.values()}
-        for message in self.log.messages(wanted):
+        tiles = self._channels_of(self.tile_topics)
+        for message in self.log.messages({*wanted, *tiles}):
+            if message.channel in tiles:
+                self._tile_times[tiles[message.channel]].append((message.t_ns, len(message.data)))
+                continue
             topic, decode = wanted[message.channel]
             found[topic].append((message.t_ns, decode(message)))
         return found
@@ -205,11 +214,8 @@ class Recording:
 
     def tile_times(self) -> dict[str, list[tuple[int, int]]]:
         """When each tile changes [ns], and how many bytes the message of it has."""
-        channels = self._channels_of(self.tile_topics)
-        times: dict[str, list[tuple[int, int]]] = {topic: [] for topic in self.tile_topics}
-        for message in self.log.messages(channels):
-            times[channels[message.channel]].append((message.t_ns, len(message.data)))
-        return times
+        _ = self._changes
+        return {topic: self._tile_times[topic] for topic in self.tile_topics}
 
     def tiles(self, wanted: Mapping[str, Sequence[int]]) -> Iterator[tuple[int, str, tuple[Drawing, ...]]]:
         """Time, topic and content of the tiles that were sent at the `wanted` times [ns] of each topic."""

@@ -15,6 +15,8 @@ from gcodesim.log.shapes import STEEL, Color
 
 Array = NDArray[np.float64]
 
+_FIXED64, _BYTES, _COORDINATE = 1, 2, 9  # wire types of protobuf; bytes of a double with its key
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Lines:
@@ -63,7 +65,7 @@ def _shapes(entity: Any) -> Iterator[Shape]:
     for triangles in entity.triangles:
         if len(triangles.indices):
             indices = np.array(triangles.indices, dtype=np.int64).reshape(-1, 3)
-            yield Mesh(points=_points(triangles.points), triangles=indices, **_place(triangles))
+            yield Mesh(points=_points(triangles, "points"), triangles=indices, **_place(triangles))
     for model in entity.models:
         yield from _model(model)
 
@@ -92,7 +94,7 @@ def _model(model: Any) -> Iterator[Shape]:
 def _lines(line: Any) -> Lines:
     from foxglove_schemas_protobuf.LinePrimitive_pb2 import LinePrimitive
 
-    points = _points(line.points)
+    points = _points(line, "points")
     index = np.array(line.indices, dtype=np.int64) if len(line.indices) else np.arange(len(points))
     if line.type == LinePrimitive.LINE_LIST:
         segments = index[: len(index) // 2 * 2].reshape(-1, 2)
@@ -118,6 +120,30 @@ def _place(primitive: Any) -> dict[str, Any]:
     }
 
 
-def _points(points: Any) -> Array:
-    flat = np.array([c for p in points for c in (p.x, p.y, p.z)], dtype=float)
-    return flat.reshape(-1, 3)
+def _points(message: Any, field: str) -> Array:
+    """A repeated field of messages x, y, z as (n, 3): taken out of the bytes, as a log holds millions of them.
+
+    Each is a key, a length of one byte, and up to three doubles with a key each; a coordinate that is 0 is left out.
+    """
+    count = len(getattr(message, field))
+    if not count:
+        return np.zeros((0, 3))
+    key = message.DESCRIPTOR.fields_by_name[field].number << 3 | _BYTES
+    data = message.SerializeToString()
+    begin, at = [], 0
+    while data[at] != key:  # fields come by their numbers, and only short ones before: kind, pose, thickness
+        at += 2 + data[at + 1] if data[at] & 7 == _BYTES else _COORDINATE if data[at] & 7 == _FIXED64 else 2
+    for _ in range(count):
+        begin.append(at)
+        at += 2 + data[at + 1]
+    data += bytes(_COORDINATE)
+    held = np.frombuffer(data, dtype=np.uint8)
+    doubles = np.ndarray(len(data) - 7, dtype="<f8", buffer=data, strides=(1,))  # one that begins at each byte
+    place = np.array(begin, dtype=np.int64) + 2
+    end = np.append(place[1:] - 2, at)
+    points = np.zeros((count, 3))
+    for axis in range(3):
+        there = np.flatnonzero((place < end) & (held[place] == ((axis + 1) << 3 | _FIXED64)))
+        points[there, axis] = doubles[place[there] + 1]
+        place[there] += _COORDINATE
+    return points

@@ -218,12 +218,14 @@ def _stock(recording: Recording, pack: Pack) -> dict[str, Any]:
 
 
 def _tile(mesh: Mesh, pack: Pack) -> dict[str, Any]:
-    used, number = np.unique(mesh.triangles, return_inverse=True)
-    points, triangles = mesh.points[used], number.reshape(-1, 3)
+    used = np.zeros(len(mesh.points), dtype=bool)
+    used[mesh.triangles] = True
+    points, triangles = mesh.points[used], (np.cumsum(used) - 1)[mesh.triangles]
     # triangles in the order of their points, each beginning at its first, so that differences are small
     turn = triangles.argmin(axis=1)
     triangles = triangles[np.arange(len(triangles))[:, None], (turn[:, None] + np.arange(3)) % 3]
-    triangles = triangles[np.lexsort(triangles.T[::-1])]
+    n = len(points)  # three numbers below n as one, which sorts like the three
+    triangles = triangles[np.argsort((triangles[:, 0] * n + triangles[:, 1]) * n + triangles[:, 2], kind="stable")]
     return {"color": list(mesh.color), "points": pack.numbers(points), "triangles": pack.integers(triangles)}
 
 

@@ -85,3 +85,22 @@ def test_lines_of_a_path_are_segments():
 
 def test_nothing_shown_is_nothing_drawn():
     assert decoded(polyline_update(0, "block", "world", np.zeros((1, 3)))) == ()
+
+
+def test_points_are_those_of_the_message_whatever_is_zero():
+    from foxglove_schemas_protobuf.LinePrimitive_pb2 import LinePrimitive
+    from foxglove_schemas_protobuf.TriangleListPrimitive_pb2 import TriangleListPrimitive
+
+    from gcodesim.playback.scenes import _points
+
+    rng = np.random.default_rng(5)
+    for kind in (LinePrimitive, TriangleListPrimitive):
+        for n in (0, 1, 7, 200):
+            truth = np.where(rng.random((n, 3)) < 0.3, 0.0, rng.normal(size=(n, 3)))
+            message = kind(points=[{"x": x, "y": y, "z": z} for x, y, z in truth.tolist()], indices=[0, 2, 1])
+            message.color.a = 1.0
+            message.pose.position.x = 0.0 if n == 7 else 2.5
+            message.pose.orientation.w = 1.0
+            if kind is LinePrimitive:
+                message.type, message.thickness, message.scale_invariant = LinePrimitive.LINE_LIST, 2.0, True
+            assert np.array_equal(_points(message, "points"), truth)
