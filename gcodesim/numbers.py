@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import math
-from typing import Any
+from typing import Any, NoReturn
 
 
 def clean(value: Any) -> Any:
@@ -30,3 +31,12 @@ def rounded(value: float, digits: int = 9) -> float:
     if value == 0.0 or not math.isfinite(value):
         return value
     return round(value, digits - 1 - math.floor(math.log10(abs(value))))
+
+
+def read_json(text: str | bytes) -> Any:
+    """A JSON value without NaN and infinities, which Python would read. ValueError when it is none."""
+    return json.loads(text, parse_constant=_refuse)
+
+
+def _refuse(name: str) -> NoReturn:
+    raise ValueError(f"{name} is no number of JSON")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any, TextIO
 
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText
@@ -58,13 +58,17 @@ def findings_as_json(findings: Iterable[Diagnostic]) -> list[dict[str, Any]]:
     return [clean(as_json(finding)) for finding in findings]
 
 
-def print_table(rows: Sequence[Sequence[str]], *, indent: str = "  ", names: int = 1) -> None:
-    """Columns aligned: the first ones, of `names`, to the left, those of numbers to the right."""
+def print_table(
+    rows: Sequence[Sequence[str]], *, indent: str = "  ", names: int = 1, texts: Collection[int] = ()
+) -> None:
+    """Columns aligned: the first ones, of `names`, and those of `texts` to the left, those of numbers to the right."""
     if not rows:
         return
     widths = [max(len(row[i]) for row in rows if i < len(row)) for i in range(max(len(row) for row in rows))]
     for row in rows:
-        cells = [cell.ljust(widths[i]) if i < names else cell.rjust(widths[i]) for i, cell in enumerate(row)]
+        cells = [
+            cell.ljust(widths[i]) if i < names or i in texts else cell.rjust(widths[i]) for i, cell in enumerate(row)
+        ]
         print((indent + "  ".join(cells)).rstrip())
 
 

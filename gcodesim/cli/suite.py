@@ -85,7 +85,9 @@ def workers_are_safe() -> Iterator[None]:
 def jobs_of(arguments: argparse.Namespace) -> int:
     if arguments.jobs < 0:
         raise UsageError("-j takes a number from 0 on")
-    return arguments.jobs or len(os.sched_getaffinity(0))
+    if hasattr(os, "sched_getaffinity"):  # not everywhere
+        return arguments.jobs or len(os.sched_getaffinity(0))
+    return arguments.jobs or os.cpu_count() or 1
 
 
 class Bar:

@@ -13,7 +13,7 @@ from gcodesim.diagnostics import SourceText
 from gcodesim.diagnostics.show import as_text
 from gcodesim.formats.text import counting, found_text
 from gcodesim.regress.sources import Sources
-from gcodesim.regress.verdicts import CaseVerdict, SuiteVerdict
+from gcodesim.regress.verdicts import NOTHING_ACCEPTED, CaseVerdict, SuiteVerdict
 
 _MOST: Final = 8
 """Findings of a case that are shown without -v."""
@@ -53,7 +53,10 @@ def _print_summary(verdict: SuiteVerdict) -> None:
         print(f"gone from the baseline: {text}")
     failed, passed, rest = (len(verdict.with_status(status)) for status in ("failed", "passed", "not_run"))
     unchanged = sum(case.unchanged for case in verdict.cases)
-    parts = [_coloured(f"{failed} failed", "failed") if failed else "none failed", f"{passed} passed"]
+    faults = len(verdict.found)
+    parts = [_coloured(f"{faults} fault{'' if faults == 1 else 's'} in test files", "failed")] if faults else []
+    parts += [_coloured(f"{failed} failed", "failed")] if failed else [] if faults else ["none failed"]
+    parts.append(f"{passed} passed")
     if unchanged:
         parts[-1] += f" ({unchanged} unchanged)"
     if rest:
@@ -61,11 +64,9 @@ def _print_summary(verdict: SuiteVerdict) -> None:
     for state, text in (("baseline", "in the baseline"), ("suppressed", "suppressed"), ("expected", "expected")):
         if count := states.count(state):
             parts.append(f"{count} finding{'' if count == 1 else 's'} {text}")
-    unaccepted = sum(case.comparison is None for case in verdict.cases if case.status != "not_run")
+    unaccepted = sum(any(one.finding.code == NOTHING_ACCEPTED for one in case.found) for case in verdict.cases)
     if unaccepted:
         parts.append(f"{unaccepted} without accepted results (`gcodesim accept`)")
-    if verdict.found:
-        parts.append(f"{len(verdict.found)} fault{'' if len(verdict.found) == 1 else 's'} in test files")
     print(", ".join(parts))
     for case in verdict.with_status("failed"):
         what = list(dict.fromkeys(one.code for one in case.counting))

@@ -28,10 +28,15 @@ class Modal:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Timeline:
-    """m blocks in the order in which they ran: begin `t_ns` (m,), `line` (m,), `text` (m), `modal` (m,) of `modals`."""
+    """m blocks in the order in which they ran: begin `t_ns` (m,), `line` (m,), `text` (m), `modal` (m,) of `modals`.
+
+    A block whose state changes while it runs (a tool change, the end) stands here
+    once for each state, with the same number in `block` (m,).
+    """
 
     t_ns: Ints
     line: Ints
+    block: Ints
     text: tuple[str, ...]
     modal: Ints
     modals: tuple[Modal, ...]
@@ -40,7 +45,7 @@ class Timeline:
     def of(messages: Iterable[tuple[int, Any]]) -> Timeline:
         """From time [ns] and message of `/program`, in order."""
         known: dict[Modal, int] = {}
-        t_ns, line, text, modal = [], [], [], []
+        t_ns, line, block, text, modal = [], [], [], [], []
         for time, m in messages:
             state = Modal(
                 file=m.file,
@@ -54,11 +59,13 @@ class Timeline:
             )
             t_ns.append(time)
             line.append(m.line)
+            block.append(m.block)
             text.append(m.text)
             modal.append(known.setdefault(state, len(known)))
         return Timeline(
             t_ns=np.array(t_ns, dtype=np.int64),
             line=np.array(line, dtype=np.int64),
+            block=np.array(block, dtype=np.int64),
             text=tuple(text),
             modal=np.array(modal, dtype=np.int64),
             modals=tuple(known),

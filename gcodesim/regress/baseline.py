@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from gcodesim.diagnostics import Diagnostic, SourceText
+from gcodesim.numbers import read_json
 from gcodesim.regress.findings import without_numbers
 
 SCHEMA: Final = "gcodesim-baseline/1"
@@ -42,7 +43,7 @@ class Baseline:
     def read(source: SourceText) -> Baseline:
         """BaselineError when the file holds none."""
         try:
-            value = json.loads(source.raw)
+            value = read_json(source.raw)
             if not isinstance(value, dict) or value.get("schema") != SCHEMA:
                 raise BaselineError(f"it does not have the form {SCHEMA}")
             left: dict[Entry, int] = {}

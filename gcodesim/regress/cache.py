@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import re
 import tempfile
 from datetime import date
 from importlib.metadata import PackageNotFoundError, version
@@ -26,13 +27,14 @@ from gcodesim.user_cache import user_cache
 VARIABLE: Final = "GCODESIM_TEST_CACHE"
 _LIBRARIES: Final = ("numpy", "scipy", "numba", "pybullet", "trimesh")
 _MOST_ENTRIES: Final = 20_000
+_ENTRY: Final = re.compile(r"[0-9a-f]{2}/[0-9a-f]{32}\.json")
 
 
 def default_folder() -> Path:
     """Where entries are kept: `GCODESIM_TEST_CACHE`, else in the user's cache."""
     if VARIABLE in os.environ:
         return Path(os.environ[VARIABLE])
-    return user_cache("tests") or Path(tempfile.gettempdir())
+    return user_cache("tests") or Path(tempfile.gettempdir()) / "gcodesim-tests"
 
 
 class Cache:
@@ -56,7 +58,7 @@ class Cache:
             if any((today > end) != (then > end) for end in ends):
                 return None
             return _verdict(entry["verdict"])
-        except (OSError, ValueError, KeyError, TypeError):
+        except (OSError, ValueError, LookupError, TypeError, AttributeError):  # whatever somebody put there
             return None
 
     def keep(
@@ -84,9 +86,12 @@ class Cache:
             return
 
     def tidy(self) -> None:
-        """Delete the oldest entries when there are too many."""
+        """Delete the oldest entries when there are too many, and nothing else that lies in the folder."""
         try:
-            entries = sorted(self._folder.glob("*/*.json"), key=lambda path: path.stat().st_mtime)
+            ours = (
+                path for path in self._folder.glob("*/*.json") if _ENTRY.fullmatch(f"{path.parent.name}/{path.name}")
+            )
+            entries = sorted(ours, key=lambda path: path.stat().st_mtime)
             for path in entries[: max(0, len(entries) - _MOST_ENTRIES)]:
                 path.unlink(missing_ok=True)
         except OSError:

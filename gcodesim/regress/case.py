@@ -78,6 +78,7 @@ def collect(paths: Iterable[Path], root: Path, *, cell: Path | None = None, name
                 programs[path] = True
     cases: dict[str, Case] = {}
     found: list[Found] = []
+    goldens: dict[Path, Case] = {}
     taken: set[Path] = set()
     # a program's own file comes before one that names it by a pattern
     own_first = sorted(files, key=lambda file: (_own_program(file) is None, file))
@@ -88,8 +89,12 @@ def collect(paths: Iterable[Path], root: Path, *, cell: Path | None = None, name
         if read.content is None:
             continue
         made, faults = _cases_of(file, source.name, read.content, read.spans, root, cell, taken)
+        for case in made:
+            if goldens.setdefault(case.golden, case) is case:
+                cases[case.name] = case
+            else:
+                faults.append(_second(case, goldens[case.golden]))
         found += [Found(finding=fault, state="counts") for fault in faults]
-        cases |= {case.name: case for case in made}
         taken |= {case.program.resolve() for case in made}
     for program, is_named in programs.items():
         if program.resolve() in taken:
@@ -99,6 +104,17 @@ def collect(paths: Iterable[Path], root: Path, *, cell: Path | None = None, name
             cases[case.name] = case
     kept = [cases[name] for name in sorted(cases) if _is_wanted(name, names)]
     return Collected(cases=tuple(kept), found=tuple(sorted(found, key=lambda one: one.finding.order)))
+
+
+def _second(case: Case, first: Case) -> Diagnostic:
+    """Two cases would have one name, and write over each other's accepted results."""
+    others = f"`{Path(first.file).name}`" if first.file != case.file else f"`{first.program.name}` of the same file"
+    return Diagnostic(
+        code="GS615",
+        span=Span(case.file, 1, 1, 1, 2),
+        message=f"the case {case.name} keeps its accepted results in `{case.golden.name}`, as that of {others} does",
+        hint="rename one of them; only the other one runs",
+    )
 
 
 def is_test_file(path: Path) -> bool:
@@ -208,7 +224,8 @@ def _near(path: Path) -> str:
     """A hint to a file of nearly that name."""
     if not path.parent.is_dir():
         return f"there is no folder `{path.parent.name}`"
-    names = sorted(other.name for other in path.parent.iterdir() if other.suffix == path.suffix)
+    others = (other for other in path.parent.iterdir() if other.suffix == path.suffix and not is_test_file(other))
+    names = sorted(other.name for other in others)
     return suggestion(path.name, names)
 
 

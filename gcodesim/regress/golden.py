@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from gcodesim.diagnostics import SourceText
-from gcodesim.numbers import rounded
+from gcodesim.numbers import read_json, rounded
 from gcodesim.regress.facts import Facts, coarse
 from gcodesim.regress.step_text import lines_of, steps_from
 from gcodesim.regress.surfaces import Coarse
@@ -41,7 +41,7 @@ def golden_text(facts: Facts) -> str:
 def read_golden(source: SourceText, name: str) -> Facts:
     """The facts in a file of accepted results, called `name` in messages. GoldenError when it holds none."""
     try:
-        value = json.loads(source.raw)
+        value = read_json(source.raw)
         if not isinstance(value, dict) or value.get("schema") != SCHEMA:
             raise GoldenError(f"it holds no accepted results of the form {SCHEMA}")
         content = {key: value[key] for key in ("results", "findings", "surfaces", "motion")}

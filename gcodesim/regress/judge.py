@@ -25,7 +25,7 @@ from gcodesim.regress.golden import GoldenError, read_golden
 from gcodesim.regress.motion import steps_of
 from gcodesim.regress.places import files_read, relocated
 from gcodesim.regress.tolerance import Tolerance, quantity_of
-from gcodesim.regress.verdicts import CaseVerdict, Found, State
+from gcodesim.regress.verdicts import NOTHING_ACCEPTED, CaseVerdict, Found, State
 from gcodesim.rs274 import Settings, interpret
 from gcodesim.rs274.assumed import assumed_tools
 from gcodesim.rs274.dialects import DIALECTS
@@ -218,7 +218,7 @@ def _against(golden: Facts, facts: Facts, case: Case) -> Comparison:
 
 def _nothing_accepted(case: Case) -> Diagnostic:
     return Diagnostic(
-        code="GS607",
+        code=NOTHING_ACCEPTED,
         span=Span(case.file),
         message="nothing was accepted yet: motion, times and shape are not compared",
         hint="`gcodesim accept` takes this run",
@@ -373,6 +373,11 @@ def _values(case: Case, results: Mapping[str, Any]) -> Iterator[Diagnostic]:
             known = suggestion(path, paths_of(results))
             message = f"there is no `{path}` in the results"
             yield Diagnostic(code="GS611", span=span, message=message, hint=known)
+            continue
+        if isinstance(value, (Mapping, list)):
+            inside = paths_of({path: value})
+            hint = f"it holds `{'`, `'.join(inside[:6])}`{' …' if len(inside) > 6 else ''}" if inside else ""
+            yield Diagnostic(code="GS611", span=span, message=f"`{path}` is no value, but a group of some", hint=hint)
             continue
         problem = _off(path, value, expected, case.tolerances[quantity_of(path)])
         if problem is not None:

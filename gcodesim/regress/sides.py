@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -13,6 +12,7 @@ from gcodesim.cell import load_cell
 from gcodesim.diagnostics import SourceText
 from gcodesim.diagnostics.show import as_json
 from gcodesim.language import settings_of_cell
+from gcodesim.numbers import read_json
 from gcodesim.regress.changes import Comparison
 from gcodesim.regress.compare import INCOMPLETE
 from gcodesim.regress.facts import Facts, compare, facts_of_run
@@ -112,7 +112,7 @@ def _read(source: SourceText, settings: Settings, name: str) -> Facts:
 
 def _json(source: SourceText, path: Path) -> Facts:
     try:
-        value = json.loads(source.raw)
+        value = read_json(source.raw)
     except ValueError as error:
         raise SideError(f"{path} cannot be read: {error}") from None
     schema = value.get("schema") if isinstance(value, dict) else None
@@ -160,7 +160,7 @@ def _log(path: Path) -> Facts:
         raise SideError(f"{path} cannot be read: {error}") from None
     if not {RESULTS_NAME, _PROGRAM} & set(held):
         raise SideError(f"{path} holds neither a program nor results: there is nothing to compare")
-    results: dict[str, Any] = json.loads(held[RESULTS_NAME]) if RESULTS_NAME in held else {"status": INCOMPLETE}
+    results: dict[str, Any] = read_json(held[RESULTS_NAME]) if RESULTS_NAME in held else {"status": INCOMPLETE}
     if _PROGRAM not in held:
         return Facts(name=str(path), results=results, remarks=(f"{path} holds no program",))
     ended = () if RESULTS_NAME in held else (f"{path} has no results: only its program is compared",)

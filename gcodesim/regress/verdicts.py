@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Final, Literal
 
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.regress.changes import Comparison
 
 State = Literal["counts", "told", "expected", "accepted", "baseline", "suppressed"]
 Status = Literal["passed", "failed", "not_run"]
+
+NOTHING_ACCEPTED: Final = "GS607"
+"""The code that says that a case has no accepted results beside it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

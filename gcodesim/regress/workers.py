@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 import signal
-from collections.abc import Callable, Generator, Sequence
-from multiprocessing import get_context
+from collections.abc import Callable, Generator, Iterator, Sequence
+from contextlib import contextmanager
+from multiprocessing import get_context, resource_tracker
 from multiprocessing.connection import Connection
 from threading import Thread
 from typing import TYPE_CHECKING, TypeVar
@@ -40,7 +41,8 @@ def in_parallel(
     watched, held = context.Pipe(duplex=False)
     pool = ProcessPoolExecutor(min(jobs, len(cases)), mp_context=context, initializer=_tie, initargs=(watched,))
     try:
-        futures = [pool.submit(work, case, how) for case in cases]
+        with _interrupts_wait():
+            futures = [pool.submit(work, case, how) for case in cases]
         for future in futures:
             yield future.result()
     except BrokenProcessPool:
@@ -52,6 +54,23 @@ def in_parallel(
         pool.shutdown(wait=True, cancel_futures=True)
         held.close()
         watched.close()
+
+
+@contextmanager
+def _interrupts_wait() -> Iterator[None]:
+    """Processes that are started meanwhile take no interrupt, from their first moment; ours comes afterwards.
+
+    A worker that is still importing would else answer a Ctrl-C with a trace.
+    """
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    resource_tracker.ensure_running()  # it lets interrupts through again when it starts
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _tie(watched: Connection) -> None:

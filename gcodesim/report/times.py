@@ -176,7 +176,7 @@ def _lines(
         return ()
     seconds = np.bincount(group, weights=durations, minlength=len(known))
     seconds[group[0]] += starts[0] * 1e-9  # nothing runs before the first line
-    counts = np.bincount(group, minlength=len(known))
+    counts = np.bincount(group[np.diff(timeline.block, prepend=-1) != 0], minlength=len(known))
     _, removed, force, _ = _sums(np.where(block >= 0, group[block], -1), len(known), process)
     texts = dict(zip(group.tolist(), timeline.text, strict=True))
     return tuple(

@@ -109,4 +109,4 @@ def _print_times(report: TimeReport) -> None:
     rest = report.total - sum(line.seconds for line in top)
     if len(report.lines) > len(top):
         rows.append([f"{len(report.lines) - len(top)} others", f"{rest:.2f} s", share(rest)])
-    print_table(rows)
+    print_table(rows, texts=(4,))

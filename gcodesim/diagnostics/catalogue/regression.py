@@ -134,4 +134,12 @@ CODES: tuple[Code, ...] = (
             "program again: the same inputs give the same log."
         ),
     ),
+    Code(
+        code="GS615",
+        severity=Severity.ERROR,
+        title="Two tests have one name",
+        what="Two test files, or two programs of one, would keep their accepted results in the same file.",
+        why="Each would be compared with what was accepted of the other; so only the first one runs.",
+        remedy="Rename a test file (NAME.test.yaml, NAME.test.yml) or a program.",
+    ),
 )

@@ -3,6 +3,11 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
+import subprocess
+import sys
+import time
 from datetime import date
 from pathlib import Path
 
@@ -254,3 +259,81 @@ def test_a_fault_of_ours_in_one_case_leaves_the_others_their_verdicts(
     pocket, arm = json.loads(said.out)["cases"]
     assert (pocket["status"], arm["status"]) == ("failed", "passed")
     assert [one["code"] for one in pocket["findings"]] == ["GS613"] and "made for this test" in said.err
+
+
+def test_two_tests_of_one_name_are_told_and_the_first_one_runs(suite: Path) -> None:
+    (suite / "pocket.test.yml").write_text("cell: pocket.yaml\n")
+    (suite / "deep").mkdir()
+    for name in ("a_b.nc", "deep/a.nc", "deep_a.nc"):
+        (suite / name).write_text("G21 G90\nG0 Z20\nM2\n")
+    (suite / "several.test.yaml").write_text("program: ['deep/*.nc', deep_a.nc, a_b.nc]\noptions: {mode: lint}\n")
+    collected = collect([suite], suite)
+
+    assert [case.name for case in collected.cases] == ["pocket", "several/a_b.nc", "several/deep/a.nc", "slot_arm"]
+    assert collected.cases[0].file == "pocket.test.yaml"
+    told = [(one.finding.span.file, one.finding.code, one.finding.message) for one in collected.found]
+    assert [(file, code) for file, code, _ in told] == [("pocket.test.yml", "GS615"), ("several.test.yaml", "GS615")]
+    assert "`pocket.test.yaml`" in told[0][2] and "`a.nc` of the same file" in told[1][2]
+
+
+def test_accepted_results_hold_no_nan(suite: Path) -> None:
+    path = suite / "pocket.golden.json"
+    path.write_text(path.read_text().replace('"feed_mm": 107', '"feed_mm": NaN'))
+    with pytest.raises(GoldenError, match="NaN is no number"):
+        read_golden(SourceText.read(path), "golden")
+
+
+def test_a_group_of_values_is_no_value(suite: Path) -> None:
+    file = suite / "pocket.test.yaml"
+    file.write_text(file.read_text() + "expect: {values: {time: {least: 1}, tools: 3}}\n")
+    told = [one.finding for one in verdict_of(suite).cases[0].found if one.finding.code == "GS611"]
+    assert [finding.message for finding in told] == [
+        f"`{name}` is no value, but a group of some" for name in ("time", "tools")
+    ]
+    assert "`time.total_s`" in told[0].hint
+
+
+@pytest.mark.parametrize(
+    "harm",
+    [b"", b"\xff\x00", b"[]", b'{"files": 3}', b'{"files": {}, "today": 5, "until": [], "verdict": {}}', b"null"],
+)
+def test_a_damaged_memory_costs_time_only(suite: Path, tmp_path_factory: pytest.TempPathFactory, harm: bytes) -> None:
+    folder = tmp_path_factory.mktemp("cache")
+    cache = Cache(folder, suite, "")
+    collected = collect([suite / "pocket.test.yaml"], suite)
+    run_suite(collected, Judging(root=suite), cache=cache)
+    (entry,) = folder.glob("*/*.json")
+    entry.write_bytes(harm)
+    (case,) = run_suite(collected, Judging(root=suite), cache=cache, reuse=True).cases
+    assert case.status == "passed" and not case.unchanged
+
+
+def test_tidying_leaves_files_of_others_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from gcodesim.regress import cache as module
+
+    monkeypatch.setattr(module, "_MOST_ENTRIES", 0)
+    ours = tmp_path / "ab" / f"{'0' * 32}.json"
+    others = [tmp_path / "suite" / "pocket.golden.json", tmp_path / "ab" / "notes.json"]
+    for path in (ours, *others):
+        path.parent.mkdir(exist_ok=True)
+        path.write_text("{}")
+    Cache(tmp_path, tmp_path, "").tidy()
+    assert not ours.exists() and all(path.exists() for path in others)
+
+
+def test_an_interrupt_of_workers_that_are_starting_leaves_no_trace(suite: Path) -> None:
+    command = [sys.executable, "-m", "gcodesim", "test", "-j", "2", str(suite)]
+    done = subprocess.Popen(
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+    while not Path(f"/proc/{done.pid}/task/{done.pid}/children").read_text().split()[1:]:  # a tracker and a worker
+        assert done.poll() is None
+        time.sleep(0.01)
+    os.killpg(done.pid, signal.SIGINT)  # as a terminal does
+    out, said = done.communicate(timeout=60)
+    assert (done.returncode, out, said) == (130, "", "gcodesim: interrupted\n")

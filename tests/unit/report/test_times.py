@@ -60,3 +60,10 @@ def test_json_has_units_in_its_names(report):
     assert {"number", "name", "time_s", "engaged_s", "removed_mm3", "max_force_N", "max_power_W"} == set(
         value["tools"][0]
     )
+
+
+def test_a_block_counts_once_whatever_states_it_goes_through(report, slot):
+    by_line = {line.line: line for line in report.lines}
+
+    assert by_line[14].count == 1  # the tool change, which stops and goes on
+    assert all(line.count == 1 for line in report.lines)  # no loop in this program, and its end counts once
