@@ -21,6 +21,7 @@ from gcodesim.rs274.flow import FlowControl, Stopped
 from gcodesim.rs274.lanes import Lanes
 from gcodesim.rs274.machine_codes import load_first_tool
 from gcodesim.rs274.odd_numbers import odd_numbers
+from gcodesim.rs274.other_machines import Foreign, foreign_of, lathe_of
 from gcodesim.rs274.parameters import Parameters
 from gcodesim.rs274.probing import tripped
 from gcodesim.rs274.program_file import ProgramFile
@@ -139,6 +140,7 @@ class Executor:
         self.watches.events(out)
         yield from out
         out.clear()
+        self._tell_of_lathe()
         while not control.finished:
             frame = flow.frame
             index = frame.at
@@ -339,6 +341,9 @@ class Executor:
         self.recovery.after(fault, block, text)
 
     def _report(self, finding: Diagnostic, line: int | None) -> None:
+        if finding.level >= Severity.ERROR and self.run.failed is None and (other := self._of_other_control()):
+            finding = other  # the whole file is in another language: nothing else is worth telling
+            self.control.finished = True
         span, what = finding.span, (finding.code, finding.message)
         places = self.told.setdefault(what, set())
         places.add((span.file, span.line, span.column))
@@ -349,6 +354,27 @@ class Executor:
             self.run.failed = finding
             self.run.failed_line = line
             self.flow.failed = True
+
+    def _of_other_control(self) -> Diagnostic | None:
+        """What to say in place of the first error of a program for another kind of control."""
+        foreign = foreign_of(self.run.source)
+        return None if foreign is None else self._foreign("GS016", foreign, *_OTHER_CONTROLS[foreign.kind])
+
+    def _tell_of_lathe(self) -> None:
+        foreign = lathe_of(self.run.source, self.settings.dialect)
+        if foreign is None:
+            return
+        if self.settings.dialect == "fanuc":  # there the same words mean something else on a lathe
+            self._report(self._foreign("GS016", foreign, *_OTHER_CONTROLS["lathe"]), foreign.line)
+            self.control.finished = True
+            return
+        message = "this is a program for a lathe (`{word}`, and never Y): the moves are right, the work stands still"
+        self.run.findings.add(self._foreign("GS916", foreign, message, "look at paths and times only"))
+
+    def _foreign(self, code: str, foreign: Foreign, message: str, hint: str) -> Diagnostic:
+        begin = foreign.column
+        span = Span(self.run.source.name, foreign.line, begin, foreign.line, begin + len(foreign.word))
+        return Diagnostic(code=code, message=message.format(word=foreign.word), span=span, hint=hint)
 
     def _hand_over_notes(self) -> None:
         """Warnings of blocks become findings: one a message, and after many of one code one for all further ones."""
@@ -525,6 +551,26 @@ _SKIPPED = (
     (("POPEN", "PCLOS", "BPRNT", "SETVN"), "GS912", "nothing is sent; texts of DPRNT stand in the log of a run"),
     (("G43.4",), "GS913", "the length counts along Z: the tip is not kept in place while a rotary axis turns"),
 )
+
+
+_OTHER_CONTROLS = {
+    "printer": (
+        "this is a program for the control of a 3D printer (`{word}`): no dialect here reads it yet",
+        "simulate programs of mills and routers; beads are made by an `extruder` that M-codes of the cell switch",
+    ),
+    "Klartext": (
+        "this is Heidenhain's Klartext (`{word}`): no dialect here reads it",
+        "let the post write DIN/ISO blocks, for a Fanuc control as an example",
+    ),
+    "Sinumerik": (
+        "this is a program for a Sinumerik (`{word}`): no dialect here reads it",
+        "let the post write plain blocks, for a Fanuc control as an example",
+    ),
+    "lathe": (
+        "this is a program for a lathe (`{word}`, and never Y): the Fanuc dialect here is that of milling",
+        "on a lathe X is a diameter, T0101 a tool with its offset, G98 and G99 are feeds: nothing of it would be right",
+    ),
+}
 
 
 def _code_of_skipped(word: str) -> tuple[str, str]:

@@ -66,7 +66,8 @@ def test_programs_of_posts_are_clean(path: Path) -> None:
     reading = interpret(source, Settings(dialect=dialect_of(path), tool_table=assumed_tools(source)))
     assert len(list(reading)) > 10
 
-    above = [f for f in reading.findings if f.level > Severity.NOTE]
+    above = [f for f in reading.findings if f.level > Severity.NOTE and f.code != "GS916"]
+    assert ("GS916" in {f.code for f in reading.findings}) == ("lathe" in path.stem)
     assert not above, "\n".join(as_text(f, reading.sources) for f in above)
 
 

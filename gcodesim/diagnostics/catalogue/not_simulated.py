@@ -144,6 +144,15 @@ CODES += (
         remedy="Simulate the rest of the program by itself, or let the post write plain moves.",
     ),
     Code(
+        code="GS916",
+        severity=Severity.WARNING,
+        title="Turning is not simulated",
+        what="The program is one for a lathe: it has codes of turning and never names Y.",
+        why="The work stands still here, and a tool is a cutter that turns. Material, forces and collisions would be "
+        "those of milling.",
+        remedy="Look at paths and times of such a program only; leave out the stock.",
+    ),
+    Code(
         code="GS914",
         severity=Severity.NOTE,
         title="Lines left out by block delete",

@@ -125,6 +125,15 @@ CODES: tuple[Code, ...] = (
         remedy="Check that it is the right file, and the `dialect` of the cell.",
     ),
     Code(
+        code="GS016",
+        severity=Severity.ERROR,
+        title="A program for another kind of machine",
+        what="The file has words of a 3D printer, of a lathe, of Heidenhain's Klartext or of a Sinumerik, and none of "
+        "the dialects reads those.",
+        why="Read as the program of a mill it would be full of errors, or run and mean something else.",
+        remedy="Let the post-processor write for one of the controls that `gcodesim list dialects` shows.",
+    ),
+    Code(
         code="GS020",
         severity=Severity.WARNING,
         title="Tool table line that cannot be read",

@@ -62,6 +62,14 @@ _USERS = {
     "r": _ARCS | _CYCLES | {"g10", "g41.1", "g42.1", "g76", "m19"},
 }
 
+# cycles of its lathes; on other controls G70 and G71 choose the unit
+_LATHE = "a cycle of lathes"
+_UNSIMULATED = {
+    700: f"{_LATHE} (inches are G20)",
+    710: f"{_LATHE} (millimetres are G21)",
+    **dict.fromkeys((711, 712, 720, 721, 722), _LATHE),
+}
+
 LINUXCNC = Dialect(
     name="linuxcnc",
     grammar="rs274",
@@ -72,4 +80,5 @@ LINUXCNC = Dialect(
     users={letter: frozenset(names) for letter, names in _USERS.items()},
     user_m_codes=range(100, 200),
     letters=frozenset("abcdefghijklmpqrstuvwxyz@^$"),
+    unsimulated=_UNSIMULATED,
 )

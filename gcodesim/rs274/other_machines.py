@@ -1,0 +1,90 @@
+"""Programs that were written for another kind of machine or control, known by words that no mill's program has."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Final, Literal
+
+from gcodesim.diagnostics import SourceText
+
+Kind = Literal["printer", "Klartext", "Sinumerik", "lathe"]
+
+_HEAD: Final = 120_000  # bytes that are looked at: posts and people say at the beginning what they write for
+_NOTES = re.compile(rb"\([^)\r\n]*\)?|;[^\r\n]*")
+_LINE_END = re.compile(rb"\r\n|\n|\r")
+
+# a code G50 or M104: no letter or digit before it, no digit behind it; `[ \t]` since a word does not go over lines
+_KLARTEXT = re.compile(
+    rb"^[ \t]*[0-9]{1,6}[ \t]+((?:BEGIN|END) PGM\b|BLK FORM\b|TOOL CALL\b|L[ \t]+[XYZ][+-])", re.MULTILINE
+)
+_SINUMERIK = re.compile(
+    rb"(?:^|(?<=[ \t]))(CYCLE[0-9]+[ \t]*\(|POCKET[0-9][ \t]*\(|WORKPIECE[ \t]*\(|[TD][ \t]?=|[XYZ][ \t]?=[ \t]?[A-Z(]"
+    rb"|R[0-9]+[ \t]?=)",
+    re.MULTILINE,
+)
+_HEATER = re.compile(rb"(?<![A-Z0-9])M0?(82|83|104|106|107|109|140|190)(?![0-9])")
+_CUTTER = re.compile(rb"(?<![A-Z0-9])M0?[346](?![0-9])")
+_FILAMENT = re.compile(rb"(?<![A-Z0-9])G0?[01](?![0-9.])[^\r\n]{0,80}?(?<![A-Z])E[ \t]?-?[0-9.]")
+_FANUC_LATHE = re.compile(
+    rb"(?<![A-Z0-9])(G(?:50[ \t]*S|7[0-3][ \t]*[PQUW]|28[ \t]*[UW]|76[ \t]*P[ \t]*[0-9]{5,6}(?![0-9.])))"
+)
+_LINUXCNC_LATHE = re.compile(rb"(?<![A-Z0-9])(G0?(?:[78]|7[0-2](?:\.[12])?|33|76|96))(?![0-9.])")
+_Y_WORD = re.compile(rb"[yY][ \t]*[-+]?[ \t]*[0-9.#\[]")
+_TOOL_CHANGE = re.compile(rb"[mM][ \t]*0*6(?![0-9])")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Foreign:
+    """What gave the kind away: `word`, in `line` (from 1) at `column` (from 1)."""
+
+    kind: Kind
+    word: str
+    line: int
+    column: int
+
+
+def foreign_of(source: SourceText) -> Foreign | None:
+    """The kind of control that there is no dialect for: a 3D printer's, Heidenhain's or Siemens' own language."""
+    head = source.raw[:_HEAD].upper()
+    if match := _KLARTEXT.search(head):
+        return _found("Klartext", match, head)
+    words = _without_notes(head)
+    if match := _SINUMERIK.search(words):
+        return _found("Sinumerik", match, words)
+    heaters = {match[1] for match in _HEATER.finditer(words)}
+    if not heaters:
+        return None
+    if _FILAMENT.search(words) is None and (len(heaters) == 1 or _CUTTER.search(words)):
+        return None
+    first = _HEATER.search(words)
+    assert first is not None
+    return _found("printer", first, words, group=0)
+
+
+def lathe_of(source: SourceText, dialect: str) -> Foreign | None:
+    """What shows that a program of this dialect turns: codes of lathes, in a program that never names Y."""
+    pattern = {"fanuc": _FANUC_LATHE, "linuxcnc": _LINUXCNC_LATHE}.get(dialect)
+    if pattern is None:
+        return None
+    words = _without_notes(source.raw[:_HEAD].upper())
+    match = pattern.search(words)
+    if match is None:
+        return None
+    everything = words if len(source.raw) <= _HEAD else _NOTES.sub(b"", source.raw)
+    if _Y_WORD.search(everything) or (dialect == "fanuc" and _TOOL_CHANGE.search(everything)):
+        return None
+    return _found("lathe", match, words)
+
+
+def _without_notes(text: bytes) -> bytes:
+    """The text with blanks in place of comments, so that places stay."""
+    return _NOTES.sub(lambda note: b" " * len(note.group()), text)
+
+
+def _found(kind: Kind, match: re.Match[bytes], text: bytes, group: int = 1) -> Foreign:
+    at = match.start(group)
+    ends = [end.end() for end in _LINE_END.finditer(text, 0, at)]
+    line = text[ends[-1] if ends else 0 : at].decode("utf-8", "replace")
+    word = match.group(group).decode("ascii")
+    return Foreign(kind=kind, word=word, line=len(ends) + 1, column=len(line) + 1)
