@@ -10,6 +10,7 @@ from gcodesim.numbers import clean
 from gcodesim.regress.changes import Change, Comparison, FieldChange, FindingChange, MoveChange, Place, SurfaceChange
 
 NO_DIFFERENCE: Final = "no difference in motion or result"
+_MOST_OF_A_TEXT: Final = 200  # entries under a title on a screen
 _MOST_OF_A_PAGE: Final = 100  # entries of a kind in Markdown: sites take 65,000 characters for a comment
 
 
@@ -154,7 +155,9 @@ def comparison_lines(comparison: Comparison) -> list[str]:
     lines: list[str] = []
     for title, entries in sections(comparison):
         lines.append(f"{title}:")
-        lines += [f"  {line}" for entry in entries for line in entry.lines]
+        lines += [f"  {line}" for entry in entries[:_MOST_OF_A_TEXT] for line in entry.lines]
+        if len(entries) > _MOST_OF_A_TEXT:
+            lines.append(f"  … and {len(entries) - _MOST_OF_A_TEXT} more; `--format json` has all")
     return [*lines, *(f"note: {remark}" for remark in comparison.remarks)]
 
 

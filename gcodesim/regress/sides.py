@@ -123,7 +123,34 @@ def _json(source: SourceText, path: Path) -> Facts:
             raise SideError(f"{path} cannot be read: {error}") from None
     if schema != RESULTS:
         raise SideError(f"{path} holds no results of gcodesim")
-    return Facts(name=str(path), results=value)
+    return Facts(name=str(path), results=_whole(value, path))
+
+
+_PARTS: Final[Mapping[str, type]] = {
+    "status": str,
+    "findings": list,
+    "time": dict,
+    "distance": dict,
+    "stocks": dict,
+    "tools": list,
+    "joints": list,
+    "not_simulated": list,
+}
+"""What results have; what is not there would else differ from nothing."""
+
+
+def _whole(results: Mapping[str, Any], path: Path) -> dict[str, Any]:
+    """`results` with all of its parts; SideError names the first that is missing or of another kind."""
+    for key, kind in _PARTS.items():
+        if not isinstance(results.get(key), kind):
+            raise SideError(f"{path} holds no results of gcodesim: there is no proper `{key}`")
+    for key, inner in (
+        ("stocks", results["stocks"].values()),
+        *((key, results[key]) for key in ("tools", "joints", "findings", "not_simulated")),
+    ):
+        if not all(isinstance(one, dict) for one in inner):
+            raise SideError(f"{path} holds no results of gcodesim: an entry of `{key}` is none")
+    return dict(results)
 
 
 def _folder(path: Path) -> Facts:
@@ -160,7 +187,9 @@ def _log(path: Path) -> Facts:
         raise SideError(f"{path} cannot be read: {error}") from None
     if not {RESULTS_NAME, _PROGRAM} & set(held):
         raise SideError(f"{path} holds neither a program nor results: there is nothing to compare")
-    results: dict[str, Any] = read_json(held[RESULTS_NAME]) if RESULTS_NAME in held else {"status": INCOMPLETE}
+    results: Mapping[str, Any] = {"status": INCOMPLETE}
+    if RESULTS_NAME in held:
+        results = _json(SourceText(RESULTS_NAME, held[RESULTS_NAME]), path / RESULTS_NAME).results
     if _PROGRAM not in held:
         return Facts(name=str(path), results=results, remarks=(f"{path} holds no program",))
     ended = () if RESULTS_NAME in held else (f"{path} has no results: only its program is compared",)

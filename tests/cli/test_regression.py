@@ -173,3 +173,28 @@ def test_a_baseline_of_a_run(cli, write) -> None:
 def test_wrong_usage(cli, arguments: tuple[str, ...]) -> None:
     done = cli(*arguments)
     assert done.status == 2 and "Traceback" not in done.err
+
+
+@pytest.mark.parametrize(
+    "harm", [{"time": None}, {"tools": {"a": 1}}, {"stocks": {"stock": 3}}, {"findings": [7]}, {"status": ...}]
+)
+def test_results_without_a_part_are_not_equal_to_anything(cli, write, harm) -> None:
+    write("part.nc", PART)
+    cli("run", "part.nc", "--cell", "cell.yaml")
+    whole = json.loads(Path("out/results.json").read_bytes())
+    kept = {key: value for key, value in (whole | harm).items() if value is not ...}
+    write("odd.json", json.dumps(kept))
+    done = cli("diff", "odd.json", "out/results.json")
+    assert done.status == 2 and "holds no results of gcodesim" in done.err and f"`{next(iter(harm))}`" in done.err
+
+
+def test_a_diff_without_end_is_shown_in_part(cli, write) -> None:
+    lines = [f"G1 X{i % 7} Y{i % 11}" for i in range(900)]
+    write("old.nc", "G21 G90\nF500\n" + "\n".join(lines) + "\nM2\n")
+    write(
+        "new.nc",
+        "G21 G90\nF500\n" + "\n".join(line if i % 2 else line + f" Z{i}" for i, line in enumerate(lines)) + "\nM2\n",
+    )
+    text, value = cli("diff", "old.nc", "new.nc").out, cli("diff", "old.nc", "new.nc", "--format", "json").json
+    more = len(value["moves"]) - 200
+    assert more > 0 and f"  … and {more} more; `--format json` has all\n" in text and text.count("\n") < 2000
