@@ -83,4 +83,4 @@ def test_no_tool_is_without_its_length(path: Path) -> None:
     reading = interpret(source, Settings(dialect=dialect_of(path), tool_table=replace(tools, entries=lengths)))
     assert len(list(reading)) > 10
 
-    assert [f.code for f in reading.findings if f.level > Severity.NOTE] == []
+    assert [f.code for f in reading.findings if f.level > Severity.NOTE and f.code != "GS916"] == []
