@@ -61,6 +61,8 @@ def pytest_configure(config: pytest.Config) -> None:
 
     try:
         config.stash[_BASELINE] = Baseline.read(SourceText.read(config.invocation_params.dir / path))
+    except FileNotFoundError:
+        raise pytest.UsageError(f"baseline {path} is not there") from None
     except (OSError, BaselineError) as error:
         raise pytest.UsageError(f"baseline {path} cannot be read: {error}") from None
 

@@ -141,6 +141,7 @@ class _Date(Kind):
 
 
 _CODE = Text(pattern=CODE_PATTERNS.pattern, form="a code such as `GS212`")
+_REASON = Text(pattern=r"[\s\S]*\S[\s\S]*", form="a text that says why")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -152,7 +153,7 @@ class Suppression:
     block: str | None = key(Text(), "text of the block", default=None)
     n: int | None = key(Whole(NOT_NEGATIVE), "N number of the block", default=None)
     line: int | None = key(Whole(Range(least=1.0)), "line of the program", default=None)
-    reason: str = key(Text(), "why it is no fault")
+    reason: str = key(_REASON, "why it is no fault")
     until: date | None = key(_Date(), "last day on which this holds", default=None)
 
     def checked(self, to: Reading, path: Path) -> Suppression | Fault:

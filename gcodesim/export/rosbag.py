@@ -78,8 +78,10 @@ def _messages(recording: Recording, types: Any, topics: Sequence[str], part: Par
         if name.endswith(".urdf") and "/tf_static" in topics:
             urdfs = [other for other in recording.log.attachments if other.endswith(".urdf")]
             topic = "/robot_description" if len(urdfs) == 1 else f"/{name[: -len('.urdf')]}/robot_description"
-            text = recording.log.attachment(name).decode("utf-8", "replace")
-            yield part.first_ns, topic, "std_msgs/msg/String", types["std_msgs/msg/String"](data=text)
+            model = recording.log.attached(name)
+            if model is not None:
+                text = model.decode("utf-8", "replace")
+                yield part.first_ns, topic, "std_msgs/msg/String", types["std_msgs/msg/String"](data=text)
     writers: dict[str, Callable[[Recording, _Types, Part], Iterator[Message]]] = {
         "/tf_static": _static,
         "/tf": _moving,

@@ -152,9 +152,8 @@ class LogFile:
     def attachment(self, name: str) -> bytes:
         """The contents of an attached file. KeyError when there is none, LogReadError when it is damaged."""
         offset, size = self.attachments[name]
-        with self.path.open("rb") as stream:
+        with suppress(*DAMAGE), self.path.open("rb") as stream:
             record = record_at(stream, offset, Opcode.ATTACHMENT)
-        with suppress(*DAMAGE):
             attached, crc = Attachment.read(stream_of(record)), int.from_bytes(record[-4:], "little")
             if attached.name == name and len(attached.data) == size and crc in (0, zlib.crc32(record[:-4])):
                 return bytes(attached.data)

@@ -231,6 +231,7 @@ class Recording:
 
     def stock_at(self, t_ns: int) -> list[Drawing]:
         """Every tile as it was last drawn up to `t_ns`."""
-        last = {topic: [max(t for t, _ in times if t <= t_ns)] for topic, times in self.tile_times().items() if times}
+        drawn = {topic: [t for t, _ in times if t <= t_ns] for topic, times in self.tile_times().items()}
+        last = {topic: [max(times)] for topic, times in drawn.items() if times}  # none where a chunk is damaged
         found = {topic: drawing for _, topic, drawing in self.tiles(last)}
         return [drawing for topic in sorted(found) for drawing in found[topic]]

@@ -161,6 +161,25 @@ def test_of_a_damaged_log_comes_what_can_be_read_and_a_finding(run, damaged, com
     assert len(list(damaged.glob("out.file*"))) == 1
 
 
+def test_whatever_is_damaged_nothing_is_a_fault_of_ours(run, slot_folder, tmp_path):
+    from random import Random
+
+    whole, chance, seen = (slot_folder / "run.mcap").read_bytes(), Random(8), set()
+    commands = [["info"], ["info", "--layout"], ["plot"], ["report", "--times"]]
+    commands += [["export", "--to", form, "-o", "out"] for form in ("csv", "glb", "stl")]
+    commands += [["export", "--to", "stl", "--at", "3", "-o", "out"], ["export", "--to", "csv", "--topics", "/event"]]
+    for round in range(36):
+        data = bytearray(whole)
+        for _ in range(chance.choice([1, 1, 3])):
+            at = chance.randrange(8, chance.choice([len(data), 40_000]))
+            data[at : at + 30] = chance.choice([bytes(30), chance.randbytes(30), b"", chance.randbytes(3000)])
+        (tmp_path / "harmed.mcap").write_bytes(data[: chance.choice([len(data), chance.randrange(len(data))])])
+        status, _, said = run(*commands[round % len(commands)], log=tmp_path / "harmed.mcap")
+        seen.add(status)
+        assert status in (0, 1, 2) and "Traceback" not in said
+    assert seen == {0, 1, 2}
+
+
 def test_a_page_says_that_its_log_is_damaged(run, damaged, tmp_path):
     from gcodesim.playback import Recording
     from gcodesim.report.pack import Pack

@@ -139,6 +139,7 @@ def _moment(arguments: argparse.Namespace, recording: Recording) -> None:
     try:
         written = write_part(recording, file, t_ns=arguments.at, stock=arguments.stock, world=arguments.world)
     except NoPartError as reason:
+        status_of_reading(recording)  # damage may be why
         raise UsageError(str(reason)) from None
     _write(out, file.getvalue())
     how = "as computed" if written.exact else "as the log draws it"

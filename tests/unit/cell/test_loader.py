@@ -333,3 +333,9 @@ def test_loading_imports_no_heavy_package() -> None:
     )
 
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
+
+
+@pytest.mark.parametrize("reason", ['""', '" "', "", '"\\n"'])
+def test_a_suppression_says_why(reason: str) -> None:
+    found = loaded(f"machine: gantry_xyz\nsuppress: [{{code: GS501, reason: {reason}}}]").findings
+    assert {one.code for one in found} & {"GS705", "GS711"}

@@ -99,6 +99,14 @@ def test_a_damaged_attachment_is_told_and_never_handed_out(whole, tmp_path):
     assert summary(path).missing == (f"program.nc, attached at byte {offset}, is damaged",)
 
 
+def test_an_attachment_without_its_head_is_damaged(whole, tmp_path):
+    offset = LogFile.open(whole).attachments["program.nc"][0]
+    path = harmed(whole, tmp_path / "run.mcap", offset, b"\xff" * 12)
+    assert [damage.what for damage in summary(path).damage] == ["program.nc"]
+    with pytest.raises(LogReadError, match=r"program\.nc is damaged"):
+        LogFile.open(path).attachment("program.nc")
+
+
 def test_other_records_are_seen_by_the_checksum_of_the_file(whole, tmp_path):
     at = whole.read_bytes().index(b"gcodesim.run") + 30
     path = harmed(whole, tmp_path / "run.mcap", at, flipped(whole, at))
