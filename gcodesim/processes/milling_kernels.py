@@ -3,13 +3,12 @@
 A step: ask the stock, as the steps before left it, where the displaced cutter is in material; solve wrench and
 deflection together; remove what the displaced cutter sweeps; look whether shank or holder touch.
 
-Deflection. delta = C F(p + delta), with chips as thick as the tip then advances (`advance_kernels`), is solved from the
+Deflection. delta = C F(p + delta), with chips as the tip then travels (`travel_kernels`), is solved from the
 last step's delta by relaxation, with the factor taken from the last two residuals (Aitken 1937; for vectors Irons and
 Tuck 1969). With constant engagement the first residual is already small: then one more relaxed step follows without
 asking again, so delta goes to C F without overshoot, however soft the machine. `F/C` one step late would ring as soon
 as the cut is stiffer than the machine. A machine so soft that it has no balance nearby (a narrow shoulder that slips
-to the side) travels on towards the best that was found, no faster than the feed. Where the feed turns, forces are those
-of the direction in which the bent tip still travels (`advance_kernels.turn_travel`).
+to the side) travels on towards the best that was found, no faster than the feed.
 """
 
 from __future__ import annotations
@@ -19,7 +18,6 @@ from numpy.typing import NDArray
 
 from gcodesim.compiled import kernel
 from gcodesim.material.kernels import PATCH_SHIFT, patch_top, remove_piece, touch_piece
-from gcodesim.processes.advance_kernels import edge_wrench, solve_advance, turn_travel
 from gcodesim.processes.force_kernels import (
     CHIP,
     DEPTH,
@@ -33,6 +31,7 @@ from gcodesim.processes.force_kernels import (
     cutting_force,
     peak_force,
 )
+from gcodesim.processes.travel_kernels import SAME_WAY, edge_wrench, follow_travel, move_of, solve_travel
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -51,9 +50,9 @@ OUTPUTS = 25
 # places in `state` (STATE,)
 (
     DELTA, RELAXATION, FEED_X, FEED_Y, FREEDOM, CUTTING, TIP, HAS_TIP, STEP, PIECE, BEFORE, PATCH_X, PATCH_Y, CREDIT,
-    ADVANCE, TRAVEL,
-) = (0, 3, 4, 5, 6, 7, 8, 11, 12, 13, 14, 17, 18, 19, 20, 21)  # fmt: skip
-STATE = 23
+    ADVANCE, TRAVEL, CHIPS, EDGES,
+) = (0, 3, 4, 5, 6, 7, 8, 11, 12, 13, 14, 17, 18, 19, 20, 21, 23, 29)  # fmt: skip
+STATE = 36
 PLACED, BLOCKED, FREE = 0.0, 1.0, 2.0  # values of FREEDOM
 
 LEAST_SPEED = 1.0e-7  # [m/s]; slower is a dwell
@@ -127,16 +126,6 @@ def bend(state: Array) -> float:
 
 
 @kernel(lean=True)
-def displacement(compliance: Array, wrench: Array, delta: Array) -> None:
-    """delta (3,) [m] of the tip under `wrench` (6,); compliance (3, 6): its translation rows."""
-    for axis in range(3):
-        total = 0.0
-        for component in range(6):
-            total += compliance[axis, component] * wrench[component]
-        delta[axis] = total
-
-
-@kernel(lean=True)
 def along(vector: Array, ux: float, uy: float, level: float, climb: float) -> float:
     """Component of `vector` (3,) along the feed."""
     return float(level * (ux * vector[0] + uy * vector[1]) + climb * vector[2])
@@ -145,66 +134,68 @@ def along(vector: Array, ux: float, uy: float, level: float, climb: float) -> fl
 @kernel(lean=True)
 def solve_step(
     lo: Array, hi: Array, count: Ints, grid: Array, tool: Array, edge: Array, laws: Array, table: Array,
-    circle: Array, compliance: Array, rigid: bool, tip: Array, ux: float, uy: float, level: float, climb: float,
-    chip: float, way: float, behind: float, top: float, rows: Array, weights: Array, force: Array, sums: Array,
+    circle: Array, compliance: Array, rigid: bool, tip: Array, feed: Array, level: float, climb: float,
+    chip: float, way: float, top: float, rows: Array, weights: Array, force: Array, sums: Array, moves: Array,
     state: Array, result: Array,
 ) -> tuple[int, float]:  # fmt: skip
     """Wrench and deflection of one step together; `state` holds the deflection before and after.
 
-    way [m]: commanded in this step, of which `behind` [m] does not count along the travel (ux, uy) of the tip; the chip
-    is as thick as the tip advances (`advance_kernels`).
+    way [m]: commanded in this step, in the direction feed (2,); the chip is as thick as the tip advances, in the
+    direction in which it travels (`travel_kernels`). moves (6, 3): scratch.
     Returns the number of rows that are filled for `peak_force`, and by what their forces have to be multiplied.
     """
     spare = sums[SUMS + SPARE - 1]
     place = spare[0:3]
+    travel = state[TRAVEL : TRAVEL + 2]
     if rigid:
         for axis in range(3):
             state[DELTA + axis] = 0.0
         used = cutting_force(
-            lo, hi, count, grid, tool, edge, laws, table, circle, tip, ux, uy, level, climb, chip, top,
+            lo, hi, count, grid, tool, edge, laws, table, circle, tip, feed[0], feed[1], level, climb, chip, top,
             rows, weights, force, sums, result,
         )  # fmt: skip
         return used, 1.0
     delta, residual, earlier, best = spare[3:6], spare[6:9], spare[9:12], spare[12:15]
+    left, best_travel, begin = spare[15:18], spare[18:20], spare[20:22]
     earlier[:] = 0.0
+    begin[0], begin[1] = travel[0], travel[1]
     for axis in range(3):
         delta[axis] = state[DELTA + axis]
-    bend_fixed, fixed = spare[15:18], spare[18 : 19 + TORQUE]
-    bent_before = along(delta, ux, uy, level, climb) + behind
+        left[axis] = way * (climb if axis == 2 else level * feed[axis]) - delta[axis]
     relaxation = state[RELAXATION] if state[RELAXATION] > 0.0 else 0.5
     advance = state[ADVANCE] if state[ADVANCE] > 0.0 else 1.0
-    asked, best_asked, ratio, pushed = advance, advance, 1.0, 0.0
+    chips, edges = state[CHIPS : CHIPS + 6], state[EDGES : EDGES + TORQUE + 1]
+    turned = travel[0] != feed[0] or travel[1] != feed[1]
+    if way > 0.0 and turned and state[CUTTING] > 0.0:  # where the forces of the last step would let it go
+        advance = solve_travel(
+            compliance, edges, chips, left, level, climb, way, laws[0, 1], begin, feed, travel, advance, moves
+        )
+    asked, best_asked, ratio = advance, advance, 1.0
     least = np.inf
     used = 0
     for turn in range(EVALUATIONS + 1):
         if turn == EVALUATIONS:  # no fixed point found: on from the best place seen, no faster than the feed
             advance = best_asked
+            travel[0], travel[1] = best_travel[0], best_travel[1]
         for axis in range(3):
             if turn == EVALUATIONS:
                 delta[axis] = best[axis]
             place[axis] = tip[axis] + delta[axis]
-        asked = advance
+        asked, ux, uy = advance, travel[0], travel[1]
         used = cutting_force(
             lo, hi, count, grid, tool, edge, laws, table, circle, place, ux, uy, level, climb, asked * chip, top,
             rows, weights, force, sums, result,
         )  # fmt: skip
-        displacement(compliance, result, residual)
+        ratio, follows = 1.0, False
         if way > 0.0 and used > 0:
-            edge_wrench(tool, laws, circle, ux, uy, rows, weights, used, fixed)
-            displacement(compliance, fixed, bend_fixed)
-            rubbed = along(bend_fixed, ux, uy, level, climb)
-            pushed = along(residual, ux, uy, level, climb) - rubbed
-            advance = solve_advance(rubbed, pushed, bent_before, way, asked, laws[0, 1])
-            if advance != asked:
-                before = result[0] * result[0] + result[1] * result[1] + result[2] * result[2]
-                growth = (advance / asked) ** laws[0, 1]
-                for component in range(TORQUE + 1):
-                    result[component] = fixed[component] + growth * (result[component] - fixed[component])
-                after = result[0] * result[0] + result[1] * result[1] + result[2] * result[2]
-                ratio = np.sqrt(after / before) if before > 0.0 else 1.0
-                displacement(compliance, result, residual)
-            else:
-                ratio = 1.0
+            edge_wrench(tool, laws, circle, ux, uy, rows, weights, used, edges)
+            advance, ratio = follow_travel(
+                compliance, edges, chips, left, level, climb, way, laws[0, 1], begin, feed, travel, asked, moves, result
+            )
+            follows = advance != 1.0
+        elif used == 0:
+            travel[0], travel[1] = feed[0], feed[1]  # nothing holds it on another way
+        move_of(compliance, result, residual)
         size, bent = 0.0, 0.0
         for axis in range(3):
             bent += residual[axis] * residual[axis]
@@ -226,6 +217,7 @@ def solve_step(
         if size < least:
             least = size
             best_asked = asked
+            best_travel[0], best_travel[1] = ux, uy
             for axis in range(3):
                 best[axis] = delta[axis]
         limit = CLOSE_RELATIVE * np.sqrt(bent) + CLOSE_ABSOLUTE
@@ -233,7 +225,8 @@ def solve_step(
         for axis in range(3):
             earlier[axis] = residual[axis]
             delta[axis] += relaxation * residual[axis]
-        if size <= limit * limit and (pushed >= 0.0 or short <= CLOSE_ADVANCE * way):
+        same = ux * travel[0] + uy * travel[1] >= SAME_WAY
+        if size <= limit * limit and same and (not follows or short <= CLOSE_ADVANCE * way):
             break
     result[CHIP] *= advance / asked
     state[RELAXATION], state[ADVANCE] = relaxation, advance
@@ -258,7 +251,7 @@ def mill(
     n = motion.shape[0]
     result = np.zeros(RESULT)
     before, after, p, q = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
-    spare = np.empty((2, count.shape[1]))
+    spare, moves = np.empty((2, count.shape[1])), np.empty((6, 3))
     rigid_machine = compliance.shape[0] == 0
     no_compliance = np.zeros((3, 6))
     widest = max(shapes[0, 1], max(shapes[1, 1], shapes[2, 1]))
@@ -348,16 +341,11 @@ def mill(
                 heading[0], heading[1] = feed[0], feed[1]
             if turning_in:
                 chip = speed * 2.0 * np.pi / (spindle * tool[1]) if speed > LEAST_SPEED else 0.0
-                way, behind = 0.0, 0.0
-                if speed > LEAST_SPEED:
-                    way = np.sqrt(travel * travel + (after[2] - before[2]) ** 2)
-                    aside = 1.0 - turn_travel(heading, feed, state[DELTA : DELTA + 3], state[ADVANCE], way * level)
-                    behind = way * level * level * aside
+                way = np.sqrt(travel * travel + (after[2] - before[2]) ** 2) if speed > LEAST_SPEED else 0.0
                 used, ratio = solve_step(
                     lo, hi, count, grid, tool, edge, laws, table, circle,
                     no_compliance if rigid_machine else compliance[k], rigid_machine, before,
-                    heading[0], heading[1], level, climb, chip, way, behind, top, rows, weights, force, sums, state,
-                    result,
+                    feed, level, climb, chip, way, top, rows, weights, force, sums, moves, state, result,
                 )  # fmt: skip
             elif not rapid:
                 state[DELTA : DELTA + 3] = 0.0

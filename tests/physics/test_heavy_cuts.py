@@ -45,13 +45,13 @@ def cut(C: np.ndarray, law: Law, begin: float, way: float, y: float, depth: floa
 
 
 def cut_along(
-    C: np.ndarray, law: Law, corners: list[tuple[float, ...]], depth: float, cell: float = 0.5e-3
+    C: np.ndarray, law: Law, corners: list[tuple[float, ...]], depth: float, cell: float = 0.5e-3, dt: float = DT
 ) -> tuple[ProcessStep, np.ndarray]:
     """The same along straight lines between `corners` (x, y) or (x, y, z) [m], which are passed at full feed."""
     ends = np.array([(*corner, -depth)[:3] for corner in corners])
     parts = [ends[:1]]
     for a, b in itertools.pairwise(ends):
-        n = round(float(np.linalg.norm(b - a)) / (FEED * DT))
+        n = round(float(np.linalg.norm(b - a)) / (FEED * dt))
         parts.append(a + np.linspace(0.0, 1.0, n + 1)[1:, None] * (b - a))
     points = np.concatenate(parts)
     n = len(points) - 1
@@ -61,11 +61,11 @@ def cut_along(
         piece_end=points[1:],
         piece_step=np.arange(n),
         axis=np.tile([0.0, 0.0, 1.0], (n, 1)),
-        velocity=np.diff(points, axis=0) / DT,
+        velocity=np.diff(points, axis=0) / dt,
         spindle=np.full(n, SPINDLE),
         rapid=np.zeros(n, dtype=bool),
         active=np.zeros(n, dtype=bool),
-        dt=DT,
+        dt=dt,
         compliance=np.tile(C, (n, 1, 1)),
     )
     stock = Stock.box((0.0, 0.0, -12e-3), (44e-3, 40e-3, 0.0), cell)
@@ -149,6 +149,22 @@ def test_a_tool_that_is_bent_goes_round_a_corner(turn: float, machine: object, s
     before = (corner[0] - 40e-3 * math.cos(turn * DEG), corner[1] - 40e-3 * math.sin(turn * DEG))
     straight, _ = cut_along(C, STEEL, [before, end], 1e-3, 0.25e-3)
     assert found.wrench[-1, :3] == pytest.approx(straight.wrench[-1, :3], rel=0.03, abs=0.01 * force[-1])
+
+
+@pytest.mark.parametrize("machine", [arm, gantry])
+@pytest.mark.parametrize("turn", [-45.0, -90.0, -135.0])
+def test_the_force_behind_a_corner_hardly_depends_on_the_step(turn: float, machine: object) -> None:
+    """A bend that swings round is seen at each rate: finer steps move the greatest force by less and less."""
+    assert callable(machine)
+    corner = (8e-3, 12e-3)
+    end = (corner[0] + 4e-3 * math.cos(turn * DEG), corner[1] + 4e-3 * math.sin(turn * DEG))
+    greatest = []
+    for part in (4, 2, 1, 0.5):
+        found, _ = cut_along(machine(), ALUMINIUM, [(-4e-3, 12e-3), corner, end], 2e-3, 0.25e-3, part * DT)
+        greatest.append(np.linalg.norm(found.wrench[:, :3], axis=1).max())
+
+    assert greatest[1] == pytest.approx(greatest[3], rel=0.12)
+    assert greatest[2] == pytest.approx(greatest[3], rel=0.06)
 
 
 def test_a_cut_after_a_plunge_begins_in_its_own_direction() -> None:

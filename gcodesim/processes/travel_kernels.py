@@ -1,0 +1,206 @@
+"""Where a tool that gives way really travels in a step: its chips are cut there, and are as thick as it goes far.
+
+While a cut grows the tip is pushed back against the feed, so that it advances less than commanded and its chips are
+thinner; while the cut fades the bend is worked off through thicker ones. Where the feed turns, the tip does not turn at
+once: its bend swings round with the force, by cutting its way. The way of the tip in a step is the commanded one and
+the growth of its bend delta, and force F follows that way v:
+
+    delta = C F(v),   v = commanded + (delta - delta before)
+
+which is an implicit Euler step of a differential equation for the bend. Without it a soft machine would be bent faster
+than it is fed, and dig itself in without ever moving on.
+"""
+
+from __future__ import annotations
+
+import math
+
+from gcodesim.compiled import kernel
+from gcodesim.processes.engagement_kernels import FROM, TO, Array
+from gcodesim.processes.force_kernels import TORQUE
+
+LEAST, MOST = 1.0e-3, 4.0  # advance over feed within which a chip is reckoned with
+SAME_WAY = 1.0 - 0.5 * 0.05 * 0.05  # cosine of the angle by which a contact may turn before it is asked again
+ARRIVED = 1.0e-7  # [rad] from the feed, less than rounding of directions leaves
+ROUNDS, LARGEST_TURN = 40, 0.5  # of Newton's method; [rad] in one of them
+
+
+@kernel(lean=True)
+def edge_wrench(
+    tool: Array, laws: Array, circle: Array, ux: float, uy: float, rows: Array, weights: Array, used: int, wrench: Array
+) -> None:
+    """The part of `cutting_force` that no chip changes, from the contact that it has found: wrench (7,), torque last.
+
+    The edge forces E of a law are the same at all angles, so that each row needs three sums over its contact.
+    """
+    wrench[:] = 0.0
+    if laws[0, 2] == 0.0 and laws[1, 2] == 0.0 and laws[2, 2] == 0.0:
+        return
+    f_u, f_l, f_z, m_u, m_l, torque = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for i in range(used):
+        all_of, sines, cosines = 0.0, 0.0, 0.0
+        for k in range(int(rows[i, FROM]), int(rows[i, TO])):
+            all_of += weights[i, k]
+            sines += weights[i, k] * circle[0, k]
+            cosines += weights[i, k] * circle[1, k]
+        r, z, width = rows[i, 0], rows[i, 1], rows[i, 4]
+        tangential = width * laws[0, 2]
+        inward = width * (laws[1, 2] * rows[i, 2] + laws[2, 2] * rows[i, 3])
+        along = width * (laws[1, 2] * rows[i, 3] - laws[2, 2] * rows[i, 2])
+        row_u = -tangential * cosines - inward * sines
+        row_l = tangential * sines - inward * cosines
+        f_u += row_u
+        f_l += row_l
+        f_z += along * all_of
+        m_u += r * along * cosines - z * row_l
+        m_l += z * row_u - r * along * sines
+        torque += r * tangential * all_of
+    share = tool[1] / circle.shape[1]
+    wrench[0], wrench[1], wrench[2] = share * (ux * f_u - uy * f_l), share * (uy * f_u + ux * f_l), share * f_z
+    wrench[3], wrench[4] = share * (ux * m_u - uy * m_l), share * (uy * m_u + ux * m_l)
+    wrench[5] = share * torque
+    wrench[TORQUE] = share * torque
+
+
+@kernel(lean=True)
+def move_of(compliance: Array, wrench: Array, move: Array) -> None:
+    """Displacement `move` (3,) [m] of the tip under `wrench` (6,); compliance (3, 6): its translation rows."""
+    for axis in range(3):
+        total = 0.0
+        for component in range(6):
+            total += compliance[axis, component] * wrench[component]
+        move[axis] = total
+
+
+@kernel(lean=True)
+def turn_wrench(wrench: Array, c: float, s: float) -> None:
+    """Turn force and moment of `wrench` (>= 6,) about Z, by the angle whose cosine and sine are c and s."""
+    for first in (0, 3):
+        x, y = wrench[first], wrench[first + 1]
+        wrench[first], wrench[first + 1] = c * x - s * y, s * x + c * y
+
+
+@kernel(lean=True)
+def spread_moves(compliance: Array, wrench: Array, moves: Array) -> None:
+    """Displacements (3, 3) [m] of a wrench that turns about Z: c moves[0] + s moves[1] + moves[2] once it has."""
+    for axis in range(3):
+        row = compliance[axis]
+        moves[0, axis] = row[0] * wrench[0] + row[1] * wrench[1] + row[3] * wrench[3] + row[4] * wrench[4]
+        moves[1, axis] = row[1] * wrench[0] - row[0] * wrench[1] + row[4] * wrench[3] - row[3] * wrench[4]
+        moves[2, axis] = row[2] * wrench[2] + row[5] * wrench[5]
+
+
+@kernel(lean=True)
+def angle_between(one: Array, other: Array) -> float:
+    """Angle [rad] by which direction `one` (2,) has to be turned to be `other`, from -pi to pi."""
+    return math.atan2(one[0] * other[1] - one[1] * other[0], one[0] * other[0] + one[1] * other[1])
+
+
+@kernel(lean=True)
+def solve_travel(
+    compliance: Array, edges: Array, chips: Array, left: Array, level: float, climb: float, way: float,
+    exponent: float, begin: Array, feed: Array, travel: Array, asked: float, moves: Array,
+) -> float:  # fmt: skip
+    """Advance over feed [-] of the tip in a step; turns `travel` (2,), its horizontal direction, in place.
+
+    edges, chips (>= 6,): wrench of the edges, and of chips, that were asked for `travel` at the advance `asked` > 0.
+    They turn with the travel, and chips grow with the advance to the power `exponent`. left (3,) [m]: way commanded in
+    this step less the bend at its begin, so that left + bend is the way of the tip; way > 0 [m]: commanded; level,
+    climb: horizontal and vertical share of its direction; begin, feed (2,): horizontal directions of the tip before
+    and of the command, `travel` lies between them; moves (6, 3): scratch.
+
+    Solves left + C W(travel, advance) = advance way travel, along the travel and across it, by Newton's method; the
+    travel stays between `begin` and `feed`. Chips that pull the tool on, for ever thicker chips, are taken at the
+    commanded feed, and a force that turns it further and further in the commanded direction: what holds it then, and
+    keeps it from weaving about a straight line, is inertia.
+    """
+    spread_moves(compliance, chips, moves[:3])
+    spread_moves(compliance, edges, moves[3:])
+    ux, uy = travel[0], travel[1]
+    pushed = level * (ux * (moves[0, 0] + moves[2, 0]) + uy * (moves[0, 1] + moves[2, 1]))
+    pushed += climb * (moves[0, 2] + moves[2, 2])
+    turned = ux * (moves[1, 1] + moves[4, 1]) - uy * (moves[1, 0] + moves[4, 0])
+    back, onward = angle_between(travel, begin), angle_between(travel, feed)
+    grows, turns = pushed < 0.0, level > 0.0 and turned < 0.0 and back != onward
+    a, angle = min(max(asked, LEAST), MOST) if grows else 1.0, 0.0 if turns else onward
+    least, most = min(back, onward), max(back, onward)
+    c, s = math.cos(angle), math.sin(angle)
+    for _ in range(ROUNDS):
+        growth = (a / asked) ** exponent
+        vx, vy = c * ux - s * uy, s * ux + c * uy
+        along, across, along_turned, across_turned, along_grown, across_grown = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        for axis in range(3):
+            level_v = vx if axis == 0 else (vy if axis == 1 else 0.0)
+            u = level * level_v + (climb if axis == 2 else 0.0)
+            n = -vy if axis == 0 else (vx if axis == 1 else 0.0)
+            chip = growth * (c * moves[0, axis] + s * moves[1, axis] + moves[2, axis])
+            goes = left[axis] + chip + c * moves[3, axis] + s * moves[4, axis] + moves[5, axis]
+            turning = growth * (c * moves[1, axis] - s * moves[0, axis]) + c * moves[4, axis] - s * moves[3, axis]
+            along += u * goes
+            across += n * goes
+            along_turned += level * n * goes + u * turning
+            across_turned += n * turning - level_v * goes
+            along_grown += u * chip
+            across_grown += n * chip
+        along -= a * way
+        along_grown = exponent / a * along_grown - way
+        across_grown *= exponent / a
+        turn = 0.0
+        if turns:
+            determinant = along_grown * across_turned - along_turned * across_grown
+            if not grows:
+                turn = -across / across_turned if across_turned < 0.0 else math.copysign(LARGEST_TURN, across)
+            elif determinant > 0.0:
+                turn = (across_grown * along - along_grown * across) / determinant
+            else:  # far from the solution
+                turn = -across / across_turned if across_turned < 0.0 else math.copysign(LARGEST_TURN, across)
+            turn = min(max(turn, -LARGEST_TURN), LARGEST_TURN)
+            turn = min(max(angle + turn, least), most) - angle
+        following = a
+        if grows:
+            more = -(along + along_turned * turn) / along_grown if along_grown < 0.0 else 0.0
+            following = min(max(a + more, 0.5 * a, LEAST), 2.0 * a, MOST)
+        angle += turn
+        done = abs(following - a) < 1.0e-6 * a and abs(turn) < 1.0e-6
+        a = following
+        c, s = math.cos(angle), math.sin(angle)
+        if done:
+            break
+    travel[0], travel[1] = c * ux - s * uy, s * ux + c * uy
+    size = math.sqrt(travel[0] * travel[0] + travel[1] * travel[1])
+    travel[0], travel[1] = travel[0] / size, travel[1] / size
+    if abs(angle - onward) < ARRIVED:
+        travel[0], travel[1] = feed[0], feed[1]
+    return float(a)
+
+
+@kernel(lean=True)
+def follow_travel(
+    compliance: Array, edges: Array, chips: Array, left: Array, level: float, climb: float, way: float,
+    exponent: float, begin: Array, feed: Array, travel: Array, asked: float, moves: Array, result: Array,
+) -> tuple[float, float]:  # fmt: skip
+    """Change the wrench `result` (>= 7,), asked for `travel` at the advance `asked`, to that of the travel it leaves.
+
+    edges (7,): its part that no chip changes. Returns the advance, and by what the force has grown; `travel` turns,
+    `edges` and `chips` (6,) are then the two parts of the wrench. The rest as in `solve_travel`.
+    """
+    ux, uy = travel[0], travel[1]
+    for component in range(6):
+        chips[component] = result[component] - edges[component]
+    advance = solve_travel(
+        compliance, edges, chips, left, level, climb, way, exponent, begin, feed, travel, asked, moves
+    )
+    growth = (advance / asked) ** exponent
+    cosine, sine = ux * travel[0] + uy * travel[1], ux * travel[1] - uy * travel[0]
+    turn_wrench(edges, cosine, sine)
+    turn_wrench(chips, cosine, sine)
+    before, after = 0.0, 0.0
+    for component in range(6):
+        chips[component] *= growth
+        total = edges[component] + chips[component]
+        if component < 3:
+            before += result[component] * result[component]
+            after += total * total
+        result[component] = total
+    result[TORQUE] = edges[TORQUE] + growth * (result[TORQUE] - edges[TORQUE])
+    return advance, math.sqrt(after / before) if before > 0.0 else 1.0
