@@ -71,11 +71,12 @@ def collect(paths: Iterable[Path], root: Path, *, cell: Path | None = None, name
         elif is_test_file(path):
             files[path] = None
         else:
-            own = _own_test_file(path)
+            program = _program_of_golden(path)
+            own = program if is_test_file(program) else _own_test_file(program)
             if own is not None:
                 files[own] = None
             else:
-                programs[path] = True
+                programs[program] = True
     cases: dict[str, Case] = {}
     found: list[Found] = []
     goldens: dict[Path, Case] = {}
@@ -142,6 +143,15 @@ def _own_program(file: Path) -> Path | None:
 def _own_test_file(program: Path) -> Path | None:
     beside = (program.with_name(program.stem + suffix) for suffix in SUFFIXES)
     return next((path for path in beside if path.is_file()), None)
+
+
+def _program_of_golden(path: Path) -> Path:
+    """Accepted results that are named, as by `part*` in a shell, stand for their program; any other path for itself."""
+    if not path.name.endswith(GOLDEN_SUFFIX):
+        return path
+    whole = path.with_name(path.name.removesuffix(GOLDEN_SUFFIX))
+    beside = [whole, *(whole.with_name(whole.name + suffix) for suffix in (*PROGRAMS, *SUFFIXES))]
+    return next((one for one in beside if one.is_file()), path)
 
 
 def _case_of_program(program: Path, root: Path, cell: Path | None) -> Case:

@@ -160,6 +160,16 @@ def test_values(suite: Path) -> None:
     ]
 
 
+def test_accepted_results_named_by_a_shell_pattern_are_no_programs(suite, tmp_path):
+    """`accept part*` names part.nc, part.test.yaml and part.golden.json: one case."""
+    for kept in ("pocket.golden.json", "lone.nc.golden.json"):
+        (suite / kept).write_text("{}")
+    (suite / "lone.nc").write_text("G21\nM2\n")
+    named = sorted(suite.glob("pocket*")) + sorted(suite.glob("lone*"))
+    assert [case.name for case in collect(named, suite).cases] == ["lone.nc", "pocket"]
+
+
+
 def test_one_file_for_a_folder_of_programs(suite: Path) -> None:
     (suite / "extra.nc").write_text("G21 G90\nT1 M6\nG43 H1\nG0 Z20\nM2\n")
     (suite / "all.test.yaml").write_text("program: '*.nc'\ncell: pocket.yaml\n")
