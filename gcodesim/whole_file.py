@@ -12,9 +12,10 @@ from typing import BinaryIO
 def whole_file(path: Path) -> Iterator[BinaryIO]:
     """A file to write that stands beside `path` and gets its name at the end; nothing is left when that fails.
 
-    OSError when the disk does not take it.
+    Folders on the way to it are made. OSError when the disk does not take it.
     """
     part = path.with_name(path.name + ".part")
+    path.parent.mkdir(parents=True, exist_ok=True)
     try:
         with part.open("wb") as file:
             yield file

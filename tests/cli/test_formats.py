@@ -164,7 +164,7 @@ def test_what_fails_is_an_error_annotation(cli, fail_on: str, status: int) -> No
     assert done.out.startswith("::error " if status else "::warning ")
 
 
-@pytest.mark.parametrize("name", ["absent/j.xml", "suite"])
+@pytest.mark.parametrize("name", ["slot.nc/j.xml", "suite"])
 def test_a_file_that_cannot_be_written_is_wrong_usage(cli, name: str) -> None:
     done = cli("lint", "slot.nc", "--junit", name)
     assert done.status == 2 and f"{name} cannot be written" in done.err
@@ -229,3 +229,8 @@ def test_every_ending_has_its_status_in_every_format(cli, monkeypatch: pytest.Mo
         done = cli("test", "suite", "--format", form, "--sarif", "s.sarif")
         assert (done.status, done.out) == (130, "")
     assert not Path("s.sarif").exists()
+
+
+def test_the_folder_of_a_verdict_is_made(cli) -> None:
+    assert cli("lint", "slot.nc", "--junit", "reports/today/j.xml").status == 0
+    assert Path("reports/today/j.xml").read_text().startswith("<?xml")

@@ -27,4 +27,9 @@ def test_a_failure_leaves_what_was_there(tmp_path: Path) -> None:
         raise ZeroDivisionError
     assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == {"a.bin": b"old"}
     with pytest.raises(OSError):
-        write_whole(tmp_path / "absent" / "a.bin", b"")
+        write_whole(path / "a.bin", b"")  # a file is no folder
+
+
+def test_folders_on_the_way_are_made(tmp_path: Path) -> None:
+    write_whole(tmp_path / "reports" / "today" / "j.xml", b"<a/>")
+    assert (tmp_path / "reports" / "today" / "j.xml").read_bytes() == b"<a/>"
