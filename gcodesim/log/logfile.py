@@ -271,7 +271,8 @@ class LogFile:
     def _walk(self, stream: BinaryIO) -> None:
         """Fill in record by record up to the first that is not whole."""
         self.size = size = stream.seek(0, 2)
-        self.whole = at = len(MAGIC)
+        at = len(MAGIC)
+        self.whole = min(at, size)  # a run may be killed before its first byte
         while at + RECORD_HEAD <= size:
             stream.seek(at)
             opcode, length = RECORD.unpack(stream.read(RECORD_HEAD))

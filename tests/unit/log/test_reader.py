@@ -99,6 +99,14 @@ def test_what_is_no_log_is_refused(tmp_path):
     assert summary(tmp_path / "empty.mcap").verdict == "incomplete"
 
 
+@pytest.mark.parametrize("size", [0, 5, 8, 12])
+def test_a_run_that_was_killed_at_its_very_begin_left_what_it_left(tmp_path, size):
+    (tmp_path / "run.mcap.part").write_bytes(b"\x89MCAP0\r\n\x01\x00\x00\x00"[:size])
+    log = LogFile.open(tmp_path / "run.mcap")
+    assert (log.size, log.whole, log.complete, log.chunks) == (size, min(size, 8), False, [])
+    assert summary(tmp_path / "run.mcap").missing[0] == "every message"
+
+
 def test_columns_of_repeated_fields_have_an_axis(run, long_log):
     names = ["joints[2].position", "joints.position", "joints.name", "joints[arm/joint_3].position"]
     found = read_columns(long_log, "/joint_states", names)
