@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 from gcodesim.rs274.block import Binary, Exists, Function, Name, Node, Parameter, Signed
 from gcodesim.rs274.fault import Fault
+from gcodesim.rs274.functions import arc, logarithm, nearest, root
 from gcodesim.rs274.parameters import Parameters
 
 _NEAR = 1e-4  # EQ and NE treat numbers nearer than this as equal
@@ -134,32 +135,6 @@ def _power(a: float, b: float) -> float:
         return -math.inf if a < 0.0 and b % 2.0 else math.inf
 
 
-def _root(a: float) -> float:
-    if a < 0.0:
-        raise Fault("GS123", f"SQRT of {a:g}: a negative number has no root")
-    return math.sqrt(a)
-
-
-def _logarithm(a: float) -> float:
-    if a <= 0.0:
-        raise Fault("GS123", f"LN of {a:g}: only positive numbers have a logarithm")
-    return math.log(a)
-
-
-def _arc(name: str, function: Callable[[float], float]) -> Callable[[float], float]:
-    def inverse(a: float) -> float:
-        if not -1.0 <= a <= 1.0:
-            raise Fault("GS123", f"{name} of {a:g}: the argument must be between -1 and 1")
-        return math.degrees(function(a))
-
-    return inverse
-
-
-def _round(a: float) -> float:
-    """To the nearest integer, halves away from zero."""
-    return math.copysign(math.floor(abs(a) + 0.5), a) if a else 0.0
-
-
 _OPERATORS: dict[str, Callable[[float, float], float]] = {
     "+": lambda a, b: a + b,
     "-": lambda a, b: a - b,
@@ -180,15 +155,15 @@ _OPERATORS: dict[str, Callable[[float, float], float]] = {
 
 _FUNCTIONS: dict[str, Callable[[float], float]] = {
     "abs": abs,
-    "acos": _arc("ACOS", math.acos),
-    "asin": _arc("ASIN", math.asin),
+    "acos": arc("ACOS", math.acos),
+    "asin": arc("ASIN", math.asin),
     "cos": lambda a: math.cos(math.radians(a)),
     "exp": math.exp,
     "fix": lambda a: float(math.floor(a)),
     "fup": lambda a: float(math.ceil(a)),
-    "ln": _logarithm,
-    "round": _round,
+    "ln": logarithm,
+    "round": nearest,
     "sin": lambda a: math.sin(math.radians(a)),
-    "sqrt": _root,
+    "sqrt": root,
     "tan": lambda a: math.tan(math.radians(a)),
 }

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
+from functools import cache
 from typing import Self
 
 from gcodesim.canon import Axes, Event
@@ -97,17 +98,18 @@ class State(Modes):
     def copy(self) -> Self:
         """A state that changes on its own."""
         twin = object.__new__(type(self))
-        for name in _NAMES:
-            setattr(twin, name, getattr(self, name))
+        twin.restore(self)
         return twin
 
     def restore(self, earlier: State) -> None:
         """Become what `earlier` is."""
-        for name in _NAMES:
+        for name in _names(type(self)):
             setattr(self, name, getattr(earlier, name))
 
 
-_NAMES = tuple(f.name for f in fields(State))
+@cache
+def _names(kind: type) -> tuple[str, ...]:
+    return tuple(f.name for f in fields(kind))
 
 
 def add(a: Vector, b: Vector) -> Vector:

@@ -7,8 +7,8 @@ The turn is in the plane of its G68. About Z it fits the base class, which knows
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING, Any, Self
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.fanuc import variables as numbers
@@ -44,19 +44,6 @@ class FanucState(State):
     bottom: float | None = None
     polar: Polar | None = None  # G16
     corner: Corner | None = None  # a move that waits for the next one
-
-    def copy(self) -> Self:
-        twin = object.__new__(type(self))
-        for name in _NAMES:
-            setattr(twin, name, getattr(self, name))
-        return twin
-
-    def restore(self, earlier: State) -> None:
-        for name in _NAMES:
-            setattr(self, name, getattr(earlier, name))
-
-
-_NAMES = tuple(f.name for f in fields(FanucState))
 
 
 class FanucControl(Control):

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from gcodesim.rs274.block import Binary, Function, Node, Parameter, Signed
 from gcodesim.rs274.expressions import LARGEST
 from gcodesim.rs274.fault import Fault
+from gcodesim.rs274.functions import arc, logarithm, nearest, root
 
 if TYPE_CHECKING:
     from gcodesim.rs274.fanuc.variables import Variables
@@ -71,42 +72,16 @@ def _divide(a: float, b: float) -> float:
 
 def _modulo(a: float, b: float) -> float:
     """The rest of whole numbers, with the sign of the dividend."""
-    divisor = _round(b)
+    divisor = nearest(b)
     if divisor == 0.0:
         raise Fault("GS123", "MOD by zero")
-    return math.fmod(_round(a), divisor)
+    return math.fmod(nearest(a), divisor)
 
 
 def _power(a: float, b: float) -> float:
     if (a < 0.0 and not b.is_integer()) or (a == 0.0 and b < 0.0):
         raise Fault("GS123", f"POW[{a:g},{b:g}] has no value")
     return float(a**b)
-
-
-def _round(a: float) -> float:
-    """To the nearest integer, halves away from zero."""
-    return math.copysign(math.floor(abs(a) + 0.5), a) if a else 0.0
-
-
-def _root(a: float) -> float:
-    if a < 0.0:
-        raise Fault("GS123", f"SQRT of {a:g}: a negative number has no root")
-    return math.sqrt(a)
-
-
-def _logarithm(a: float) -> float:
-    if a <= 0.0:
-        raise Fault("GS123", f"LN of {a:g}: only positive numbers have a logarithm")
-    return math.log(a)
-
-
-def _inverse(name: str, function: Callable[[float], float]) -> Callable[[float], float]:
-    def inverse(a: float) -> float:
-        if not -1.0 <= a <= 1.0:
-            raise Fault("GS123", f"{name} of {a:g}: the argument must be between -1 and 1")
-        return math.degrees(function(a))
-
-    return inverse
 
 
 def _bits(act: Callable[[int, int], int]) -> Callable[[float, float], float]:
@@ -143,9 +118,9 @@ _OPERATORS: dict[str, Callable[[float, float], float]] = {
 
 _FUNCTIONS: dict[str, Callable[[float], float]] = {
     "abs": abs,
-    "acos": _inverse("ACOS", math.acos),
+    "acos": arc("ACOS", math.acos),
     "adp": lambda a: a,
-    "asin": _inverse("ASIN", math.asin),
+    "asin": arc("ASIN", math.asin),
     "atan": lambda a: math.degrees(math.atan(a)),
     "bcd": _to_decimal_digits,
     "bin": _from_decimal_digits,
@@ -153,11 +128,11 @@ _FUNCTIONS: dict[str, Callable[[float], float]] = {
     "exp": math.exp,
     "fix": lambda a: float(math.trunc(a)),
     "fup": lambda a: math.copysign(math.ceil(abs(a)), a),
-    "ln": _logarithm,
-    "rnd": _round,
-    "round": _round,
+    "ln": logarithm,
+    "rnd": nearest,
+    "round": nearest,
     "sin": lambda a: math.sin(math.radians(a)),
-    "sqr": _root,
-    "sqrt": _root,
+    "sqr": root,
+    "sqrt": root,
     "tan": lambda a: math.tan(math.radians(a)),
 }
