@@ -9,7 +9,7 @@ its first row, with the worst number of all its rows.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +32,7 @@ class RowUse:
     spindle between the row before and this one; `spindle` [rad/s]; `time` [s]
     at which the row begins.
     `rapid_cut` [m³] went in rapids, which may seem to take `rapid_bound` where
-    they only graze; `stopped_cut`, `reversed_cut` [m³] went in feed with the
+    they only graze, and in any row a cell of the grid; `stopped_cut`, `reversed_cut` [m³] went in feed with the
     spindle off or turning backwards; `shank`, `holder` [m]: deepest these parts
     stood in stock; `inside`, `tilted` [s]: the tool stood in stock that it did not cut.
     """
@@ -62,13 +62,25 @@ def stock_findings(
     """
     fault = (use.shank > 0.0) | (use.holder > 0.0) | (use.stopped_cut > 0.0) | (use.reversed_cut > 0.0)
     away = use.rapid & ~fault & (use.rapid_cut <= use.rapid_bound) & (use.inside <= 0.0)
-    return [
-        *_rapids(use, spans, names),
-        *_inside(use, spans, names, changes or {}),
-        *_parts(use, away, spans, names),
-        *_tilted(use, away, spans, names),
-        *_spindle(use, away, spans, names),
-    ]
+    return _folded(
+        [
+            *_rapids(use, spans, names),
+            *_inside(use, spans, names, changes or {}),
+            *_parts(use, away, spans, names),
+            *_tilted(use, away, spans, names),
+            *_spindle(use, spans, names),
+        ]
+    )
+
+
+def _folded(found: list[Diagnostic]) -> list[Diagnostic]:
+    """Events of one kind in the same place, as in a loop, are told once and counted, with the numbers of the first."""
+    first: dict[tuple[str, Span], Diagnostic] = {}
+    for finding in found:
+        key = (finding.code, finding.span)
+        known = first.get(key)
+        first[key] = finding if known is None else replace(known, count=known.count + finding.count)
+    return list(first.values())
 
 
 def blind_findings(moving: Mapping[str, Flags], removed: Array, time: Array, spans: Spans) -> list[Diagnostic]:
@@ -176,14 +188,17 @@ def _tilted(use: RowUse, away: Flags, spans: Spans, names: Mapping[int, str]) ->
         )
 
 
-def _spindle(use: RowUse, away: Flags, spans: Spans, names: Mapping[int, str]) -> Iterator[Diagnostic]:
+def _spindle(use: RowUse, spans: Spans, names: Mapping[int, str]) -> Iterator[Diagnostic]:
     faults = (
         ("GS501", use.stopped_cut, "the spindle stopped", "start it with `S` and `M3` before this line"),
         ("GS502", use.reversed_cut, "the spindle turning backwards (M4)", "use `M3`"),
     )
+    never = np.zeros(len(use.rapid), dtype=np.bool_)  # one cause, until tool or spindle change
     for code, volume, how, hint in faults:
-        for rows in runs(volume > 0.0, ends=away, group=use.setting):
+        for rows in runs(volume > 0.0, ends=never, group=use.setting):
             first, taken = int(rows[0]), float(volume[rows].sum()) / MM3
+            if volume[rows].sum() <= use.rapid_bound[rows].max():
+                continue  # a tap on its way out, in its own thread: nothing that the grid could show
             yield Diagnostic(
                 code=code,
                 message=f"{_name(names, int(use.tool[first]))} feeds through {taken:.1f} mm³ of stock with {how}",

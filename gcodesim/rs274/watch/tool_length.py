@@ -79,7 +79,9 @@ class MoveWithoutLength(Watch):
         self._pending: tuple[int, Span] | None = None  # tool and change without a length so far
         self._own = 0.0
         self._machine = False  # the block at hand moves in machine coordinates
+        self._added = 0.0  # [m] of the offset in force: with it Z is that of the machine
         self._z: float | None = None  # None before the first move, which may start anywhere
+        self._at_home = False  # the last move of Z was one to a place of the machine
         self._found: list[Diagnostic] = []
 
     def block(self, words: Words, control: Control) -> None:
@@ -105,14 +107,20 @@ class MoveWithoutLength(Watch):
         self._machine = False
 
     def event(self, event: canon.Event) -> None:
+        if isinstance(event, canon.ToolOffset):
+            self._added = event.offset[2]
         if not isinstance(event, canon.Motion):
             return
-        before, self._z = self._z, event.end[2]
-        if self._pending is None or self._machine or (isinstance(event, canon.Rapid) and event.word in ("G28", "G30")):
+        before, self._z = self._z, event.end[2] + self._added
+        of_machine = self._machine or (isinstance(event, canon.Rapid) and event.word in ("G28", "G30"))
+        climbs = before is not None and abs(self._z - before) > TINY
+        if climbs or before is None:
+            self._at_home = of_machine
+        if self._pending is None or of_machine:
             return
         if isinstance(event, canon.Probe):
             self._pending = None
-        elif isinstance(event, FEEDS) or (before is not None and abs(event.end[2] - before) > TINY):
+        elif climbs or (isinstance(event, FEEDS) and not self._at_home):
             self._report(event.span)
 
     def _report(self, span: Span) -> None:
@@ -141,7 +149,7 @@ class MoveWithoutLength(Watch):
     def moves(self, batch: MoveBatch) -> None:
         rest = self.singly_until(batch, lambda: self._pending is None)
         if len(rest):
-            self._z = float(rest.end[-1, 2])
+            self._z, self._at_home = float(rest.end[-1, 2]) + self._added, False
 
     def findings(self, *, finished: bool) -> Iterable[Diagnostic]:
         return self._found if self._uses else ()

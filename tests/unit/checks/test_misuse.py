@@ -108,6 +108,28 @@ def test_shank_tilt_and_spindle_have_their_codes() -> None:
     ]
 
 
+def test_a_hundred_holes_with_the_spindle_off_have_one_cause() -> None:
+    rapid = [i % 2 for i in range(200)]
+    rows = use(200, rapid=rapid, stopped_cut={i: MM3 for i in range(0, 200, 2)})
+
+    assert [(f.code, f.span.line, f.count) for f in found(rows)] == [("GS501", 1, 100)]
+
+
+def test_a_tap_on_its_way_out_cuts_nothing_that_the_grid_could_show() -> None:
+    grain = np.full(4, 0.05 * MM3)
+
+    assert not found(use(4, reversed_cut={1: 0.02 * MM3, 2: 0.02 * MM3}, rapid_bound=grain))
+    assert [f.code for f in found(use(4, reversed_cut={1: 0.04 * MM3, 2: 0.04 * MM3}, rapid_bound=grain))] == ["GS502"]
+
+
+def test_the_same_line_in_a_loop_is_told_once() -> None:
+    rows = use(6, rapid=[1, 0, 1, 0, 1, 0], rapid_cut={0: 9 * MM3, 2: 4 * MM3, 4: 5 * MM3})
+
+    findings = stock_findings(rows, lambda row: Span("part.nc", 7), {})
+
+    assert [(f.code, f.count) for f in findings] == [("GS401", 3)] and findings[0].value == pytest.approx(9.0)
+
+
 def test_feeding_with_the_spindle_off_is_one_event_until_the_spindle_changes() -> None:
     rows = use(6, stopped_cut=[MM3, 0.0, MM3, MM3, 0.0, MM3], setting=[0, 0, 0, 1, 1, 1])
 

@@ -48,6 +48,8 @@ def test_g43_may_come_later_in_the_program(warned) -> None:
         FIRST + "T0 M6\nG0 Z5",  # none
         "G43 H1\nT1 M6\nG0 Z5",  # the length came first
         "T1 M6\nG0 X5 Y5\n" + FIRST,
+        FIRST + "G28 Z60\nG49\nT2 M6\nG0 X0 Y0\nG43 H2\nG0 Z5",  # G49 changes what Z reads, not where it is
+        FIRST + "G53 G0 Z0\nT2 M6\nG1 X5 Y5 F500\nG43 H2\nG0 Z5",  # sideways where the machine changes tools
     ],
 )
 def test_no_alarm(warned, text: str) -> None:
