@@ -8,8 +8,7 @@ are SI.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
-from functools import cache
+from dataclasses import dataclass, field
 from typing import Self
 
 from gcodesim.canon import Axes, Event
@@ -103,13 +102,8 @@ class State(Modes):
 
     def restore(self, earlier: State) -> None:
         """Become what `earlier` is."""
-        for name in _names(type(self)):
+        for name in self.__dataclass_fields__:  # of subclasses too
             setattr(self, name, getattr(earlier, name))
-
-
-@cache
-def _names(kind: type) -> tuple[str, ...]:
-    return tuple(f.name for f in fields(kind))
 
 
 def add(a: Vector, b: Vector) -> Vector:
