@@ -5,7 +5,16 @@ from __future__ import annotations
 import getpass
 import os
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
+
+
+def kept_folders(name: str) -> Iterator[Path]:
+    """The folders `name` that are there, that to be preferred first; some may be read only."""
+    for root in _roots():
+        folder = root / name
+        if _is_ours(folder):
+            yield folder
 
 
 def user_cache(name: str) -> Path | None:
@@ -13,21 +22,34 @@ def user_cache(name: str) -> Path | None:
 
     None when nothing can be written anywhere.
     """
-    user = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
-    roots = [Path(user) / "gcodesim", Path(tempfile.gettempdir()) / f"gcodesim-{getpass.getuser()}"]
-    if "NUMBA_CACHE_DIR" in os.environ:
-        roots.insert(0, Path(os.environ["NUMBA_CACHE_DIR"]))
-    for root in roots:
+    for root in _roots():
         folder = root / name
-        if _writable(folder):
+        if _is_writable(folder):
             return folder
     return None
 
 
-def _writable(folder: Path) -> bool:
+def _roots() -> list[Path]:
+    user = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
+    roots = [Path(user) / "gcodesim", Path(tempfile.gettempdir()) / f"gcodesim-{getpass.getuser()}"]
+    if "NUMBA_CACHE_DIR" in os.environ:
+        roots.insert(0, Path(os.environ["NUMBA_CACHE_DIR"]))
+    return roots
+
+
+def _is_writable(folder: Path) -> bool:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
-            return True
+            return _is_ours(folder)
     except OSError:
         return False
+
+
+def _is_ours(folder: Path) -> bool:
+    """Whether the folder is there, and what lies in it was put there by this user or by the administrator."""
+    try:
+        known = folder.stat()
+    except OSError:
+        return False
+    return not hasattr(os, "getuid") or known.st_uid in (os.getuid(), 0)

@@ -41,9 +41,9 @@ class Lanes:
                 return None
             if block < self._from and (self._control.state.cycle < 0 or block * _BLOCKS_OF_HOLE < self._from):
                 return None
-            from gcodesim.rs274.plain.lane import RUN_LINES, PlainLane  # brings numpy, perhaps the compiler
+            from gcodesim.rs274.plain.lane import PlainLane, is_ready  # brings numpy, perhaps the compiler
 
-            if not (self._may_compile or RUN_LINES.is_ready()):
+            if not (self._may_compile or is_ready()):
                 self._from = None
                 return None
             lane = self._lane = PlainLane(self._control, self._flow, eager=self._eager)

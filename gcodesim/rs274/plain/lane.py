@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import Final
+from functools import partial
+from typing import Final, cast
 
 import numpy as np
 
 from gcodesim.canon.batch import MoveBatch
+from gcodesim.compiled import Kernel
+from gcodesim.compiled.arguments import Argument
+from gcodesim.compiled.object_code import is_kept
 from gcodesim.diagnostics.span_table import Origin
-from gcodesim.native import ArrayType, NativeKernel
 from gcodesim.rs274.arcs import PLANE_AXES
 from gcodesim.rs274.compensation import Held, is_on
 from gcodesim.rs274.control import Control
@@ -18,6 +21,7 @@ from gcodesim.rs274.flow import FlowControl
 from gcodesim.rs274.plain import layout_kernels as at
 from gcodesim.rs274.plain import waiting
 from gcodesim.rs274.plain.columns import Column
+from gcodesim.rs274.plain.move_kernels import run_lines
 from gcodesim.rs274.plain.program_state import ProgramState
 from gcodesim.rs274.program_file import ProgramFile
 from gcodesim.units import DEG, INCH, MINUTE
@@ -30,26 +34,22 @@ _SHORT_RUN = 6  # lines; below that the way through the door costs more than the
 _LONGEST_PAUSE = 64
 _WORTH_A_BATCH = 12  # moves; fewer are looked at faster one by one
 
-RUN_LINES: Final = NativeKernel(
-    "gcodesim.rs274.plain.move_kernels",
-    "run_lines",
-    [
-        ArrayType("u1", readonly=True),
-        ArrayType("i8"),
-        ArrayType("f8"),
-        ArrayType("i8"),
-        ArrayType("f8", 2),
-        ArrayType("i4", 2),
-        ArrayType("f8", 2),
-        ArrayType("i4", 2),
-        ArrayType("f8"),
-        ArrayType("i8"),
-    ],
-    integers=3,
+_TAKES: Final = (
+    Argument("u1", 1, readonly=True),
+    *(Argument("i8", 1), Argument("f8", 1), Argument("i8", 1)),
+    *(Argument("f8", 2), Argument("i4", 2), Argument("f8", 2), Argument("i4", 2)),
+    *(Argument("f8", 1), Argument("i8", 1)),
+    *[Argument("i8")] * 3,
 )
+"""What `run_lines` is called with."""
 _PECK, _DWELL = {"q": at.CYCLE_Q}, {"p": at.CYCLE_P}
 _WORDS_OF_SOME: Final = {730: _PECK, 830: _PECK, 820: _DWELL, 890: _DWELL}
 _KNOWN_CYCLES: Final = frozenset((730, 810, 820, 830, 850, 890))
+
+
+def is_ready() -> bool:
+    """Whether the lane can be opened without compiling it."""
+    return is_kept(cast(Kernel, run_lines), _TAKES)
 
 
 class PlainLane:
@@ -71,7 +71,8 @@ class PlainLane:
 
     def _bind(self) -> None:
         program = self._program
-        self._run = RUN_LINES.bind(
+        self._run = partial(
+            run_lines,
             program.text.data, program.text.starts, self._numbers, self._modes,
             self._moves, self._facts, self._shapes, self._acts, program.memory, program.tables,
         )  # fmt: skip

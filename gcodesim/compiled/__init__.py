@@ -1,0 +1,127 @@
+"""How kernels are declared; the one way to numba.
+
+Import `kernel` from here and nowhere else. Declaring a kernel costs nothing. When
+it is called first with arguments of some types, its machine code for them is
+taken from the cache (`object_code`), which needs a part of LLVM only; where it is
+not there yet, numba compiles it (`compiling`), which takes 0.3 s to load and
+seconds to work, and it is kept.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from functools import cached_property
+from types import FunctionType
+from typing import Any, Final, TypeVar, cast, overload
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+# A call about so many rows is interpreted, where a kernel allows it: some 50 µs a row, while loading
+# machine code for the first time takes 0.05 s.
+SHORT: Final = 256
+
+# what is called before a long compilation, so that nobody has to wait in silence
+when_cold: Callable[[], None] | None = None
+
+
+class Kernel:
+    """A function of arrays and scalars that is compiled when it is called first.
+
+    A `short` kernel gets as many rows as its first argument is long, and is
+    interpreted when they are few. That depends on nothing but the arguments,
+    so equal input takes the same way in every process.
+
+    A `lean` kernel makes no array of its own, and no two of its arguments share
+    memory that it writes. So it is compiled without reference counting, which is
+    an atomic operation at every slice and every call and was a third of the time
+    of small hot kernels, and its loops may work on several elements at a time.
+    The compiler refuses one that makes an array; that arguments are apart is on
+    who calls it.
+    """
+
+    def __init__(self, function: Callable[..., Any], *, short: bool = False, lean: bool = False) -> None:
+        self.py_func = function
+        self.short = short
+        self.lean = lean
+        self.__doc__ = function.__doc__
+        self.__wrapped__ = function
+        self._entries: list[Callable[..., Any]] = []
+        self._entry: Callable[..., Any] = _no_entry
+
+    def __call__(self, *arguments: Any) -> Any:
+        if self.short and len(arguments[0]) <= SHORT:
+            return self.interpreted(*arguments)
+        result = self._entry(*arguments)
+        return self._first_call(arguments) if result is NotImplemented else result
+
+    def _first_call(self, arguments: tuple[Any, ...]) -> Any:
+        """The result for arguments that are not of the types of the last call."""
+        for entry in self._entries:
+            result = entry(*arguments)
+            if result is not NotImplemented:
+                self._entry = entry
+                return result
+        self._entry = self._entry_for(arguments)
+        self._entries.append(self._entry)
+        result = self._entry(*arguments)
+        return self.by_numba(*arguments) if result is NotImplemented else result
+
+    def _entry_for(self, arguments: tuple[Any, ...]) -> Callable[..., Any]:
+        """A function that answers arguments of these types, and others by NotImplemented."""
+        if is_compiler_off():
+            return self.py_func
+        from gcodesim.compiled.arguments import argument_of
+        from gcodesim.compiled.object_code import entry_of
+
+        known = tuple(map(argument_of, arguments))
+        entry = None if None in known else entry_of(self, known)  # type: ignore[arg-type]
+        return entry or self.by_numba
+
+    @cached_property
+    def by_numba(self) -> Callable[..., Any]:
+        """The function as numba calls it, of whatever types: for those that `arguments` does not know."""
+        from gcodesim.compiled.compiling import dispatcher_of
+
+        return cast(Callable[..., Any], dispatcher_of(self))
+
+    @cached_property
+    def interpreted(self) -> Callable[..., Any]:
+        """The function as plain Python, with all kernels that it calls."""
+        import numpy as np
+
+        function = cast(FunctionType, self.py_func)
+        names = {
+            name: value.interpreted if isinstance(value, Kernel) else value
+            for name, value in function.__globals__.items()
+            if name in function.__code__.co_names
+        }
+        plain = FunctionType(function.__code__, names, function.__name__, function.__defaults__)
+        return np.errstate(all="ignore")(plain)  # as the compiled one: infinity, no warning
+
+    @property
+    def _numba_type_(self) -> Any:
+        """What a kernel is to numba when another kernel calls it."""
+        from gcodesim.compiled.compiling import part_of
+
+        return part_of(self)._numba_type_
+
+
+def is_compiler_off() -> bool:
+    """Whether kernels shall run as Python, as is good for looking into them."""
+    return os.environ.get("NUMBA_DISABLE_JIT", "0") != "0"
+
+
+@overload
+def kernel(function: F) -> F: ...
+@overload
+def kernel(*, short: bool = False, lean: bool = False) -> Callable[[F], F]: ...
+def kernel(function: F | None = None, *, short: bool = False, lean: bool = False) -> F | Callable[[F], F]:
+    """Declare a kernel; `short`, `lean`: see `Kernel`."""
+    if function is None:
+        return lambda function: cast(F, Kernel(function, short=short, lean=lean))
+    return cast(F, Kernel(function, short=short, lean=lean))
+
+
+def _no_entry(*arguments: Any) -> Any:
+    return NotImplemented

@@ -1,0 +1,96 @@
+"""What machine code asks of an argument: a number of one kind, or an array of such numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+
+ITEMS: Final = ("b1", "i1", "i2", "i4", "i8", "u1", "u2", "u4", "u8", "f4", "f8")
+"""Numbers that kernels know, as numpy calls them."""
+
+_ITEM_OF: Final = {int: "i8", float: "f8", bool: "b1"} | {np.dtype(item).type: item for item in ITEMS}
+_DESCRIPTIONS: Final = {np.dtype(item): item for item in ITEMS}
+_LARGEST: Final = 1 << 63
+
+TYPE: Final = 8
+"""Where an object of Python has its type: 64 bits of address, behind a count of as many."""
+ARRAY: Final = {"data": 16, "dimensions": 24, "shape": 32, "strides": 40, "dtype": 56, "flags": 64}
+"""Where numpy's `PyArrayObject_fields` has what an entry reads."""
+ORDER, NUMBER = 26, 28
+"""Where numpy's `PyArray_Descr`, a dtype, has the order of bytes and the number of its type."""
+
+
+TUPLE_SIZE, TUPLE_ITEMS = 16, 24
+"""Where a tuple has its length and its first item."""
+
+
+class Argument(NamedTuple):
+    """Type of an argument: a kind of number, an array of such numbers in C order, or a tuple of such arguments."""
+
+    item: str = ""
+    dimensions: int | None = None  # of an array
+    readonly: bool = False
+    parts: tuple[Argument, ...] | None = None  # of a tuple
+
+
+Arguments = tuple[Argument, ...]
+
+
+def argument_of(value: Any) -> Argument | None:
+    """Type of a value; None when only numba knows what to do with it."""
+    if type(value) is tuple:
+        parts = tuple(map(argument_of, value))
+        return None if None in parts or not parts else Argument(parts=parts)  # type: ignore[arg-type]
+    if type(value) is np.ndarray:
+        flags = value.flags
+        item = _DESCRIPTIONS.get(value.dtype)
+        if item is None or not (flags.c_contiguous and flags.aligned):
+            return None
+        return Argument(item, value.ndim, not flags.writeable)
+    item = _ITEM_OF.get(type(value))
+    if item is None or (type(value) is int and not -_LARGEST <= value < _LARGEST):
+        return None
+    return Argument(item)
+
+
+def types_of(item: str) -> tuple[str, ...]:
+    """Names in `OBJECTS` of the Python types whose values are numbers of this kind."""
+    return tuple(_name(python) for python, kind in _ITEM_OF.items() if kind == item)
+
+
+def dtype_of(item: str) -> str:
+    """Name in `OBJECTS` of what numpy says of such numbers."""
+    return f"gcodesim_dtype_{item}"
+
+
+def dtype_numbers(item: str) -> tuple[int, ...]:
+    """numpy's numbers of such a type: it has one for each that C has, though some are equal."""
+    return tuple(np.dtype(letter).num for letter in "?bBhHiIlLqQfd" if np.dtype(letter) == np.dtype(item))
+
+
+def _name(kind: type) -> str:
+    return f"gcodesim_{kind.__module__}_{kind.__name__}"
+
+
+ARRAY_TYPE, TUPLE_TYPE = "gcodesim_ndarray", "gcodesim_tuple"
+OBJECTS: Final[dict[str, object]] = (
+    {ARRAY_TYPE: np.ndarray, TUPLE_TYPE: tuple}
+    | {_name(python): python for python in _ITEM_OF}
+    | {dtype_of(item): np.dtype(item) for item in ITEMS}
+)
+"""Objects whose addresses machine code knows by these names; they live as long as the process."""
+
+
+def as_text(arguments: Sequence[Argument]) -> str:
+    """Equal for equal types, and different otherwise: `f8 i4[2] (u1[1]r f8)`."""
+    return " ".join(map(_as_text, arguments))
+
+
+def _as_text(argument: Argument) -> str:
+    if argument.parts is not None:
+        return f"({as_text(argument.parts)})"
+    if argument.dimensions is None:
+        return argument.item
+    return f"{argument.item}[{argument.dimensions}]{'r' if argument.readonly else ''}"

@@ -1,0 +1,337 @@
+"""Machine code of kernels: kept, and loaded without numba, with the results that numba has."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from gcodesim.compiled import Kernel, compiling, folder, kernel, object_code
+from gcodesim.compiled.arguments import ITEMS, argument_of
+from gcodesim.rs274.plain.scan_kernels import byte_at
+
+BYTE_AT = "from gcodesim.rs274.plain.scan_kernels import byte_at; import numpy as np, sys\n"
+BYTE_AT += "print(byte_at(np.frombuffer(b'G1X5', dtype=np.uint8), 2), 'numba' in sys.modules)"
+
+
+@pytest.fixture
+def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "user"))
+    return tmp_path
+
+
+def text(data: bytes) -> Any:
+    return np.frombuffer(data, dtype=np.uint8)
+
+
+def fresh(known: Any) -> Kernel:
+    """The kernel as a process has it that has not called it yet."""
+    return Kernel(known.py_func, lean=known.lean)
+
+
+def process(code: str, **environment: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, "-c", code], env={**os.environ, **environment}, stdout=subprocess.PIPE, text=True
+    )
+
+
+def output(code: str, **environment: str) -> str:
+    started = process(code, **environment)
+    out, _ = started.communicate()
+    assert started.returncode == 0
+    return out
+
+
+def kept(cache: Path) -> list[Path]:
+    return sorted(path for path in cache.rglob("*") if path.is_file())
+
+
+@kernel
+def twice(value: Any) -> Any:
+    return value + value
+
+
+@kernel
+def quadruple(value: Any) -> Any:
+    return twice(twice(value))
+
+
+@kernel
+def summed(values: Any, room: Any) -> Any:
+    for i in range(len(values)):
+        room[0] += values[i]
+    return len(values), values[0], values[0] > 0
+
+
+@kernel
+def put_behind(values: Any, count: int) -> Any:
+    longer = np.zeros(len(values) + count)
+    longer[: len(values)] = values
+    return longer, values, count
+
+
+@kernel
+def first_of(columns: Any, scale: float) -> float:
+    return float(scale * columns[0][0] + columns[1][1][0])
+
+
+@kernel
+def nothing(values: Any) -> None:
+    values[0] = 7.0
+
+
+def test_a_kernel_is_compiled_once_and_then_loaded(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    takes = tuple(map(argument_of, (text(b"G1"), 1)))
+    one = fresh(byte_at)
+    assert not object_code.is_kept(one, takes)  # type: ignore[arg-type]
+    assert [one(text(b"G1X5"), at) for at in range(4)] == [71, 49, 88, 53]
+    assert object_code.is_kept(one, takes)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(compiling, "compile_entry", None)
+    assert fresh(byte_at)(text(b"G1X5"), 2) == ord("X")
+    assert [path.suffix for path in kept(cache)] == [".kernel"]
+
+
+def test_what_is_kept_needs_no_numba(cache: Path) -> None:
+    where = {"NUMBA_CACHE_DIR": str(cache)}
+    assert output(BYTE_AT, **where) == "88 True\n"
+    assert output(BYTE_AT, **where) == "88 False\n"
+
+
+def test_several_processes_at_once(cache: Path) -> None:
+    started = [process(BYTE_AT, NUMBA_CACHE_DIR=str(cache)) for _ in range(3)]
+    assert [one.communicate()[0].split()[0] for one in started] == ["88"] * 3
+    assert [path.suffix for path in kept(cache)] == [".kernel"]
+
+
+def test_code_in_a_folder_that_is_not_the_first(cache: Path) -> None:
+    """As where an administrator has warmed up a folder that users cannot write."""
+    output(BYTE_AT, NUMBA_CACHE_DIR=str(cache / "none"), XDG_CACHE_HOME=str(cache))
+    (made,) = kept(cache)
+    there = cache / "gcodesim" / made.parent.name
+    there.mkdir(parents=True)
+    made.rename(there / made.name)
+    assert output(BYTE_AT, NUMBA_CACHE_DIR=str(cache / "other"), XDG_CACHE_HOME=str(cache)) == "88 False\n"
+
+
+@pytest.mark.skipif(not hasattr(os, "getuid") or os.getuid() != 0, reason="only root can give files away")
+def test_code_of_somebody_else_is_not_run(cache: Path) -> None:
+    fresh(byte_at)(text(b"G1"), 1)
+    (path,) = kept(cache)
+    assert list(folder.folders()) == [path.parent]
+    os.chown(path.parent, 12345, 12345)
+    assert list(folder.folders()) == []
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda data: data[:-100],
+        lambda data: b"",
+        lambda data: data[:200],
+        lambda data: data[:-1] + bytes([data[-1] ^ 1]),
+    ],
+)
+def test_a_damaged_file_is_made_anew(cache: Path, damage: Any) -> None:
+    fresh(byte_at)(text(b"G1"), 1)
+    (path,) = kept(cache)
+    whole = path.read_bytes()
+    path.write_bytes(damage(whole))
+    assert object_code._read(path) is None
+    path.with_suffix(".part").write_bytes(whole[:50])  # of a process that was killed
+
+    assert fresh(byte_at)(text(b"G1"), 1) == ord("1")
+    assert object_code._read(path) is not None
+
+
+def test_code_that_wants_what_is_not_there_is_not_loaded() -> None:
+    code = object_code.ObjectCode("f", ("PyErr_SetString", "gcodesim_of_another_version"), b"")
+    assert object_code.load(code) is None
+
+
+def test_what_code_wants_is_where_numba_has_it() -> None:
+    """Both tell LLVM by name where things are; the one that comes second must say the same."""
+    code = (
+        "from gcodesim.compiled.object_code import address_of, _HELPERS, _helpers\n"
+        "names = [p + n for p, m in _HELPERS.items() for n in _helpers(m) if not n.startswith('_')]\n"
+        "names += 'sin cos tan asin acos atan atan2 sqrt exp log log10 pow fmod floor ceil'.split()\n"
+        "names += ['PyExc_RuntimeError', 'PyExc_TypeError', '_Py_NoneStruct']\n"
+        "ours = {name: address_of(name) for name in names}\n"
+        "import numba, llvmlite.binding as llvm\n"
+        "numba.njit(lambda x: x)(1)\n"
+        "print(len(ours) > 100, {n: a for n, a in ours.items() if a is None or llvm.address_of_symbol(n) != a})\n"
+    )
+    assert output(code) == "True {}\n"
+
+
+@pytest.mark.parametrize("item", ITEMS)
+def test_numbers_and_arrays_of_each_kind(item: str) -> None:
+    values = np.array([1, 0, 1], dtype=item) if item == "b1" else np.array([3, 5, 100], dtype=item)
+    kind = {"b": "i8", "i": "i8", "u": "u8", "f": "f8"}[item[0]]
+    room, twin = np.zeros((2, 1), dtype=kind)
+    assert summed(values, room) == summed.py_func(values, twin)  # type: ignore[attr-defined]
+    assert room == twin
+    assert quadruple(values[0]) == 4 * int(values[0])
+    assert type(quadruple(values[0])) is (float if item[0] == "f" else int)
+
+
+def test_numbers_of_python() -> None:
+    assert [quadruple(value) for value in (3, -(1 << 60), 0.25, True, np.float64(1e300))] == [
+        *(12, -(1 << 62), 1.0, 4, 4e300),
+    ]
+    assert twice(float("inf")) == float("inf")
+    with pytest.raises(OverflowError):
+        fresh(twice)._entry_for((1,))(1 << 70)
+
+
+def test_what_other_types_get() -> None:
+    """One kernel, called with several types in turn; each answers its own."""
+    ask = fresh(nothing)
+    entry = ask._entry_for((np.zeros(2),))
+    for other in (
+        np.zeros(2, dtype="f4"),
+        np.zeros((2, 1)),
+        np.zeros(4)[::2],
+        np.zeros(2, dtype=">f8"),
+        1.0,
+        None,
+        [0.0],
+    ):
+        assert entry(other) is NotImplemented
+    read_only = np.zeros(2)
+    read_only.flags.writeable = False
+    assert entry(read_only) is NotImplemented
+    assert entry(np.zeros(2).view(np.recarray)) is NotImplemented
+    assert entry() is NotImplemented
+    assert entry(np.zeros(2), 1) is NotImplemented
+    values = np.zeros(2)
+    assert entry(values) is None
+    assert values.tolist() == [7.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    "values", [np.arange(8.0)[::2], np.asfortranarray(np.ones((2, 2)))[:, 1], np.arange(3.0).view(np.recarray)]
+)
+def test_arrays_that_no_entry_takes_go_by_numba(values: Any) -> None:
+    room = np.zeros(1)
+    assert summed(values, room)[0] == len(values)
+    assert room == values.sum()
+
+
+def test_arrays_with_another_name_of_the_same_number() -> None:
+    values = np.array([2, 3], dtype=np.longlong)
+    room = np.zeros(1, dtype=np.longlong)
+    assert summed(values, room) == (2, 2, True)
+    assert room[0] == 5
+
+
+def test_arrays_that_a_kernel_makes_or_hands_back() -> None:
+    put_behind(np.ones(1), 1)
+    values = np.array([1.0, 2.0])
+    before = sys.getrefcount(values)
+    for _ in range(10):
+        longer, same, count = put_behind(values, 2)
+        assert same is values
+        assert (longer.tolist(), count) == ([1.0, 2.0, 0.0, 0.0], 2)
+        longer[3] = 1.0
+    del same
+    assert sys.getrefcount(values) == before
+
+
+def test_tuples_of_arrays() -> None:
+    columns = (np.array([2.0]), (1, np.array([5.0])))
+    assert first_of(columns, 10.0) == 25.0
+    entry = fresh(first_of)._entry_for((columns, 10.0))
+    assert entry(columns[:1], 10.0) is NotImplemented
+    assert entry((columns[0], (1, 2)), 10.0) is NotImplemented
+
+
+def test_a_kernel_that_fails() -> None:
+    @kernel
+    def assign(values: Any, count: int) -> None:
+        values[:2] = np.ones(count)
+
+    assign(np.zeros(3), 2)
+    with pytest.raises(RuntimeError, match="assign"):
+        assign(np.zeros(3), 3)
+
+
+def test_another_numba_than_those_we_know(monkeypatch: pytest.MonkeyPatch, cache: Path) -> None:
+    """Everything goes by way of numba then, which keeps it as it does."""
+    monkeypatch.setattr(compiling, "_knows_this_numba", lambda: False)
+    compiling.dispatcher_of.cache_clear()
+
+    assert fresh(quadruple)(2.5) == 10.0
+    assert {path.suffix for path in kept(cache)} == {".nbi", ".nbc"}
+
+
+def test_we_know_the_numba_that_is_here() -> None:
+    assert compiling._knows_this_numba()
+    assert object_code._arrays_are_as_known()
+
+
+def test_without_the_compiler_kernels_run_as_python() -> None:
+    code = (
+        "import numpy as np\n"
+        "from gcodesim.rs274.plain.scan_kernels import byte_at\n"
+        "from gcodesim.rs274.plain.lane import is_ready\n"
+        "print(is_ready(), byte_at(np.frombuffer(b'G1', dtype=np.uint8), 1))\n"
+    )
+    assert output(code, NUMBA_DISABLE_JIT="1").split() == ["False", "49"]
+
+
+def test_reading_a_long_program_does_not_load_numba(tmp_path: Path) -> None:
+    program = tmp_path / "long.nc"
+    program.write_text("F100\n" + "G1 X1 Y2 Z3\nG1 X2 Y3 Z4\n" * 20_000 + "M2\n")
+    code = (
+        "import sys\nfrom gcodesim.cli.main import main\n"
+        f"status = main(['lint', {str(program)!r}])\n"
+        "print(status, [m for m in ('numba', 'scipy', 'lark', 'gcodesim.cell.cell') if m in sys.modules])\n"
+    )
+    compiled_lane = (
+        "from gcodesim.diagnostics import SourceText\nfrom gcodesim.rs274 import Settings, interpret\n"
+        "print(len(list(interpret(SourceText('a.nc', b'F1\\nG1 X1\\nX2\\nM2'), Settings(lane='compiled')))))"
+    )
+    output(compiled_lane)  # compiles it, should it not be there
+    assert output(code).splitlines()[-1] == "0 []"
+
+
+def test_the_folder_is_another_for_other_sources_versions_and_processors(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    names = folder._name.__wrapped__
+    (tmp_path / "compiled").mkdir()
+    (tmp_path / "deep").mkdir()
+    (tmp_path / "compiled" / "way.py").write_text("1")
+    (tmp_path / "deep" / "some_kernels.py").write_text("1")
+    (tmp_path / "deep" / "other.py").write_text("1")
+    monkeypatch.setattr(folder, "_ROOT", tmp_path)
+    seen = [names()]
+    (tmp_path / "deep" / "other.py").write_text("2")
+    assert names() == seen[0]
+    for path in ("compiled/way.py", "deep/some_kernels.py"):
+        (tmp_path / path).write_text("2")
+        seen.append(names())
+    monkeypatch.setattr(folder, "_processor", lambda: b"another")
+    seen.append(names())
+    for compiler in folder._COMPILERS:
+        monkeypatch.setattr(folder, "_version", lambda name, new=compiler: b"9" if name == new else b"1")
+        seen.append(names())
+    assert len(set(seen)) == len(seen)
+
+
+def test_a_function_beside_the_package_is_another_when_its_file_changes(tmp_path: Path) -> None:
+    path = tmp_path / "own.py"
+    path.write_text("def f(x):\n    return x")
+    code = compile(path.read_text(), str(path), "exec")
+    before = folder.source_beside.__wrapped__(code)
+    path.write_text("def f(x):\n    return 2 * x")
+    assert folder.source_beside.__wrapped__(code) != before
+    assert folder.source_beside(byte_at.py_func.__code__) == b""  # type: ignore[attr-defined]
+    assert folder.source_beside(compile("1 + 1", "<typed>", "exec"))
