@@ -38,6 +38,7 @@ STAGES = {
         "gcodesim.recorder.recorder:Recorder.__init__",
         "gcodesim.recorder.recorder:Recorder.start",
         "gcodesim.recorder.recorder:Recorder._write_down",
+        "gcodesim.recorder.recorder:Recorder._write_instants",
     ),
     "log: stock": (
         "gcodesim.material.surface:Tiles.changed",

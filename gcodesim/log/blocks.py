@@ -129,7 +129,7 @@ def way_messages(blocks: BlockColumns) -> ByteStrings:
         chosen = np.flatnonzero(counts == count)
         if 2 <= count <= _MOST_TEMPLATE_POINTS:
             rows = points[starts[chosen][:, None] + np.arange(count)].reshape(len(chosen), -1)
-            made = ByteStrings.rows(_way_template(count, blocks.frame).fill(times[chosen], {"points": rows}))
+            made = ByteStrings.rows(_way_template(count, blocks.frame).fill(times[chosen], rows))
         else:
             made = ByteStrings.of(
                 polyline_update(int(times[i]), "block", blocks.frame, points[starts[i] : starts[i + 1]]) for i in chosen

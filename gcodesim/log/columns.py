@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from gcodesim.frames import canonical_quaternion
 from gcodesim.log.description import LogDescription, MotionColumns, ProcessColumns
+from gcodesim.log.row_kernels import NOT_FINITE, UNIT, fault_of
 
 BATCH: Final = 512  # instants: about 1 MB of records, a chunk
 _JOINTS: Final = ("joint_position", "joint_velocity", "joint_effort")
@@ -19,7 +20,7 @@ _AT_PARENT: Final = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
 
 class ColumnBatch:
-    """Up to `BATCH` log instants as arrays (BATCH, columns) by name.
+    """Up to `BATCH` log instants: one matrix (BATCH, c), in which `columns` says where each array by name begins.
 
     It starts as if one instant had been there in which all frames are at their
     parents and everything else is 0: that is what a run shows that fails
@@ -30,12 +31,14 @@ class ColumnBatch:
         widths = {field.name: 1 for kind in (MotionColumns, ProcessColumns) for field in fields(kind)}
         widths |= {"position": 3, "wrench": 6, "tf": 7 * len(description.moving_frames), "target": 7, "tcp": 7}
         widths |= dict.fromkeys(_JOINTS, len(description.joint_names))
-        types = {"kind": np.int64, "limit": np.bool_, "engaged": np.bool_}
-        self._arrays: dict[str, NDArray[Any]] = {
-            name: np.zeros((BATCH, width), dtype=types.get(name, np.float64)) for name, width in widths.items()
-        }
-        for name in _POSES:
-            self._arrays[name].reshape(BATCH, -1, 7)[0] = _AT_PARENT
+        ends = np.cumsum(list(widths.values())).tolist()
+        self.columns = {name: end - width for (name, width), end in zip(widths.items(), ends, strict=True)}
+        self._values = np.zeros((BATCH, ends[-1]))
+        self._arrays = {name: self._values[:, first : first + widths[name]] for name, first in self.columns.items()}
+        begins = [self.columns[name] + first for name in _POSES for first in range(0, widths[name], 7)]
+        self._quaternions = np.array(begins, dtype=np.int64) + 3
+        for first in begins:
+            self._values[0, first : first + 7] = _AT_PARENT
         self._kinds = len(description.process_kinds)
         self._times = np.zeros(BATCH, dtype=np.int64)
         self._newest = 0  # row of the newest instant
@@ -70,26 +73,29 @@ class ColumnBatch:
         self._newest = self.count - 1
         return taken
 
-    def take(self) -> tuple[NDArray[np.int64], dict[str, NDArray[Any]]]:
-        """The times and the checked columns; the batch is empty afterwards.
+    def take(self) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
+        """Times (n,), kinds of process (n,) and the checked values (n, c); the batch is empty afterwards.
 
         ValueError for a number that is not finite, a quaternion that is not of
         unit length or an unknown kind of process.
         """
-        times = self._times[: self.count].copy()
-        columns = {name: array[: self.count] for name, array in self._arrays.items()}
+        times, values = self._times[: self.count].copy(), self._values[: self.count]
         self.count = 0
-        for name, column in columns.items():
-            if column.dtype == np.float64 and not np.isfinite(column).all():
-                row = int(np.flatnonzero(~np.isfinite(column).all(axis=1))[0])
-                raise ValueError(f"log column '{name}' is not finite at {times[row] * 1e-9:.6f} s")
-        for name in _POSES:
-            q = columns[name].reshape(len(times), -1, 7)[..., 3:]
-            if not (np.abs(np.einsum("...i,...i->...", q, q) - 1.0) < 1e-6).all():
-                raise ValueError(f"log column '{name}' has a quaternion that is not of unit length")
-            if not (q[..., 3] > 0.0).all():
+        fault = fault_of(values, self._quaternions)
+        if fault == NOT_FINITE:
+            row, column = np.argwhere(~np.isfinite(values))[0].tolist()
+            raise ValueError(f"log column '{self._name(column)}' is not finite at {times[row] * 1e-9:.6f} s")
+        if fault:
+            for first in self._quaternions.tolist():
+                q = values[:, first : first + 4]
+                if not (np.abs(np.einsum("ni,ni->n", q, q) - 1.0) < UNIT).all():
+                    raise ValueError(f"log column '{self._name(first)}' has a quaternion that is not of unit length")
                 q[:] = canonical_quaternion(q)
-        kind = columns["kind"]
+        kind = self._arrays["kind"][: len(times), 0].astype(np.int64)
         if not (kind.min() >= 0 and kind.max() < self._kinds):
             raise ValueError(f"a process kind is outside 0 … {self._kinds - 1}")
-        return times, columns
+        return times, kind, values
+
+    def _name(self, column: int) -> str:
+        """The array in which a column lies."""
+        return max((first, name) for name, first in self.columns.items() if first <= column)[1]

@@ -1,8 +1,10 @@
-"""Leaving points out of a mesh that none of its triangles uses."""
+"""Leaving points out of a mesh that none of its triangles uses, and writing the rest."""
 
 from __future__ import annotations
 
 from typing import Any
+
+import numpy as np
 
 from gcodesim.compiled import kernel
 
@@ -39,3 +41,24 @@ def take_used(points: Any, triangles: Any, number: Any, kept: Any, renumbered: A
     for i in range(triangles.shape[0]):
         for c in range(3):
             renumbered[i, c] = number[triangles[i, c]]
+
+
+@kernel
+def put_points(points: Any, grid: float, tag: int, data: Any, words: Any) -> bool:
+    """Write `points` (n, 3), rounded to whole multiples of `grid`, as fields x, y, z of messages in a repeated field.
+
+    `tag` is the field's; `data` (29 n,) takes the bytes, and is looked at as a float64 at every byte in `words`
+    (29 n - 7,). False, and an end, where a number is not finite.
+    """
+    at = 0
+    for i in range(points.shape[0]):
+        data[at], data[at + 1] = tag, 27
+        at += 2
+        for d in range(3):
+            value = np.rint(points[i, d] * (1.0 / grid)) * grid + 0.0  # + 0.0 turns -0.0 into 0.0
+            if not np.isfinite(value):
+                return False
+            data[at] = (d + 1) << 3 | 1
+            words[at + 1] = value
+            at += 9
+    return True

@@ -1,16 +1,16 @@
 """The messages that come every log period, built for many instants at once.
 
 All seven periodic messages of one instant, with their record headers, have a
-fixed length, so a log window is a byte matrix: a template repeated n times
-into which numpy writes whole columns. Only the word for the kind of process
-varies in length; there is one template for each kind.
+fixed length, so a log window is a byte matrix: a template repeated n times and
+filled by columns. Only the word for the kind of process varies in length;
+there is one template for each kind.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from itertools import pairwise
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 from gcodesim.log.description import LogDescription
 from gcodesim.log.template import Piece, Slot, Template, bool_slot, double_slot, nested, stamp_slot, text_piece
 from gcodesim.log.topics import PERIODIC
+
+Ints = NDArray[np.int64]
 
 MESSAGE_OPCODE: Final = 5
 RECORD_HEAD: Final = 9  # opcode and length, in front of every record
@@ -86,53 +88,50 @@ class Rows(NamedTuple):
 class RowTemplate:
     """The records of one instant for one kind of process."""
 
-    def __init__(self, description: LogDescription, kind: str, channel_ids: tuple[int, ...]) -> None:
+    def __init__(
+        self, description: LogDescription, kind: str, channel_ids: tuple[int, ...], columns: Mapping[str, int]
+    ) -> None:
         row, starts = Piece(b""), []
         for channel, message in zip(channel_ids, _messages(description, kind), strict=True):
             starts.append(len(row.data))
             length = MESSAGE_HEAD + len(message.data)
             head = bytes((MESSAGE_OPCODE,)) + length.to_bytes(8, "little") + channel.to_bytes(2, "little")
             row += Piece(head)
-            row += Piece(bytes(20), (Slot(0, "u4", "sequence"), Slot(4, "u8", "time"), Slot(12, "u8", "time")))
+            row += Piece(bytes(20), (Slot(0, "sequence"), Slot(4, "time"), Slot(12, "time")))
             row += message
         self._starts = tuple(starts)
-        self._template = Template(row)
+        self._template = Template(row, columns)
 
-    def fill(self, t_ns: NDArray[np.int64], sequence: NDArray[np.int64], arrays: Mapping[str, NDArray[Any]]) -> Rows:
-        """Rows of the instants `t_ns` (n,) from `arrays` of shape (n, columns)."""
-        data = self._template.fill(t_ns, {**arrays, "time": t_ns[:, None], "sequence": sequence[:, None]})
-        return Rows(t_ns, data, self._starts)
+    def fill(self, t_ns: Ints, sequence: Ints, values: NDArray[np.float64], rows: Ints) -> Rows:
+        """Rows of the instants `rows` (n,) of times `t_ns` (m,) and `values` (m, c)."""
+        return Rows(t_ns[rows], self._template.fill(t_ns, values, rows, sequence), self._starts)
 
 
 class RowBuilder:
     """Rows for all kinds of process; counts the sequence, which is the same for all periodic topics."""
 
-    def __init__(self, description: LogDescription, channel_ids: tuple[int, ...]) -> None:
+    def __init__(self, description: LogDescription, channel_ids: tuple[int, ...], columns: Mapping[str, int]) -> None:
+        """`columns`: with which column of the values each array begins."""
         if len(channel_ids) != len(PERIODIC):
             raise ValueError("one channel for each periodic topic")
-        self._templates = [RowTemplate(description, kind, channel_ids) for kind in description.process_kinds]
+        kinds = description.process_kinds
+        self._templates = [RowTemplate(description, kind, channel_ids, columns) for kind in kinds]
         self.count = 0
 
-    def build(
-        self, t_ns: NDArray[np.int64], kind: NDArray[np.integer], arrays: Mapping[str, NDArray[Any]]
-    ) -> list[Rows]:
-        """Rows in time order, split where the kind changes."""
+    def build(self, t_ns: Ints, kind: Ints, values: NDArray[np.float64]) -> list[Rows]:
+        """Rows of n instants with `values` (n, c) in time order, split where the kind (n,) changes."""
         n = len(t_ns)
         sequence = self.count + np.arange(n, dtype=np.int64)
         self.count += n
         borders = np.concatenate([[0], np.flatnonzero(np.diff(kind)) + 1, [n]])
-        kinds = np.unique(kind)
-        if len(kinds) == 1:
-            return [self._templates[int(kinds[0])].fill(t_ns, sequence, arrays)]
         rank = np.empty(n, dtype=np.int64)
         by_kind = {}
-        for k in kinds:  # fill all rows of a kind at once, then hand out their runs
+        for k in np.unique(kind).tolist():  # fill all rows of a kind at once, then hand out their runs
             chosen = np.flatnonzero(kind == k)
             rank[chosen] = np.arange(len(chosen))
-            some = {name: array[chosen] for name, array in arrays.items()}
-            by_kind[int(k)] = self._templates[int(k)].fill(t_ns[chosen], sequence[chosen], some)
+            by_kind[k] = self._templates[k].fill(t_ns, sequence, values, chosen)
         runs = []
-        for first, last in pairwise(borders):
+        for first, last in pairwise(borders.tolist()):
             start = int(rank[first])
-            runs.append(by_kind[int(kind[first])].part(start, start + int(last - first)))
+            runs.append(by_kind[int(kind[first])].part(start, start + last - first))
         return runs

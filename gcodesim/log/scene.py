@@ -17,11 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.log.byte_strings import ByteStrings
+from gcodesim.log.mesh_kernels import put_points
 from gcodesim.log.shapes import Array, Box, Capsule, Color, Cone, Cylinder, Entity, Mesh, Polylines, Shape, Sphere
 from gcodesim.log.template import Piece, Template, double_slot, nested, stamp_slot
-from gcodesim.log.wire import chunk, double, packed_fixed32, stamp, text, unsigned, vectors, wrap
+from gcodesim.log.wire import BYTES, chunk, double, packed_fixed32, stamp, tag, text, unsigned, words, wrap
 
 GRID: Final = 2.0**-20
+POINT_BYTES: Final = 29  # of a point in a repeated field
 MOST_LINE_POINTS: Final = 100_000  # 29 bytes each and 8 for two indices: below the 4 MB that a viewer should decode
 FEED_COLOR: Final[Color] = (0.10, 0.55, 0.85, 0.75)
 RAPID_COLOR: Final[Color] = (0.90, 0.45, 0.10, 0.40)
@@ -48,6 +50,15 @@ def rounded(points: Array) -> Array:
     steps *= GRID
     steps += 0.0  # turns -0.0 into 0.0
     return steps
+
+
+def _points(number: int, points: Array) -> bytes:
+    """A repeated field of points (n, 3) on the grid of 2⁻²⁰ m. ValueError when a number is not finite."""
+    data = np.empty(POINT_BYTES * len(points), dtype=np.uint8)
+    head = tag(number, BYTES)[0]
+    if not put_points(np.require(points, np.float64, ["C", "W"]), GRID, head, data, words(data)):
+        raise ValueError("a point to draw is not finite")
+    return data.tobytes()
 
 
 @lru_cache(maxsize=256)
@@ -85,9 +96,8 @@ def _shape(shape: Shape) -> list[bytes]:
             balls = (_sphere(_pose(shape.p + side * half, shape.q), radius, shape.color) for side in (-1.0, 1.0))
             return [_frustum(pose, radius, radius, length, shape.color), *balls]
         case Mesh(points=points, triangles=triangles):
-            indices = triangles.reshape(-1)
-            body = (pose, vectors(2, rounded(points)), _color(3, shape.color), packed_fixed32(5, indices))
-            return wrap(_TRIANGLES, body)
+            indices = packed_fixed32(5, triangles.reshape(-1))
+            return wrap(_TRIANGLES, [pose, _points(2, points), _color(3, shape.color), *indices])
     raise TypeError(f"no such shape: {type(shape).__name__}")
 
 
@@ -155,9 +165,9 @@ def _entities(t_ns: int, entities: Sequence[Entity]) -> bytes:
 
 def _line(kind: int, points: Array, color: Color, pixels: float, segments: NDArray[np.integer] | None = None) -> bytes:
     """A line of constant width on the screen; `segments` index the points of a LINE_LIST."""
-    indices = b"" if segments is None else packed_fixed32(8, segments.reshape(-1))
+    indices = [] if segments is None else packed_fixed32(8, segments.reshape(-1))
     head = unsigned(1, kind) + _IDENTITY + double(3, pixels) + unsigned(4, 1)
-    return chunk(_LINES, head + vectors(5, rounded(points)) + _color(6, color) + indices)
+    return b"".join(wrap(_LINES, [head, _points(5, points), _color(6, color), *indices]))
 
 
 def path_update(t_ns: int, frame: str, feed: Polylines, rapid: Polylines) -> bytes:
@@ -198,7 +208,7 @@ def force_updates(t_ns: NDArray[np.int64], frame: str, tip: Array, force: Array)
     length = magnitude[shown, None] * FORCE_SCALE
     head = np.minimum(0.3 * length, 0.015)
     pose = np.concatenate([rounded(tip[shown]), _along_x(force[shown] / magnitude[shown, None])], axis=1)
-    arrows = _arrow_template(frame).fill(t_ns[shown], {"pose": pose, "shaft": length - head, "head": head})
+    arrows = _arrow_template(frame).fill(t_ns[shown], np.concatenate([pose, length - head, head], axis=1))
     bare = np.flatnonzero(magnitude <= 0.0)
     none = ByteStrings.of(_delete_all(t) for t in t_ns[bare].tolist())
     return ByteStrings.mixed([(shown, ByteStrings.rows(arrows)), (bare, none)])

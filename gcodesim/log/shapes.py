@@ -74,16 +74,22 @@ class Sphere(Shape):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Mesh(Shape):
-    """Points (n, 3) [m] and triangles (m, 3) of point indices, counter-clockwise seen from outside."""
+    """Points (n, 3) [m] and triangles (m, 3) of point indices, counter-clockwise seen from outside.
+
+    A `tight` mesh is known to have no point that no triangle uses, and no triangle that points outside.
+    """
 
     points: Array
     triangles: NDArray[np.integer]
+    tight: bool = False
 
     def compact(self) -> Mesh:
         """The same without points that no triangle uses, such as those of a tile's other mesh, if they are many.
 
         ValueError when a triangle points outside.
         """
+        if self.tight:
+            return self
         triangles = np.require(self.triangles, np.int32, ["C", "W"]).reshape(-1, 3)
         number = np.empty(len(self.points), dtype=np.int32)
         used = number_used(triangles, number)
@@ -103,7 +109,8 @@ class Mesh(Shape):
         _, first, group = np.unique(key, return_index=True, return_inverse=True)
         triangles = group.reshape(-1)[self.triangles]
         a, b, c = triangles.T
-        return replace(self, points=self.points[first], triangles=triangles[(a != b) & (b != c) & (c != a)]).compact()
+        triangles = triangles[(a != b) & (b != c) & (c != a)]
+        return replace(self, points=self.points[first], triangles=triangles, tight=False).compact()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -1,25 +1,25 @@
 """Messages of fixed length, built for many times at once.
 
 A `Piece` is a part of a message with slots; a `Template` repeats it n times as
-a byte matrix into which numpy writes whole columns. Every number has a fixed
-width: doubles are written also when they are 0, and integers are padded to
-five bytes, which every reader accepts as it accepts the shortest form.
+a byte matrix and fills the slots from columns. Every number has a fixed width:
+doubles are written also when they are 0, and integers are padded to five bytes,
+which every reader accepts as it accepts the shortest form.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.log.wire import BYTES, FIXED64, VARINT, tag, text, varint
+from gcodesim.log.row_kernels import fill_rows
+from gcodesim.log.wire import BYTES, FIXED64, VARINT, tag, text, varint, words
 
 STAMP_WIDTH: Final = 12
 _NS: Final = 1_000_000_000
-_DTYPES: Final = {"f8": "<f8", "bool": "u1", "stamp": "V12", "u4": "<u4", "u8": "<u8"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +27,7 @@ class Slot:
     """A place in a row: where it lies, and which column of which array fills it."""
 
     offset: int
-    kind: str  # f8, bool, stamp, u4, u8
+    kind: str  # number, flag, stamp, time (8 bytes), sequence (4 bytes)
     array: str = ""
     column: int = 0
 
@@ -58,12 +58,12 @@ def text_piece(number: int, value: str) -> Piece:
 def double_slot(number: int, array: str, column: int = 0) -> Piece:
     """A double field filled from `column` of `array`."""
     head = tag(number, FIXED64)
-    return Piece(head + bytes(8), (Slot(len(head), "f8", array, column),))
+    return Piece(head + bytes(8), (Slot(len(head), "number", array, column),))
 
 
 def bool_slot(number: int, array: str) -> Piece:
     head = tag(number, VARINT)
-    return Piece(head + bytes(1), (Slot(len(head), "bool", array),))
+    return Piece(head + bytes(1), (Slot(len(head), "flag", array),))
 
 
 def stamp_slot(number: int) -> Piece:
@@ -90,49 +90,51 @@ def padded_stamps(t_ns: NDArray[np.int64]) -> NDArray[np.uint8]:
 class Template:
     """A message, or several in a row, of fixed length."""
 
-    def __init__(self, piece: Piece) -> None:
-        self._bytes = np.frombuffer(piece.data, dtype=np.uint8)
-        self._fills = tuple(_fills(piece.slots))
+    def __init__(self, piece: Piece, columns: Mapping[str, int] | None = None) -> None:
+        """`columns`: with which column each array of the slots begins; by default they stand in order of appearance."""
+        self._bytes = np.frombuffer(bytearray(piece.data), dtype=np.uint8)
+        begin = _side_by_side(piece.slots) if columns is None else columns
+        numbers = _slots(piece, "number"), _slots(piece, "flag")
+        self._slots: list[Any] = []
+        for slots in numbers:
+            self._slots.append(np.array([slot.offset for slot in slots], dtype=np.int64))
+            self._slots.append(np.array([begin[slot.array] + slot.column for slot in slots], dtype=np.int64))
+        for kind in ("stamp", "time", "sequence"):
+            self._slots.append(np.array([slot.offset for slot in _slots(piece, kind)], dtype=np.int64))
 
-    def fill(self, t_ns: NDArray[np.int64], arrays: Mapping[str, NDArray[Any]]) -> NDArray[np.uint8]:
-        """Messages (n, length) at the times `t_ns` (n,) from `arrays` of shape (n, columns)."""
-        n, width = len(t_ns), len(self._bytes)
-        columns = {**arrays, "": padded_stamps(t_ns).view("V12")}
-        data = np.empty((n, width), dtype=np.uint8)
-        data[:] = self._bytes
-        for fill in self._fills if n else ():
-            target = np.ndarray((n, fill.count), fill.dtype, data, fill.offset, (width, fill.step))
-            target[:] = columns[fill.array][:, fill.column : fill.column + fill.count]
-        return data
+    def fill(
+        self,
+        t_ns: NDArray[np.int64],
+        values: NDArray[np.float64],
+        rows: NDArray[np.int64] | None = None,
+        sequence: NDArray[np.int64] | None = None,
+    ) -> NDArray[np.uint8]:
+        """Messages (n, length) at the times `t_ns` (m,) of `values` (m, c): of all m, or of `rows` (n,) of them."""
+        chosen = np.arange(len(t_ns)) if rows is None else rows
+        width = len(self._bytes)
+        data = np.empty(len(chosen) * width, dtype=np.uint8)
+        times = _plain(t_ns, np.int64)
+        numbers = times if sequence is None else _plain(sequence, np.int64)
+        given = chosen, _plain(values, np.float64), times, numbers
+        arguments: list[Any] = [self._bytes, *self._slots, *given, data, words(data), words(data, "<i8")]
+        fill_rows(*arguments)
+        return data.reshape(len(chosen), width)
 
 
-@dataclass(frozen=True, slots=True)
-class _Fill:
-    """Neighbouring slots that are filled from neighbouring columns in one assignment."""
-
-    offset: int
-    step: int
-    dtype: str
-    array: str
-    column: int
-    count: int
+def _plain(array: NDArray[Any], kind: Any) -> NDArray[Any]:
+    """As the kernel wants it; an array that is read-only would be compiled for once more."""
+    return np.require(array, kind, ["C", "W"])
 
 
-def _fills(slots: tuple[Slot, ...]) -> Iterator[_Fill]:
-    """Slots joined where columns and distances go on evenly."""
-    run: list[Slot] = []
+def _slots(piece: Piece, kind: str) -> list[Slot]:
+    return [slot for slot in piece.slots if slot.kind == kind]
+
+
+def _side_by_side(slots: tuple[Slot, ...]) -> dict[str, int]:
+    """The first column of each array when they stand side by side, each as wide as its slots ask for."""
+    widths: dict[str, int] = {}
     for slot in slots:
-        joins = bool(run) and slot.kind == "f8" == run[-1].kind and slot.array == run[-1].array
-        joins = joins and slot.column == run[-1].column + 1
-        joins = joins and (len(run) == 1 or slot.offset - run[-1].offset == run[1].offset - run[0].offset)
-        if not joins and run:
-            yield _fill_of(run)
-            run = []
-        run.append(slot)
-    if run:
-        yield _fill_of(run)
-
-
-def _fill_of(run: list[Slot]) -> _Fill:
-    step = run[1].offset - run[0].offset if len(run) > 1 else 0
-    return _Fill(run[0].offset, step, _DTYPES[run[0].kind], run[0].array, run[0].column, len(run))
+        if slot.array:
+            widths[slot.array] = max(widths.get(slot.array, 0), slot.column + 1)
+    ends = np.cumsum(list(widths.values())).tolist()
+    return {name: end - width for (name, width), end in zip(widths.items(), ends, strict=True)}

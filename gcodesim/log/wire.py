@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Sequence
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,23 +66,11 @@ def stamp(number: int, t_ns: int) -> bytes:
     return chunk(number, unsigned(1, seconds) + unsigned(2, nanos))
 
 
-def vectors(number: int, rows: NDArray[np.float64]) -> bytes:
-    """A repeated field of messages x, y, z: points or vectors (n, 3)."""
-    n = len(rows)
-    record = np.empty(n, dtype=_VECTOR)
-    record["head"] = int.from_bytes(tag(number, BYTES) + bytes((27,)), "little")
-    for i, name in enumerate("xyz"):
-        record[f"{name}_tag"] = i + 1 << 3 | FIXED64
-        record[name] = rows[:, i]
-    return record.tobytes()
+def words(data: NDArray[np.uint8], kind: str = "<f8") -> NDArray[Any]:
+    """`data` (n,) looked at as a number of eight bytes at each byte (n - 7,), so that kernels write anywhere."""
+    return np.ndarray(max(len(data) - 7, 0), kind, data, 0, (1,))
 
 
-VECTOR_WIDTH: Final = 29
-_VECTOR: Final = np.dtype(
-    [("head", "<u2"), ("x_tag", "u1"), ("x", "<f8"), ("y_tag", "u1"), ("y", "<f8"), ("z_tag", "u1"), ("z", "<f8")]
-)
-
-
-def packed_fixed32(number: int, values: NDArray[np.integer]) -> bytes:
-    """A packed repeated fixed32 field, such as the indices of a mesh; nothing when there are none."""
-    return chunk(number, np.ascontiguousarray(values, dtype="<u4").tobytes()) if len(values) else b""
+def packed_fixed32(number: int, values: NDArray[np.integer]) -> list[bytes]:
+    """A packed repeated fixed32 field, such as the indices of a mesh, in parts; nothing when there are none."""
+    return wrap(number, [np.ascontiguousarray(values, dtype="<u4").tobytes()]) if len(values) else []

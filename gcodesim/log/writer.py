@@ -76,8 +76,8 @@ class LogWriter:
         self._container = Container(Path(path), library, channels, sink)
         self._channels = {topic.name: i for i, topic in enumerate(topics, start=1)}
         self._periodic = tuple(self._channels[topic.name] for topic in PERIODIC)
-        self._builder = RowBuilder(description, self._periodic)
         self._batch = ColumnBatch(description)
+        self._builder = RowBuilder(description, self._periodic, self._batch.columns)
         self._rows: deque[Rows] = deque()
         self._next_row = 0  # of the first of them
         self._backlog = Backlog()
@@ -158,8 +158,7 @@ class LogWriter:
 
     def _build(self) -> None:
         if self._batch.count:
-            times, columns = self._batch.take()
-            self._rows.extend(self._builder.build(times, columns["kind"][:, 0], columns))
+            self._rows.extend(self._builder.build(*self._batch.take()))
 
     # ---- when something changes
 

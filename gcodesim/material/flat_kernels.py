@@ -35,8 +35,6 @@ def find_flat(
     lo_before: Array,
     hi_before: Array,
     count_before: Ints,
-    ix: Ints,
-    iy: Ints,
     i0: int,
     i1: int,
     j0: int,
@@ -46,7 +44,7 @@ def find_flat(
 
     Flat is a patch whose columns, and those around it, have the same end.
     """
-    mx, my = ix.shape[0], iy.shape[0]
+    mx, my = count.shape
     one_x, one_y = count_before.shape[0] == 1, count_before.shape[1] == 1
     flat = np.zeros(((i1 - i0 + FLAT_SIDE - 1) // FLAT_SIDE, (j1 - j0 + FLAT_SIDE - 1) // FLAT_SIDE, 2), np.uint8)
     for pi in range(flat.shape[0]):
@@ -56,16 +54,16 @@ def find_flat(
             if a1 - a0 < 2 or b1 - b0 < 2:
                 continue
             for top in range(2):
-                z = end_of(lo, hi, count, ix[a0], iy[b0], top)
+                z = end_of(lo, hi, count, a0, b0, top)
                 even = True
                 given = 0
                 for i in range(max(a0 - 1, 0), min(a1 + 1, mx)):
                     for j in range(max(b0 - 1, 0), min(b1 + 1, my)):
-                        even = even and end_of(lo, hi, count, ix[i], iy[j], top) == z
+                        even = even and end_of(lo, hi, count, i, j, top) == z
                         if not even:
                             break
                         if a0 <= i < a1 and b0 <= j < b1:
-                            before_i, before_j = 0 if one_x else ix[i], 0 if one_y else iy[j]
+                            before_i, before_j = 0 if one_x else i, 0 if one_y else j
                             if end_of(lo_before, hi_before, count_before, before_i, before_j, top) == z:
                                 given += 1
                     if not even:

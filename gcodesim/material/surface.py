@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise, product
 from math import ceil, sqrt
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -46,26 +47,43 @@ class Surface:
         return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6.0)
 
 
+class Facets(NamedTuple):
+    """Triangles (f, 3), counter-clockwise from outside, and the points (v, 3) [m] that they have, in S."""
+
+    points: Array
+    triangles: Ints
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tile:
-    """One tile as the log draws it: points (v, 3) [m] in S, triangles (f, 3) of original and of changed surface."""
+    """One tile as the log draws it: what of its surface is as it came, and what was changed."""
 
     number: int
-    points: Array
-    original: Ints
-    changed: Ints
+    original: Facets
+    changed: Facets
 
 
 def build_surface(stock: Stock, spacing: float = 0.0) -> Surface:
     """The whole surface from columns about `spacing` [m] apart; 0 takes all of them."""
     lattice = _Lattice.spaced(stock, spacing)
-    columns = _Columns(stock.lo, stock.hi, stock.count, stock.walls, stock.original)
-    points, faces, cut = _mesh(columns, lattice, 0, len(lattice.ix), 0, len(lattice.iy))
-    return Surface(vertices=points, faces=faces, cut=cut)
+    if lattice.has_all(stock):
+        columns = _Columns(stock.lo, stock.hi, stock.count, stock.walls, stock.original)
+    else:
+        columns = lattice.columns(stock, lattice.original(stock))
+    points, faces, cut, flat_parts, flat_cut = _mesh(columns, lattice, 0, len(lattice.ix), 0, len(lattice.iy))
+    faces, cut = np.concatenate((faces, flat_parts)), np.concatenate((cut, flat_cut))
+    # points inside flat parts are in no triangle
+    used = np.zeros(len(points), dtype=bool)
+    used[faces] = True
+    number = (np.cumsum(used) - 1).astype(np.int32)
+    return Surface(vertices=points[used], faces=number[faces], cut=cut)
 
 
 class _Columns(NamedTuple):
-    """The columns of a stock as kernels take them, and those it came with."""
+    """Columns (m, n) side by side as kernels take them, and those that the stock came with, which may be one for all.
+
+    The walls at them where all columns of a stock are drawn, else (4, 0, 0).
+    """
 
     lo: Array
     hi: Array
@@ -73,14 +91,25 @@ class _Columns(NamedTuple):
     walls: NDArray[np.float32]
     original: tuple[Array, Array, Ints]
 
+    def same(self, other: _Columns) -> bool:
+        """Whether nothing tells them from `other` columns of the same place."""
+        from gcodesim.material.tile_kernels import same_columns
+
+        equal = same_columns(self.lo, self.hi, self.intervals, other.lo, other.hi, other.intervals)
+        return bool(equal) and np.array_equal(self.walls, other.walls)
+
 
 class _Lattice(NamedTuple):
-    """Which columns are drawn (ix, iy) and the corners between them (xs, ys) [m]."""
+    """Which columns are drawn (ix, iy) and the corners between them (xs, ys) [m].
+
+    A step between two columns of up to `joined` [m] becomes a slope.
+    """
 
     ix: Ints
     iy: Ints
     xs: Array
     ys: Array
+    joined: float
 
     @staticmethod
     def spaced(stock: Stock, spacing: float) -> _Lattice:
@@ -90,31 +119,62 @@ class _Lattice(NamedTuple):
             drawn = min(cells, max(1, ceil(cells * step / spacing - 1e-9))) if spacing > 0.0 else cells
             picks.append(((np.arange(drawn) + 0.5) * cells / drawn).astype(np.int32))
             corners.append(origin + np.arange(drawn + 1) * (cells * step / drawn))
-        return _Lattice(picks[0], picks[1], corners[0], corners[1])
+        xs, ys = corners
+        return _Lattice(picks[0], picks[1], xs, ys, float(STEP_JOINED * max(xs[1] - xs[0], ys[1] - ys[0])))
+
+    def has_all(self, stock: Stock) -> bool:
+        """Whether all columns of the stock are drawn."""
+        return stock.count.shape == (len(self.ix), len(self.iy))
+
+    def part(self, i0: int, i1: int, j0: int, j1: int) -> _Lattice:
+        """The lattice of columns [i0, i1) x [j0, j1) alone."""
+        xs, ys = self.xs[i0 : i1 + 1], self.ys[j0 : j1 + 1]
+        return _Lattice(self.ix[i0:i1], self.iy[j0:j1], xs, ys, self.joined)
+
+    def original(self, stock: Stock) -> tuple[Array, Array, Ints]:
+        """The columns that the stock came with, where this lattice draws them; one for all of a box."""
+        lo, hi, count = stock.original
+        none = np.zeros(1, np.int32)
+        at = np.ix_(self.ix if count.shape[0] > 1 else none, self.iy if count.shape[1] > 1 else none)
+        return lo[at], hi[at], count[at]
+
+    def columns(self, stock: Stock, original: tuple[Array, Array, Ints]) -> _Columns:
+        """A copy of the columns of the stock that are drawn, without its walls."""
+        from gcodesim.material.tile_kernels import take_columns
+
+        shape = (len(self.ix), len(self.iy))
+        lo, hi = np.empty((2, *shape, stock.lo.shape[2]))
+        count = np.empty(shape, dtype=np.int32)
+        take_columns(stock.lo, stock.hi, stock.count, self.ix, self.iy, lo, hi, count)
+        return _Columns(lo, hi, count, np.zeros((4, 0, 0), np.float32), original)
 
 
-def _mesh(columns: _Columns, lattice: _Lattice, i0: int, i1: int, j0: int, j1: int) -> tuple[Array, Ints, Bytes]:
-    """Points, faces and their class of the drawn columns [i0, i1) x [j0, j1)."""
+def _mesh(
+    columns: _Columns, lattice: _Lattice, i0: int, i1: int, j0: int, j1: int
+) -> tuple[Array, Ints, Bytes, Ints, Bytes]:
+    """Points, faces and their class of the drawn columns [i0, i1) x [j0, j1); then faces and class of flat parts."""
     from gcodesim.material.flat_kernels import find_flat, flat_faces
     from gcodesim.material.surface_kernels import build_chains, build_faces
 
-    ix, iy, xs, ys = lattice.ix, lattice.iy, lattice.xs, lattice.ys
-    limit = STEP_JOINED * max(xs[1] - xs[0], ys[1] - ys[0])
-    start, bits, rising, below, vertex, extra, points = build_chains(
-        columns.lo, columns.hi, columns.intervals, columns.walls, ix, iy, xs, ys, i0, i1, j0, j1, limit
+    lo, hi, count, walls, original = columns
+    start, plain, bits, rising, below, vertex, extra, points = build_chains(
+        lo, hi, count, walls, lattice.xs, lattice.ys, i0, i1, j0, j1, lattice.joined
     )
-    flat = find_flat(columns.lo, columns.hi, columns.intervals, *columns.original, ix, iy, i0, i1, j0, j1)
+    flat = find_flat(lo, hi, count, *original, i0, i1, j0, j1)
     faces, cut = build_faces(
-        columns.lo, columns.hi, columns.intervals, *columns.original, ix, iy, i0, i1, j0, j1,
-        start, bits, rising, below, vertex, extra, points, flat,
-    )  # fmt: skip
-    flat_parts, flat_cut = flat_faces(flat, i0, i1, j0, j1, start, vertex)
-    faces, cut = np.concatenate((faces, flat_parts)), np.concatenate((cut, flat_cut))
-    # points inside flat parts are in no triangle
-    used = np.zeros(len(points), dtype=bool)
-    used[faces] = True
-    number = (np.cumsum(used) - 1).astype(np.int32)
-    return points[used], number[faces], cut
+        lo, hi, count, *original, i0, i1, j0, j1, start, plain, bits, rising, below, vertex, extra, points, flat
+    )
+    return points, faces, cut, *flat_faces(flat, i0, i1, j0, j1, start, vertex)
+
+
+class _Place(NamedTuple):
+    """Where a tile is: its own columns [i0, i1) x [j0, j1) of a lattice that has one column more to each side."""
+
+    number: int
+    lattice: _Lattice
+    span: tuple[int, int, int, int]
+    corner: tuple[int, int]  # of the lattice in that of all tiles
+    original: tuple[Array, Array, Ints]
 
 
 class Tiles:
@@ -127,82 +187,85 @@ class Tiles:
         nx, ny = stock.count.shape
         area = nx * ny * stock.grid[2] * stock.grid[3]
         self._stock = stock
-        self._lattice = _Lattice.spaced(stock, sqrt(area / DRAWN_COLUMNS) if spacing is None else spacing)
-        self._all_drawn = (len(self._lattice.ix), len(self._lattice.iy)) == (nx, ny)
-        ix, iy, xs, ys = self._lattice
-        self._places = _Lattice(np.arange(len(ix), dtype=np.int32), np.arange(len(iy), dtype=np.int32), xs, ys)
-        self._original = self._drawn_original()
-        self._edges_i = _edges(len(self._lattice.ix), across)
-        self._edges_j = _edges(len(self._lattice.iy), across)
+        lattice = _Lattice.spaced(stock, sqrt(area / DRAWN_COLUMNS) if spacing is None else spacing)
+        self._all_drawn = lattice.has_all(stock)
+        edges_i, edges_j = _edges(len(lattice.ix), across), _edges(len(lattice.iy), across)
+        self._places = [
+            _place(number, lattice, stock, i, j)
+            for number, (i, j) in enumerate(product(pairwise(edges_i), pairwise(edges_j)))
+        ]
+        self._drawn: dict[int, _Columns] = {}
 
     def __len__(self) -> int:
-        return (len(self._edges_i) - 1) * (len(self._edges_j) - 1)
+        return len(self._places)
 
     def all(self) -> list[Tile]:
         """Every tile as it is now; the stock's marks of change are cleared."""
-        return self._glimpse(range(len(self))).draw()
+        self._drawn.clear()
+        return self._glimpse(self._places).draw()
 
     def changed(self) -> Glimpse:
         """The tiles of which any point may have moved since the last call, yet to be drawn; the marks are cleared."""
-        return self._glimpse([number for number in range(len(self)) if self._is_dirty(number)])
+        return self._glimpse([place for place in self._places if self._is_dirty(place)])
 
-    def _glimpse(self, numbers: Sequence[int]) -> Glimpse:
+    def _glimpse(self, places: Sequence[_Place]) -> Glimpse:
         self._stock.dirty[:] = 0
-        tiles = [(number, self._range(number)) for number in numbers]
-        return Glimpse(tiles=tiles, lattice=self._places, columns=self._drawn() if tiles else None)
+        return Glimpse(tiles=[(place, self._columns(place)) for place in places], drawn=self._drawn)
 
-    def _drawn(self) -> _Columns:
-        """A copy of the columns that are drawn."""
-        stock = self._stock
-        if self._all_drawn:
-            return _Columns(stock.lo.copy(), stock.hi.copy(), stock.count.copy(), stock.walls.copy(), self._original)
-        at = np.ix_(self._lattice.ix, self._lattice.iy)
-        return _Columns(stock.lo[at], stock.hi[at], stock.count[at], np.zeros((4, 0, 0), np.float32), self._original)
+    def _columns(self, place: _Place) -> _Columns:
+        """A copy of the columns that a tile draws, and those around them."""
+        columns = place.lattice.columns(self._stock, place.original)
+        if not self._all_drawn:
+            return columns
+        i, j = place.corner
+        xs, ys = place.lattice.xs, place.lattice.ys
+        return columns._replace(walls=self._stock.walls[:, i : i + len(xs), j : j + len(ys)].copy())
 
-    def _drawn_original(self) -> tuple[Array, Array, Ints]:
-        lo, hi, count = self._stock.original
-        ix = self._lattice.ix if count.shape[0] > 1 else np.zeros(1, np.int32)  # one for all columns of a box
-        iy = self._lattice.iy if count.shape[1] > 1 else np.zeros(1, np.int32)
-        at = np.ix_(ix, iy)
-        return lo[at], hi[at], count[at]
-
-    def _range(self, number: int) -> tuple[int, int, int, int]:
-        row, column = divmod(number, len(self._edges_j) - 1)
-        return self._edges_i[row], self._edges_i[row + 1], self._edges_j[column], self._edges_j[column + 1]
-
-    def _is_dirty(self, number: int) -> bool:
+    def _is_dirty(self, place: _Place) -> bool:
         """Whether a column that the tile draws, or one next to it, lies in a changed patch."""
         from gcodesim.material.stock import PATCH
 
-        i0, i1, j0, j1 = self._range(number)
-        ix, iy = self._lattice.ix, self._lattice.iy
-        first_i, last_i = ix[max(i0 - 1, 0)], ix[min(i1, len(ix) - 1)]
-        first_j, last_j = iy[max(j0 - 1, 0)], iy[min(j1, len(iy) - 1)]
-        near = self._stock.dirty[first_i // PATCH : last_i // PATCH + 1, first_j // PATCH : last_j // PATCH + 1]
+        ix, iy = place.lattice.ix, place.lattice.iy
+        near = self._stock.dirty[ix[0] // PATCH : ix[-1] // PATCH + 1, iy[0] // PATCH : iy[-1] // PATCH + 1]
         return bool(near.any())
+
+
+def _place(number: int, lattice: _Lattice, stock: Stock, i: tuple[int, int], j: tuple[int, int]) -> _Place:
+    """The tile of columns [i0, i1) x [j0, j1)."""
+    (i0, i1), (j0, j1) = i, j
+    low_i, low_j = max(i0 - 1, 0), max(j0 - 1, 0)
+    around = lattice.part(low_i, min(i1 + 1, len(lattice.ix)), low_j, min(j1 + 1, len(lattice.iy)))
+    span = (i0 - low_i, i1 - low_i, j0 - low_j, j1 - low_j)
+    return _Place(number, around, span, (low_i, low_j), around.original(stock))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Glimpse:
-    """Tiles as they were at a moment, with a copy of the columns that they draw: drawing them can wait."""
+    """Tiles as they were at a moment, with a copy of the columns that they draw: drawing them can wait.
 
-    tiles: Sequence[tuple[int, tuple[int, int, int, int]]]
-    lattice: _Lattice
-    columns: _Columns | None
+    `drawn` are the columns of which each tile is drawn now.
+    """
+
+    tiles: Sequence[tuple[_Place, _Columns]]
+    drawn: dict[int, _Columns]
 
     def draw(self) -> list[Tile]:
-        """The tiles; from any thread."""
-        return [self._draw(number, span) for number, span in self.tiles]
+        """The tiles that look different from those of the glimpses drawn before; from one thread at a time."""
+        fresh = []
+        for place, columns in self.tiles:
+            before = self.drawn.get(place.number)
+            if before is None or not columns.same(before):
+                self.drawn[place.number] = columns
+                fresh.append(_tile(place, columns))
+        return fresh
 
-    def _draw(self, number: int, span: tuple[int, int, int, int]) -> Tile:
-        assert self.columns is not None
-        points, faces, cut = _mesh(self.columns, self.lattice, *span)
-        return Tile(
-            number=number,
-            points=np.round(points * ROUNDING) / ROUNDING + 0.0,
-            original=faces[cut == 0],
-            changed=faces[cut == 1],
-        )
+
+def _tile(place: _Place, columns: _Columns) -> Tile:
+    from gcodesim.material.tile_kernels import facets_of
+
+    mesh = _mesh(columns, place.lattice, *place.span)
+    original, changed = (Facets(*facets_of(*mesh, which, ROUNDING)) for which in range(2))
+    return Tile(number=place.number, original=original, changed=changed)
 
 
 def _edges(cells: int, across: int) -> list[int]:

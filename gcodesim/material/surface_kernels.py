@@ -107,37 +107,21 @@ def rim_shift(below: int, above: int, shifts: Array, first: int, second: int) ->
 
 
 @kernel(lean=True)
-def plain_prism(
-    lo: Array, hi: Array, place_i: Places, place_j: Places, ends: Places, limit: float, heights: Array
-) -> bool:
-    """Whether the four columns of a prism are of one piece each, and begin and end together.
+def plain_prism(lo: Array, hi: Array, count: Ints, a: int, b: int, limit: float, heights: Array) -> bool:
+    """Whether the prism around (a, b) has four columns of one piece each, which begin and end together.
 
     Then `heights` (of length 4) begins with the mean height of their bottoms and that of their tops.
     """
-    least_lo, most_lo, least_hi, most_hi = 0.0, 0.0, 0.0, 0.0
-    bottom, top = 0.0, 0.0
-    for corner in range(4):
-        if ends[corner] != 2:
-            return False
-        low = lo[place_i[corner], place_j[corner], 0]
-        high = hi[place_i[corner], place_j[corner], 0]
-        if corner == 0:
-            least_lo, most_lo, least_hi, most_hi = low, low, high, high
-        least_lo, most_lo = min(least_lo, low), max(most_lo, low)
-        least_hi, most_hi = min(least_hi, high), max(most_hi, high)
-        bottom += low
-        top += high
+    if count[a - 1, b - 1] != 1 or count[a, b - 1] != 1 or count[a, b] != 1 or count[a - 1, b] != 1:
+        return False
+    low_0, low_1, low_2, low_3 = lo[a - 1, b - 1, 0], lo[a, b - 1, 0], lo[a, b, 0], lo[a - 1, b, 0]
+    high_0, high_1, high_2, high_3 = hi[a - 1, b - 1, 0], hi[a, b - 1, 0], hi[a, b, 0], hi[a - 1, b, 0]
+    least_lo, most_lo = min(min(low_0, low_1), min(low_2, low_3)), max(max(low_0, low_1), max(low_2, low_3))
+    least_hi, most_hi = min(min(high_0, high_1), min(high_2, high_3)), max(max(high_0, high_1), max(high_2, high_3))
     if most_lo >= least_hi or most_lo - least_lo > limit or most_hi - least_hi > limit:
         return False
-    heights[0], heights[1] = bottom / 4, top / 4
+    heights[0], heights[1] = (low_0 + low_1 + low_2 + low_3) / 4, (high_0 + high_1 + high_2 + high_3) / 4
     return True
-
-
-@kernel(lean=True)
-def is_plain(bits: Bytes, start: Ints, prism: int) -> bool:
-    """Whether a prism has one group below in which all four columns begin, and one above in which they end."""
-    first = start[prism]
-    return bool(start[prism + 1] - first == 2 and bits[first] == 15 and bits[first + 1] == 15)
 
 
 @kernel
@@ -146,8 +130,6 @@ def build_chains(
     hi: Array,
     count: Ints,
     walls: Singles,
-    ix: Ints,
-    iy: Ints,
     xs: Array,
     ys: Array,
     i0: int,
@@ -155,25 +137,24 @@ def build_chains(
     j0: int,
     j1: int,
     limit: float,
-) -> tuple[Ints, Bytes, Bytes, Bytes, Ints, Ints, Array]:
-    """Groups and vertices of the prisms around columns [i0, i1) x [j0, j1).
+) -> tuple[Ints, Ints, Bytes, Bytes, Bytes, Ints, Ints, Array]:
+    """Groups and vertices of the prisms around columns [i0, i1) x [j0, j1) of (mx, my).
 
-    walls: of the stock, used when all columns are drawn; ix (mx), iy (my): which columns are; xs (mx + 1),
-    ys (my + 1): the lattice [m]; limit [m]: the greatest height of a group. Returns, prism by prism (a from i0 to i1,
-    b from j0 to j1): `start` (p + 1,) of its groups; of each group: bits of the columns that change, whether they rise,
-    mask below, its first vertex, the vertex in the middle of the second strand above it (-1: none); and the vertices
-    (v, 3) [m].
+    walls (4, mx + 1, my + 1), or (4, 0, 0) where they are not known; xs (mx + 1), ys (my + 1): the lattice [m];
+    limit [m]: the greatest height of a group. Returns, prism by prism (a from i0 to i1, b from j0 to j1): `start`
+    (p + 1,) of its groups, and `plain` (p,): the first of two vertices where all four columns begin in one group and
+    end in the next, and nothing else is, or -1; of each group: bits of the columns that change, whether they rise, mask
+    below, its first vertex, the vertex in the middle of the second strand above it (-1: none); and the vertices (v, 3)
+    [m].
     """
-    mx, my = ix.shape[0], iy.shape[0]
+    mx, my = count.shape
     rows, columns = i1 - i0 + 1, j1 - j0 + 1
     room = 0
-    for a in range(i0, i1 + 1):
-        for b in range(j0, j1 + 1):
-            for corner in range(4):
-                i, j = corner_column(a, b, corner)
-                if 0 <= i < mx and 0 <= j < my:
-                    room += 2 * count[ix[i], iy[j]]
+    for i in range(max(i0 - 1, 0), min(i1 + 1, mx)):
+        for j in range(max(j0 - 1, 0), min(j1 + 1, my)):
+            room += 8 * count[i, j]
     start = np.empty(rows * columns + 1, np.int32)
+    plain = np.empty(rows * columns, np.int32)
     bits = np.empty(room, np.uint8)
     rising = np.empty(room, np.uint8)
     below = np.empty(room, np.uint8)
@@ -187,21 +168,14 @@ def build_chains(
     place_i = np.empty(4, np.int64)
     place_j = np.empty(4, np.int64)
     shifts = np.zeros(4)
-    all_drawn = mx == count.shape[0] and my == count.shape[1]
     for a in range(i0, i1 + 1):
         for b in range(j0, j1 + 1):
-            start[(a - i0) * columns + b - j0] = groups
+            prism = (a - i0) * columns + b - j0
+            start[prism], plain[prism] = groups, -1
             rim_a, rim_b = a == 0 or a == mx, b == 0 or b == my
             rim = rim_a or rim_b
-            if all_drawn:
-                wall_shifts(walls, a, b, shifts)
-            for corner in range(4):
-                i, j = corner_column(a, b, corner)
-                cursor[corner], ends[corner] = 0, 0
-                if 0 <= i < mx and 0 <= j < my:
-                    place_i[corner], place_j[corner] = ix[i], iy[j]
-                    ends[corner] = 2 * count[ix[i], iy[j]]
-            if plain_prism(lo, hi, place_i, place_j, ends, limit, heights):
+            if not rim and plain_prism(lo, hi, count, a, b, limit, heights):
+                plain[prism] = made
                 # as most are: four columns of one piece each, a vertex below and one above
                 for turn in range(2):
                     bits[groups], rising[groups], below[groups] = 15, 1 - turn, 15 * turn
@@ -210,6 +184,13 @@ def build_chains(
                     groups += 1
                     made += 1
                 continue
+            wall_shifts(walls, a, b, shifts)
+            for corner in range(4):
+                i, j = corner_column(a, b, corner)
+                cursor[corner], ends[corner] = 0, 0
+                if 0 <= i < mx and 0 <= j < my:
+                    place_i[corner], place_j[corner] = i, j
+                    ends[corner] = 2 * count[i, j]
             mask = 0
             group_bits, group_rising, group_below = 0, 0, 0
             group_z = 0.0
@@ -284,7 +265,7 @@ def build_chains(
                 mask ^= 1 << best
                 cursor[best] += 1
     start[rows * columns] = groups
-    return start, bits[:groups], rising[:groups], below[:groups], vertex[:groups], extra[:groups], points[:made]
+    return start, plain, bits[:groups], rising[:groups], below[:groups], vertex[:groups], extra[:groups], points[:made]
 
 
 @kernel(lean=True)
@@ -409,13 +390,12 @@ def build_faces(
     lo_before: Array,
     hi_before: Array,
     count_before: Ints,
-    ix: Ints,
-    iy: Ints,
     i0: int,
     i1: int,
     j0: int,
     j1: int,
     start: Ints,
+    plain: Ints,
     bits: Bytes,
     rising: Bytes,
     below: Bytes,
@@ -429,7 +409,7 @@ def build_faces(
     What `flat` (of flat_kernels) says is flat is left out.
     A tile owns its columns, and the borders at the lower side of each (at the grid's end also the upper one).
     """
-    mx, my = ix.shape[0], iy.shape[0]
+    mx, my = count.shape
     columns = j1 - j0 + 1
     faces = np.empty((4 * (i1 - i0) * (j1 - j0) + 64, 3), np.int32)
     cut = np.empty(faces.shape[0], np.uint8)
@@ -438,29 +418,29 @@ def build_faces(
     chain_q = np.empty(16 * lo.shape[2] + 16, np.int32)
     for i in range(i0, i1):
         for j in range(j0, j1):
-            ci, cj = ix[i], iy[j]
+            changes = 2 * count[i, j]
+            if used + 2 * changes > faces.shape[0]:
+                faces, cut = more_room(faces, cut, used)
             near = (i - i0) * columns + j - j0
             far = near + columns
-            p0, p1, p2, p3 = start[near], start[far], start[far + 1], start[near + 1]
-            plain = is_plain(bits, start, near) and is_plain(bits, start, far)
-            plain = plain and is_plain(bits, start, far + 1) and is_plain(bits, start, near + 1)
-            if used + 4 * count[ci, cj] > faces.shape[0]:
-                faces, cut = more_room(faces, cut, used)
-            changes = 2 * count[ci, cj]
-            patch = flat[(i - i0) // FLAT_SIDE, (j - j0) // FLAT_SIDE]
+            p0, p1, p2, p3 = plain[near], plain[far], plain[far + 1], plain[near + 1]
+            all_plain = p0 | p1 | p2 | p3 >= 0
+            if not all_plain:
+                p0, p1, p2, p3 = start[near], start[far], start[far + 1], start[near + 1]
+            pi, pj = (i - i0) // FLAT_SIDE, (j - j0) // FLAT_SIDE
             for t in range(changes):
-                if (t == 0 and patch[0] != 0) or (t == changes - 1 and patch[1] != 0):
+                if (t == 0 and flat[pi, pj, 0] != 0) or (t == changes - 1 and flat[pi, pj, 1] != 0):
                     continue
-                if plain:
-                    v0, v1, v2, v3 = vertex[p0 + t], vertex[p1 + t], vertex[p2 + t], vertex[p3 + t]
+                if all_plain:
+                    v0, v1, v2, v3 = p0 + t, p1 + t, p2 + t, p3 + t
                 else:
                     v0 = seen_vertex(bits, rising, below, vertex, find_group(bits, rising, p0, 2, t), 2)
                     v1 = seen_vertex(bits, rising, below, vertex, find_group(bits, rising, p1, 3, t), 3)
                     v2 = seen_vertex(bits, rising, below, vertex, find_group(bits, rising, p2, 0, t), 0)
                     v3 = seen_vertex(bits, rising, below, vertex, find_group(bits, rising, p3, 1, t), 1)
                 rises = t & 1 == 0
-                z = lo[ci, cj, t >> 1] if rises else hi[ci, cj, t >> 1]
-                changed = 0 if was_end(lo_before, hi_before, count_before, ci, cj, z, rises) else 1
+                z = lo[i, j, t >> 1] if rises else hi[i, j, t >> 1]
+                changed = 0 if was_end(lo_before, hi_before, count_before, i, j, z, rises) else 1
                 if rises:
                     v1, v3 = v3, v1
                 # along the diagonal that bends less
@@ -476,15 +456,15 @@ def build_faces(
         last_j = j1 + 1 if turn == 1 and j1 == my else j1
         for i in range(i0, last_i):
             for j in range(j0, last_j):
-                ai, aj = (i - 1, j) if turn == 0 else (i, j - 1)
-                n_a = 2 * count[ix[ai], iy[aj]] if ai >= 0 and aj >= 0 else 0
-                n_b = 2 * count[ix[i], iy[j]] if i < mx and j < my else 0
-                if n_a == 0 and n_b == 0:
-                    continue
                 here = (i - i0) * columns + j - j0
                 there = here + 1 if turn == 0 else here + columns
-                if is_plain(bits, start, here) and is_plain(bits, start, there):
+                if plain[here] | plain[there] >= 0:
                     continue  # the columns begin and end together: no wall
+                ai, aj = (i - 1, j) if turn == 0 else (i, j - 1)
+                n_a = 2 * count[ai, aj] if ai >= 0 and aj >= 0 else 0
+                n_b = 2 * count[i, j] if i < mx and j < my else 0
+                if n_a == 0 and n_b == 0:
+                    continue
                 p, q = start[here], start[there]
                 if turn == 0:
                     corner_pa, corner_pb, corner_qa, corner_qb = 3, 2, 0, 1
@@ -497,9 +477,9 @@ def build_faces(
                     take_a = tb >= n_b
                     za, zb = 0.0, 0.0
                     if ta < n_a:
-                        za = hi[ix[ai], iy[aj], ta >> 1] if ta & 1 else lo[ix[ai], iy[aj], ta >> 1]
+                        za = hi[ai, aj, ta >> 1] if ta & 1 else lo[ai, aj, ta >> 1]
                     if tb < n_b:
-                        zb = hi[ix[i], iy[j], tb >> 1] if tb & 1 else lo[ix[i], iy[j], tb >> 1]
+                        zb = hi[i, j, tb >> 1] if tb & 1 else lo[i, j, tb >> 1]
                     if ta < n_a and tb < n_b:
                         take_a = za < zb or (za == zb and (ta & 1) >= (tb & 1))
                     one_before = (ta ^ tb) & 1 == 1
@@ -519,10 +499,10 @@ def build_faces(
                             si, sj, ei, ej = (ai, aj, i, j) if a_solid else (i, j, ai, aj)
                             changed = 0
                             full = (z - open_z) * (1.0 - 1.0e-9)
-                            if was_there(lo_before, hi_before, count_before, ix[si], iy[sj], open_z, z) < full:
+                            if was_there(lo_before, hi_before, count_before, si, sj, open_z, z) < full:
                                 changed = 1
                             inside = 0 <= ei < mx and 0 <= ej < my
-                            if inside and was_there(lo_before, hi_before, count_before, ix[ei], iy[ej], open_z, z):
+                            if inside and was_there(lo_before, hi_before, count_before, ei, ej, open_z, z):
                                 changed = 1
                             corner_p = corner_pa if a_solid else corner_pb
                             corner_q = corner_qa if a_solid else corner_qb

@@ -109,7 +109,5 @@ def tool_shapes(tool: Tool | None) -> tuple[Shape, ...]:
 
 def tile_meshes(tile: Tile) -> tuple[Mesh, ...]:
     """One tile of stock: what is as it came, and what was changed."""
-    return (
-        Mesh(points=tile.points, triangles=tile.original, color=RAW),
-        Mesh(points=tile.points, triangles=tile.changed, color=CUT),
-    )
+    facets = ((tile.original, RAW), (tile.changed, CUT))
+    return tuple(Mesh(points=part.points, triangles=part.triangles, tight=True, color=color) for part, color in facets)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
@@ -20,6 +21,7 @@ from gcodesim.motion.tool_path import HOME, RAPID
 from gcodesim.recorder.blocks import Blocks
 from gcodesim.recorder.bodies import cell_entities, tile_meshes, tool_shapes
 from gcodesim.recorder.frames import Frames, seven, stock_frame, work_systems
+from gcodesim.recorder.instants import Instants
 from gcodesim.recorder.limits import Limits
 from gcodesim.recorder.look import layout_kind, view_of
 from gcodesim.recorder.pose_kernels import bend, compare
@@ -74,6 +76,7 @@ class Recorder:
         self._writer = LogWriter(out / LOG_NAME, self._description(ways), live)
         self._reporter = Reporter(self._writer, job.shown(job.findings))
         self._texts = Texts(self._writer, self._plan.trajectory.events)
+        self._instants = Instants(self._plan)
         self._removed = 0.0
         self._cut_at: Array = np.zeros(3)  # where the tip stands over the work
         self._force_shown = False
@@ -159,7 +162,7 @@ class Recorder:
         """The state at time 0."""
         from gcodesim.executor.record import record_of
 
-        X_WT = self._actual(world.q, window.row, np.zeros((1, 6)))
+        X_WT = self._bent(self._plan.tip(world.q, window.row), np.zeros((1, 6)))
         self._cut_at = self._frames.seen_from_table(world.q, X_WT)[0, :3, 3]
         self._reporter.until(0)
         self._texts.until(0)
@@ -223,51 +226,36 @@ class Recorder:
                 return timed.event.span.file, timed.event.span.line
         return "", 0
 
-    def _actual(self, q: Array, row: Any, deflection: Array) -> Array:
-        """X_WT (n, 4, 4) of the tip on the link side: motors at `q`, gears bent by `deflection` (n, 6) in B."""
-        X = np.require(self._plan.tip(q, row), np.float64, ["C", "W"])
-        bend(self._shop.X_WB.matrix, deflection, X)
-        return X
-
-    def _speed(self, record: StepRecord, at: Any) -> tuple[Array, Array]:
-        """Speed (m,) of the tip over the work in steps `at` (m,), and X_WT (m, 4, 4) at their ends.
-
-        A step's way begins where the step before ended; no other poses are needed.
-        """
-        world = record.world
-        needed = np.zeros(len(record), dtype=bool)
-        needed[at] = needed[np.maximum(at - 1, 0)] = needed[-1] = True
-        steps = np.flatnonzero(needed)
-        place = np.cumsum(needed)  # 0 is the end of the window before
-        q = world.q[steps]
-        X_WT = self._actual(q, record.window.row[steps], record.deflection[steps])
-        cut = self._frames.seen_from_table(q, X_WT)[:, :3, 3]  # feed is the tool's way over the work
-        way = np.concatenate([self._cut_at[None], cut])
-        self._cut_at = cut[-1]
-        now, before = place[at], np.where(at > 0, place[at - 1], 0)
-        return np.linalg.norm(way[now] - way[before], axis=1) / record.window.dt, X_WT[now - 1]
-
     def _write(self, record: StepRecord, t_ns: Any, at: Any) -> None:
-        """Columns of the log instants `t_ns` (m,), which are steps `at` (m,) of the record."""
-        window, world = record.window, record.world
-        speed, X_WT = self._speed(record, at)
+        """The log instants `t_ns` (m,), which are steps `at` (m,) of the record."""
         removed = self._removed + np.cumsum(record.removed)
         self._removed = float(removed[-1])
-        if not len(at):
+        self._instants.add(record, t_ns, at, removed)
+        if self._instants.worth_writing:
+            self._write_instants()
+
+    def _write_instants(self) -> None:
+        """Columns of the log instants that have come together."""
+        if not self._instants.count:
             return
-        q, qd, effort = world.q[at], world.qd[at], world.effort[at]
+        came = self._instants.take()
+        X_WT = self._bent(came["X_BT"], came["deflection"])
+        speed = self._speed(came, X_WT)
+        here = came["now"] - 1
+        q, X_WT = came["q"][here], X_WT[here]
+        qd, effort, row = came["qd"], came["effort"], came["row"]
         X_WB = self._shop.X_WB
-        target = X_WB.matrix @ window.tip[at]
-        part = self._systems[self._plan.path.state[window.row[at]] if len(self._plan.path) else np.zeros(len(at), int)]
+        target = X_WB.matrix @ came["target"]
+        part = self._systems[self._plan.path.state[row] if len(self._plan.path) else np.zeros(len(row), int)]
         part = self._frames.carried(q, part)
-        errors, local = np.empty((len(at), 2)), np.empty((len(at), 3))
+        errors, local = np.empty((len(row), 2)), np.empty((len(row), 3))
         compare(target, X_WT, part, errors, local)
-        wrench = _in_world(X_WB.R, record.wrench[at])
+        wrench = _in_world(X_WB.R, came["wrench"])
         force = np.linalg.norm(wrench[:, :3], axis=1)
         travel, pace, load = self._limits.used(q, qd, effort)
         self._writer.window(
-            t_ns,
-            tf=self._frames.at(q, X_WT, self._tools(window.tool[at]), part),
+            came["t_ns"],
+            tf=self._frames.at(q, X_WT, self._tools(came["tool"]), part),
             joint_position=q,
             joint_velocity=qd,
             joint_effort=effort,
@@ -275,38 +263,54 @@ class Recorder:
             tcp=seven(X_WT),
             motion=MotionColumns(
                 feed=speed,
-                feed_command=np.linalg.norm(window.samples.velocity[at, :3], axis=1),
+                feed_command=np.linalg.norm(came["velocity"], axis=1),
                 position_error=errors[:, 0],
                 orientation_error=errors[:, 1],
-                block_fraction=np.clip(self._fractions(window, at), 0.0, 1.0),
+                block_fraction=np.clip(self._fractions(row, came["time"]), 0.0, 1.0),
                 position=local,
-                limit=world.saturated[at].any(axis=1),
+                limit=came["saturated"],
                 travel_used=travel,
                 speed_used=pace,
                 effort_used=load,
             ),
             process=ProcessColumns(
-                kind=record.kind[at],
-                engaged=record.engaged[at],
-                spindle=self._spindle(window.row[at]),
+                kind=came["kind"],
+                engaged=came["engaged"],
+                spindle=self._spindle(row),
                 force=force,
-                torque=record.torque[at],
-                power=record.power[at],
-                removal=record.removed[at] / window.dt,
-                removed=removed[at],
+                torque=came["torque"],
+                power=came["power"],
+                removal=came["removal"],
+                removed=came["removed"],
             ),
             wrench=wrench,
         )
-        self._arrows(t_ns, X_WT[:, :3, 3], wrench[:, :3], force)
+        self._arrows(came["t_ns"], X_WT[:, :3, 3], wrench[:, :3], force)
 
-    def _fractions(self, window: StepWindow, at: Any) -> Array:
+    def _bent(self, X_BT: Array, deflection: Array) -> Array:
+        """X_WT (n, 4, 4) of the tip on the link side: where the motors bring it, and gears bent by (n, 6) in B."""
+        X = np.require(X_BT, np.float64, ["C", "W"])
+        bend(self._shop.X_WB.matrix, deflection, X)
+        return X
+
+    def _speed(self, came: Mapping[str, Any], X_WT: Array) -> Array:
+        """Speed (m,) of the tip over the work in the steps of the instants, from where it is at the `ends` of steps.
+
+        A step's way begins where the step before ended.
+        """
+        cut = self._frames.seen_from_table(came["q"], X_WT)[:, :3, 3]  # feed is the tool's way over the work
+        way = np.concatenate([self._cut_at[None], cut])
+        self._cut_at = cut[-1]
+        speed: Array = np.linalg.norm(way[came["now"]] - way[came["before"]], axis=1) / (self._step_ns * 1e-9)
+        return speed
+
+    def _fractions(self, row: Any, time: Array) -> Array:
         """How much of the time of its row has passed (m,)."""
         trajectory = self._plan.trajectory
         if not len(trajectory.row_start):
-            return np.zeros(len(at))
-        row = window.row[at]
+            return np.zeros(len(row))
         start, end = trajectory.row_start[row], trajectory.row_end[row]
-        done: Array = (window.samples.time[at] - start) / np.maximum(end - start, 1e-12)
+        done: Array = (time - start) / np.maximum(end - start, 1e-12)
         return done
 
     def _spindle(self, row: Any) -> Array:
@@ -336,6 +340,7 @@ class Recorder:
 
     def finish(self, results: Results, execution: Execution) -> None:
         """Close the log and write results and stocks beside it."""
+        self._write_instants()
         for index, tiles in enumerate(self._tiles):
             self._draw(self._now_ns, index, tiles.changed().draw())
         self._reporter.rest(self._now_ns, results.findings)
@@ -362,6 +367,8 @@ class Recorder:
 
     def abandon(self) -> None:
         """After a fault: keep what is there, under the name of a log that is not whole."""
+        with suppress(Exception):  # the fault itself may be among what waits to be written
+            self._write_instants()
         self._writer.abandon()
 
 

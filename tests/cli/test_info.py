@@ -5,7 +5,7 @@ import json
 import pytest
 
 HEAD = "G21 G90 G17 G94\nT1 M6\nG43 H1\nS8000 M3\n"
-PROGRAM = HEAD + "G0 X10 Y10\nG0 Z2\nG1 Z-1 F400\nG1 X30\nG0 X60\nM5\nG1 X70\nM2\n"
+PROGRAM = HEAD + "G0 X10 Y10\nG0 Z2\nG1 Z-1 F100\nG1 X30\nG0 X60\nM5\nG1 X70\nM2\n"
 
 
 @pytest.fixture

@@ -45,7 +45,7 @@ def test_a_template_fills_the_columns_into_their_fields():
     values = np.random.default_rng(4).normal(size=(len(TIMES), 6))
     values[0] = 0.0
 
-    for t_ns, value, row in zip(TIMES, values, template.fill(TIMES, {"wrench": values}), strict=True):
+    for t_ns, value, row in zip(TIMES, values, template.fill(TIMES, values), strict=True):
         wrench = message_class("gcodesim.Wrench").FromString(row.tobytes())
         assert wrench.timestamp.seconds * 10**9 + wrench.timestamp.nanos == t_ns
         assert [wrench.force.x, wrench.force.y, wrench.force.z] == value[:3].tolist()
@@ -59,7 +59,7 @@ def test_flags_and_long_messages():
     template = Template(
         text_piece(2, "k" * 300) + bool_slot(3, "flag") + Piece(b"") + body[0] + sum(body[1:], Piece(b""))
     )
-    data = template.fill(np.zeros(2, dtype=np.int64), {"flag": np.array([[True], [False]]), "values": np.eye(2, 6)})
+    data = template.fill(np.zeros(2, dtype=np.int64), np.concatenate([[[1.0], [0.0]], np.eye(2, 6)], axis=1))
 
     first, second = (message_class("gcodesim.Process").FromString(row.tobytes()) for row in data)
     assert first.kind == "k" * 300 and first.engaged and not second.engaged

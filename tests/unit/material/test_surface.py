@@ -196,11 +196,12 @@ def test_cut_and_original_surface_are_told_apart():
 
 def tile_mesh(tiles):
     """All tiles as one mesh, points fused by their coordinates."""
-    points = np.concatenate([tile.points for tile in tiles])
+    parts = [part for tile in tiles for part in (tile.original, tile.changed)]
+    points = np.concatenate([part.points for part in parts])
     faces, first = [], 0
-    for tile in tiles:
-        faces += [tile.original + first, tile.changed + first]
-        first += len(tile.points)
+    for part in parts:
+        faces.append(part.triangles + first)
+        first += len(part.points)
     unique, index = np.unique(points, axis=0, return_inverse=True)
     return unique, index.reshape(-1)[np.concatenate(faces)]
 
@@ -214,9 +215,27 @@ def test_tiles_share_their_edge_points_and_close_together():
     _, faces = tile_mesh(drawn)
     _, counts = np.unique(np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0, return_counts=True)
     assert (counts == 2).all()
-    assert 0 < sum(len(t.changed) for t in drawn) < sum(len(t.original) for t in drawn)
-    for tile in drawn:
-        assert (tile.points * 2.0**20 == np.round(tile.points * 2.0**20)).all()
+    assert 0 < sum(len(t.changed.triangles) for t in drawn) < sum(len(t.original.triangles) for t in drawn)
+    for part in (part for tile in drawn for part in (tile.original, tile.changed)):
+        assert (part.points * 2.0**20 == np.round(part.points * 2.0**20)).all()
+        assert set(part.triangles.reshape(-1).tolist()) == set(range(len(part.points)))
+
+
+def test_tiles_draw_what_the_whole_surface_draws():
+    stock = block(0.5)
+    stock.remove(np.array([[5, 5, -3]]) * MM, np.array([[33, 21, -7]]) * MM, shape.ball(8 * MM, 30 * MM))
+    whole = stock.surface()
+    for number, which in enumerate(("original", "changed")):
+        faces = whole.faces[whole.cut == number]
+        area = np.linalg.norm(normals(whole.vertices, faces), axis=1).sum()
+        parts = [getattr(tile, which) for tile in stock.tiles().all()]
+        drawn = [np.linalg.norm(normals(part.points, part.triangles), axis=1).sum() for part in parts]
+        assert sum(drawn) == pytest.approx(area, rel=1e-4)
+
+
+def normals(points, faces):
+    a, b, c = (points[faces[:, k]] for k in range(3))
+    return 0.5 * np.cross(b - a, c - a)
 
 
 def test_only_tiles_with_changes_are_drawn_again():
@@ -228,8 +247,42 @@ def test_only_tiles_with_changes_are_drawn_again():
     stock.remove(tip, tip, shape.flat(6 * MM, 20 * MM))
     drawn = tiles.changed().draw()
     assert [tile.number for tile in drawn] == [1]
-    assert len(drawn[0].changed) > 0
+    assert len(drawn[0].changed.triangles) > 0
     assert tiles.changed().draw() == []
+
+
+def test_a_tile_that_only_seems_changed_is_not_drawn_again():
+    stock = Stock.box((0, 0, -5 * MM), (64 * MM, 64 * MM, 0), 0.5 * MM)
+    tiles = stock.tiles()
+    tiles.all()
+    tip = np.array([[30.3, 31.1, -2.0]]) * MM
+    stock.remove(tip, tip, shape.ball(6 * MM, 20 * MM))
+    first = tiles.changed()
+    stock.dirty[:] = 1  # as after a cut that was taken back and made again
+    second = tiles.changed()
+    assert len(second.tiles) == 16
+    # the first look was never drawn: what is drawn counts, not what was seen
+    assert sorted(tile.number for tile in second.draw()) == [5, 6, 9, 10]
+    assert first.draw() == []
+
+
+def test_a_wall_that_moves_within_its_cell_is_drawn_again():
+    stock = Stock.box((0, 0, -5 * MM), (64 * MM, 64 * MM, 0), 0.5 * MM)
+    tiles = stock.tiles(spacing=0.5 * MM)
+    a, b = np.array([[-20.0, 20.0, -2.0]]) * MM, np.array([[90.0, 20.0, -2.0]]) * MM
+    stock.remove(a, b, shape.flat(6.02 * MM, 20 * MM))
+    tiles.all()
+    columns = stock.hi.copy()
+    stock.remove(a, b, shape.flat(6.3 * MM, 20 * MM))
+    assert (stock.hi == columns).all()
+    stock.dirty[:] = 1
+
+    moved = tiles.changed().draw()
+
+    assert moved
+    fresh = {tile.number: tile for tile in stock.tiles(spacing=0.5 * MM).all()}
+    for tile in moved:
+        assert np.array_equal(tile.changed.points, fresh[tile.number].changed.points)
 
 
 @pytest.mark.parametrize("spacing", [0.5 * MM, 1.7 * MM])
@@ -246,11 +299,15 @@ def test_what_was_seen_is_drawn_later_as_it_was(spacing):
 
     drawn = seen.draw()
 
-    assert len(drawn) == len(then)
+    assert {tile.number for tile in drawn} >= {5, 6, 9, 10}
     for tile in drawn:
-        assert np.array_equal(tile.points, then[tile.number].points)
-        assert np.array_equal(tile.original, then[tile.number].original)
-        assert np.array_equal(tile.changed, then[tile.number].changed)
+        assert same_tile(tile, then[tile.number])
+
+
+def same_tile(one, other):
+    pairs = [(a, b) for mine, its in ((one.original, other.original), (one.changed, other.changed))
+             for a, b in zip(mine, its, strict=True)]  # fmt: skip
+    return all(np.array_equal(a, b) for a, b in pairs)
 
 
 def test_every_tile_that_a_change_moves_is_drawn_again():
@@ -264,14 +321,13 @@ def test_every_tile_that_a_change_moves_is_drawn_again():
         stock.remove(points[:1], points[1:], shape.ball(4 * MM, 20 * MM))
         held |= {tile.number: tile for tile in tiles.changed().draw()}
     for fresh in stock.tiles().all():
-        assert np.array_equal(fresh.points, held[fresh.number].points)
-        assert np.array_equal(fresh.changed, held[fresh.number].changed)
+        assert same_tile(fresh, held[fresh.number])
 
 
 def test_coarser_drawing_keeps_the_outline():
     stock = Stock.box((0, 0, -5 * MM), (31 * MM, 17 * MM, 0), 0.1 * MM)
     drawn = stock.tiles(across=2, spacing=1 * MM).all()
-    points = np.concatenate([tile.points for tile in drawn])
+    points = np.concatenate([tile.original.points for tile in drawn])
     assert points.min(axis=0) == pytest.approx([0, 0, -5 * MM], abs=1e-6)
     assert points.max(axis=0) == pytest.approx([31 * MM, 17 * MM, 0], abs=1e-6)
-    assert sum(len(tile.points) for tile in drawn) < 2000
+    assert len(points) < 2000

@@ -10,6 +10,7 @@ import pytest
 import gcodesim
 from gcodesim.log.logfile import LogFile
 from gcodesim.log.reader import read_columns, read_messages
+from gcodesim.recorder import instants
 
 CELL = """gcodesim: 1
 machine: gantry_xyz
@@ -157,3 +158,24 @@ def test_what_a_stopped_program_would_have_hit_is_not_told(tmp_path):
     assert "GS301" not in codes
     assert codes[-1] == "end"
     assert [m for _, m in read_messages(tmp_path / "out" / "run.mcap", "/program")][-1].state == "failed"
+
+
+def test_how_many_windows_are_written_together_shows_nowhere(log, tmp_path, monkeypatch):
+    monkeypatch.setattr(instants, "MOST_WINDOWS", 1)
+    folder = log.parent.parent
+    gcodesim.simulate(folder / "part.nc", folder / "cell.yaml", tmp_path)
+    assert (tmp_path / "run.mcap").read_bytes() == log.read_bytes()
+
+
+def test_the_speed_at_an_instant_does_not_depend_on_the_instants_before(log, tmp_path):
+    """Most windows have no instant here; the tip goes on in them."""
+    folder = log.parent.parent
+    (tmp_path / "cell.yaml").write_text(CELL + "log: {period: 1 s}\n")
+    for name in ("part.nc", "bore.ngc"):
+        (tmp_path / name).write_bytes((folder / name).read_bytes())
+    gcodesim.simulate(tmp_path / "part.nc", tmp_path / "cell.yaml", tmp_path / "out")
+    often, seldom = (read_columns(path, "/motion", ["feed_m_s"]) for path in (log, tmp_path / "out" / "run.mcap"))
+    assert len(seldom["t_ns"]) > 10
+    at = np.searchsorted(often["t_ns"], seldom["t_ns"])
+    # the last is the state at the last instant, told again at the end
+    assert seldom["feed_m_s"][:-1] == pytest.approx(often["feed_m_s"][at[:-1]], rel=1e-12, abs=1e-15)

@@ -1,0 +1,85 @@
+"""Messages of fixed length, filled row by row."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from gcodesim.compiled import kernel
+
+UNIT = 1.0e-6
+"""How far the square of a quaternion's length may be from 1."""
+
+NOT_FINITE, NOT_UNIT, NOT_CANONICAL = 1, 2, 3
+
+
+@kernel
+def fill_rows(
+    template: Any,
+    number_at: Any,
+    number_from: Any,
+    flag_at: Any,
+    flag_from: Any,
+    stamp_at: Any,
+    time_at: Any,
+    sequence_at: Any,
+    rows: Any,
+    values: Any,
+    t_ns: Any,
+    sequence: Any,
+    data: Any,
+    doubles: Any,
+    integers: Any,
+) -> None:
+    """Repeat `template` (w,) in `data` (n w,), which is `doubles` and `integers` at every byte too, and fill its slots.
+
+    Row k gets instant `rows[k]` of `values` (m, c), `t_ns` (m,) and `sequence` (m,): doubles at `number_at` (s,) from
+    columns `number_from` (s,), likewise flags; stamps (12 bytes, both integers in five), times (8) and sequences (4).
+    """
+    width = len(template)
+    for k in range(len(rows)):
+        i, begin = rows[k], k * width
+        room = data[begin : begin + width]
+        for c in range(width):
+            room[c] = template[c]
+        for s in range(len(number_at)):
+            doubles[begin + number_at[s]] = values[i, number_from[s]]
+        for s in range(len(flag_at)):
+            data[begin + flag_at[s]] = 1 if values[i, flag_from[s]] != 0.0 else 0
+        seconds, nanos = t_ns[i] // 1_000_000_000, t_ns[i] % 1_000_000_000
+        for s in range(len(stamp_at)):
+            at = begin + stamp_at[s]
+            data[at], data[at + 6] = 8, 16  # fields 1 and 2
+            for group in range(5):
+                more = 128 if group < 4 else 0
+                data[at + 1 + group] = seconds >> 7 * group & 127 | more
+                data[at + 7 + group] = nanos >> 7 * group & 127 | more
+        for s in range(len(time_at)):
+            integers[begin + time_at[s]] = t_ns[i]
+        for s in range(len(sequence_at)):
+            for byte in range(4):
+                data[begin + sequence_at[s] + byte] = sequence[i] >> 8 * byte & 255
+
+
+@kernel(lean=True)
+def fault_of(values: Any, quaternion_from: Any) -> int:
+    """What is wrong with `values` (n, c), of which the columns from each of `quaternion_from` on are quaternions.
+
+    0, or the first of: a number is not finite, a quaternion is not of unit length, one has w ≤ 0.
+    """
+    fault = 0
+    for i in range(values.shape[0]):
+        wild = 0
+        for c in range(values.shape[1]):
+            wild += not abs(values[i, c]) < np.inf
+        if wild > 0:
+            return NOT_FINITE
+        for q in range(len(quaternion_from)):
+            c = quaternion_from[q]
+            x, y, z, w = values[i, c], values[i, c + 1], values[i, c + 2], values[i, c + 3]
+            if not abs(x * x + y * y + z * z + w * w - 1.0) < UNIT:
+                fault = NOT_UNIT
+            elif not w > 0.0 and fault == 0:
+                fault = NOT_CANONICAL
+    return fault

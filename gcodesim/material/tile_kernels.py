@@ -1,0 +1,83 @@
+"""Tiles for the log: their columns out of a stock, and their triangles apart by class, small and quick to write."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.compiled import kernel
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int32]
+Bytes = NDArray[np.uint8]
+
+
+@kernel(lean=True)
+def take_columns(
+    lo: Array, hi: Array, count: Ints, ix: Ints, iy: Ints, lo_taken: Array, hi_taken: Array, count_taken: Ints
+) -> None:
+    """Copy the columns at `ix` (m,) and `iy` (n,) to arrays (m, n, k) and (m, n); no more of each than it has."""
+    for a in range(len(ix)):
+        for b in range(len(iy)):
+            i, j = ix[a], iy[b]
+            pieces = count[i, j]
+            count_taken[a, b] = pieces
+            for k in range(pieces):
+                lo_taken[a, b, k], hi_taken[a, b, k] = lo[i, j, k], hi[i, j, k]
+
+
+@kernel(lean=True)
+def same_columns(lo: Array, hi: Array, count: Ints, lo_before: Array, hi_before: Array, count_before: Ints) -> bool:
+    """Whether as many columns have the same pieces as before."""
+    for i in range(count.shape[0]):
+        for j in range(count.shape[1]):
+            if count[i, j] != count_before[i, j]:
+                return False
+            for k in range(count[i, j]):
+                if lo[i, j, k] != lo_before[i, j, k] or hi[i, j, k] != hi_before[i, j, k]:
+                    return False
+    return True
+
+
+@kernel
+def facets_of(
+    points: Array, faces: Ints, cut: Bytes, flat_parts: Ints, flat_cut: Bytes, which: int, rounding: float
+) -> tuple[Array, Ints]:
+    """The triangles (f, 3) of one class out of two lists of them, and the points (v, 3) [m] that they have.
+
+    Points stay in their order and become whole multiples of 1 / rounding.
+    """
+    number = np.full(len(points), -1, np.int32)
+    found = 0
+    for f in range(len(faces)):
+        if cut[f] == which:
+            number[faces[f, 0]], number[faces[f, 1]], number[faces[f, 2]] = 0, 0, 0
+            found += 1
+    for f in range(len(flat_parts)):
+        if flat_cut[f] == which:
+            number[flat_parts[f, 0]], number[flat_parts[f, 1]], number[flat_parts[f, 2]] = 0, 0, 0
+            found += 1
+    used = 0
+    for v in range(len(points)):
+        if number[v] == 0:
+            number[v] = used
+            used += 1
+    kept = np.empty((used, 3))
+    for v in range(len(points)):
+        if number[v] >= 0:
+            for d in range(3):
+                # + 0.0 turns -0.0 into 0.0
+                kept[number[v], d] = np.rint(points[v, d] * rounding) / rounding + 0.0
+    triangles = np.empty((found, 3), np.int32)
+    found = 0
+    for f in range(len(faces)):
+        if cut[f] == which:
+            for d in range(3):
+                triangles[found, d] = number[faces[f, d]]
+            found += 1
+    for f in range(len(flat_parts)):
+        if flat_cut[f] == which:
+            for d in range(3):
+                triangles[found, d] = number[flat_parts[f, d]]
+            found += 1
+    return kept, triangles

@@ -1,0 +1,95 @@
+"""The log instants of some windows, put together: what is computed of them costs little more for many than for few."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.frames import Array
+
+if TYPE_CHECKING:
+    from gcodesim.executor.record import StepRecord
+    from gcodesim.planning import Plan
+
+Ints = NDArray[np.int64]
+
+MANY: Final = 1000
+"""Instants that are worth writing."""
+
+MOST_WINDOWS: Final = 8
+"""Windows after which the instants are written however few they are: so long the log's other messages wait, too."""
+
+
+class Instants:
+    """Takes windows, and gives what they said at the log instants as columns.
+
+    `ends` are the steps of which the log needs the place of the tip, p in all: those of the instants, those before
+    them, and the last of each window. As the tip is where the motors and the bend of the gears bring it, their columns
+    are joints `q` (p, j), tip `X_BT` (p, 4, 4) without bend and `deflection` (p, 6).
+    """
+
+    def __init__(self, plan: Plan) -> None:
+        self._plan = plan
+        self._clear()
+
+    def _clear(self) -> None:
+        self._columns: dict[str, list[Any]] = {}
+        self._windows = 0
+        self._ends = 0
+        self.count = 0
+
+    @property
+    def worth_writing(self) -> bool:
+        return self.count >= MANY or self._windows >= MOST_WINDOWS
+
+    def add(self, record: StepRecord, t_ns: Ints, at: Ints, removed: Array) -> None:
+        """The instants `t_ns` (m,), which are steps `at` (m,) of a window; `removed` (n,) [m³] since the start."""
+        window, world = record.window, record.world
+        needed = np.zeros(len(record), dtype=bool)
+        needed[at] = needed[np.maximum(at - 1, 0)] = needed[-1] = True
+        ends = np.flatnonzero(needed)
+        place = np.cumsum(needed) + self._ends  # 0 is the end before all
+        follows = np.array_equal(world.q, window.q)
+        row = window.row[at]
+        self._extend(
+            q=world.q[ends],
+            X_BT=window.tip[ends] if follows else self._plan.tip(world.q[ends], window.row[ends]),
+            deflection=record.deflection[ends],
+            t_ns=t_ns,
+            now=place[at],
+            before=np.where(at > 0, place[at - 1], self._ends),
+            qd=world.qd[at],
+            effort=world.effort[at],
+            saturated=np.any(world.saturated[at], axis=1),
+            row=row,
+            tool=window.tool[at],
+            target=window.tip[at],
+            velocity=window.samples.velocity[at, :3],
+            time=window.samples.time[at],
+            wrench=record.wrench[at],
+            kind=record.kind[at],
+            engaged=record.engaged[at],
+            torque=record.torque[at],
+            power=record.power[at],
+            removal=record.removed[at] / window.dt,
+            removed=removed[at],
+        )
+        self._windows += 1
+        self._ends += len(ends)
+        self.count += len(at)
+
+    def _extend(self, **columns: Array | NDArray[Any]) -> None:
+        for name, column in columns.items():
+            self._columns.setdefault(name, []).append(column)
+
+    def take(self) -> dict[str, Any]:
+        """The columns by name; nothing is left.
+
+        `now` and `before` (m,) count the ends of steps from 1: that of an instant's step, and of the step before it.
+        0 is the last end that was taken earlier.
+        """
+        taken = {name: np.concatenate(parts) for name, parts in self._columns.items()}
+        self._clear()
+        return taken
