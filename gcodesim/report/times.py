@@ -207,6 +207,8 @@ def _tools(
     seconds[group[0]] += starts[0] * 1e-9
     engaged, removed, force, power = _sums(np.where(block >= 0, group[block], -1), len(numbers), process)
     names = {modal.tool: modal.tool_name for modal in timeline.modals}
+    # a log has samples; the results have seen every step
+    seen = {tool["number"]: tool for tool in recording.results.get("tools", ())}
     return tuple(
         ToolTime(
             number=number,
@@ -214,8 +216,8 @@ def _tools(
             seconds=float(seconds[i]),
             engaged=float(engaged[i]),
             removed=float(removed[i]),
-            force=float(force[i]),
-            power=float(power[i]),
+            force=max(float(force[i]), float(seen.get(number, {}).get("max_force_N", 0.0))),
+            power=max(float(power[i]), float(seen.get(number, {}).get("max_power_W", 0.0))),
         )
         for i, number in enumerate(numbers)
     )

@@ -122,7 +122,8 @@ def _text(arguments: argparse.Namespace, recording: Recording, topics: list[str]
         raise UsageError(str(reason)) from None
     if isinstance(stream, StringIO):
         _write(arguments.out, stream.getvalue().encode())
-        print(f"wrote {count} {'rows' if arguments.to == 'csv' else 'messages'} into {arguments.out}")
+        what = "row" if arguments.to == "csv" else "message"
+        print(f"wrote {count} {what}{'' if count == 1 else 's'} into {arguments.out}")
 
 
 def _moment(arguments: argparse.Namespace, recording: Recording) -> None:

@@ -67,3 +67,8 @@ def test_a_block_counts_once_whatever_states_it_goes_through(report, slot):
 
     assert by_line[14].count == 1  # the tool change, which stops and goes on
     assert all(line.count == 1 for line in report.lines)  # no loop in this program, and its end counts once
+
+
+def test_the_greatest_of_a_tool_is_that_of_the_results(report, slot):
+    for tool, known in zip(report.tools, slot.results["tools"], strict=True):
+        assert (tool.force, tool.power) == pytest.approx((known["max_force_N"], known["max_power_W"]))
