@@ -116,6 +116,8 @@ def test_an_interrupt_leaves_a_log_that_opens(cli, write, tmp_path: Path, world:
     assert max(int(row["line"]) for row in rows) == line == results["stopped_at"]["line"]
     assert sum(float(row["time_s"]) for row in rows) == pytest.approx(results["time"]["total_s"], rel=1e-4)
     assert results["tools"][0]["feed_mm"] == pytest.approx(results["distance"]["feed_mm"])
+    ended = cli("info", "out/run.mcap", "--format", "json").json["duration_s"]
+    assert results["time"]["total_s"] == pytest.approx(ended, abs=0.05)  # of a begun line what ran
 
 
 @pytest.mark.parametrize("by", [signal.SIGKILL, signal.SIGINT])
