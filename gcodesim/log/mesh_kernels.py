@@ -43,22 +43,28 @@ def take_used(points: Any, triangles: Any, number: Any, kept: Any, renumbered: A
             renumbered[i, c] = number[triangles[i, c]]
 
 
-@kernel
-def put_points(points: Any, grid: float, tag: int, data: Any, words: Any) -> bool:
-    """Write `points` (n, 3), rounded to whole multiples of `grid`, as fields x, y, z of messages in a repeated field.
-
-    `tag` is the field's; `data` (29 n,) takes the bytes, and is looked at as a float64 at every byte in `words`
-    (29 n - 7,). False, and an end, where a number is not finite.
-    """
-    at = 0
+@kernel(lean=True)
+def round_points(points: Any, grid: float, out: Any) -> bool:
+    """Whole multiples of `grid` next to `points` (n, 3), into `out` (n, 3). False where a number is not finite."""
+    wild = 0
     for i in range(points.shape[0]):
-        data[at], data[at + 1] = tag, 27
-        at += 2
         for d in range(3):
             value = np.rint(points[i, d] * (1.0 / grid)) * grid + 0.0  # + 0.0 turns -0.0 into 0.0
-            if not np.isfinite(value):
-                return False
-            data[at] = (d + 1) << 3 | 1
-            words[at + 1] = value
-            at += 9
-    return True
+            wild += not abs(value) < np.inf
+            out[i, d] = value
+    return wild == 0
+
+
+@kernel(lean=True)
+def put_points(points: Any, tag: int, data: Any) -> None:
+    """Write points, given as the bytes (n, 24) of their numbers, as messages of fields x, y, z in a repeated field.
+
+    `tag` is that field's; `data` (29 n,) takes the bytes.
+    """
+    for i in range(points.shape[0]):
+        point, given = data[29 * i : 29 * (i + 1)], points[i]
+        point[0], point[1] = tag, 27
+        for d in range(3):
+            point[2 + 9 * d] = (d + 1) << 3 | 1
+            for byte in range(8):
+                point[3 + 9 * d + byte] = given[8 * d + byte]

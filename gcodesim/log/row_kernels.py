@@ -14,7 +14,14 @@ UNIT = 1.0e-6
 NOT_FINITE, NOT_UNIT, NOT_CANONICAL = 1, 2, 3
 
 
-@kernel
+@kernel(lean=True)
+def put_integer(value: int, count: int, at: int, out: Any) -> None:
+    """The first `count` bytes of an integer, low byte first, from place `at` on in `out`."""
+    for byte in range(count):
+        out[at + byte] = value >> 8 * byte & 255
+
+
+@kernel(lean=True)
 def fill_rows(
     template: Any,
     number_at: Any,
@@ -26,40 +33,41 @@ def fill_rows(
     sequence_at: Any,
     rows: Any,
     values: Any,
+    value_bytes: Any,
     t_ns: Any,
     sequence: Any,
     data: Any,
-    doubles: Any,
-    integers: Any,
 ) -> None:
-    """Repeat `template` (w,) in `data` (n w,), which is `doubles` and `integers` at every byte too, and fill its slots.
+    """Repeat `template` (w,) in `data` (n w,) and fill its slots.
 
-    Row k gets instant `rows[k]` of `values` (m, c), `t_ns` (m,) and `sequence` (m,): doubles at `number_at` (s,) from
-    columns `number_from` (s,), likewise flags; stamps (12 bytes, both integers in five), times (8) and sequences (4).
+    Row k gets instant `rows[k]` of `values` (m, c), which are `value_bytes` (m, 8 c) too, `t_ns` (m,) and `sequence`
+    (m,): doubles at `number_at` (s,) from columns `number_from` (s,), likewise flags; stamps (12 bytes, both integers
+    in five), times (8) and sequences (4).
     """
     width = len(template)
     for k in range(len(rows)):
-        i, begin = rows[k], k * width
-        room = data[begin : begin + width]
+        i = rows[k]
+        room, given = data[k * width : (k + 1) * width], value_bytes[i]
         for c in range(width):
             room[c] = template[c]
         for s in range(len(number_at)):
-            doubles[begin + number_at[s]] = values[i, number_from[s]]
+            to, start = room[number_at[s] : number_at[s] + 8], given[8 * number_from[s] : 8 * number_from[s] + 8]
+            for byte in range(8):
+                to[byte] = start[byte]
         for s in range(len(flag_at)):
-            data[begin + flag_at[s]] = 1 if values[i, flag_from[s]] != 0.0 else 0
+            room[flag_at[s]] = 1 if values[i, flag_from[s]] != 0.0 else 0
         seconds, nanos = t_ns[i] // 1_000_000_000, t_ns[i] % 1_000_000_000
         for s in range(len(stamp_at)):
-            at = begin + stamp_at[s]
-            data[at], data[at + 6] = 8, 16  # fields 1 and 2
+            stamp = room[stamp_at[s] : stamp_at[s] + 12]
+            stamp[0], stamp[6] = 8, 16  # fields 1 and 2
             for group in range(5):
                 more = 128 if group < 4 else 0
-                data[at + 1 + group] = seconds >> 7 * group & 127 | more
-                data[at + 7 + group] = nanos >> 7 * group & 127 | more
+                stamp[1 + group] = seconds >> 7 * group & 127 | more
+                stamp[7 + group] = nanos >> 7 * group & 127 | more
         for s in range(len(time_at)):
-            integers[begin + time_at[s]] = t_ns[i]
+            put_integer(t_ns[i], 8, time_at[s], room)
         for s in range(len(sequence_at)):
-            for byte in range(4):
-                data[begin + sequence_at[s] + byte] = sequence[i] >> 8 * byte & 255
+            put_integer(sequence[i], 4, sequence_at[s], room)
 
 
 @kernel(lean=True)

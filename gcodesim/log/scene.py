@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.log.byte_strings import ByteStrings
-from gcodesim.log.mesh_kernels import put_points
+from gcodesim.log.mesh_kernels import put_points, round_points
 from gcodesim.log.shapes import Array, Box, Capsule, Color, Cone, Cylinder, Entity, Mesh, Polylines, Shape, Sphere
 from gcodesim.log.template import Piece, Template, double_slot, nested, stamp_slot
-from gcodesim.log.wire import BYTES, chunk, double, packed_fixed32, stamp, tag, text, unsigned, words, wrap
+from gcodesim.log.wire import BYTES, chunk, double, packed_fixed32, stamp, tag, text, unsigned, wrap
 
 GRID: Final = 2.0**-20
 POINT_BYTES: Final = 29  # of a point in a repeated field
@@ -54,10 +54,11 @@ def rounded(points: Array) -> Array:
 
 def _points(number: int, points: Array) -> bytes:
     """A repeated field of points (n, 3) on the grid of 2⁻²⁰ m. ValueError when a number is not finite."""
-    data = np.empty(POINT_BYTES * len(points), dtype=np.uint8)
-    head = tag(number, BYTES)[0]
-    if not put_points(np.require(points, np.float64, ["C", "W"]), GRID, head, data, words(data)):
+    steps = np.empty((len(points), 3))
+    if not round_points(np.require(points, np.float64, ["C", "W"]), GRID, steps):
         raise ValueError("a point to draw is not finite")
+    data = np.empty(POINT_BYTES * len(points), dtype=np.uint8)
+    put_points(steps.view(np.uint8), tag(number, BYTES)[0], data)
     return data.tobytes()
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.log.row_kernels import fill_rows
-from gcodesim.log.wire import BYTES, FIXED64, VARINT, tag, text, varint, words
+from gcodesim.log.wire import BYTES, FIXED64, VARINT, tag, text, varint
 
 STAMP_WIDTH: Final = 12
 _NS: Final = 1_000_000_000
@@ -115,9 +115,9 @@ class Template:
         data = np.empty(len(chosen) * width, dtype=np.uint8)
         times = _plain(t_ns, np.int64)
         numbers = times if sequence is None else _plain(sequence, np.int64)
-        given = chosen, _plain(values, np.float64), times, numbers
-        arguments: list[Any] = [self._bytes, *self._slots, *given, data, words(data), words(data, "<i8")]
-        fill_rows(*arguments)
+        given = _plain(values, np.float64)
+        arguments: list[Any] = [*self._slots, chosen, given, given.view(np.uint8), times, numbers, data]
+        fill_rows(self._bytes, *arguments)
         return data.reshape(len(chosen), width)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,11 +64,6 @@ def stamp(number: int, t_ns: int) -> bytes:
     """A Timestamp field of a time [ns]."""
     seconds, nanos = divmod(t_ns, _NS)
     return chunk(number, unsigned(1, seconds) + unsigned(2, nanos))
-
-
-def words(data: NDArray[np.uint8], kind: str = "<f8") -> NDArray[Any]:
-    """`data` (n,) looked at as a number of eight bytes at each byte (n - 7,), so that kernels write anywhere."""
-    return np.ndarray(max(len(data) - 7, 0), kind, data, 0, (1,))
 
 
 def packed_fixed32(number: int, values: NDArray[np.integer]) -> list[bytes]:
