@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import struct
-import zlib
 from dataclasses import dataclass
 from typing import Final
 
@@ -12,6 +11,7 @@ import zstandard
 from mcap.opcode import Opcode
 from numpy.typing import NDArray
 
+from gcodesim.log.checksum import crc32
 from gcodesim.log.order import Cut
 
 PACKING: Final = zstandard.ZstdCompressionParameters(
@@ -91,7 +91,7 @@ def pack(chunk: ChunkBuilder) -> PackedChunk:
     """Compress; touches nothing but `chunk`, so that another thread may do it."""
     data = chunk.records()
     packed = zstandard.ZstdCompressor(compression_params=PACKING).compress(data)
-    crc = zlib.crc32(data)
+    crc = crc32(data)
     head = _CHUNK_HEAD.pack(chunk.first_ns, chunk.last_ns, len(data), crc, 4, b"zstd", len(packed))
     size = _RECORD.size + len(head) + len(packed)
     indexes = chunk.index_records()

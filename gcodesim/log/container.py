@@ -10,7 +10,6 @@ from __future__ import annotations
 import errno
 import os
 import struct
-import zlib
 from collections import deque
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -37,6 +36,7 @@ from mcap.records import (
 from numpy.typing import NDArray
 
 from gcodesim.log.backlog import Messages
+from gcodesim.log.checksum import crc32
 from gcodesim.log.chunk import ChunkBuilder, PackedChunk, pack
 from gcodesim.log.order import Ordered
 from gcodesim.log.rows import Rows
@@ -208,7 +208,7 @@ class Container:
         offset_start = start + len(summary)
         summary += b"".join(_bytes_of(record) for record in offsets)
         # the summary's checksum covers the footer up to the checksum itself
-        crc = zlib.crc32(_RECORD.pack(Opcode.FOOTER, 20) + struct.pack("<QQ", start, offset_start), zlib.crc32(summary))
+        crc = crc32(_RECORD.pack(Opcode.FOOTER, 20) + struct.pack("<QQ", start, offset_start), crc32(summary))
         self._write(summary + _bytes_of(Footer(start, offset_start, crc)) + MAGIC)
         try:
             self.abandon()
@@ -253,7 +253,7 @@ class Container:
             if isinstance(error, OSError):
                 raise self._failure(error) from error
             raise
-        self._crc = zlib.crc32(data, self._crc)
+        self._crc = crc32(data, self._crc)
         self._offset += len(data)
 
     def _check_open(self) -> None:
