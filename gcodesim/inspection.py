@@ -39,6 +39,7 @@ class Inspector:
         # a rapid that takes less than a cell has touched nothing that the grid could show
         grids = (placed.stock.grid[2:] for placed in shop.stocks.values())
         self._grain = max((float(dx * dy * max(dx, dy)) for dx, dy in grids), default=0.0)
+        self._up = _straight_up(plan, shop)
         self._starts = plan.trajectory.row_start if len(plan.path) else np.zeros(1)
 
     def fresh(self, record: StepRecord, totals: RowTotals, joints: JointTotals) -> list[Diagnostic]:
@@ -78,7 +79,7 @@ class Inspector:
             changed=np.diff(rows.tool, prepend=-1) != 0,
             spindle=rows.spindle,
             time=self._starts,
-            rapid_cut=totals.rapid_cut,
+            rapid_cut=np.where(self._up, 0.0, totals.rapid_cut),
             rapid_bound=totals.rapid_bound + self._grain,
             stopped_cut=totals.stopped_cut,
             reversed_cut=totals.reversed_cut,
@@ -144,6 +145,16 @@ class Inspector:
                 )
             )
         return found
+
+
+def _straight_up(plan: Plan, shop: Shop) -> Flags:
+    """Rows (n,) along the spindle's axis away from the work, as out of a hole: the tool has been below already."""
+    path = plan.path
+    up = np.zeros(max(len(path), 1), dtype=np.bool_)
+    if len(path) and isinstance(mover_of(shop), MachineTool):
+        way = path.end - path.start
+        up[:] = (way[:, 2] > 0.0) & (np.abs(np.delete(way, 2, axis=1)).max(axis=1) < 1e-9)
+    return up
 
 
 def _above(values: Array, limit: float | None) -> bool:

@@ -1,42 +1,59 @@
 """Tools and stock out of a program's words and comments, as CAM systems write them; a guess, never a reading.
 
 Known forms: `(T1 D=6. CR=0. - ZMIN=-2. - flat end mill)` of Fusion posts,
-`(T1 | 6mm end mill | D6)` and alike, `(STOCK 100 x 60 x 20)`,
-`(X= 100.000, Y= 60.000, Z= 20.000)` of VCarve.
+`(T1 | 6mm end mill | D6)`, `( T2 | 1/4 DRILL )` and alike, `(TOOL/MILL,6.35, 0.00, …)` of Carbide Create,
+`(Change tool bit to drill size 0.8mm)` beside the call; `(STOCK 100 x 60 x 20)`,
+`(X= 100.000, Y= 60.000, Z= 20.000)` of VCarve, `(stockMin: …)` with `(stockMax: …)`.
 """
 
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Final
 
 from gcodesim.diagnostics import SourceText
+from gcodesim.units import INCH, MM
 
 Triple = tuple[float, float, float]
 
 _COMMENT = re.compile(r"\(([^)]*)\)|;(.*)$")
 _NUMBER = r"([0-9]+\.?[0-9]*|\.[0-9]+)"
-_TOOL_WORD = re.compile(r"(?<![A-Za-z0-9#<])[Tt]\s*([0-9]{1,5})(?![0-9.])")
+_SIGNED = r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))"
+_MM_COMMA = r"\s*(?:mm|in|\")?\s*,\s*"
+_OFFSET_WORD = re.compile(r"(?<![A-Za-z#<])[DHdh]\s*([0-9]{1,5})(?![0-9.])")
+_TOOL_WORD = re.compile(r"(?<![A-Za-z#<])[Tt]\s*([0-9]{1,5})(?![0-9.])")
 _TOOL_COMMENT = re.compile(r"\b(?:T|TOOL\s*#?)\s*([0-9]{1,5})\b", re.IGNORECASE)
-_DIAMETERS: Final = (
-    re.compile(rf"(?:\bD(?:IA(?:METER)?)?\.?\s*[=:]?\s*|[ØøΦ]\s*){_NUMBER}", re.IGNORECASE),
-    re.compile(rf"{_NUMBER}\s*(?:mm|in|\")", re.IGNORECASE),
-    re.compile(rf"(?:mill|drill)\s+{_NUMBER}", re.IGNORECASE),
+_UNIT = r"\s*(mm\b|in\b|inch\b|\"|'')?"
+_FRACTION = re.compile(
+    r"(?<![0-9./])([0-9]{1,2})\s*/\s*([0-9]{1,2})"
+    r"(?:\s*(?:\"|''|in\b|inch)|\s+[A-Z ]{0,16}(?:MILL|DRILL|BALL|FLAT|BULL))",
+    re.IGNORECASE,
 )
+_DIAMETERS: Final = (
+    re.compile(rf"(?:(?<![A-Za-z])D(?:IA(?:METER)?)?\.?\s*[=:]?\s*|[ØøΦ]\s*){_NUMBER}{_UNIT}", re.IGNORECASE),
+    re.compile(rf"TOOL/MILL\s*,\s*{_NUMBER}()", re.IGNORECASE),
+    re.compile(rf"(?<![0-9.]){_NUMBER}\s*(mm|in|\")", re.IGNORECASE),
+    re.compile(rf"(?:mill|drill)\s+{_NUMBER}()", re.IGNORECASE),
+    re.compile(rf"^\s*:\s*{_NUMBER}()\s*$"),
+)
+_OF_A_TOOL = re.compile(r"mill|drill|bit|tool|cutter|ball|fr[aäe]s|frez|bohr|broca|foret|\bdia", re.IGNORECASE)
+_NEAR: Final = (0, 1, 2, 3, 4, 5, -1, -2, -3, -4)  # lines from the call in which a comment may speak of its tool
 _CORNER = re.compile(rf"\bCR\s*[=:]\s*{_NUMBER}", re.IGNORECASE)
 _POINT = re.compile(rf"\b(?:TAPER|ANGLE|POINT)\s*[=:]\s*{_NUMBER}", re.IGNORECASE)
 _BY = r"\s*(?:mm|in)?\s*[x×*,]\s*"
 _STOCK_SIZE = re.compile(rf"{_NUMBER}{_BY}{_NUMBER}{_BY}{_NUMBER}", re.IGNORECASE)
 _SIDES = re.compile(rf"X\s*=\s*{_NUMBER}\s*,?\s*Y\s*=\s*{_NUMBER}\s*,?\s*Z\s*=\s*{_NUMBER}", re.IGNORECASE)
-_COORDINATE = re.compile(r"(?<![A-Za-z#<])([XYZxyz])\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))")
+_CORNERS: Final = tuple(
+    re.compile(rf"STOCK{word}\s*:\s*{_SIGNED}{_MM_COMMA}{_SIGNED}{_MM_COMMA}{_SIGNED}", re.IGNORECASE)
+    for word in ("MIN", "MAX")
+)
 _INCH = re.compile(r"[Gg]0*20(?![0-9.])")
-_SKIPPED = re.compile(r"[Gg]0*(?:28|30|53|92|10)(?![0-9])")  # their numbers are no points of the part
 _KINDS: Final = (
     ("ball", "ball_end_mill"),
     ("bull", "bull_nose_end_mill"),
-    ("drill", "drill"),
-    ("bore", "drill"),
+    *((word, "drill") for word in ("drill", "bore", "bohr", "broca", "foret", "taladr", "tap", "reamer")),
 )
 
 
@@ -55,68 +72,126 @@ class ScannedTool:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scan:
-    """What was found; lengths in the program's unit. `lower` and `upper` are the least and greatest X, Y, Z words."""
+    """What was found; lengths in the program's unit. `corners` are the least and greatest corner of the stock.
+
+    `offsets` are numbers of H and D words that are no tool's, with the tool that was called before them, 0 for none.
+    """
 
     inch: bool
     tools: tuple[ScannedTool, ...]
+    offsets: Mapping[int, int]
     stock: Triple | None
+    corners: tuple[Triple, Triple] | None
     stock_line: int
-    lower: Triple | None
-    upper: Triple | None
 
 
 def scan(program: SourceText) -> Scan:
-    """Tools in the order of their numbers, stock size and extent."""
+    """Tools in the order of their numbers, those that are called before those that are only told of; stock."""
+    notes, words = _split(program)
+    inch = any(_INCH.search(text) for text in words)
     called: dict[int, ScannedTool] = {}
+    offsets: dict[int, int] = {}
+    last = 0
     told: dict[int, ScannedTool] = {}
-    stock, stock_line, inch = None, 0, False
-    extent: dict[str, list[float]] = {"X": [], "Y": [], "Z": []}
-    for number, text in enumerate(program.lines, start=1):
-        comments = " ".join(a or b for a, b in _COMMENT.findall(text)).strip()
-        comments = "".join(c if c.isprintable() else " " for c in comments)
-        words = _COMMENT.sub(" ", text)
-        inch = inch or _INCH.search(words) is not None
-        for match in _TOOL_WORD.finditer(words):
-            tool = int(match[1])
-            if tool:
-                called.setdefault(tool, ScannedTool(number=tool, line=number))
-        if comments:
-            for tool_told in _tools_of(comments, number):
-                told.setdefault(tool_told.number, tool_told)
-            if stock is None and (size := _stock_of(comments)) is not None:
-                stock, stock_line = size, number
-        if not _SKIPPED.search(words):
-            for letter, value in _COORDINATE.findall(words):
-                extent[letter.upper()].append(float(value))
+    stock, stock_line = None, 0
+    corners: list[Triple] = []
+    for number, (note, text) in enumerate(zip(notes, words, strict=True), start=1):
+        for match in _TOOL_WORD.finditer(text):
+            last = tool = int(match[1])
+            if tool and tool not in called:
+                called[tool] = _near(tool, number, notes, words, inch)
+        for match in _OFFSET_WORD.finditer(text):
+            if int(match[1]):
+                offsets.setdefault(int(match[1]), last)
+        if not note:
+            continue
+        for tool_told in _tools_of(note, number, inch):
+            told.setdefault(tool_told.number, tool_told)
+        if stock is None and (size := _stock_of(note)) is not None:
+            stock, stock_line = size, number
+        if len(corners) < len(_CORNERS) and (corner := _CORNERS[len(corners)].search(note)) is not None:
+            corners.append((float(corner[1]), float(corner[2]), float(corner[3])))
+            stock_line = number
+    if len(called | told) < 2 and (only := _only(notes, inch)) is not None:
+        number = next(iter(called | told), only.number)
+        known = called.get(number) or told.get(number)
+        if known is None or known.diameter is None:
+            told[number] = replace(only, number=number)
     numbers = sorted(called) or sorted(told)
-    lower, upper = _box(extent)
+    whole = len(corners) == 2 and all(a < b for a, b in zip(*corners, strict=True))
     return Scan(
         inch=inch,
-        tools=tuple(told[n] if n in told else called[n] for n in numbers),
+        tools=tuple(_better(called.get(n), told.get(n)) for n in numbers),
+        offsets={number: tool for number, tool in sorted(offsets.items()) if number not in numbers},
         stock=stock,
+        corners=(corners[0], corners[1]) if whole else None,
         stock_line=stock_line,
-        lower=lower,
-        upper=upper,
     )
 
 
-def _tools_of(comment: str, line: int) -> list[ScannedTool]:
+def _split(program: SourceText) -> tuple[list[str], list[str]]:
+    """Comments and words of each line."""
+    notes, words = [], []
+    for text in program.lines:
+        note = " ".join(a or b for a, b in _COMMENT.findall(text)).strip()
+        notes.append("".join(c if c.isprintable() else " " for c in note))
+        words.append(_COMMENT.sub(" ", text))
+    return notes, words
+
+
+def _better(called: ScannedTool | None, told: ScannedTool | None) -> ScannedTool:
+    """What a list of tools says comes before what stands beside the call."""
+    if told is None or (called is not None and told.diameter is None):
+        assert called is not None
+        return called
+    return told
+
+
+def _near(tool: int, line: int, notes: list[str], words: list[str], inch: bool) -> ScannedTool:
+    """A called tool with what comments beside the call say of its size."""
+    for step in _NEAR:
+        at = line + step
+        if not 1 <= at <= len(notes) or not notes[at - 1] or (step and _TOOL_WORD.search(words[at - 1])):
+            continue
+        note = notes[at - 1]
+        others = {int(match[1]) for match in _TOOL_COMMENT.finditer(note)} - {tool}
+        if others or (step and not _OF_A_TOOL.search(note)):
+            continue
+        found = _tool_of(tool, note, note.strip(" ,;"), at, inch)
+        if found.diameter is not None:
+            return found
+    return ScannedTool(number=tool, line=line)
+
+
+def _only(notes: list[str], inch: bool) -> ScannedTool | None:
+    """The tool of a program that calls none: the first comment that gives the size of one."""
+    for number, note in enumerate(notes, start=1):
+        if note and _OF_A_TOOL.search(note):
+            found = _tool_of(1, note, note.strip(" ,;"), number, inch)
+            if found.diameter is not None:
+                return found
+    return None
+
+
+def _tools_of(comment: str, line: int, inch: bool) -> list[ScannedTool]:
     """What a comment says about each `T` in it, up to the next one."""
     found = [match for match in _TOOL_COMMENT.finditer(comment) if int(match[1])]
     ends = [match.start() for match in found[1:]] + [len(comment)]
     return [
-        _tool_of(int(match[1]), comment[match.end() : end], comment[match.start() : end].strip(" ,;"), line)
+        _tool_of(int(match[1]), comment[match.end() : end], comment[match.start() : end].strip(" ,;"), line, inch)
         for match, end in zip(found, ends, strict=False)
     ]
 
 
-def _tool_of(number: int, text: str, comment: str, line: int) -> ScannedTool:
+def _tool_of(number: int, text: str, comment: str, line: int, inch: bool) -> ScannedTool:
     kind = next((name for word, name in _KINDS if word in text.lower()), "flat_end_mill")
-    diameter = next((float(match[1]) for pattern in _DIAMETERS if (match := pattern.search(text))), None)
+    diameter = _diameter_of(text, inch)
     corner, point = _CORNER.search(text), _POINT.search(text)
     radius = None if corner is None else float(corner[1])
     if kind == "flat_end_mill" and radius and diameter:
         kind = "ball_end_mill" if radius >= 0.5 * diameter else "bull_nose_end_mill"
+    if kind == "bull_nose_end_mill" and not radius:
+        kind = "flat_end_mill"
     return ScannedTool(
         number=number,
         line=line,
@@ -128,6 +203,19 @@ def _tool_of(number: int, text: str, comment: str, line: int) -> ScannedTool:
     )
 
 
+def _diameter_of(text: str, inch: bool) -> float | None:
+    """A diameter in the program's unit."""
+    own = INCH if inch else MM
+    if fraction := _FRACTION.search(text):
+        below = float(fraction[2])
+        return float(fraction[1]) / below * INCH / own if below else None
+    for pattern in _DIAMETERS:
+        if match := pattern.search(text):
+            unit = {"": own, "mm": MM}.get((match[2] or "").lower(), INCH)
+            return float(match[1]) * unit / own if unit != own else float(match[1])
+    return None
+
+
 def _stock_of(comment: str) -> Triple | None:
     words = comment.lower()
     match = _SIDES.search(comment)
@@ -137,14 +225,3 @@ def _stock_of(comment: str) -> Triple | None:
         return None
     size = float(match[1]), float(match[2]), float(match[3])
     return size if min(size) > 0.0 else None
-
-
-def _box(extent: dict[str, list[float]]) -> tuple[Triple | None, Triple | None]:
-    """Box around the points; its top is Z0, where most programs have it. None when it would be flat."""
-    if not all(extent.values()):
-        return None, None
-    low = (min(extent["X"]), min(extent["Y"]), min(extent["Z"]))
-    high = (max(extent["X"]), max(extent["Y"]), 0.0 if low[2] < 0.0 else max(extent["Z"]))
-    if any(b - a < 1e-3 for a, b in zip(low, high, strict=True)):
-        return None, None
-    return low, high

@@ -2,14 +2,45 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
 from importlib.resources import files
 from typing import Final
 
 from gcodesim.cell.program_scan import Scan, ScannedTool, scan
+from gcodesim.cell.program_survey import Reach, Survey, survey
 from gcodesim.diagnostics import SourceText
+from gcodesim.units import INCH, MM
 
 PROGRAM: Final = "part.nc"
 CELL: Final = "cell.yaml"
+
+_SYSTEMS: Final = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
+_ROUTER: Final = (1.2, 0.8)  # m, travel of the shipped router in X and Y
+_ROUTER_Z: Final = 0.4
+_ABOVE: Final = 0.09  # m, what the router leaves above the stock where nothing says where the work stands
+_GAP: Final = 50.0 * MM
+_THIN: Final = 1.0 * MM  # a cut that is less deep says nothing of the thickness
+_NEAR_A_SIDE: Final = 0.25
+_SHEET: Final = 3.0 * MM
+_GUESSED: Final = {"drill": 5.0 * MM, "flat_end_mill": 6.0 * MM}
+
+
+class NoCellError(Exception):
+    """There is no sense in a cell for this program; says why."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Tool:
+    """A tool of the cell [m], and where its size comes from."""
+
+    scanned: ScannedTool
+    diameter: float
+    guessed: bool
+
+    @property
+    def length(self) -> float:
+        return max(4.0 * self.diameter, 40.0 * MM)  # what a cell takes when it is not told
 
 
 def start_files() -> dict[str, bytes]:
@@ -19,51 +50,282 @@ def start_files() -> dict[str, bytes]:
 
 
 def cell_for(program: SourceText) -> bytes:
-    """A cell for `program`: machine, stock and tools as far as its words and comments tell, the rest to fill in."""
-    found = scan(program)
-    unit = "in" if found.inch else "mm"
+    """A cell in which `program` runs: dialect, machine, stock and tools as its moves, words and comments tell.
+
+    What nothing tells is guessed and marked so. NoCellError for a program that no dialect reads.
+    """
+    found, seen = scan(program), survey(program)
+    if seen.foreign:
+        raise NoCellError(f"{program.name} is a program for {seen.foreign}; no dialect of gcodesim reads it")
+    tools = _tools(found, seen)
+    writer = _Writer(found=found, seen=seen, tools=tools)
     lines = [
-        f"# A cell for {program.name}, made from its words and comments: look at every line.",
-        "# `gcodesim cell validate cell.yaml` says what is still missing.",
+        f"# A cell for {program.name}, made from its moves, words and comments: look at every line.",
         "gcodesim: 1",
         *(["units: {length: in}"] if found.inch else []),
-        "machine: gantry_xyz",
+        *writer.language(),
         "",
-        *_stock_lines(found),
+        *writer.machine(),
         "",
-        "tools:" if found.tools else "# no T word was found, so nothing acts:\n# tools:",
+        *writer.stock(),
+        "",
+        *writer.tools_lines(),
     ]
-    for tool in found.tools:
-        lines += _tool_lines(tool, unit)
-    if not found.tools:
-        lines.append("#   1: {type: flat_end_mill, diameter: 6 mm}")
     return ("\n".join(lines) + "\n").encode()
 
 
-def _stock_lines(found: Scan) -> list[str]:
-    if found.stock is not None:
-        size = ", ".join(f"{side:g}" for side in found.stock)
-        return [
-            f"# size from line {found.stock_line}; zero and material are guesses",
-            f"stock: {{box: [{size}], zero: top-front-left, material: al6082_t6}}",
+def _tools(found: Scan, seen: Survey) -> list[_Tool]:
+    """The tools that the program calls; the one in the spindle when it calls none."""
+    scanned = list(found.tools)
+    if not scanned and any(use.sideways or use.down for use in seen.uses.values()) and _depth(seen) > 0.0:
+        scanned = [ScannedTool(number=1, line=0)]
+    unit = INCH if found.inch else MM
+    tools = []
+    for tool in scanned:
+        use = seen.uses.get(tool.number) or (seen.uses.get(0) if not seen.changes else None)
+        if use is not None and use.makes_holes and tool.type == "flat_end_mill" and not tool.comment:
+            tool = ScannedTool(number=tool.number, line=tool.line, type="drill")
+        if tool.diameter is not None:
+            tools.append(_Tool(scanned=tool, diameter=tool.diameter * unit, guessed=False))
+            continue
+        guess = 0.25 * INCH if found.inch else _GUESSED.get(tool.type, 6.0 * MM)
+        if 0.0 < _depth(seen) < _THIN:
+            guess = 0.5 * MM  # an engraving, or tracks of a board
+        tools.append(_Tool(scanned=tool, diameter=guess, guessed=True))
+    return tools
+
+
+def _depth(seen: Survey) -> float:
+    return max((float(r.cut[1][2] - r.cut[0][2]) for r in seen.systems.values() if r.cut is not None), default=0.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Writer:
+    """The parts of the cell as lines of text."""
+
+    found: Scan
+    seen: Survey
+    tools: list[_Tool]
+
+    @property
+    def _unit(self) -> float:
+        return INCH if self.found.inch else MM
+
+    def _list(self, values: object, digits: int = 4) -> str:
+        """Lengths [m] as a list in the program's unit."""
+        return ", ".join(f"{round(float(v) / self._unit, digits):g}" for v in values)  # type: ignore[attr-defined]
+
+    def language(self) -> list[str]:
+        lines = [f"dialect: {self.seen.dialect:<10} # {self.seen.why}"]
+        if self.seen.failed is not None:
+            where = self.seen.failed.span.line
+            lines.append(f"# line {where} of the program has an error, so a run stops there: see `gcodesim lint`")
+        if self.seen.lathe:
+            lines.append("# it is a program for a lathe: paths and times are right, material is not")
+        if self.tools and not self.seen.changes:
+            number = self.tools[0].scanned.number
+            lines.append(f"loaded_tool: {number}    # the program changes no tool: this one is there from the start")
+        if self.tools and not self.seen.changes and not self.seen.spins:
+            lines.append("checks: {GS501: note}    # the program never starts the spindle: somebody does it by hand")
+        return lines
+
+    # -- machine
+
+    def machine(self) -> list[str]:
+        if self._router_suffices():
+            return ["machine: gantry_xyz"]
+        zeros, travel = self._layout()
+        lines = [
+            "# as large as the program asks for; put in the travel, speeds and accelerations of your machine",
+            "machine:",
+            "  axes:",
         ]
-    if found.lower is None or found.upper is None:
-        return ["# stock: {box: [100, 60, 20], zero: top-front-left, material: al6082_t6}"]
-    low = ", ".join(f"{v:g}" for v in found.lower)
-    high = ", ".join(f"{v:g}" for v in found.upper)
-    return [
-        "# from the least and greatest X, Y, Z of the program, top at Z0: put in the real size and material",
-        f"stock: {{min: [{low}], max: [{high}], material: al6082_t6}}",
-    ]
+        first = next(iter(zeros.values()), (0.0, 0.0, 0.0))
+        longest = max((tool.length for tool in self.tools), default=0.0)
+        for k, letter in enumerate("XYZ"):
+            low, high = travel[k]
+            speed = "30 m/min, acceleration: 3 m/s^2" if k < 2 else "15 m/min, acceleration: 2 m/s^2"
+            home = first[k] + (longest if k == 2 else 0.0) + 0.0
+            at = f", home: {home / MM:g} mm" if self.seen.from_zero else ""
+            lines.append(f"    {letter}: {{travel: [{low / MM:g}, {high / MM:g} mm], speed: {speed}{at}}}")
+        for letter in self.seen.rotary:
+            lines.append(
+                f"    {letter}: {{travel: unlimited, speed: 90 deg/s, side: table}}  # time only without `at:`"
+            )
+        if self.seen.from_zero:
+            lines.append("# the program counts from where it starts: `home` is its zero, the tool on the material")
+        lines.append("work_offsets:")
+        for index, zero in self._zeros_by_system(zeros):
+            place = ", ".join(f"{value / MM + 0.0:g}" for value in zero)
+            lines.append(f"  {_SYSTEMS[index - 1]}: {{xyz: [{place} mm]}}")
+        return lines
+
+    def _zeros_by_system(
+        self, zeros: dict[int, tuple[float, float, float]]
+    ) -> list[tuple[int, tuple[float, float, float]]]:
+        return sorted(zeros.items()) or [(1, (0.0, 0.0, 0.0))]
+
+    def _router_suffices(self) -> bool:
+        seen = self.seen
+        if not any(self._stock_box(reach) for reach in seen.systems.values()):
+            return not seen.systems  # without stock nothing places the work
+        if seen.rotary or seen.from_zero or len(seen.systems) > 1 or (seen.systems and 1 not in seen.systems):
+            return False
+        if seen.machine is not None:
+            low, high = seen.machine
+            if low[2] < -_ROUTER_Z or high[2] > 0.0 or (low[:2] < 0.0).any() or (high[:2] > _ROUTER).any():
+                return False
+        for reach in seen.systems.values():
+            low, high = reach.all
+            box = self._stock_box(reach)
+            body = (low, high) if box is None else box
+            middle = [0.5 * (a + b) for a, b in zip(*body, strict=True)]
+            for k in range(2):
+                if max(high[k] - middle[k], middle[k] - low[k]) > 0.48 * _ROUTER[k]:
+                    return False
+            top = 0.0 if box is None else float(box[1][2])
+            longest = max((tool.length for tool in self.tools), default=0.0)
+            if high[2] - top > _ABOVE or top - low[2] > _ROUTER_Z - 0.1 - longest:
+                return False
+        return True
+
+    def _layout(self) -> tuple[dict[int, tuple[float, float, float]], list[tuple[float, float]]]:
+        """Zeros of the work systems side by side along X, and a travel that holds them all [m]."""
+        longest = max((tool.length for tool in self.tools), default=0.0)
+        highest = max((float(r.all[1][2]) for r in self.seen.systems.values()), default=0.0)
+        lowest = min((float(r.all[0][2]) for r in self.seen.systems.values()), default=0.0)
+        z = -_up(highest + longest + 10.0 * MM)
+        zeros, x, widest = {}, _GAP, 0.0
+        for index, reach in self.seen.systems.items():
+            low, high = self._room(reach)
+            zeros[index] = (_up(x - low[0]), _up(_GAP - low[1]), z)
+            x = zeros[index][0] + high[0] + _GAP
+            widest = max(widest, zeros[index][1] + high[1] + _GAP)
+        travel = [[0.0, _up(x)], [0.0, _up(widest)], [-_up(-(z + min(lowest, 0.0)) + 10.0 * MM), 0.0]]
+        if self.seen.machine is not None:
+            for k in range(3):
+                travel[k][0] = min(travel[k][0], -_up(-float(self.seen.machine[0][k])))
+                travel[k][1] = max(travel[k][1], _up(float(self.seen.machine[1][k])))
+        return zeros, [(low + 0.0, high + 0.0) for low, high in travel]
+
+    def _room(self, reach: Reach) -> tuple[list[float], list[float]]:
+        low, high = [float(v) for v in reach.all[0]], [float(v) for v in reach.all[1]]
+        if (box := self._stock_box(reach)) is not None:
+            low = [min(a, float(b)) for a, b in zip(low, box[0], strict=True)]
+            high = [max(a, float(b)) for a, b in zip(high, box[1], strict=True)]
+        return low, high
+
+    # -- stock
+
+    def _stock_box(self, reach: Reach) -> tuple[list[float], list[float]] | None:
+        """The box of material in a work system [m]; None where nothing is cut into a depth."""
+        if self.found.corners is not None:
+            return tuple([v * self._unit for v in corner] for corner in self.found.corners)  # type: ignore[return-value]
+        if reach.cut is None or reach.cut[1][2] - reach.cut[0][2] < 1e-6:
+            return None
+        low, high = [float(v) for v in reach.cut[0]], [float(v) for v in reach.cut[1]]
+        if self.found.stock is not None:
+            return _around(low, high, [side * self._unit for side in self.found.stock])
+        if high[2] - low[2] < _THIN:
+            low[2] = high[2] - _SHEET
+        radii = {tool.scanned.number: 0.5 * tool.diameter for tool in self.tools}
+        radius = max(radii.values(), default=0.0)
+        drills = all(use.makes_holes for use in self.seen.uses.values())
+        for k in range(2):
+            if drills or high[k] - low[k] < 2.0 * radius + 1e-6:  # holes, or a line
+                low[k], high[k] = low[k] - 2.0 * radius, high[k] + 2.0 * radius
+        for x, y, number in reach.plunges.tolist():
+            _keep_out((x, y), radii.get(int(number), radius), low, high)
+        return low, high
+
+    def stock(self) -> list[str]:
+        boxes = {
+            index: box for index, reach in self.seen.systems.items() if (box := self._stock_box(reach)) is not None
+        }
+        if not boxes:
+            return [
+                "# nothing is fed into a depth: a beam, jet or pen, which are not simulated, or no cut at all",
+                "# stock: {box: [100, 60, 20], zero: top-front-left, material: al6082_t6}",
+            ]
+        if self.found.corners is not None or self.found.stock is not None:
+            source = f"# size from line {self.found.stock_line}; "
+            source += (
+                "put in the material" if self.found.corners is not None else "its place and the material are guesses"
+            )
+        else:
+            source = "# a guess from what is cut: put in the real size and material"
+        if len(boxes) == 1:
+            [(index, (low, high))] = boxes.items()
+            own = "" if index == 1 else f", in: {_SYSTEMS[index - 1]}"
+            return [source, f"stock: {{min: [{self._list(low)}], max: [{self._list(high)}]{own}, material: al6082_t6}}"]
+        lines = [source, "stock:"]
+        for index, (low, high) in boxes.items():
+            name = _SYSTEMS[index - 1]
+            key = "in_" + name.lower().replace(".", "_")
+            lines.append(
+                f"  {key}: {{min: [{self._list(low)}], max: [{self._list(high)}], in: {name}, material: al6082_t6}}"
+            )
+        return lines
+
+    # -- tools
+
+    def tools_lines(self) -> list[str]:
+        if not self.tools:
+            return ["# no tool cuts, so none is needed:", "# tools:", "#   1: {type: flat_end_mill, diameter: 6 mm}"]
+        lines = ["tools:"]
+        unit = "in" if self.found.inch else "mm"
+        for tool in self.tools:
+            told = tool.scanned
+            asked = "; ITS DIAMETER IS A GUESS" if tool.guessed else ""
+            source = f"called in line {told.line}" if told.line else "nothing says what is in the spindle"
+            if told.comment:
+                source = f"line {told.line}: {told.comment}"
+            values = [f"type: {told.type}", f"diameter: {round(tool.diameter / self._unit, 4):g} {unit}"]
+            if told.corner_radius:
+                values.append(f"corner_radius: {told.corner_radius:g} {unit}")
+            if told.point_angle is not None:
+                values.append(f"point_angle: {told.point_angle:g} deg")
+            text = f"{{{', '.join(values)}}}"
+            lines += [f"  # {source}{asked}", f"  {told.number}: {text}"]
+            for number, of in self.found.offsets.items():
+                if of == told.number or (of == 0 and not self.seen.changes):
+                    lines += [
+                        f"  # H{number} or D{number}, the offset with which T{told.number} is used",
+                        f"  {number}: {text}",
+                    ]
+        return lines
 
 
-def _tool_lines(tool: ScannedTool, unit: str) -> list[str]:
-    asked = "" if tool.diameter is not None else "; fill in its diameter"
-    source = f"line {tool.line}: {tool.comment}{asked}" if tool.comment else f"called in line {tool.line}{asked}"
-    values = [f"type: {tool.type}"]
-    values.append(f"diameter: {tool.diameter:g} {unit}" if tool.diameter is not None else "diameter: ")
-    if tool.corner_radius:
-        values.append(f"corner_radius: {tool.corner_radius:g} {unit}")
-    if tool.point_angle is not None:
-        values.append(f"point_angle: {tool.point_angle:g} deg")
-    return [f"  # {source}", f"  {tool.number}: {{{', '.join(values)}}}"]
+def _around(low: list[float], high: list[float], size: list[float]) -> tuple[list[float], list[float]]:
+    """A box of this size [m] in the likeliest place about what is cut: a zero in a corner or in the middle."""
+    least, most = [0.0] * 3, [0.0] * 3
+    for k in range(2):
+        centred = low[k] < -0.05 * size[k]
+        least[k] = -0.5 * size[k] if centred else 0.0
+        most[k] = least[k] + size[k]
+        if low[k] < least[k] - 0.1 * size[k] or high[k] > most[k] + 0.1 * size[k]:
+            least[k] = 0.5 * (low[k] + high[k] - size[k])
+            most[k] = least[k] + size[k]
+    most[2] = 0.0 if low[2] < -1e-6 else size[2]
+    least[2] = most[2] - size[2]
+    return least, most
+
+
+def _keep_out(point: tuple[float, float], radius: float, low: list[float], high: list[float]) -> None:
+    """Move that side of a box by which a tool comes down in a rapid, when it does so near to a side."""
+    if any(not a - radius < p < b + radius for p, a, b in zip(point, low, high, strict=False)):
+        return
+    costs = [(point[k] + radius - low[k], k, True) for k in range(2)]
+    costs += [(high[k] - point[k] + radius, k, False) for k in range(2)]
+    cost, axis, is_low = min(costs)
+    if cost > _NEAR_A_SIDE * (high[axis] - low[axis]):
+        return
+    if is_low:
+        low[axis] = point[axis] + radius
+    else:
+        high[axis] = point[axis] - radius
+
+
+def _up(value: float) -> float:
+    """Up to whole 10 mm [m]."""
+    return math.ceil(value / (10.0 * MM) - 1e-9) * 10.0 * MM

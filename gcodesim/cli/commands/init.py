@@ -22,19 +22,22 @@ def add_parser(commands: Any) -> None:
         dest="program",
         type=Path,
         metavar="PROGRAM",
-        help="write only a cell, with the tools and the stock size that this program suggests",
+        help="write only a cell in which this program runs: dialect, machine, tools and stock as it suggests them",
     )
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from gcodesim.cell.templates import CELL, cell_for, start_files
+    from gcodesim.cell.templates import CELL, NoCellError, cell_for, start_files
 
     folder = arguments.folder
     program = None if arguments.program is None else read_source(arguments.program, "program")
     if folder.exists() and not folder.is_dir():
         raise UsageError(f"{folder} is a file, not a folder")
-    files = start_files() if program is None else {CELL: cell_for(program)}
+    try:
+        files = start_files() if program is None else {CELL: cell_for(program)}
+    except NoCellError as reason:
+        raise UsageError(f"{reason}; nothing was written") from None
     present = [name for name in files if (folder / name).exists()]
     if present:
         raise UsageError(f"{folder / present[0]} is there already; nothing was written")

@@ -110,7 +110,7 @@ def test_shank_tilt_and_spindle_have_their_codes() -> None:
 
 def test_a_hundred_holes_with_the_spindle_off_have_one_cause() -> None:
     rapid = [i % 2 for i in range(200)]
-    rows = use(200, rapid=rapid, stopped_cut={i: MM3 for i in range(0, 200, 2)})
+    rows = use(200, rapid=rapid, stopped_cut=dict.fromkeys(range(0, 200, 2), MM3))
 
     assert [(f.code, f.span.line, f.count) for f in found(rows)] == [("GS501", 1, 100)]
 

@@ -1,0 +1,344 @@
+"""What a program does, as far as a first cell needs it: its language, where it cuts, how its tools are used."""
+
+from __future__ import annotations
+
+import math
+import re
+from array import array
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+
+from gcodesim import canon
+from gcodesim.canon.batch import MoveBatch
+from gcodesim.diagnostics import Diagnostic, Severity, SourceText
+from gcodesim.frames import Array
+from gcodesim.rs274 import Settings, interpret
+from gcodesim.rs274.assumed import assumed_tools
+from gcodesim.rs274.other_machines import foreign_of, lathe_of
+from gcodesim.units import MM
+
+DIALECTS: Final = ("linuxcnc", "fanuc", "grbl")  # the first of those that understand most is taken
+
+_TRIED: Final = 100_000  # bytes that are read to choose the dialect
+_PIECES: Final = 16  # chords in place of an arc
+_TINY: Final = 1e-7  # m
+_MACHINE = re.compile(r"(?<![A-Za-z0-9])G0*(?:28|30|53)(?![0-9.])", re.IGNORECASE)
+_HOMING = re.compile(r"(?<![A-Za-z0-9])G0*(?:28|30)(?![0-9.])", re.IGNORECASE)
+_NOTE = re.compile(r"\([^)]*\)?|;.*")
+_AXIS_WORD = re.compile(r"(?<![A-Za-z#<])[XYZxyz]\s*[-+]?\s*[0-9.#\[]")
+_O_NUMBER = re.compile(r"(?:O[0-9]{3,8}|:[0-9]{4})(?![0-9])", re.IGNORECASE)
+_FANUC_FLOW = re.compile(r"\bIF\s*\[.*GOTO|\bWHILE\s*\[.*\bDO\s*[123]|(?<![A-Za-z])G65\s*P|M98\s*P", re.IGNORECASE)
+_GRBL = re.compile(r"\bgrbl\b", re.IGNORECASE)
+_HOLES: Final = frozenset(f"G{number}" for number in (73, 74, 76, *range(81, 90)))
+
+Box = tuple[Array, Array]
+
+
+@dataclass(slots=True)
+class ToolUse:
+    """How a tool is used: metres fed sideways and straight down, and whether canned cycles made holes with it."""
+
+    number: int
+    sideways: float = 0.0
+    down: float = 0.0
+    cycles: bool = False
+
+    @property
+    def makes_holes(self) -> bool:
+        return self.sideways < _TINY and (self.cycles or self.down > 0.0)
+
+
+@dataclass(slots=True)
+class _Moves:
+    """Moves in one work system, seen from its zero [m]: feeds as both ends, and the ends of rapids with the tool."""
+
+    feeds: array[float] = field(default_factory=lambda: array("d"))
+    risen: bytearray = field(default_factory=bytearray)  # whether the tool went up before the feed: it is on its way
+    rapids: array[float] = field(default_factory=lambda: array("d"))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reach:
+    """Where the program goes in a work system [m]: the box of all moves, and that of the material cut, when it is told.
+
+    `cut` is flat in Z when nothing is cut into a depth. `plunges` (n, 3) are x, y and tool number of the places at
+    which a rapid ends below its top: there can be no material.
+    """
+
+    all: Box
+    cut: Box | None
+    plunges: Array
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Survey:
+    """What a program does. `foreign` says why no dialect reads it; `machine` is the box of G53 moves [m], `spins`
+    that the spindle is switched on with a speed, `from_zero` that the first move counts from where the machine stands.
+    """
+
+    dialect: str
+    why: str
+    foreign: str
+    failed: Diagnostic | None
+    systems: dict[int, Reach]
+    machine: Box | None
+    uses: dict[int, ToolUse]
+    changes: bool
+    rotary: str
+    from_zero: bool
+    lathe: bool
+    spins: bool
+
+
+def survey(program: SourceText) -> Survey:
+    """Read the program with every tool that it may name, its work systems at machine zero."""
+    dialect, why = _dialect_of(program)
+    foreign = foreign_of(program)
+    lathe = lathe_of(program, dialect)
+    if lathe is not None and dialect == "fanuc":
+        foreign = lathe
+    run = interpret(program, Settings(dialect=dialect, tool_table=assumed_tools(program), has_cell=True))
+    walk = _Walk(program)
+    for item in run.stream():
+        for event in item.events() if type(item) is MoveBatch else (item,):
+            walk.take(event)  # type: ignore[arg-type]
+    kinds = {"printer": "a 3D printer's control", "Klartext": "Heidenhain's Klartext", "Sinumerik": "a Sinumerik"}
+    return Survey(
+        dialect=dialect,
+        why=why,
+        foreign=""
+        if foreign is None
+        else f"{kinds.get(foreign.kind, 'a lathe')} (`{foreign.word}`, line {foreign.line})",
+        failed=run.failed,
+        systems={index: reach for index, moves in sorted(walk.systems.items()) if (reach := _reach(moves)) is not None},
+        machine=_box(np.array(walk.machine).reshape(-1, 3)) if walk.machine else None,
+        uses=dict(sorted(walk.uses.items())),
+        changes=walk.changes,
+        rotary="".join(sorted(walk.rotary)),
+        from_zero=_starts_anywhere(program),
+        lathe=lathe is not None,
+        spins=walk.spins,
+    )
+
+
+def _dialect_of(program: SourceText) -> tuple[str, str]:
+    """The dialect that understands most of the program, and why it was taken."""
+    said, reason = _told_dialect(program)
+    head = program
+    if len(program.raw) > _TRIED:
+        head = SourceText(program.name, program.raw[: program.raw.rfind(b"\n", 0, _TRIED) + 1])
+    faults: dict[str, int] = {}
+    for dialect in dict.fromkeys((said, *DIALECTS) if said else DIALECTS):
+        run = interpret(head, Settings(dialect=dialect, tool_table=assumed_tools(head), has_cell=True))
+        for _ in run.stream():
+            pass
+        errors = [
+            f for f in run.findings if f.level >= Severity.ERROR and not (f.code == "GS010" and head is not program)
+        ]
+        faults[dialect] = sum(f.count for f in errors)
+        if not errors:
+            break
+    best = min(faults, key=lambda name: faults[name])
+    if best == said:
+        return best, reason
+    return best, "no other dialect understands more of it" if faults[best] else "it understands every line"
+
+
+def _told_dialect(program: SourceText) -> tuple[str, str]:
+    """What the text itself says: a program number, statements of macros, a name in a comment."""
+    for number in range(1, min(len(program.lines), 400) + 1):
+        text = program.line(number)
+        words = _NOTE.sub(" ", text).strip()
+        if _O_NUMBER.match(words) and "sub" not in words.lower() and "call" not in words.lower():
+            return "fanuc", f"program number in line {number}"
+        if _FANUC_FLOW.search(words):
+            return "fanuc", f"`{words[:24]}` in line {number}"
+        if words != text.strip() and _GRBL.search(text):
+            return "grbl", f"line {number} names it"
+    has_change = re.search(rb"[mM][ \t]*0*6(?![0-9])|[gG][ \t]*4[123](?![0-9.])|[gG]8[1-9]|#", program.raw)
+    has_end = re.search(rb"[mM][ \t]*0*(?:2|30)(?![0-9])", program.raw)
+    if has_change is None and has_end is None:
+        return "grbl", "no tool change, no cycle, no end"
+    return "", ""
+
+
+def _starts_anywhere(program: SourceText) -> bool:
+    """Whether the first move counts from where the machine stands: G91 or G92 before any absolute place."""
+    for number in range(1, min(len(program.lines), 400) + 1):
+        words = _NOTE.sub(" ", program.line(number)).upper()
+        codes = set(re.findall(r"(?<![A-Z0-9])G0*(9[0-2])(?![0-9.])", words))
+        if _MACHINE.search(words):
+            continue
+        if "92" in codes and _AXIS_WORD.search(words):
+            return True
+        if "91" in codes:
+            relative = True
+            for further in range(number, min(len(program.lines), number + 50) + 1):
+                text = _NOTE.sub(" ", program.line(further)).upper()
+                if _MACHINE.search(text):
+                    relative = False
+                    break
+                if _AXIS_WORD.search(text):
+                    break
+                if further > number and re.search(r"G90(?![0-9.])", text):
+                    relative = False
+                    break
+            return relative
+        if _AXIS_WORD.search(words):
+            return False
+    return False
+
+
+class _Walk:
+    """Goes through the events of a program."""
+
+    def __init__(self, program: SourceText) -> None:
+        self._program = program
+        self._system, self._offset = 1, (0.0,) * 6
+        self._tool = 0
+        self._at: tuple[float, ...] | None = None
+        self._risen = True
+        self.systems: dict[int, _Moves] = {}
+        self.machine: list[tuple[float, float, float]] = []
+        self.uses: dict[int, ToolUse] = {}
+        self.changes = self.spins = False
+        self.rotary: set[str] = set()
+        self._lines: dict[int, str] = {}
+        self._fed: set[tuple[int, int]] = set()  # places that a feed has been to, in 10 um
+
+    def take(self, event: canon.Event) -> None:
+        if isinstance(event, canon.Motion):
+            self._move(event)
+        elif isinstance(event, canon.WorkSystem):
+            old = self._offset
+            self._system, self._offset = event.index, event.offset
+            if self._at is not None:
+                self._at = tuple(a + o - n for a, o, n in zip(self._at, old, self._offset, strict=False))
+        elif isinstance(event, canon.Spindle):
+            self.spins = self.spins or (event.direction != "off" and event.speed > 0.0)
+        elif isinstance(event, canon.ToolChange | canon.ToolNumber):
+            self._tool, self.changes = event.tool, self.changes or event.tool > 0
+
+    def _move(self, event: canon.Motion) -> None:
+        end = tuple(e - o for e, o in zip(event.end, self._offset, strict=True))
+        self.rotary |= {letter for letter, value in zip("ABC", event.end[3:], strict=True) if abs(value) > 1e-9}
+        if self._is_of_machine(event):
+            if not _HOMING.search(self._text(event.span.line)):
+                self.machine.append(event.end[:3])
+            self._at, self._risen = end[:3], True
+            return
+        start = self._at or (*end[:2], max(end[2], 0.0))  # nobody knows where it begins: above, most likely
+        moves = self.systems.setdefault(self._system, _Moves())
+        sideways, rise = math.hypot(end[0] - start[0], end[1] - start[1]), end[2] - start[2]
+        if isinstance(event, canon.Rapid):
+            if event.word in _HOLES or _place(end) in self._fed:
+                moves.rapids.extend((*end[:2], max(end[2], start[2]), self._tool))  # down into what is cut already
+            else:
+                moves.rapids.extend((*end[:3], self._tool))
+            if abs(rise) > _TINY:
+                self._risen = rise > 0.0
+        elif not isinstance(event, canon.Probe):
+            self._fed.add(_place(end))
+            if sideways < _TINY and abs(rise) > _TINY and not isinstance(event, canon.ArcFeed):
+                self._risen = rise > 0.0
+            self._feed(event, start, end[:3], moves, sideways, rise)
+        self._at = end[:3]
+
+    def _feed(
+        self,
+        event: canon.Motion,
+        start: tuple[float, ...],
+        end: tuple[float, ...],
+        moves: _Moves,
+        sideways: float,
+        rise: float,
+    ) -> None:
+        use = self.uses.setdefault(self._tool, ToolUse(self._tool))
+        use.cycles = use.cycles or event.word in _HOLES
+        arc = isinstance(event, canon.ArcFeed)
+        if not self._risen:
+            use.sideways += sideways if not arc else max(sideways, _TINY * 10)
+            use.down += max(-rise, 0.0)
+        before = start
+        for point in _points(event, start, end, self._offset) if isinstance(event, canon.ArcFeed) else (end,):
+            moves.feeds.extend((*before, *point))
+            moves.risen.append(self._risen and abs(rise) < _TINY)
+            before = point
+
+    def _is_of_machine(self, event: canon.Motion) -> bool:
+        if event.span.file != self._program.name:
+            return False
+        return _MACHINE.search(self._text(event.span.line)) is not None
+
+    def _text(self, line: int) -> str:
+        if line not in self._lines:
+            self._lines = {line: _NOTE.sub(" ", self._program.line(line))}
+        return self._lines[line]
+
+
+def _place(point: tuple[float, ...]) -> tuple[int, int]:
+    return round(point[0] * 1e5), round(point[1] * 1e5)
+
+
+def _points(
+    arc: canon.ArcFeed, start: tuple[float, ...], end: tuple[float, ...], offset: tuple[float, ...]
+) -> Iterator[tuple[float, ...]]:
+    """Points along an arc, its end last [m]."""
+    normal = np.array(arc.normal)
+    begin = np.array(start)
+    lift = float(normal @ (np.array(end) - begin))
+    center = np.array(arc.center) - np.array(offset[:3])
+    center = center + normal * float(normal @ (begin - center))
+    spoke = begin - center
+    across = np.cross(normal, spoke)
+    for k in range(1, _PIECES):
+        angle = arc.sweep * k / _PIECES
+        point = center + spoke * math.cos(angle) + across * math.sin(angle) + normal * (lift * k / _PIECES)
+        yield tuple(point.tolist())
+    yield end
+
+
+def _reach(moves: _Moves) -> Reach | None:
+    feeds = np.array(moves.feeds).reshape(-1, 2, 3)
+    rapids = np.array(moves.rapids).reshape(-1, 4)
+    cloud = np.concatenate([feeds[:, 1], rapids[:, :3]])
+    if not len(cloud):
+        return None
+    risen = np.frombuffer(bytes(moves.risen), dtype=np.uint8).astype(bool)
+    cut = _cut(feeds[~risen])
+    deep = rapids[rapids[:, 2] < (cut[1][2] - 10 * _TINY if cut is not None else -np.inf)]
+    return Reach(all=_box(cloud), cut=cut, plunges=deep[:, [0, 1, 3]])
+
+
+def _cut(feeds: Array) -> Box | None:
+    """The box of all feeds under the top of the material."""
+    if not len(feeds):
+        return None
+    top = _top(feeds)
+    under = feeds[feeds[:, :, 2].min(axis=1) < top + _TINY]
+    if not len(under):
+        return None
+    low, high = _box(under.reshape(-1, 3))
+    high[2] = max(top, low[2])
+    return low, high
+
+
+def _top(feeds: Array) -> float:
+    """Height of the material: Z0 where most is cut below it, else the highest level of feeds sideways."""
+    way = np.hypot(*(feeds[:, 1, :2] - feeds[:, 0, :2]).T)
+    level = feeds[:, :, 2].max(axis=1)
+    lowest = float(feeds[:, :, 2].min())
+    sideways = way > _TINY
+    below, above = float(way[level < _TINY].sum()), float(way[level >= _TINY].sum())
+    if lowest < -_TINY and below >= above and sideways.any():
+        return 0.0
+    if sideways.any():
+        return float(level[sideways].max())
+    return min(0.0, float(level.max())) if lowest < -_TINY else float(level.max()) - 2.0 * MM
+
+
+def _box(points: Array) -> Box:
+    return points.min(axis=0), points.max(axis=0)

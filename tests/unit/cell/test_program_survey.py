@@ -1,0 +1,180 @@
+"""What a program tells a first cell about itself; programs are written here, by the habits of the controls."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gcodesim.cell import read_cell
+from gcodesim.cell.program_scan import scan
+from gcodesim.cell.program_survey import survey
+from gcodesim.cell.templates import CELL, NoCellError, cell_for
+from gcodesim.diagnostics import Severity, SourceText
+from gcodesim.simulation import check, prepare, run
+
+HAND = "G21 G90\nM3 S12000\nG0 X10 Y10 Z5\nG1 Z-2 F200\nG1 X40 F800\nG1 Y30\nG0 Z5\nM5\n"
+FANUC = (
+    "%\nO0012 (PLATE)\n(T3 D=8. CR=0. - ZMIN=-3. - FLAT END MILL)\n(T4 D=5. CR=0. TAPER=118DEG - DRILL)\n"
+    "G90 G94 G17 G49 G40 G80\nG21\nG28 G91 Z0.\nG90\nT3 M06\nS4000 M03\nG54\nG00 X-12. Y5.\nG43 Z15. H03\n"
+    "G01 Z-3. F300.\nX52. F600.\nG00 Z15.\nM05\nG28 G91 Z0.\nG90\nG49\nT4 M06\nS3000 M03\nG54\nG00 X20. Y15.\n"
+    "G43 Z15. H04\nG98 G83 X20. Y15. Z-9. R2. Q3. F150.\nX30.\nG80\nM05\nG28 G91 Z0.\nM30\n%\n"
+)
+
+
+def source(text: str) -> SourceText:
+    return SourceText("p.nc", text.encode())
+
+
+def verdict(text: str, tmp_path: Path) -> tuple[str, set[str], dict[str, float]]:
+    """Status, codes of what is worse than a note, volumes removed [mm³]: of a run in the cell that `init` writes."""
+    loaded = read_cell(SourceText(CELL, cell_for(source(text))), tmp_path / CELL)
+    assert not [f for f in loaded.findings if f.level > Severity.NOTE]
+    results, execution = run(prepare(source(text), loaded))
+    assert execution is not None
+    worse = {f.code for f in results.findings if f.level > Severity.NOTE}
+    return results.status, worse, {name: stock.removed * 1e9 for name, stock in results.stocks.items()}
+
+
+@pytest.mark.parametrize(
+    ("text", "dialect"),
+    [
+        (HAND, "grbl"),
+        (FANUC, "fanuc"),
+        ("#1=3\nWHILE[#1GT0]DO1\n#1=#1-1\nEND1\nG0 X1\nM30\n", "fanuc"),
+        ("G21 G90\no100 while [#1 lt 3]\n#1=[#1+1]\nG1 X#1 F100\no100 endwhile\nM2\n", "linuxcnc"),
+        ("(post for grbl)\nG21\nG1 X1 Y1 F100\nM30\n", "grbl"),
+        ("G21\nT1 M6\nG43 H1\nG0 Z5\nG1 X1 F100\nM2\n", "linuxcnc"),
+        ("(Grbl)\nG21\nT1 M6\nG43 H1\nG0 Z5\nG1 X1 F100\nM2\n", "linuxcnc"),  # whatever it says of itself
+    ],
+)
+def test_the_dialect_that_understands_it(text: str, dialect: str) -> None:
+    assert survey(source(text)).dialect == dialect
+
+
+def test_a_program_for_a_router_by_hand_cuts_at_once(tmp_path: Path) -> None:
+    status, worse, removed = verdict(HAND, tmp_path)
+
+    assert (status, worse) == ("ok", set())
+    # two slots whose middle is the edge of the stock: half of the tool's width, and no more than all of it
+    assert 0.4 * 50 * 6 * 2 < removed["stock"] < 50 * 6 * 2 + 60
+
+
+def test_two_tools_of_a_control_with_a_changer(tmp_path: Path) -> None:
+    status, worse, removed = verdict(FANUC, tmp_path)
+
+    assert (status, worse) == ("ok", set())
+    assert removed["stock"] > 2 * np.pi / 4 * 25 * 7
+    cell = cell_for(source(FANUC)).decode()
+    assert "3: {type: flat_end_mill, diameter: 8 mm}" in cell and "4: {type: drill, diameter: 5 mm" in cell
+
+
+def test_each_work_system_has_its_place_and_stock(tmp_path: Path) -> None:
+    part = "G0 X0 Y0\nG0 Z5\nG1 Z-2 F200\nX30 F600\nY20\nG0 Z120\n"
+    text = f"G21 G90\nT1 M6 (END MILL D6)\nS9000 M3\nG54\n{part}G55\n{part}M5\nM2\n"
+    status, worse, removed = verdict(text, tmp_path)
+
+    assert (status, worse) == ("ok", set())
+    assert set(removed) == {"in_g54", "in_g55"} and removed["in_g54"] == pytest.approx(removed["in_g55"], rel=0.02)
+
+
+def test_a_program_that_counts_from_where_it_starts(tmp_path: Path) -> None:
+    text = "G21 G91\nM3 S9000\nG1 Z-2 F100\nX20 F400\nY10\nG0 Z10\nM5\n"
+    seen = survey(source(text))
+    status, worse, removed = verdict(text, tmp_path)
+
+    assert seen.from_zero and status == "ok" and not worse and removed["stock"] > 100.0
+
+
+@pytest.mark.parametrize(
+    ("text", "there"),
+    [
+        ("G92 X0 Y0 Z0\nG90 G1 X1 F9\n", True),
+        ("G91\nG1 X1 F9\n", True),
+        ("G91 G28 Z0\nG90\nG0 X1\n", False),
+        ("G91\nG28 Z0\nG90 G0 X1\n", False),
+        ("G91\nG90\nG0 X1\n", False),
+        ("G0 X1\nG91\nG0 X1\n", False),
+    ],
+)
+def test_whether_it_counts_from_where_it_stands(text: str, there: bool) -> None:
+    assert survey(source(text + "M2\n")).from_zero is there
+
+
+def test_heights_are_those_of_the_work(tmp_path: Path) -> None:
+    """Z0 is the table: the top is where the tool feeds sideways, not where it waits."""
+    text = (
+        "G21 G90\nG1 Z30 F2000\nM3 S9000\nG1 X0 Y0\nG1 Z18 F200\nG1 X50 F900\nG1 Z16\nG1 X0\nG1 Z30 F2000\nG1 X80\nM5\n"
+    )
+    cut = survey(source(text)).systems[1].cut
+
+    assert cut is not None
+    np.testing.assert_allclose(cut[1][2], 0.018)
+    np.testing.assert_allclose([cut[0][0], cut[1][0]], [0.0, 0.05])
+
+
+def test_no_stock_where_a_rapid_comes_down_beside_the_part() -> None:
+    text = "G21 G90\nT1 M6 (END MILL D10)\nS9000 M3\nG0 X-9 Y10\nG0 Z-2\nG1 X60 F500\nG0 Z5\nM5\nM2\n"
+
+    assert "min: [-4, " in cell_for(source(text)).decode()
+
+
+def test_rapids_of_holes_are_no_sides_of_the_stock(tmp_path: Path) -> None:
+    text = "G21 G90\nT1 M6 (DRILL D3)\nS3000 M3\nG0 X0 Y0 Z5\nG83 X0 Y0 Z-8 R1 Q2 F100\nX20\nY20\nG80\nM5\nM2\n"
+    status, worse, removed = verdict(text, tmp_path)
+
+    assert (status, worse) == ("ok", set())
+    assert removed["stock"] == pytest.approx(3 * np.pi / 4 * 9 * (8 - 0.6), rel=0.15)
+
+
+def test_a_beam_has_no_stock() -> None:
+    cell = cell_for(source("G21 G90\nM4 S0\nG0 X1 Y2\nG1 X10 S255 F900\nY20\nM5 S0\n")).decode()
+
+    assert "\nstock:" not in cell and "\ntools:" not in cell and "loaded_tool" not in cell
+
+
+def test_what_no_dialect_reads_has_no_cell() -> None:
+    with pytest.raises(NoCellError, match="3D printer"):
+        cell_for(source("M104 S200\nM82\nG1 X1 E2 F100\n"))
+    with pytest.raises(NoCellError, match="lathe"):
+        cell_for(source("%\nO0007\nG50 S2000\nT0101\nG96 S180 M3\nG0 X52. Z2.\nM30\n%\n"))
+
+
+@pytest.mark.parametrize(
+    ("text", "diameter"),
+    [
+        ('(T1 | 1/4" END MILL)\nT1 M6', 6.35),
+        ("( T1 | 1/2 FLAT ENDMILL | H1 )\nT1 M6", 12.7),
+        ("(TOOL/MILL,3.17, 0.00, 0.00, 0.00)\nM6T1", 3.17),
+        ("T1\n(MSG, Change tool bit to drill size 0.8mm)\nM6", 0.8),
+        ("T1 M6 (MILL_D50_ROUGH)", 50.0),
+        ("T1 M6\n(Tool Diameter: 6.35)", 6.35),
+        ("( T1 : 6.0 )\nT1 M6", 6.0),
+        ("(3 mm End mill)\nM3 S1", 3.0),
+        ("T1 M6\n(PART 20 mm wide)", None),
+        ("T1 M6 (PART 7)", None),
+    ],
+)
+def test_diameters_in_comments(text: str, diameter: float | None) -> None:
+    [tool] = scan(source("G21\n" + text + "\nG1 X1 F1\nM2\n")).tools
+
+    assert tool.diameter == pytest.approx(diameter) if diameter is not None else tool.diameter is None
+
+
+def test_corners_of_the_stock_and_offsets_of_other_numbers() -> None:
+    found = scan(
+        source("(stockMin:0.00mm, -5.00mm, -19.05mm)\n(stockMax:100.00mm, 95mm, 0.00mm)\nT3 M6\nG43 H33\nM2\n")
+    )
+
+    assert found.corners == ((0.0, -5.0, -19.05), (100.0, 95.0, 0.0))
+    assert dict(found.offsets) == {33: 3}
+
+
+def test_check_and_run_agree(tmp_path: Path) -> None:
+    for text in (HAND, FANUC):
+        loaded = read_cell(SourceText(CELL, cell_for(source(text))), tmp_path / CELL)
+        checked = check(prepare(source(text), loaded))
+        ran, _ = run(prepare(source(text), loaded))
+        assert [f.code for f in checked.findings] == [f.code for f in ran.findings]
+        assert checked.times.total == ran.times.total > 0.0
