@@ -78,7 +78,7 @@ def arc_of(words: Words, control: Control, start: Vector, end: Vector, code: int
         )
         return Arc(centre, signed_turns)
     outside = _CENTRE_LETTERS[normal]
-    if outside in words.values:
+    if outside in words.values and not control.dialect.passes_over_far_centres:
         raise Fault(
             "GS110",
             f"{outside.upper()} lies outside the {_PLANE_NAMES[plane]} plane of this arc",

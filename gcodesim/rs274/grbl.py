@@ -34,6 +34,10 @@ class GrblExecutor(Executor):
         return file, control, flow
 
     def _line(self, file: ProgramFile, index: int, text: str) -> None:
+        if text.strip() == "%":
+            self.control.span = Span.of_line(file.name, index + 1, text)
+            self.control.warn("GS001", "Grbl answers a percent sign with an error", "senders leave it out; do so, too")
+            return
         problem = _refusal(text)
         if problem is None:
             super()._line(file, index, text)

@@ -18,7 +18,8 @@ class Dialect:
     says what codes do that the control has and the simulation has not. `computes`
     tells of parameters and expressions, `open_m_codes` that machine builders
     use up `user_m_codes` as they like, so that no program is wrong because of
-    one. `first_motion` is the motion in force at the start, -1 for none.
+    one, `passes_over_far_centres` that K beside I and J in the XY plane is no
+    fault. `first_motion` is the motion in force at the start, -1 for none.
     `executor` names the class (`module:Class`) that runs programs of a control
     whose blocks mean something else than those of RS274.
     """
@@ -34,6 +35,7 @@ class Dialect:
     letters: frozenset[str]
     unsimulated: Mapping[int, str] = field(default_factory=dict)
     open_m_codes: bool = False
+    passes_over_far_centres: bool = False
     needs_end: bool = True
     flow_words: bool = True
     named_parameters: bool = True

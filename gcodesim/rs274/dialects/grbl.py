@@ -36,6 +36,7 @@ GRBL = Dialect(
     flow_words=False,
     named_parameters=False,
     computes=False,
+    passes_over_far_centres=True,
     first_motion=0,
     executor="gcodesim.rs274.grbl:GrblExecutor",
 )

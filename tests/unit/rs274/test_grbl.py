@@ -19,7 +19,7 @@ def test_starts_in_g0_and_needs_no_end(grbl):
     ("line", "code"),
     [
         ("$H", "GS001"),
-        ("%", "GS001"),
+        ("% G0", "GS001"),
         ("G0 X1 !", "GS001"),
         ("#1=2", "GS001"),
         ("G0 X[1+1]", "GS004"),
@@ -47,3 +47,16 @@ def test_blanks_and_comments_do_not_count_for_the_length(grbl):
 
 def test_signs_beside_a_comment(grbl):
     assert grbl("G0 X-1 (left) Y+2\n").ends == [[-1, 2, 0]]
+
+
+def test_a_percent_sign_of_its_own_is_what_senders_leave_out(grbl):
+    done = grbl("%\nG0 X1\n%\nG0 X2\n")
+
+    assert done.ends == [[1, 0, 0], [2, 0, 0]]
+    assert [(f.code, f.level.word, f.span.line, f.count) for f in done.findings] == [("GS001", "warning", 1, 2)]
+
+
+def test_centre_words_outside_the_plane_are_passed_over(grbl):
+    assert grbl("G1 X1 F100\nG2 X3 I1 J0 K0\nG18 G2 X1 I-1 J5 K0\n").ends == [[1, 0, 0], [3, 0, 0], [1, 0, 0]]
+    assert [f.code for f in grbl("G1 X1 F100\nG2 X3 K0\n").errors] == ["GS112"]
+    assert [f.code for f in grbl("G1 X1 F100\nG2 X3 R2 K0\n").errors]
