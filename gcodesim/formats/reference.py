@@ -18,6 +18,7 @@ _SECTIONS: Final = (
     ("findings", "A finding, in `lint`, `cell validate` and everywhere"),
     ("test", "`test`"),
     ("baseline", "Baseline files"),
+    ("info", "`info`"),
 )
 _ELSEWHERE: Final = ("finding", "results", "comparison")
 """Definitions that have a section of their own, or that `gcodesim schema diff` shows."""

@@ -215,6 +215,70 @@ def _baseline() -> Json:
     )
 
 
+def _info() -> Json:
+    seconds = nullable(number("null: it is about no time"))
+    text_by_name = table("as the log has them", text("a value, as text"))
+    root = record(
+        "what a log is, and what is missing of it",
+        schema=choice("name of this form", "gcodesim-info/1"),
+        file=text("name of the file that was read"),
+        verdict=text("the first line of the text"),
+        complete=truth("whether the file is whole, nothing in it is damaged, and the run came to its end"),
+        state=choice("how the run ended", "finished", "failed", "interrupted", "running", "unknown"),
+        problem=nullable(text("what is wrong with the file")),
+        missing=array("what a whole log would have, in words", text("a part")),
+        damage=array(
+            "what is there and cannot be read",
+            record(
+                "a record that is damaged",
+                what=text("`chunk`, the name of an attachment, or `record`"),
+                byte=whole("where in the file"),
+                from_s=seconds,
+                to_s=seconds,
+                problem=text("what is wrong with it"),
+            ),
+        ),
+        stopped_at=nullable(
+            record(
+                "where a run stopped before its end",
+                file=text("the file"),
+                line=whole("the line"),
+                text=text("its words"),
+            )
+        ),
+        duration_s=number("last moment in the log"),
+        bytes=whole("size of the file"),
+        chunks=whole("how many"),
+        written_by=text("library of the writer"),
+        run=text_by_name,
+        result=text_by_name,
+        findings=array(
+            "findings in the log, by time",
+            record(
+                "a finding",
+                time_s=number("simulated time"),
+                code=text("its code"),
+                severity=choice("how bad it is in this cell", "error", "warning", "note"),
+                file=text("the file"),
+                line=whole("0: the file as a whole"),
+                message=text("one line"),
+            ),
+        ),
+        attachments=array("files inside", record("a file", name=text("its name"), bytes=whole("its size"))),
+        topics=array(
+            "channels",
+            record(
+                "a topic",
+                name=text("its name"),
+                schema=text("of its messages"),
+                count=whole("how many messages"),
+                rate_Hz=number("per second of the log"),
+            ),
+        ),
+    )
+    return document("gcodesim info --format json", root, None)
+
+
 def _findings() -> Json:
     root = record("findings of programs or cells", findings=array("by place", ref("finding", "a finding")))
     return document("gcodesim lint and cell validate --format json", root, {"finding": finding()})
@@ -241,6 +305,7 @@ SCHEMAS: Final[dict[str, Callable[[], Json]]] = {
     "diff": _diff,
     "canon": lambda: document("gcodesim canon --format json", canon(finding()), None),
     "baseline": _baseline,
+    "info": _info,
     "cell": _cell,
     "test-file": _test_file,
 }

@@ -16,6 +16,7 @@ from gcodesim.cli import main
 from gcodesim.formats.canon_schema import EVENTS
 from gcodesim.formats.json_schema import of_type
 from gcodesim.formats.schemas import SCHEMAS, schema_of
+from gcodesim.log.logfile import LogFile
 
 CELL = """gcodesim: 1
 machine: gantry_xyz
@@ -68,6 +69,7 @@ def printed(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[Any]]:
             ],
             "canon": [_json("canon", name) for name in ("bad.nc", "mistake.nc", "spline.nc")],
             "baseline": [_baseline(folder)],
+            "info": [_json("info", "out2"), *(_json("info", name) for name in _harmed_logs(folder))],
         }
     finally:
         patch.undo()
@@ -78,8 +80,9 @@ def _json(*arguments: str) -> Any:
     import io
 
     out = io.StringIO()
-    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(io.StringIO()):
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err := io.StringIO()):
         main([*arguments, "--format", "json"])
+    assert out.getvalue(), err.getvalue()
     return json.loads(out.getvalue())
 
 
@@ -96,12 +99,24 @@ def _accepted_and_changed(folder: Path) -> Iterator[Any]:
     (folder / "sub/bad.nc").write_text(BAD)
 
 
+def _harmed_logs(folder: Path) -> Iterator[str]:
+    """Logs with a chunk and an attachment that are damaged, and one without its end."""
+    whole = (folder / "out2/run.mcap").read_bytes()
+    log = LogFile.open(folder / "out2/run.mcap")
+    data = bytearray(whole)
+    for at in (log.chunks[0].offset + 200, log.attachments["results.json"][0] + 200):
+        data[at] ^= 1
+    (folder / "harmed.mcap").write_bytes(data)
+    (folder / "cut.mcap").write_bytes(whole[: len(whole) * 2 // 3])
+    yield from ("harmed.mcap", "cut.mcap")
+
+
 def _baseline(folder: Path) -> Any:
     main(["lint", "mistake.nc", "--write-baseline", "known.json"])
     return json.loads((folder / "known.json").read_text())
 
 
-JSON_OUTPUTS = ("results", "findings", "test", "diff", "canon", "baseline")
+JSON_OUTPUTS = ("results", "findings", "test", "diff", "canon", "baseline", "info")
 
 
 @pytest.mark.parametrize("name", SCHEMAS)
@@ -128,7 +143,7 @@ def _places(value: Any, at: tuple[str | int, ...] = ()) -> Iterator[tuple[str | 
             yield from _places(one, (*at, i))
 
 
-FREE = {"stocks", "programs"}
+FREE = {"stocks", "programs", "run", "result"}
 """Objects whose keys are names of the user's; old and new values of a change may be anything."""
 
 
