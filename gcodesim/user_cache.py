@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import getpass
 import os
-import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -29,15 +27,19 @@ def user_cache(name: str) -> Path | None:
     return None
 
 
-def _roots() -> list[Path]:
-    user = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
-    roots = [Path(user) / "gcodesim", Path(tempfile.gettempdir()) / f"gcodesim-{getpass.getuser()}"]
+def _roots() -> Iterator[Path]:
     if "NUMBA_CACHE_DIR" in os.environ:
-        roots.insert(0, Path(os.environ["NUMBA_CACHE_DIR"]))
-    return roots
+        yield Path(os.environ["NUMBA_CACHE_DIR"])
+    yield Path(os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")) / "gcodesim"
+    import getpass
+    import tempfile
+
+    yield Path(tempfile.gettempdir()) / f"gcodesim-{getpass.getuser()}"
 
 
 def _is_writable(folder: Path) -> bool:
+    import tempfile  # with what it brings it takes longer than a look at what is kept
+
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):

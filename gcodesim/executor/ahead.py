@@ -7,14 +7,16 @@ motor turns out to be too weak, what was cut ahead is taken back and the cut goe
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from gcodesim.executor.coupling import Stretch
 from gcodesim.executor.part import Part
 from gcodesim.executor.window import StepWindow
 from gcodesim.frames import Array
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
 
 Look = Callable[[StepWindow], Any]
 """Looks at the stocks as a window leaves them; called before the next one changes them."""
@@ -44,6 +46,8 @@ class Cutter:
     """
 
     def __init__(self, look: Look | None, *, undoable: bool) -> None:
+        from concurrent.futures import ThreadPoolExecutor  # brings logging
+
         self._thread: Final = ThreadPoolExecutor(1)
         self._look, self._undoable = look, undoable
 

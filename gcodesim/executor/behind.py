@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import Future, ThreadPoolExecutor
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
 
 
 class Behind:
@@ -14,6 +17,8 @@ class Behind:
     """
 
     def __init__(self) -> None:
+        from concurrent.futures import ThreadPoolExecutor  # brings logging
+
         self._thread = ThreadPoolExecutor(1)
         self._at_work: Future[None] | None = None
 

@@ -18,6 +18,13 @@ from gcodesim.rs274.plain.scan_kernels import byte_at
 BYTE_AT = "from gcodesim.rs274.plain.scan_kernels import byte_at; import numpy as np, sys\n"
 BYTE_AT += "print(byte_at(np.frombuffer(b'G1X5', dtype=np.uint8), 2), 'numba' in sys.modules)"
 
+STOCK = "stock: {box: [20, 15, 8], zero: top-front-left, material: al6082_t6, resolution: 1"
+GANTRY = f"machine: gantry_xyz\n{STOCK}}}"
+ARM = (
+    "robots: {arm: {model: kuka_kr10_r1100_2}}\nwork_offsets: {G54: {in: world, xyz: [600, 0, 300]}}\n"
+    f"{STOCK}, in: world, xyz: [600, 0, 300]}}"
+)
+
 
 @pytest.fixture
 def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
@@ -335,3 +342,21 @@ def test_a_function_beside_the_package_is_another_when_its_file_changes(tmp_path
     assert folder.source_beside.__wrapped__(code) != before
     assert folder.source_beside(byte_at.py_func.__code__) == b""  # type: ignore[attr-defined]
     assert folder.source_beside(compile("1 + 1", "<typed>", "exec"))
+
+
+@pytest.mark.parametrize(("machine", "world"), [(GANTRY, "bullet"), (ARM, "kinematic")])
+def test_a_run_does_not_load_numba(tmp_path: Path, machine: str, world: str) -> None:
+    """All its kernels take and return what an entry can."""
+    program = "G21 G90 G17 G64 P0.01\nT1 M6\nG43 H1\nS8000 M3\nG0 X5 Y5 Z5\nG1 Z-1 F300\nX15\nG0 Z5\nM2\n"
+    (tmp_path / "a.nc").write_text(program)
+    (tmp_path / "a.yaml").write_text(
+        f"gcodesim: 1\n{machine}\ntools: {{1: {{type: flat_end_mill, diameter: 6, length: 40}}}}\n"
+    )
+    arguments = ["run", str(tmp_path / "a.nc"), "--cell", str(tmp_path / "a.yaml"), "--world", world]
+    code = (
+        "import sys\nfrom gcodesim.cli.main import main\n"
+        f"status = main([*{arguments!r}, '--out', {str(tmp_path / 'out')!r}])\n"
+        "print(status, 'numba' in sys.modules, 'llvmlite' in sys.modules)\n"
+    )
+    output(code)  # compiles what is not there
+    assert output(code).splitlines()[-1] == "0 False True"
