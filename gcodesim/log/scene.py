@@ -20,7 +20,7 @@ from gcodesim.log.byte_strings import ByteStrings
 from gcodesim.log.mesh_kernels import put_points, round_points
 from gcodesim.log.shapes import Array, Box, Capsule, Color, Cone, Cylinder, Entity, Mesh, Polylines, Shape, Sphere
 from gcodesim.log.template import Piece, Template, double_slot, nested, stamp_slot
-from gcodesim.log.wire import BYTES, chunk, double, packed_fixed32, stamp, tag, text, unsigned, wrap
+from gcodesim.log.wire import BYTES, Part, chunk, double, packed_fixed32, stamp, tag, text, unsigned, wrap
 
 GRID: Final = 2.0**-20
 POINT_BYTES: Final = 29  # of a point in a repeated field
@@ -52,14 +52,14 @@ def rounded(points: Array) -> Array:
     return steps
 
 
-def _points(number: int, points: Array) -> bytes:
+def _points(number: int, points: Array) -> memoryview:
     """A repeated field of points (n, 3) on the grid of 2⁻²⁰ m. ValueError when a number is not finite."""
     steps = np.empty((len(points), 3))
     if not round_points(np.require(points, np.float64, ["C", "W"]), GRID, steps):
         raise ValueError("a point to draw is not finite")
     data = np.empty(POINT_BYTES * len(points), dtype=np.uint8)
     put_points(steps.view(np.uint8), tag(number, BYTES)[0], data)
-    return data.tobytes()
+    return data.data
 
 
 @lru_cache(maxsize=256)
@@ -79,7 +79,7 @@ def _pose(p: Sequence[float] | Array, q: Sequence[float] | Array) -> bytes:
 _IDENTITY: Final = _pose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
 
 
-def _shape(shape: Shape) -> list[bytes]:
+def _shape(shape: Shape) -> list[Part]:
     """The primitive fields of a SceneEntity that draw `shape`, in parts: a mesh is copied no more than it has to be."""
     pose = _pose(shape.p, shape.q)
     match shape:
@@ -113,7 +113,7 @@ def _frustum(pose: bytes, bottom: float, top: float, length: float, color: Color
     return chunk(_CYLINDERS, pose + size + double(3, scales[0]) + double(4, scales[1]) + _color(5, color))
 
 
-def _entity(t_ns: int, id: str, frame: str, primitives: Sequence[bytes]) -> list[bytes]:
+def _entity(t_ns: int, id: str, frame: str, primitives: Sequence[Part]) -> list[Part]:
     locked = unsigned(5, 1)  # it moves with its frame, not only when a message comes
     return wrap(2, (stamp(1, t_ns) + text(2, frame) + text(3, id) + locked, *primitives))
 
@@ -158,7 +158,7 @@ def _extent(shape: Shape) -> float:
 
 
 def _entities(t_ns: int, entities: Sequence[Entity]) -> bytes:
-    parts = [_delete_all(t_ns)]
+    parts: list[Part] = [_delete_all(t_ns)]
     for entity in entities:
         parts += _entity(t_ns, entity.id, entity.frame, [part for shape in entity.shapes for part in _shape(shape)])
     return b"".join(parts)
@@ -175,7 +175,7 @@ def path_update(t_ns: int, frame: str, feed: Polylines, rapid: Polylines) -> byt
     """The whole planned path in `frame`: one line list for feed, one for rapids; very long paths are drawn coarser."""
     rapid = rapid.thinned(max(MOST_LINE_POINTS - len(feed.points), MOST_LINE_POINTS // 4))
     feed = feed.thinned(MOST_LINE_POINTS - len(rapid.points))
-    parts = [_delete_all(t_ns)]
+    parts: list[Part] = [_delete_all(t_ns)]
     for id, lines, color, pixels in (("feed", feed, FEED_COLOR, 2.0), ("rapid", rapid, RAPID_COLOR, 1.0)):
         if len(lines.points):
             parts += _entity(t_ns, id, frame, [_line(LINE_LIST, lines.points, color, pixels, lines.segments())])

@@ -9,6 +9,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+Part = bytes | memoryview
+"""A part of a message; a memoryview is of bytes."""
+
 VARINT, FIXED64, BYTES, FIXED32 = 0, 1, 2, 5
 _NS: Final = 1_000_000_000
 _F8: Final = struct.Struct("<d")
@@ -40,8 +43,8 @@ def chunk(number: int, data: bytes) -> bytes:
     return tag(number, BYTES) + varint(len(data)) + data
 
 
-def wrap(number: int, parts: Sequence[bytes]) -> list[bytes]:
-    """`chunk` of data that stays in parts."""
+def wrap(number: int, parts: Sequence[Part]) -> list[Part]:
+    """`chunk` of data that stays in parts, which are joined once, when the message is whole."""
     return [tag(number, BYTES) + varint(sum(map(len, parts))), *parts]
 
 
@@ -66,6 +69,9 @@ def stamp(number: int, t_ns: int) -> bytes:
     return chunk(number, unsigned(1, seconds) + unsigned(2, nanos))
 
 
-def packed_fixed32(number: int, values: NDArray[np.integer]) -> list[bytes]:
+def packed_fixed32(number: int, values: NDArray[np.integer]) -> list[Part]:
     """A packed repeated fixed32 field, such as the indices of a mesh, in parts; nothing when there are none."""
-    return wrap(number, [np.ascontiguousarray(values, dtype="<u4").tobytes()]) if len(values) else []
+    if not len(values):
+        return []
+    same = values.dtype == np.int32 and values.flags.c_contiguous  # to the bit, as none is negative
+    return wrap(number, [(values if same else np.ascontiguousarray(values, dtype="<u4")).view(np.uint8).data])
