@@ -25,6 +25,9 @@ DIALECTS: Final = ("linuxcnc", "fanuc", "grbl")  # the first of those that under
 _TRIED: Final = 100_000  # bytes that are read to choose the dialect
 _PIECES: Final = 16  # chords in place of an arc
 _TINY: Final = 1e-7  # m
+_NOTES = re.compile(rb"\([^)\r\n]*\)?|;[^\r\n]*")
+_G43 = re.compile(rb"[gG][ \t]*0*4[ \t]*3(?!\.1)(?![0-9])")
+_G49 = re.compile(rb"[gG][ \t]*0*49(?![0-9.])")
 _MACHINE = re.compile(r"(?<![A-Za-z0-9])G0*(?:28|30|53)(?![0-9.])", re.IGNORECASE)
 _HOMING = re.compile(r"(?<![A-Za-z0-9])G0*(?:28|30)(?![0-9.])", re.IGNORECASE)
 _NOTE = re.compile(r"\([^)]*\)?|;.*")
@@ -75,8 +78,10 @@ class Reach:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Survey:
-    """What a program does. `foreign` says why no dialect reads it; `machine` is the box of G53 moves [m], `spins`
-    that the spindle is switched on with a speed, `from_zero` that the first move counts from where the machine stands.
+    """What a program does. `foreign` says why no dialect reads it; `machine` is the box of G53 moves [m].
+
+    `from_zero`: the first move counts from where the machine stands. `spins`: the spindle is switched on with a speed.
+    `measured`: lengths of tools are put in force, or nothing is said of them.
     """
 
     dialect: str
@@ -91,6 +96,7 @@ class Survey:
     from_zero: bool
     lathe: bool
     spins: bool
+    measured: bool
 
 
 def survey(program: SourceText) -> Survey:
@@ -121,6 +127,7 @@ def survey(program: SourceText) -> Survey:
         from_zero=_starts_anywhere(program),
         lathe=lathe is not None,
         spins=walk.spins,
+        measured=_measured(program),
     )
 
 
@@ -163,6 +170,11 @@ def _told_dialect(program: SourceText) -> tuple[str, str]:
     if has_change is None and has_end is None:
         return "grbl", "no tool change, no cycle, no end"
     return "", ""
+
+
+def _measured(program: SourceText) -> bool:
+    words = _NOTES.sub(b"", program.raw)
+    return _G43.search(words) is not None or _G49.search(words) is None
 
 
 def _starts_anywhere(program: SourceText) -> bool:
@@ -259,7 +271,7 @@ class _Walk:
         use = self.uses.setdefault(self._tool, ToolUse(self._tool))
         use.cycles = use.cycles or event.word in _HOLES
         arc = isinstance(event, canon.ArcFeed)
-        if not self._risen:
+        if not (self._risen and abs(rise) < _TINY):
             use.sideways += sideways if not arc else max(sideways, _TINY * 10)
             use.down += max(-rise, 0.0)
         before = start

@@ -122,9 +122,12 @@ class _Writer:
             lines.append(f"# line {where} of the program has an error, so a run stops there: see `gcodesim lint`")
         if self.seen.lathe:
             lines.append("# it is a program for a lathe: paths and times are right, material is not")
-        if self.tools and not self.seen.changes:
+        if self.tools and not (self.seen.changes and self.seen.measured):
             number = self.tools[0].scanned.number
-            lines.append(f"loaded_tool: {number}    # the program changes no tool: this one is there from the start")
+            why = "it says G49 and never G43: Z counts as touched off with the tool"
+            if not self.seen.changes:
+                why = "the program changes no tool: this one is there from the start"
+            lines.append(f"loaded_tool: {number}    # {why}")
         if self.tools and not self.seen.changes and not self.seen.spins:
             lines.append("checks: {GS501: note}    # the program never starts the spindle: somebody does it by hand")
         return lines

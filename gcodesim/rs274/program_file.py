@@ -22,6 +22,7 @@ KEYWORDS = (
     *("sub", "endsub", "call", "return", "do", "while", "endwhile", "if", "elseif", "else", "endif"),
     *("break", "continue", "repeat", "endrepeat"),
 )
+_NOTE = re.compile(r"\([^)]*\)?|;.*")
 _BY_LENGTH = sorted(KEYWORDS, key=len, reverse=True)
 _MOST_CACHED = 200_000  # blocks are kept for loops; a program longer than this is read without keeping
 
@@ -54,6 +55,17 @@ class ProgramFile:
             if self._keeps:
                 self._blocks[index] = known
         return known
+
+    @cached_property
+    def is_subroutine(self) -> bool:
+        """Whether the file holds nothing but the subroutine that it is named after, for other programs to call."""
+        own, flows = self.name.rpartition(".")[0].lower(), self.flows
+        if not own or not flows or (flows[0].label, flows[0].keyword) != (own, "sub"):
+            return False
+        if flows[-1].label != own or flows[-1].keyword not in ("endsub", "return"):
+            return False
+        around = [*self.lines[: flows[0].at], *self.lines[flows[-1].at + 1 :]]
+        return not any(_NOTE.sub("", line).strip() for line in around)
 
     @cached_property
     def flows(self) -> list[FlowLine]:

@@ -37,6 +37,7 @@ _CHECK_CLOCK_EVERY = 4096
 _MOST_BLOCKS, _MOST_ROUNDS = 500_000, 10  # blocks that a program of n lines may execute: so many, and so many a line
 _MOST_FINDINGS = 1000  # a file that is no program would fill the screen
 _MOST_ALIKE = 20  # findings with the same words; further ones are counted
+_OF_ONE_CAUSE = frozenset(("GS012", "GS013", "GS107", "GS131", "GS160", "GS915"))  # one remedy for all places
 _MOST_KINDS = 100  # messages of one warning that differ in a number or name
 _MOST_NOTES = 1000  # warnings kept until they are folded
 
@@ -347,7 +348,9 @@ class Executor:
         span, what = finding.span, (finding.code, finding.message)
         places = self.told.setdefault(what, set())
         places.add((span.file, span.line, span.column))
-        where = (span.file, span.line, span.column) if len(places) <= _MOST_ALIKE else ("further",)
+        where: tuple[object, ...] = (span.file, span.line, span.column)
+        if finding.code in _OF_ONE_CAUSE or len(places) > _MOST_ALIKE:
+            where = ("further",)
         self.run.findings.add(finding, key=(*what, *where))
         self.faults += 1
         if finding.level >= Severity.ERROR and self.run.failed is None:
@@ -399,6 +402,9 @@ class Executor:
             if self.run.failed is None:
                 self.watches.events([canon.EndOfFile(span=span)])
             return
+        if frame.file is self.file and not self.settings.has_cell and self.file.is_subroutine:
+            self._read_subroutine()
+            return
         if not any(line.strip() for line in frame.file.lines):
             message, hint = "the file is empty", "a program ends with M2 or M30"
         elif len(self.flow.frames) > 1:
@@ -408,6 +414,16 @@ class Executor:
         else:
             message, hint = "the program has no end", "end it with M2 or M30"
         self._report(Diagnostic(code="GS010", message=message, span=span, hint=hint), len(frame.file.lines))
+
+    def _read_subroutine(self) -> None:
+        """A file that other programs call has no end of its own: without a caller its lines are read, not executed."""
+        self.control.finished = True
+        for index, text in enumerate(self.file.lines):
+            self.control.span = Span.of_line(self.file.name, index + 1, text)
+            try:
+                self.file.block(index)
+            except Fault as fault:
+                self._fault(fault, self.file, index, text, None)
 
     def _exhausted(self, file: ProgramFile, index: int) -> bool:
         """Whether the budget of blocks or time is used up after a line of `file`; reported once."""

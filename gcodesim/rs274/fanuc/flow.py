@@ -231,6 +231,9 @@ class FanucFlow(FlowControl):
                 return file, part
         shown = self._lines.shown(number)
         hint = f"begin it with a line {shown}, or put it as {shown.strip('<>')}.nc into a folder of subroutines"
+        behind = main.behind(number) if isinstance(main, FanucFile) else None
+        if behind is not None:
+            hint = f"it stands in line {behind + 1}, behind the % that ends the file: move that % to the end"
         raise Stopped("GS131", f"there is no program {shown}", hint=hint)
 
     def _file_of_number(self, number: int) -> FanucFile | None:

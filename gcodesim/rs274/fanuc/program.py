@@ -49,6 +49,14 @@ class FanucFile(ProgramFile):
         self.has_percent = False  # a program that runs into the second % has no end, so it is no end by itself
         self.first = self.parts[0].first
 
+    def behind(self, number: int) -> int | None:
+        """Index of the line that begins program `number` behind the second percent sign, where nothing is read."""
+        for index in range(self.end, len(self.lines)):
+            match = _PROGRAM.match(self.lines[index])
+            if match is not None and int(match[1]) == number:
+                return index
+        return None
+
     def block(self, index: int) -> Block:
         text = self.lines[index]
         if "<" in text and (named := self._named(index, text)) is not None:

@@ -514,3 +514,9 @@ def test_programs_may_have_names(fanuc, tmp_path):
 
     (error,) = fanuc("%\n<A>\nM98 <B>\nM30\n%\n").errors
     assert (error.code, error.span.line, error.message) == ("GS131", 3, "there is no program <B>")
+
+
+def test_a_program_behind_the_percent_sign_is_pointed_at(program) -> None:
+    done = program("%\nO1\nM98 P10\nM30\n%\n(more)\nO10\nM99\n", dialect="fanuc")
+
+    assert [(f.code, f.span.line) for f in done.errors] == [("GS131", 3)] and "line 7" in done.errors[0].hint

@@ -265,3 +265,25 @@ def test_a_tool_works_without_its_length_where_only_g49_is_said(program):
     assert told("G49\nT1 M6\nG43 H1\nG0 Z0\nM2") == []
     assert told("G49\nT1 M6\nG0 Z0 (never g43)\nM2") == [2]
     assert told("G49\nT1 M6\nG0 Z0\nM2", tool_length="strict") == []
+
+
+def test_one_cause_is_one_finding(program) -> None:
+    done = program("G0 X1\nM428\nG1 X2\nX3\nM428\nX4\nM2\n")
+
+    assert [(f.code, f.span.line, f.count) for f in done.errors] == [("GS013", 2, 2), ("GS107", 3, 3)]
+
+
+def test_a_file_that_is_a_subroutine_needs_no_end() -> None:
+    from gcodesim.diagnostics import SourceText
+    from gcodesim.rs274 import Settings, lint
+
+    text = b"(along X)\no<along> sub\nG1 X[#1 F100\nG1 Y#2 Q\no<along> endsub\n; and so on\n"
+    assert [(f.code, f.span.line) for f in lint(SourceText("along.ngc", text))] == [("GS006", 3), ("GS004", 4)]
+    assert not list(lint(SourceText("along.ngc", b"o<along> sub\nG1 X#1 F9\no<along> endsub\n")))
+    for name, body in (
+        ("other.ngc", b"o<along> sub\nG1 X#1 F9\no<along> endsub\n"),
+        ("along.ngc", b"o<along> sub\nG1 X#1 F9\no<along> endsub\nG0 X1\n"),
+    ):
+        assert [f.code for f in lint(SourceText(name, body))] == ["GS010"]
+    within = Settings(has_cell=True)
+    assert [f.code for f in lint(SourceText("along.ngc", b"o<along> sub\no<along> endsub\n"), within)] == ["GS010"]
