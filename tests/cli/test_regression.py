@@ -123,6 +123,8 @@ def test_accepting_shows_what_differs_and_then_it_passes(cli, write) -> None:
     golden = Path("part.golden.json").read_bytes()
     dry = cli("accept", "--dry-run")
     assert "would accept" in dry.out and Path("part.golden.json").read_bytes() == golden
+    told = cli("accept", "--dry-run", "--format", "json").json
+    assert told["dry_run"] and told["findings"] == [] and [case["accepted"] for case in told["cases"]] == [True]
     taken = cli("accept")
     assert "Z −5 → −5.4 mm" in taken.out and "stocks.stock.removed_mm3" in taken.out
     assert taken.out.replace("accepting", "would accept").splitlines()[:-1] == dry.out.splitlines()[:-1]

@@ -29,7 +29,7 @@ def add_parser(commands: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from gcodesim.cli.output import print_json
+    from gcodesim.cli.output import findings_as_json, print_json
     from gcodesim.diagnostics.show import as_text
     from gcodesim.regress.accept import propose, take
     from gcodesim.regress.sources import Sources
@@ -42,7 +42,13 @@ def run(arguments: argparse.Namespace) -> int:
             step(proposal.name)
             proposals.append(proposal)
     if arguments.format == "json":
-        print_json({"cases": [_as_json(proposal) for proposal in proposals]})
+        print_json(
+            {
+                "dry_run": arguments.dry_run,
+                "cases": [_as_json(proposal) for proposal in proposals],
+                "findings": findings_as_json(one.finding for one in collected.found),
+            }
+        )
     else:
         _print(proposals, arguments.dry_run)
         for one in collected.found:
