@@ -23,7 +23,7 @@ def key_moments(
     tolerance is doubled until they are not. Ramer 1972, Douglas and Peucker 1973,
     with time as the way.
     """
-    scaled = signals / tolerance
+    scaled = np.ascontiguousarray((signals / tolerance).T)  # numpy takes the greatest of a few long rows fastest
     while True:
         kept = _within_one(scaled, forced, max(most, len(forced) + 2))
         if kept is not None:
@@ -32,8 +32,8 @@ def key_moments(
 
 
 def _within_one(scaled: Array, forced: NDArray[np.int64], most: int) -> NDArray[np.int64] | None:
-    """The rows for a tolerance of 1; None as soon as they are more than `most`."""
-    count = len(scaled)
+    """The columns of `scaled` (k, n) for a tolerance of 1; None as soon as they are more than `most`."""
+    count = scaled.shape[1]
     if count <= 2:
         return np.arange(count)
     kept = np.zeros(count, dtype=bool)
@@ -44,8 +44,9 @@ def _within_one(scaled: Array, forced: NDArray[np.int64], most: int) -> NDArray[
     waiting = [(int(a), int(b)) for a, b in pairwise(fixed) if b - a > 1]
     while waiting:
         a, b = waiting.pop()
-        share = (np.arange(a + 1, b) - a)[:, None] / (b - a)
-        off = np.abs(scaled[a + 1 : b] - (scaled[a] + share * (scaled[b] - scaled[a]))).max(axis=1)
+        share = np.arange(1, b - a) / (b - a)
+        first, last = scaled[:, a, None], scaled[:, b, None]
+        off = np.abs(scaled[:, a + 1 : b] - (first + share * (last - first))).max(axis=0)
         worst = int(off.argmax())
         if off[worst] > 1.0:
             number += 1
