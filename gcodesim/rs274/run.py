@@ -556,7 +556,7 @@ _SKIPPED = (
     (("M66",), "GS905", "every input reads 0 at once, and #5399 is 0: no time passes in waiting"),
     (("M30", "M60"), "GS906", ""),
     (("U", "V", "W"), "GS908", ""),
-    (("G5.1", "G8"), "GS913", "the planned motion always looks ahead"),
+    (("G5.1", "G8", "G103", "G187"), "GS913", "the planned motion always looks ahead"),
     (("G22", "G23"), "GS913", "the cell's `travel` is checked instead"),
     (("G27",), "GS913", "the move is made; whether it ends at the reference point is not looked at"),
     (_PROBES, "GS913", "what the probe meets is not looked at: it trips at the end of the move"),

@@ -10,6 +10,7 @@
 | figures | G51 scaling, G51.1 mirror image | `figure.py` |
 | polar coordinates | G16: radius and angle of the plane | `polar.py` |
 | devices outside | POPEN, DPRNT, PCLOS | `external.py` |
+| codes of Haas | G154 P is G54.1 P; G103, G187 are read; pockets are refused | `offsets.py`, `execute.py` |
 | corners | `,C` and `,R` between moves | `corners.py` |
 | drilling | heights pass on, K repeats, X Y before R | `cycles.py` |
 | a block from first to last | ignored words are warned of, not refused | `execute.py` |
@@ -45,7 +46,7 @@ SCALING, MIRROR, TURN, MACRO, STROKE, POLAR = 21, 22, 23, 24, 25, 26
 CYCLES = (730, 740, 760, 810, 820, 830, 840, 850, 860, 870, 880, 890)
 
 _G_GROUPS = {
-    NON_MODAL: (40, 50, 51, 80, 90, 100, 110, 270, 280, 290, 300, 310, 520, 530, 600, 650, 920, 921),
+    NON_MODAL: (40, 50, 51, 80, 90, 100, 110, 270, 280, 290, 300, 310, 520, 530, 600, 650, 920, 921, 1030, 1870),
     MOTION: (0, 10, 20, 30, 330, *CYCLES),
     CANCEL: (800,),
     PLANE: (170, 180, 190),
@@ -55,7 +56,7 @@ _G_GROUPS = {
     COMPENSATION: (400, 410, 420),
     LENGTH: (430, 434, 440, 490),
     RETRACT: (980, 990),
-    SYSTEM: (540, 541, 550, 560, 570, 580, 590),
+    SYSTEM: (540, 541, 1540, 550, 560, 570, 580, 590),
     PATH: (610, 620, 630, 640),
     SPINDLE_MODE: (960, 970),
     SCALING: (500, 510),

@@ -21,8 +21,10 @@ from gcodesim.rs274.words import AXIS_LETTERS, Words, exponent, place_of
 
 # one-shot codes to which the axis words of their block belong
 _CLAIMS_AXES = frozenset((40, 50, 51, 80, 100, 110, 270, 280, 290, 300, 520, 920, 921))
-_NOT_SIMULATED = {50: "G5", 51: "G5.1", 80: "G8"}
+_NOT_SIMULATED = {50: "G5", 51: "G5.1", 80: "G8", 1030: "G103", 1870: "G187"}
 _ONE_WAY = 600  # G60
+CENTRE_POINT = 434  # G43.4
+_UPRIGHT = 1e-9  # deg
 _EXACT_STOP = 90  # G9, for one block
 _STOPPING_PATH = 611
 _OF_THE_CONTROL = frozenset((0, 1, 2, 6, 7, 8, 9, 30, 48, 49))  # M codes that take no words
@@ -127,6 +129,8 @@ def _moved_by(words: Words, control: FanucControl, motion: int, own: int) -> fro
             raise Fault(
                 "GS106", "an arc outside the plane of G68 is not simulated", hint="say G69 before, or stay in it"
             )
+    if state.length_mode == CENTRE_POINT:
+        _check_upright(words, control)
     kept = state.motion
     motion = figure.apply(words, control, motion)
     if corners.is_near(words, control):
@@ -135,6 +139,18 @@ def _moved_by(words: Words, control: FanucControl, motion: int, own: int) -> fro
         MOTIONS[motion](words, control, motion)
     state.motion = own if own >= 0 else kept
     return corners.LETTERS | (_ARC_WORDS if arc else frozenset("k" if motion == 330 else ""))
+
+
+def _check_upright(words: Words, control: FanucControl) -> None:
+    """Tool centre point control is the same as a length along Z as long as no rotary axis is turned."""
+    for axis, letter in enumerate("abc", start=3):
+        if words.values.get(letter) or (letter not in words.values and abs(control.state.current[axis]) > _UPRIGHT):
+            raise Fault(
+                "GS915",
+                f"G43.4 is not simulated with axis {letter.upper()} turned: the tip would stay in its place",
+                at=letter if letter in words.values else None,
+                hint="without it the moves behind it would be others than on the control",
+            )
 
 
 def _cancel_cycle(words: Words, control: FanucControl) -> None:
@@ -239,8 +255,8 @@ def _letters_of(words: Words) -> frozenset[str]:
     claimed = words.g.get(NON_MODAL)
     if claimed in (40, 300, 310):
         used |= {"p", "q"}
-    if claimed in (50, 51, 80):
-        used |= {"p", "q", "r"}
+    if claimed in _NOT_SIMULATED:
+        used |= {"e", "p", "q", "r"}
     if claimed == 100:
         used |= {"p", "r", "l", "q"}
     if COMPENSATION in words.g:

@@ -73,18 +73,19 @@ def check_radius_number(words: Words, control: FanucControl) -> float:
 
 
 def work_system(words: Words, control: FanucControl) -> None:
-    """G54 to G59, G54.1 Pn or G54 Pn."""
+    """G54 to G59, G54.1 Pn or G54 Pn, on Haas controls G154 Pn."""
     code = words.g.get(SYSTEM)
     if code is None:
         return
     if control.state.side:
         raise Fault("GS150", "the work system cannot change in cutter compensation", at=g_name(code), hint="G40 first")
     index = _SYSTEM_INDEX.get(code, 0)
-    if code == 541 or (code == 540 and "p" in words.values):
-        words.need("p", "GS105", "G54.1", "P is the number of the additional system")
-        number = words.whole("p", "G54.1")
+    if code in (541, 1540) or (code == 540 and "p" in words.values):
+        who = "G154" if code == 1540 else "G54.1"
+        words.need("p", "GS105", who, "P is the number of the additional system")
+        number = words.whole("p", who)
         assert number is not None
-        _check_additional(number, "G54.1")
+        _check_additional(number, who)
         del words.values["p"]
         index = ADDITIONAL + number
     control.use_system(index)

@@ -332,6 +332,28 @@ def test_tool_centre_point_control_takes_the_length(fanuc):
     assert [event["offset"][2] for event in done.acts("tool_offset")][:1] == [50]
 
 
+@pytest.mark.parametrize("line", ["G01 X5. A10. F100.", "G01 X5. C-90. F100."])
+def test_tool_centre_point_control_with_an_axis_turned_is_refused(fanuc, line):
+    done = fanuc(body("T1 M06", "G43.4 H1", "G01 X1. A0. F100.", line, "G01 X6.", "M30"))
+
+    assert [(f.code, f.span.line) for f in done.errors] == [("GS915", 6)] and [end[0] for end in done.ends] == [1]
+
+
+def test_an_axis_that_stands_turned_counts(fanuc):
+    done = fanuc(body("T1 M06", "G00 B30.", "G43.4 H1", "G01 X1. F100.", "M30"))
+
+    assert [(f.code, f.span.line) for f in done.errors] == [("GS915", 6)]
+
+
+def test_codes_of_haas(fanuc):
+    done = fanuc(
+        body("G10 L20 P7 X10. Y20.", "G187 P3 E0.05", "G103 P1", "G154 P7", "G00 X1. Y1.", "G54", "G00 X1.", "M30")
+    )
+
+    assert done.ends == [[11, 21, 0], [1, 21, 0]] and not done.errors
+    assert {f.code for f in done.findings} == {"GS913"}
+
+
 def test_m99_p_of_a_subprogram_goes_on_at_that_block_of_the_caller(fanuc):
     done = fanuc(body("M98 P2", "G00 X1.", "N50 G00 Y2.", "M30")[:-2] + "O0002\nG00 Z3.\nM99 P50\n%\n")
 
