@@ -56,11 +56,12 @@ class ToolUse:
 
 @dataclass(slots=True)
 class _Moves:
-    """Moves in one work system, seen from its zero [m]: feeds as both ends, and the ends of rapids with the tool."""
+    """Moves in one work system, seen from its zero [m]: both ends of feeds, ends of rapids with the tool, of probes."""
 
     feeds: array[float] = field(default_factory=lambda: array("d"))
     risen: bytearray = field(default_factory=bytearray)  # whether the tool went up before the feed: it is on its way
     rapids: array[float] = field(default_factory=lambda: array("d"))
+    probes: array[float] = field(default_factory=lambda: array("d"))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -252,7 +253,9 @@ class _Walk:
                 moves.rapids.extend((*end[:3], self._tool))
             if abs(rise) > _TINY:
                 self._risen = rise > 0.0
-        elif not isinstance(event, canon.Probe):
+        elif isinstance(event, canon.Probe):
+            moves.probes.extend(end[:3])
+        else:
             self._fed.add(_place(end))
             if sideways < _TINY and abs(rise) > _TINY and not isinstance(event, canon.ArcFeed):
                 self._risen = rise > 0.0
@@ -316,7 +319,7 @@ def _points(
 def _reach(moves: _Moves) -> Reach | None:
     feeds = np.array(moves.feeds).reshape(-1, 2, 3)
     rapids = np.array(moves.rapids).reshape(-1, 4)
-    cloud = np.concatenate([feeds[:, 1], rapids[:, :3]])
+    cloud = np.concatenate([feeds[:, 1], rapids[:, :3], np.array(moves.probes).reshape(-1, 3)])
     if not len(cloud):
         return None
     risen = np.frombuffer(bytes(moves.risen), dtype=np.uint8).astype(bool)

@@ -250,6 +250,12 @@ class _Writer:
                 "# nothing is fed into a depth: a beam, jet or pen, which are not simulated, or no cut at all",
                 "# stock: {box: [100, 60, 20], zero: top-front-left, material: al6082_t6}",
             ]
+        if self.seen.rotary or self.seen.lathe:
+            turns = f"the work turns with {', '.join(self.seen.rotary) or 'the spindle'}"
+            return [
+                f"# {turns}, where to is not known, so there is no stock:",
+                "# stock: {box: [100, 60, 20], in: G54}",
+            ]
         if self.found.corners is not None or self.found.stock is not None:
             source = f"# size from line {self.found.stock_line}; "
             source += (
@@ -291,6 +297,8 @@ class _Writer:
             text = f"{{{', '.join(values)}}}"
             lines += [f"  # {source}{asked}", f"  {told.number}: {text}"]
             for number, of in self.found.offsets.items():
+                if number == told.number:
+                    continue
                 if of == told.number or (of == 0 and not self.seen.changes):
                     lines += [
                         f"  # H{number} or D{number}, the offset with which T{told.number} is used",

@@ -107,7 +107,7 @@ def blind_findings(moving: Mapping[str, Flags], removed: Array, time: Array, spa
                     unit="mm^3",
                 )
             )
-    return found
+    return _folded(found)
 
 
 def _name(names: Mapping[int, str], number: int) -> str:

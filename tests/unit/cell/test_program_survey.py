@@ -134,6 +134,22 @@ def test_a_beam_has_no_stock() -> None:
     assert "\nstock:" not in cell and "\ntools:" not in cell and "loaded_tool" not in cell
 
 
+def test_work_that_turns_has_no_stock_yet(tmp_path: Path) -> None:
+    text = "G21 G90\nT1 M6 (BALL D4)\nS9000 M3\nG0 X0 Y0 Z9\nG1 Z-1 F200\nX30 A90 F600\nG0 Z9\nM5\nM2\n"
+    status, worse, removed = verdict(text, tmp_path)
+
+    assert (status, worse, removed) == ("ok", set(), {}) and "    A: {travel: unlimited" in cell_for(
+        source(text)
+    ).decode()
+
+
+def test_probes_ask_for_travel_and_cut_nothing(tmp_path: Path) -> None:
+    text = "G21 G90\nT9 M6\nG0 X5 Y5 Z60\nG38.3 Z-250 F100\nG0 Z60\nM2\n"
+    status, worse, removed = verdict(text, tmp_path)
+
+    assert (status, worse, removed) == ("ok", set(), {})
+
+
 def test_what_no_dialect_reads_has_no_cell() -> None:
     with pytest.raises(NoCellError, match="3D printer"):
         cell_for(source("M104 S200\nM82\nG1 X1 E2 F100\n"))
