@@ -33,16 +33,21 @@ class ColumnBatch:
         widths |= dict.fromkeys(_JOINTS, len(description.joint_names))
         ends = np.cumsum(list(widths.values())).tolist()
         self.columns = {name: end - width for (name, width), end in zip(widths.items(), ends, strict=True)}
+        self._widths = widths
         self._values = np.zeros((BATCH, ends[-1]))
-        self._arrays = {name: self._values[:, first : first + widths[name]] for name, first in self.columns.items()}
         begins = [self.columns[name] + first for name in _POSES for first in range(0, widths[name], 7)]
         self._quaternions = np.array(begins, dtype=np.int64) + 3
         for first in begins:
             self._values[0, first : first + 7] = _AT_PARENT
+        self._arrays = self._named()
         self._kinds = len(description.process_kinds)
         self._times = np.zeros(BATCH, dtype=np.int64)
         self._newest = 0  # row of the newest instant
         self.count = 0
+
+    def _named(self) -> dict[str, NDArray[Any]]:
+        """The arrays as parts of the matrix."""
+        return {name: self._values[:, first : first + self._widths[name]] for name, first in self.columns.items()}
 
     @property
     def full(self) -> bool:
@@ -74,7 +79,7 @@ class ColumnBatch:
         return taken
 
     def take(self) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
-        """Times (n,), kinds of process (n,) and the checked values (n, c); the batch is empty afterwards.
+        """Times (n,), kinds of process (n,) and the checked values (n, c), all of their own; the batch is empty then.
 
         ValueError for a number that is not finite, a quaternion that is not of
         unit length or an unknown kind of process.
@@ -94,6 +99,9 @@ class ColumnBatch:
         kind = self._arrays["kind"][: len(times), 0].astype(np.int64)
         if not (kind.min() >= 0 and kind.max() < self._kinds):
             raise ValueError(f"a process kind is outside 0 … {self._kinds - 1}")
+        self._values = np.empty_like(self._values)
+        self._values[0] = values[self._newest]
+        self._newest, self._arrays = 0, self._named()
         return times, kind, values
 
     def _name(self, column: int) -> str:

@@ -75,15 +75,17 @@ class LiveView:
 
     def rows(self, rows: Rows, channels: Sequence[int]) -> None:
         """The periodic messages of many instants."""
-        last = len(rows.times) - 1
+        last, matrix = len(rows.times) - 1, rows.matrix()
+        ends = (*rows.starts[1:], rows.width)
+        newest = {c: matrix[last, a + _HEAD : b].tobytes() for c, a, b in zip(channels, rows.starts, ends, strict=True)}
         with self._lock:
             watched = [(i, channel) for i, channel in enumerate(channels) if self._channels[channel - 1].has_sinks()]
             if watched:
                 for k, t_ns in enumerate(rows.times.tolist()):
                     for i, channel in watched:
-                        self._send(channel, t_ns, _message_of(rows, k, i))
-            for i, channel in enumerate(channels):
-                self._last[channel] = lambda i=i: (int(rows.times[last]), _message_of(rows, last, i))  # type: ignore[misc]
+                        self._send(channel, t_ns, matrix[k, rows.starts[i] + _HEAD : ends[i]].tobytes())
+            for channel, data in newest.items():
+                self._last[channel] = lambda data=data: (int(rows.times[last]), data)  # type: ignore[misc]
         self._server.broadcast_time(int(rows.times[last]))
 
     def close(self) -> None:
@@ -119,9 +121,3 @@ class _Arrivals:
         if not name.startswith("on_"):
             raise AttributeError(name)
         return lambda *_: None
-
-
-def _message_of(rows: Rows, instant: int, number: int) -> bytes:
-    """One of the messages of an instant."""
-    ends = (*rows.starts[1:], rows.width)
-    return rows.matrix[instant, rows.starts[number] + _HEAD : ends[number]].tobytes()

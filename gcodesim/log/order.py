@@ -112,7 +112,7 @@ class Ordered:
             self._messages.copy_to(data, message_at + HEAD.itemsize, slice(a, b))
             done = 0
             for rows in self._rows_between(r, s):
-                ByteStrings.rows(rows.matrix).copy_to(data, row_at[done : done + len(rows.times)])
+                rows.write(data, row_at[done : done + len(rows.times)])
                 done += len(rows.times)
 
         return Cut(

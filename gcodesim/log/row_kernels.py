@@ -31,23 +31,22 @@ def fill_rows(
     stamp_at: Any,
     time_at: Any,
     sequence_at: Any,
-    rows: Any,
     values: Any,
     value_bytes: Any,
     t_ns: Any,
     sequence: Any,
+    at: Any,
     data: Any,
 ) -> None:
-    """Repeat `template` (w,) in `data` (n w,) and fill its slots.
+    """Copy `template` (w,) to each place of `at` (n,) in `data` and fill its slots.
 
-    Row k gets instant `rows[k]` of `values` (m, c), which are `value_bytes` (m, 8 c) too, `t_ns` (m,) and `sequence`
-    (m,): doubles at `number_at` (s,) from columns `number_from` (s,), likewise flags; stamps (12 bytes, both integers
-    in five), times (8) and sequences (4).
+    From `values` (n, c), which are `value_bytes` (n, 8 c) too, `t_ns` (n,) and `sequence` (n,): doubles at `number_at`
+    (s,) from columns `number_from` (s,), likewise flags; stamps (12 bytes, both integers in five), times (8) and
+    sequences (4).
     """
     width = len(template)
-    for k in range(len(rows)):
-        i = rows[k]
-        room, given = data[k * width : (k + 1) * width], value_bytes[i]
+    for i in range(len(at)):
+        room, given = data[at[i] : at[i] + width], value_bytes[i]
         for c in range(width):
             room[c] = template[c]
         for s in range(len(number_at)):

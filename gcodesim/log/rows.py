@@ -1,9 +1,9 @@
 """The messages that come every log period, built for many instants at once.
 
 All seven periodic messages of one instant, with their record headers, have a
-fixed length, so a log window is a byte matrix: a template repeated n times and
-filled by columns. Only the word for the kind of process varies in length;
-there is one template for each kind.
+fixed length, so a log window is a template repeated n times and filled by
+columns. Only the word for the kind of process varies in length; there is one
+template for each kind.
 """
 
 from __future__ import annotations
@@ -70,22 +70,41 @@ def _messages(description: LogDescription, kind: str) -> tuple[Piece, ...]:
 
 
 class Rows(NamedTuple):
-    """Records of n instants, one a row of `matrix` (n, width), in which message m begins at `starts[m]`."""
+    """Records of n instants, one a row of `template.width` bytes, in which message m begins at `template.starts[m]`.
 
-    times: NDArray[np.int64]  # [ns]
-    matrix: NDArray[np.uint8]
-    starts: tuple[int, ...]
+    They are made where they belong; until then they are numbers: `times` (n,) [ns], `sequence` (n,), `values` (n, c).
+    """
+
+    times: Ints
+    sequence: Ints
+    values: NDArray[np.float64]
+    template: RowTemplate
 
     @property
     def width(self) -> int:
-        return int(self.matrix.shape[1])
+        return self.template.width
+
+    @property
+    def starts(self) -> tuple[int, ...]:
+        return self.template.starts
 
     def part(self, first: int, last: int) -> Rows:
         """Instants first ≤ i < last, sharing memory."""
-        return Rows(self.times[first:last], self.matrix[first:last], self.starts)
+        here = slice(first, last)
+        return Rows(self.times[here], self.sequence[here], self.values[here], self.template)
+
+    def write(self, out: NDArray[np.uint8], at: Ints) -> None:
+        """Write each row to `out` from its `at` (n,) on."""
+        self.template.fill_in(out, at, self.times, self.sequence, self.values)
+
+    def matrix(self) -> NDArray[np.uint8]:
+        """The rows as (n, width) bytes."""
+        out = np.empty((len(self.times), self.width), dtype=np.uint8)
+        self.write(out.reshape(-1), np.arange(len(self.times)) * self.width)
+        return out
 
 
-class RowTemplate:
+class RowTemplate(Template):
     """The records of one instant for one kind of process."""
 
     def __init__(
@@ -99,12 +118,8 @@ class RowTemplate:
             row += Piece(head)
             row += Piece(bytes(20), (Slot(0, "sequence"), Slot(4, "time"), Slot(12, "time")))
             row += message
-        self._starts = tuple(starts)
-        self._template = Template(row, columns)
-
-    def fill(self, t_ns: Ints, sequence: Ints, values: NDArray[np.float64], rows: Ints) -> Rows:
-        """Rows of the instants `rows` (n,) of times `t_ns` (m,) and `values` (m, c)."""
-        return Rows(t_ns[rows], self._template.fill(t_ns, values, rows, sequence), self._starts)
+        self.starts = tuple(starts)
+        super().__init__(row, columns)
 
 
 class RowBuilder:
@@ -119,19 +134,11 @@ class RowBuilder:
         self.count = 0
 
     def build(self, t_ns: Ints, kind: Ints, values: NDArray[np.float64]) -> list[Rows]:
-        """Rows of n instants with `values` (n, c) in time order, split where the kind (n,) changes."""
+        """Rows of n instants with `values` (n, c), which they keep, in time order, split where the kind changes."""
         n = len(t_ns)
         sequence = self.count + np.arange(n, dtype=np.int64)
         self.count += n
-        borders = np.concatenate([[0], np.flatnonzero(np.diff(kind)) + 1, [n]])
-        rank = np.empty(n, dtype=np.int64)
-        by_kind = {}
-        for k in np.unique(kind).tolist():  # fill all rows of a kind at once, then hand out their runs
-            chosen = np.flatnonzero(kind == k)
-            rank[chosen] = np.arange(len(chosen))
-            by_kind[k] = self._templates[k].fill(t_ns, sequence, values, chosen)
-        runs = []
-        for first, last in pairwise(borders.tolist()):
-            start = int(rank[first])
-            runs.append(by_kind[int(kind[first])].part(start, start + last - first))
-        return runs
+        borders = np.concatenate([[0], np.flatnonzero(np.diff(kind)) + 1, [n]]).tolist()
+        return [
+            Rows(t_ns[i:j], sequence[i:j], values[i:j], self._templates[int(kind[i])]) for i, j in pairwise(borders)
+        ]

@@ -102,23 +102,29 @@ class Template:
         for kind in ("stamp", "time", "sequence"):
             self._slots.append(np.array([slot.offset for slot in _slots(piece, kind)], dtype=np.int64))
 
-    def fill(
+    @property
+    def width(self) -> int:
+        return len(self._bytes)
+
+    def fill(self, t_ns: NDArray[np.int64], values: NDArray[np.float64]) -> NDArray[np.uint8]:
+        """Messages (n, width) at the times `t_ns` (n,) of `values` (n, c)."""
+        data = np.empty((len(t_ns), self.width), dtype=np.uint8)
+        self.fill_in(data.reshape(-1), np.arange(len(t_ns)) * self.width, t_ns, t_ns, values)
+        return data
+
+    def fill_in(
         self,
+        data: NDArray[np.uint8],
+        at: NDArray[np.int64],
         t_ns: NDArray[np.int64],
+        sequence: NDArray[np.int64],
         values: NDArray[np.float64],
-        rows: NDArray[np.int64] | None = None,
-        sequence: NDArray[np.int64] | None = None,
-    ) -> NDArray[np.uint8]:
-        """Messages (n, length) at the times `t_ns` (m,) of `values` (m, c): of all m, or of `rows` (n,) of them."""
-        chosen = np.arange(len(t_ns)) if rows is None else rows
-        width = len(self._bytes)
-        data = np.empty(len(chosen) * width, dtype=np.uint8)
-        times = _plain(t_ns, np.int64)
-        numbers = times if sequence is None else _plain(sequence, np.int64)
+    ) -> None:
+        """The same with sequences (n,), into `data` from each place of `at` (n,) on."""
         given = _plain(values, np.float64)
-        arguments: list[Any] = [*self._slots, chosen, given, given.view(np.uint8), times, numbers, data]
+        numbers = _plain(t_ns, np.int64), _plain(sequence, np.int64), _plain(at, np.int64)
+        arguments: list[Any] = [*self._slots, given, given.view(np.uint8), *numbers, data]
         fill_rows(self._bytes, *arguments)
-        return data.reshape(len(chosen), width)
 
 
 def _plain(array: NDArray[Any], kind: Any) -> NDArray[Any]:
