@@ -17,13 +17,23 @@ from gcodesim.material.query_kernels import (
     surrounding,
     volume_of,
 )
-from gcodesim.material.removal_kernels import PATCH_SHIFT, overlap, patch_top, remove, remove_piece, touch_piece
+from gcodesim.material.removal_kernels import (
+    PATCH_SHIFT,
+    overlap,
+    patch_top,
+    remove,
+    remove_piece,
+    scratch,
+    touch_piece,
+)
 from gcodesim.material.sweep_kernels import underside
 from gcodesim.material.tilted_kernels import remove_tilted
+from gcodesim.material.wall_kernels import beyond_columns
 
 __all__ = [
     "PATCH_SHIFT",
     "add_bead",
+    "beyond_columns",
     "difference",
     "fill_slices",
     "highest",
@@ -36,6 +46,7 @@ __all__ = [
     "remove",
     "remove_piece",
     "remove_tilted",
+    "scratch",
     "surrounding",
     "touch_piece",
     "underside",

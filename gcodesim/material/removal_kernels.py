@@ -15,7 +15,7 @@ from gcodesim.material.sweep_kernels import (
     swept_interval,
     underside,
 )
-from gcodesim.material.wall_kernels import forget_walls, reckon_walls
+from gcodesim.material.wall_kernels import FIRST, FIRST_GONE, LAST, LAST_GONE, reckon_walls, shorten_walls
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -90,6 +90,15 @@ def mark_tall(low: Array, high: Array, height: float) -> bool:
 
 
 @kernel(lean=True)
+def any_tall(hi: Array, count: Ints, i: int, first: int, last: int, height: float) -> bool:
+    """The same for columns first..last of row i, whatever they hold."""
+    tall = False
+    for j in range(first, last):
+        tall |= count[i, j] > 0 and hi[i, j, count[i, j] - 1] > height
+    return tall
+
+
+@kernel(lean=True)
 def floor_of_disc(
     low: Array, high: Array, y: Array, x: float, ux: float, uy: float, length: float, radius2: float, bottom: float,
     floor: Array,
@@ -132,6 +141,12 @@ def floor_of_ball(
     return bool(found > 0)
 
 
+@kernel
+def scratch(count: Ints) -> Array:
+    """Room (10, n) for what `remove_piece` notes of lines of columns: y, floor, and twice what was cut of them."""
+    return np.empty((10, max(count.shape[0], count.shape[1])))
+
+
 @kernel(lean=True)
 def remove_piece(
     lo: Array,
@@ -145,9 +160,9 @@ def remove_piece(
     shape: Array,
     spare: Array,
 ) -> tuple[float, bool]:
-    """Remove what `shape` sweeps from tip `start` to `end` (3,) [m]; (volume [m^3], ok). spare (2, ny): scratch.
+    """Remove what `shape` sweeps from tip `start` to `end` (3,) [m]; (volume [m^3], ok). spare: `scratch`.
 
-    The volume counts walls where they stand, not where the grid shows them (see wall_kernels).
+    The volume counts walls where they stand, not where the grid shows them (see wall_kernels); it is never negative.
     ok is False when a column had no room for one more interval: what was done stays done, and doing the piece
     again after growing the arrays removes the rest.
     """
@@ -169,15 +184,22 @@ def remove_piece(
     first_j, last_j = row_range(grid[1], grid[3], NUDGE_Y, ny, least, most)
     if first_i >= last_i or first_j >= last_j:
         return 0.0, True
-    ys, floor = spare[0], spare[1]
+    ys, floor, cut_x, cut_y = spare[0], spare[1], spare[2:6], spare[6:10]
     lows, highs = lo.reshape(lo.size), hi.reshape(hi.size)
     for j in range(first_j, last_j):
         ys[j - first_j] = grid[1] + (j + 0.5 + NUDGE_Y) * grid[3] - y0
+        cut_x[FIRST, j], cut_x[LAST, j] = -1.0, -1.0
     begin_j = first_j
     for i in range(first_i, last_i):
+        cut_y[FIRST, i], cut_y[LAST, i] = -1.0, -1.0
         x = grid[0] + (i + 0.5 + NUDGE_X) * grid[2]
         least, most = strip_range(x, radius, x0, y0, ux, uy, length)
         if least > most:
+            if not tall:  # a wall in the row beside the tool, which it may move by less than a cell
+                least, most = strip_range(x, radius + grid[2], x0, y0, ux, uy, length)
+                if least <= most:
+                    first_j, last_j = row_range(grid[1], grid[3], NUDGE_Y, ny, least, most)
+                    tall = any_tall(hi, count, i, first_j, last_j, tall_from)
             continue
         first_j, last_j = row_range(grid[1], grid[3], NUDGE_Y, ny, least, most)
         if first_j >= last_j:
@@ -192,6 +214,7 @@ def remove_piece(
                 found = floor_of_disc(low, high, y, x - x0, ux, uy, length, radius2, bottom_least, floor)
             if not found:
                 continue
+        last_cut, last_gone = -1, 0.0
         for j in range(first_j, last_j):
             if single and floor[j - first_j] == NONE:
                 continue
@@ -221,25 +244,33 @@ def remove_piece(
                 low = lo[i, j, 0]
                 if bottom > low:
                     hi[i, j, 0] = bottom
-                    total += end - bottom
+                    gone = end - bottom
                 else:
                     count[i, j] = 0
                     hi[i, j, 0] = low  # an empty column ends where it begins
-                    total += end - low
+                    gone = end - low
             else:
                 gone = subtract(lo, hi, count, i, j, bottom, top)
                 if gone < 0.0:
                     return total * grid[2] * grid[3], False
                 if gone == 0.0:
                     continue
-                total += gone
-            total -= forget_walls(walls, i, j)
+            total += gone + shorten_walls(walls, i, j, gone)
+            if cut_x[FIRST, j] < 0.0:
+                cut_x[FIRST, j], cut_x[FIRST_GONE, j] = i, gone
+            cut_x[LAST, j], cut_x[LAST_GONE, j] = i, gone
+            if last_cut < 0:
+                cut_y[FIRST, i], cut_y[FIRST_GONE, i] = j, gone
+            last_cut, last_gone = j, gone
             dirty[i >> PATCH_SHIFT, j >> PATCH_SHIFT] = 1
+        if last_cut >= 0:
+            cut_y[LAST, i], cut_y[LAST_GONE, i] = last_cut, last_gone
     # a tool that goes down leaves walls beside itself although no column under it is tall any more
     if tall or (total > 0.0 and high_z - low_z > length):
         total += reckon_walls(
-            lo, hi, count, grid, walls, x0, y0, ux, uy, length, radius, low_z, z0, slope, shape[5] + profile
-        )
+            lo, hi, count, grid, walls, x0, y0, ux, uy, length, radius, low_z, z0, slope, shape[5] + profile,
+            cut_x, cut_y, spare[0:2],
+        )  # fmt: skip
     return total * grid[2] * grid[3], True
 
 
@@ -330,7 +361,7 @@ def remove(
     To go on after a stop, grow `lo` and `hi` and call again with `first` set to the returned index.
     """
     pieces = len(starts)
-    spare = np.empty((2, count.shape[1]))
+    spare = scratch(count)
     for p in range(first, pieces):
         gone, ok = remove_piece(lo, hi, count, grid, dirty, walls, starts[p], ends[p], cutter, spare)
         volume[p] += gone

@@ -3,8 +3,8 @@
 Each column of the grid in x, y holds a short sorted list of intervals [lo, hi]
 along Z of the stock frame S. Heights are exact; x and y are asked at the
 centres of the cells. So floors and heights come out to rounding error, and
-walls stand up to half a cell beside their place; the volume between is kept
-at the borders of the columns (`walls`), so that volumes are far better.
+walls stand up to half a cell beside their place; where they really stand is
+kept at the borders of the columns (`walls`), so that volumes are far better.
 """
 
 from __future__ import annotations
@@ -28,7 +28,10 @@ Bytes = NDArray[np.uint8]
 Singles = NDArray[np.float32]
 Vector = Sequence[float] | Array
 
-BYTES_PER_COLUMN = 8 + 8 + 4 + 16
+WALL_PLANES = 8
+"""What is kept of the walls at the borders of columns (wall_kernels)."""
+
+BYTES_PER_COLUMN = 8 + 8 + 4 + 4 * WALL_PLANES
 """Memory of a column with one interval and its two borders; each further interval costs 16 bytes in every column."""
 
 PATCH = 16
@@ -111,7 +114,7 @@ class Stock:
         patches = (-(-count.shape[0] // PATCH), -(-count.shape[1] // PATCH))
         self.dirty: Bytes = np.zeros(patches, dtype=np.uint8)
         self.tops: Array = np.zeros(patches)
-        self.walls: Singles = np.zeros((4, count.shape[0] + 1, count.shape[1] + 1), dtype=np.float32)
+        self.walls: Singles = np.zeros((WALL_PLANES, count.shape[0] + 1, count.shape[1] + 1), dtype=np.float32)
         patch_tops(hi, count, self.tops)
 
     @classmethod
@@ -189,10 +192,10 @@ class Stock:
 
     @property
     def volume(self) -> float:
-        """All material [m^3]: the columns, and the strips between their borders and the true walls."""
-        from gcodesim.material.kernels import volume_of
+        """All material [m^3]: the columns, and what true walls take of them or leave beside them."""
+        from gcodesim.material.kernels import beyond_columns, volume_of
 
-        strips = float(self.walls[2:].sum(dtype=np.float64)) * float(self.grid[2] * self.grid[3])
+        strips = float(beyond_columns(self.walls)) * float(self.grid[2] * self.grid[3])
         return float(volume_of(self.lo, self.hi, self.count, self.grid)) - strips
 
     def error_bound(self) -> float:

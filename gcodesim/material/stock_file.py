@@ -15,11 +15,12 @@ from typing import Any
 
 import numpy as np
 
-from gcodesim.material.stock import Stock
+from gcodesim.material.stock import WALL_PLANES, Stock
 from gcodesim.whole_file import write_whole
 
 SUFFIX = ".stock"
-_MAGIC = b"gcodesim-stock/1\n"
+_MAGIC = b"gcodesim-stock/2\n"
+_OLDER = b"gcodesim-stock/1\n"
 
 
 class StockFileError(ValueError):
@@ -57,6 +58,8 @@ def load_stock(path: Path) -> Stock:
 
 def stock_from_bytes(raw: bytes, name: str) -> Stock:
     """The stock in the bytes of a file called `name`; StockFileError when it is none."""
+    if raw.startswith(_OLDER):
+        raise StockFileError(f"{name} is of an older gcodesim, which kept walls otherwise: run its program again")
     if not raw.startswith(_MAGIC):
         raise StockFileError(f"{name} is not a stock that gcodesim wrote")
     try:
@@ -71,7 +74,8 @@ def stock_from_bytes(raw: bytes, name: str) -> Stock:
         count = np.frombuffer(body, "<i4", nx * ny).astype(np.int32).reshape(nx, ny)
         total = int(count.sum())
         ends = np.frombuffer(body, "<f8", 2 * total, 4 * nx * ny).astype(np.float64)
-        walls = np.frombuffer(body, "<f4", 4 * (nx + 1) * (ny + 1), 4 * nx * ny + 16 * total).astype(np.float32)
+        kept = WALL_PLANES * (nx + 1) * (ny + 1)
+        walls = np.frombuffer(body, "<f4", kept, 4 * nx * ny + 16 * total).astype(np.float32)
     except (ValueError, KeyError, TypeError, IndexError, zlib.error) as fault:
         raise StockFileError(f"{name} is damaged: {fault}") from fault
     if (

@@ -219,7 +219,7 @@ class Tiles:
             return columns
         i, j = place.corner
         xs, ys = place.lattice.xs, place.lattice.ys
-        return columns._replace(walls=self._stock.walls[:, i : i + len(xs), j : j + len(ys)].copy())
+        return columns._replace(walls=self._stock.walls[:2, i : i + len(xs), j : j + len(ys)].copy())
 
     def _is_dirty(self, place: _Place) -> bool:
         """Whether a column that the tile draws, or one next to it, lies in a changed patch."""

@@ -172,12 +172,13 @@ def strip_range(
     # positions along the piece at which the disc reaches this x
     first, last = 0.0, length
     offset = x - x0
+    slowness = 1.0 / ux if ux != 0.0 else 0.0
     if ux != 0.0:
-        a, b = (offset - radius) / ux, (offset + radius) / ux
+        a, b = (offset - radius) * slowness, (offset + radius) * slowness
         first, last = max(first, min(a, b)), min(last, max(a, b))
         if first > last:
             return 1.0, 0.0
-        near = min(max(offset / ux, first), last)
+        near = min(max(offset * slowness, first), last)
     else:
         near = first
     miss = offset - ux * near
@@ -187,7 +188,7 @@ def strip_range(
     ya, yb = y0 + uy * first, y0 + uy * last
     least, most = min(ya, yb) - half, max(ya, yb) + half
     if abs(ux) > 1.0e-9:
-        middle = y0 + offset * uy / ux
-        wide = radius / abs(ux)
+        middle = y0 + offset * uy * slowness
+        wide = radius * abs(slowness)
         least, most = max(least, middle - wide), min(most, middle + wide)
     return least, most

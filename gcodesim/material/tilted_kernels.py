@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from gcodesim.compiled import kernel
 from gcodesim.material.removal_kernels import PATCH_SHIFT, subtract
 from gcodesim.material.sweep_kernels import NUDGE_X, NUDGE_Y, row_range
-from gcodesim.material.wall_kernels import forget_walls
+from gcodesim.material.wall_kernels import shorten_walls
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -153,11 +153,10 @@ def remove_tilted(
                             volume[p] += total * grid[2] * grid[3]
                             return p
                         if gone > 0.0:
-                            total += gone
+                            total += gone + shorten_walls(walls, i, j, gone)
                             changed = True
                         held_low, held_high = 1.0, 0.0
                 if changed:
-                    total -= forget_walls(walls, i, j)
                     dirty[i >> PATCH_SHIFT, j >> PATCH_SHIFT] = 1
         volume[p] += total * grid[2] * grid[3]
     return pieces

@@ -56,7 +56,7 @@ def _flat(stock: Stock, R: Array) -> Stock:
     z_range = stock.z_range
     if R[0, 0] == 0.0:  # x and y change places
         lo, hi, count = lo.transpose(1, 0, 2), hi.transpose(1, 0, 2), count.T
-        walls, grid = walls[[1, 0, 3, 2]].transpose(0, 2, 1), grid[[1, 0, 3, 2]]
+        walls, grid = walls[[1, 0, 3, 2, 5, 4, 7, 6]].transpose(0, 2, 1), grid[[1, 0, 3, 2]]
     signs = R.sum(axis=1)
     for axis in range(2):
         if signs[axis] < 0.0:
@@ -96,7 +96,7 @@ def _mirrored(walls: Singles, axis: int) -> Singles:
     """Walls of a stock mirrored along x (0) or y (1): borders run the other way, and so do the sides that stand."""
     out = np.zeros_like(walls)
     cells = walls.shape[1 + axis] - 1
-    for kind in range(4):
+    for kind in range(len(walls)):
         across = kind % 2 == axis  # borders along the mirrored direction: one more than columns
         flipped = np.flip(walls[kind], axis)
         if across:

@@ -1,14 +1,23 @@
-"""Where walls really stand: what the grid cannot show of a straight wall is kept as a volume at the border of columns.
+"""Where walls really stand: what the grid cannot show of a straight wall is kept at the border of columns.
 
 A column belongs to the cut when its centre does, so a wall appears at the border between two columns although it
-stands up to half a cell beside it. When an upright tool leaves a wall, the strip between border and wall is
-reckoned along the row of columns that crosses it (along x, and along y) and the two are weighted by the squares of
-the wall's normal, which add up to one.
+stands up to half a cell beside it. When an upright tool leaves a wall, its place is reckoned along the row of columns
+that crosses it (along x, and along y).
 
-`walls` (4, nx + 1, ny + 1) f4 holds, for the borders below column (i, j) in x and in y: [0], [1] how far the tool
+`walls` (8, nx + 1, ny + 1) f4 holds, for the borders below column (i, j) in x and in y: [0], [1] how far the tool
 came, in cells beyond the border, -1/2..1/2, plus 2 when the column below the border is the one left standing, minus
-2 when it is the one above, 0 without a wall; [2], [3] the strip as a length [m], to be multiplied by the area of a
-cell. A positive strip: more is gone than the columns show.
+2 when it is the one above, 0 without a wall; [2], [3] down to which depth under its top the wall stands there [m];
+[4], [5] how far the tool came below that, [6], [7] along which height more [m]. A wall that passes of different depth
+left in more than two places has the two that come nearest to it.
+
+**Volume.** Between the centres of a standing column and of a gone one, a wall beyond the border takes `beyond` of the
+standing column, a wall before it leaves `-beyond` of the gone one. A slanted wall is seen at a border in x and at one
+in y, and both see the same: so a standing column loses the most that any of its four borders takes, and a gone one
+keeps the most that any of them leaves. The volume of the stock follows from columns and walls alone, whatever steps
+led to them, and no cut can raise it: walls only go further; and of the height by which a column is cut no more than
+half was taken by walls before, and no more than half is left behind walls afterwards. (Adding what is seen in x and in
+y, weighted by the wall's normal, is more exact on arcs, by a fifth of a cell's area for each closed wall, but a normal
+that turns can give volume back.)
 """
 
 from __future__ import annotations
@@ -24,64 +33,249 @@ Ints = NDArray[np.int32]
 Singles = NDArray[np.float32]
 
 SAME_PLACE = 1.0e-5  # walls nearer than this part of a cell are the same wall, cut again
+NEVER = 1.0e9  # a place [cells] that no stock has
+SLIVER = 0.125  # what is lower than this share of the height above it is no place of its own: a tip that shakes
+SAME_HEIGHT = 1.0e-8  # heights [m] nearer than this are the same: rounding of single precision
+
+# rows of the scratch of a piece: of each line of columns along x, and along y, the first and the last column that was
+# cut, and by how much
+FIRST, FIRST_GONE, LAST, LAST_GONE = 0, 1, 2, 3
 
 
 @kernel(lean=True)
-def forget_walls(walls: Singles, i: int, j: int) -> float:
-    """Drop the walls of column (i, j), because it was cut itself; returns the strips they held [m]."""
-    held = 0.0
+def taken(walls: Singles, axis: int, i: int, j: int) -> float:
+    """What a wall takes of the standing column [m]: length, to be multiplied by the area of a cell."""
+    total = max(abs(float(walls[axis, i, j])) - 2.0, 0.0) * float(walls[2 + axis, i, j])
+    if walls[6 + axis, i, j] > 0.0:
+        total += max(float(walls[4 + axis, i, j]), 0.0) * float(walls[6 + axis, i, j])
+    return total
+
+
+@kernel(lean=True)
+def left(walls: Singles, axis: int, i: int, j: int) -> float:
+    """What a wall leaves of the gone column [m]: length, to be multiplied by the area of a cell."""
+    total = max(2.0 - abs(float(walls[axis, i, j])), 0.0) * float(walls[2 + axis, i, j])
+    if walls[6 + axis, i, j] > 0.0:
+        total += max(-float(walls[4 + axis, i, j]), 0.0) * float(walls[6 + axis, i, j])
+    return total
+
+
+@kernel(lean=True)
+def most_taken(walls: Singles, i: int, j: int, but: int) -> float:
+    """What its walls take of column (i, j) where it stands [m]; but: a border that does not count, see `set_wall`."""
+    most = 0.0
+    if walls[0, i, j] < 0.0 and but != 0:
+        most = taken(walls, 0, i, j)
+    if walls[1, i, j] < 0.0 and but != 1:
+        most = max(most, taken(walls, 1, i, j))
+    if walls[0, i + 1, j] > 0.0 and but != 2:
+        most = max(most, taken(walls, 0, i + 1, j))
+    if walls[1, i, j + 1] > 0.0 and but != 3:
+        most = max(most, taken(walls, 1, i, j + 1))
+    return most
+
+
+@kernel(lean=True)
+def most_left(walls: Singles, i: int, j: int, but: int) -> float:
+    """What its walls leave of column (i, j) where it is gone [m]; but: a border that does not count."""
+    most = 0.0
+    if walls[0, i, j] > 0.0 and but != 0:
+        most = left(walls, 0, i, j)
+    if walls[1, i, j] > 0.0 and but != 1:
+        most = max(most, left(walls, 1, i, j))
+    if walls[0, i + 1, j] < 0.0 and but != 2:
+        most = max(most, left(walls, 0, i + 1, j))
+    if walls[1, i, j + 1] < 0.0 and but != 3:
+        most = max(most, left(walls, 1, i, j + 1))
+    return most
+
+
+@kernel
+def beyond_columns(walls: Singles) -> float:
+    """Sum of what walls take of columns less what they leave of gone ones [m, by the area of a cell a volume]."""
+    total = 0.0
+    for i in range(walls.shape[1] - 1):
+        row = 0.0
+        for j in range(walls.shape[2] - 1):
+            row += most_taken(walls, i, j, -1) - most_left(walls, i, j, -1)
+        total += row
+    return total
+
+
+@kernel(lean=True)
+def set_wall(
+    walls: Singles, axis: int, i: int, j: int, side: int, beyond: float, height: float, second: float, lower: float
+) -> float:
+    """Put a wall with one or two places at a border; returns what is gone more than before [m].
+
+    side: +1 when the column below the border is left standing, -1 when the one above is. No height: no wall.
+    Of its two columns the border is number `axis` of the one above, 2 + `axis` of the one below.
+    """
+    taken_before, left_before = taken(walls, axis, i, j), left(walls, axis, i, j)
+    walls[axis, i, j] = side * (beyond + 2.0) if height > 0.0 else 0.0
+    walls[2 + axis, i, j] = height
+    if lower > 0.0 or walls[6 + axis, i, j] > 0.0:  # few walls have a second place
+        walls[4 + axis, i, j], walls[6 + axis, i, j] = second, lower
+    taken_now, left_now = taken(walls, axis, i, j), left(walls, axis, i, j)
+    below_i, below_j = (i - 1, j) if axis == 0 else (i, j - 1)
+    gain = 0.0
+    if taken_now != taken_before:
+        if side > 0:
+            others = most_taken(walls, below_i, below_j, 2 + axis)
+        else:
+            others = most_taken(walls, i, j, axis)
+        gain += max(taken_now, others) - max(taken_before, others)
+    if left_now != left_before:
+        if side > 0:
+            others = most_left(walls, i, j, axis)
+        else:
+            others = most_left(walls, below_i, below_j, 2 + axis)
+        gain -= max(left_now, others) - max(left_before, others)
+    return gain
+
+
+@kernel(lean=True)
+def shorten_wall(walls: Singles, axis: int, i: int, j: int, gone: float) -> float:
+    """The standing column at a border was cut by `gone` [m], so its wall is lower; returns the gain [m]."""
+    side = 1 if walls[axis, i, j] > 0.0 else -1
+    beyond = abs(float(walls[axis, i, j])) - 2.0
+    second = float(walls[4 + axis, i, j])
+    height, lower = float(walls[2 + axis, i, j]) - gone, float(walls[6 + axis, i, j])
+    if height <= SAME_HEIGHT:
+        beyond, height = second, lower + height
+        second, lower = 0.0, 0.0
+        if height <= SAME_HEIGHT:
+            beyond, height = 0.0, 0.0
+    return set_wall(walls, axis, i, j, side, beyond, height, second, lower)
+
+
+@kernel(lean=True)
+def shorten_walls(walls: Singles, i: int, j: int, gone: float) -> float:
+    """Column (i, j) was cut by `gone` [m]: what stood of its walls in that height is gone; returns the gain [m]."""
+    gain = 0.0
     for axis in range(2):
         if walls[axis, i, j] < 0.0:
-            held += walls[2 + axis, i, j]
-            walls[axis, i, j], walls[2 + axis, i, j] = 0.0, 0.0
+            gain += shorten_wall(walls, axis, i, j, gone)
         bi, bj = (i + 1, j) if axis == 0 else (i, j + 1)
         if walls[axis, bi, bj] > 0.0:
-            held += walls[2 + axis, bi, bj]
-            walls[axis, bi, bj], walls[2 + axis, bi, bj] = 0.0, 0.0
-    return held
+            gain += shorten_wall(walls, axis, bi, bj, gone)
+    return gain
 
 
 @kernel(lean=True)
-def rim(side: int, offset: float, uf: float, um: float, length: float, radius: float) -> tuple[float, float, float]:
-    """Rim of a swept disc on a line that crosses it: (position [m], weight, place along the piece [m]).
+def place_on_rim(side: int, offset: float, uf: float, um: float, length: float, radius: float) -> float:
+    """Where on a piece [m] the disc stands that makes its rim on a line that crosses it.
 
     The line keeps its first coordinate `offset` from the piece's start and runs along the second; (uf, um) is the
-    direction of the piece in these. `side` -1: the lower rim, +1: the upper one. A negative weight: never reached.
+    direction of the piece in these. `side` -1: the lower rim, +1: the upper one.
     """
     if uf == 0.0:
-        s = length if side * um > 0.0 else 0.0
-    else:
-        sign = side if uf > 0.0 else -side
-        s = min(max((offset + radius * um * sign) / uf, 0.0), length)
-    miss = offset - uf * s
-    half2 = radius * radius - miss * miss
-    if half2 < 0.0:
-        return 0.0, -1.0, 0.0
-    return um * s + side * np.sqrt(half2), half2 / (radius * radius), s
+        return length if side * um > 0.0 else 0.0
+    return min(max((offset + radius * um * (side if uf > 0.0 else -side)) / uf, 0.0), length)
 
 
 @kernel(lean=True)
-def renew(walls: Singles, axis: int, i: int, j: int, side: int, beyond: float, strip: float) -> float:
-    """Keep a wall that is new, goes further than the one that is held, or as far and deeper; returns the gain [m].
+def find_rims(
+    side: int, offset: float, spacing: float, uf: float, um: float, length: float, radius: float, begin: float,
+    step: float, rims: Array,
+) -> None:  # fmt: skip
+    """Rim of a swept disc on n lines `spacing` apart, in cells [`step` m] from where the piece is at `begin` [m].
 
-    side: +1 when the column below the border is left standing, -1 when the one above is.
+    The first line at `offset`, the rest as in `place_on_rim`. A line that is never reached has it at the wrong side.
+    """
+    slowness, shift = 0.0, length if side * um > 0.0 else 0.0
+    if uf != 0.0:
+        slowness = 1.0 / uf
+        shift = radius * um * (side if uf > 0.0 else -side) * slowness
+    per_cell = 1.0 / step
+    radius2, never = radius * radius, -NEVER * side
+    for k in range(rims.shape[0]):  # without branches, so that several lines go at a time
+        across = offset + k * spacing
+        s = min(max(across * slowness + shift, 0.0), length)
+        miss = across - uf * s
+        half2 = radius2 - miss * miss
+        rim = (begin + um * s + side * np.sqrt(max(half2, 0.0))) * per_cell
+        rims[k] = rim if half2 >= 0.0 else never
+
+
+@kernel(lean=True)
+def one_place(further: float, height: float, nearer: float, lower: float) -> float:
+    """Place [cells] that stands for two heights [m] of a wall: with the same volume, or the further one.
+
+    Beyond the border and before it count at different columns, so places on both sides of it have no mean.
+    """
+    if further * nearer < 0.0 or lower == 0.0:
+        return further
+    return (further * height + nearer * lower) / (height + lower)
+
+
+@kernel(lean=True)
+def advance_wall(
+    walls: Singles, axis: int, i: int, j: int, side: int, beyond: float, height: float, fresh: float, dip: float
+) -> float:
+    """A tool came `beyond` [cells] a border along the upper `height` [m] of a wall; returns the gain [m].
+
+    fresh: how much the gone column has been cut just now [m]. A step that was there before has no wall yet: it counts
+    at the border until a tool comes beyond. dip: on a slope, how much higher or lower [m] a tool stands where it comes
+    near the border than where it comes furthest; so much at the foot of a wall counts at the border.
     """
     place = float(walls[axis, i, j])
-    held = float(walls[2 + axis, i, j])
-    if place * side > 0.0:
-        further = beyond - (place * side - 2.0)
-        if further < -SAME_PLACE or (further <= SAME_PLACE and abs(strip) <= abs(held)):
-            return 0.0  # another pass has taken more, or the same wall from further down
-    walls[axis, i, j] = side * (beyond + 2.0)
-    walls[2 + axis, i, j] = strip
-    return float(walls[2 + axis, i, j]) - held
+    if place == 0.0:
+        if beyond <= 0.0:
+            height = min(height, fresh)
+        if height <= SAME_HEIGHT:
+            return 0.0
+        return set_wall(walls, axis, i, j, side, beyond, height, 0.0, 0.0)
+    if place * side < 0.0:
+        return 0.0  # an undercut: the wall of the other side goes with its column
+    first, upper = abs(place) - 2.0, float(walls[2 + axis, i, j])
+    lower = float(walls[6 + axis, i, j])
+    second = float(walls[4 + axis, i, j]) if lower > 0.0 else first
+    held = upper + lower
+    more = height - held
+    if beyond <= 0.0:
+        more = min(more, fresh)
+    if more <= SAME_HEIGHT:
+        more = 0.0
+    if abs(beyond - first) <= SAME_PLACE:
+        beyond = first
+    elif abs(beyond - second) <= SAME_PLACE:
+        beyond = second
+    if beyond <= second and (more == 0.0 or (beyond < second and more <= dip)):
+        return 0.0  # other passes have taken more
+    if height >= held - SAME_HEIGHT:  # all of the wall
+        if beyond >= first:
+            return set_wall(walls, axis, i, j, side, beyond, held + more, 0.0, 0.0)
+        if beyond < second:
+            first, upper, lower = one_place(first, upper, second, lower), held, 0.0
+        return set_wall(walls, axis, i, j, side, first, upper, beyond, lower + more)
+    rest = held - height
+    if beyond >= first and height > upper - SAME_HEIGHT:
+        return set_wall(walls, axis, i, j, side, beyond, height, second, rest)
+    if height <= upper:
+        if beyond <= first:
+            return 0.0
+        if lower == 0.0 and rest <= dip and first <= 0.0:
+            return set_wall(walls, axis, i, j, side, beyond, height, 0.0, 0.0)
+        if first * second < 0.0 and (0.5 - first) * (upper - height) < (first - second) * lower:
+            return set_wall(walls, axis, i, j, side, beyond, upper, second, lower)
+        second = one_place(first, upper - height, second, lower)
+        return set_wall(walls, axis, i, j, side, beyond, height, second, rest)
+    # between the two places: a third one, which counts with the nearer
+    if rest <= dip and second <= 0.0:
+        return set_wall(walls, axis, i, j, side, first, upper, beyond, height - upper)
+    if rest < SLIVER * (height - upper):
+        return set_wall(walls, axis, i, j, side, first, upper, beyond, lower)
+    if 2.0 * beyond > first + second:
+        return set_wall(walls, axis, i, j, side, first, height, second, rest)
+    return 0.0
 
 
 @kernel(lean=True)
-def material_above(lo: Array, hi: Array, count: Ints, i: int, j: int, bottom: float) -> float:
+def material_above(lo: Array, hi: Array, intervals: int, i: int, j: int, bottom: float) -> float:
     """Length [m] of material of column (i, j) above `bottom`."""
     total = 0.0
-    for k in range(count[i, j]):
+    for k in range(intervals):
         if hi[i, j, k] > bottom:
             total += hi[i, j, k] - max(lo[i, j, k], bottom)
     return total
@@ -104,13 +298,18 @@ def reckon_walls(
     z0: float,
     slope: float,
     bottom: float,
+    cut_x: Array,
+    cut_y: Array,
+    rims: Array,
 ) -> float:
     """Reckon the walls that an upright tool has left along a piece; returns the gain over what was held [m].
 
     The piece as `piece_line` gives it, `low_z` its lowest tip; bottom: the height over the tip [m] from which on the
-    tool is a cylinder.
+    tool is a cylinder. cut_x (4, ny), cut_y (4, nx): of lines along x and along y, which columns were cut (`FIRST`
+    ...); rims (2, n): scratch.
     """
     nx, ny = count.shape
+    dip = abs(slope) * np.sqrt(2.0 * radius * max(grid[2], grid[3]))
     gain = 0.0
     for axis in range(2):
         if axis == 0:  # rows along x, one for each j
@@ -124,15 +323,16 @@ def reckon_walls(
         least = min(crossing, crossing + uf * length) - radius
         most = max(crossing, crossing + uf * length) + radius
         first, last = row_range(line_origin, line_step, line_nudge, lines, least, most)
+        if first >= last:
+            continue
+        offset = line_origin + (first + 0.5 + line_nudge) * line_step - crossing
+        lower, upper = rims[0, : last - first], rims[1, : last - first]
+        find_rims(-1, offset, line_step, uf, um, length, radius, begin - origin, step, lower)
+        find_rims(1, offset, line_step, uf, um, length, radius, begin - origin, step, upper)
         for line in range(first, last):
-            offset = line_origin + (line + 0.5 + line_nudge) * line_step - crossing
-            below, weight_below, s_below = rim(-1, offset, uf, um, length, radius)
-            above, weight_above, s_above = rim(1, offset, uf, um, length, radius)
-            if weight_below < 0.0 or weight_above < 0.0:
-                continue
-            below, above = begin + below, begin + above
-            inner = int(np.ceil((below - origin) / step - 0.5 - nudge))  # the first column of the cut
-            outer = int(np.floor((above - origin) / step - 0.5 - nudge)) + 1  # the first one behind it
+            below, above = float(lower[line - first]), float(upper[line - first])
+            inner = int(np.ceil(below - 0.5 - nudge))  # the first column of the cut
+            outer = int(np.floor(above - 0.5 - nudge)) + 1  # the first one behind it
             if inner >= outer:
                 continue
             for side in (1, -1):
@@ -141,17 +341,24 @@ def reckon_walls(
                 if not (0 < border < cells):
                     continue
                 standing, gone = (border - 1, border) if side == 1 else (border, border - 1)
-                s = s_below if side == 1 else s_above
-                low = (z0 + slope * s if slope != 0.0 else low_z) + bottom
+                low = low_z + bottom
+                if slope != 0.0:
+                    across = offset + (line - first) * line_step
+                    low = z0 + slope * place_on_rim(-side, across, uf, um, length, radius) + bottom
                 i, j = (standing, line) if axis == 0 else (line, standing)
                 n = count[i, j]
                 if n == 0 or hi[i, j, n - 1] <= low:
                     continue
                 gi, gj = (gone, line) if axis == 0 else (line, gone)
-                height = material_above(lo, hi, count, i, j, low) - material_above(lo, hi, count, gi, gj, low)
-                edge = origin + border * step
-                beyond = (edge - below if side == 1 else above - edge) / step
-                strip = beyond * (weight_below if side == 1 else weight_above) * max(height, 0.0)
+                height = material_above(lo, hi, n, i, j, low) - material_above(lo, hi, count[gi, gj], gi, gj, low)
+                if height <= 0.0:
+                    continue
+                beyond = min(max(border - below if side == 1 else above - border, -0.5), 0.5)
+                row = FIRST if side == 1 else LAST
+                if axis == 0:
+                    fresh = cut_x[row + 1, line] if cut_x[row, line] == gone else 0.0
+                else:
+                    fresh = cut_y[row + 1, line] if cut_y[row, line] == gone else 0.0
                 bi, bj = (border, line) if axis == 0 else (line, border)
-                gain += renew(walls, axis, bi, bj, side, beyond, strip)
+                gain += advance_wall(walls, axis, bi, bj, side, beyond, height, fresh, dip)
     return float(gain)

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.compiled import kernel
-from gcodesim.material.kernels import PATCH_SHIFT, patch_top, remove_piece, touch_piece
+from gcodesim.material.kernels import PATCH_SHIFT, patch_top, remove_piece, scratch, touch_piece
 from gcodesim.processes.force_kernels import (
     CHIP,
     DEPTH,
@@ -251,7 +251,7 @@ def mill(
     n = motion.shape[0]
     result = np.zeros(RESULT)
     before, after, p, q = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
-    spare, moves = np.empty((2, count.shape[1])), np.empty((6, 3))
+    spare, moves = scratch(count), np.empty((6, 3))
     rigid_machine = compliance.shape[0] == 0
     no_compliance = np.zeros((3, 6))
     widest = max(shapes[0, 1], max(shapes[1, 1], shapes[2, 1]))

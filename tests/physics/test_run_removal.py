@@ -6,6 +6,7 @@ import json
 from math import hypot, pi, radians, tan
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from tests.physics.runs import Ran, run_texts
@@ -33,7 +34,9 @@ simulation: {{rate: {rate} Hz}}
 
 @pytest.mark.parametrize("name", sorted(CASES))
 def test_removed_volume_of_a_program(name: str) -> None:
-    """V-PRG: within the tolerance of the case and within the printed bound, better on a finer grid."""
+    """V-PRG: within the tolerance of the case and within the printed bound, better on a finer grid or next to exact:
+    a closed wall leaves some tenths of a cell's area open, with either sign.
+    """
     case = CASES[name]
     want = case["expected"]["removed_mm3"]
     errors = []
@@ -46,7 +49,7 @@ def test_removed_volume_of_a_program(name: str) -> None:
         assert errors[-1] <= stock.error_bound * 1e9
         assert stock.removed == pytest.approx(stock.initial - stock.remaining, rel=1e-9)
         assert not ran.bad
-    assert errors[1] < errors[0] or errors[1] < 1e-6 * want["value"]
+    assert errors[1] < errors[0] or errors[1] < 5e-5 * want["value"]
 
 
 @pytest.mark.parametrize("name", sorted(CASES))
@@ -111,3 +114,50 @@ def test_deposited_volume_of_the_wall_that_ships() -> None:
     ran = run_texts(program + OFF, (ROOT / "cells" / "wall.yaml").read_text())
     way = 2.0 * (2.0 * 120.0 + 2.0 * 50.0 + 2.0 * pi * 20.0)
     assert ran.stock.deposited * 1e9 == pytest.approx(way * AREA, rel=0.005)
+
+
+RELIEF_CELL = """
+gcodesim: 1
+frames:
+  table: {in: world, xyz: [520, -40, 250]}
+robots:
+  arm: {model: kuka_kr10_r1100_2, home: [0, -90, 90, 0, 90, 0]}
+work_offsets: {G54: {in: table, xyz: [0, 0, 15]}}
+orientation: {tool_axis: -Z of G54, spin: free}
+stock: {box: [50, 40, 15], in: table, zero: bottom-front-left, material: al6082_t6, resolution: 0.5}
+tools:
+  1: {type: flat_end_mill, diameter: 8, flutes: 3, length: 60}
+  2: {type: ball_end_mill, diameter: 6, flutes: 2, length: 60}
+magazine: {in: world, xyz: [200, 500, 300], pitch: 80, change_time: 1 s}
+"""
+
+
+def relief() -> str:
+    """A pocket in three depths, its wall once more at full depth, then a ball along waves over its floor."""
+    ring = "X38 F1500\nY28\nX12\nY12\n"
+    rough = "".join(f"G0 X12 Y12 Z2\nG1 Z-{depth} F400\n{ring}X32 Y20\nX18\n" for depth in (2, 4, 6))
+    waves = "".join(f"X{x} Z{-6.2 - 0.8 * (x % 6 > 0):.1f}\n" for x in range(12, 39, 3))
+    rows = "".join(f"G0 X12 Y{y} Z2\nG1 Z-6.2 F400\nF1800\n{waves}" for y in range(13, 28, 2))
+    last = "G0 X11.8 Y11.8 Z2\nG1 Z-6 F400\nX38.2 F1500\nY28.2\nX11.8\nY11.8\n"
+    first, second = "G21 G90 G17 G94 G64 P0.01\nT1 M6\nG43 H1\nS8000 M3\n", "G0 Z20\nT2 M6\nG43 H2\nS9000 M3\n"
+    return f"{first}{rough}{last}{second}{rows}G0 Z20\nM2\n"
+
+
+def assert_only_removes(ran: Ran) -> None:
+    """No sample of the log gives material back, and the samples add up to what the stock has lost."""
+    removed, rate = ran.column("/process", "removed_m3", "removal_m3_s").T
+    assert rate.min() >= -5e-14  # rounding: 1e-15 m³ in a sample of 20 ms
+    assert (np.diff(removed) >= -1e-15).all()
+    assert removed[-1] == pytest.approx(ran.stock.initial - ran.stock.remaining, rel=1e-9)
+
+
+def test_a_relief_on_an_arm_removes_in_every_sample(tmp_path: Path) -> None:
+    """Passes at several depths, each bent a little otherwise: walls differ by micrometres."""
+    ran = run_texts(relief(), RELIEF_CELL, tmp_path)
+    assert_only_removes(ran)
+
+
+@pytest.mark.slow
+def test_the_bracket_on_an_arm_removes_in_every_sample(tmp_path: Path) -> None:
+    program, cell = (ROOT / "programs" / "bracket.nc").read_text(), (ROOT / "cells" / "bracket_kr10.yaml").read_text()
+    assert_only_removes(run_texts(program, cell, tmp_path))
