@@ -40,6 +40,7 @@ class Inspector:
         grids = (placed.stock.grid[2:] for placed in shop.stocks.values())
         self._grain = max((float(dx * dy * max(dx, dy)) for dx, dy in grids), default=0.0)
         self._up = _straight_up(plan, shop)
+        self._probes, self._left_taps = _rows_of(plan, _PROBES), _rows_of(plan, _LEFT_TAPS)
         self._starts = plan.trajectory.row_start if len(plan.path) else np.zeros(1)
 
     def fresh(self, record: StepRecord, totals: RowTotals, joints: JointTotals) -> list[Diagnostic]:
@@ -81,8 +82,8 @@ class Inspector:
             time=self._starts,
             rapid_cut=np.where(self._up, 0.0, totals.rapid_cut),
             rapid_bound=totals.rapid_bound + self._grain,
-            stopped_cut=totals.stopped_cut,
-            reversed_cut=totals.reversed_cut,
+            stopped_cut=np.where(self._up | self._probes, 0.0, totals.stopped_cut),
+            reversed_cut=np.where(self._up | self._left_taps, 0.0, totals.reversed_cut),
             shank=totals.shank,
             holder=totals.holder,
             inside=totals.inside,
@@ -145,6 +146,18 @@ class Inspector:
                 )
             )
         return found
+
+
+_PROBES = frozenset(("G31", "G38.2", "G38.3", "G38.4", "G38.5"))  # what they touch ends them on the machine
+_LEFT_TAPS = frozenset(("G74",))
+
+
+def _rows_of(plan: Plan, words: frozenset[str]) -> Flags:
+    """Rows (n,) whose motion word is one of `words`."""
+    path = plan.path
+    if not len(path):
+        return np.zeros(1, dtype=np.bool_)
+    return np.array([state.word in words for state in path.states], dtype=np.bool_)[path.state]
 
 
 def _straight_up(plan: Plan, shop: Shop) -> Flags:

@@ -26,11 +26,7 @@ _OFFSET_WORD = re.compile(r"(?<![A-Za-z#<])[DHdh]\s*([0-9]{1,5})(?![0-9.])")
 _TOOL_WORD = re.compile(r"(?<![A-Za-z#<])[Tt]\s*([0-9]{1,5})(?![0-9.])")
 _TOOL_COMMENT = re.compile(r"\b(?:T|TOOL\s*#?)\s*([0-9]{1,5})\b", re.IGNORECASE)
 _UNIT = r"\s*(mm\b|in\b|inch\b|\"|'')?"
-_FRACTION = re.compile(
-    r"(?<![0-9./])([0-9]{1,2})\s*/\s*([0-9]{1,2})"
-    r"(?:\s*(?:\"|''|in\b|inch)|\s+[A-Z ]{0,16}(?:MILL|DRILL|BALL|FLAT|BULL))",
-    re.IGNORECASE,
-)
+_FRACTION = re.compile(r"(?<![0-9./])([0-9]{1,2})\s*/\s*(2|4|8|16|32|64)(?![0-9.])")  # of an inch
 _DIAMETERS: Final = (
     re.compile(rf"(?:(?<![A-Za-z])D(?:IA(?:METER)?)?\.?\s*[=:]?\s*|[ØøΦ]\s*){_NUMBER}{_UNIT}", re.IGNORECASE),
     re.compile(rf"TOOL/MILL\s*,\s*{_NUMBER}()", re.IGNORECASE),

@@ -162,6 +162,7 @@ def test_what_no_dialect_reads_has_no_cell() -> None:
     [
         ('(T1 | 1/4" END MILL)\nT1 M6', 6.35),
         ("( T1 | 1/2 FLAT ENDMILL | H1 )\nT1 M6", 12.7),
+        ("T1 M6 (DRILL 9/32)", 25.4 * 9 / 32),
         ("(TOOL/MILL,3.17, 0.00, 0.00, 0.00)\nM6T1", 3.17),
         ("T1\n(MSG, Change tool bit to drill size 0.8mm)\nM6", 0.8),
         ("T1 M6 (MILL_D50_ROUGH)", 50.0),
@@ -194,3 +195,21 @@ def test_check_and_run_agree(tmp_path: Path) -> None:
         ran, _ = run(prepare(source(text), loaded))
         assert [f.code for f in checked.findings] == [f.code for f in ran.findings]
         assert checked.times.total == ran.times.total > 0.0
+
+
+def test_a_tap_on_its_way_out_is_no_misuse(tmp_path: Path) -> None:
+    text = "G21 G90\nT1 M6 (TAP D6)\nS300 M3\nG0 X0 Y0 Z5\nG84 X0 Y0 Z-9 R2 F300\nX20\nG80\nM5\nM2\n"
+
+    assert verdict(text, tmp_path)[:2] == ("ok", set())
+    left = text.replace("M3", "M4").replace("G84", "G74")
+    assert verdict(left, tmp_path)[:2] == ("ok", set())
+    drilled = text.replace("M3", "M4").replace("G84", "G81")
+    assert verdict(drilled, tmp_path)[1] == {"GS502"}
+
+
+def test_a_probe_needs_no_spindle(tmp_path: Path) -> None:
+    text = "G21 G90\nT1 M6 (END MILL D6)\nS9000 M3\nG0 X0 Y0 Z5\nG1 Z-3 F200\nX30\nG0 Z5\nM5\n"
+
+    assert verdict(text + "G0 X15\nG38.3 Z-3 F50\nG0 Z5\nM2\n", tmp_path)[:2] == ("ok", set())
+    assert verdict(text + "G0 X15 Y4\nG38.3 Z-3 F50\nG0 Z5\nM2\n", tmp_path)[:2] == ("ok", set())
+    assert verdict(text + "G0 X15 Y4\nG1 Z-3 F50\nG0 Z5\nM2\n", tmp_path)[1] >= {"GS501"}
