@@ -7,7 +7,7 @@ import hashlib
 import os
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -29,17 +29,21 @@ def shown_name(path: Path) -> str:
 
 @dataclass(frozen=True)
 class SourceText:
-    """A file as it was read: `name` is how findings call it (no folder of this machine), `raw` its bytes."""
+    """A file as it was read: `name` is how findings call it (no folder of this machine), `raw` its bytes.
+
+    `folder` is where it lies, and files that it names may lie; None for a text that is no file.
+    """
 
     name: str
     raw: bytes
+    folder: Path | None = field(default=None, compare=False)
 
     @staticmethod
     def read(path: Path, name: str | None = None) -> SourceText:
         """Read a file; OSError when it cannot be read, or is a pipe or device, which may never end."""
         if path.exists() and not path.is_file() and not path.is_dir():
             raise OSError(errno.EINVAL, "it is no regular file")
-        return SourceText(name or shown_name(path), path.read_bytes())
+        return SourceText(name or shown_name(path), path.read_bytes(), path.parent)
 
     @cached_property
     def encoding(self) -> str:

@@ -134,7 +134,7 @@ def _settings(case: Case, settings: Settings) -> Settings:
 
 
 def _lint(case: Case, program: SourceText) -> Outcome:
-    settings = Settings(tool_table=assumed_tools(program), subroutines=(case.program.parent,))
+    settings = Settings(tool_table=assumed_tools(program))
     reading = interpret(program, _settings(case, settings))
     steps = tuple(steps_of(reading))
     findings = list(reading.findings)

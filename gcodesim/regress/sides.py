@@ -74,7 +74,7 @@ def facts_at(
         job = prepare(source, load_cell(cell, allow_paths))
         results, _ = run(job, out)
         return facts_of_run(job, results)
-    settings = Settings(tool_table=assumed_tools(source), subroutines=(path.parent,))
+    settings = Settings(tool_table=assumed_tools(source))
     return replace(_read(source, settings, source.name), is_alone=True)
 
 

@@ -431,7 +431,7 @@ class FlowControl:
                     f"begin it with a line O{label}"
                     if by_m98
                     else self._near_sub(label)
-                    or (f"define it with `{show(label)} sub`, or put {label}.ngc into a folder of subroutines")
+                    or (f"define it with `{show(label)} sub`, or put {label}.ngc beside the program")
                 )
             raise Stopped("GS131", message, index=len(file.lines) - 1, hint=hint)
         if by_m98 and found.keyword == "sub":

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import time
 from collections.abc import Generator
+from pathlib import Path
 
 from gcodesim import canon
 from gcodesim.canon.batch import MoveBatch
@@ -125,11 +126,17 @@ class Executor:
         allowed = _MOST_BLOCKS + _MOST_ROUNDS * len(run.source.lines)
         self.most_blocks = allowed if settings.max_blocks is None else settings.max_blocks
 
+    @property
+    def folders(self) -> tuple[Path, ...]:
+        """Where files of subroutines may lie: the given folders, and beside the program."""
+        beside = self.run.source.folder
+        return (*self.settings.subroutines, *(() if beside is None else (beside,)))
+
     def _parts(self, source: SourceText) -> tuple[ProgramFile, Control, FlowControl]:
         """The program, the control that runs it and what moves between its lines, of this dialect."""
         file = ProgramFile(source, self.reader)
         control = Control(self.settings, self.dialect)
-        return file, control, FlowControl(control, file, self.reader, self.settings.subroutines)
+        return file, control, FlowControl(control, file, self.reader, self.folders)
 
     def events(self) -> Generator[canon.Event | MoveBatch, Feedback, None]:
         control, flow = self.control, self.flow

@@ -159,9 +159,9 @@ CODES: tuple[Code, ...] = (
         code="GS131",
         severity=Severity.ERROR,
         title="Subroutine not found",
-        what="The program calls a subroutine that neither the file nor the folders of subroutines hold.",
+        what="The program calls a subroutine that neither the file, nor a file beside it or in the folders of subroutines, holds.",
         why="The control would stop in mid-program.",
-        remedy="Define it in the file, or name the folder of subroutines.",
+        remedy="Define it in the file, put its file beside the program, or name the folder in which it lies.",
     ),
     Code(
         code="GS132",

@@ -38,7 +38,7 @@ class FanucExecutor(Executor):
     def _parts(self, source: SourceText) -> tuple[FanucFile, FanucControl, FanucFlow]:
         file = FanucFile(source, self.reader)
         control = FanucControl(self.settings, self.dialect)
-        return file, control, FanucFlow(control, file, self.reader, self.settings.subroutines)
+        return file, control, FanucFlow(control, file, self.reader, self.folders)
 
     def _line(self, file: ProgramFile, index: int, text: str) -> None:
         if index >= self.flow.running.part.end:

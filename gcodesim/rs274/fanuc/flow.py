@@ -230,7 +230,7 @@ class FanucFlow(FlowControl):
                 assert isinstance(file, FanucFile)
                 return file, part
         shown = self._lines.shown(number)
-        hint = f"begin it with a line {shown}, or put it as {shown.strip('<>')}.nc into a folder of subroutines"
+        hint = f"begin it with a line {shown}, or put it as {shown.strip('<>')}.nc beside the program"
         behind = main.behind(number) if isinstance(main, FanucFile) else None
         if behind is not None:
             hint = f"it stands in line {behind + 1}, behind the % that ends the file: move that % to the end"

@@ -287,3 +287,27 @@ def test_a_file_that_is_a_subroutine_needs_no_end() -> None:
         assert [f.code for f in lint(SourceText(name, body))] == ["GS010"]
     within = Settings(has_cell=True)
     assert [f.code for f in lint(SourceText("along.ngc", b"o<along> sub\no<along> endsub\n"), within)] == ["GS010"]
+
+
+@pytest.mark.parametrize(
+    ("dialect", "called", "text"),
+    [
+        ("linuxcnc", "hole.ngc", "o<hole> sub\nG0 X1\no<hole> endsub\nM2\n"),
+        ("fanuc", "O0020.nc", "O0020\nG0 X1\nM99\n"),
+    ],
+)
+def test_a_subroutine_is_looked_for_beside_its_program(tmp_path, dialect, called, text):
+    call = "o<hole> call" if dialect == "linuxcnc" else "M98 P20"
+    (tmp_path / "main.nc").write_text(f"G21 G90\n{call}\nM30\n")
+    source = SourceText.read(tmp_path / "main.nc")
+
+    def errors(**more):
+        found = lint(source, Settings(dialect=dialect, **more))
+        return [(f.code, f.span.file) for f in found if f.level >= Severity.ERROR]
+
+    assert errors() == [("GS131", "main.nc")]
+    (tmp_path / called).write_text(text)
+    assert not errors()
+    (tmp_path / "own").mkdir()
+    (tmp_path / "own" / called).write_text(text.replace("X1", "Y"))
+    assert {file for _, file in errors(subroutines=(tmp_path / "own",))} == {called}  # a given folder comes first
