@@ -172,7 +172,7 @@ class _Writer:
         seen = self.seen
         if not any(self._stock_box(reach) for reach in seen.systems.values()):
             return not seen.systems  # without stock nothing places the work
-        if seen.rotary or seen.from_zero or len(seen.systems) > 1 or (seen.systems and 1 not in seen.systems):
+        if seen.rotary or seen.lathe or seen.from_zero or list(seen.systems) != [1]:
             return False
         if seen.machine is not None:
             low, high = seen.machine

@@ -143,6 +143,12 @@ def test_work_that_turns_has_no_stock_yet(tmp_path: Path) -> None:
     ).decode()
 
 
+def test_a_lathe_program_of_linuxcnc_gives_paths_and_times(tmp_path: Path) -> None:
+    text = "G21 G18 G8\nS800 M3\nG0 X30 Z60\nG1 X12 Z0 F80\nZ-20\nG0 X40 Z20\nM5\nM2\n"
+
+    assert verdict(text, tmp_path) == ("ok", {"GS916"}, {})
+
+
 def test_probes_ask_for_travel_and_cut_nothing(tmp_path: Path) -> None:
     text = "G21 G90\nT9 M6\nG0 X5 Y5 Z60\nG38.3 Z-250 F100\nG0 Z60\nM2\n"
     status, worse, removed = verdict(text, tmp_path)
