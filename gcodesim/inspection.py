@@ -36,9 +36,10 @@ class Inspector:
             timed.row: timed.event.span for timed in plan.path.events if isinstance(timed.event, ToolChange)
         }
         self._blind = _blind_turns(plan, shop)
-        # a rapid that takes less than a cell has touched nothing that the grid could show
+        # a rapid that takes less than a cell at each of its four sides has touched nothing that the grid could show:
+        # an arm that is bent otherwise stands a micrometre beside the wall it made
         grids = (placed.stock.grid[2:] for placed in shop.stocks.values())
-        self._grain = max((float(dx * dy * max(dx, dy)) for dx, dy in grids), default=0.0)
+        self._grain = max((float(4.0 * dx * dy * max(dx, dy)) for dx, dy in grids), default=0.0)
         self._up = _straight_up(plan, shop)
         self._probes, self._left_taps = _rows_of(plan, _PROBES), _rows_of(plan, _LEFT_TAPS)
         self._starts = plan.trajectory.row_start if len(plan.path) else np.zeros(1)
