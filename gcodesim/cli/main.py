@@ -10,7 +10,6 @@ from argparse import Namespace
 from collections.abc import Sequence
 from typing import Final
 
-from gcodesim.cli import generated
 from gcodesim.cli.exits import INTERNAL, INTERRUPTED, OK, USAGE, UsageError
 from gcodesim.cli.parser import build_parser
 
@@ -44,8 +43,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     except Exception as error:
         _report_fault(error, sys.argv[1:] if argv is None else argv)
         return INTERNAL
-    finally:
-        generated.keep()
 
 
 def _report_fault(error: Exception, argv: Sequence[str]) -> None:
