@@ -169,7 +169,6 @@ def test_accepted_results_named_by_a_shell_pattern_are_no_programs(suite, tmp_pa
     assert [case.name for case in collect(named, suite).cases] == ["lone.nc", "pocket"]
 
 
-
 def test_one_file_for_a_folder_of_programs(suite: Path) -> None:
     (suite / "extra.nc").write_text("G21 G90\nT1 M6\nG43 H1\nG0 Z20\nM2\n")
     (suite / "all.test.yaml").write_text("program: '*.nc'\ncell: pocket.yaml\n")
