@@ -17,11 +17,13 @@ from gcodesim.executor.tasks import RowColumns
 from gcodesim.executor.totals import JointTotals, RowTotals
 from gcodesim.frames import Array
 from gcodesim.shop import Shop, mover_of
-from gcodesim.units import KW
+from gcodesim.units import KW, MM3
 
 if TYPE_CHECKING:
     from gcodesim.executor import Execution
     from gcodesim.planning import Plan
+
+LEAST_RAPID = 0.1 * MM3  # that a rapid may take: a rub, not a cut
 
 
 class Inspector:
@@ -36,10 +38,11 @@ class Inspector:
             timed.row: timed.event.span for timed in plan.path.events if isinstance(timed.event, ToolChange)
         }
         self._blind = _blind_turns(plan, shop)
-        # a rapid that takes less than a cell at each of its four sides has touched nothing that the grid could show:
-        # an arm that is bent otherwise stands a micrometre beside the wall it made
+        # a rapid that takes less than a cell has touched nothing that the grid could show, and an arm that is bent
+        # otherwise than before stands some micrometres beside the wall it made
         grids = (placed.stock.grid[2:] for placed in shop.stocks.values())
-        self._grain = max((float(4.0 * dx * dy * max(dx, dy)) for dx, dy in grids), default=0.0)
+        self._grain = max((float(dx * dy * max(dx, dy)) for dx, dy in grids), default=0.0)
+        self._grain = max(self._grain, LEAST_RAPID)
         self._up = _straight_up(plan, shop)
         self._probes, self._left_taps = _rows_of(plan, _PROBES), _rows_of(plan, _LEFT_TAPS)
         self._starts = plan.trajectory.row_start if len(plan.path) else np.zeros(1)

@@ -159,7 +159,7 @@ CODES: tuple[Code, ...] = (
         code="GS131",
         severity=Severity.ERROR,
         title="Subroutine not found",
-        what="The program calls a subroutine that is neither in the file, nor beside it, nor in the folders of subroutines.",
+        what="The program calls a subroutine that is not in its file, beside it, or in a folder of subroutines.",
         why="The control would stop in mid-program.",
         remedy="Define it in the file, put its file beside the program, or name the folder in which it lies.",
     ),

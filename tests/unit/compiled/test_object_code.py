@@ -273,6 +273,7 @@ def test_another_numba_than_those_we_know(monkeypatch: pytest.MonkeyPatch, cache
     """Everything goes by way of numba then, which keeps it as it does."""
     monkeypatch.setattr(compiling, "_knows_this_numba", lambda: False)
     compiling.dispatcher_of.cache_clear()
+    compiling._numba.cache_clear()  # it tells numba where to keep what it makes
 
     assert fresh(quadruple)(2.5) == 10.0
     assert {path.suffix for path in kept(cache)} == {".nbi", ".nbc"}
