@@ -17,13 +17,14 @@ from gcodesim.executor.tasks import RowColumns
 from gcodesim.executor.totals import JointTotals, RowTotals
 from gcodesim.frames import Array
 from gcodesim.shop import Shop, mover_of
-from gcodesim.units import KW, MM3
+from gcodesim.tools.cutter import Cutter
+from gcodesim.units import KW, UM
 
 if TYPE_CHECKING:
     from gcodesim.executor import Execution
     from gcodesim.planning import Plan
 
-LEAST_RAPID = 0.1 * MM3  # that a rapid may take: a rub, not a cut
+RUB = 2.0 * UM  # [m] of its own wall that an arm may take when it comes back and is bent otherwise than before
 
 
 class Inspector:
@@ -38,11 +39,7 @@ class Inspector:
             timed.row: timed.event.span for timed in plan.path.events if isinstance(timed.event, ToolChange)
         }
         self._blind = _blind_turns(plan, shop)
-        # a rapid that takes less than a cell has touched nothing that the grid could show, and an arm that is bent
-        # otherwise than before stands some micrometres beside the wall it made
-        grids = (placed.stock.grid[2:] for placed in shop.stocks.values())
-        self._grain = max((float(dx * dy * max(dx, dy)) for dx, dy in grids), default=0.0)
-        self._grain = max(self._grain, LEAST_RAPID)
+        self._grain = _least_rapid(self._rows, shop)
         self._up = _straight_up(plan, shop)
         self._probes, self._left_taps = _rows_of(plan, _PROBES), _rows_of(plan, _LEFT_TAPS)
         self._starts = plan.trajectory.row_start if len(plan.path) else np.zeros(1)
@@ -172,6 +169,20 @@ def _straight_up(plan: Plan, shop: Shop) -> Flags:
         way = path.end - path.start
         up[:] = (way[:, 2] > 0.0) & (np.abs(np.delete(way, 2, axis=1)).max(axis=1) < 1e-9)
     return up
+
+
+def _least_rapid(rows: RowColumns, shop: Shop) -> Array:
+    """What each row (n,) may take [m³] at rapid and has yet cut nothing: a cell, or a rub of the tool's own wall."""
+    grids = (placed.stock.grid[2:] for placed in shop.stocks.values())
+    grain = max((float(dx * dy * max(dx, dy)) for dx, dy in grids), default=0.0)
+    rubs = {
+        number: RUB * np.pi * tool.diameter * tool.flute_length
+        for number, tool in shop.cell.tools.items()
+        if isinstance(tool, Cutter)
+    }
+    numbers, of_row = np.unique(rows.tool, return_inverse=True)
+    least: Array = np.array([max(grain, rubs.get(int(number), 0.0)) for number in numbers])[of_row]
+    return least
 
 
 def _above(values: Array, limit: float | None) -> bool:
