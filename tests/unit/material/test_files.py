@@ -64,6 +64,14 @@ def test_damaged_files_say_so(carved, tmp_path, harm):
         stock_from_bytes(raw, "plate.stock")
 
 
+def test_a_file_of_an_older_version_says_what_to_do(carved, tmp_path):
+    path = tmp_path / "plate.stock"
+    save_stock(carved, path)
+    older = path.read_bytes().replace(b"gcodesim-stock/2\n", b"gcodesim-stock/1\n", 1)
+    with pytest.raises(StockFileError, match=r"plate\.stock is of an older gcodesim.*run its program again"):
+        stock_from_bytes(older, "plate.stock")
+
+
 def test_stl_is_the_surface_in_mm(carved, tmp_path, monkeypatch):
     import trimesh
 
