@@ -194,13 +194,13 @@ def _log(path: Path) -> Facts:
         return Facts(name=str(path), results=results, remarks=(f"{path} holds no program",))
     ended = () if RESULTS_NAME in held else (f"{path} has no results: only its program is compared",)
     name = log.metadata.get("gcodesim.run", {}).get("program", _PROGRAM)
-    program = SourceText(name, held[_PROGRAM])
     with tempfile.TemporaryDirectory() as folder:
         for attached, raw in held.items():
             file = Path(folder) / attached.removeprefix("subprogram/")
             if file.resolve().is_relative_to(Path(folder).resolve()):
                 file.parent.mkdir(parents=True, exist_ok=True)
                 file.write_bytes(raw)
+        program = SourceText(name, held[_PROGRAM], Path(folder))
         settings, remarks = _settings(Path(folder), program)
         facts = _read(program, settings, str(path))
     return replace(facts, results=results, remarks=(*ended, *remarks))
@@ -211,6 +211,5 @@ def _settings(folder: Path, program: SourceText) -> tuple[Settings, tuple[str, .
     cell = load_cell(folder / _CELL).cell if (folder / _CELL).exists() else None
     if cell is None:
         remark = "the cell's files are not in the log: moves are compared without its tools and work offsets"
-        return Settings(tool_table=assumed_tools(program), subroutines=(folder,)), (remark,)
-    settings, _ = settings_of_cell(cell)
-    return replace(settings, subroutines=(*settings.subroutines, folder)), ()
+        return Settings(tool_table=assumed_tools(program)), (remark,)
+    return settings_of_cell(cell)[0], ()
