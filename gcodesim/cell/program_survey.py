@@ -17,6 +17,7 @@ from gcodesim.diagnostics import Diagnostic, Severity, SourceText
 from gcodesim.frames import Array
 from gcodesim.rs274 import Settings, interpret
 from gcodesim.rs274.assumed import assumed_tools
+from gcodesim.rs274.length_words import length_words
 from gcodesim.rs274.other_machines import foreign_of, lathe_of
 from gcodesim.units import MM
 
@@ -25,9 +26,6 @@ DIALECTS: Final = ("linuxcnc", "fanuc", "grbl")  # the first of those that under
 _TRIED: Final = 100_000  # bytes that are read to choose the dialect
 _PIECES: Final = 16  # chords in place of an arc
 _TINY: Final = 1e-7  # m
-_NOTES = re.compile(rb"\([^)\r\n]*\)?|;[^\r\n]*")
-_G43 = re.compile(rb"[gG][ \t]*0*4[ \t]*3(?!\.1)(?![0-9])")
-_G49 = re.compile(rb"[gG][ \t]*0*49(?![0-9.])")
 _MACHINE = re.compile(r"(?<![A-Za-z0-9])G0*(?:28|30|53)(?![0-9.])", re.IGNORECASE)
 _HOMING = re.compile(r"(?<![A-Za-z0-9])G0*(?:28|30)(?![0-9.])", re.IGNORECASE)
 _NOTE = re.compile(r"\([^)]*\)?|;.*")
@@ -128,7 +126,7 @@ def survey(program: SourceText) -> Survey:
         from_zero=_starts_anywhere(program),
         lathe=lathe is not None,
         spins=walk.spins,
-        measured=_measured(program),
+        measured=length_words(program) != {b"9"},
     )
 
 
@@ -171,11 +169,6 @@ def _told_dialect(program: SourceText) -> tuple[str, str]:
     if has_change is None and has_end is None:
         return "grbl", "no tool change, no cycle, no end"
     return "", ""
-
-
-def _measured(program: SourceText) -> bool:
-    words = _NOTES.sub(b"", program.raw)
-    return _G43.search(words) is not None or _G49.search(words) is None
 
 
 def _starts_anywhere(program: SourceText) -> bool:

@@ -10,6 +10,7 @@ from typing import Final
 from gcodesim.cell.program_scan import Scan, ScannedTool, scan
 from gcodesim.cell.program_survey import Reach, Survey, survey
 from gcodesim.diagnostics import SourceText
+from gcodesim.tools.cutter import usual_length
 from gcodesim.units import INCH, MM
 
 PROGRAM: Final = "part.nc"
@@ -40,7 +41,7 @@ class _Tool:
 
     @property
     def length(self) -> float:
-        return max(4.0 * self.diameter, 40.0 * MM)  # what a cell takes when it is not told
+        return usual_length(self.diameter)
 
 
 def start_files() -> dict[str, bytes]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import time
 from collections.abc import Generator
 from pathlib import Path
@@ -20,6 +19,7 @@ from gcodesim.rs274.expressions import checked, names_in
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.flow import FlowControl, Stopped
 from gcodesim.rs274.lanes import Lanes
+from gcodesim.rs274.length_words import length_words
 from gcodesim.rs274.machine_codes import load_first_tool
 from gcodesim.rs274.odd_numbers import odd_numbers
 from gcodesim.rs274.other_machines import Foreign, foreign_of, lathe_of
@@ -108,7 +108,7 @@ class Executor:
         self.reader = Reader(self.dialect)
         self.file, self.control, self.flow = self._parts(run.source)
         if settings.tool_length == "auto" and settings.auto_length is not None:
-            words = _length_words(run.source)
+            words = length_words(run.source)
             if settings.loaded_tool:  # Z was touched off with it, and G49 takes nothing of that away
                 self.control.auto_length = b"3" not in words
             else:
@@ -533,25 +533,6 @@ def _evaluated(block: Block, parameters: Parameters) -> list[tuple[int | str, fl
             fault.at = place
             raise
     return out
-
-
-# one search a letter: with a literal first byte a search skips everything else quickly
-_LENGTH_WORDS = [re.compile(letter + rb"[ \t]*0*4[ \t]*[39]") for letter in (b"G", b"g")]
-_NOTE = re.compile(rb"\([^)]*\)?|;.*")
-
-
-def _length_words(source: SourceText) -> set[bytes]:
-    """Last digits of the words about tool length that the program says: 3 of G43 and its kin, 9 of G49."""
-    raw = source.raw
-    said: set[bytes] = set()
-    for word in _LENGTH_WORDS:
-        for found in word.finditer(raw):
-            begin = max(raw.rfind(b"\n", 0, found.start()), raw.rfind(b"\r", 0, found.start())) + 1
-            if word.search(_NOTE.sub(b"", raw[begin : found.end()])):
-                said.add(found.group()[-1:])
-                if b"3" in said:
-                    return said
-    return said
 
 
 _PROBES = ("G31", "G38.2", "G38.3", "G38.4", "G38.5")

@@ -16,6 +16,11 @@ from gcodesim.units import DEG, MM
 Array = NDArray[np.float64]
 
 
+def usual_length(diameter: float) -> float:
+    """From tip to holder [m], where nothing tells it."""
+    return max(4.0 * diameter, 40.0 * MM)
+
+
 def line_piece(r0: float, z0: float, r1: float, z1: float) -> tuple[float, ...]:
     """Row of `Cutter.edge` for a straight piece of the edge's outline from (r0, z0) to (r1, z1) [m]."""
     length = float(np.hypot(r1 - r0, z1 - z0))
@@ -42,7 +47,7 @@ class Cutter(Tool):
     length: float = parameter(
         "length",
         "from the tip to the holder",
-        derive=lambda cutter: max(4.0 * cutter.diameter, 40.0 * MM),
+        derive=lambda cutter: usual_length(cutter.diameter),
         rule="4 times the diameter, at least 40 mm",
     )
     flute_length: float = parameter(

@@ -1,0 +1,25 @@
+"""Whether a program speaks of tool lengths at all: how it is meant depends on that."""
+
+from __future__ import annotations
+
+import re
+
+from gcodesim.diagnostics import SourceText
+
+# one search a letter: with a literal first byte a search skips everything else quickly
+_WORDS = [re.compile(letter + rb"[ \t]*0*4[ \t]*[39]") for letter in (b"G", b"g")]
+_NOTE = re.compile(rb"\([^)]*\)?|;.*")
+
+
+def length_words(source: SourceText) -> set[bytes]:
+    """Last digits of the words about tool length that the program says: 3 of G43 and its kin, 9 of G49."""
+    raw = source.raw
+    said: set[bytes] = set()
+    for word in _WORDS:
+        for found in word.finditer(raw):
+            begin = max(raw.rfind(b"\n", 0, found.start()), raw.rfind(b"\r", 0, found.start())) + 1
+            if word.search(_NOTE.sub(b"", raw[begin : found.end()])):
+                said.add(found.group()[-1:])
+                if b"3" in said:
+                    return said
+    return said
