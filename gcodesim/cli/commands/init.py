@@ -28,7 +28,8 @@ def add_parser(commands: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from gcodesim.cell.templates import CELL, NoCellError, cell_for, start_files
+    from gcodesim.starter.example import CELL, start_files
+    from gcodesim.starter.first_cell import NoCellError, cell_for
 
     folder = arguments.folder
     program = None if arguments.program is None else read_source(arguments.program, "program")

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from gcodesim.cell import place, read_cell
-from gcodesim.cell.program_scan import scan
-from gcodesim.cell.templates import CELL, PROGRAM, cell_for, start_files
 from gcodesim.diagnostics import SourceText
+from gcodesim.starter.example import CELL, PROGRAM, start_files
+from gcodesim.starter.first_cell import cell_for
+from gcodesim.starter.scan import scan
 from gcodesim.tools.flat_end_mill import FlatEndMill
 
 PROGRAMS = sorted(path for path in (Path(__file__).parents[3] / "programs").glob("*.n*c"))

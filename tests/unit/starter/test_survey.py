@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from gcodesim.cell import read_cell
-from gcodesim.cell.program_scan import scan
-from gcodesim.cell.program_survey import survey
-from gcodesim.cell.templates import CELL, NoCellError, cell_for
 from gcodesim.diagnostics import Severity, SourceText
 from gcodesim.simulation import check, prepare, run
+from gcodesim.starter.example import CELL
+from gcodesim.starter.first_cell import NoCellError, cell_for
+from gcodesim.starter.scan import scan
+from gcodesim.starter.survey import survey
 
 HAND = "G21 G90\nM3 S12000\nG0 X10 Y10 Z5\nG1 Z-2 F200\nG1 X40 F800\nG1 Y30\nG0 Z5\nM5\n"
 FANUC = (

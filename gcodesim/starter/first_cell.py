@@ -1,20 +1,16 @@
-"""What `gcodesim init` writes: a first program with its cell, or a cell for a program that is there."""
+"""A first cell for a program that is there, as text with comments: what `gcodesim init --from` writes."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from importlib.resources import files
 from typing import Final
 
-from gcodesim.cell.program_scan import Scan, ScannedTool, scan
-from gcodesim.cell.program_survey import Reach, Survey, survey
 from gcodesim.diagnostics import SourceText
+from gcodesim.starter.scan import Scan, ScannedTool, scan
+from gcodesim.starter.survey import Reach, Survey, survey
 from gcodesim.tools.cutter import usual_length
 from gcodesim.units import INCH, MM
-
-PROGRAM: Final = "part.nc"
-CELL: Final = "cell.yaml"
 
 _SYSTEMS: Final = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
 _ROUTER: Final = (1.2, 0.8)  # m, travel of the shipped router in X and Y
@@ -42,12 +38,6 @@ class _Tool:
     @property
     def length(self) -> float:
         return usual_length(self.diameter)
-
-
-def start_files() -> dict[str, bytes]:
-    """Contents of a first program and its cell by file name; they run as they are."""
-    folder = files("gcodesim") / "data" / "init"
-    return {name: (folder / name).read_bytes() for name in (PROGRAM, CELL)}
 
 
 def cell_for(program: SourceText) -> bytes:
