@@ -33,12 +33,8 @@ test-slow: setup browser
 
 # Tests of pages open them in a real browser. It is installed where that is allowed: on Debian, as root, with a network.
 # Elsewhere those tests are reported by name as not run.
-APT := timeout 600 apt-get -qq -o Acquire::Retries=1 -o Acquire::http::Timeout=20 -o Acquire::https::Timeout=20
 browser:
-	@command -v chromium >/dev/null || command -v chromium-browser >/dev/null \
-		|| { test "$$(id -u)" = 0 && command -v apt-get && $(APT) update \
-			&& DEBIAN_FRONTEND=noninteractive $(APT) install -y --no-install-recommends chromium; } >/dev/null 2>&1 \
-		|| echo "chromium is not installed and could not be: tests of pages will not run" >&2
+	@scripts/install_chromium.sh || echo "chromium is not installed and could not be: tests of pages will not run" >&2
 
 bench: setup
 	$(BIN)/python -m benchmarks

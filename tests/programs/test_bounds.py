@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-import time
-
 import pytest
 
 from gcodesim.diagnostics import Severity, SourceText
 from gcodesim.diagnostics.show import as_text
 from gcodesim.rs274 import Settings, ToolEntry, ToolTable, interpret, lint
+from tests.effort import calls_of
+
+MOST_CALLS = 10_000_000
+"""What reading one hostile program may cost: some seconds."""
 
 TOOLS = ToolTable({1: ToolEntry(number=1, pocket=1, diameter=6e-3)})
 NINES = "9" * 240
@@ -70,12 +72,12 @@ CASES = [
 
 @pytest.mark.parametrize(("dialect", "text", "code"), CASES)
 def test_a_finding_in_a_moment(dialect: str, text: str, code: str) -> None:
-    begin = time.process_time()
     run = interpret(SourceText("p.nc", text.encode()), Settings(dialect=dialect, tool_table=TOOLS, max_blocks=20_000))
-    count = sum(1 for _ in run)
+    events: list[object] = []
+    calls_of(lambda: events.extend(run), MOST_CALLS)
+    count = len(events)
     shown = [as_text(finding, run.sources) for finding in run.findings]
 
-    assert time.process_time() - begin < 5.0
     assert code in {f.code for f in run.findings if f.level is Severity.ERROR}, shown[:3]
     assert count < 100
     assert all(len(line) < 500 for text in shown for line in text.splitlines())
@@ -113,12 +115,10 @@ def test_what_is_no_program(dialect: str, raw: bytes) -> None:
 def test_a_time_limit_ends_what_a_budget_of_blocks_would_not() -> None:
     text = "o1 while [1]\n#1=[#1+1]\no1 endwhile\nM2"
     run = interpret(SourceText("p.nc", text.encode()), Settings(time_limit=0.2, max_blocks=10**12))
-    begin = time.monotonic()
     for _ in run:
         pass
 
     assert run.failed is not None and run.failed.code == "GS135" and run.failed.span.line == 1
-    assert time.monotonic() - begin < 5.0
 
 
 def test_the_same_fault_in_every_line_is_told_a_few_times_and_counted() -> None:
