@@ -64,12 +64,12 @@ def arc_of(words: Words, control: Control, start: Vector, end: Vector, code: int
             raise Fault("GS106", message, at="p", value=whole, limit=_MOST_TURNS)
         turns = whole
     signed_turns = turns if code == 30 else -turns
+    a, b = _AXIS_NAMES[first], _AXIS_NAMES[second]
+    named = [name.lower() in words.values for name in (a, b)]
     if "r" in words.values:
         if centre_words:
             raise Fault("GS110", f"{who} has both a radius R and a centre", at="r", hint="drop R, or I J K")
-        named = [words.values.get("xyz"[axis]) is not None for axis in (first, second)]
         if not any(named) and not words.has_polar():
-            a, b = _AXIS_NAMES[first], _AXIS_NAMES[second]
             raise Fault(
                 "GS110", f"{who} with R needs {a} or {b}", at="r", hint="an arc by radius needs another end point"
             )
@@ -77,6 +77,13 @@ def arc_of(words: Words, control: Control, start: Vector, end: Vector, code: int
             words.values["r"], (start[first], start[second]), (end[first], end[second]), signed_turns, control
         )
         return Arc(centre, signed_turns)
+    if control.dialect.arcs_name_axes and not any(named):
+        raise Fault(
+            "GS110",
+            f"{control.dialect.name} wants {a} or {b} in every arc, also in a full circle",
+            at=who.lower() if who.lower() in words.names else None,
+            hint="write the end point, even where it is the start point",
+        )
     outside = _CENTRE_LETTERS[normal]
     if outside in words.values and not control.dialect.passes_over_far_centres:
         raise Fault(
@@ -122,9 +129,13 @@ def _check_radii(
     if at_start < _SMALLEST_RADIUS or at_end < _SMALLEST_RADIUS:
         which = "start" if at_start < _SMALLEST_RADIUS else "end"
         raise Fault("GS112", f"{who} has no radius: the centre lies on the {which} point", at=at)
-    always = (_ALWAYS_INCH * INCH) if unit == INCH else _ALWAYS_MM * MM
+    if control.dialect.arc_miss is None:
+        always = (_ALWAYS_INCH * INCH) if unit == INCH else _ALWAYS_MM * MM
+        most, radius = always * _NEVER_FACTOR, max(at_start, at_end)
+    else:
+        always, most, radius = *(MM * miss for miss in control.dialect.arc_miss), at_start
     miss = abs(at_start - at_end)
-    allowed = min(max(always, _RELATIVE_MISS * max(at_start, at_end)), always * _NEVER_FACTOR)
+    allowed = min(max(always, _RELATIVE_MISS * radius), most)
     if miss > allowed:
         raise Fault(
             "GS111",

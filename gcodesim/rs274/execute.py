@@ -15,7 +15,7 @@ NOT_MODELLED = "uvw"
 _NO_Q = -1.0  # by which LinuxCNC tells that a block has no Q
 _CLAIMS_AXES = frozenset((100, 280, 300, 520, 920))
 _LENGTH_NEEDS_NO_MOTION = frozenset((431, 432))  # of these only G43.1 keeps the axis words to itself
-_CARRIES_ON_WITH_CENTRE = frozenset((20, 30))
+_ARCS = frozenset((20, 30))  # a modal one goes on where only its centre is given
 # motions that make sense without any axis word
 _NEEDS_NO_AXES = frozenset((0, 10, 20, 30, 52))
 
@@ -50,14 +50,14 @@ def motion_of(words: Words, control: Control) -> int:
                 at=other,
                 hint="put them into two blocks",
             )
-        if not has_axes and own not in _NEEDS_NO_AXES:
+        if not has_axes and (own not in _NEEDS_NO_AXES or (own in _ARCS and control.dialect.arcs_name_axes)):
             raise Fault("GS103", f"{g_name(own).upper()} needs at least one axis word", at=g_name(own))
         return own
     if claims:
         _need_axes(words, claimed, has_axes)
         return -1
     modal = control.state.motion
-    carries_on = modal in _CARRIES_ON_WITH_CENTRE and not {"i", "j", "k"}.isdisjoint(words.values)
+    carries_on = modal in _ARCS and not control.dialect.arcs_name_axes and not {"i", "j", "k"}.isdisjoint(words.values)
     if (has_axes and length != 431) or carries_on:
         if modal in (-1, 800):
             if length in _LENGTH_NEEDS_NO_MOTION and not words.has_polar():
@@ -127,6 +127,9 @@ def execute(words: Words, control: Control) -> None:
     machine_codes.user_codes(words, control)
     if g.get(NON_MODAL) == 40:
         seconds = words.need("p", "GS105", "G4", "P is the time in seconds")
+        if g.get(MOTION) in _ARCS and motion_name in control.dialect.users.get("p", ()):
+            hint = "put them into two blocks"
+            raise Fault("GS011", f"G4 and {motion_name.upper()} both take the word P", at=motion_name, hint=hint)
         if seconds == -1.0:
             raise Fault("GS106", "the dwell is negative: -1 s", at="p", hint="the control takes P-1 for a missing P")
         control.dwell(seconds)
@@ -207,7 +210,7 @@ def _check_machine_coordinates(words: Words, control: Control, motion: int) -> N
     if motion not in (0, 10):
         raise Fault("GS109", "G53 works with G0 and G1 only", at="g53", hint="name G0 or G1 in the block")
     incremental = words.g.get(3, 910 if control.state.incremental else 900) == 910
-    if incremental:
+    if incremental and not control.dialect.g53_under_g91:
         raise Fault("GS109", "G53 cannot be incremental", at="g53", hint="say G90 before")
     side = control.state.side if 7 not in words.g else words.g[7] != 400
     if side and control.state.comp_radius > 0.0:

@@ -6,11 +6,13 @@ import re
 from dataclasses import replace
 
 from gcodesim.diagnostics import SourceText, Span
+from gcodesim.rs274.block import Block
 from gcodesim.rs274.control import Control
-from gcodesim.rs274.dialects.linuxcnc import LENGTH
+from gcodesim.rs274.dialects.linuxcnc import LENGTH, NON_MODAL, STOPPING
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.flow import FlowControl
 from gcodesim.rs274.program_file import ProgramFile
+from gcodesim.rs274.reader import Reader
 from gcodesim.rs274.run import Executor, Run
 from gcodesim.rs274.words import Words
 
@@ -18,6 +20,22 @@ _REALTIME = "?!~"  # single characters that act at once, wherever they stand
 _LAST_SYSTEM = 6
 _LONGEST = 79  # characters in its buffer, without blanks and comments
 _NOTE_OR_BLANK = re.compile(r"\([^)]*\)?|;.*|\s")
+
+
+class GrblFile(ProgramFile):
+    """Lines as Grbl takes them in; a percent sign is no end here, but an error."""
+
+    def __init__(self, source: SourceText, reader: Reader) -> None:
+        super().__init__(source, reader)
+        self.has_percent, self.first = False, 0
+
+    def block(self, index: int) -> Block:
+        known = self._blocks.get(index)
+        if known is None:
+            known = self._reader.read(index + 1, _as_taken_in(self.lines[index]))
+            if self._keeps:
+                self._blocks[index] = known
+        return known
 
 
 class GrblExecutor(Executor):
@@ -28,10 +46,9 @@ class GrblExecutor(Executor):
         self.settings = replace(self.settings, block_delete=False)  # it passes over the slash itself
 
     def _parts(self, source: SourceText) -> tuple[ProgramFile, Control, FlowControl]:
-        file, control, flow = super()._parts(source)
-        file.has_percent, file.first = False, 0  # a percent sign is no end here, but an error
-        flow.frame.at = 0
-        return file, control, flow
+        file = GrblFile(source, self.reader)
+        control = Control(self.settings, self.dialect)
+        return file, control, FlowControl(control, file, self.reader, self.folders)
 
     def _line(self, file: ProgramFile, index: int, text: str) -> None:
         if text.strip() == "%":
@@ -46,7 +63,12 @@ class GrblExecutor(Executor):
         self._fault(problem, file, index, text, None)
 
     def _obey(self, words: Words) -> None:
-        if words.g.get(0) == 100:
+        code = words.g.get(NON_MODAL)
+        if code == 40 and (seconds := words.get("p")) is not None and seconds < 0.0:
+            raise Fault("GS106", f"the dwell is negative: {seconds:g} s", at="p", value=seconds, limit=0)
+        if code == 100:
+            if not words.has_axes():
+                raise Fault("GS103", "G10 needs at least one axis word", at="g10")
             number = words.whole("p", "G10")
             level = words.whole("l", "G10")
             if level not in (2, 20):
@@ -55,7 +77,32 @@ class GrblExecutor(Executor):
                 raise Fault("GS106", f"G10 P{number}: P runs from 0 to 6", at="p", value=number, limit=_LAST_SYSTEM)
         if words.g.get(LENGTH) == 431 and {"x", "y"} & words.values.keys():
             raise Fault("GS106", "G43.1 takes Z only", at="g43.1")
+        if words.m.get(STOPPING) == 1:
+            del words.m[STOPPING]
+            self.control.warn("GS194", "Grbl passes over M1: the program does not stop", hint="M0 stops it")
         super()._obey(words)
+
+
+def _as_taken_in(text: str) -> str:
+    """What Grbl makes of a line, column by column.
+
+    A slash is passed over wherever it stands, a comment ends at the first `)` or with the line, and what is in it
+    does not matter.
+    """
+    if "/" not in text and "(" not in text:
+        return text
+    out, inside = [], False
+    for at, char in enumerate(text):
+        if inside:
+            inside = char != ")"
+            out.append(" " if char == "(" else char)
+        elif char == ";":
+            out.append(text[at:])
+            break
+        else:
+            inside = char == "("
+            out.append(" " if char == "/" else char)
+    return "".join(out) + ")" * inside
 
 
 def _refusal(text: str) -> Fault | None:

@@ -336,8 +336,8 @@ def _use_g92(control: Control, offset: Vector, *, on: bool) -> None:
 
 def apply_shift(words: Words, control: Control) -> None:
     """G92.1, G92.2, G92.3; with cutter compensation they do nothing, as on the control."""
-    code = words.g.get(SHIFT)
-    if code is None:
+    code = words.g.get(SHIFT, words.g.get(NON_MODAL))  # a group of its own in LinuxCNC only
+    if code not in _SHIFTS:
         return
     if control.state.side:
         control.warn("GS150", f"{g_name(code).upper()} does nothing while cutter compensation is on", "say G40 before")

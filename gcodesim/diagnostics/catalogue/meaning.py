@@ -321,10 +321,16 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS194",
         severity=Severity.WARNING,
-        title="Words beside M98 or M72",
-        what="A block with M98 holds other codes, or L0; or a block with M72 holds more than that.",
-        why="What stands there is never done. L0 calls nothing, and yet the next M99 comes back to this block.",
-        remedy="Put the other words into a block of their own.",
+        title="Words that the control passes over",
+        what=(
+            "A block with M98 holds other codes, or L0; a block with M72 holds more than that; or Grbl, which has no "
+            "switch for it, meets M1."
+        ),
+        why=(
+            "What stands there is never done. L0 calls nothing, and yet the next M99 comes back to this block. "
+            "Grbl does not stop at M1."
+        ),
+        remedy="Put the other words into a block of their own; on Grbl write M0 to stop.",
     ),
     Code(
         code="GS195",

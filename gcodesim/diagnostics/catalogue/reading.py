@@ -88,7 +88,10 @@ CODES: tuple[Code, ...] = (
         code="GS011",
         severity=Severity.ERROR,
         title="Codes that exclude each other",
-        what="Two codes of one modal group stand in one block, as G0 and G1, or M3 and M5.",
+        what=(
+            "Two codes of one modal group stand in one block, as G0 and G1, or M3 and M5; or G4 stands beside an arc, "
+            "where P would be both the time and the number of turns."
+        ),
         why="They contradict each other, and which one acts differs from control to control.",
         remedy="Keep one of them, or use two blocks.",
     ),

@@ -19,7 +19,11 @@ class Dialect:
     tells of parameters and expressions, `open_m_codes` that machine builders
     use up `user_m_codes` as they like, so that no program is wrong because of
     one, `passes_over_far_centres` that K beside I and J in the XY plane is no
-    fault. `first_motion` is the motion in force at the start, -1 for none.
+    fault. `arcs_name_axes` says that an arc names an axis of its plane even
+    where it is a full circle, and `arc_miss` how far [mm] its end may be off its
+    circle: the first passes always, the second is the most that 0.1 % of the
+    radius may allow; None for RS274's. `g53_under_g91` says that G53 is absolute
+    whatever the distance mode, where RS274 refuses it. `first_motion` is the motion in force at the start, -1 for none.
     `executor` names the class (`module:Class`) that runs programs of a control
     whose blocks mean something else than those of RS274.
     """
@@ -36,6 +40,9 @@ class Dialect:
     unsimulated: Mapping[int, str] = field(default_factory=dict)
     open_m_codes: bool = False
     passes_over_far_centres: bool = False
+    arcs_name_axes: bool = False
+    arc_miss: tuple[float, float] | None = None
+    g53_under_g91: bool = False
     needs_end: bool = True
     flow_words: bool = True
     named_parameters: bool = True

@@ -37,6 +37,9 @@ GRBL = Dialect(
     named_parameters=False,
     computes=False,
     passes_over_far_centres=True,
+    arcs_name_axes=True,
+    arc_miss=(0.005, 0.5),
+    g53_under_g91=True,
     first_motion=0,
     executor="gcodesim.rs274.grbl:GrblExecutor",
 )

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.rs274.dialects.fanuc import MIRROR, SCALING, TURN
 from gcodesim.rs274.dialects.linuxcnc import NON_MODAL, SHIFT
-from gcodesim.rs274.state import ZERO, Vector
+from gcodesim.rs274.state import LINEAR, ZERO, Vector
 from gcodesim.rs274.watch.watch import Watch, word_span
 from gcodesim.rs274.words import Words
 
@@ -51,11 +51,12 @@ class OffsetsLeftOn(Watch):
         shift = _shift_of(control)
         if self._shift is not None and shift != ZERO:
             name, span = self._shift
-            shown = " ".join(f"{letter}{value:g}" for letter, value in zip(_LETTERS, shift, strict=True) if value)
+            unit = "in" if control.state.unit > 2e-3 else "mm"
             off = next(cancel for known, cancel in _SHIFTS.values() if known == name)
             off = "G92 or G52 of zero" if control.dialect.name == "fanuc" else off
-            unit = "in" if control.state.unit > 2e-3 else "mm"
-            yield self._left(f"{name}: the next program would be off by {shown} {unit}", span, f"cancel it by {off}")
+            yield self._left(
+                f"{name}: the next program would be off by {_shown(shift, unit)}", span, f"cancel it by {off}"
+            )
         for group, span in self._figures.items():
             _, name, off = _FIGURES[group]
             yield self._left(f"{name}: the next program would be drawn the same way", span, f"cancel it by {off}")
@@ -65,6 +66,19 @@ class OffsetsLeftOn(Watch):
         return Diagnostic(
             code="GS187", message=f"left in force at the end of the program, {what}", span=span, hint=hint
         )
+
+
+def _shown(shift: Vector, unit: str) -> str:
+    """`X20 Y5 mm, A10 deg`."""
+    parts = []
+    for is_linear, its_unit in ((True, unit), (False, "deg")):
+        words = [
+            f"{letter}{value:g}"
+            for letter, value, linear in zip(_LETTERS, shift, LINEAR, strict=True)
+            if value and linear is is_linear
+        ]
+        parts += [f"{' '.join(words)} {its_unit}"] * bool(words)
+    return ", ".join(parts)
 
 
 def _shift_of(control: Control) -> Vector:

@@ -60,3 +60,54 @@ def test_centre_words_outside_the_plane_are_passed_over(grbl):
     assert grbl("G1 X1 F100\nG2 X3 I1 J0 K0\nG18 G2 X1 I-1 J5 K0\n").ends == [[1, 0, 0], [3, 0, 0], [1, 0, 0]]
     assert [f.code for f in grbl("G1 X1 F100\nG2 X3 K0\n").errors] == ["GS112"]
     assert [f.code for f in grbl("G1 X1 F100\nG2 X3 R2 K0\n").errors]
+
+
+def test_g92_1_takes_the_shift_away(grbl):
+    done = grbl("G0 X5\nG92 X0\nG0 X1\nG92.1\nG0 X1\n")
+
+    assert done.ends == [[5, 0, 0], [6, 0, 0], [1, 0, 0]]
+
+
+def test_g53_is_absolute_under_g91(grbl):
+    assert grbl("G10 L2 P1 X10\nG91\nG0 X5\nG53 G0 X3\n").ends == [[5, 0, 0], [3, 0, 0]]
+
+
+def test_m1_does_not_stop(grbl):
+    done = grbl("G0 X1\nM1\nG0 X2\n", optional_stop=True)
+
+    assert not done.acts("optional_stop", "stop")
+    assert [(f.code, f.level.word, f.span.line) for f in done.findings] == [("GS194", "warning", 2)]
+
+
+@pytest.mark.parametrize("line", ["G0 X1 (left open", "G0 (a (b) X1", "G0 / X1", "/ G0 X1 (;)"])
+def test_what_it_passes_over(grbl, line):
+    done = grbl(f"{line}\nG0 Y2\n")
+
+    assert done.ends == [[1, 0, 0], [1, 2, 0]]
+    assert not done.findings
+
+
+def test_a_comment_ends_at_its_first_bracket(grbl):
+    assert [f.code for f in grbl("G0 X1 (a (b) c)\n").errors] == ["GS004"]
+
+
+@pytest.mark.parametrize("line", ["G2 I5", "G2 Z1 I5", "G2 R5"])
+def test_an_arc_names_an_axis_of_its_plane(grbl, line):
+    done = grbl(f"G1 X1 F100\n{line}\n")
+
+    assert [(f.code, f.span.line) for f in done.errors] == [("GS103" if "Z" not in line else "GS110", 2)]
+
+
+def test_a_modal_arc_does_not_go_on_by_its_centre_alone(grbl):
+    assert [(f.code, f.span.line) for f in grbl("G2 X0 I5 F100\nI5\n").errors] == [("GS104", 2)]
+
+
+def test_an_arc_may_end_five_micrometres_off_its_circle(grbl):
+    assert not grbl("G1 X10 F100\nG2 X-10.004 I-10\n").errors
+    assert [f.code for f in grbl("G1 X1 F100\nG2 X-1.006 I-1\n").errors] == ["GS111"]
+    assert not grbl("G1 X10 F100\nG2 X-10.009 I-10\n").errors  # within 0.1 % of the radius
+
+
+@pytest.mark.parametrize(("line", "code"), [("G4 P-2", "GS106"), ("G10 L2 P1", "GS103")])
+def test_dwell_and_offsets_without_sense(grbl, line, code):
+    assert [f.code for f in grbl(line + "\n").errors] == [code]

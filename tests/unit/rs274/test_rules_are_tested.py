@@ -116,6 +116,7 @@ RULES = {
     "others: M71, M73": "m71_throws_the_save_away_and_m73_restores_at_the_end_of_the_subroutine",
     "others: polar": "polar_words_count_about_the_programs_origin_in_g17_only",
     "others: polar keeps": "polar_coordinates_keep_what_is_not_named",
+    "others: P of two": "g4_and_an_arc_would_both_take_p",
     "others: M2": "the_end_of_a_program_stops_what_turns_and_flows_and_keeps_offsets",
     "others: M66": "waiting_for_an_input_makes_no_event",
 }

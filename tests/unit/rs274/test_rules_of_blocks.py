@@ -178,3 +178,11 @@ def test_the_end_of_a_program_stops_what_turns_and_flows_and_keeps_offsets(progr
     ]
     assert done.acts("spindle")[-1]["dir"] == "off" and done.acts("coolant")[-1]["flood"] is False
     assert done.run.parameters[5241] == 5 and done.run.parameters[5220] == 1
+
+
+def test_g4_and_an_arc_would_both_take_p(program):
+    """LinuxCNC 2.9 refuses it (interp_check.cc), also where P counts the turns of the arc."""
+    for arc in ("G2", "G3"):
+        done = program(f"G4 P1 {arc} X10 I5 F100\nM2")
+        assert [(f.code, f.span.line, f.span.column) for f in done.errors] == [("GS011", 1, 7)]
+    assert not program("G2 X10 I5 F100\nG4 P1\nM2").errors

@@ -6,8 +6,10 @@ ENTRY = "T1 M6 F200\nG41 D1 G1 X20 Y0\n"  # the tool is 6 mm across
 
 
 def test_g92_1_clears_and_g92_2_and_3_suspend_and_resume(program):
-    assert program("G92 X10\nG92.1\nG0 X1\nM2").ends == [[1, 0, 0]]
-    assert program("G92 X10\nG92.2\nG0 X1\nG92.3\nG0 X1\nM2").ends == [[1, 0, 0], [-9, 0, 0]]
+    for dialect in ("linuxcnc", "rs274"):
+        assert program("G92 X10\nG92.1\nG0 X1\nM2", dialect=dialect).ends == [[1, 0, 0]]
+        done = program("G92 X10\nG92.2\nG0 X1\nG92.3\nG0 X1\nM2", dialect=dialect)
+        assert done.ends == [[1, 0, 0], [-9, 0, 0]]
 
 
 def test_g92_applies_in_every_system(program):

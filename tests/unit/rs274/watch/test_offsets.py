@@ -41,3 +41,9 @@ def test_what_was_there_before_is_not_the_programs_fault(warned) -> None:
 )
 def test_on_fanuc(warned, text: str, found: list[tuple[str, int, int]]) -> None:
     assert warned(text, end="\nM30\n", dialect="fanuc") == found
+
+
+def test_a_rotary_axis_is_off_by_degrees(program):
+    done = program("G0 X10 A10\nG92 X0 A0\nM2")
+
+    assert done.findings[0].message.endswith("would be off by X10 mm, A10 deg")
