@@ -8,8 +8,8 @@ from pathlib import Path
 from gcodesim import simulation
 from gcodesim.cell import Cell, LoadedCell
 from gcodesim.cell import load_cell as read_cell_file
-from gcodesim.cell.files import InputFile
 from gcodesim.cell.show import cell_as_text
+from gcodesim.declarations.files import InputFile
 from gcodesim.diagnostics import Diagnostic, Findings, Severity, SourceText
 from gcodesim.diagnostics.show import as_text
 from gcodesim.motion import ToolPath, build_tool_path

@@ -8,14 +8,10 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
 from gcodesim.cell.channel import Channel
-from gcodesim.cell.file_kinds import FileValue, PackageFolder
-from gcodesim.cell.files import InputFile
-from gcodesim.cell.kinds import ListOf, Whole
 from gcodesim.cell.machine import MachineKind, MachineTool
 from gcodesim.cell.material import MaterialKind
+from gcodesim.cell.packages import PackageFolder
 from gcodesim.cell.placing import Place, names_of
-from gcodesim.cell.reading import Default, Path
-from gcodesim.cell.records import MapOf, Name, Record, inline, key
 from gcodesim.cell.robot import Robot, RobotKind
 from gcodesim.cell.settings import (
     CODE_PATTERNS,
@@ -30,6 +26,14 @@ from gcodesim.cell.settings import (
 )
 from gcodesim.cell.stock import Fixture, FixtureKind, StockKind, StockSpec, Target
 from gcodesim.cell.tooling import TOOL_NUMBERS, ToolKind
+from gcodesim.declarations.composed import ListOf
+from gcodesim.declarations.file_kind import FileValue
+from gcodesim.declarations.files import InputFile
+from gcodesim.declarations.keys import inline, key
+from gcodesim.declarations.map_of import MapOf, Name
+from gcodesim.declarations.plain_kinds import Whole
+from gcodesim.declarations.reading import Default, Path
+from gcodesim.declarations.record import Record
 from gcodesim.diagnostics import Findings, Severity, SourceText, Span
 from gcodesim.frames import Pose
 

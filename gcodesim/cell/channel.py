@@ -7,14 +7,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final, Literal
 
-from gcodesim.cell.file_kinds import File, FileValue
-from gcodesim.cell.kinds import Choice, Json, Kind, ListOf, Quantity, Switch, Text, Whole, scalar, short
-from gcodesim.cell.nodes import Mapping as MappingNode
-from gcodesim.cell.nodes import Node
 from gcodesim.cell.placing import SYSTEM_NAMES, Place, system_name
-from gcodesim.cell.reading import FAULT, Fault, Path, Reading, Reference, suggestion
-from gcodesim.cell.records import MapOf, Name, Record, key, not_a_mapping
-from gcodesim.cell.scalars import measured
+from gcodesim.declarations.composed import ListOf
+from gcodesim.declarations.file_kind import File, FileValue
+from gcodesim.declarations.keys import key
+from gcodesim.declarations.kind import Json, Kind, scalar, short
+from gcodesim.declarations.map_of import MapOf, Name
+from gcodesim.declarations.nodes import Mapping as MappingNode
+from gcodesim.declarations.nodes import Node
+from gcodesim.declarations.plain_kinds import Choice, Switch, Text, Whole
+from gcodesim.declarations.quantity import Quantity
+from gcodesim.declarations.reading import FAULT, Fault, Path, Reading, Reference, suggestion
+from gcodesim.declarations.record import Record, not_a_mapping
+from gcodesim.declarations.scalars import measured
 from gcodesim.rs274.dialects import DIALECTS
 from gcodesim.rs274.settings import canonical_m_code
 

@@ -6,12 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final, Literal
 
-from gcodesim.cell.kinds import LAST_UNIT_HOLDS, Json, Kind, Quantity, lacks_unit, last_unit, listing, scalar
-from gcodesim.cell.nodes import Mapping, Node, Scalar
-from gcodesim.cell.reading import FAULT, Fault, Path, Reading, suggestion
-from gcodesim.cell.records import FREE
-from gcodesim.cell.scalars import Measured
-from gcodesim.cell.units import shown
+from gcodesim.declarations.kind import Json, Kind, listing, scalar
+from gcodesim.declarations.nodes import Mapping, Node, Scalar
+from gcodesim.declarations.quantity import LAST_UNIT_HOLDS, Quantity, lacks_unit, last_unit
+from gcodesim.declarations.reading import FAULT, Fault, Path, Reading, suggestion
+from gcodesim.declarations.record import FREE
+from gcodesim.declarations.scalars import Measured
+from gcodesim.declarations.units import shown
 
 Measure = Literal["length", "angle"]
 POSITIONS: Final = ("length", "angle")

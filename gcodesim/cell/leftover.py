@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from gcodesim.cell.file_kinds import FileValue
-from gcodesim.cell.files import Refused
-from gcodesim.cell.kinds import short
-from gcodesim.cell.reading import Fault, Path, Reading
+from gcodesim.declarations.file_kind import FileValue
+from gcodesim.declarations.files import Refused
+from gcodesim.declarations.kind import short
+from gcodesim.declarations.reading import Fault, Path, Reading
 
 if TYPE_CHECKING:
     from gcodesim.material.stock import Stock

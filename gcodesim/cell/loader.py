@@ -7,11 +7,11 @@ from dataclasses import replace
 from pathlib import Path
 
 from gcodesim.cell.cell import Cell, LoadedCell
-from gcodesim.cell.files import InputFile, Shelf
-from gcodesim.cell.nodes import Mapping, compose
-from gcodesim.cell.reading import Fault, Reading
-from gcodesim.cell.records import Record
 from gcodesim.cell.resolve import resolve
+from gcodesim.declarations.files import InputFile, Shelf
+from gcodesim.declarations.nodes import Mapping, compose
+from gcodesim.declarations.reading import Fault, Reading
+from gcodesim.declarations.record import Record
 from gcodesim.diagnostics import Findings, SourceText
 
 # what other keys are read with

@@ -10,15 +10,20 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 import numpy as np
 
 from gcodesim.cell.joints import JointList, JointValue, Measure, check_within, in_si, unknown_letter
-from gcodesim.cell.kinds import POSITIVE, WITHIN_REACH, Choice, Either, Json, Kind, Quantity, Text, Vector
 from gcodesim.cell.models import shipped, shipped_chain
-from gcodesim.cell.nodes import Mapping as MappingNode
-from gcodesim.cell.nodes import Node
 from gcodesim.cell.placing import POINT, Place
-from gcodesim.cell.reading import FAULT, Fault, Path, Reading
-from gcodesim.cell.records import FREE, Name, Record, key, not_a_mapping, object_schema, read_name
-from gcodesim.cell.records import keys as keys_of
-from gcodesim.cell.units import shown
+from gcodesim.declarations.composed import Either
+from gcodesim.declarations.keys import key
+from gcodesim.declarations.keys import keys as keys_of
+from gcodesim.declarations.kind import POSITIVE, WITHIN_REACH, Json, Kind
+from gcodesim.declarations.map_of import Name, read_name
+from gcodesim.declarations.nodes import Mapping as MappingNode
+from gcodesim.declarations.nodes import Node
+from gcodesim.declarations.plain_kinds import Choice, Text
+from gcodesim.declarations.quantity import Quantity, Vector
+from gcodesim.declarations.reading import FAULT, Fault, Path, Reading
+from gcodesim.declarations.record import FREE, Record, not_a_mapping, object_schema
+from gcodesim.declarations.units import shown
 from gcodesim.frames import Pose
 
 if TYPE_CHECKING:

@@ -5,10 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Final
 
-from gcodesim.cell.kinds import NOT_NEGATIVE, POSITIVE, Json, Kind, Quantity, Range, Text
-from gcodesim.cell.nodes import Node
-from gcodesim.cell.reading import Fault, Path, Reading
-from gcodesim.cell.records import Record, key
+from gcodesim.declarations.keys import key
+from gcodesim.declarations.kind import NOT_NEGATIVE, POSITIVE, Json, Kind, Range
+from gcodesim.declarations.nodes import Node
+from gcodesim.declarations.plain_kinds import Text
+from gcodesim.declarations.quantity import Quantity
+from gcodesim.declarations.reading import Fault, Path, Reading
+from gcodesim.declarations.record import Record
 from gcodesim.processes.laws import DEFAULT_AXIAL_RATIO, DEFAULT_NORMAL_RATIO, Kienzle, LinearEdge
 from gcodesim.processes.materials import Material
 

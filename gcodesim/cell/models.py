@@ -7,9 +7,9 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from gcodesim.cell.file_kinds import FileValue
-from gcodesim.cell.reading import FAULT, Fault, Reading, suggestion
-from gcodesim.cell.reading import Path as KeyPath
+from gcodesim.declarations.file_kind import FileValue
+from gcodesim.declarations.reading import FAULT, Fault, Reading, suggestion
+from gcodesim.declarations.reading import Path as KeyPath
 from gcodesim.diagnostics import SourceText
 
 if TYPE_CHECKING:

@@ -7,10 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
-from gcodesim.cell.kinds import WITHIN_REACH, Json, Kind, Quantity, Vector, scalar
-from gcodesim.cell.nodes import Node
-from gcodesim.cell.reading import FAULT, Fault, Path, Reading, Reference
-from gcodesim.cell.records import Name, key
+from gcodesim.declarations.keys import key
+from gcodesim.declarations.kind import WITHIN_REACH, Json, Kind, scalar
+from gcodesim.declarations.map_of import Name
+from gcodesim.declarations.nodes import Node
+from gcodesim.declarations.quantity import Quantity, Vector
+from gcodesim.declarations.reading import FAULT, Fault, Path, Reading, Reference
 from gcodesim.frames import Pose
 
 WORLD: Final = "world"

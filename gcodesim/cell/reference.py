@@ -14,12 +14,12 @@ from gcodesim.cell.channel import Channel, Orientation
 from gcodesim.cell.machine import LinearAxis, MachineForm, RotaryAxis
 from gcodesim.cell.material import MaterialForm
 from gcodesim.cell.placing import Place
-from gcodesim.cell.records import Key, all_keys, keys
 from gcodesim.cell.robot import RobotForm
 from gcodesim.cell.schema import units_as_text
 from gcodesim.cell.settings import Limits, LogSettings, Magazine, Simulation, Suppression
 from gcodesim.cell.stock import Body, StockSpec, Target
 from gcodesim.cell.tooling import members
+from gcodesim.declarations.keys import Key, all_keys, keys
 from gcodesim.key_page import escaped, rewrite
 from gcodesim.tools import TOOLS
 

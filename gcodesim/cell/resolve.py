@@ -9,10 +9,11 @@ from typing import Final
 from gcodesim.cell.cell import FORMAT, MACHINE, MAIN, Cell
 from gcodesim.cell.channel import Channel
 from gcodesim.cell.placing import SYSTEMS, WORLD, FrameTree, Place
-from gcodesim.cell.reading import Path, Reading, suggestion
-from gcodesim.cell.records import keys, list_default
 from gcodesim.cell.settings import matches, with_step
 from gcodesim.cell.stock import Box, Mesh, Shape
+from gcodesim.declarations.keys import keys
+from gcodesim.declarations.reading import Path, Reading, suggestion
+from gcodesim.declarations.record import list_default
 from gcodesim.diagnostics import Diagnostic, Severity, Span, codes
 from gcodesim.units import MM
 

@@ -8,14 +8,18 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from gcodesim.cell.file_kinds import File, FileValue
 from gcodesim.cell.joints import STIFFNESSES, JointList, Measure, check_within, in_si
-from gcodesim.cell.kinds import NOT_NEGATIVE, POSITIVE, Either, Json, Kind, Quantity, Text
 from gcodesim.cell.models import shipped, shipped_chain, user_chain
-from gcodesim.cell.nodes import Node
 from gcodesim.cell.placing import POINT, Place
-from gcodesim.cell.reading import FAULT, Fault, Path, Reading
-from gcodesim.cell.records import Record, key
+from gcodesim.declarations.composed import Either
+from gcodesim.declarations.file_kind import File, FileValue
+from gcodesim.declarations.keys import key
+from gcodesim.declarations.kind import NOT_NEGATIVE, POSITIVE, Json, Kind
+from gcodesim.declarations.nodes import Node
+from gcodesim.declarations.plain_kinds import Text
+from gcodesim.declarations.quantity import Quantity
+from gcodesim.declarations.reading import FAULT, Fault, Path, Reading
+from gcodesim.declarations.record import Record
 from gcodesim.frames import Pose
 
 if TYPE_CHECKING:

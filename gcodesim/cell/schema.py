@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from gcodesim.cell.kinds import Json
 from gcodesim.cell.loader import ROOT
-from gcodesim.cell.units import DIMENSIONS, table
+from gcodesim.declarations.kind import Json
+from gcodesim.declarations.units import DIMENSIONS, table
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 

@@ -8,12 +8,15 @@ from dataclasses import dataclass, field, replace
 from datetime import date
 from typing import Any, Final, Literal
 
-from gcodesim.cell.kinds import NOT_NEGATIVE, POSITIVE, Choice, Json, Kind, Quantity, Range, Text, Whole, scalar, short
-from gcodesim.cell.nodes import Node
 from gcodesim.cell.placing import Place
-from gcodesim.cell.reading import FAULT, Fault, Path, PlainUnits, Reading
-from gcodesim.cell.records import Name, inline, key
-from gcodesim.cell.units import find, names
+from gcodesim.declarations.keys import inline, key
+from gcodesim.declarations.kind import NOT_NEGATIVE, POSITIVE, Json, Kind, Range, scalar, short
+from gcodesim.declarations.map_of import Name
+from gcodesim.declarations.nodes import Node
+from gcodesim.declarations.plain_kinds import Choice, Text, Whole
+from gcodesim.declarations.quantity import Quantity
+from gcodesim.declarations.reading import FAULT, Fault, Path, PlainUnits, Reading
+from gcodesim.declarations.units import find, names
 from gcodesim.diagnostics import Severity
 
 NS: Final = 1_000_000_000

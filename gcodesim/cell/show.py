@@ -9,11 +9,11 @@ from typing import Any, Final
 import numpy as np
 
 from gcodesim.cell.cell import MAIN, Cell
-from gcodesim.cell.kinds import Json
 from gcodesim.cell.loader import ROOT
 from gcodesim.cell.placement import Placement, place
 from gcodesim.cell.placing import SYSTEMS
-from gcodesim.cell.reading import Path, dotted
+from gcodesim.declarations.kind import Json
+from gcodesim.declarations.reading import Path, dotted
 from gcodesim.frames import Pose
 from gcodesim.units import MM
 

@@ -8,16 +8,19 @@ from difflib import get_close_matches
 from pathlib import Path as FilePath
 from typing import Any, Final
 
-from gcodesim.cell.file_kinds import File, FileValue
-from gcodesim.cell.kinds import Json, Kind, Quantity, Range, Vector, scalar, short
 from gcodesim.cell.leftover import Leftover, leftover
 from gcodesim.cell.mesh_size import MESH_SUFFIXES, bounds
-from gcodesim.cell.nodes import Listing, Node
-from gcodesim.cell.nodes import Mapping as MappingNode
 from gcodesim.cell.placing import POINT, Place, names_of
-from gcodesim.cell.reading import FAULT, Fault, Path, Reading, Reference, suggestion
-from gcodesim.cell.records import FREE, NEARLY, MapOf, Record, all_keys, inline, key
-from gcodesim.cell.units import find, names, shown
+from gcodesim.declarations.file_kind import File, FileValue
+from gcodesim.declarations.keys import all_keys, inline, key
+from gcodesim.declarations.kind import Json, Kind, Range, scalar, short
+from gcodesim.declarations.map_of import MapOf
+from gcodesim.declarations.nodes import Listing, Node
+from gcodesim.declarations.nodes import Mapping as MappingNode
+from gcodesim.declarations.quantity import Quantity, Vector
+from gcodesim.declarations.reading import FAULT, Fault, Path, Reading, Reference, suggestion
+from gcodesim.declarations.record import FREE, NEARLY, Record
+from gcodesim.declarations.units import find, names, shown
 from gcodesim.diagnostics import Diagnostic
 
 Point = tuple[float, float, float]

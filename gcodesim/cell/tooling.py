@@ -6,11 +6,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
-from gcodesim.cell.kinds import Json, Kind, Quantity, Range, Text, Whole, scalar, short
-from gcodesim.cell.nodes import Mapping, Node, Scalar
-from gcodesim.cell.reading import FAULT, Fault, Path, Reading, suggestion
-from gcodesim.cell.records import Key, Name, known_keys, not_a_mapping, object_schema
-from gcodesim.cell.scalars import integer
+from gcodesim.declarations.keys import Key
+from gcodesim.declarations.kind import Json, Kind, Range, scalar, short
+from gcodesim.declarations.map_of import Name
+from gcodesim.declarations.nodes import Mapping, Node, Scalar
+from gcodesim.declarations.plain_kinds import Text, Whole
+from gcodesim.declarations.quantity import Quantity
+from gcodesim.declarations.reading import FAULT, Fault, Path, Reading, suggestion
+from gcodesim.declarations.record import known_keys, not_a_mapping, object_schema
+from gcodesim.declarations.scalars import integer
 from gcodesim.tools import TOOLS, Parameter, parameters
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
-from gcodesim.cell.units import UNITS
+from gcodesim.declarations.units import UNITS
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.units import MM3
 

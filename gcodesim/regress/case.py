@@ -9,8 +9,8 @@ from fnmatch import fnmatch
 from pathlib import Path, PurePosixPath
 from typing import Final
 
-from gcodesim.cell.reading import Path as At
-from gcodesim.cell.reading import suggestion
+from gcodesim.declarations.reading import Path as At
+from gcodesim.declarations.reading import suggestion
 from gcodesim.diagnostics import Diagnostic, SourceText, Span
 from gcodesim.regress.case_file import SUFFIXES, CaseFile, CaseOptions, Expected, read_case_file
 from gcodesim.regress.expectation import expectations

@@ -7,14 +7,18 @@ from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 from typing import Any, Final
 
-from gcodesim.cell.files import Shelf
-from gcodesim.cell.kinds import POSITIVE, Choice, Json, Kind, ListOf, Quantity, Range, Switch, Text, Whole, short
-from gcodesim.cell.nodes import Mapping as MappingNode
-from gcodesim.cell.nodes import Node, Scalar, compose
-from gcodesim.cell.reading import FAULT, Fault, Path, Reading
-from gcodesim.cell.records import Record, key, known_keys, not_a_mapping
-from gcodesim.cell.scalars import measured
 from gcodesim.cell.settings import CODE_PATTERNS, code_pattern
+from gcodesim.declarations.composed import ListOf
+from gcodesim.declarations.files import Shelf
+from gcodesim.declarations.keys import key
+from gcodesim.declarations.kind import POSITIVE, Json, Kind, Range, short
+from gcodesim.declarations.nodes import Mapping as MappingNode
+from gcodesim.declarations.nodes import Node, Scalar, compose
+from gcodesim.declarations.plain_kinds import Choice, Switch, Text, Whole
+from gcodesim.declarations.quantity import Quantity
+from gcodesim.declarations.reading import FAULT, Fault, Path, Reading
+from gcodesim.declarations.record import Record, known_keys, not_a_mapping
+from gcodesim.declarations.scalars import measured
 from gcodesim.diagnostics import Findings, SourceText, Span
 from gcodesim.regress.tolerance import Tolerance, quantity_of
 from gcodesim.regress.tolerance_kind import TolerancesKind, tolerance_from

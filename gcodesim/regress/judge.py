@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from gcodesim.cell import load_cell
-from gcodesim.cell.reading import suggestion
 from gcodesim.cell.settings import matches
+from gcodesim.declarations.reading import suggestion
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText, Span
 from gcodesim.diagnostics.show import as_json
 from gcodesim.job import Job, Options

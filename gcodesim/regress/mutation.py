@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from random import Random
 from typing import Final
 
-from gcodesim.cell.nodes import Listing, Node, Scalar, compose
-from gcodesim.cell.nodes import Mapping as MappingNode
-from gcodesim.cell.scalars import measured
+from gcodesim.declarations.nodes import Listing, Node, Scalar, compose
+from gcodesim.declarations.nodes import Mapping as MappingNode
+from gcodesim.declarations.scalars import measured
 from gcodesim.diagnostics import Findings, SourceText
 from gcodesim.regress.motion import steps_of
 from gcodesim.rs274 import Settings, interpret

@@ -7,14 +7,15 @@ from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Any
 
-from gcodesim.cell.files import Shelf
-from gcodesim.cell.kinds import NOT_NEGATIVE, Json, Kind, Quantity, scalar, short
-from gcodesim.cell.nodes import Listing, Node, Scalar
-from gcodesim.cell.nodes import Mapping as MappingNode
-from gcodesim.cell.reading import FAULT, Fault, Path, Reading
-from gcodesim.cell.records import known_keys, not_a_mapping
-from gcodesim.cell.scalars import measured
-from gcodesim.cell.units import DIMENSIONS, find, in_unit
+from gcodesim.declarations.files import Shelf
+from gcodesim.declarations.kind import NOT_NEGATIVE, Json, Kind, scalar, short
+from gcodesim.declarations.nodes import Listing, Node, Scalar
+from gcodesim.declarations.nodes import Mapping as MappingNode
+from gcodesim.declarations.quantity import Quantity
+from gcodesim.declarations.reading import FAULT, Fault, Path, Reading
+from gcodesim.declarations.record import known_keys, not_a_mapping
+from gcodesim.declarations.scalars import measured
+from gcodesim.declarations.units import DIMENSIONS, find, in_unit
 from gcodesim.diagnostics import Findings, Span
 from gcodesim.regress.tolerance import QUANTITIES, Tolerance
 

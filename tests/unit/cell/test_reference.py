@@ -6,8 +6,8 @@ import re
 from pathlib import Path
 
 from gcodesim.cell.cell import Cell
-from gcodesim.cell.records import keys
 from gcodesim.cell.reference import reference
+from gcodesim.declarations.keys import keys
 from gcodesim.key_page import with_keys
 from tests.unit.cell.text import sound
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any, Final, Literal
 
-from gcodesim.cell.files import Shelf
-from gcodesim.cell.units import Unit, find
+from gcodesim.declarations.files import Shelf
+from gcodesim.declarations.units import Unit, find
 from gcodesim.diagnostics import Diagnostic, Findings, Span
 
 Path = tuple[str | int, ...]

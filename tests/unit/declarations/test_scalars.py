@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from gcodesim.cell.scalars import Measured, integer, measured, switch, why_no_number
+from gcodesim.declarations.scalars import Measured, integer, measured, switch, why_no_number
 
 
 @pytest.mark.parametrize(

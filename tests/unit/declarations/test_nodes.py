@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from gcodesim.cell import read_cell
-from gcodesim.cell.nodes import Listing, Mapping, Scalar, compose
+from gcodesim.declarations.nodes import Listing, Mapping, Scalar, compose
 from gcodesim.diagnostics import Findings, SourceText
 
 ROOT = Path(__file__).parents[3]

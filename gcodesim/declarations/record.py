@@ -1,119 +1,21 @@
-"""Mappings of the cell as dataclasses: a field declared by `key` is a key of the YAML file.
-
-The YAML format is a tree of frozen dataclasses. `Record` reads one, `MapOf`
-reads named ones, `inline` lays the keys of one class among those of another
-(`in`, `xyz`, `rpy` of everything that stands somewhere).
-"""
+"""Mappings that become dataclasses, by the keys that these declare."""
 
 from __future__ import annotations
 
 import difflib
 import re
 from collections.abc import Callable, Iterator
-from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass
-from functools import cache
+from dataclasses import dataclass, is_dataclass
 from typing import Any, Final
 
-from gcodesim.cell.kinds import Json, Kind, article_of, key_name
-from gcodesim.cell.nodes import Mapping, Node, Scalar
-from gcodesim.cell.reading import FAULT, Fault, Path, Reading, suggestion
-from gcodesim.diagnostics import Span
+from gcodesim.declarations.keys import Key, all_keys, inlined, keys, written
+from gcodesim.declarations.kind import Json, Kind, article_of, key_name
+from gcodesim.declarations.nodes import Mapping, Node, Scalar
+from gcodesim.declarations.reading import FAULT, Fault, Path, Reading, suggestion
 
-_META: Final = "gcodesim.cell"
 FREE: Final = "x-"
 _DIGITS: Final = re.compile(r"[0-9]")
 NEARLY: Final = 0.8  # similarity from which on a misspelled key is read as the one that it resembles
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Key:
-    """What a field tells the reader. `name` is the key in the file; `quiet` defaults are not listed."""
-
-    name: str
-    field: str
-    kind: Kind
-    doc: str
-    required: bool
-    default: Any
-    quiet: bool
-    why: str
-
-    def read(self, node: Node, to: Reading, path: Path) -> Any:
-        """The value of this key; a fault without a hint of its own says what the key means."""
-        before, to.about = to.about, f"`{self.name}`: {self.doc}" if self.doc not in ("", self.name) else ""
-        value = self.kind.read(node, to, path)
-        to.about = before
-        return value
-
-
-@dataclass(frozen=True, slots=True)
-class _Declared:
-    kind: Kind | None
-    doc: str
-    name: str
-    quiet: bool
-    why: str
-    inline: type | None = None
-    always: bool = False
-
-
-def key(kind: Kind, doc: str, *, name: str = "", default: Any = MISSING, quiet: bool = False, why: str = "") -> Any:
-    """A dataclass field that is a key of the cell file; required when there is no `default`."""
-    return _field(default, _Declared(kind, doc, name, quiet, why))
-
-
-def inline(cls: type, *, always: bool = True) -> Any:
-    """A field that holds a `cls` whose keys stand among ours; None unless `always` or one of them is written."""
-    return _field(None, _Declared(None, "", "", False, "", cls, always))
-
-
-def _field(default: Any, declared: _Declared) -> Any:
-    if isinstance(default, (dict, list)):
-        return field(default_factory=lambda: type(default)(default), metadata={_META: declared})
-    return field(default=default, metadata={_META: declared})
-
-
-def _default(item: Field[Any]) -> Any:
-    return item.default if item.default_factory is MISSING else item.default_factory()
-
-
-@cache
-def keys(cls: type[Any]) -> dict[str, Key]:
-    """The keys that `cls` itself declares, by their names in the file."""
-    found: dict[str, Key] = {}
-    for item in fields(cls):
-        declared: _Declared | None = item.metadata.get(_META)
-        if declared is None or declared.kind is None:
-            continue
-        default = _default(item)
-        name = declared.name or item.name
-        found[name] = Key(
-            name=name,
-            field=item.name,
-            kind=declared.kind,
-            doc=declared.doc,
-            required=default is MISSING,
-            default=default,
-            quiet=declared.quiet,
-            why=declared.why,
-        )
-    return found
-
-
-@cache
-def inlined(cls: type) -> dict[str, tuple[type, bool]]:
-    """Fields of `cls` that hold another class whose keys stand among ours: class, and whether always built."""
-    metas = ((item.name, item.metadata.get(_META)) for item in fields(cls))
-    return {name: (meta.inline, meta.always) for name, meta in metas if meta is not None and meta.inline is not None}
-
-
-@cache
-def all_keys(cls: type) -> dict[str, Key]:
-    """Own and inlined keys of `cls`."""
-    found = dict(keys(cls))
-    for inner, _ in inlined(cls).values():
-        found |= keys(inner)
-    return found
 
 
 @dataclass(frozen=True, slots=True)
@@ -231,22 +133,6 @@ def _checked(value: Any, to: Reading, path: Path) -> Any:
     return value if check is None else check(to, path)
 
 
-def written(value: Any) -> Iterator[tuple[str, Kind, Any]]:
-    """Name, kind and content of all keys of a record that say something: no empty ones, no quiet defaults."""
-    for item in fields(value):
-        declared: _Declared | None = item.metadata.get(_META)
-        if declared is None:
-            continue
-        content = getattr(value, item.name)
-        if declared.inline is not None:
-            if content is not None:
-                yield from written(content)
-        elif declared.kind is not None and content is not None and content != {} and content != ():
-            if declared.quiet and content == _default(item):
-                continue
-            yield declared.name or item.name, declared.kind, content
-
-
 def known_keys(
     entries: tuple[tuple[Scalar, Node], ...], known: list[str], what: str, to: Reading
 ) -> Iterator[tuple[str, Scalar, Node]]:
@@ -294,76 +180,3 @@ def object_schema(members: list[Key], definitions: dict[str, Json], doc: str = "
     if required:
         schema["required"] = required
     return schema | {"patternProperties": {f"^{FREE}": {}}, "additionalProperties": False}
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Name:
-    """What the keys of a `MapOf` look like; `canonical` gives the one spelling, or None."""
-
-    what: str
-    pattern: str
-    canonical: Callable[[str], Any]
-    known: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class MapOf(Kind):
-    """A mapping of names to values of one kind. A `lenient` one leaves out what is faulty."""
-
-    name: Name
-    of: Kind
-    what: str
-    lenient: bool = False
-
-    @property
-    def expected(self) -> str:
-        return self.what
-
-    def read(self, node: Node, to: Reading, path: Path) -> Any:
-        if not isinstance(node, Mapping):
-            return not_a_mapping(node, self.what, to, path)
-        values: dict[Any, Any] = {}
-        for name, value in node.entries:
-            if name.text.startswith(FREE):
-                continue
-            canonical = read_name(self.name, name, [(*path, known) for known in values], to)
-            if isinstance(canonical, Fault):
-                values[name.text] = FAULT
-                continue
-            at = (*path, canonical)
-            to.named(at, name.span)
-            values[canonical] = self.of.read(value, to, at)
-        if self.lenient:
-            return {name: value for name, value in values.items() if value is not FAULT}
-        return FAULT if any(value is FAULT for value in values.values()) else values
-
-    def schema(self, definitions: dict[str, Json]) -> Json:
-        return {
-            "type": "object",
-            "patternProperties": {f"^({self.name.pattern})$": self.of.schema(definitions), f"^{FREE}": {}},
-            "additionalProperties": False,
-        }
-
-    def show(self, value: Any) -> Any:
-        return {name: self.of.show(entry) for name, entry in value.items()}
-
-    def plain(self, value: Any) -> tuple[str, Any]:
-        return "", {str(name): self.of.plain(entry)[1] for name, entry in value.items()}
-
-
-def read_name(name: Name, node: Scalar, taken: list[Path], to: Reading) -> Any:
-    """The canonical form of a key, or FAULT when it is none or taken."""
-    canonical = name.canonical(node.text)
-    if canonical is None:
-        return to.fault("GS711", node.span, f"`{node.text}` is no {name.what}", suggestion(node.text, name.known))
-    for path in taken:
-        if path[-1] == canonical:
-            first: Span = to.key(path)
-            return to.fault(
-                "GS702",
-                node.span,
-                f"`{node.text}` is {canonical}, which stands a second time",
-                f"the first is in line {first.line}",
-                related=first,
-            )
-    return canonical

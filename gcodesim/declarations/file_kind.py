@@ -1,4 +1,4 @@
-"""Kinds of values that name files and folders: found in allowed places only, and hashed."""
+"""Names of files and folders: found in allowed places only, and hashed."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Any
 
-from gcodesim.cell.files import Refused
-from gcodesim.cell.kinds import Json, Kind, key_name, scalar, short
-from gcodesim.cell.nodes import Node
-from gcodesim.cell.reading import FAULT, Fault, Path, Reading, suggestion
+from gcodesim.declarations.files import Refused
+from gcodesim.declarations.kind import Json, Kind, key_name, scalar, short
+from gcodesim.declarations.nodes import Node
+from gcodesim.declarations.reading import FAULT, Fault, Path, Reading, suggestion
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -70,35 +70,6 @@ class File(Kind):
 
     def schema(self, definitions: dict[str, Json]) -> Json:
         return {"type": "string", "description": f"{self.what}, relative to the cell"}
-
-    def show(self, value: Any) -> Any:
-        return value.name
-
-    def plain(self, value: Any) -> tuple[str, Any]:
-        return "", value.name
-
-
-@dataclass(frozen=True, slots=True)
-class PackageFolder(Kind):
-    """The folder of a package; it may lie outside the cell's own, because naming it here allows it."""
-
-    @property
-    def expected(self) -> str:
-        return "the folder of a package"
-
-    def read(self, node: Node, to: Reading, path: Path) -> FileValue | Fault:
-        text = scalar(self, node, to, path)
-        if isinstance(text, Fault):
-            return FAULT
-        folder = to.shelf.folder / text.text
-        if "\0" in text.text or not folder.is_dir():
-            message = f"the folder of package `{path[-1]}` is not there; tried `{short(text.text)}` beside the cell"
-            return to.fault("GS714", text.span, message)
-        to.shelf.packages[str(path[-1])] = folder
-        return FileValue(name=text.text, path=folder)
-
-    def schema(self, definitions: dict[str, Json]) -> Json:
-        return {"type": "string", "description": "a folder, relative to the cell"}
 
     def show(self, value: Any) -> Any:
         return value.name

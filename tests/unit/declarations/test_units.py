@@ -6,7 +6,7 @@ from math import pi
 
 import pytest
 
-from gcodesim.cell.units import DIMENSIONS, UNITS, find, measures, names, nearest, normal, shown
+from gcodesim.declarations.units import DIMENSIONS, UNITS, find, measures, names, nearest, normal, shown
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,40 @@
+"""Folders of `package://` names."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from gcodesim.declarations.file_kind import FileValue
+from gcodesim.declarations.kind import Json, Kind, scalar, short
+from gcodesim.declarations.nodes import Node
+from gcodesim.declarations.reading import FAULT, Fault, Path, Reading
+
+
+@dataclass(frozen=True, slots=True)
+class PackageFolder(Kind):
+    """The folder of a package; it may lie outside the cell's own, because naming it here allows it."""
+
+    @property
+    def expected(self) -> str:
+        return "the folder of a package"
+
+    def read(self, node: Node, to: Reading, path: Path) -> FileValue | Fault:
+        text = scalar(self, node, to, path)
+        if isinstance(text, Fault):
+            return FAULT
+        folder = to.shelf.folder / text.text
+        if "\0" in text.text or not folder.is_dir():
+            message = f"the folder of package `{path[-1]}` is not there; tried `{short(text.text)}` beside the cell"
+            return to.fault("GS714", text.span, message)
+        to.shelf.packages[str(path[-1])] = folder
+        return FileValue(name=text.text, path=folder)
+
+    def schema(self, definitions: dict[str, Json]) -> Json:
+        return {"type": "string", "description": "a folder, relative to the cell"}
+
+    def show(self, value: Any) -> Any:
+        return value.name
+
+    def plain(self, value: Any) -> tuple[str, Any]:
+        return "", value.name

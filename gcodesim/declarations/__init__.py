@@ -1,0 +1,1 @@
+"""One language of declarations for cells, tools and processes."""
