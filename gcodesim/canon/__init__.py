@@ -1,4 +1,8 @@
 """Canonical events: what a program asks a machine to do, free of language and of machine."""
 
+from gcodesim.canon import events
+from gcodesim.canon.answers import Answer, Heard, Touched
 from gcodesim.canon.events import *  # noqa: F403
-from gcodesim.canon.events import __all__ as __all__
+
+__all__ = ["Answer", "Heard", "Touched"]
+__all__ += events.__all__

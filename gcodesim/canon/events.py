@@ -24,6 +24,7 @@ __all__ = [
     "EndOfFile",
     "Event",
     "FeedUnit",
+    "Input",
     "LinearFeed",
     "Log",
     "Message",
@@ -235,6 +236,19 @@ class Output(Event):
     index: int
     value: float
     with_motion: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Input(Event):
+    """M66, when somebody answers: the value of an input at once, or when what `wait` names has happened.
+
+    `rise`, `fall`, `high` and `low` are L1 to L4; they give up after `timeout` [s].
+    """
+
+    type: Literal["digital", "analog"]
+    index: int
+    wait: Literal["immediate", "rise", "fall", "high", "low"] = "immediate"
+    timeout: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

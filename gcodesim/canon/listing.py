@@ -118,6 +118,10 @@ _KINDS: dict[type[ev.Event], tuple[str, Callable[[Any], dict[str, Any]]]] = {
         "output",
         lambda e: {"type": e.type, "index": e.index, "value": number(e.value), "with_motion": e.with_motion},
     ),
+    ev.Input: (
+        "input",
+        lambda e: {"type": e.type, "index": e.index, "wait": e.wait, "timeout": number(e.timeout)},
+    ),
     ev.Action: (
         "action",
         lambda e: {

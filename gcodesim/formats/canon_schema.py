@@ -77,6 +77,14 @@ EVENTS: Final[dict[str, list[dict[str, Json]]]] = {
             "with_motion": truth("with the next move"),
         }
     ],
+    "input": [
+        {
+            "type": choice("which kind of input", "digital", "analog"),
+            "index": whole("number of the input"),
+            "wait": choice("for what M66 waits", "immediate", "rise", "fall", "high", "low"),
+            "timeout": number("s"),
+        }
+    ],
     "action": [
         {
             "m": whole("M number"),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from gcodesim import canon
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.rs274.control import Control
@@ -15,6 +17,7 @@ from gcodesim.rs274.words import Words, place_of
 from gcodesim.units import DEG, MM
 
 _MODE_NAMES = tuple(Modes.__dataclass_fields__)
+_WAITS: tuple[Literal["immediate", "rise", "fall", "high", "low"], ...] = ("immediate", "rise", "fall", "high", "low")
 
 
 def spindle_speed(words: Words, control: Control) -> None:
@@ -102,7 +105,7 @@ def _index(words: Words, letter: str, m: int) -> int:
 
 
 def _wait_for_input(words: Words, control: Control) -> None:
-    """M66: inputs read 0 and never change, so a wait ends at its time limit."""
+    """M66. Where nobody answers, inputs read 0 at once."""
     p, e = words.whole("p", "M66"), words.whole("e", "M66")
     if (p is None) == (e is None):
         raise Fault("GS105", "M66 needs either P (digital input) or E (analog input)", at="m66")
@@ -120,7 +123,27 @@ def _wait_for_input(words: Words, control: Control) -> None:
     if e is not None and mode:
         raise Fault("GS106", "an analog input can only be read at once: L0", at="l")
     control.parameters.set(INPUT_RESULT, 0.0)
-    control.skip("M66", place_of(words.block, "m66"))
+    if not control.settings.answered:
+        control.skip("M66", place_of(words.block, "m66"))
+        return
+    index = p if p is not None else e
+    assert index is not None
+    control.out.append(
+        canon.Input(
+            span=control.span,
+            type="digital" if p is not None else "analog",
+            index=index,
+            wait=_WAITS[mode],
+            timeout=timeout if mode else 0.0,
+        )
+    )
+
+
+def heard(control: Control, reply: canon.Heard | None) -> None:
+    """Take over what an input read; -1 when the time for waiting ran out."""
+    value = 0.0 if reply is None else -1.0 if reply.value is None else reply.value
+    control.parameters.changes += 1
+    control.parameters.numbers[INPUT_RESULT] = value
 
 
 def change_tool(words: Words, control: Control) -> None:

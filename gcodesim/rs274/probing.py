@@ -27,7 +27,8 @@ def probe(words: Words, control: Control, code: int) -> None:
     end = end_point(words, control)
     if code in (382, 384) and end == state.current:
         raise Fault("GS180", f"{who} ends where it starts", at=at, hint="probe towards another point")
-    control.skip(who, place_of(words.block, who.lower()))
+    if not control.settings.answered:
+        control.skip(who, place_of(words.block, who.lower()))
     feed, unit = control.feed(control.moves_linear(end))
     control.out.append(
         canon.Probe(
@@ -44,19 +45,44 @@ def probe(words: Words, control: Control, code: int) -> None:
     state.current = end
 
 
-def tripped(control: Control, event: canon.Probe, reply: canon.Axes | None) -> None:
-    """Take over where the probe stopped: `reply` in the machine frame, or the programmed end."""
+def tripped(control: Control, event: canon.Probe, reply: canon.Touched | canon.Axes | None) -> Fault | None:
+    """Take over where the probe tripped and stopped; the fault with which a control would stop there.
+
+    A `reply` of axes is both places in one; None: it trips at the programmed end.
+    """
     state = control.state
-    if reply is not None:
-        unit = state.unit
-        tip: Vector = (
-            *(value / unit for value in reply[:3]),
-            *(value / DEG for value in reply[3:]),
-            *control.tip(state.current)[6:],
-        )  # type: ignore[assignment]
-        state.current = control.point_of(tip)
+    tripping = True
+    point = state.current
+    if isinstance(reply, canon.Touched):
+        tripping = reply.tripped
+        point = _here(control, reply.point)
+        state.current = _here(control, reply.stop)
+    elif reply is not None:
+        point = state.current = _here(control, reply)
     control.parameters.changes += 1
     for axis in range(9):
-        value = control.machine_units(state.current[axis], axis)
-        control.parameters.numbers[numbers.PROBE + axis] = state.current[axis] if axis < 9 else value
-    control.parameters.numbers[numbers.PROBE_RESULT] = 1.0
+        control.parameters.numbers[numbers.PROBE + axis] = point[axis]
+    control.parameters.numbers[numbers.PROBE_RESULT] = float(tripping)
+    return _fault(event, reply) if isinstance(reply, canon.Touched) else None
+
+
+def _here(control: Control, axes: canon.Axes) -> Vector:
+    """A controlled point in M as the active work system has it; axes that no machine here has stay where they are."""
+    unit, state = control.state.unit, control.state
+    x, y, z = (value / unit for value in axes[:3])
+    a, b, c = (value / DEG for value in axes[3:])
+    return control.point_of((x, y, z, a, b, c, *control.tip(state.current)[6:]))
+
+
+def _fault(event: canon.Probe, reply: canon.Touched) -> Fault | None:
+    who, what = event.word, "contact" if event.towards else "a loss of contact"
+    if reply.refused:
+        now, hint = "touches nothing", "touch the surface first"
+        if event.towards:
+            now, hint = "touches something already", "back off first"
+        return Fault("GS139", f"the probe {now} where {who} begins", hint=hint)
+    if event.must_trip and not reply.tripped:
+        softer = "G38.3" if event.towards else "G38.5"
+        hint = f"begin nearer or go further; with {softer} and #5070 the program can decide itself"
+        return Fault("GS138", f"{who} came to its end without {what}", hint=hint)
+    return None

@@ -20,7 +20,7 @@ from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.flow import FlowControl, Stopped
 from gcodesim.rs274.lanes import Lanes
 from gcodesim.rs274.length_words import length_words
-from gcodesim.rs274.machine_codes import load_first_tool
+from gcodesim.rs274.machine_codes import heard, load_first_tool
 from gcodesim.rs274.odd_numbers import odd_numbers
 from gcodesim.rs274.other_machines import Foreign, foreign_of, lathe_of
 from gcodesim.rs274.parameters import Parameters
@@ -33,7 +33,7 @@ from gcodesim.rs274.watch import Watches
 from gcodesim.rs274.watch.structure import structure_findings
 from gcodesim.rs274.words import Words, place_of, read_words
 
-Feedback = canon.Axes | None
+Feedback = canon.Answer | canon.Axes | None
 _CHECK_CLOCK_EVERY = 4096
 _MOST_BLOCKS, _MOST_ROUNDS = 500_000, 10  # blocks that a program of n lines may execute: so many, and so many a line
 _MOST_FINDINGS = 1000  # a file that is no program would fill the screen
@@ -46,10 +46,12 @@ _MOST_NOTES = 1000  # warnings kept until they are folded
 class Run:
     """A program about to run: iterate it for its events.
 
-    The generator takes feedback: `send` the trip point [m, rad] of a
-    `canon.Probe`; without it the probe trips at its end. After the first
-    error no more events come, but the rest of the program is still read, so
-    that `findings` holds everything.
+    A run is a conversation: `send` a `canon.Touched` for each `canon.Probe`
+    (or just the trip point [m, rad]) and a `canon.Heard` for each
+    `canon.Input`, which comes with `Settings.answered` only. Without a reply a
+    probe trips at the end of its move. After the first error no more events
+    come, but the rest of the program is still read, so that `findings` holds
+    everything.
     """
 
     def __init__(self, source: SourceText, settings: Settings) -> None:
@@ -184,9 +186,14 @@ class Executor:
             if out:
                 if self.run.failed is None:
                     for event in out:
-                        reply = yield event
-                        if type(event) is canon.Probe:
-                            tripped(control, event, reply)
+                        if type(event) is canon.Probe or type(event) is canon.Input:
+                            asked = time.monotonic()
+                            reply = yield event
+                            self._forgive(time.monotonic() - asked)
+                            if not self._hear(event, reply, index):
+                                break
+                        else:
+                            yield event
                 else:
                     for event in out:
                         if type(event) is canon.Probe:
@@ -196,6 +203,25 @@ class Executor:
             if self._exhausted(frame.file, index):
                 break
         self._finish()
+
+    # -- the answers of whoever listens
+
+    def _hear(self, event: canon.Probe | canon.Input, reply: Feedback, index: int) -> bool:
+        """Take over the answer to `event` of line `index`; false when a probe that failed ends the program there."""
+        if type(event) is canon.Probe:
+            assert not isinstance(reply, canon.Heard)
+            fault = tripped(self.control, event, reply)
+            if fault is not None:
+                finding = Diagnostic(code=fault.code, message=fault.message, span=event.span, hint=fault.hint)
+                self._report(finding, index + 1)
+            return fault is None
+        heard(self.control, reply if isinstance(reply, canon.Heard) else None)
+        return True
+
+    def _forgive(self, seconds: float) -> None:
+        """The time of the answer is none of reading."""
+        if self.deadline is not None:
+            self.deadline += seconds
 
     # -- one line
 

@@ -30,6 +30,8 @@ class Settings:
     the program's first G61 or G64. `has_cell` makes user M-codes legal.
     `loaded_tool` is in the spindle before the first block, 0 for none; in a program
     without G43 its length counts from there on.
+    `answered`: whoever iterates the run answers each `canon.Probe` and
+    `canon.Input`; else a probe trips at the end of its move and inputs read 0.
     `start` [m, rad] is where the axes stand before the first block.
     `decimal_point` says what X10 is to Fanuc: 10 mm, or 10 increments of 0.001 mm.
     `lane` "grammar" reads every line by itself, "compiled" all that its kernels know as arrays; "auto" chooses by the
@@ -47,6 +49,7 @@ class Settings:
     optional_stop: bool = False
     m_codes: Mapping[str, MappedAction] = field(default_factory=dict)
     has_cell: bool = False
+    answered: bool = False
     start: Axes = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     tool_length: Literal["auto", "strict"] = "auto"
     loaded_tool: int = 0

@@ -196,6 +196,26 @@ CODES: tuple[Code, ...] = (
         remedy="Correct the loop, or raise the time limit.",
     ),
     Code(
+        code="GS138",
+        severity=Severity.ERROR,
+        title="Probe without contact",
+        what="G38.2 came to the end of its move without touching anything, or G38.4 without leaving what it touched.",
+        why="The control stops the program there: the part is not where it was expected, or is missing.",
+        remedy=(
+            "Begin nearer to the surface, or probe further. G38.3 and G38.5 go on without contact; the program then "
+            "asks #5070 whether there was any. `gcodesim check` probes the stock as it comes into the cell; only "
+            "`gcodesim run` knows what the program itself has cut by then."
+        ),
+    ),
+    Code(
+        code="GS139",
+        severity=Severity.ERROR,
+        title="Probe begins in the wrong state",
+        what="The probe touches something already where G38.2 or G38.3 begins, or nothing where G38.4 or G38.5 begins.",
+        why="The control refuses the move and stops the program.",
+        remedy="Back off before probing towards a surface; touch it before probing away from it.",
+    ),
+    Code(
         code="GS140",
         severity=Severity.ERROR,
         title="Canned cycle wrong",

@@ -80,7 +80,8 @@ def execute(words: Words, control: FanucControl, has_point: dict[str, bool]) -> 
         _machine_coordinates(words, control)
         motion = own
     elif claimed == 310:
-        control.skip("G31", place_of(words.block, "g31"))
+        if not control.settings.answered:
+            control.skip("G31", place_of(words.block, "g31"))
         _skip_function(words, control)
         motion = own
     elif claimed == _ONE_WAY:
