@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
-import numpy as np
-
+from gcodesim.canon import Axes
 from gcodesim.cell import Cell, LoadedCell
 from gcodesim.cell.cell import MAIN
-from gcodesim.cell.machine import MachineTool
 from gcodesim.cell.reach import reach_findings
 from gcodesim.checks.coarse import coarse_findings
 from gcodesim.checks.empty_spindle import empty_spindle_findings
@@ -113,46 +111,29 @@ def _world_notes(job: Job) -> list[Diagnostic]:
     return []
 
 
-def _start(shop: Shop) -> tuple[float, float, float, float, float, float]:
+def _start(shop: Shop) -> Axes:
     """Where the controlled point stands first, in M, without tool offset."""
-    from gcodesim.planning import start_of_arm, start_of_machine
+    from gcodesim.planning import posing_of
 
-    if not shop.is_arm:
-        return start_of_machine(shop.kinematics.joints.names, shop.home)
-    p_B = np.array(start_of_arm(shop.kinematics, shop.home)[:3])
-    x, y, z = shop.X_BM.inverse().apply(p_B)
-    return (float(x), float(y), float(z), 0.0, 0.0, 0.0)
+    return posing_of(shop).start(shop.kinematics, shop.home)
 
 
 def _plan(job: Job, shop: Shop, path: ToolPath) -> None:
-    from gcodesim.planning import plan_arm, plan_machine
+    from gcodesim.planning import plan_path, posing_of
 
-    duration_of = event_durations(shop.cell.magazine.change_time)
-    tool_frames = {number: tool.X_FT for number, tool in shop.cell.tools.items()}
-    mover = mover_of(shop)
-    if isinstance(mover, MachineTool):
-        plan = plan_machine(
-            path,
-            shop.kinematics,
-            home=shop.home,
-            rapids=mover.rapids,
-            duration_of=duration_of,
-            tool_frames=tool_frames,
-        )
-    else:
-        plan = plan_arm(
-            path.transform(shop.X_BM),
-            shop.kinematics,
-            home=shop.home,
-            orientation=_orientation(shop),
-            duration_of=duration_of,
-            tool_frames=tool_frames,
-        )
-    job.plan = plan
-    job.findings.extend(plan.findings)
-    job.findings.extend(blind_axis_findings(plan.path, mover))
-    job.findings.extend(speed_findings(plan, shop.cell.limits.spindle_speed))
-    job.findings.extend(_clearance(shop, plan))
+    planned = plan_path(
+        path,
+        shop.kinematics,
+        posing_of(shop),
+        home=shop.home,
+        duration_of=event_durations(shop.cell.magazine.change_time),
+        tool_frames={number: tool.X_FT for number, tool in shop.cell.tools.items()},
+    )
+    job.plan = planned
+    job.findings.extend(planned.findings)
+    job.findings.extend(blind_axis_findings(planned.path, mover_of(shop)))
+    job.findings.extend(speed_findings(planned, shop.cell.limits.spindle_speed))
+    job.findings.extend(_clearance(shop, planned))
 
 
 def _clearance(shop: Shop, plan: Plan) -> list[Diagnostic]:
@@ -174,31 +155,6 @@ def _clearance(shop: Shop, plan: Plan) -> list[Diagnostic]:
         X_BM=shop.X_BM,
         table=shop.kinematics.table if isinstance(shop.kinematics, Cartesian) else None,
     )
-
-
-def _orientation(shop: Shop) -> Any:
-    """How the arm holds the tool: T's Z along the asked axis, in base axes, for every work system."""
-    from gcodesim.planning import Orientation
-
-    own = shop.cell.channels[shop.channel].orientation
-    R_BW = shop.X_WB.inverse().R
-    frames = {
-        system: _upright(R_BW @ shop.placement.tool_axis(own, system), shop, system)
-        for system in shop.placement.work_offsets
-    }
-    return Orientation(frames=frames, upright=frames[1], spin=None if own is None else own.spin)
-
-
-def _upright(axis_B: np.ndarray[Any, np.dtype[np.float64]], shop: Shop, system: int) -> Any:
-    """Axes of the frame O (3, 3) whose −Z is the tool axis; its X is that of the work system as far as it can be."""
-    z = -axis_B / np.linalg.norm(axis_B)
-    x_system = (shop.X_BM @ shop.placement.work_offsets[system]).R[:, 0]
-    x = x_system - (x_system @ z) * z
-    if np.linalg.norm(x) < 1e-6:
-        y_system = (shop.X_BM @ shop.placement.work_offsets[system]).R[:, 1]
-        x = y_system - (y_system @ z) * z
-    x = x / np.linalg.norm(x)
-    return np.column_stack([x, np.cross(z, x), z])
 
 
 def check(job: Job) -> Results:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields, replace
+from enum import StrEnum
 from typing import Any, Final
 
 import numpy as np
@@ -29,6 +30,18 @@ ZERO: Final[Axes] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 _NOWHERE: Final = Span("")
 
 
+class Control(StrEnum):
+    """What a program commands.
+
+    AXES: the control point, each letter for itself, as every program does until it says otherwise. POINT: the tip in
+    the work and the attitude of the tool, by rotary words or a vector (tool-centre-point control). JOINTS: the joints.
+    """
+
+    AXES = "axes"
+    POINT = "point"
+    JOINTS = "joints"
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ToolState:
     """What holds while a row is run.
@@ -36,7 +49,7 @@ class ToolState:
     `offset` is the active length offset (axes stand at end + offset), `spindle`
     [rad/s] is positive for M3 and 0 when stopped, `surface_speed` [m/s] is set
     under G96 (then `spindle` is its cap). `system` 1 (G54) to 9 (G59.3) with
-    its offset, G92 and rotation [rad]. `word` is the motion word, as G1.
+    its offset, G92 and rotation [rad]. `word` is the motion word, as G1; `control` what the words command.
     """
 
     tool: int = 0
@@ -50,6 +63,7 @@ class ToolState:
     g92: Axes = ZERO
     rotation: float = 0.0
     word: str = ""
+    control: Control = Control.AXES
 
 
 @dataclass(frozen=True, slots=True)

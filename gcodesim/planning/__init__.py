@@ -1,16 +1,17 @@
 """A tool path on a real machine: joints, limits, and when everything happens."""
 
-from gcodesim.planning.arm import plan_arm, start_of_arm
-from gcodesim.planning.machine_tool import plan_machine, start_of_machine
-from gcodesim.planning.orientation import Orientation
+from gcodesim.planning.axis_posing import AxisPosing
+from gcodesim.planning.fixed_attitude import FixedAttitude
 from gcodesim.planning.plan import JointExtremes, Plan
+from gcodesim.planning.posing import Posing, plan_path
+from gcodesim.planning.shop_posing import posing_of
 
 __all__ = [
+    "AxisPosing",
+    "FixedAttitude",
     "JointExtremes",
-    "Orientation",
     "Plan",
-    "plan_arm",
-    "plan_machine",
-    "start_of_arm",
-    "start_of_machine",
+    "Posing",
+    "plan_path",
+    "posing_of",
 ]

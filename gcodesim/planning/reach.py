@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from gcodesim.diagnostics import Diagnostic, Findings
 from gcodesim.frames import Array
 from gcodesim.motion.pieces import Pieces
-from gcodesim.planning.attitude import Attitude, Probe
+from gcodesim.planning.flange_poses import flange_poses
 from gcodesim.planning.nodes import Nodes
-from gcodesim.planning.orientation import flange_poses
+from gcodesim.planning.spin_choice import Probe, SpinChoice
 from gcodesim.units import DEG, MM, MM_PER_MINUTE
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ def report_poses(
     q: Array,
     status: NDArray[np.uint8],
     probe: Probe,
-    attitude: Attitude,
+    choice: SpinChoice,
     home: Array,
     findings: Findings,
 ) -> None:
@@ -57,7 +57,7 @@ def report_poses(
         if not bad.any():
             continue
         if shift is None:
-            shift = _shift_that_fits(kinematics, probe, attitude, home)
+            shift = _shift_that_fits(kinematics, probe, choice, home)
         first = int(np.argmax(bad))
         X, previous, share = _where_it_begins(kinematics, flange, nodes, q, first, value, home)
         reason = kinematics.reason(X, previous, value)
@@ -124,24 +124,24 @@ def _blocks(pieces: Pieces, piece: NDArray[np.int64]) -> int:
     return len(np.unique(pieces.path.block[np.cumsum(cover[:-1]) > 0]))
 
 
-def _shift_that_fits(kinematics: Kinematics, probe: Probe, attitude: Attitude, home: Array) -> str:
+def _shift_that_fits(kinematics: Kinematics, probe: Probe, choice: SpinChoice, home: Array) -> str:
     """The smallest of some shifts of the part with which all of the program can be run."""
     ways = [np.array(way, dtype=float) for way in product((-1, 0, 1), repeat=3) if any(way)]
     ways.sort(key=lambda way: (np.abs(way).sum(), *(-way)))
     for size in _SHIFTS:
         for way in ways:
             step = size * way
-            if _fits(kinematics, probe, attitude, home, step):
+            if _fits(kinematics, probe, choice, home, step):
                 parts = [f"{'XYZ'[k]}{step[k] / MM:+.0f}" for k in range(3) if step[k]]
                 return f"with the part shifted by {' '.join(parts)} mm all of the program can be reached"
     return f"no shift of the part up to {_SHIFTS[-1] / MM:.0f} mm was found that would do"
 
 
-def _fits(kinematics: Kinematics, probe: Probe, attitude: Attitude, home: Array, step: Array) -> bool:
+def _fits(kinematics: Kinematics, probe: Probe, choice: SpinChoice, home: Array, step: Array) -> bool:
     previous = home
     for number, (a, b) in zip(probe.number, probe.chains, strict=True):
-        X = flange_poses(probe.p_BO[a:b] + step, probe.R_BO[a:b], attitude.spin)
-        q, status = kinematics.inverse(X, attitude.seeds.get(number, previous))
+        X = flange_poses(probe.p_BO[a:b] + step, probe.R_BO[a:b], choice.spin)
+        q, status = kinematics.inverse(X, choice.seeds.get(number, previous))
         if np.any(status):
             return False
         previous = q[-1]

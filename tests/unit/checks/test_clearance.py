@@ -15,7 +15,7 @@ from gcodesim.frames import Pose
 from gcodesim.kinematics import MODELS, Cartesian, kinematics_of, load_urdf
 from gcodesim.motion.build import build_tool_path
 from gcodesim.motion.tool_path import ToolState
-from gcodesim.planning import plan_machine
+from gcodesim.planning import AxisPosing, plan_path
 from gcodesim.tools.flat_end_mill import FlatEndMill
 from gcodesim.tools.tool import Holder, Tool
 
@@ -51,9 +51,9 @@ def findings_of(
         kind = {"span": at(line), "end": end, "block": line, "word": word}
         events.append(Rapid(**kind) if word == "G0" else LinearFeed(**kind, feed=0.01))
     path = build_tool_path(events, start=start)
-    plan = plan_machine(
-        path, kinematics_of(chain), home=np.array(home), rapids=rapids, tool_frames={tool.number: tool.X_FT}
-    )
+    posing = AxisPosing(independent_rapids=rapids == "independent")
+    frames = {tool.number: tool.X_FT}
+    plan = plan_path(path, kinematics_of(chain), posing, home=np.array(home), tool_frames=frames)
     clamp = fixture_body("clamp", CLAMP, Pose(ZERO, np.eye(3)))
     assert clamp is not None
     return clearance_findings(plan, {tool.number: tool}, [clamp])
@@ -151,7 +151,7 @@ def test_fixtures_turn_with_the_table_they_stand_on() -> None:
     ]
     path = build_tool_path(events, start=start)
     home = np.array([0.05, 0.0, 0.02 + length, 0.0, 0.0])
-    plan = plan_machine(path, kinematics, home=home, tool_frames={2: T2.X_FT})
+    plan = plan_path(path, kinematics, AxisPosing(), home=home, tool_frames={2: T2.X_FT})
     clamp = fixture_body("clamp", Box(lower=(-0.06, -0.005, 0.0), upper=(-0.04, 0.005, 0.02)), Pose.identity())
     assert clamp is not None
 

@@ -12,7 +12,7 @@ from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.kinematics import Axis, Kinematics, chain_of_axes, kinematics_of
 from gcodesim.motion import build_tool_path
 from gcodesim.motion.timing import event_durations
-from gcodesim.planning import Plan, plan_machine, start_of_machine
+from gcodesim.planning import AxisPosing, Plan, plan_path
 
 ZERO: Axes = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
@@ -39,9 +39,9 @@ def line(number: int, x: float, y: float = 0.1, z: float = -0.1, c: float = 0.0,
 def planned(*events: Event, rotary: bool = False, rapids: str = "linear", home: tuple[float, ...] = ()) -> Plan:
     kinematics = machine(rotary)
     q = np.array(home or [0.0] * len(kinematics.joints))
-    path = build_tool_path(events, start_of_machine(kinematics.joints.names, q))
-    durations = event_durations(6.0)
-    return plan_machine(path, kinematics, home=q, rapids=rapids, duration_of=durations)  # type: ignore[arg-type]
+    posing = AxisPosing(independent_rapids=rapids == "independent")
+    path = build_tool_path(events, posing.start(kinematics, q))
+    return plan_path(path, kinematics, posing, home=q, duration_of=event_durations(6.0))
 
 
 def only(plan: Plan, code: str) -> Diagnostic:

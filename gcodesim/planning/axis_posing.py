@@ -1,25 +1,25 @@
-"""Plans for machines whose joints are the axes of the program, found by their letters."""
+"""Posing of machines whose joints are the axes of the program."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.canon import Axes, Event
+from gcodesim.canon import Axes
 from gcodesim.diagnostics import Findings
-from gcodesim.frames import Array, Pose
+from gcodesim.frames import Array
 from gcodesim.motion.blend import along_limits, blend
 from gcodesim.motion.curves import Curves
 from gcodesim.motion.pieces import AxisLimits, Pieces
-from gcodesim.motion.timing import time_law
-from gcodesim.motion.tool_path import ToolPath
+from gcodesim.motion.tool_path import Control, ToolPath
 from gcodesim.motion.trajectory import Samples
-from gcodesim.planning.feeds import report_fast_feeds, without_zero_feeds
-from gcodesim.planning.plan import JointExtremes, Plan, with_times
+from gcodesim.planning.feeds import report_fast_feeds
+from gcodesim.planning.plan import JointExtremes
+from gcodesim.planning.posing import Posed
 from gcodesim.planning.travel import axis_ranges, report_missing_axes, report_travel
 
 if TYPE_CHECKING:
@@ -34,15 +34,15 @@ def axes_of_joints(names: Sequence[str]) -> NDArray[np.intp]:
     return np.array([LETTERS.index(name[-1].upper()) for name in names], dtype=np.intp)
 
 
-def start_of_machine(names: Sequence[str], home: Array) -> Axes:
-    """Where the control point of a machine stands at `home` (j,), without tool offset."""
+def axes_at(names: Sequence[str], q: Array) -> Axes:
+    """Values of x y z a b c when the joints called `names` stand at `q` (j,); 0 where there is no such axis."""
     at = [0.0] * 6
-    for axis, value in zip(axes_of_joints(names), home, strict=True):
+    for axis, value in zip(axes_of_joints(names), q, strict=True):
         at[axis] = float(value)
     return (at[0], at[1], at[2], at[3], at[4], at[5])
 
 
-def limits_of_machine(joints: Joints) -> AxisLimits:
+def limits_of_axes(joints: Joints) -> AxisLimits:
     """Speed and acceleration by axis; axes that the machine lacks are unlimited."""
     axes = axes_of_joints(joints.names)
     speed, acceleration = np.full(6, np.inf), np.full(6, np.inf)
@@ -88,30 +88,30 @@ def offsets(path: ToolPath, rows: NDArray[np.intp] | NDArray[np.int32] | None = 
     return table
 
 
-def plan_machine(
-    path: ToolPath,
-    kinematics: Kinematics,
-    *,
-    home: Array,
-    rapids: Literal["linear", "independent"] = "linear",
-    duration_of: Callable[[Event], float] | None = None,
-    tool_frames: Mapping[int, Pose] | None = None,
-) -> Plan:
-    """Run `path` on a machine tool whose joints stand at `home` (j,) first.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AxisPosing:
+    """The joints are the axes of the program, found by their letters: control point plus the active offset.
 
-    Limits of the axes act along the direction of motion. What leaves the travel
-    is reported and run all the same, so that everything is found at once.
+    `independent_rapids`: in a G0 each axis goes at its own top speed, so its way is no line.
     """
-    findings = Findings()
-    joints = kinematics.joints
-    axes = axes_of_joints(joints.names)
-    limits = limits_of_machine(joints)
-    path = without_zero_feeds(path, findings)
-    report_missing_axes(path, axes, findings)
-    report_travel(path, axes, joints, findings)
-    report_fast_feeds(path, along_limits(Curves.of(path), limits)[0], findings)
-    pieces = blend(path, limits, independent_rapids=rapids == "independent")
-    trajectory = time_law(pieces, duration_of=duration_of)
-    start = np.array(start_of_machine(joints.names, home))
-    findings = with_times(findings, trajectory)
-    return Plan(trajectory, findings, kinematics, AxisJoints(pieces, axes, start), tool_frames or {})
+
+    independent_rapids: bool = False
+
+    @property
+    def understands(self) -> frozenset[Control]:
+        return frozenset((Control.AXES,))
+
+    def start(self, kinematics: Kinematics, home: Array) -> Axes:
+        """Where the control point stands at `home` (j,), without tool offset."""
+        return axes_at(kinematics.joints.names, home)
+
+    def pose(self, path: ToolPath, kinematics: Kinematics, home: Array, findings: Findings) -> Posed:
+        """Limits of the axes act along the direction of motion; what leaves the travel is reported."""
+        joints = kinematics.joints
+        axes = axes_of_joints(joints.names)
+        limits = limits_of_axes(joints)
+        report_missing_axes(path, axes, findings)
+        report_travel(path, axes, joints, findings)
+        report_fast_feeds(path, along_limits(Curves.of(path), limits)[0], findings)
+        pieces = blend(path, limits, independent_rapids=self.independent_rapids)
+        return Posed(pieces, AxisJoints(pieces, axes, np.array(axes_at(joints.names, home))))

@@ -1,41 +1,13 @@
-"""How the tool stands on an arm while a three-axis program runs."""
+"""Poses of the flange of an arm that holds its tool along −Z of a frame O, and the spin of the tool about itself."""
 
 from __future__ import annotations
-
-from collections.abc import Mapping
-from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.frames import Array
-from gcodesim.motion.tool_path import ToolPath
 
 _TURNED = np.diag([1.0, -1.0, -1.0])  # a tool that points down: its Z along -Z of O
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Orientation:
-    """The tool's Z stands along −Z of the frame O; `spin` turns it about itself.
-
-    R_BO (3, 3) is `frames[system]` for the work system in force, else `upright`.
-    `spin` [rad] None: free, one angle is chosen for the whole program. Tool
-    length offsets act in axes of O, so that Z pulls the flange back.
-    """
-
-    frames: Mapping[int, Array] = field(default_factory=dict)
-    upright: Array = field(default_factory=lambda: np.eye(3))
-    spin: float | None = None
-
-    def R_BO(self, system: int) -> Array:
-        """Axes of O in B."""
-        return self.frames.get(system, self.upright)
-
-    def of_rows(self, path: ToolPath) -> Array:
-        """R_BO of every row (n, 3, 3)."""
-        table = np.array([self.R_BO(s.system) for s in path.states]).reshape(-1, 3, 3)
-        rows: Array = table[path.state]
-        return rows
 
 
 def flange_poses(p_BO: Array, R_BO: Array, spin: float) -> Array:

@@ -13,7 +13,7 @@ from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.frames import Pose, rotation_about
 from gcodesim.kinematics import Kinematics, kinematics_of, load_urdf, model_path
 from gcodesim.motion import build_tool_path
-from gcodesim.planning import Orientation, Plan, plan_arm, start_of_arm
+from gcodesim.planning import FixedAttitude, Plan, plan_path
 
 HOME = np.radians([0.0, -90.0, 90.0, 0.0, 90.0, 0.0])
 ZERO: Axes = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -39,10 +39,14 @@ def rapid(number: int, x: float, y: float, z: float, home: str = "") -> Rapid:
     return Rapid(span=at(number), block=number, end=(x, y, z, 0.0, 0.0, 0.0), word="G0", home=home)
 
 
-def planned(*events: Event, **more: object) -> Plan:
-    tilts = more.pop("tilts", None)
-    path = build_tool_path(events, start_of_arm(arm(), HOME), tilts=tilts)  # type: ignore[arg-type]
-    return plan_arm(path, arm(), home=HOME, **more)  # type: ignore[arg-type]
+def planned(
+    *events: Event,
+    posing: FixedAttitude = FixedAttitude(),  # noqa: B008
+    tilts: dict[int, Pose] | None = None,
+    tool_frames: dict[int, Pose] | None = None,
+) -> Plan:
+    path = build_tool_path(events, posing.start(arm(), HOME), tilts=tilts)
+    return plan_path(path, arm(), posing, home=HOME, tool_frames=tool_frames)
 
 
 def sampled(plan: Plan) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -150,7 +154,7 @@ def test_home_moves_end_at_home_and_the_next_move_starts_there() -> None:
 
 
 def test_independent_rapids_are_joint_moves() -> None:
-    linear, independent = planned(*SQUARE), planned(*SQUARE, rapids="independent")
+    linear, independent = planned(*SQUARE), planned(*SQUARE, posing=FixedAttitude(joint_rapids=True))
 
     assert independent.trajectory.pieces.fixed.sum() == 2
     assert linear.trajectory.pieces.fixed.sum() == 1
@@ -161,7 +165,7 @@ def test_a_tilted_system_tilts_the_tool() -> None:
     system = WorkSystem(span=at(1), index=2, offset=ZERO, g92=ZERO, rotation=0.0)
 
     plan = planned(
-        system, *SQUARE, tilts={2: tilt}, orientation=Orientation(frames={2: tilt.R})
+        system, *SQUARE, tilts={2: tilt}, posing=FixedAttitude(frames={2: tilt.R})
     )
 
     samples, _, X = sampled(plan)
@@ -172,7 +176,7 @@ def test_a_tilted_system_tilts_the_tool() -> None:
 
 
 def test_a_given_spin_is_kept() -> None:
-    plan = planned(*SQUARE, orientation=Orientation(spin=pi / 2))
+    plan = planned(*SQUARE, posing=FixedAttitude(spin=pi / 2))
 
     samples, _, X = sampled(plan)
     cartesian = ~plan.trajectory.pieces.fixed[samples.piece]
@@ -239,14 +243,14 @@ def reachable_share(start: np.ndarray, end: np.ndarray) -> float:
 
 def test_a_wrist_singularity_slows_the_feed_and_says_which_joint() -> None:
     """The tool held level: its axis passes through the line of axis 4, where joints 4 and 6 turn at once."""
-    level = Orientation(upright=rotation_about(np.array([0.0, 1.0, 0.0]), -pi / 2), spin=0.0)
+    level = FixedAttitude(upright=rotation_about(np.array([0.0, 1.0, 0.0]), -pi / 2), spin=0.0)
     X = arm().forward(np.radians([[0.0, -60.0, 60.0, 0.0, 0.0, 0.0]]))[0]
     p = X[:3, 3].tolist()
 
     plan = planned(
         rapid(2, p[0], p[1] - 0.05, p[2] + 0.02),
         line(3, p[0], p[1] + 0.05, p[2] + 0.0005, feed=0.2),
-        orientation=level,
+        posing=level,
     )
 
     found = only(plan, "GS204")
@@ -258,10 +262,10 @@ def test_a_wrist_singularity_slows_the_feed_and_says_which_joint() -> None:
 
 def test_a_path_straight_through_a_singularity_takes_a_while_not_for_ever() -> None:
     """Joints 4 and 6 turn half round on the spot, which takes them about half a turn's time."""
-    level = Orientation(upright=rotation_about(np.array([0.0, 1.0, 0.0]), -pi / 2), spin=0.0)
+    level = FixedAttitude(upright=rotation_about(np.array([0.0, 1.0, 0.0]), -pi / 2), spin=0.0)
     p = arm().forward(np.radians([[0.0, -60.0, 60.0, 0.0, 0.0, 0.0]]))[0, :3, 3].tolist()
 
-    plan = planned(rapid(2, p[0], p[1], p[2] + 0.05), line(3, p[0], p[1], p[2] - 0.05, feed=0.1), orientation=level)
+    plan = planned(rapid(2, p[0], p[1], p[2] + 0.05), line(3, p[0], p[1], p[2] - 0.05, feed=0.1), posing=level)
 
     assert 1.0 <= plan.trajectory.totals.feed <= 6.0
     _, q, _ = sampled(plan)
@@ -279,7 +283,7 @@ def test_joint_limits_give_another_reason_than_reach() -> None:
     """Joint 1 ends at 170 degrees; the path goes on to 178."""
     turns = circle(0.5, 0.4, -2.8, 3.1)
 
-    plan = planned(rapid(2, *turns[0].end[:3]), *turns, orientation=Orientation(spin=0.0))
+    plan = planned(rapid(2, *turns[0].end[:3]), *turns, posing=FixedAttitude(spin=0.0))
 
     codes = {f.code for f in plan.findings}
     assert "GS202" not in codes
@@ -297,9 +301,10 @@ def test_a_program_without_moves() -> None:
     assert np.allclose(plan.extremes().least, HOME)
 
 
-@pytest.mark.parametrize("rapids", ["linear", "independent"])
-def test_rows_and_rests_make_up_the_time(rapids: str) -> None:
-    plan = planned(*SQUARE, Dwell(span=at(9), seconds=0.5), rapid(10, 0.6, 0.0, 0.4), rapids=rapids)
+@pytest.mark.parametrize("joint_rapids", [False, True])
+def test_rows_and_rests_make_up_the_time(joint_rapids: bool) -> None:
+    posing = FixedAttitude(joint_rapids=joint_rapids)
+    plan = planned(*SQUARE, Dwell(span=at(9), seconds=0.5), rapid(10, 0.6, 0.0, 0.4), posing=posing)
 
     trajectory = plan.trajectory
     assert trajectory.row_time.sum() + 0.5 == pytest.approx(trajectory.duration)

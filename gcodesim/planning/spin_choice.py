@@ -12,9 +12,9 @@ from gcodesim.frames import Array
 from gcodesim.motion.curves import Curves
 from gcodesim.motion.pieces import AxisLimits
 from gcodesim.planning.arm_kernels import joint_rates
+from gcodesim.planning.axis_posing import offsets
+from gcodesim.planning.flange_poses import candidates, flange_origins, flange_poses
 from gcodesim.planning.joint_rows import JointRows
-from gcodesim.planning.machine_tool import offsets
-from gcodesim.planning.orientation import candidates, flange_origins, flange_poses
 
 if TYPE_CHECKING:
     from gcodesim.kinematics.protocol import Kinematics
@@ -73,7 +73,7 @@ class Probe:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Attitude:
+class SpinChoice:
     """The choice: `spin` [rad], joints to start some chains from, and what the arm can do along x, y, z there."""
 
     spin: float
@@ -81,7 +81,7 @@ class Attitude:
     limits: AxisLimits
 
 
-def choose_attitude(kinematics: Kinematics, probe: Probe, home: Array, near: float, spin: float | None) -> Attitude:
+def choose_spin(kinematics: Kinematics, probe: Probe, home: Array, near: float, spin: float | None) -> SpinChoice:
     """The spin with fewest bad poses, then most margin, then nearest to `near`; a given `spin` [rad] is kept.
 
     Margin counts joint limits and singularities up to a comfortable distance,
@@ -97,7 +97,7 @@ def choose_attitude(kinematics: Kinematics, probe: Probe, home: Array, near: flo
         if bad == 0 and margin >= 1.0:
             break
     assert best is not None
-    return Attitude(best[1], best[2], _limits(kinematics, best[3]))
+    return SpinChoice(best[1], best[2], _limits(kinematics, best[3]))
 
 
 def _try(kinematics: Kinematics, probe: Probe, home: Array, spin: float) -> tuple[Array, int, dict[int, Array]]:

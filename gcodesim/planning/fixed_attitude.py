@@ -1,4 +1,4 @@
-"""Plans for arms: a three-axis program with the tool in a fixed attitude, under the limits of the joints.
+"""Posing of arms: a three-axis program with the tool in a fixed attitude, under the limits of the joints.
 
 The path is cut into nodes; joints at the nodes come from the inverse
 kinematics, joint rates from the Jacobian, and the time law gets caps on speed
@@ -8,33 +8,33 @@ to it are run in joint space.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.canon import Axes, Event
+from gcodesim.canon import Axes
 from gcodesim.diagnostics import Findings
 from gcodesim.frames import Array, Pose
 from gcodesim.motion.blend import blend
 from gcodesim.motion.blend_kernels import NORMAL_SHARE
 from gcodesim.motion.pieces import OVERLAP, Pieces
-from gcodesim.motion.timing import Caps, time_law
-from gcodesim.motion.tool_path import ToolPath
+from gcodesim.motion.timing import Caps
+from gcodesim.motion.tool_path import Control, ToolPath
 from gcodesim.motion.trajectory import Samples
 from gcodesim.planning import joint_moves
 from gcodesim.planning.arm_kernels import joint_caps, joint_rates
-from gcodesim.planning.attitude import Attitude, Probe, choose_attitude
-from gcodesim.planning.feeds import without_zero_feeds
+from gcodesim.planning.axis_posing import offsets
+from gcodesim.planning.flange_poses import flange_origins, flange_poses, spin_of
 from gcodesim.planning.joint_rows import with_joint_rows
-from gcodesim.planning.machine_tool import offsets
 from gcodesim.planning.nodes import Nodes
-from gcodesim.planning.orientation import Orientation, flange_origins, flange_poses, spin_of
-from gcodesim.planning.plan import JointExtremes, Plan, with_times
+from gcodesim.planning.plan import JointExtremes
+from gcodesim.planning.posing import Posed
 from gcodesim.planning.reach import report_poses, report_slow_joints
+from gcodesim.planning.spin_choice import Probe, SpinChoice, choose_spin
 from gcodesim.planning.travel import report_missing_axes
 
 if TYPE_CHECKING:
@@ -47,12 +47,6 @@ _CLOSE: Final = 1e-6  # [m]
 _STEEPEST: Final = 10.0
 _REACH: Final = 1  # statuses of the inverse kinematics that leave the path
 _FLIP: Final = 4
-
-
-def start_of_arm(kinematics: Kinematics, home: Array) -> Axes:
-    """Where the control point of an arm stands at `home` (j,), without tool offset: the flange in B."""
-    p = kinematics.forward(np.asarray(home, dtype=float)[None])[0, :3, 3]
-    return (float(p[0]), float(p[1]), float(p[2]), 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -146,48 +140,61 @@ class ArmJoints:
         return JointExtremes(table.min(axis=0), table.max(axis=0), row[low], row[high])
 
 
-def plan_arm(
-    path: ToolPath,
-    kinematics: Kinematics,
-    *,
-    home: Array,
-    orientation: Orientation | None = None,
-    rapids: Literal["linear", "independent"] = "linear",
-    duration_of: Callable[[Event], float] | None = None,
-    tool_frames: Mapping[int, Pose] | None = None,
-) -> Plan:
-    """Run `path` on an arm that stands at joints `home` (j,) first, with the tool held by `orientation`.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FixedAttitude:
+    """An arm under a three-axis program: the tool's Z stands along −Z of the frame O; `spin` turns it about itself.
 
-    The flange stands at end + offset, the offset in axes of the orientation's
-    frame. `rapids` independent: every G0 is a joint move. Where poses cannot be
-    had the joints run straight to where they can again; the finding tells.
+    R_BO (3, 3) is `frames[system]` for the work system in force, else `upright`. `spin` [rad] None: free, one angle is
+    chosen for the whole program. The flange stands at end + length offset, the offset in axes of O, so that Z pulls the
+    flange back. `X_BM` is where the axes of the program stand in the base. `joint_rapids`: every G0 is a joint move.
     """
-    findings = Findings()
-    orientation = orientation or Orientation()
-    home = np.asarray(home, dtype=float)
-    path = without_zero_feeds(path, findings)
-    report_missing_axes(path, np.arange(3), findings)
-    rows = with_joint_rows(path, orientation.of_rows(path), joint_rapids=rapids == "independent")
-    path = rows.path
-    R_BO = orientation.of_rows(path)
-    probe = Probe.of(rows, R_BO)
-    near = spin_of(kinematics.forward(home[None])[0, :3, :3], R_BO[0] if len(path) else orientation.upright)
-    attitude = choose_attitude(kinematics, probe, home, near, orientation.spin)
-    pieces = blend(path, attitude.limits, own_time=np.where(rows.joint, 1.0, np.nan))
-    flange = Flange(pieces, R_BO, offsets(path)[:, :3], attitude.spin)
-    at_home = pieces.fixed & rows.home[pieces.row_first]
-    nodes, q_nodes, status = _solve(kinematics, flange, Nodes.of(pieces, at_home), attitude, home)
-    report_poses(kinematics, flange, nodes, q_nodes, status, probe, attitude, home, findings)
-    bridged = _bridge(nodes, q_nodes, status)
-    moves = _joint_moves(kinematics, pieces, nodes, q_nodes, home)
-    caps = _caps(kinematics, pieces, nodes, q_nodes, bridged, findings)
-    follower = ArmJoints(kinematics, flange, nodes, q_nodes, bridged, home, moves)
-    trajectory = time_law(pieces, caps, duration_of)
-    return Plan(trajectory, with_times(findings, trajectory), kinematics, follower, tool_frames or {})
+
+    frames: Mapping[int, Array] = field(default_factory=dict)
+    upright: Array = field(default_factory=lambda: np.eye(3))
+    spin: float | None = None
+    X_BM: Pose = field(default_factory=Pose.identity)
+    joint_rapids: bool = False
+
+    @property
+    def understands(self) -> frozenset[Control]:
+        return frozenset((Control.AXES,))
+
+    def start(self, kinematics: Kinematics, home: Array) -> Axes:
+        """Where the flange stands at `home` (j,), seen from M."""
+        p_BF = kinematics.forward(np.asarray(home, dtype=float)[None])[0, :3, 3]
+        x, y, z = self.X_BM.inverse().apply(p_BF)
+        return (float(x), float(y), float(z), 0.0, 0.0, 0.0)
+
+    def pose(self, path: ToolPath, kinematics: Kinematics, home: Array, findings: Findings) -> Posed:
+        """Where poses cannot be had the joints run straight to where they can again; the finding tells."""
+        home = np.asarray(home, dtype=float)
+        path = path.transform(self.X_BM)
+        report_missing_axes(path, np.arange(3), findings)
+        rows = with_joint_rows(path, self.R_BO(path), joint_rapids=self.joint_rapids)
+        path = rows.path
+        R_BO = self.R_BO(path)
+        probe = Probe.of(rows, R_BO)
+        near = spin_of(kinematics.forward(home[None])[0, :3, :3], R_BO[0] if len(path) else self.upright)
+        choice = choose_spin(kinematics, probe, home, near, self.spin)
+        pieces = blend(path, choice.limits, own_time=np.where(rows.joint, 1.0, np.nan))
+        flange = Flange(pieces, R_BO, offsets(path)[:, :3], choice.spin)
+        at_home = pieces.fixed & rows.home[pieces.row_first]
+        nodes, q_nodes, status = _solve(kinematics, flange, Nodes.of(pieces, at_home), choice, home)
+        report_poses(kinematics, flange, nodes, q_nodes, status, probe, choice, home, findings)
+        bridged = _bridge(nodes, q_nodes, status)
+        moves = _joint_moves(kinematics, pieces, nodes, q_nodes, home)
+        caps = _caps(kinematics, pieces, nodes, q_nodes, bridged, findings)
+        return Posed(pieces, ArmJoints(kinematics, flange, nodes, q_nodes, bridged, home, moves), caps)
+
+    def R_BO(self, path: ToolPath) -> Array:
+        """Axes of O in B for every row of `path` (n, 3, 3)."""
+        table = np.array([self.frames.get(state.system, self.upright) for state in path.states]).reshape(-1, 3, 3)
+        rows: Array = table[path.state]
+        return rows
 
 
 def _solve(
-    kinematics: Kinematics, flange: Flange, nodes: Nodes, attitude: Attitude, home: Array
+    kinematics: Kinematics, flange: Flange, nodes: Nodes, choice: SpinChoice, home: Array
 ) -> tuple[Nodes, Array, NDArray[np.uint8]]:
     """Joints (k, j) and status (k,) at nodes, with more nodes where joints move far."""
     for refinement in range(_REFINEMENTS):
@@ -196,7 +203,7 @@ def _solve(
         status = np.zeros(len(X), dtype=np.uint8)
         previous = home
         for k, (a, b) in enumerate(nodes.chains):
-            q[a:b], status[a:b] = kinematics.inverse(X[a:b], attitude.seeds.get(k, previous))
+            q[a:b], status[a:b] = kinematics.inverse(X[a:b], choice.seeds.get(k, previous))
             previous = q[b - 1]
         finer = nodes.refined(q) if refinement + 1 < _REFINEMENTS else None
         if finer is None:

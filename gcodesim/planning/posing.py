@@ -1,0 +1,75 @@
+"""How a machine is posed for what a program commands: the members of one family, behind one function, `plan_path`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+from gcodesim.canon import Axes, Event
+from gcodesim.diagnostics import Findings
+from gcodesim.frames import Array, Pose
+from gcodesim.motion.pieces import Pieces
+from gcodesim.motion.timing import Caps, time_law
+from gcodesim.motion.tool_path import Control, ToolPath
+from gcodesim.planning.feeds import without_zero_feeds
+from gcodesim.planning.plan import JointPath, Plan, with_times
+
+if TYPE_CHECKING:
+    from gcodesim.kinematics.protocol import Kinematics
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Posed:
+    """A path laid out for a machine: its pieces, the joints along them, and what these allow.
+
+    `caps` limit speed and acceleration along segments of the pieces; None where the pieces' own limits say all.
+    """
+
+    pieces: Pieces
+    joints: JointPath
+    caps: Caps | None = None
+
+
+class Posing(Protocol):
+    """The way from what is commanded to joints. Times, feeds of zero and the order of findings are `plan_path`'s."""
+
+    @property
+    def understands(self) -> frozenset[Control]:
+        """What a program may command."""
+        ...
+
+    def start(self, kinematics: Kinematics, home: Array) -> Axes:
+        """Where the controlled point stands in M when the joints are at `home` (j,); no tool length offset in it."""
+        ...
+
+    def pose(self, path: ToolPath, kinematics: Kinematics, home: Array, findings: Findings) -> Posed:
+        """Lay out `path`, given in M, for a machine that stands at `home` (j,) first.
+
+        What does not fit is added to `findings` and laid out all the same, so that everything is found at once.
+        """
+        ...
+
+
+def plan_path(
+    path: ToolPath,
+    kinematics: Kinematics,
+    posing: Posing,
+    *,
+    home: Array,
+    duration_of: Callable[[Event], float] | None = None,
+    tool_frames: Mapping[int, Pose] | None = None,
+) -> Plan:
+    """Run `path` on a machine whose joints stand at `home` (j,) first.
+
+    `duration_of` tells how long an event takes [s]; `tool_frames` maps a tool number to X_FT. Raises ValueError when
+    the path commands what `posing` does not understand: the reader of the program should have refused it.
+    """
+    unknown = {state.control for state in path.states} - posing.understands
+    if unknown:
+        raise ValueError(f"{type(posing).__name__} cannot be commanded by {', '.join(sorted(unknown))}")
+    findings = Findings()
+    path = without_zero_feeds(path, findings)
+    posed = posing.pose(path, kinematics, home, findings)
+    trajectory = time_law(posed.pieces, posed.caps, duration_of=duration_of)
+    return Plan(trajectory, with_times(findings, trajectory), kinematics, posed.joints, tool_frames or {})

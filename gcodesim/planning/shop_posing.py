@@ -1,0 +1,42 @@
+"""Which posing the machine of a shop asks for."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gcodesim.cell.machine import MachineTool
+from gcodesim.frames import Array
+from gcodesim.planning.axis_posing import AxisPosing
+from gcodesim.planning.fixed_attitude import FixedAttitude
+from gcodesim.planning.posing import Posing
+from gcodesim.shop import Shop, mover_of
+
+
+def posing_of(shop: Shop) -> Posing:
+    """A machine tool is commanded by its axes; an arm holds the tool as the cell asks."""
+    mover = mover_of(shop)
+    if isinstance(mover, MachineTool):
+        return AxisPosing(independent_rapids=mover.rapids == "independent")
+    return _fixed_attitude(shop)
+
+
+def _fixed_attitude(shop: Shop) -> FixedAttitude:
+    """T's Z along the axis that the cell asks for, in base axes, for every work system."""
+    own = shop.cell.channels[shop.channel].orientation
+    R_BW = shop.X_WB.inverse().R
+    frames = {
+        system: _upright(R_BW @ shop.placement.tool_axis(own, system), shop, system)
+        for system in shop.placement.work_offsets
+    }
+    return FixedAttitude(frames=frames, upright=frames[1], spin=None if own is None else own.spin, X_BM=shop.X_BM)
+
+
+def _upright(axis_B: Array, shop: Shop, system: int) -> Array:
+    """Axes of the frame O (3, 3) whose −Z is the tool axis; its X is that of the work system as far as it can be."""
+    z = -axis_B / np.linalg.norm(axis_B)
+    R_BP = (shop.X_BM @ shop.placement.work_offsets[system]).R
+    x = R_BP[:, 0] - (R_BP[:, 0] @ z) * z
+    if np.linalg.norm(x) < 1e-6:
+        x = R_BP[:, 1] - (R_BP[:, 1] @ z) * z
+    x = x / np.linalg.norm(x)
+    return np.column_stack([x, np.cross(z, x), z])
