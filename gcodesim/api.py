@@ -57,7 +57,8 @@ def simulate(program: Path | str, cell: Cell | Path | str, out: Path | str | Non
     `gcodesim cell show` prints of it in place of the file, and the results the hash of that.
 
     Faults of the program or the cell are findings in the results, as on the command line. OSError when a file
-    cannot be read or written, `WorldUnavailable` when the world cannot be opened here.
+    cannot be read or written, `WorldUnavailable` when the world cannot be opened here. KeyboardInterrupt, on Ctrl-C,
+    once the files in `out` are closed; it is a `gcodesim.simulation.RunInterrupted` when there are results so far.
     """
     loaded = _as_loaded(cell) if isinstance(cell, Cell) else read_cell_file(Path(cell))
     job = simulation.prepare(SourceText.read(Path(program)), loaded)

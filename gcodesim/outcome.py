@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -20,6 +21,9 @@ if TYPE_CHECKING:
     from gcodesim.executor import Execution
     from gcodesim.motion.trajectory import TimedEvent
     from gcodesim.planning import Plan
+
+INTERRUPTED: Final = "GS616"
+"""The finding of a run that somebody stopped."""
 
 
 def inputs_of(job: Job) -> dict[str, Any]:
@@ -78,18 +82,18 @@ def results_of(job: Job, execution: Execution | None, *, failed: bool = False) -
     rapid = (path.kind == RAPID) | (path.kind == HOME)
     row_time = plan.trajectory.row_time
     ran: int | None = None
-    if interrupted and execution is not None:  # what never ran does not count
-        ran = execution.last_row + 1
+    stopped = job.stopped_at
+    if execution is not None and execution.interrupted:  # what never ran does not count
+        stop = _stop_of(plan, _end_ns(job, plan, execution))
+        ran = stop.row + 1
         length, row_time = length.copy(), row_time.copy()
         length[ran:] = row_time[ran:] = 0.0
-        share = _share_of_last(plan, execution)  # of its time; a little less of its way while it speeds up
-        length[ran - 1 : ran] *= share
-        row_time[ran - 1 : ran] *= share
-    rests = _rests(plan, execution)
+        length[ran - 1 : ran] *= stop.share  # of its time; a little less of its way while it speeds up
+        row_time[ran - 1 : ran] *= stop.share
+        stopped = stop.span
+        findings = sorted([*findings, _interrupted(job, stop)], key=lambda finding: finding.order)
+    rests = _rests(plan, _end_ns(job, plan, execution))
     names = {number: tool.name for number, tool in shop.cell.tools.items()}
-    stopped = job.stopped_at
-    if interrupted and stopped is None and execution is not None:
-        stopped = path.span(execution.last_row) if len(path) else None
     return Results(
         status="failed" if failed else "findings" if bad else "ok",
         stopped_at=stopped,
@@ -110,25 +114,58 @@ def first_error(findings: Sequence[Diagnostic]) -> Span | None:
     return next((finding.span for finding in findings if finding.level >= Severity.ERROR), None)
 
 
-def _end(plan: Plan, execution: Execution | None) -> float:
-    """When the run ended [s]: with the plan, or when it was interrupted."""
-    if execution is None or not execution.interrupted:
-        return float(plan.trajectory.duration)
-    return float(plan.trajectory.duration * execution.steps / max(execution.planned, 1))
+def _end_ns(job: Job, plan: Plan, execution: Execution | None) -> int:
+    """When the run ended: with the plan, or with the step after which it was interrupted."""
+    if execution is None or not execution.interrupted or job.cell is None:
+        return plan.trajectory.duration_ns
+    return execution.steps * job.cell.simulation.step_ns
 
 
-def _share_of_last(plan: Plan, execution: Execution) -> float:
-    """How much of the row in which it was interrupted had run, 0 to 1."""
-    if not len(plan.trajectory.row_start):
-        return 0.0
-    begin, end = (float(times[execution.last_row]) for times in (plan.trajectory.row_start, plan.trajectory.row_end))
-    return min(max((_end(plan, execution) - begin) / max(end - begin, 1e-12), 0.0), 1.0)
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Stop:
+    """Where a run was interrupted: at `time` [s], in path row `row`, of which `share` had run, in the block of `span`.
+
+    `row` is -1 and `span` None when no block had begun.
+    """
+
+    time: float
+    row: int
+    share: float
+    span: Span | None
 
 
-def _rests(plan: Plan, execution: Execution | None) -> list[TimedEvent]:
-    """The events during which the machine stood still."""
-    end = _end(plan, execution)
-    return [event for event in plan.trajectory.events if event.duration > 0.0 and event.time <= end]
+def _stop_of(plan: Plan, end_ns: int) -> _Stop:
+    """The last block that had begun, as the log has it: one that moves, or one during which the machine stands."""
+    path, trajectory, end = plan.path, plan.trajectory, end_ns * 1e-9
+    row, share, span, order = -1, 0.0, None, (-1, -1)
+    if len(path):
+        row = max(int(np.searchsorted(trajectory.row_ns[0], end_ns, side="right")) - 1, 0)
+        begin, until = float(trajectory.row_start[row]), float(trajectory.row_end[row])
+        share = min(max((end - begin) / max(until - begin, 1e-12), 0.0), 1.0)
+        first = int(np.searchsorted(path.block, path.block[row]))  # blocks only grow along a path
+        span, order = path.span(first), (int(trajectory.row_ns[0][first]), 2 * first + 1)
+    for timed in trajectory.events:
+        place = (round(timed.time * 1e9), 2 * timed.row)
+        if place[0] <= end_ns and place >= order and timed.event.span.line:
+            span, order = timed.event.span, place
+    return _Stop(time=end, row=row, share=share, span=span)
+
+
+def _interrupted(job: Job, stop: _Stop) -> Diagnostic:
+    return Diagnostic(
+        code=INTERRUPTED,
+        span=stop.span or Span(job.program.name),
+        message=f"the run was interrupted after {stop.time:.3f} s; what follows was not simulated",
+        hint="run it again: numbers and shapes are those of the part that ran",
+        time=stop.time,
+    )
+
+
+def _rests(plan: Plan, end_ns: int) -> list[TimedEvent]:
+    """The events during which the machine stood still until `end_ns`, of those that had begun."""
+    rests = (event for event in plan.trajectory.events if event.duration > 0.0)
+    begun = ((event, end_ns - round(event.time * 1e9)) for event in rests)
+    return [replace(event, duration=min(event.duration, left * 1e-9)) for event, left in begun if left >= 0]
 
 
 def _times(rests: Sequence[TimedEvent], rapid: Any, row_time: Array, execution: Execution | None) -> Times:

@@ -38,6 +38,14 @@ LINES_NAME: Final = "lines.csv"
 STOCK_SUFFIXES: Final = (".stl", ".stock")
 
 
+class RunInterrupted(KeyboardInterrupt):
+    """Somebody stopped a run. What it came to until then is in the log, in its files and here; nobody compares it."""
+
+    def __init__(self, results: Results, execution: Execution) -> None:
+        super().__init__()
+        self.results, self.execution = results, execution
+
+
 def prepare(program: SourceText, loaded: LoadedCell, options: Options | None = None) -> Job:
     """Read the program and plan its motion in the cell; all findings so far are in the job."""
     options = options or Options()
@@ -173,7 +181,8 @@ def run(
     `live` shows the log to viewers while it is written.
     What an earlier run left in `out` under the same names goes first, so that
     nothing old stands beside the results of a run that failed. `WorldUnavailable`
-    comes before anything is touched.
+    comes before anything is touched. KeyboardInterrupt ends the run: log and
+    results are closed as they are, then `RunInterrupted` goes on to the caller.
     """
     from gcodesim.executor import execute
     from gcodesim.inspection import Inspector
@@ -213,6 +222,8 @@ def run(
     finally:
         if recorder is not None:
             recorder.abandon()
+    if execution.interrupted:
+        raise RunInterrupted(results, execution)
     return results, execution
 
 

@@ -8,9 +8,11 @@ import os
 import sys
 from argparse import Namespace
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Final
 
 from gcodesim.cli.exits import INTERNAL, INTERRUPTED, OK, USAGE, UsageError
+from gcodesim.cli.interrupts import Interrupted, handled, interrupted_by
 from gcodesim.cli.parser import build_parser
 
 # Imports make many objects that all stay: to look for garbage among them every 700 takes a tenth of a short command.
@@ -18,31 +20,64 @@ GARBAGE_EVERY: Final = 100_000
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run a command line; returns the exit status: 0 clean, 1 findings, 2 usage, 70 our fault, 130 interrupted."""
+    """Run a command line; returns the exit status.
+
+    0 clean, 1 findings, 2 usage, 70 our fault, 130 interrupted by Ctrl-C, 143 by SIGTERM.
+    """
     gc.set_threshold(GARBAGE_EVERY)
     atexit.register(gc.freeze)  # else the interpreter looks through all of them several times before it ends
-    for stream in (sys.stdout, sys.stderr):
-        if hasattr(stream, "reconfigure"):
-            stream.reconfigure(encoding="utf-8", errors="replace")  # a finding may quote any character of a program
+    if not _streams_are_open():
+        return USAGE
     arguments: Namespace | None = None
     try:
-        arguments = build_parser().parse_args(argv)
-        status = int(arguments.run(arguments))
-        sys.stdout.flush()
-        return status
+        with handled():
+            arguments = build_parser().parse_args(argv)
+            status = int(arguments.run(arguments))
+            sys.stdout.flush()
+            return status
     except UsageError as error:
-        print(f"gcodesim: {error}", file=sys.stderr)
-        return USAGE
-    except KeyboardInterrupt:
+        return _refused(str(error))
+    except KeyboardInterrupt as error:
         print("gcodesim: interrupted", file=sys.stderr)
-        return INTERRUPTED
+        return interrupted_by(error.number) if isinstance(error, Interrupted) else INTERRUPTED
     except BrokenPipeError:
         # the reader of our output went away (`| head`); nothing may be written, but a verdict stays what it is
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _drop_output()
         return int(getattr(arguments, "status", OK))
+    except OSError as error:
+        # the system refused something: a full disk, a name that is too long, a folder without permission
+        what = "the output" if error.filename is None else str(error.filename)
+        reason = error.strerror or str(error)
+        if error.filename is None:
+            _drop_output()
+        return _refused(f"{what}: {reason}")
     except Exception as error:
         _report_fault(error, sys.argv[1:] if argv is None else argv)
         return INTERNAL
+
+
+def _streams_are_open() -> bool:
+    """Make both streams ready; False when stdout is closed, so that nobody would get the answer."""
+    if sys.stderr is None:
+        sys.stderr = open(os.devnull, "w")  # noqa: SIM115  (lives as long as the process)
+    if sys.stdout is None:
+        print("gcodesim: the standard output is closed; `> /dev/null` throws the answer away", file=sys.stderr)
+        return False
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(encoding="utf-8", errors="replace")  # a finding may quote any character of a program
+    return True
+
+
+def _refused(reason: str) -> int:
+    print(f"gcodesim: {reason}", file=sys.stderr)
+    return USAGE
+
+
+def _drop_output() -> None:
+    """What is still in the buffer of stdout goes nowhere, also when the interpreter flushes it at its end."""
+    with suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _report_fault(error: Exception, argv: Sequence[str]) -> None:

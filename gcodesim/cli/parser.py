@@ -35,7 +35,7 @@ _EXAMPLES = """examples:
   gcodesim test suite/                          what programs did when accepted, do they still?
   gcodesim explain GS203                        what a finding means and what to do
 
-exit status: 0 clean, 1 findings (see --fail-on), 2 wrong usage, 70 fault of gcodesim, 130 interrupted
+exit status: 0 clean, 1 findings (see --fail-on), 2 wrong usage, 70 fault of gcodesim, 130 interrupted (143: SIGTERM)
 """
 
 

@@ -5,19 +5,19 @@ from __future__ import annotations
 import argparse
 import os
 import resource
-import signal
 import sys
-import threading
 import time
 from collections.abc import Sequence
 from pathlib import Path
+from signal import SIGINT
 from types import FrameType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from gcodesim import compiled
 from gcodesim.cell import load_cell
-from gcodesim.cli.exits import INTERRUPTED, UsageError
+from gcodesim.cli.exits import UsageError
 from gcodesim.cli.formats import write_formats
+from gcodesim.cli.interrupts import Interrupted, handled, interrupted_by
 from gcodesim.cli.judging import Met, Shown, settle
 from gcodesim.cli.language import Language, files_of, write_parameters
 from gcodesim.cli.options import read_source
@@ -31,6 +31,7 @@ from gcodesim.simulation import (
     LOG_NAME,
     RESULTS_NAME,
     STOCK_SUFFIXES,
+    RunInterrupted,
     check,
     prepare,
     run,
@@ -39,7 +40,7 @@ from gcodesim.verdict import suppressed_findings
 
 if TYPE_CHECKING:
     from gcodesim.cell import LoadedCell
-    from gcodesim.executor import Progress
+    from gcodesim.executor import Execution, Progress
     from gcodesim.log.live import LiveView
 
 
@@ -138,39 +139,57 @@ def _run_program(arguments: argparse.Namespace, live: LiveView | None, begin: fl
                 bar(now)
                 stop.obey()
 
+            results: Results
+            execution: Execution | None
             try:
                 results, execution = run(job, arguments.out, progress, live)
+            except RunInterrupted as ended:
+                results, execution = ended.results, ended.execution
             except WorldUnavailable as reason:
                 raise UsageError(str(reason)) from None
             except OSError as error:
                 raise UsageError(_unwritten(arguments.out, error)) from None
+    interrupted = execution is not None and execution.interrupted
+    if interrupted:
+        arguments.write_baseline = None  # what a part of a run shows is nothing to go on from
     settled = settle([_met(arguments, arguments.program, loaded, job, results)], arguments)
     if arguments.format == "json":
         print_json(results.as_json())
     elif arguments.format == "text":
-        _print_verdict(settled.shown[0], results, settled.remarks, simulated=execution is not None)
+        _print_verdict(
+            settled.shown[0], results, settled.remarks, simulated=execution is not None, interrupted=interrupted
+        )
         if execution is not None:
             _print_files(arguments.out, results)
     write_formats(settled.verdict, arguments)
-    write_parameters(job.reading, arguments)
+    if not interrupted:
+        write_parameters(job.reading, arguments)
     seconds = time.perf_counter() - begin
     if execution is not None and seconds > 0.0:
         memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
         ratio = f"{results.times.total / seconds:.3g}"
         note(f"{seconds:.1f} s of computing, {ratio} simulated seconds in a real one, peak memory {memory:.0f} MB")
-    if stop.asked:
-        return INTERRUPTED
-    return settled.status
+    return interrupted_by(stop.signal or SIGINT) if interrupted else settled.status
 
 
 def _unwritten(out: Path, error: OSError) -> str:
-    """What a full disk stopped, and where the log is that can be read nevertheless."""
+    """What the system refused, as a full disk does, and where the log is that can be read nevertheless."""
+    from gcodesim.log import LogWriteError
+
+    reason = error.strerror or str(error)
+    name = None if error.filename is None else Path(os.fsdecode(error.filename))
+    if name is None:
+        told = reason
+    elif isinstance(error, LogWriteError):
+        told = f"{name}: {reason}"
+    else:
+        told = f"{name} cannot be {'written' if name.is_relative_to(out) else 'read or written'}: {reason}"
     rest = ""
     if (out / LOG_NAME).exists():
         rest = f"; {out / LOG_NAME} is complete, files beside it are missing"
     elif (out / f"{LOG_NAME}.part").exists():
         rest = f"; what was logged so far is in {out / LOG_NAME}.part, which `gcodesim info` reads"
-    return f"folder {out} cannot be written: {error.strerror or error}{rest}"
+    return f"{told}{rest}"
 
 
 def _announce_compiling() -> None:
@@ -179,31 +198,29 @@ def _announce_compiling() -> None:
 
 
 class _Stop:
-    """Ctrl-C while a run goes on: the first lets the steps in hand end and the log be closed, a second does not."""
+    """Ctrl-C or SIGTERM while a run goes on: the first lets the steps in hand end and closes the log, a second not."""
 
-    asked = False
+    signal = 0  # the one that came
 
     def __enter__(self) -> _Stop:
-        self._before: Any = None
-        if threading.current_thread() is threading.main_thread() and signal.getsignal(signal.SIGINT) != signal.SIG_IGN:
-            self._before = signal.signal(signal.SIGINT, self._ask)
+        self._handled = handled(self._ask)
+        self._handled.__enter__()
         return self
 
-    def _ask(self, _signal: int, _frame: FrameType | None) -> None:
-        if self.asked:
-            raise KeyboardInterrupt
-        self.asked = True
+    def _ask(self, number: int, _frame: FrameType | None) -> None:
+        if self.signal:
+            raise Interrupted(number)
+        self.signal = number
         # not print: a signal may come while a stream is in use
         os.write(2, b"gcodesim: stopping; the log is closed first (Ctrl-C again stops at once)\n")
 
     def obey(self) -> None:
         """End the run when that was asked."""
-        if self.asked:
-            raise KeyboardInterrupt
+        if self.signal:
+            raise Interrupted(self.signal)
 
     def __exit__(self, *_: object) -> None:
-        if self._before is not None:
-            signal.signal(signal.SIGINT, self._before)
+        self._handled.__exit__(None, None, None)
 
 
 class _Bar:
@@ -237,11 +254,13 @@ class _Bar:
             self._bar.stop()
 
 
-def _print_verdict(shown: Shown, results: Results, remarks: Sequence[str], *, simulated: bool) -> None:
+def _print_verdict(
+    shown: Shown, results: Results, remarks: Sequence[str], *, simulated: bool, interrupted: bool = False
+) -> None:
     print_findings(shown.findings, shown.met.sources)
     for remark in remarks:
         print(remark)
-    print(f"{shown.name}: {verdict(shown.findings)}")
+    print(f"{shown.name}: {'interrupted, with ' if interrupted else ''}{verdict(shown.findings)}")
     stopped = results.stopped_at
     if not simulated:
         print("nothing was simulated, because of what is wrong in the cell")

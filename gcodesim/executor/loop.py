@@ -95,8 +95,8 @@ def execute(
     """Run the whole plan in a world; stock changes in place.
 
     KeyboardInterrupt ends the run after the windows in hand; what was done until
-    then is in the result. Raises `WorldUnavailable` when the world cannot be
-    opened here.
+    then is in the result; it goes on to the caller when that is nothing. Raises
+    `WorldUnavailable` when the world cannot be opened here.
     """
     rows = RowColumns.of(plan.path)
     totals = RowTotals.zeros(len(rows.tool))
@@ -141,6 +141,8 @@ def execute(
             if progress is not None:
                 progress(Progress(step=done, steps=planned, time=done * dt_ns * 1e-9, row=last_row))
     except KeyboardInterrupt:
+        if not done:  # there is nothing yet that could be told
+            raise
         interrupted = True
     finally:
         world.close()

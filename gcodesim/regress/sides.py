@@ -13,6 +13,7 @@ from gcodesim.diagnostics import SourceText
 from gcodesim.diagnostics.show import as_json
 from gcodesim.language import settings_of_cell
 from gcodesim.numbers import read_json
+from gcodesim.outcome import INTERRUPTED
 from gcodesim.regress.changes import Comparison
 from gcodesim.regress.compare import INCOMPLETE
 from gcodesim.regress.facts import Facts, compare, facts_of_run
@@ -123,7 +124,10 @@ def _json(source: SourceText, path: Path) -> Facts:
             raise SideError(f"{path} cannot be read: {error}") from None
     if schema != RESULTS:
         raise SideError(f"{path} holds no results of gcodesim")
-    return Facts(name=str(path), results=_whole(value, path))
+    results = _whole(value, path)
+    if any(finding.get("code") == INTERRUPTED for finding in results["findings"]):
+        raise SideError(f"{path} is of a run that was interrupted: run it again, there is nothing to compare")
+    return Facts(name=str(path), results=results)
 
 
 _PARTS: Final[Mapping[str, type]] = {

@@ -142,4 +142,13 @@ CODES: tuple[Code, ...] = (
         why="Each would be compared with what was accepted of the other; so only the first one runs.",
         remedy="Rename a test file (NAME.test.yaml, NAME.test.yml) or a program.",
     ),
+    Code(
+        code="GS616",
+        severity=Severity.ERROR,
+        title="The run was interrupted",
+        what="Somebody stopped the run: Ctrl-C, or a system that ended it (SIGTERM), as CI systems do at a time limit.",
+        why="Log and results end there. They are whole as files, but say nothing about the rest of the program; "
+        "nothing is compared with them and nothing is accepted.",
+        remedy="Run the program again. A CI job that is cancelled needs a longer time limit.",
+    ),
 )

@@ -1,0 +1,52 @@
+"""Signals that end a command, and the exit statuses that they make: 128 and the number, as shells have it."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+from typing import Final
+
+SIGNALS: Final = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
+"""Ctrl-C; what CI systems cancel with; a terminal that is closed."""
+
+
+class Interrupted(KeyboardInterrupt):
+    """One of the signals came; all that waits to be closed is closed on its way out."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__()
+        self.number = number
+
+
+def interrupted_by(number: int) -> int:
+    """The exit status: 130 for SIGINT, 143 for SIGTERM, 129 for SIGHUP."""
+    return 128 + int(number)
+
+
+@contextmanager
+def handled(handler: Callable[[int, FrameType | None], None] | None = None) -> Iterator[None]:
+    """Have `handler` called for the signals meanwhile (default: raise `Interrupted`).
+
+    A signal that is ignored stays so, as under `nohup`. Only the main thread may handle signals; in another one
+    nothing changes.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = {}
+    try:
+        for number in SIGNALS:
+            known = signal.getsignal(number)
+            if known is not None and known != signal.SIG_IGN:  # None: somebody else's, not of Python
+                before[number] = signal.signal(number, handler or _raise)
+        yield
+    finally:
+        for number, known in before.items():
+            signal.signal(number, known)
+
+
+def _raise(number: int, _frame: FrameType | None) -> None:
+    raise Interrupted(number)

@@ -1,0 +1,132 @@
+"""Ctrl-C and SIGTERM: a state of its own, in which nothing is accepted and nothing compared."""
+
+from __future__ import annotations
+
+import json
+import signal
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import gcodesim
+from gcodesim.executor import loop
+from gcodesim.log.logfile import LogFile
+from gcodesim.log.reader import decoded
+
+Interrupt = Callable[[int], None]
+
+
+@pytest.fixture
+def interrupt(monkeypatch: pytest.MonkeyPatch) -> Interrupt:
+    """Let a Ctrl-C come while a run is in its `after`th window."""
+
+    def interrupt(after: int = 2) -> None:
+        move, left = loop._move, [after]
+
+        def interrupted(*arguments: Any) -> Any:
+            left[0] -= 1
+            if left[0] == 0:
+                raise KeyboardInterrupt
+            return move(*arguments)
+
+        monkeypatch.setattr(loop, "_move", interrupted)
+        monkeypatch.setattr(loop, "MOST_STEPS", 100)
+
+    return interrupt
+
+
+def test_accept_accepts_nothing_of_an_interrupted_run(cli, interrupt: Interrupt, tmp_path: Path) -> None:
+    interrupt()
+    done = cli("accept", "slot.nc", "--cell", "cell.yaml")
+    assert (done.status, done.out, done.err) == (130, "", "gcodesim: interrupted\n")
+    assert not list(tmp_path.glob("*.golden.json"))
+
+
+def test_test_compares_nothing_of_an_interrupted_run(cli, interrupt: Interrupt) -> None:
+    assert cli("accept", "slot.nc", "--cell", "cell.yaml").status == 0
+    interrupt()
+    done = cli("test", "slot.nc", "--cell", "cell.yaml")
+    assert (done.status, done.out, done.err) == (130, "", "gcodesim: interrupted\n")
+
+
+def test_diff_of_programs_ends_with_an_interrupt(cli, interrupt: Interrupt) -> None:
+    interrupt()
+    done = cli("diff", "slot.nc", "slot.nc", "--cell", "cell.yaml")
+    assert (done.status, done.out) == (130, "")
+
+
+@pytest.mark.parametrize("after", [1, 3])
+def test_simulate_hands_the_interrupt_on_when_the_files_are_closed(
+    cli, interrupt: Interrupt, tmp_path: Path, after: int
+) -> None:
+    interrupt(after)
+    with pytest.raises(KeyboardInterrupt):
+        gcodesim.simulate("slot.nc", "cell.yaml", "out")
+    assert (tmp_path / "out" / "run.mcap").exists() == (after > 1)  # in the first nothing has happened yet
+
+
+@pytest.mark.parametrize("after", [2, 3, 5])
+def test_the_verdict_says_that_the_run_was_interrupted_and_where(
+    cli, interrupt: Interrupt, tmp_path: Path, after: int
+) -> None:
+    interrupt(after)
+    done = cli("run", "slot.nc", "--cell", "cell.yaml", "--junit", "verdict.xml", "--write-baseline", "known.json")
+    assert done.status == 130
+    assert "slot.nc: interrupted, with 1 error" in done.out and "GS616" in done.out
+    results = json.loads((tmp_path / "out" / "results.json").read_text())
+    assert results["status"] == "failed"
+    assert [finding["code"] for finding in results["findings"] if finding["severity"] == "error"] == ["GS616"]
+    assert "GS616" in (tmp_path / "verdict.xml").read_text()
+    assert not (tmp_path / "known.json").exists()
+
+    line = results["stopped_at"]["line"]
+    assert f"stopped at slot.nc:{line}" in done.out
+    told = cli("info", "out", "--format", "json").json
+    assert (told["state"], told["stopped_at"]["line"]) == ("interrupted", line)
+    refused = cli("diff", "out", "out")
+    assert refused.status == 2 and "interrupted" in refused.err
+
+
+def test_run_and_info_name_the_same_line_wherever_a_run_stops(cli, write, tmp_path: Path, interrupt: Interrupt) -> None:
+    """Blocks that begin within a step, at its end, and those in which the machine stands."""
+    lines = "".join(f"G1 X{10 + i / 50} F300\nG4 P0.05\n" for i in range(200))
+    write("part.nc", f"G21 G90 G17 G94\nT1 M6\nG43 H1\nS8000 M3\nG0 X10 Y10 Z5\n{lines}M5\nM2\n")
+    cell = (tmp_path / "cell.yaml").read_text().replace("world: kinematic", "world: kinematic, rate: 250 Hz")
+    write("cell.yaml", cell)
+    for after in range(14, 26, 2):
+        interrupt(after)
+        assert cli("run", "part.nc", "--cell", "cell.yaml").status == 130
+        results = json.loads((tmp_path / "out" / "results.json").read_text())
+        log = LogFile.open(tmp_path / "out" / "run.mcap")
+        last = [program for _, program in decoded(log, "/program")][-1]
+        assert results["stopped_at"]["line"] == last.line
+        assert results["time"]["total_s"] == pytest.approx(log.end_ns * 1e-9, abs=0.01)
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_other_signals_close_the_log_as_well(
+    cli, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, number: signal.Signals
+) -> None:
+    move, left = loop._move, [3]
+
+    def killed(*arguments: Any) -> Any:
+        left[0] -= 1
+        if left[0] == 0:
+            signal.raise_signal(number)
+        return move(*arguments)
+
+    monkeypatch.setattr(loop, "_move", killed)
+    before = signal.getsignal(number)
+    done = cli("run", "slot.nc", "--cell", "cell.yaml")
+    assert done.status == 128 + number
+    assert "interrupted" in done.out
+    assert cli("info", "out", "--format", "json").json["state"] == "interrupted"
+    assert signal.getsignal(number) == before
+
+
+def test_sigterm_ends_other_commands_without_a_trace(cli, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("gcodesim.cli.simulate.check", lambda *_: signal.raise_signal(signal.SIGTERM))
+    done = cli("check", "slot.nc", "--cell", "cell.yaml")
+    assert (done.status, done.out, done.err) == (143, "", "gcodesim: interrupted\n")
