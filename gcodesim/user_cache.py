@@ -1,57 +1,70 @@
-"""Where this user's machine keeps what is computed once for a version: compiled kernels, tables of grammars."""
+"""Where this user's machine keeps what is computed once for a version: compiled kernels, tables of grammars.
+
+Never below a folder of a known name that everybody may make, such as one in the temporary folder, and only in folders
+that nobody else can write; else everything is computed anew.
+"""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Iterator
 from pathlib import Path
+from typing import NamedTuple
+
+from gcodesim.own_folder import NotOwn, OwnFolder, open_own_folder
 
 
-def kept_folders(name: str) -> Iterator[Path]:
+def kept_folders(name: str) -> Iterator[OwnFolder]:
     """The folders `name` that are there, that to be preferred first; some may be read only."""
     for root in _roots():
-        folder = root / name
-        if _is_ours(folder):
+        folder = _open(root, name, make=False)
+        if isinstance(folder, OwnFolder):
             yield folder
 
 
-def user_cache(name: str) -> Path | None:
-    """The folder `name` in the first writable one of: NUMBA_CACHE_DIR, the user's cache, the temporary folder.
+def user_cache(name: str) -> OwnFolder | None:
+    """The folder `name` in the first one that can be written: NUMBA_CACHE_DIR, the user's cache.
 
-    None when nothing can be written anywhere.
+    None when nothing can be kept anywhere.
     """
     for root in _roots():
-        folder = root / name
-        if _is_writable(folder):
+        folder = _open(root, name, make=True)
+        if isinstance(folder, OwnFolder) and os.access(folder.path, os.W_OK):
             return folder
     return None
 
 
-def _roots() -> Iterator[Path]:
-    if "NUMBA_CACHE_DIR" in os.environ:
-        yield Path(os.environ["NUMBA_CACHE_DIR"])
-    yield Path(os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")) / "gcodesim"
-    import getpass
-    import tempfile
-
-    yield Path(tempfile.gettempdir()) / f"gcodesim-{getpass.getuser()}"
+def refusals(name: str) -> list[str]:
+    """Why nothing is kept where it should be, a line for each place that cannot be used."""
+    folders = (_open(root, name, make=True) for root in _roots())
+    return [folder for folder in folders if isinstance(folder, str)]
 
 
-def _is_writable(folder: Path) -> bool:
-    import tempfile  # with what it brings it takes longer than a look at what is kept
+class _Root(NamedTuple):
+    """A folder below which things are kept; its last `own` parts have to be this user's."""
 
+    path: Path
+    own: int
+
+
+def _roots() -> Iterator[_Root]:
+    """What the user names; then the usual one. Both are absolute: what lies in a stranger's project is no cache."""
+    named = os.environ.get("NUMBA_CACHE_DIR")
+    if named:
+        yield _Root(Path(named), 1)
+    caches = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
+    yield _Root(Path(caches) / "gcodesim", 2)
+
+
+def _open(root: _Root, name: str, *, make: bool) -> OwnFolder | str:
+    folder = _OPEN.get((root, name))
+    if folder is not None and folder.is_there:
+        return folder
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            return _is_ours(folder)
-    except OSError:
-        return False
+        _OPEN[root, name] = folder = open_own_folder(root.path / name, own=root.own + 1, make=make)
+    except NotOwn as reason:
+        return str(reason)
+    return folder
 
 
-def _is_ours(folder: Path) -> bool:
-    """Whether the folder is there, and what lies in it was put there by this user or by the administrator."""
-    try:
-        known = folder.stat()
-    except OSError:
-        return False
-    return not hasattr(os, "getuid") or known.st_uid in (os.getuid(), 0)
+_OPEN: dict[tuple[_Root, str], OwnFolder] = {}

@@ -192,8 +192,11 @@ def _unwritten(out: Path, error: OSError) -> str:
     return f"{told}{rest}"
 
 
-def _announce_compiling() -> None:
+def _announce_compiling(obstacle: str) -> None:
     """The first run of a version compiles its kernels, which takes a while: not in silence."""
+    if obstacle:
+        note(f"compiling the kernels, and again at the next run, since they cannot be kept: {obstacle}")
+        return
     note("compiling the kernels, once for this version: about a minute (`gcodesim warm-up` does it beforehand)")
 
 

@@ -21,8 +21,9 @@ F = TypeVar("F", bound=Callable[..., Any])
 # machine code for the first time takes 0.05 s.
 SHORT: Final = 256
 
-# what is called before a long compilation, so that nobody has to wait in silence
-when_cold: Callable[[], None] | None = None
+# what is called before a long compilation, so that nobody has to wait in silence; it gets the reason why code cannot be
+# kept, empty when it can
+when_cold: Callable[[str], None] | None = None
 
 
 class Kernel:

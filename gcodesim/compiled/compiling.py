@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from gcodesim import compiled
 from gcodesim.compiled.arguments import Argument, Arguments
-from gcodesim.compiled.folder import folders, writable_folder
+from gcodesim.compiled.folder import folders, obstacles, writable_folder
 
 if TYPE_CHECKING:
     from gcodesim.compiled import Kernel
@@ -63,8 +63,11 @@ def _compile_entry(kernel: Kernel, arguments: Arguments, symbol: str) -> ObjectC
 
 @cache
 def dispatcher_of(kernel: Kernel) -> Any:
-    """The kernel as numba calls it, for arguments and results that an entry cannot take."""
-    return _jit(kernel, "whole", nogil=True, cache=writable_folder() is not None)
+    """The kernel as numba calls it, for arguments and results that an entry cannot take.
+
+    It is compiled anew in each process, since numba keeps what it made as a pickle, which can be anything when read.
+    """
+    return _jit(kernel, "whole", nogil=True)
 
 
 def part_of(kernel: Kernel) -> Any:
@@ -171,10 +174,11 @@ def _numba() -> Any:
     """numba; that something is going to be compiled is said, should nothing be kept yet."""
     import numba
 
-    numba.config.CACHE_DIR = str(writable_folder() or "")
     _load_without_scipy()
-    if compiled.when_cold is not None and not any(True for folder in folders() for _ in folder.glob("*.kernel")):
-        compiled.when_cold()
+    if compiled.when_cold is not None:
+        place = writable_folder()
+        if place is None or not any(name.endswith(".kernel") for folder in folders() for name in folder.names()):
+            compiled.when_cold("" if place else "; ".join(obstacles()))
     return numba
 
 

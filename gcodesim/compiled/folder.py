@@ -17,7 +17,8 @@ from pathlib import Path
 from types import CodeType
 from typing import Final
 
-from gcodesim.user_cache import kept_folders, user_cache
+from gcodesim.own_folder import OwnFolder
+from gcodesim.user_cache import kept_folders, refusals, user_cache
 
 _COMPILERS: Final = {"numba": "_version.py", "llvmlite": "_version.py", "numpy": "version.py"}
 """Packages that make machine code or tell how arrays lie in memory, and their files that say which version it is."""
@@ -26,14 +27,19 @@ _COMPILERS: Final = {"numba": "_version.py", "llvmlite": "_version.py", "numpy":
 _ROOT: Final = Path(__file__).parents[1]
 
 
-def folders() -> Iterator[Path]:
+def folders() -> Iterator[OwnFolder]:
     """Where code may be, that to be preferred first; some may be read only."""
     return kept_folders(_name())
 
 
-def writable_folder() -> Path | None:
-    """Where code can be kept; None when nothing can be written anywhere."""
+def writable_folder() -> OwnFolder | None:
+    """Where code can be kept; None when nothing can be kept anywhere."""
     return user_cache(_name())
+
+
+def obstacles() -> list[str]:
+    """Why code is not kept where it should be."""
+    return refusals(_name())
 
 
 @cache

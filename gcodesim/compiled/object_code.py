@@ -13,10 +13,8 @@ from __future__ import annotations
 import builtins
 import ctypes
 import hashlib
-import os
 import sys
-import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import cache
 from importlib.machinery import EXTENSION_SUFFIXES
 from importlib.util import module_from_spec, spec_from_file_location
@@ -30,6 +28,7 @@ import numpy as np
 from gcodesim.compiled import Kernel, is_compiler_off
 from gcodesim.compiled.arguments import ARRAY, NUMBER, OBJECTS, ORDER, TYPE, Arguments, as_text
 from gcodesim.compiled.folder import folders, package, source_beside, writable_folder
+from gcodesim.own_folder import OwnFolder
 
 
 class ObjectCode(NamedTuple):
@@ -42,7 +41,7 @@ class ObjectCode(NamedTuple):
 
 def is_kept(kernel: Kernel, arguments: Arguments) -> bool:
     """Whether a call with arguments of these types needs no compiler."""
-    return not is_compiler_off() and any(path.exists() for path in _places(kernel, arguments))
+    return not is_compiler_off() and any(folder.has(_file(kernel, arguments)) for folder in folders())
 
 
 def entry_of(kernel: Kernel, arguments: Arguments) -> Callable[..., Any] | None:
@@ -52,8 +51,8 @@ def entry_of(kernel: Kernel, arguments: Arguments) -> Callable[..., Any] | None:
     """
     if not _arrays_are_as_known():
         return None
-    for path in _places(kernel, arguments):
-        known = _read(path)
+    for folder in folders():
+        known = _read(folder, _file(kernel, arguments))
         if known is not None and (entry := load(known)) is not None:
             return entry
     from gcodesim.compiled.compiling import compile_entry
@@ -61,15 +60,14 @@ def entry_of(kernel: Kernel, arguments: Arguments) -> Callable[..., Any] | None:
     compiled = compile_entry(kernel, arguments, _symbol(kernel, arguments))
     if compiled is None or (entry := load(compiled)) is None:
         return None
-    folder = writable_folder()
-    if folder is not None:
-        _write(folder / f"{compiled.symbol}.kernel", compiled)
+    place = writable_folder()
+    if place is not None:
+        place.write(_file(kernel, arguments), _sealed(compiled))
     return entry
 
 
-def _places(kernel: Kernel, arguments: Arguments) -> Iterator[Path]:
-    name = f"{_symbol(kernel, arguments)}.kernel"
-    return (folder / name for folder in folders())
+def _file(kernel: Kernel, arguments: Arguments) -> str:
+    return f"{_symbol(kernel, arguments)}.kernel"
 
 
 def _symbol(kernel: Kernel, arguments: Arguments) -> str:
@@ -80,11 +78,10 @@ def _symbol(kernel: Kernel, arguments: Arguments) -> str:
     return f"{function.__name__}_{code.hexdigest()[:12]}"
 
 
-def _read(path: Path) -> ObjectCode | None:
-    """None when there is no such file, or it is damaged."""
-    try:
-        data = path.read_bytes()
-    except OSError:
+def _read(folder: OwnFolder, name: str) -> ObjectCode | None:
+    """None when there is no such file, somebody else can write it, or it is damaged."""
+    data = folder.read(name)
+    if data is None:
         return None
     seal, _, rest = data.partition(b"\n")
     if hashlib.sha256(rest).hexdigest().encode() != seal:
@@ -94,18 +91,10 @@ def _read(path: Path) -> ObjectCode | None:
     return ObjectCode(symbol, tuple(wanted), code)
 
 
-def _write(path: Path, known: ObjectCode) -> None:
-    """Several processes may do that at the same time; where the disk does not take it, nothing is kept."""
+def _sealed(known: ObjectCode) -> bytes:
+    """What a file holds."""
     rest = " ".join((known.symbol, *known.wanted)).encode() + b"\n" + known.code
-    part = None
-    try:
-        with tempfile.NamedTemporaryFile(dir=path.parent, prefix=path.stem, suffix=".part", delete=False) as file:
-            part = file.name
-            file.write(hashlib.sha256(rest).hexdigest().encode() + b"\n" + rest)
-        os.replace(part, path)
-    except OSError:
-        if part is not None:
-            Path(part).unlink(missing_ok=True)
+    return hashlib.sha256(rest).hexdigest().encode() + b"\n" + rest
 
 
 def load(known: ObjectCode) -> Callable[..., Any] | None:

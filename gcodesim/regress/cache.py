@@ -11,7 +11,6 @@ import hashlib
 import json
 import os
 import re
-import tempfile
 from datetime import date
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -19,6 +18,7 @@ from typing import Any, Final
 
 from gcodesim.diagnostics import Caller, Diagnostic, Severity, Span
 from gcodesim.diagnostics.show import as_json
+from gcodesim.own_folder import NotOwn, OwnFolder, open_own_folder
 from gcodesim.regress.case import Case, shown_path
 from gcodesim.regress.changes import SAME
 from gcodesim.regress.verdicts import CaseVerdict, Found
@@ -27,30 +27,42 @@ from gcodesim.user_cache import user_cache
 VARIABLE: Final = "GCODESIM_TEST_CACHE"
 _LIBRARIES: Final = ("numpy", "scipy", "numba", "pybullet", "trimesh")
 _MOST_ENTRIES: Final = 20_000
-_ENTRY: Final = re.compile(r"[0-9a-f]{2}/[0-9a-f]{32}\.json")
+_ABOVE: Final = re.compile(r"[0-9a-f]{2}")
+_ENTRY: Final = re.compile(r"[0-9a-f]{32}\.json")
 
 
-def default_folder() -> Path:
-    """Where entries are kept: `GCODESIM_TEST_CACHE`, else in the user's cache."""
-    if VARIABLE in os.environ:
+def default_folder() -> Path | None:
+    """Where entries are kept: `GCODESIM_TEST_CACHE`, else in the user's cache; None when nothing can be kept."""
+    if os.environ.get(VARIABLE):
         return Path(os.environ[VARIABLE])
-    return user_cache("tests") or Path(tempfile.gettempdir()) / "gcodesim-tests"
+    folder = user_cache("tests")
+    return None if folder is None else folder.path
 
 
 class Cache:
-    """Entries in a folder; one that cannot be written costs nothing but time."""
+    """Entries in a folder; one that cannot be written, or that others can write, costs nothing but time."""
 
-    def __init__(self, folder: Path, root: Path, settings: str) -> None:
+    def __init__(self, folder: Path | None, root: Path, settings: str) -> None:
         """`settings` is all that the command line says and a verdict depends on."""
-        self._folder = folder
+        self.refused = ""
+        self._folder: OwnFolder | None = None
+        if folder is not None:
+            try:
+                self._folder = open_own_folder(Path(os.path.abspath(folder)), make=True)
+            except NotOwn as reason:
+                self.refused = str(reason)
         self._root = root
         self._settings = settings
         self._version = _version_digest()
 
     def find(self, case: Case, today: date) -> CaseVerdict | None:
         """The verdict of an earlier run with the same inputs, None when there is none."""
+        folder, name = self._place(case, make=False)
+        known = None if folder is None else folder.read(name)
+        if known is None:
+            return None
         try:
-            entry = json.loads(self._path(case).read_bytes())
+            entry = json.loads(known)
             if any(_digest(self._root / name) != digest for name, digest in entry["files"].items()):
                 return None
             then = date.fromisoformat(entry["today"])
@@ -74,36 +86,32 @@ class Cache:
             "today": today.isoformat(),
             "verdict": _entry(verdict),
         }
-        path = self._path(case)
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            with tempfile.NamedTemporaryFile(
-                "w", dir=path.parent, suffix=".part", delete=False, encoding="utf-8"
-            ) as part:
-                json.dump(entry, part, ensure_ascii=False)
-            Path(part.name).replace(path)
-        except OSError:
-            return
+        folder, name = self._place(case, make=True)
+        if folder is not None:
+            folder.write(name, json.dumps(entry, ensure_ascii=False).encode())
 
     def tidy(self) -> None:
         """Delete the oldest entries when there are too many, and nothing else that lies in the folder."""
-        try:
-            ours = (
-                path for path in self._folder.glob("*/*.json") if _ENTRY.fullmatch(f"{path.parent.name}/{path.name}")
-            )
-            entries = sorted(ours, key=lambda path: path.stat().st_mtime)
-            for path in entries[: max(0, len(entries) - _MOST_ENTRIES)]:
-                path.unlink(missing_ok=True)
-        except OSError:
+        if self._folder is None:
             return
+        entries = []
+        for above in self._folder.names():
+            folder = self._folder.folder(above) if _ABOVE.fullmatch(above) else None
+            if folder is not None:
+                names = filter(_ENTRY.fullmatch, folder.names())
+                entries += [(folder.changed_ns(name), above, name, folder) for name in names]
+        for _, _, name, folder in sorted(entries, key=lambda entry: entry[:3])[: max(0, len(entries) - _MOST_ENTRIES)]:
+            folder.delete(name)
 
-    def _path(self, case: Case) -> Path:
+    def _place(self, case: Case, *, make: bool) -> tuple[OwnFolder | None, str]:
+        """The folder of a case's entry, and the entry's name in it."""
         parts = [self._version, self._settings, case.name, case.file, repr(case.options)]
         parts += [_digest(path) for path in (case.test_file, case.program, case.cell, case.golden)]
         # folders that the command line lets the cell read come by their names
         parts += [shown_path(folder, self._root) for folder in case.allow_path]
         key = hashlib.sha256("\0".join(parts).encode()).hexdigest()
-        return self._folder / key[:2] / f"{key[2:34]}.json"
+        folder = None if self._folder is None else self._folder.folder(key[:2], make=make)
+        return folder, f"{key[2:34]}.json"
 
 
 def _digest(path: Path | None) -> str:

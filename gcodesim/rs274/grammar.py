@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
+import sys
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from functools import cache
 from importlib.resources import files
-from typing import Any, NamedTuple
+from typing import Any, Final, NamedTuple
 
+import lark
 from lark import Lark, Token, Transformer, UnexpectedCharacters, UnexpectedInput, UnexpectedToken, v_args
+from lark.grammar import Rule
+from lark.lexer import TerminalDef
 
 from gcodesim.rs274.block import Binary, Exists, Function, Name, Node, Parameter, Signed, Word
 from gcodesim.user_cache import user_cache
@@ -152,25 +159,63 @@ class _Build(Transformer[Token, Any]):
         return Name(text.value[1:-1])
 
 
+_OPTIONS: Final = {"parser": "lalr", "lexer": "contextual", "maybe_placeholders": False}
+
+
+def _lark_of(name: str) -> Lark:
+    """Lark's parser; its tables take 40 ms to make and 4 ms to read, so they are kept, as text that can do nothing."""
+    text = files("gcodesim.rs274").joinpath("grammars", f"{name}.lark").read_text(encoding="utf-8")
+    made_of = json.dumps([text, _OPTIONS, lark.__version__, sys.version, _TABLES_FORM])
+    file = f"{name}-{hashlib.sha256(made_of.encode()).hexdigest()[:16]}.json"
+    folder = user_cache("grammars")
+    known = None if folder is None else folder.read(file)
+    if known is not None:
+        with suppress(Exception):  # of any kind: what stands in a damaged file cannot be known
+            return _from_tables(known)
+    parser = Lark(text, transformer=_Build(), **_OPTIONS)
+    if folder is not None:
+        tables = _tables(parser)
+        if tables is not None:
+            folder.write(file, tables)
+    return parser
+
+
+_TABLES_FORM: Final = 1
+
+
+def _tables(parser: Lark) -> bytes | None:
+    """The tables as JSON; None when this Lark's cannot be written so."""
+    data, memo = parser.memo_serialize([TerminalDef, Rule])
+    del data["options"]["transformer"]
+    try:
+        return json.dumps([data, memo]).encode()
+    except (TypeError, ValueError):
+        return None
+
+
+def _from_tables(known: bytes) -> Lark:
+    """The parser of kept tables; JSON knows no numbers as keys and no tuples."""
+    data, memo = json.loads(known)
+    table = data["parser"]["parser"]
+    table["tokens"] = _numbered(table["tokens"])
+    table["states"] = {state: _numbered(row) for state, row in _numbered(table["states"]).items()}
+    parser: Lark = Lark._load_from_dict(data, _numbered(memo), transformer=_Build())  # type: ignore[no-untyped-call]
+    return parser
+
+
+def _numbered(table: dict[str, Any]) -> dict[int, Any]:
+    return {int(key): value for key, value in table.items()}
+
+
 @cache
 def parser_of(name: str) -> Callable[[str], Parsed]:
     """The parser of `grammars/<name>.lark`; its call raises `Unreadable`."""
-    text = files("gcodesim.rs274").joinpath("grammars", f"{name}.lark").read_text(encoding="utf-8")
-    folder = user_cache("grammars")
-    lark = Lark(
-        text,
-        parser="lalr",
-        lexer="contextual",
-        transformer=_Build(),
-        maybe_placeholders=False,
-        # Lark keeps the tables in this file with a hash of the grammar and its own version; they take 50 ms to make
-        cache=str(folder / f"{name}.tables") if folder else False,
-    )
+    known = _lark_of(name)
 
     def expected(before: str) -> frozenset[str]:
         """The terminals that may stand behind `before`; the table of the parser alone names some that may not."""
         try:
-            parser = lark.parse_interactive(before)
+            parser = known.parse_interactive(before)
             parser.exhaust_lexer()
             return frozenset(parser.accepts())  # type: ignore[no-untyped-call]
         except UnexpectedInput:  # a token that ends differently before what follows
@@ -178,7 +223,7 @@ def parser_of(name: str) -> Callable[[str], Parsed]:
 
     def parse(line: str) -> Parsed:
         try:
-            return lark.parse(line)  # type: ignore[return-value]
+            return known.parse(line)  # type: ignore[return-value]
         except UnexpectedCharacters as problem:
             column = problem.pos_in_stream or 0
             raise Unreadable(column, line[column : column + 1], expected(line[:column])) from None

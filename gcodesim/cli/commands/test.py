@@ -70,9 +70,13 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _cache(arguments: argparse.Namespace, how: Judging) -> Cache:
+    from gcodesim.cli.output import note
     from gcodesim.regress.cache import Cache, default_folder
 
-    return Cache(arguments.cache or default_folder(), how.root, how.settings)
+    cache = Cache(arguments.cache or default_folder(), how.root, how.settings)
+    if cache.refused:
+        note(f"what passes is not remembered: {cache.refused}")
+    return cache
 
 
 def _report(verdict: SuiteVerdict, how: Judging, arguments: argparse.Namespace) -> None:

@@ -145,11 +145,10 @@ def test_a_cold_compilation_is_announced_once_and_works_without_a_cache(tmp_path
     (tmp_path / "file").write_text("no folder fits below a file")
     nowhere = str(tmp_path / "file")
     code = (
-        f"import tempfile; tempfile.tempdir = {nowhere!r}\n"
         "from gcodesim import compiled\n"
-        "compiled.when_cold = lambda: print('cold')\n"
+        "compiled.when_cold = lambda obstacle: print('cold', obstacle.count('cannot be used'))\n"
         "from gcodesim.motion.corner_kernels import corner_center, way_from_corner\n"
         "print(corner_center(1.0, 0.0, 1.0, 0.0, 1.0, 2.0)[1], way_from_corner(3.0, 0.0, 0.0, 0.0, 1.0))"
     )
     environment = {"XDG_CACHE_HOME": nowhere, "NUMBA_CACHE_DIR": nowhere}
-    assert run_python(code, **environment) == "cold\n2.0 3.0\n"
+    assert run_python(code, **environment) == "cold 2\n2.0 3.0\n"

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from gcodesim import user_cache
 from gcodesim.compiled import Kernel, compiling, folder, kernel, object_code
 from gcodesim.compiled.arguments import ITEMS, argument_of
 from gcodesim.rs274.plain.scan_kernels import byte_at
@@ -118,12 +119,11 @@ def test_several_processes_at_once(cache: Path) -> None:
 
 
 def test_code_in_a_folder_that_is_not_the_first(cache: Path) -> None:
-    """As where an administrator has warmed up a folder that users cannot write."""
     output(BYTE_AT, NUMBA_CACHE_DIR=str(cache / "none"), XDG_CACHE_HOME=str(cache))
     (made,) = kept(cache)
-    there = cache / "gcodesim" / made.parent.name
-    there.mkdir(parents=True)
-    made.rename(there / made.name)
+    there = cache / "gcodesim"
+    there.mkdir(mode=0o700)
+    made.parent.rename(there / made.parent.name)
     assert output(BYTE_AT, NUMBA_CACHE_DIR=str(cache / "other"), XDG_CACHE_HOME=str(cache)) == "88 False\n"
 
 
@@ -131,9 +131,27 @@ def test_code_in_a_folder_that_is_not_the_first(cache: Path) -> None:
 def test_code_of_somebody_else_is_not_run(cache: Path) -> None:
     fresh(byte_at)(text(b"G1"), 1)
     (path,) = kept(cache)
-    assert list(folder.folders()) == [path.parent]
+    assert [place.path for place in folder.folders()] == [path.parent]
+    os.chown(path, 12345, 12345)
+    assert not object_code.is_kept(byte_at, tuple(map(argument_of, (text(b"G1"), 1))))  # type: ignore[arg-type]
+    os.chown(path, 0, 0)
     os.chown(path.parent, 12345, 12345)
     assert list(folder.folders()) == []
+
+
+def test_code_that_others_may_have_written_is_not_run(cache: Path) -> None:
+    fresh(byte_at)(text(b"G1"), 1)
+    (path,) = kept(cache)
+    takes = tuple(map(argument_of, (text(b"G1"), 1)))
+    for place in (path, path.parent, cache):
+        user_cache._OPEN.clear()
+        place.chmod(0o777)
+        assert not object_code.is_kept(byte_at, takes)  # type: ignore[arg-type]
+        place.chmod(0o700)
+    assert object_code.is_kept(byte_at, takes)  # type: ignore[arg-type]
+    path.rename(cache / "planted")
+    path.symlink_to(cache / "planted")
+    assert not object_code.is_kept(byte_at, takes)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
@@ -150,11 +168,12 @@ def test_a_damaged_file_is_made_anew(cache: Path, damage: Any) -> None:
     (path,) = kept(cache)
     whole = path.read_bytes()
     path.write_bytes(damage(whole))
-    assert object_code._read(path) is None
+    (place,) = folder.folders()
+    assert object_code._read(place, path.name) is None
     path.with_suffix(".part").write_bytes(whole[:50])  # of a process that was killed
 
     assert fresh(byte_at)(text(b"G1"), 1) == ord("1")
-    assert object_code._read(path) is not None
+    assert object_code._read(place, path.name) is not None
 
 
 def test_code_that_wants_what_is_not_there_is_not_loaded() -> None:
@@ -270,13 +289,13 @@ def test_a_kernel_that_fails() -> None:
 
 
 def test_another_numba_than_those_we_know(monkeypatch: pytest.MonkeyPatch, cache: Path) -> None:
-    """Everything goes by way of numba then, which keeps it as it does."""
+    """Everything goes by way of numba then, which keeps nothing: it would be read back as a pickle."""
     monkeypatch.setattr(compiling, "_knows_this_numba", lambda: False)
     compiling.dispatcher_of.cache_clear()
     compiling._numba.cache_clear()  # it tells numba where to keep what it makes
 
     assert fresh(quadruple)(2.5) == 10.0
-    assert {path.suffix for path in kept(cache)} == {".nbi", ".nbc"}
+    assert kept(cache) == []
 
 
 def test_we_know_the_numba_that_is_here() -> None:
