@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gcodesim.canon import ToolChange
-from gcodesim.cell.machine import LETTERS, MachineTool
+from gcodesim.cell.machine import LETTERS
 from gcodesim.checks.events import Flags
 from gcodesim.checks.misuse import RowUse, blind_findings, stock_findings
 from gcodesim.checks.saturation import saturation_findings
@@ -16,7 +16,7 @@ from gcodesim.executor.record import StepRecord
 from gcodesim.executor.tasks import RowColumns
 from gcodesim.executor.totals import JointTotals, RowTotals
 from gcodesim.frames import Array
-from gcodesim.shop import Shop, mover_of
+from gcodesim.shop import Shop
 from gcodesim.tools.cutter import Cutter
 from gcodesim.units import KW, UM
 
@@ -165,9 +165,12 @@ def _straight_up(plan: Plan, shop: Shop) -> Flags:
     """Rows (n,) along the spindle's axis away from the work, as out of a hole: the tool has been below already."""
     path = plan.path
     up = np.zeros(max(len(path), 1), dtype=np.bool_)
-    if len(path) and isinstance(mover_of(shop), MachineTool):
+    retreat = shop.mover.retreat
+    if len(path) and retreat is not None:
         way = path.end - path.start
-        up[:] = (way[:, 2] > 0.0) & (np.abs(np.delete(way, 2, axis=1)).max(axis=1) < 1e-9)
+        along = way[:, :3] @ retreat
+        way[:, :3] -= along[:, None] * retreat
+        up[:] = (along > 0.0) & (np.abs(way).max(axis=1) < 1e-9)
     return up
 
 
@@ -191,12 +194,7 @@ def _above(values: Array, limit: float | None) -> bool:
 
 def _blind_turns(plan: Plan, shop: Shop) -> dict[str, Flags]:
     """Rows (n,) in which a rotary axis turns whose place the cell does not tell, by its letter; only those that do."""
-    mover = mover_of(shop)
-    if not isinstance(mover, MachineTool) or not len(plan.path):
-        return {}
-    turns = {
-        axis.letter: plan.path.start[:, LETTERS.index(axis.letter)] != plan.path.end[:, LETTERS.index(axis.letter)]
-        for axis in mover.axes
-        if axis.rotary and axis.at is None
-    }
+    start, end = plan.path.start, plan.path.end
+    columns = {letter: LETTERS.index(letter) for letter in shop.mover.timed_only} if len(plan.path) else {}
+    turns = {letter: start[:, column] != end[:, column] for letter, column in columns.items()}
     return {letter: rows for letter, rows in turns.items() if rows.any()}

@@ -17,7 +17,8 @@ from gcodesim.cell.robot import Payload, Robot
 from gcodesim.cell.stock import Box, Cylinder, StockSpec
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.frames import Array, Pose
-from gcodesim.kinematics import Cartesian, Chain, Inertial, Kinematics, Link, kinematics_of
+from gcodesim.kinematics import Cartesian, Chain, Inertial, Kinematics, Link, kinematics_of, model_path
+from gcodesim.scene import WORK, WORLD, Mover, Scene, Stand
 from gcodesim.units import MM
 
 if TYPE_CHECKING:
@@ -31,6 +32,13 @@ MEMORY_BUDGET: Final = 2 << 30
 CELLS_PER_DIAMETER: Final = 24
 """Cells across the smallest cutter where the cell file names no resolution."""
 
+STOCK: Final = "stock"
+FIXTURE: Final = "fixture"
+"""What the frames of these bodies in the scene are called: `stock/plate`, `fixture/vise`."""
+
+WORK_FRAME: Final = "G54"
+"""Where the log draws the frame `stock` of a cell without one."""
+
 FINEST_DEFAULT: Final = 0.05 * MM
 COARSEST_DEFAULT: Final = 0.5 * MM
 MOST_DEFAULT_COLUMNS: Final = 4_000_000
@@ -40,10 +48,11 @@ MOST_DEFAULT_COLUMNS: Final = 4_000_000
 class PlacedStock:
     """A workpiece and where it stands: `X_WS` is the frame of its columns in the world (table axes at zero).
 
-    That is its own frame S, unless it lies on another side (`stock.turn`).
+    That is its own frame S, unless it lies on another side (`stock.turn`). `frame` is its name in the scene.
     """
 
     name: str
+    frame: str
     spec: StockSpec
     stock: Stock
     X_WS: Pose
@@ -55,30 +64,43 @@ class PlacedStock:
 class Shop:
     """All that a channel's program acts on.
 
-    `X_WB` is the base B of the robot (of a machine: M), `X_BM` machine zero seen
-    from there; on an arm M is B, turned when its work systems are tilted.
-    `stiffness` (j,) [N·m/rad] or None for a rigid machine.
+    `mover` is what the program moves, one of the scene's. `X_BM` is machine zero seen from its base B (of a machine:
+    M); on an arm M is B, turned when its work systems are tilted.
     """
 
     cell: Cell
     channel: str
-    name: str
-    kinematics: Kinematics
+    mover: Mover
     placement: Placement
-    X_WB: Pose
     X_BM: Pose
-    home: Array
-    stiffness: Array | None
+    scene: Scene
     stocks: Mapping[str, PlacedStock] = field(default_factory=dict)
 
     @property
-    def is_arm(self) -> bool:
-        return not isinstance(self.kinematics, Cartesian)
+    def name(self) -> str:
+        """The mover's name, as in the log."""
+        return self.mover.name
+
+    @property
+    def kinematics(self) -> Kinematics:
+        return self.mover.kinematics
+
+    @property
+    def X_WB(self) -> Pose:
+        return self.mover.X_WB
+
+    @property
+    def home(self) -> Array:
+        return self.mover.home
+
+    @property
+    def stiffness(self) -> Array | None:
+        return self.mover.stiffness
 
     @property
     def joint_names(self) -> tuple[str, ...]:
         """Names as in the log: `arm/joint_1`, `machine/X`."""
-        return tuple(f"{self.name}/{joint}" for joint in self.kinematics.joints.names)
+        return self.mover.joint_names
 
     @property
     def magazine_pose(self) -> Pose:
@@ -95,30 +117,66 @@ def open_shop(cell: Cell, channel: str = MAIN) -> Shop:
     """Kinematics and places of a cell, without stock."""
     if channel not in cell.channels:
         channel = next(iter(cell.channels))
-    mover = cell.machine_of(channel)
     placement = place(cell, channel)
-    kinematics: Kinematics
-    if isinstance(mover, MachineTool):
-        kinematics = kinematics_of(mover.chain)
-        name, X_WB, stiffness = MACHINE, mover.X_WM, None
-        homes = {axis.letter: axis.home for axis in mover.axes}
-        home = np.array([homes[letter] for letter in kinematics.joints.names])
-    else:
-        kinematics = kinematics_of(_loaded(mover.chain, mover.payload))
-        name, X_WB = mover.name, mover.X_WB
-        home = np.array(mover.home)
-        stiffness = None if mover.stiffness is None else np.array(mover.stiffness)
+    description = cell.machine_of(channel)
+    mover = _machine(description) if isinstance(description, MachineTool) else _robot(description)
     return Shop(
         cell=cell,
         channel=channel,
-        name=name,
-        kinematics=kinematics,
+        mover=mover,
         placement=placement,
-        X_WB=X_WB,
-        X_BM=X_WB.inverse() @ placement.X_WM,
-        home=home,
-        stiffness=stiffness,
+        X_BM=mover.X_WB.inverse() @ placement.X_WM,
+        scene=_scene(mover, placement),
     )
+
+
+def _machine(tool: MachineTool) -> Mover:
+    """A machine tool as what moves in a scene; it counts as rigid."""
+    kinematics = kinematics_of(tool.chain)
+    homes = {axis.letter: axis.home for axis in tool.axes}
+    return Mover(
+        name=MACHINE,
+        kinematics=kinematics,
+        X_WB=tool.X_WM,
+        home=np.array([homes[letter] for letter in kinematics.joints.names]),
+        joints_are_axes=True,
+        rapids=tool.rapids,
+        retreat=np.array([0.0, 0.0, 1.0]),
+        timed_only=tuple(axis.letter for axis in tool.axes if axis.rotary and axis.at is None),
+        seen_whole=False,
+        description=None if tool.model is None else model_path(tool.model),
+    )
+
+
+def _robot(robot: Robot) -> Mover:
+    """A robot as what moves in a scene."""
+    kinematics = kinematics_of(_loaded(robot.chain, robot.payload))
+    return Mover(
+        name=robot.name,
+        kinematics=kinematics,
+        X_WB=robot.X_WB,
+        home=np.array(robot.home),
+        stiffness=None if robot.stiffness is None else np.array(robot.stiffness),
+        seen_whole=not isinstance(kinematics, Cartesian),
+        description=robot.description,
+    )
+
+
+def _scene(mover: Mover, placement: Placement) -> Scene:
+    """The frames of a cell. What names no link stands on what carries the work, as it lies with all axes at zero."""
+    frames = {
+        WORK_FRAME: _work_stand(mover, placement.X_W("G54")),
+        **{f"{STOCK}/{name}": _work_stand(mover, X_WS) for name, X_WS in placement.stocks.items()},
+        **{f"{FIXTURE}/{name}": _work_stand(mover, X_W) for name, X_W in placement.fixtures.items()},
+    }
+    return Scene(movers={mover.name: mover}, frames=frames)
+
+
+def _work_stand(mover: Mover, X_W: Pose) -> Stand:
+    """What stands at `X_W` in the world while the axes are at zero goes along with the table, if there is one."""
+    if isinstance(mover.kinematics, Cartesian):
+        return Stand(f"{mover.name}/{WORK}", mover.X_WB.inverse() @ X_W)
+    return Stand(WORLD, X_W)
 
 
 def _loaded(chain: Chain, payload: Payload | None) -> Chain:
@@ -154,13 +212,15 @@ def with_stock(shop: Shop) -> tuple[Shop, list[Diagnostic]]:
         made = _upright(shop, made, X_WS)
         stocks[name] = PlacedStock(
             name=name,
+            frame=f"{STOCK}/{name}",
             spec=spec,
             stock=made,
             X_WS=X_WS @ Pose(np.zeros(3), made.turn),
             material=material,
             initial=made.volume,
         )
-    return replace(shop, stocks=stocks), findings
+    stands = {placed.frame: _work_stand(shop.mover, placed.X_WS) for placed in stocks.values()}
+    return replace(shop, stocks=stocks, scene=shop.scene.with_frames(stands)), findings
 
 
 def _undrawn(shop: Shop) -> list[Diagnostic]:
@@ -182,7 +242,7 @@ def _upright(shop: Shop, stock: Stock, X_WS: Pose) -> Stock:
     from gcodesim.material.turning import turn_for, turned
 
     own = shop.cell.channels[shop.channel].orientation
-    up = -shop.placement.tool_axis(own) if shop.is_arm else shop.placement.X_WM.R[:, 2]
+    up = -shop.placement.tool_axis(own) if shop.mover.retreat is None else shop.placement.X_WM.R @ shop.mover.retreat
     R = turn_for((X_WS.R @ stock.turn).T @ up)
     return stock if np.array_equal(R, np.eye(3)) else turned(stock, R)
 
@@ -244,8 +304,3 @@ def default_resolution(cell: Cell, size: tuple[float, float, float]) -> float:
     wanted = float(np.clip(wanted, FINEST_DEFAULT, COARSEST_DEFAULT))
     fewest = float(np.sqrt(size[0] * size[1] / MOST_DEFAULT_COLUMNS))
     return max(wanted, fewest)
-
-
-def mover_of(shop: Shop) -> MachineTool | Robot:
-    """The description of what the program moves."""
-    return shop.cell.machine_of(shop.channel)

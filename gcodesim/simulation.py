@@ -17,6 +17,7 @@ from gcodesim.checks.ends import left_on
 from gcodesim.checks.idle import blind_axis_findings, idle_findings
 from gcodesim.checks.speed import speed_findings
 from gcodesim.diagnostics import Diagnostic, Findings, Severity, SourceText, Span
+from gcodesim.frames import Array
 from gcodesim.job import KINEMATIC, Job, Options
 from gcodesim.language import settings_of_cell
 from gcodesim.motion import ToolPath, build_tool_path
@@ -24,10 +25,12 @@ from gcodesim.motion.timing import event_durations
 from gcodesim.outcome import first_error, results_of
 from gcodesim.results import Results
 from gcodesim.rs274 import Settings, interpret
-from gcodesim.shop import Shop, mover_of, open_shop, with_stock
+from gcodesim.scene import WORLD
+from gcodesim.shop import FIXTURE, Shop, open_shop, with_stock
 from gcodesim.whole_file import write_whole
 
 if TYPE_CHECKING:
+    from gcodesim.checks.collisions import FixtureBody
     from gcodesim.executor import Execution, Progress
     from gcodesim.log.live import LiveView
     from gcodesim.planning import Plan
@@ -139,7 +142,7 @@ def _plan(job: Job, shop: Shop, path: ToolPath) -> None:
     )
     job.plan = planned
     job.findings.extend(planned.findings)
-    job.findings.extend(blind_axis_findings(planned.path, mover_of(shop)))
+    job.findings.extend(blind_axis_findings(planned.path, shop.mover))
     job.findings.extend(speed_findings(planned, shop.cell.limits.spindle_speed))
     job.findings.extend(_clearance(shop, planned))
 
@@ -148,21 +151,21 @@ def _clearance(shop: Shop, plan: Plan) -> list[Diagnostic]:
     """Where the tool runs into a fixture."""
     if not shop.cell.fixtures:
         return []
-    from gcodesim.checks.clearance import clearance_findings, fixture_body
-    from gcodesim.kinematics import Cartesian
+    from gcodesim.checks.clearance import Standing, clearance_findings, fixture_body
 
-    X_BW = shop.X_WB.inverse()
-    bodies = [
-        fixture_body(name, fixture.shape, X_BW @ shop.placement.fixtures[name])
-        for name, fixture in shop.cell.fixtures.items()
-    ]
-    return clearance_findings(
-        plan,
-        shop.cell.tools,
-        [body for body in bodies if body is not None],
-        X_BM=shop.X_BM,
-        table=shop.kinematics.table if isinstance(shop.kinematics, Cartesian) else None,
-    )
+    bodies: dict[str, list[FixtureBody]] = {}
+    for name, fixture in shop.cell.fixtures.items():
+        carrier, X = shop.scene.standing_on(f"{FIXTURE}/{name}")
+        body = fixture_body(name, fixture.shape, shop.X_WB.inverse() @ X if carrier == WORLD else X)
+        if body is not None:
+            bodies.setdefault(carrier, []).append(body)
+    standing = [Standing(tuple(some), _carrier(shop, carrier)) for carrier, some in bodies.items()]
+    return clearance_findings(plan, shop.cell.tools, standing, X_BM=shop.X_BM)
+
+
+def _carrier(shop: Shop, frame: str) -> Callable[[Array], Array] | None:
+    """Where a frame that carries fixtures is in B at joints (n, j); None for the world."""
+    return None if frame == WORLD else lambda q: shop.scene.seen_from(shop.name, frame, {shop.name: q})
 
 
 def check(job: Job) -> Results:

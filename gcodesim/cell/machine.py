@@ -409,6 +409,11 @@ class MachineTool:
         """Axes at the start, in chain order."""
         return tuple(axis.home for axis in self.axes)
 
+    @property
+    def X_WB(self) -> Pose:
+        """Its base in the world, which is machine zero."""
+        return self.X_WM
+
     def axis(self, letter: str) -> Axis | None:
         return next((axis for axis in self.axes if axis.letter == letter), None)
 

@@ -86,14 +86,14 @@ def place(cell: Cell, channel: str = MAIN) -> Placement:
     own = cell.channels[channel]
     mover = cell.machine_of(channel)
     findings: list[Diagnostic] = []
-    X_WM = mover.X_WM if isinstance(mover, MachineTool) else _upright_base(cell, own, mover)
+    X_WM = mover.X_WB if mover.axes else _upright_base(cell, own, mover)
     offsets = {index: Pose.identity() for index in range(1, len(SYSTEMS) + 1)}
     for name, standing in own.work_offsets.items():
         X_MP = _offset(cell, X_WM, mover, standing)
         span = cell.channel_span(channel, "work_offsets", name)
         offsets[system_index(name)] = X_MP
         if X_MP.R[2, 2] < 1.0 - _UPRIGHT:
-            against = "machine" if isinstance(mover, MachineTool) else "first work system"
+            against = "machine" if mover.axes else "first work system"
             message = f"{name} is tilted by {np.degrees(np.arccos(np.clip(X_MP.R[2, 2], -1, 1))):.6g} deg"
             findings.append(
                 Diagnostic(
@@ -104,11 +104,11 @@ def place(cell: Cell, channel: str = MAIN) -> Placement:
                 )
             )
     waiting = {name: stock for name, stock in cell.stocks.items() if stock.place.frame is None}
-    automatic = isinstance(mover, MachineTool) and not own.work_offsets and bool(waiting)
-    if automatic and isinstance(mover, MachineTool):
+    automatic = bool(mover.axes and waiting) and not own.work_offsets
+    if automatic:
         offsets[1], note = _automatic(cell, mover)
         findings.append(note)
-    elif not own.work_offsets and isinstance(mover, MachineTool):
+    elif mover.axes and not own.work_offsets:
         findings += _at_machine_zero(cell)
     result = Placement(
         X_WM=X_WM,
@@ -136,7 +136,7 @@ def _standing(placement: Placement, standing: Standing, default: str) -> Pose:
 def _offset(cell: Cell, X_WM: Pose, mover: MachineTool | Robot, standing: Standing) -> Pose:
     """X_MP of a work offset; without `in:` it is seen from machine zero, on an arm from the base."""
     if standing.frame is None:
-        X_WP = (mover.X_WM if isinstance(mover, MachineTool) else mover.X_WB) @ standing.X
+        X_WP = mover.X_WB @ standing.X
     else:
         X_WP = cell.frames[standing.frame] @ standing.X
     return _cleaned(X_WM.inverse() @ X_WP)
@@ -148,7 +148,7 @@ def _cleaned(X: Pose) -> Pose:
     return Pose(X.p, whole + 0.0) if np.abs(X.R - whole).max() < 1e-12 else X
 
 
-def _upright_base(cell: Cell, channel: Channel, robot: Robot) -> Pose:
+def _upright_base(cell: Cell, channel: Channel, robot: MachineTool | Robot) -> Pose:
     """M of an arm: B, or B turned so that its Z is that of the first work system named."""
     if not channel.work_offsets:
         return robot.X_WB
@@ -167,7 +167,7 @@ def bounds_of(shape: Shape) -> Corners:
     return shape.lower, shape.upper
 
 
-def _automatic(cell: Cell, machine: MachineTool) -> tuple[Pose, Diagnostic]:
+def _automatic(cell: Cell, machine: MachineTool | Robot) -> tuple[Pose, Diagnostic]:
     """G54 for stock without a place: its middle at mid-travel in X and Y, its top in reach of the longest tool."""
     cloud = np.concatenate(
         [

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import product
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gcodesim.cell.cell import Cell
-from gcodesim.cell.machine import MachineTool
 from gcodesim.cell.placement import Corners, Placement, bounds_of
-from gcodesim.cell.robot import Robot
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.frames import Pose
 from gcodesim.units import MM
+
+if TYPE_CHECKING:
+    from gcodesim.cell.machine import Axis
+    from gcodesim.kinematics.chain import Tree
 
 
 def reach_findings(cell: Cell, channel: str, placement: Placement) -> Iterator[Diagnostic]:
@@ -26,10 +29,11 @@ def reach_findings(cell: Cell, channel: str, placement: Placement) -> Iterator[D
     for name, stock in cell.stocks.items():
         corners = bounds_of(stock.shape)
         X_WS = placement.stocks[name]
-        if isinstance(mover, MachineTool):
-            miss = _beyond_travel(mover, mover.X_WM.inverse() @ X_WS, corners, longest, widest)
+        X_BS = mover.X_WB.inverse() @ X_WS
+        if mover.axes:
+            miss = _beyond_travel(mover.axes, X_BS, corners, longest, widest)
         else:
-            miss = _beyond_arm(mover, mover.X_WB.inverse() @ X_WS, corners, max(longest, widest))
+            miss = _beyond_arm(mover.chain.tree, X_BS, corners, max(longest, widest))
         if miss is None:
             continue
         message, value, limit = miss
@@ -45,14 +49,14 @@ def reach_findings(cell: Cell, channel: str, placement: Placement) -> Iterator[D
 
 
 def _beyond_travel(
-    machine: MachineTool, X_MS: Pose, corners: Corners, longest: float, widest: float
+    axes: Sequence[Axis], X_MS: Pose, corners: Corners, longest: float, widest: float
 ) -> tuple[str, float, float] | None:
     """The axis whose travel ends before the stock: what to say, where the stock begins, where the travel ends [m]."""
-    if any(axis.rotary and axis.at is not None for axis in machine.axes):
+    if any(axis.rotary and axis.at is not None for axis in axes):
         return None  # the stock turns, or the tool does
     cloud = X_MS.apply(np.array(list(product(*zip(*corners, strict=True)))))
     for k, letter in enumerate("XYZ"):
-        axis = machine.axis(letter)
+        axis = next((axis for axis in axes if axis.letter == letter), None)
         if axis is None:
             continue
         low, high = float(cloud[:, k].min()), float(cloud[:, k].max())
@@ -66,9 +70,8 @@ def _beyond_travel(
     return None
 
 
-def _beyond_arm(robot: Robot, X_BS: Pose, corners: Corners, tool: float) -> tuple[str, float, float] | None:
+def _beyond_arm(tree: Tree, X_BS: Pose, corners: Corners, tool: float) -> tuple[str, float, float] | None:
     """How far the stock is from the first joint [m], and how far the arm comes at the most, when that is less."""
-    tree = robot.chain.tree
     if tree.prismatic.any():
         return None
     links = np.linalg.norm(tree.before[tree.path.astype(bool)][1:, :3, 3], axis=1)

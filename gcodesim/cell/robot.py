@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from gcodesim.declarations.record import Record
 from gcodesim.frames import Pose
 
 if TYPE_CHECKING:
+    from gcodesim.cell.machine import Axis
     from gcodesim.kinematics.chain import Chain
 
 RIGID: Final = "rigid"
@@ -160,6 +161,9 @@ class Robot:
     `stiffness` of the gears [N·m/rad] or [N/m], or None for rigid ones; `X_WB` is its base in the world.
     """
 
+    axes: ClassVar[tuple[Axis, ...]] = ()
+    """Axes that a program names by their letters: a robot has none."""
+
     name: str
     model: str | None
     urdf: str | None
@@ -170,6 +174,9 @@ class Robot:
     stiffness: tuple[float, ...] | None
     payload: Payload | None
     X_WB: Pose = field(default_factory=Pose.identity, compare=False)
+
+    def axis(self, letter: str) -> Axis | None:
+        return None
 
     def at(self, X_WB: Pose) -> Robot:
         return replace(self, X_WB=X_WB)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
@@ -39,31 +39,42 @@ def fixture_body(name: str, shape: Shape, X: Pose) -> FixtureBody | None:
     return None
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Standing:
+    """Fixtures that stand on one thing: their places in its frame C, and X_BC (n, 4, 4) at joints `q` (n, j).
+
+    Without `carrier` they stand still, and their places are those in B.
+    """
+
+    fixtures: tuple[FixtureBody, ...]
+    carrier: Callable[[Array], Array] | None = None
+
+
 def clearance_findings(
-    plan: Plan,
-    tools: Mapping[int, Tool],
-    fixtures: Iterable[FixtureBody],
-    *,
-    X_BM: Pose | None = None,
-    table: Callable[[Array], Array] | None = None,
+    plan: Plan, tools: Mapping[int, Tool], standing: Iterable[Standing], *, X_BM: Pose | None = None
 ) -> list[Diagnostic]:
     """GS301 to GS304 of every time that a tool enters a fixture on the whole plan.
 
-    `fixtures` stand in B, on a machine with a moving table on that table with
-    its axes at zero; `table(q)` then gives the table's poses (n, 4, 4) in B.
     `X_BM` is machine zero in B, for places in the work system.
     """
-    fixtures = list(fixtures)
     trajectory, path = plan.trajectory, plan.path
-    if not fixtures or not len(path):
+    standing = [some for some in standing if some.fixtures]
+    if not standing or not len(path):
         return []
-    X_BM = X_BM or Pose.identity()
     duration = trajectory.duration
     regular = np.arange(0.0, duration, CHORD)
     time = np.unique(np.concatenate([regular, trajectory.boundaries(0.0, duration), [duration]]))
-    way = _way(plan, time, table)
+    found = [hit for some in standing for hit in _hits(plan, tools, some, time, X_BM or Pose.identity())]
+    return [finding for _, finding in sorted(found, key=lambda entry: entry[0])]
+
+
+def _hits(
+    plan: Plan, tools: Mapping[int, Tool], standing: Standing, time: Array, X_BM: Pose
+) -> Iterator[tuple[float, Diagnostic]]:
+    """When a tool enters one of these fixtures, and what is to be said about it."""
+    trajectory, path, carrier = plan.trajectory, plan.path, standing.carrier
+    way = _way(plan, time, carrier)
     tool_of_chord = np.array([state.tool for state in path.states])[path.state[way.row]]
-    found: list[tuple[float, Diagnostic]] = []
     for number in np.unique(tool_of_chord).tolist():
         if number not in tools:
             continue
@@ -71,19 +82,18 @@ def clearance_findings(
         tips = way.nose + tools[number].true_length * way.out
         axis = -(way.out[:-1] + way.out[1:])[mine]
         axis /= np.linalg.norm(axis, axis=1, keepdims=True)
-        touches = fixture_touches(ToolParts.of(tools[number]), fixtures, tips[mine], tips[mine + 1], axis)
+        touches = fixture_touches(ToolParts.of(tools[number]), standing.fixtures, tips[mine], tips[mine + 1], axis)
         for touch in touches:
             chord = int(mine[touch.piece])
             when = float(time[chord] + touch.share * (time[chord + 1] - time[chord]))
             point_B = np.array(touch.tip)
-            if table is not None:
+            if carrier is not None:
                 q = plan.joints(trajectory.sample(np.array([when])))
-                point_B = Pose.from_matrix(table(q)[0]).apply(point_B)
+                point_B = Pose.from_matrix(carrier(q)[0]).apply(point_B)
             state = path.state_of(int(way.row[chord]))
             system, point = place_in_system(X_BM.inverse().apply(point_B), state)
             span = path.span(int(way.row[chord]))
-            found.append((when, collision_finding(touch, span, system, point, when)))
-    return [finding for _, finding in sorted(found, key=lambda entry: entry[0])]
+            yield when, collision_finding(touch, span, system, point, when)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,14 +105,14 @@ class _Way:
     row: NDArray[np.int64]
 
 
-def _way(plan: Plan, time: Array, table: Callable[[Array], Array] | None) -> _Way:
+def _way(plan: Plan, time: Array, carrier: Callable[[Array], Array] | None) -> _Way:
     nose, out = np.empty((len(time), 3)), np.empty((len(time), 3))
     for first in range(0, len(time), _BLOCK):
         rows = slice(first, first + _BLOCK)
         q = plan.joints(plan.trajectory.sample(time[rows]))
         X = plan.kinematics.forward(q)
-        if table is not None:
-            X = np.linalg.inv(table(q)) @ X
+        if carrier is not None:
+            X = np.linalg.inv(carrier(q)) @ X
         nose[rows], out[rows] = X[:, :3, 3], X[:, :3, 2]
     # the row in the middle of a chord, since its ends may belong to two
     return _Way(nose, out, plan.trajectory.sample(0.5 * (time[:-1] + time[1:])).row)

@@ -8,10 +8,9 @@ import numpy as np
 
 from gcodesim.cell import Cell
 from gcodesim.cell.cell import MACHINE
-from gcodesim.cell.machine import MachineTool
-from gcodesim.cell.robot import Robot
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.motion.tool_path import ToolPath
+from gcodesim.scene import Mover
 
 _LETTERS = "XYZABC"
 
@@ -54,20 +53,18 @@ def idle_findings(cell: Cell, channel: str) -> Iterator[Diagnostic]:
             )
 
 
-def blind_axis_findings(path: ToolPath, mover: MachineTool | Robot) -> Iterator[Diagnostic]:
+def blind_axis_findings(path: ToolPath, mover: Mover) -> Iterator[Diagnostic]:
     """GS911: rotary axes that move although nobody knows where they are; at the first row of each."""
-    if not isinstance(mover, MachineTool) or not len(path):
+    if not len(path):
         return
-    for axis in mover.axes:
-        if not axis.rotary or axis.at is not None or mover.shipped is not None:
-            continue
-        column = _LETTERS.index(axis.letter)
+    for letter in mover.timed_only:
+        column = _LETTERS.index(letter)
         moved = np.flatnonzero(np.abs(path.end[:, column] - path.start[:, column]) > 1e-12)
         if len(moved):
             yield Diagnostic(
                 code="GS911",
                 span=path.span(int(moved[0])),
-                message=f"axis {axis.letter} takes time only: the cell does not say where it is, so nothing turns",
-                hint=f"give a point on it: `{axis.letter}: {{at: [x, y, z], …}}`",
+                message=f"axis {letter} takes time only: the cell does not say where it is, so nothing turns",
+                hint=f"give a point on it: `{letter}: {{at: [x, y, z], …}}`",
                 count=len(np.unique(path.block[moved])),
             )

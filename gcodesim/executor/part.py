@@ -11,7 +11,7 @@ import numpy as np
 from gcodesim.executor.tasks import RowColumns, Task
 from gcodesim.executor.window import StepWindow
 from gcodesim.frames import Array
-from gcodesim.kinematics import Cartesian, compliance
+from gcodesim.kinematics import compliance
 from gcodesim.processes.window import ProcessStep, Window
 from gcodesim.shop import Shop
 
@@ -76,7 +76,7 @@ def part_of(
     `jacobian` gives those of the tip (n, 6, j) in base axes; a rigid machine does not ask for them.
     """
     count = end - begin
-    X_BS = _stock_poses(shop, task, steps.q[begin:end])
+    X_BS = shop.scene.seen_from(shop.name, task.target.frame, {shop.name: steps.q[begin:end]})
     moving = bool(np.ptp(X_BS[:, :3], axis=0).any())
     if moving:  # the table turns or travels: chords between the ends of steps, seen from the stock
         held = np.concatenate([X_BS[:1], X_BS[:-1]])
@@ -115,15 +115,6 @@ def part_of(
         compliance=None if shop.stiffness is None else _seen_from(R_SB, compliance(jacobian(), shop.stiffness)),
     )
     return Part(task=task, begin=begin, end=end, window=window, X_BS=X_BS, share=share)
-
-
-def _stock_poses(shop: Shop, task: Task, q: Array) -> Array:
-    """X_BS (n, 4, 4) at joints `q` (n, j); on a machine with a moving table the stock goes along."""
-    X_BS = (shop.X_WB.inverse() @ task.target.X_WS).matrix
-    if isinstance(shop.kinematics, Cartesian):
-        poses: Array = shop.kinematics.table(q) @ X_BS
-        return poses
-    return np.tile(X_BS, (len(q), 1, 1))
 
 
 def _into(X: Array, points: Array) -> Array:

@@ -11,7 +11,7 @@ import numpy as np
 
 from gcodesim.frames import Array, Pose, rotation_from_rpy
 from gcodesim.kinematics.chain import Chain, Inertial, Joint, Link
-from gcodesim.kinematics.machine import Machine, poses, rows
+from gcodesim.kinematics.machine import Machine, poses
 from gcodesim.kinematics.protocol import Reason, Status, Statuses
 from gcodesim.kinematics.reasons import limit_reason
 from gcodesim.kinematics.serial import SerialArm
@@ -136,44 +136,10 @@ class Cartesian(Machine):
         out[:, self.columns] = q
         return out
 
-    def table(self, q: Array) -> Array:
-        """X_MC (n, 4, 4): the table frame C, which coincides with M while the table's axes stand at zero."""
-        q = rows(q)
-        if self.chain.table is None:
-            return np.tile(np.eye(4), (len(q), 1, 1))
-        index = self.link_names.index(self.chain.table)
-        return self._link(q, index) @ np.linalg.inv(self._link(np.zeros((1, q.shape[1])), index))
-
-    def table_travel(self, q: Array) -> Array:
-        """How far (n, 3) [m] in M the table's linear axes have carried it; turns of the table left out.
-
-        A work system goes along with that, and not with the turns: a control adds
-        its offsets to the positions of the axes.
-        """
-        q = rows(q)
-        index = self.link_names.index(self.chain.table) if self.chain.table is not None else 0
-        on_table = {int(j) for j in np.flatnonzero(self.chain.tree.prismatic)} - {
-            int(j) for j in np.flatnonzero(self.chain.tree.path)
-        }
-        if self.chain.table is None or not on_table:
-            return np.zeros((len(q), 3))
-        still = np.zeros_like(q)
-        for joint in sorted(on_table):
-            still[:, joint] = q[:, joint]
-        travel: Array = self._link(still, index)[:, :3, 3] - self._link(np.zeros((1, q.shape[1])), index)[:, :3, 3]
-        return travel
-
     def forward_from_table(self, q: Array) -> Array:
         """X_CF (n, 4, 4): the spindle nose as the work sees it."""
         X: Array = np.linalg.inv(self.table(q)) @ self.forward(q)
         return X
-
-    def _link(self, q: Array, index: int) -> Array:
-        tree = self.chain.tree
-        poses_: Array = self._poses(
-            q, tree.carrier[index : index + 1], np.ascontiguousarray(tree.offset[index : index + 1])
-        )
-        return poses_[:, 0]
 
     @cached_property
     def _rotary_head(self) -> bool:

@@ -51,6 +51,41 @@ class Machine:
         """Poses of all links, (n, L, 4, 4), in B."""
         return self._poses(q, self.chain.tree.carrier, self.chain.tree.offset)
 
+    def link(self, q: Array, index: int) -> Array:
+        """X_BL (n, 4, 4) of the link at `index` of `link_names`."""
+        tree = self.chain.tree
+        poses_: Array = self._poses(
+            q, tree.carrier[index : index + 1], np.ascontiguousarray(tree.offset[index : index + 1])
+        )
+        return poses_[:, 0]
+
+    def table(self, q: Array) -> Array:
+        """X_BC (n, 4, 4): the table frame C, which coincides with B while the table's axes stand at zero."""
+        q = rows(q)
+        if self.chain.table is None:
+            return np.tile(np.eye(4), (len(q), 1, 1))
+        index = self.link_names.index(self.chain.table)
+        return self.link(q, index) @ np.linalg.inv(self.link(np.zeros((1, q.shape[1])), index))
+
+    def table_travel(self, q: Array) -> Array:
+        """How far (n, 3) [m] in B the table's linear axes have carried it; turns of the table left out.
+
+        A work system goes along with that, and not with the turns: a control adds
+        its offsets to the positions of the axes.
+        """
+        q = rows(q)
+        index = self.link_names.index(self.chain.table) if self.chain.table is not None else 0
+        on_table = {int(j) for j in np.flatnonzero(self.chain.tree.prismatic)} - {
+            int(j) for j in np.flatnonzero(self.chain.tree.path)
+        }
+        if self.chain.table is None or not on_table:
+            return np.zeros((len(q), 3))
+        still = np.zeros_like(q)
+        for joint in sorted(on_table):
+            still[:, joint] = q[:, joint]
+        travel: Array = self.link(still, index)[:, :3, 3] - self.link(np.zeros((1, q.shape[1])), index)[:, :3, 3]
+        return travel
+
     def forward(self, q: Array) -> Array:
         """X_BF (n, 4, 4) of joints (n, j)."""
         tree = self.chain.tree

@@ -64,8 +64,20 @@ class Kinematics(Protocol):
         """Poses of all links, (n, L, 4, 4), in the order of `link_names`."""
         ...
 
+    def link(self, q: Array, index: int) -> Array:
+        """Pose (n, 4, 4) of the link at `index` of `link_names`."""
+        ...
+
     def forward(self, q: Array) -> Array:
         """X_BF (n, 4, 4)."""
+        ...
+
+    def table(self, q: Array) -> Array:
+        """X_BC (n, 4, 4) of what carries the work, which coincides with B while its joints stand at zero."""
+        ...
+
+    def table_travel(self, q: Array) -> Array:
+        """How far (n, 3) [m] linear joints have carried the work, turns left out; zeros where none does."""
         ...
 
     def jacobian(self, q: Array) -> Array:

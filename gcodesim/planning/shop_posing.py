@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcodesim.cell.machine import MachineTool
 from gcodesim.frames import Array
 from gcodesim.planning.axis_posing import AxisPosing
 from gcodesim.planning.fixed_attitude import FixedAttitude
 from gcodesim.planning.posing import Posing
-from gcodesim.shop import Shop, mover_of
+from gcodesim.shop import Shop
 
 
 def posing_of(shop: Shop) -> Posing:
-    """A machine tool is commanded by its axes; an arm holds the tool as the cell asks."""
-    mover = mover_of(shop)
-    if isinstance(mover, MachineTool):
-        return AxisPosing(independent_rapids=mover.rapids == "independent")
+    """A machine whose joints are the axes is commanded by these; an arm holds the tool as the cell asks."""
+    if shop.mover.joints_are_axes:
+        return AxisPosing(independent_rapids=shop.mover.rapids == "independent")
     return _fixed_attitude(shop)
 
 

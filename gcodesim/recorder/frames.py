@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gcodesim.frames import Array, Pose
-from gcodesim.kinematics import Cartesian
 from gcodesim.log import StaticFrame
 from gcodesim.recorder.pose_kernels import write_poses
-from gcodesim.shop import Shop
+from gcodesim.scene import WORK
+from gcodesim.shop import WORK_FRAME, Shop
 
 if TYPE_CHECKING:
     from gcodesim.motion.tool_path import ToolPath
@@ -50,13 +50,12 @@ class Frames:
         chain = shop.kinematics.chain
         children = {joint.child for joint in chain.joints}
         links = tuple(i for i, name in enumerate(names) if name in children)
-        table = isinstance(shop.kinematics, Cartesian) and _table_moves(shop)
         return Frames(
             shop=shop,
             links=links,
             flange=f"{shop.name}/{chain.flange}",
-            moving_stock=table,
-            moving_path=table and _table_travels(shop),
+            moving_stock=shop.scene.moves(f"{shop.name}/{WORK}"),
+            moving_path=shop.mover.shifts_work,
         )
 
     @property
@@ -117,11 +116,10 @@ class Frames:
         columns = [shop.kinematics.forward(q)] if self.flange_is_extra else []
         columns += [tools, tcp, part]
         if self.moving_stock:
-            X_WB = shop.X_WB.matrix
-            assert isinstance(shop.kinematics, Cartesian)
-            X_WC = X_WB @ shop.kinematics.table(q)
-            stands = [p.X_WS for p in shop.stocks.values()] or [shop.placement.X_W("G54")]
-            columns += [X_WC @ (shop.X_WB.inverse() @ X_WS).matrix for X_WS in stands]
+            now = {shop.name: q}
+            columns += [shop.scene.track(stock.frame, now) for stock in shop.stocks.values()]
+            if not shop.stocks:
+                columns.append(shop.scene.track(WORK_FRAME, now))
         if self.moving_path:
             columns.append(self.carried(q, np.tile(np.eye(4), (len(q), 1, 1))))
         rows = np.empty((len(q), len(self.links) + len(columns), 7))
@@ -134,7 +132,6 @@ class Frames:
         """Work systems (n, 4, 4) in W, given for a table at zero, where the table's linear axes at `q` bring them."""
         if not self.moving_stock:
             return X_WP
-        assert isinstance(self.shop.kinematics, Cartesian)
         X = X_WP.copy()
         X[:, :3, 3] += self.shop.kinematics.table_travel(q) @ self.shop.X_WB.R.T
         return X
@@ -143,25 +140,9 @@ class Frames:
         """Poses (n, 4, 4) in W as the table sees them, which is the same where no axis moves a table."""
         if not self.moving_stock:
             return X_W
-        assert isinstance(self.shop.kinematics, Cartesian)
-        X_WB = self.shop.X_WB.matrix
-        X: Array = np.linalg.inv(X_WB @ self.shop.kinematics.table(q)) @ X_W
+        shop = self.shop
+        X: Array = np.linalg.inv(shop.scene.track(f"{shop.name}/{WORK}", {shop.name: q})) @ X_W
         return X
-
-
-def _table_moves(shop: Shop) -> bool:
-    """Whether any axis stands on the table's side."""
-    assert isinstance(shop.kinematics, Cartesian)
-    q = np.zeros((2, len(shop.kinematics.joints)))
-    q[1] = 0.1
-    table = shop.kinematics.table(q)
-    return bool(np.abs(table[1] - table[0]).max() > 1e-12)
-
-
-def _table_travels(shop: Shop) -> bool:
-    """Whether any linear axis moves the table."""
-    assert isinstance(shop.kinematics, Cartesian)
-    return bool(shop.kinematics.table_travel(np.full((1, len(shop.kinematics.joints)), 0.1)).any())
 
 
 def _static(name: str, X: Pose) -> StaticFrame:

@@ -34,7 +34,7 @@ def layout_kind(shop: Shop) -> str:
     """`process` when any tool does something else than mill, else `robot` or `milling` after what moves."""
     if any(tool.process not in ("", "milling") for tool in shop.cell.tools.values()):
         return "process"
-    return "robot" if shop.is_arm else "milling"
+    return "robot" if shop.mover.seen_whole else "milling"
 
 
 def view_of(shop: Shop, plan: Plan, ways: Ways, rapid: NDArray[np.bool_]) -> View:
@@ -46,7 +46,7 @@ def view_of(shop: Shop, plan: Plan, ways: Ways, rapid: NDArray[np.bool_]) -> Vie
     if not len(work):
         return View(volumes=_volumes(shop, plan))
     part = _camera(work, diagonals=AROUND_WORK)
-    if shop.is_arm:
+    if shop.mover.seen_whole:
         robot = _camera(np.concatenate([work, _links(shop)]), diagonals=AROUND_ROBOT)
         return View(cell=robot, part=part, volumes=_volumes(shop, plan))
     farthest = float(np.linalg.norm(ways.points - part.target, axis=1).max(initial=0.0))

@@ -147,14 +147,8 @@ class Recorder:
 
     def _urdf(self) -> bytes | None:
         """The robot description that was read, if there was one."""
-        from gcodesim.cell.machine import MachineTool
-        from gcodesim.kinematics import model_path
-        from gcodesim.shop import mover_of
-
-        mover = mover_of(self._shop)
-        if isinstance(mover, MachineTool):
-            return None if mover.model is None else model_path(mover.model).read_bytes()
-        return mover.description.read_bytes()
+        file = self._shop.mover.description
+        return None if file is None else file.read_bytes()
 
     # ---- during the run
 

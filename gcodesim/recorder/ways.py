@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.frames import Array
-from gcodesim.kinematics import Cartesian
 from gcodesim.log import Polylines
 from gcodesim.motion.tool_path import ARC
 from gcodesim.shop import Shop
@@ -89,6 +88,6 @@ def _shifts(plan: Plan, shop: Shop) -> Array:
     rows = np.arange(len(middle))
     q = plan.joints(samples)
     shift: Array = plan.tip(q, rows)[:, :3, 3] - samples.position[:, :3]
-    if isinstance(shop.kinematics, Cartesian):
+    if shop.mover.shifts_work:
         shift -= shop.kinematics.table_travel(q)
     return shift

@@ -9,7 +9,7 @@ import pytest
 
 from gcodesim.canon import Event, LinearFeed, Rapid, ToolChange, ToolOffset, WorkSystem
 from gcodesim.cell.stock import Box, Cylinder
-from gcodesim.checks.clearance import clearance_findings, fixture_body, place_in_system
+from gcodesim.checks.clearance import Standing, clearance_findings, fixture_body, place_in_system
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.frames import Pose
 from gcodesim.kinematics import MODELS, Cartesian, kinematics_of, load_urdf
@@ -56,7 +56,7 @@ def findings_of(
     plan = plan_path(path, kinematics_of(chain), posing, home=np.array(home), tool_frames=frames)
     clamp = fixture_body("clamp", CLAMP, Pose(ZERO, np.eye(3)))
     assert clamp is not None
-    return clearance_findings(plan, {tool.number: tool}, [clamp])
+    return clearance_findings(plan, {tool.number: tool}, [Standing((clamp,))])
 
 
 T2 = FlatEndMill(number=2, diameter=0.010, length=0.06)
@@ -155,8 +155,9 @@ def test_fixtures_turn_with_the_table_they_stand_on() -> None:
     clamp = fixture_body("clamp", Box(lower=(-0.06, -0.005, 0.0), upper=(-0.04, 0.005, 0.02)), Pose.identity())
     assert clamp is not None
 
-    assert clearance_findings(plan, {2: T2}, [clamp]) == []  # if the clamp stood still, nothing would happen
-    (finding,) = clearance_findings(plan, {2: T2}, [clamp], table=kinematics.table)
+    still = Standing((clamp,))
+    assert clearance_findings(plan, {2: T2}, [still]) == []  # if the clamp stood still, nothing would happen
+    (finding,) = clearance_findings(plan, {2: T2}, [Standing((clamp,), kinematics.table)])
 
     assert (finding.code, finding.span.line) == ("GS301", 2)
     # the tip itself has not moved in the machine: X50 Y0 Z10
