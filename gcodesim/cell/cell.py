@@ -25,7 +25,7 @@ from gcodesim.cell.settings import (
     matches,
 )
 from gcodesim.cell.stock import Fixture, FixtureKind, StockKind, StockSpec, Target
-from gcodesim.cell.tooling import TOOL_NUMBERS, ToolKind
+from gcodesim.cell.tooling import TOOL, TOOL_NUMBERS
 from gcodesim.declarations.composed import ListOf
 from gcodesim.declarations.file_kind import FileValue
 from gcodesim.declarations.files import InputFile
@@ -57,7 +57,7 @@ _ROBOTS: Final = MapOf(
     names_of("robot"), RobotKind(), "robots by name, such as `arm: {model: kuka_kr10_r1100_2}`", lenient=True
 )
 _TOOLS: Final = MapOf(
-    TOOL_NUMBERS, ToolKind(), "tools by number, such as `1: {type: flat_end_mill, diameter: 10 mm}`", lenient=True
+    TOOL_NUMBERS, TOOL, "tools by number, such as `1: {type: flat_end_mill, diameter: 10 mm}`", lenient=True
 )
 _MATERIALS: Final = MapOf(_ANY_NAME, MaterialKind(), "materials by name", lenient=True)
 _PACKAGES: Final = MapOf(_ANY_NAME, PackageFolder(), "folders by package name")

@@ -18,7 +18,6 @@ from gcodesim.cell.robot import RobotForm
 from gcodesim.cell.schema import units_as_text
 from gcodesim.cell.settings import Limits, LogSettings, Magazine, Simulation, Suppression
 from gcodesim.cell.stock import Body, StockSpec, Target
-from gcodesim.cell.tooling import members
 from gcodesim.declarations.keys import Key, all_keys, keys
 from gcodesim.key_page import escaped, rewrite
 from gcodesim.tools import TOOLS
@@ -51,7 +50,7 @@ def reference() -> str:
         own = [key for key in keys(cls).values() if cls is Body or key.name not in shared]
         parts += ["", f"### {title}", "", *_table(own)]
     for name in TOOLS:
-        parts += ["", f"### Tool type `{name}`", "", *_table(members(TOOLS[name]))]
+        parts += ["", f"### Tool type `{name}`", "", *_table(list(all_keys(TOOLS[name]).values()))]
     return "\n".join([*parts, "", "### Units", "", "```text", units_as_text(), "```"])
 
 

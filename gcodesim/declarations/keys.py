@@ -1,26 +1,40 @@
 """Fields of dataclasses as keys of a file: a field declared by `key` is a key.
 
-`inline` lays the keys of one class among those of another (`in`, `xyz`, `rpy`
-of everything that stands somewhere).
+Cells, tools and processes declare what they take in the same words, so that
+each has every unit, a place in the schema, in `cell show` and in the docs.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import MISSING, Field, dataclass, field, fields
+from collections.abc import Callable, Iterator
+from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass
 from functools import cache
 from typing import Any, Final
 
-from gcodesim.declarations.kind import Kind
+from gcodesim.declarations.kind import Kind, Range
 from gcodesim.declarations.nodes import Node
-from gcodesim.declarations.reading import Path, Reading
+from gcodesim.declarations.plain_kinds import Switch, Text, Whole
+from gcodesim.declarations.quantity import Quantity
+from gcodesim.declarations.reading import Path, Reading, suggestion
+from gcodesim.declarations.units import DIMENSIONS
 
 _META: Final = "gcodesim.key"
+
+# what a kind given as a word means besides the dimensions of `units`; the bounds keep squares and cubes finite
+_NAMED: Final[dict[str, Kind]] = {
+    "length": Quantity("length", Range(least=-1e2, most=1e2)),  # m
+    "count": Whole(Range(least=1.0, most=1000.0)),
+    "text": Text(),
+    "switch": Switch(),
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Key:
-    """What a field tells the reader. `name` is the key in the file; `quiet` defaults are not listed."""
+    """What a field tells the reader. `name` is the key in the file; `quiet` defaults are not listed.
+
+    `rule` says in words where the value of an absent key comes from; `derived` that it follows from other keys.
+    """
 
     name: str
     field: str
@@ -29,7 +43,8 @@ class Key:
     required: bool
     default: Any
     quiet: bool
-    why: str
+    rule: str
+    derived: bool
 
     def read(self, node: Node, to: Reading, path: Path) -> Any:
         """The value of this key; a fault without a hint of its own says what the key means."""
@@ -39,31 +54,56 @@ class Key:
         return value
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class _Declared:
-    kind: Kind | None
-    doc: str
-    name: str
-    quiet: bool
-    why: str
+    kind: Kind | type | None = None
+    doc: str = ""
+    name: str = ""
+    quiet: bool = False
+    rule: str = ""
+    derive: Callable[[Any], Any] | None = None
     inline: type | None = None
     always: bool = False
 
 
-def key(kind: Kind, doc: str, *, name: str = "", default: Any = MISSING, quiet: bool = False, why: str = "") -> Any:
-    """A dataclass field that is a key of the cell file; required when there is no `default`."""
-    return _field(default, _Declared(kind, doc, name, quiet, why))
+def key(
+    kind: Kind | str | type,
+    doc: str,
+    *,
+    name: str = "",
+    default: Any = MISSING,
+    rule: str = "",
+    derive: Callable[[Any], Any] | None = None,
+    quiet: bool = False,
+) -> Any:
+    """A dataclass field that is a key of the file, `name` or the field's own; `doc` is one line for people.
+
+    `kind` is a dimension of `units` such as `"force"`; `"count"`, `"text"` or `"switch"`; a class whose own fields are
+    keys, which makes a group; or any other `Kind`. Values are SI.
+
+    The key is required without `default` and `derive`. `derive` computes the value from the finished instance when the
+    key is absent, and `rule` says the same in words. `quiet` defaults are not listed by `cell show`.
+    """
+    start = None if derive is not None else default
+    declared = _Declared(kind=_kind(kind), doc=doc, name=name, quiet=quiet, rule=rule, derive=derive)
+    if isinstance(start, (dict, list)):
+        return field(default_factory=lambda: type(start)(start), metadata={_META: declared})
+    return field(default=start, metadata={_META: declared})
 
 
 def inline(cls: type, *, always: bool = True) -> Any:
     """A field that holds a `cls` whose keys stand among ours; None unless `always` or one of them is written."""
-    return _field(None, _Declared(None, "", "", False, "", cls, always))
+    return field(default=None, metadata={_META: _Declared(inline=cls, always=always)})
 
 
-def _field(default: Any, declared: _Declared) -> Any:
-    if isinstance(default, (dict, list)):
-        return field(default_factory=lambda: type(default)(default), metadata={_META: declared})
-    return field(default=default, metadata={_META: declared})
+def _kind(kind: Kind | str | type) -> Kind | type:
+    if not isinstance(kind, str):
+        return kind
+    if kind in _NAMED:
+        return _NAMED[kind]
+    if kind not in DIMENSIONS:
+        raise ValueError(f"`{kind}` is no kind of value; {suggestion(kind, [*_NAMED, *DIMENSIONS])}")
+    return Quantity(kind)
 
 
 def _default(item: Field[Any]) -> Any:
@@ -71,33 +111,51 @@ def _default(item: Field[Any]) -> Any:
 
 
 @cache
-def keys(cls: type[Any]) -> dict[str, Key]:
-    """The keys that `cls` itself declares, by their names in the file."""
+def _declared(cls: type) -> tuple[tuple[Field[Any], _Declared], ...]:
+    """The fields of `cls` that say something to the reader, in the order of listings.
+
+    A class that inherits keys lists required ones first: they are what tells it from its bases.
+    """
+    any_class: Any = cls
+    found = [(item, item.metadata[_META]) for item in fields(any_class) if _META in item.metadata]
+    if any(is_dataclass(base) for base in cls.__mro__[1:]):
+        found.sort(key=lambda pair: pair[1].kind is None or _default(pair[0]) is not MISSING)
+    return tuple(found)
+
+
+@cache
+def keys(cls: type) -> dict[str, Key]:
+    """The keys that `cls` itself declares or inherits, by their names in the file."""
     found: dict[str, Key] = {}
-    for item in fields(cls):
-        declared: _Declared | None = item.metadata.get(_META)
-        if declared is None or declared.kind is None:
+    for item, declared in _declared(cls):
+        if declared.kind is None:
             continue
         default = _default(item)
         name = declared.name or item.name
         found[name] = Key(
             name=name,
             field=item.name,
-            kind=declared.kind,
-            doc=declared.doc,
+            kind=declared.kind if isinstance(declared.kind, Kind) else _group(declared.kind, name),
+            doc=f"{declared.doc} (default: {declared.rule})" if declared.rule else declared.doc,
             required=default is MISSING,
             default=default,
             quiet=declared.quiet,
-            why=declared.why,
+            rule=declared.rule,
+            derived=declared.derive is not None,
         )
     return found
+
+
+def _group(cls: type, name: str) -> Kind:
+    from gcodesim.declarations.record import Record  # which reads what is declared here
+
+    return Record(cls, f"`{name}`")
 
 
 @cache
 def inlined(cls: type) -> dict[str, tuple[type, bool]]:
     """Fields of `cls` that hold another class whose keys stand among ours: class, and whether always built."""
-    metas = ((item.name, item.metadata.get(_META)) for item in fields(cls))
-    return {name: (meta.inline, meta.always) for name, meta in metas if meta is not None and meta.inline is not None}
+    return {item.name: (meta.inline, meta.always) for item, meta in _declared(cls) if meta.inline is not None}
 
 
 @cache
@@ -105,21 +163,30 @@ def all_keys(cls: type) -> dict[str, Key]:
     """Own and inlined keys of `cls`."""
     found = dict(keys(cls))
     for inner, _ in inlined(cls).values():
-        found |= keys(inner)
+        found |= all_keys(inner)
     return found
+
+
+def fill_derived(instance: Any) -> None:
+    """Give each value that is absent and follows from others what its rule says.
+
+    The reader does it; a class that is also made in Python calls it from `__post_init__`.
+    """
+    cls: type = type(instance)
+    for item, declared in _declared(cls):
+        if declared.derive is not None and getattr(instance, item.name) is None:
+            object.__setattr__(instance, item.name, declared.derive(instance))
 
 
 def written(value: Any) -> Iterator[tuple[str, Kind, Any]]:
     """Name, kind and content of all keys of a record that say something: no empty ones, no quiet defaults."""
-    for item in fields(value):
-        declared: _Declared | None = item.metadata.get(_META)
-        if declared is None:
-            continue
+    cls: type = type(value)
+    for item, declared in _declared(cls):
         content = getattr(value, item.name)
         if declared.inline is not None:
             if content is not None:
                 yield from written(content)
-        elif declared.kind is not None and content is not None and content != {} and content != ():
-            if declared.quiet and content == _default(item):
-                continue
-            yield declared.name or item.name, declared.kind, content
+        elif content is not None and content != {} and content != ():
+            name = declared.name or item.name
+            if not (declared.quiet and content == _default(item)):
+                yield name, keys(cls)[name].kind, content

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, is_dataclass
 from typing import Any, Final
 
-from gcodesim.declarations.keys import Key, all_keys, inlined, keys, written
+from gcodesim.declarations.keys import Key, all_keys, fill_derived, inlined, keys, written
 from gcodesim.declarations.kind import Json, Kind, article_of, key_name
 from gcodesim.declarations.nodes import Mapping, Node, Scalar
 from gcodesim.declarations.reading import FAULT, Fault, Path, Reading, suggestion
@@ -40,15 +40,7 @@ class Record(Kind):
 
     def read(self, node: Node, to: Reading, path: Path) -> Any:
         entries = self._entries(node, to, path)
-        if isinstance(entries, Fault):
-            return FAULT
-        known = all_keys(self.cls)
-        values: dict[str, Any] = {}
-        for name, node_of_key, value in known_keys(entries, list(known), self.what, to):
-            at = (*path, name)
-            to.named(at, node_of_key.span)
-            values[name] = known[name].read(value, to, at)
-        return self._build(values, to, path)
+        return FAULT if isinstance(entries, Fault) else self.read_entries(entries, to, path)
 
     def _entries(self, node: Node, to: Reading, path: Path) -> tuple[tuple[Scalar, Node], ...] | Fault:
         if isinstance(node, Mapping):
@@ -58,18 +50,41 @@ class Record(Kind):
             return ((Scalar(span=node.span, text=self.shorthand), node),)
         return not_a_mapping(node, self.expected, to, path)
 
-    def _build(self, values: dict[str, Any], to: Reading, path: Path) -> Any:
-        arguments = _arguments(self.cls, values, self.what, to, path)
-        for name, (inner, always) in inlined(self.cls).items():
-            if always or any(k in values for k in keys(inner)):
-                inner_arguments = _arguments(inner, values, self.what, to, path)
-                faulty = any(value is FAULT for value in inner_arguments.values())
-                arguments[name] = FAULT if faulty else _checked(inner(**inner_arguments), to, path)
+    def read_entries(self, entries: tuple[tuple[Scalar, Node], ...], to: Reading, path: Path, **fixed: Any) -> Any:
+        """The instance that the entries of a mapping describe, or FAULT; `fixed` are fields that are no keys."""
+        known = all_keys(self.cls)
+        values: dict[str, Any] = {}
+        for name, node_of_key, value in known_keys(entries, list(known), self.what, to):
+            at = (*path, name)
+            to.named(at, node_of_key.span)
+            values[name] = known[name].read(value, to, at)
+        arguments = fixed | self._arguments(self.cls, values, to, path)
         if self.lenient:
             self._mend(arguments, to)
         if any(value is FAULT for value in arguments.values()):
             return FAULT
-        return _checked(self.cls(**arguments), to, path)
+        instance = _made(self.cls, arguments)
+        _list_defaults(instance, values, to, path)
+        return _checked(instance, to, path)
+
+    def _arguments(self, cls: type, values: dict[str, Any], to: Reading, path: Path) -> dict[str, Any]:
+        """Constructor arguments of `cls` out of what was read, with defaults; FAULT for what is missing."""
+        arguments: dict[str, Any] = {}
+        for name, declared in keys(cls).items():
+            if name in values:
+                arguments[declared.field] = values[name]
+            elif declared.required:
+                arguments[declared.field] = to.fault(
+                    "GS705", to.span(path), f"{self.what} lacks `{name}`: {declared.kind.expected}", declared.doc
+                )
+            else:
+                arguments[declared.field] = declared.default
+        for name, (inner, always) in inlined(cls).items():
+            if always or any(k in values for k in all_keys(inner)):
+                within = self._arguments(inner, values, to, path)
+                faulty = any(value is FAULT for value in within.values())
+                arguments[name] = FAULT if faulty else _checked(_made(inner, within), to, path)
+        return arguments
 
     def _mend(self, arguments: dict[str, Any], to: Reading) -> None:
         names = {declared.field: declared for declared in keys(self.cls).values()}
@@ -78,7 +93,7 @@ class Record(Kind):
             to.broken.add((names[name].name if name in names else name,))
 
     def schema(self, definitions: dict[str, Json]) -> Json:
-        name = self.cls.__name__
+        name = _definition(self.cls)
         if name not in definitions:
             definitions[name] = {}  # a class may contain itself
             definitions[name] = object_schema(list(all_keys(self.cls).values()), definitions, self.cls.__doc__ or "")
@@ -100,32 +115,38 @@ class Record(Kind):
         return "", shown
 
 
-def _arguments(cls: type, values: dict[str, Any], what: str, to: Reading, path: Path) -> dict[str, Any]:
-    """Constructor arguments of `cls` out of what was read, with defaults; FAULT for what is missing."""
-    arguments: dict[str, Any] = {}
+def _made(cls: type, arguments: dict[str, Any]) -> Any:
+    instance = cls(**arguments)
+    fill_derived(instance)
+    return instance
+
+
+def _definition(cls: type) -> str:
+    """The name of a class among the definitions of a schema; classes of other packages may be called like ours."""
+    package = cls.__module__.partition(".")[0]
+    return cls.__name__ if package == __name__.partition(".")[0] else f"{package}.{cls.__name__}"
+
+
+def _list_defaults(instance: Any, given: dict[str, Any], to: Reading, path: Path) -> None:
+    """Note what nobody wrote."""
+    cls: type = type(instance)
     for name, declared in keys(cls).items():
-        if name in values:
-            arguments[declared.field] = values[name]
-        elif declared.required:
-            arguments[declared.field] = to.fault(
-                "GS705", to.span(path), f"{what} lacks `{name}`: {declared.kind.expected}", declared.doc
-            )
-        else:
-            arguments[declared.field] = declared.default
-            if not declared.quiet:
-                list_default(declared.default, declared.why, to, (*path, name))
-    return arguments
+        if name not in given and not declared.quiet:
+            list_default(getattr(instance, declared.field), declared.rule, to, (*path, name))
+    for name in inlined(cls):
+        if (inner := getattr(instance, name)) is not None:
+            _list_defaults(inner, given, to, path)
 
 
-def list_default(value: Any, why: str, to: Reading, path: Path) -> None:
+def list_default(value: Any, rule: str, to: Reading, path: Path) -> None:
     """Note a default that was taken; of a record, each of its own."""
-    cls: type[Any] = type(value)
+    cls: type = type(value)
     if is_dataclass(cls) and keys(cls):
         for name, declared in all_keys(cls).items():
             if not declared.quiet:
-                list_default(declared.default, declared.why, to, (*path, name))
+                list_default(declared.default, declared.rule, to, (*path, name))
     elif value is not None and value != () and value != "":
-        to.default(path, value, why)
+        to.default(path, value, rule)
 
 
 def _checked(value: Any, to: Reading, path: Path) -> Any:

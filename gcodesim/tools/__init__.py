@@ -1,7 +1,6 @@
 """Tools: one file a kind, its parameters on top; `TOOLS[kind]` is the dataclass."""
 
 from gcodesim.family import Family
-from gcodesim.tools.parameter import Parameter, parameters
 
 TOOLS = Family(
     "tools",
@@ -12,4 +11,4 @@ TOOLS = Family(
     extruder="gcodesim.tools.extruder:Extruder",
 )
 
-__all__ = ["TOOLS", "Parameter", "parameters"]
+__all__ = ["TOOLS"]

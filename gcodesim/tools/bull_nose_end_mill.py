@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from math import pi
 from typing import ClassVar
 
+from gcodesim.declarations.keys import key
 from gcodesim.tools.body import Primitive, cylinder
 from gcodesim.tools.cutter import Array, Cutter, arc_piece, line_piece
-from gcodesim.tools.parameter import parameter
 from gcodesim.units import MM
 
 
@@ -18,7 +18,7 @@ class BullNoseEndMill(Cutter):
 
     kind: ClassVar[str] = "bull_nose_end_mill"
 
-    corner_radius: float = parameter("length", "radius of the rounded corner")
+    corner_radius: float = key("length", "radius of the rounded corner")
 
     def _edge_pieces(self) -> list[tuple[float, ...]]:
         R, rho = self.radius, self.corner_radius

@@ -8,8 +8,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.declarations.keys import key
 from gcodesim.tools.body import Primitive, cylinder
-from gcodesim.tools.parameter import parameter
 from gcodesim.tools.tool import Tool
 from gcodesim.units import DEG, MM
 
@@ -41,16 +41,16 @@ class Cutter(Tool):
     process: ClassVar[str] = "milling"
     center_cutting: ClassVar[bool] = True
 
-    diameter: float = parameter("length", "cutting diameter")
-    flutes: int = parameter("count", "number of teeth", default=2)
-    helix: float = parameter("angle", "helix angle; positive is right-hand", default=30.0 * DEG, rule="30 deg")
-    length: float = parameter(
+    diameter: float = key("length", "cutting diameter")
+    flutes: int = key("count", "number of teeth", default=2)
+    helix: float = key("angle", "helix angle; positive is right-hand", default=30.0 * DEG, rule="30 deg")
+    length: float = key(
         "length",
         "from the tip to the holder",
         derive=lambda cutter: usual_length(cutter.diameter),
         rule="4 times the diameter, at least 40 mm",
     )
-    flute_length: float = parameter(
+    flute_length: float = key(
         "length", "length of the cutting edges from the tip", derive=lambda cutter: cutter.length, rule="as `length`"
     )
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from math import tan
 from typing import ClassVar
 
+from gcodesim.declarations.keys import key
 from gcodesim.tools.body import Primitive, cone
 from gcodesim.tools.cutter import Array, Cutter, line_piece
-from gcodesim.tools.parameter import parameter
 from gcodesim.units import DEG
 
 
@@ -21,7 +21,7 @@ class Drill(Cutter):
 
     kind: ClassVar[str] = "drill"
 
-    point_angle: float = parameter("angle", "angle of the point, lip to lip", default=118.0 * DEG, rule="118 deg")
+    point_angle: float = key("angle", "angle of the point, lip to lip", default=118.0 * DEG, rule="118 deg")
 
     def _edge_pieces(self) -> list[tuple[float, ...]]:
         return [line_piece(0.0, 0.0, self.radius, self.tip_height)]

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from math import pi
 from typing import ClassVar
 
+from gcodesim.declarations.keys import key
 from gcodesim.tools.body import Primitive, cone, cylinder
-from gcodesim.tools.parameter import parameter
 from gcodesim.tools.tool import Tool
 from gcodesim.units import MM
 
@@ -19,9 +19,9 @@ class Extruder(Tool):
     kind: ClassVar[str] = "extruder"
     process: ClassVar[str] = "extrusion"
 
-    bead_width: float = parameter("length", "width of a laid bead")
-    bead_height: float = parameter("length", "height of a laid bead, from the layer below to the nozzle")
-    filament_diameter: float | None = parameter("length", "diameter of filament, where E words count it", default=None)
+    bead_width: float = key("length", "width of a laid bead")
+    bead_height: float = key("length", "height of a laid bead, from the layer below to the nozzle")
+    filament_diameter: float | None = key("length", "diameter of filament, where E words count it", default=None)
 
     @property
     def bead_area(self) -> float:

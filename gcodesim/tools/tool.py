@@ -7,9 +7,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from gcodesim.declarations.keys import fill_derived, key
 from gcodesim.frames import Pose
 from gcodesim.tools.body import MassProperties, Primitive, cylinder, mass_properties
-from gcodesim.tools.parameter import fill_derived, parameter
 from gcodesim.units import MM
 
 
@@ -17,8 +17,8 @@ from gcodesim.units import MM
 class Holder:
     """The cylinder that grips a tool; lengths [m]."""
 
-    diameter: float = parameter("length", "diameter of the holder")
-    length: float = parameter("length", "height of the holder, from the spindle nose or flange to the tool")
+    diameter: float = key("length", "diameter of the holder")
+    length: float = key("length", "height of the holder, from the spindle nose or flange to the tool")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,12 +34,12 @@ class Tool:
     """Name of the process in the PROCESSES family that this tool carries out."""
 
     number: int = 0
-    name: str = parameter("text", "name in messages", derive=lambda tool: f"T{tool.number}", rule="T and the number")
-    length: float = parameter("length", "from the tip to the holder", default=100.0 * MM)
-    holder: Holder | None = parameter("group", "the holder; none: only the tool itself", default=None, kind=Holder)  # noqa: RUF009
-    mass: float | None = parameter(
-        "mass", "mass of tool and holder", default=None, rule="that of steel bodies of this size"
+    name: str = key(
+        "text", "name in messages", derive=lambda tool: f"T{tool.number}", rule="T and the number", quiet=True
     )
+    length: float = key("length", "from the tip to the holder", default=100.0 * MM)
+    holder: Holder | None = key(Holder, "the holder; none: only the tool itself", default=None)
+    mass: float | None = key("mass", "mass of tool and holder", default=None, rule="that of steel bodies of this size")
 
     def __post_init__(self) -> None:
         fill_derived(self)

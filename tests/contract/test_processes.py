@@ -3,18 +3,19 @@
 import numpy as np
 import pytest
 
+from gcodesim.declarations.keys import all_keys
 from gcodesim.material.stock import Stock
 from gcodesim.processes import PROCESSES
 from gcodesim.processes.materials import LIBRARY
 from gcodesim.processes.window import Window
-from gcodesim.tools import TOOLS, parameters
+from gcodesim.tools import TOOLS
 
 VALUES = {"diameter": 10e-3, "bead_width": 4e-3, "bead_height": 2e-3, "corner_radius": 2e-3}
 
 
 def tools():
     for kind in TOOLS:
-        required = {p.name: VALUES[p.name] for p in parameters(TOOLS[kind]) if p.required}
+        required = {p.name: VALUES[p.name] for p in all_keys(TOOLS[kind]).values() if p.required}
         yield pytest.param(TOOLS[kind](number=1, **required), id=kind)
 
 

@@ -5,17 +5,21 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
+from gcodesim.declarations.keys import all_keys
+from gcodesim.declarations.plain_kinds import Text, Whole
+from gcodesim.declarations.quantity import Quantity
 from gcodesim.processes import PROCESSES
-from gcodesim.tools import TOOLS, parameters
+from gcodesim.tools import TOOLS
+from gcodesim.tools.tool import Holder
 
-# a sound value for any required key, by its dimension
-SAMPLE = {"length": 4.0e-3, "angle": 1.0, "count": 2, "mass": 0.5, "ratio": 0.5, "text": "tool"}
+# a sound value for any required key, by its kind
+SAMPLE = {Quantity: 4.0e-3, Whole: 2, Text: "tool"}
 # where one value for all would be an impossible tool
 SPECIAL = {"diameter": 10.0e-3, "bead_height": 2.0e-3}
 
 
 def sample(kind: str, **more):
-    required = {p.name: SPECIAL.get(p.name, SAMPLE[p.dimension]) for p in parameters(TOOLS[kind]) if p.required}
+    required = {p.name: SPECIAL.get(p.name, SAMPLE[type(p.kind)]) for p in all_keys(TOOLS[kind]).values() if p.required}
     return TOOLS[kind](number=3, **required, **more)
 
 
@@ -27,10 +31,10 @@ def test_is_named_as_in_the_table(kind):
 
 @pytest.mark.parametrize("kind", TOOLS)
 def test_every_field_but_the_number_is_a_documented_key(kind):
-    told = {p.name for p in parameters(TOOLS[kind])}
+    told = {p.name for p in all_keys(TOOLS[kind]).values()}
 
     assert told == {field.name for field in fields(TOOLS[kind])} - {"number"}
-    assert all(p.doc and p.dimension for p in parameters(TOOLS[kind]))
+    assert all(p.doc and p.kind.expected for p in all_keys(TOOLS[kind]).values())
 
 
 @pytest.mark.parametrize("kind", TOOLS)
@@ -43,7 +47,7 @@ def test_required_keys_are_enough_for_a_sound_tool(kind):
 
 @pytest.mark.parametrize("kind", TOOLS)
 def test_bodies_fill_the_true_length(kind):
-    holder = next(p for p in parameters(TOOLS[kind]) if p.name == "holder").kind(diameter=0.04, length=0.05)
+    holder = Holder(diameter=0.04, length=0.05)
     tool = sample(kind, holder=holder)
 
     assert min(body.bottom for body in tool.primitives) == 0.0
