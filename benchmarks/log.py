@@ -33,7 +33,7 @@ from gcodesim.log import (
     Mesh,
     MotionColumns,
     ProcessColumns,
-    ProgramState,
+    ProgramShown,
 )
 from gcodesim.log.schema import message_class, schema_data
 from gcodesim.log.topics import PERIODIC
@@ -163,7 +163,7 @@ def blocks(path: Path, m: int) -> float:
                 block=rows,
                 text=ByteStrings.of(text.encode() for text in texts),
                 modal=np.zeros(m, dtype=int),
-                modals=[ProgramState(file="bench.nc", motion="G1", wcs="G54")],
+                modals=[ProgramShown(file="bench.nc", motion="G1", wcs="G54")],
                 points=points[np.stack([rows, rows + 1], axis=1).reshape(-1)],
                 point_starts=2 * np.arange(m + 1),
             )

@@ -27,7 +27,7 @@ from gcodesim.declarations.units import shown
 from gcodesim.frames import Pose
 
 if TYPE_CHECKING:
-    from gcodesim.kinematics.cartesian import Axis as Part
+    from gcodesim.kinematics.cartesian import Axis as KinematicAxis
     from gcodesim.kinematics.chain import Chain, Link
 
 LINEAR: Final = ("X", "Y", "Z")
@@ -86,7 +86,7 @@ AxisForm = LinearAxis | RotaryAxis
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Axis:
+class MachineAxis:
     """One axis of a machine, complete. [m] or [rad], per s and s²; `effort` [N] or [N·m], infinite: unlimited.
 
     `at` is a point on a rotary axis in M [m]; None: its place is not known (the axis gives time only).
@@ -218,7 +218,7 @@ class MachineForm:
             return (*path, "axes", letter, "home")
         return (*path, "home", letter if isinstance(self.home, dict) else index)
 
-    def _with_home(self, axes: tuple[Axis, ...], to: Reading, path: Path) -> tuple[Axis, ...] | Fault:
+    def _with_home(self, axes: tuple[MachineAxis, ...], to: Reading, path: Path) -> tuple[MachineAxis, ...] | Fault:
         """The axes with the machine's own `home` in them."""
         if self.home is None:
             return axes
@@ -265,9 +265,9 @@ def _home_default(lower: float, upper: float) -> float:
     return min(max(0.0, lower), upper)
 
 
-def _own_axes(forms: Mapping[str, AxisForm], to: Reading, path: Path) -> tuple[Axis, ...] | Fault:
+def _own_axes(forms: Mapping[str, AxisForm], to: Reading, path: Path) -> tuple[MachineAxis, ...] | Fault:
     """Complete axes of a machine that is described in the cell."""
-    axes: list[Axis | Fault] = []
+    axes: list[MachineAxis | Fault] = []
     for letter, form in forms.items():
         at = (*path, letter)
         travel = _bounds(form, letter, to, path)
@@ -288,7 +288,7 @@ def _own_axes(forms: Mapping[str, AxisForm], to: Reading, path: Path) -> tuple[A
         if form.side is None:
             to.default((*at, "side"), side)
         axes.append(
-            Axis(
+            MachineAxis(
                 letter=letter,
                 rotary=rotary,
                 lower=travel[0],
@@ -309,7 +309,7 @@ def _own_axes(forms: Mapping[str, AxisForm], to: Reading, path: Path) -> tuple[A
 
 def _model_axes(
     chain: Chain, home: tuple[float, ...], forms: Mapping[str, AxisForm], to: Reading, path: Path
-) -> tuple[Axis, ...] | Fault:
+) -> tuple[MachineAxis, ...] | Fault:
     """Axes of a shipped machine, with what the cell changes."""
     joints = chain.driven_joints
     strangers = [letter for letter in forms if letter not in joints.names]
@@ -318,7 +318,7 @@ def _model_axes(
     if strangers:
         return FAULT
     on_tool_side = _ancestors(chain, chain.flange)
-    axes: list[Axis] = []
+    axes: list[MachineAxis] = []
     good = True
     for i, letter in enumerate(joints.names):
         rotary = joints.kinds[i] != "prismatic"
@@ -335,7 +335,7 @@ def _model_axes(
         assumed = form.acceleration is None and bool(joints.assumed_acceleration[i])
         named = speed / SPIN_UP if assumed else float(joints.acceleration[i])
         axes.append(
-            Axis(
+            MachineAxis(
                 letter=letter,
                 rotary=rotary,
                 lower=lower,
@@ -398,7 +398,7 @@ class MachineTool:
     """A machine tool that stands in the cell. `shipped` is what the URDF of its `model` says, None for one's own."""
 
     model: str | None
-    axes: tuple[Axis, ...]
+    axes: tuple[MachineAxis, ...]
     rapids: Literal["linear", "independent"]
     base: Place
     shipped: Chain | None = field(compare=False, repr=False, default=None)
@@ -414,7 +414,7 @@ class MachineTool:
         """Its base in the world, which is machine zero."""
         return self.X_WM
 
-    def axis(self, letter: str) -> Axis | None:
+    def axis(self, letter: str) -> MachineAxis | None:
         return next((axis for axis in self.axes if axis.letter == letter), None)
 
     @property
@@ -426,7 +426,7 @@ class MachineTool:
         if self.shipped is None:
             from gcodesim.kinematics import cartesian
 
-            return cartesian.chain_of_axes([_part(axis, cartesian.Axis) for axis in self.axes])
+            return cartesian.chain_of_axes([_kinematic(axis, cartesian.Axis) for axis in self.axes])
         joints = list(self.shipped.joints)
         for axis, index in zip(self.axes, self.shipped.driven, strict=True):
             joints[index] = replace(
@@ -460,9 +460,9 @@ class MachineTool:
         return replace(self, X_WM=X_WM)
 
 
-def _part(axis: Axis, part: type[Part]) -> Part:
+def _kinematic(axis: MachineAxis, kind: type[KinematicAxis]) -> KinematicAxis:
     """`axis` as the kinematics takes it."""
-    return part(
+    return kind(
         letter=axis.letter,
         lower=axis.lower,
         upper=axis.upper,
@@ -503,7 +503,7 @@ class MachineKind(Kind):
         return "", machine | {"base": Record(Place, "a place").plain(value.base)[1]}
 
 
-def _axis_kinds(axis: Axis) -> dict[str, tuple[Quantity, Any]]:
+def _axis_kinds(axis: MachineAxis) -> dict[str, tuple[Quantity, Any]]:
     place, speed, push, effort = (
         ("angle", "angular speed", "angular acceleration", "torque")
         if axis.rotary
@@ -518,7 +518,7 @@ def _axis_kinds(axis: Axis) -> dict[str, tuple[Quantity, Any]]:
     }
 
 
-def _show_axis(axis: Axis) -> Json:
+def _show_axis(axis: MachineAxis) -> Json:
     place = Quantity(axis.measure)
     unlimited = math.isinf(axis.lower)
     row: Json = {"travel": "unlimited" if unlimited else [place.show(axis.lower), place.show(axis.upper)]}
@@ -527,7 +527,7 @@ def _show_axis(axis: Axis) -> Json:
     return row | ({"at": POINT.show(axis.at)} if axis.at is not None else {})
 
 
-def _plain_axis(axis: Axis) -> Json:
+def _plain_axis(axis: MachineAxis) -> Json:
     place = Quantity(axis.measure)
     suffix = place.plain(0.0)[0]
     row: Json = {"travel" + suffix: [place.plain(axis.lower)[1], place.plain(axis.upper)[1]]}

@@ -14,10 +14,10 @@ from gcodesim.diagnostics import SourceText
 
 if TYPE_CHECKING:
     from gcodesim.kinematics.chain import Chain
-    from gcodesim.kinematics.models import Model
+    from gcodesim.kinematics.models import ShippedModel
 
 
-def shipped(name: str, kind: Literal["arm", "machine"], to: Reading, path: KeyPath) -> Model | Fault:
+def shipped(name: str, kind: Literal["arm", "machine"], to: Reading, path: KeyPath) -> ShippedModel | Fault:
     """The shipped model of that name, or a finding that names similar ones."""
     from gcodesim.kinematics.models import MODELS
 

@@ -15,7 +15,7 @@ from gcodesim.frames import Pose
 from gcodesim.units import MM
 
 if TYPE_CHECKING:
-    from gcodesim.cell.machine import Axis
+    from gcodesim.cell.machine import MachineAxis
     from gcodesim.kinematics.chain import Tree
 
 
@@ -49,7 +49,7 @@ def reach_findings(cell: Cell, channel: str, placement: Placement) -> Iterator[D
 
 
 def _beyond_travel(
-    axes: Sequence[Axis], X_MS: Pose, corners: Corners, longest: float, widest: float
+    axes: Sequence[MachineAxis], X_MS: Pose, corners: Corners, longest: float, widest: float
 ) -> tuple[str, float, float] | None:
     """The axis whose travel ends before the stock: what to say, where the stock begins, where the travel ends [m]."""
     if any(axis.rotary and axis.at is not None for axis in axes):

@@ -23,7 +23,7 @@ from gcodesim.declarations.record import Record
 from gcodesim.frames import Pose
 
 if TYPE_CHECKING:
-    from gcodesim.cell.machine import Axis
+    from gcodesim.cell.machine import MachineAxis
     from gcodesim.kinematics.chain import Chain
 
 RIGID: Final = "rigid"
@@ -161,7 +161,7 @@ class Robot:
     `stiffness` of the gears [N·m/rad] or [N/m], or None for rigid ones; `X_WB` is its base in the world.
     """
 
-    axes: ClassVar[tuple[Axis, ...]] = ()
+    axes: ClassVar[tuple[MachineAxis, ...]] = ()
     """Axes that a program names by their letters: a robot has none."""
 
     name: str
@@ -175,7 +175,7 @@ class Robot:
     payload: Payload | None
     X_WB: Pose = field(default_factory=Pose.identity, compare=False)
 
-    def axis(self, letter: str) -> Axis | None:
+    def axis(self, letter: str) -> MachineAxis | None:
         return None
 
     def at(self, X_WB: Pose) -> Robot:

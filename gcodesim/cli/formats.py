@@ -48,10 +48,10 @@ def write_formats(verdict: SuiteVerdict | None, arguments: argparse.Namespace) -
     """
     if verdict is None or not wants_formats(arguments):
         return
-    from gcodesim.formats import Places, writer_of
+    from gcodesim.formats import FilePlaces, writer_of
     from gcodesim.whole_file import write_whole
 
-    places = Places.of(Path.cwd())
+    places = FilePlaces.of(Path.cwd())
     for name, path in _files(arguments):
         text = writer_of(name)(verdict, places)
         try:

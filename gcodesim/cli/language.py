@@ -70,7 +70,7 @@ class Language:
 
 
 @dataclass(slots=True)
-class Reading:
+class ProgramReading:
     """A program about to be read by `lint` or `canon`, and what is known besides.
 
     `run` is None when the cell has errors, which are then in `before`.
@@ -142,7 +142,7 @@ def write_parameters(run: Run | None, arguments: argparse.Namespace) -> None:
     note(f"wrote {path}")
 
 
-def reading_of(arguments: argparse.Namespace, path: Path) -> Reading:
+def reading_of(arguments: argparse.Namespace, path: Path) -> ProgramReading:
     """The program at `path`, to be read as the options of a command line and its cell say.
 
     Without a cell and a tool table every tool is known, because a program alone does not tell which ones there are.
@@ -160,7 +160,7 @@ def reading_of(arguments: argparse.Namespace, path: Path) -> Reading:
         sources |= loaded.sources
         cell = loaded.cell
         if cell is None:
-            return Reading(program, None, None, [*loaded.findings, *before], sources, loaded)
+            return ProgramReading(program, None, None, [*loaded.findings, *before], sources, loaded)
         settings, problems = settings_in_cell(cell)
         before += problems
     elif arguments.tools is None:
@@ -168,4 +168,4 @@ def reading_of(arguments: argparse.Namespace, path: Path) -> Reading:
 
         settings = replace(settings, tool_table=assumed_tools(program))
     run = interpret(program, language.over(settings))
-    return Reading(program, run, cell, before, {**sources, program.name: program}, loaded)
+    return ProgramReading(program, run, cell, before, {**sources, program.name: program}, loaded)

@@ -9,20 +9,20 @@ from typing import Any, TextIO
 
 from google.protobuf.json_format import MessageToDict
 
-from gcodesim.export.select import Part
+from gcodesim.export.select import TimeRange
 from gcodesim.export.table import NoTableError
 from gcodesim.log.reader import decoder_of
 from gcodesim.playback.recording import Recording
 
 
-def write_lines(recording: Recording, out: TextIO, topics: Sequence[str] = (), part: Part | None = None) -> int:
+def write_lines(recording: Recording, out: TextIO, topics: Sequence[str] = (), part: TimeRange | None = None) -> int:
     """One object a line: topic, t_ns, message; of `topics`, else of all, in the order of the log. Returns how many.
 
     Fields stand in the order of their schema, so that lines of one topic are alike.
 
     A period thins each topic on its own. NoTableError when the log has no such topic.
     """
-    part = part or Part()
+    part = part or TimeRange()
     log = recording.log
     for topic in topics:
         if log.channel_id(topic) is None:

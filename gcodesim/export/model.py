@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.playback.frames import FrameTree
+from gcodesim.playback.frames import RecordedFrames
 from gcodesim.playback.recording import Recording
 from gcodesim.playback.scenes import Drawing
 from gcodesim.playback.solids import solid_of
@@ -34,7 +34,7 @@ def scene_glb(recording: Recording, t_ns: int) -> bytes:
     return glb_of(drawings, frames, t_ns)
 
 
-def glb_of(drawings: Sequence[Drawing], frames: FrameTree, t_ns: int) -> bytes:
+def glb_of(drawings: Sequence[Drawing], frames: RecordedFrames, t_ns: int) -> bytes:
     """The GLB of some entities, each where its frame is at `t_ns`.
 
     Khronos Group, glTF 2.0 (2021): chapter 3 and, for the container, 4.4.

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from gcodesim.export.select import Part
+from gcodesim.export.select import TimeRange
 from gcodesim.export.table import NoTableError
 from gcodesim.playback.recording import Recording
 
@@ -24,7 +24,7 @@ class NoRosError(Exception):
     """The library that writes bags is not installed."""
 
 
-def write_bag(recording: Recording, folder: Path, topics: Sequence[str] = (), part: Part | None = None) -> int:
+def write_bag(recording: Recording, folder: Path, topics: Sequence[str] = (), part: TimeRange | None = None) -> int:
     """Write a bag (version 9, MCAP storage, CDR) into the new `folder`; returns how many messages.
 
     `/motion` and `/process` become one `std_msgs/Float64` topic a number, and
@@ -56,7 +56,7 @@ def write_bag(recording: Recording, folder: Path, topics: Sequence[str] = (), pa
         liveliness_lease_duration=forever,
         avoid_ros_namespace_conventions=False,
     )
-    messages = list(_messages(recording, store.types, tuple(topics) or TOPICS, part or Part()))
+    messages = list(_messages(recording, store.types, tuple(topics) or TOPICS, part or TimeRange()))
     order = sorted(range(len(messages)), key=lambda i: (messages[i][0], i))
     with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
         connections: dict[str, Any] = {}
@@ -71,7 +71,7 @@ def write_bag(recording: Recording, folder: Path, topics: Sequence[str] = (), pa
     return len(messages)
 
 
-def _messages(recording: Recording, types: Any, topics: Sequence[str], part: Part) -> Iterator[Message]:
+def _messages(recording: Recording, types: Any, topics: Sequence[str], part: TimeRange) -> Iterator[Message]:
     """All messages, topic by topic in the order of `TOPICS`."""
     ros = _Types(types)
     for name in recording.log.attachments:
@@ -82,7 +82,7 @@ def _messages(recording: Recording, types: Any, topics: Sequence[str], part: Par
             if model is not None:
                 text = model.decode("utf-8", "replace")
                 yield part.first_ns, topic, "std_msgs/msg/String", types["std_msgs/msg/String"](data=text)
-    writers: dict[str, Callable[[Recording, _Types, Part], Iterator[Message]]] = {
+    writers: dict[str, Callable[[Recording, _Types, TimeRange], Iterator[Message]]] = {
         "/tf_static": _static,
         "/tf": _moving,
         "/joint_states": _joints,
@@ -127,7 +127,7 @@ class _Types:
         )
 
 
-def _static(recording: Recording, ros: _Types, part: Part) -> Iterator[Message]:
+def _static(recording: Recording, ros: _Types, part: TimeRange) -> Iterator[Message]:
     from gcodesim.frames import quaternion_from_rotation
 
     tree = recording.frames()
@@ -151,7 +151,7 @@ def _moving_frames(recording: Recording) -> dict[str, str]:
     }
 
 
-def _moving(recording: Recording, ros: _Types, part: Part) -> Iterator[Message]:
+def _moving(recording: Recording, ros: _Types, part: TimeRange) -> Iterator[Message]:
     series, frames = recording.series("/tf"), _moving_frames(recording)
     fields = [f"translation.{a}" for a in "xyz"] + [f"rotation.{a}" for a in "xyzw"]
     columns = [series.columns(*(f"transforms[{child}].{field}" for field in fields)) for child in frames]
@@ -165,7 +165,7 @@ def _moving(recording: Recording, ros: _Types, part: Part) -> Iterator[Message]:
         yield t_ns, "/tf", kind, ros.types[kind](transforms=transforms)
 
 
-def _joints(recording: Recording, ros: _Types, part: Part) -> Iterator[Message]:
+def _joints(recording: Recording, ros: _Types, part: TimeRange) -> Iterator[Message]:
     series = recording.series("/joint_states")
     names = [name for key, (name, *_) in series.texts.items() if key.endswith("].name")]
     position, velocity, effort = (
@@ -180,8 +180,8 @@ def _joints(recording: Recording, ros: _Types, part: Part) -> Iterator[Message]:
         yield t_ns, "/joint_states", kind, content
 
 
-def _pose(topic: str) -> Callable[[Recording, _Types, Part], Iterator[Message]]:
-    def messages(recording: Recording, ros: _Types, part: Part) -> Iterator[Message]:
+def _pose(topic: str) -> Callable[[Recording, _Types, TimeRange], Iterator[Message]]:
+    def messages(recording: Recording, ros: _Types, part: TimeRange) -> Iterator[Message]:
         series = recording.series(topic)
         position = series.columns(*(f"pose.position.{a}" for a in "xyz"))
         orientation = series.columns(*(f"pose.orientation.{a}" for a in "xyzw"))
@@ -198,7 +198,7 @@ def _pose(topic: str) -> Callable[[Recording, _Types, Part], Iterator[Message]]:
     return messages
 
 
-def _wrench(recording: Recording, ros: _Types, part: Part) -> Iterator[Message]:
+def _wrench(recording: Recording, ros: _Types, part: TimeRange) -> Iterator[Message]:
     series = recording.series("/wrench")
     force = series.columns(*(f"force.{a}" for a in "xyz"))
     torque = series.columns(*(f"torque.{a}" for a in "xyz"))
@@ -209,8 +209,8 @@ def _wrench(recording: Recording, ros: _Types, part: Part) -> Iterator[Message]:
         yield t_ns, "/wrench", kind, ros.types[kind](header=ros.header(t_ns, frame), wrench=wrench)
 
 
-def _numbers(topic: str) -> Callable[[Recording, _Types, Part], Iterator[Message]]:
-    def messages(recording: Recording, ros: _Types, part: Part) -> Iterator[Message]:
+def _numbers(topic: str) -> Callable[[Recording, _Types, TimeRange], Iterator[Message]]:
+    def messages(recording: Recording, ros: _Types, part: TimeRange) -> Iterator[Message]:
         series, kind = recording.series(topic), "std_msgs/msg/Float64"
         chosen = part.chosen(series.t_ns)
         for name, column in zip(series.names, series.values.T, strict=True):
@@ -220,7 +220,7 @@ def _numbers(topic: str) -> Callable[[Recording, _Types, Part], Iterator[Message
     return messages
 
 
-def _log(recording: Recording, ros: _Types, part: Part) -> Iterator[Message]:
+def _log(recording: Recording, ros: _Types, part: TimeRange) -> Iterator[Message]:
     kind = "rcl_interfaces/msg/Log"
     timeline = recording.timeline
     texts = [
@@ -232,7 +232,9 @@ def _log(recording: Recording, ros: _Types, part: Part) -> Iterator[Message]:
     inside = np.zeros(0, dtype=np.int64)
     times = np.array([text[0] for text in texts], dtype=np.int64)
     order = np.argsort(times, kind="stable")
-    inside = order[Part(first_ns=part.first_ns, last_ns=part.last_ns).chosen(times[order])] if len(order) else order
+    inside = (
+        order[TimeRange(first_ns=part.first_ns, last_ns=part.last_ns).chosen(times[order])] if len(order) else order
+    )
     for i in inside:
         t_ns, level, file, line, text = texts[i]
         content = ros.types[kind](

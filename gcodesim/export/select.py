@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Part:
+class TimeRange:
     """Times first ≤ t ≤ last [ns], with at least `period_ns` between two samples (0: all of them)."""
 
     first_ns: int = 0

@@ -9,7 +9,7 @@ from typing import Any, Final, TextIO
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.export.select import Part
+from gcodesim.export.select import TimeRange
 from gcodesim.log.fields import leaves, parse_path, value_at
 from gcodesim.log.reader import decoder_of
 from gcodesim.numbers import rounded
@@ -31,7 +31,7 @@ def seconds_text(t_ns: int) -> str:
 
 
 def write_table(
-    recording: Recording, out: TextIO, topics: Sequence[str] = (), part: Part | None = None, units: Units = "si"
+    recording: Recording, out: TextIO, topics: Sequence[str] = (), part: TimeRange | None = None, units: Units = "si"
 ) -> int:
     """Rows of CSV with a head of names that end in units; returns how many rows.
 
@@ -40,7 +40,7 @@ def write_table(
     message. NoTableError for topics that the log has not, that do not go
     together, or that hold scenes.
     """
-    topics, part = tuple(topics) or USUAL_TOPICS, part or Part()
+    topics, part = tuple(topics) or USUAL_TOPICS, part or TimeRange()
     for topic in topics:
         if recording.log.channel_id(topic) is None:
             raise NoTableError(f"the log has no topic {topic}")
@@ -54,7 +54,7 @@ def write_table(
     return _write_changes(recording, out, topics[0], part)
 
 
-def _write_periodic(recording: Recording, out: TextIO, topics: Sequence[str], part: Part, units: Units) -> int:
+def _write_periodic(recording: Recording, out: TextIO, topics: Sequence[str], part: TimeRange, units: Units) -> int:
     kinds = joint_kinds(recording)
     t_ns = recording.series(topics[0]).t_ns
     index = part.chosen(t_ns)
@@ -95,7 +95,7 @@ def _numbers(column: NDArray[np.float64], divisor: float) -> list[float | int]:
     return [int(v) if v.is_integer() and abs(v) < 1e15 else v for v in values]
 
 
-def _write_changes(recording: Recording, out: TextIO, topic: str, part: Part) -> int:
+def _write_changes(recording: Recording, out: TextIO, topic: str, part: TimeRange) -> int:
     log = recording.log
     channel = log.channel_id(topic)
     assert channel is not None

@@ -10,12 +10,12 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import Final
 
-from gcodesim.formats.places import Places
+from gcodesim.formats.places import FilePlaces
 from gcodesim.regress.verdicts import SuiteVerdict
 
 FORMATS: Final = ("sarif", "junit", "github", "gitlab")
 
-Writer = Callable[[SuiteVerdict, Places], str]
+Writer = Callable[[SuiteVerdict, FilePlaces], str]
 
 
 def writer_of(name: str) -> Writer:
@@ -24,4 +24,4 @@ def writer_of(name: str) -> Writer:
     return writer
 
 
-__all__ = ["FORMATS", "Places", "Writer", "writer_of"]
+__all__ = ["FORMATS", "FilePlaces", "Writer", "writer_of"]

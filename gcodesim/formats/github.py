@@ -6,13 +6,13 @@ from typing import Final
 
 from gcodesim.diagnostics import Severity, code_of
 from gcodesim.formats.items import Item, items_of
-from gcodesim.formats.places import Places
+from gcodesim.formats.places import FilePlaces
 from gcodesim.regress.verdicts import SuiteVerdict
 
 _NAMES: Final = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "notice"}
 
 
-def text_of(verdict: SuiteVerdict, places: Places) -> str:
+def text_of(verdict: SuiteVerdict, places: FilePlaces) -> str:
     """One line a finding. What makes the job fail is an error; of the rest only warnings are shown.
 
     A site shows ten of a kind and step, so errors come first.

@@ -7,13 +7,13 @@ from typing import Any, Final
 
 from gcodesim.diagnostics import Severity
 from gcodesim.formats.items import Item, items_of
-from gcodesim.formats.places import Places
+from gcodesim.formats.places import FilePlaces
 from gcodesim.regress.verdicts import SuiteVerdict
 
 _SEVERITIES: Final = {Severity.ERROR: "critical", Severity.WARNING: "minor", Severity.NOTE: "info"}
 
 
-def text_of(verdict: SuiteVerdict, places: Places) -> str:
+def text_of(verdict: SuiteVerdict, places: FilePlaces) -> str:
     """A JSON list; what is expected, accepted, suppressed or in the baseline is no issue."""
     issues = [_issue(item) for item in items_of(verdict, places) if item.is_open]
     return json.dumps(issues, ensure_ascii=False, indent=1) + "\n"

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from gcodesim.diagnostics import Caller, Diagnostic, Span
-from gcodesim.formats.places import Places
+from gcodesim.formats.places import FilePlaces
 from gcodesim.regress.baseline import entry_of
 from gcodesim.regress.verdicts import Found, State, SuiteVerdict
 
@@ -34,7 +34,7 @@ class Item:
         return self.state in ("counts", "told")
 
 
-def items_of(verdict: SuiteVerdict, places: Places) -> list[Item]:
+def items_of(verdict: SuiteVerdict, places: FilePlaces) -> list[Item]:
     """All findings of `verdict` in the order of their places."""
     met: dict[tuple[object, ...], tuple[Found, list[str]]] = {}
     for case, found in [("", one) for one in verdict.found] + [(c.name, one) for c in verdict.cases for one in c.found]:
@@ -63,7 +63,7 @@ def items_of(verdict: SuiteVerdict, places: Places) -> list[Item]:
     return items
 
 
-def _from_top(finding: Diagnostic, places: Places) -> Diagnostic:
+def _from_top(finding: Diagnostic, places: FilePlaces) -> Diagnostic:
     def moved(span: Span) -> Span:
         callers = tuple(Caller(places.shown(c.file), c.line, c.name) for c in span.callers)
         return replace(span, file=places.shown(span.file), callers=callers)

@@ -13,7 +13,7 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
 from gcodesim.diagnostics.show import as_text, place
-from gcodesim.formats.places import Places
+from gcodesim.formats.places import FilePlaces
 from gcodesim.formats.text import counting, found_text
 from gcodesim.regress.suite import INTERNAL
 from gcodesim.regress.verdicts import CaseVerdict, Found, SuiteVerdict
@@ -22,7 +22,7 @@ _NAME: Final = "gcodesim"
 _NO_XML: Final = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
-def text_of(verdict: SuiteVerdict, places: Places) -> str:
+def text_of(verdict: SuiteVerdict, places: FilePlaces) -> str:
     """The document. Faults of test files are errors of test cases with the file's name."""
     folders: dict[str, list[CaseVerdict | Found]] = {}
     for case in verdict.cases:
@@ -44,7 +44,7 @@ def _folder(name: str) -> str:
     return name.rpartition("/")[0]
 
 
-def _suite(folder: str, members: Sequence[CaseVerdict | Found], places: Places) -> Element:
+def _suite(folder: str, members: Sequence[CaseVerdict | Found], places: FilePlaces) -> Element:
     cases = [member for member in members if isinstance(member, CaseVerdict)]
     faults = [member for member in members if isinstance(member, Found)]
     suite = Element(
@@ -72,7 +72,7 @@ def _outcome(case: CaseVerdict) -> str:
     return "error" if any(one.code == INTERNAL for one in case.counting) else "failure"
 
 
-def _add_case(suite: Element, folder: str, case: CaseVerdict, places: Places) -> None:
+def _add_case(suite: Element, folder: str, case: CaseVerdict, places: FilePlaces) -> None:
     element = _test(suite, folder, case.name, case.simulated_s)
     if case.status == "not_run":
         SubElement(element, "skipped").text = "not run, because an earlier case failed"
@@ -90,7 +90,7 @@ def _add_case(suite: Element, folder: str, case: CaseVerdict, places: Places) ->
         SubElement(element, "system-out").text = _xml("\n".join(others))
 
 
-def _add_fault(suite: Element, folder: str, fault: Found, places: Places) -> None:
+def _add_fault(suite: Element, folder: str, fault: Found, places: FilePlaces) -> None:
     finding = fault.finding
     element = _test(suite, folder, finding.span.file, 0.0)
     text = _xml(as_text(finding, places.sources))

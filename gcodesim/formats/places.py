@@ -13,7 +13,7 @@ from gcodesim.regress.sources import Sources
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Places:
+class FilePlaces:
     """`sources` by the names that a verdict gives files, from the folder of the run.
 
     `prefix` is the way to that folder from the top of the repository.
@@ -23,12 +23,12 @@ class Places:
     prefix: str = ""
 
     @staticmethod
-    def of(root: Path) -> Places:
+    def of(root: Path) -> FilePlaces:
         """For a run in the folder `root`: its files, and the way to it from the repository in which it lies."""
         root = root.resolve()
         top = next((folder for folder in (root, *root.parents) if (folder / ".git").exists()), root)
         prefix = "" if top == root else shown_path(root, top)
-        return Places(sources=Sources(root), prefix=prefix)
+        return FilePlaces(sources=Sources(root), prefix=prefix)
 
     def shown(self, name: str) -> str:
         """`name` from the top, with `/` and without detours."""

@@ -9,7 +9,7 @@ from urllib.parse import quote
 
 from gcodesim.diagnostics import Span
 from gcodesim.formats.items import Item, items_of
-from gcodesim.formats.places import Places
+from gcodesim.formats.places import FilePlaces
 from gcodesim.formats.sarif_rules import LEVELS, rules
 from gcodesim.numbers import clean
 from gcodesim.regress.verdicts import SuiteVerdict
@@ -23,7 +23,7 @@ _BASE_TEXT: Final = "the top of the repository, or the folder in which gcodesim 
 Json = dict[str, Any]
 
 
-def text_of(verdict: SuiteVerdict, places: Places) -> str:
+def text_of(verdict: SuiteVerdict, places: FilePlaces) -> str:
     """One run with all rules of the catalogue declared, so that alerts close when their findings go."""
     items = items_of(verdict, places)
     declared = rules()
@@ -57,7 +57,7 @@ def _uri(name: str) -> str:
     return quote(name, safe="/~!$&'()*+,;=@", errors="surrogateescape")
 
 
-def _artifacts(named: Iterable[str], items: Iterable[Item], places: Places) -> list[Json]:
+def _artifacts(named: Iterable[str], items: Iterable[Item], places: FilePlaces) -> list[Json]:
     """Programs and cells of the cases, and all other files that results name, in the order of their names."""
     analysed = {places.shown(name): name for name in named}
     files = sorted({*analysed, *(span.file for item in items for span in _spans(item))})

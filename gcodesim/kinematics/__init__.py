@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from gcodesim.kinematics.choice import kinematics_of
     from gcodesim.kinematics.dynamics import inverse_dynamics
     from gcodesim.kinematics.elasticity import compliance, shift_jacobian
-    from gcodesim.kinematics.models import MODELS, Model, model_path
+    from gcodesim.kinematics.models import MODELS, ShippedModel, model_path
     from gcodesim.kinematics.parallel_axes import ParallelAxes
     from gcodesim.kinematics.protocol import Kinematics, Reason, Status
     from gcodesim.kinematics.serial import SerialArm
@@ -43,7 +43,7 @@ _PLACES = {
     "Link": "chain",
     "LinkShape": "chain",
     "MODELS": "models",
-    "Model": "models",
+    "ShippedModel": "models",
     "ParallelAxes": "parallel_axes",
     "Reason": "protocol",
     "SerialArm": "serial",
@@ -78,11 +78,11 @@ __all__ = [
     "Kinematics",
     "Link",
     "LinkShape",
-    "Model",
     "ParallelAxes",
     "Reason",
     "SerialArm",
     "Shape",
+    "ShippedModel",
     "SphericalWrist",
     "Status",
     "chain_of_axes",

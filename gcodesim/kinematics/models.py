@@ -12,7 +12,7 @@ _FOLDER: Final = Path(__file__).resolve().parent.parent / "models"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Model:
+class ShippedModel:
     """A shipped machine: `stiffness` [N·m/rad] a joint or None for a rigid machine, `home` [rad, m], `payload` [kg].
 
     Travel, speed, effort and, where a source names it, acceleration stand in
@@ -44,10 +44,10 @@ _SCALED = (
 _STIFF_10_KG = (1.5e5, 1.4e5, 9e4, 3e4, 2.5e4, 1.5e4)
 _STIFF_200_KG = (3.5e6, 3.8e6, 2.5e6, 6e5, 4e5, 2.5e5)
 
-MODELS: Final[dict[str, Model]] = {
+MODELS: Final[dict[str, ShippedModel]] = {
     model.name: model
     for model in (
-        Model(
+        ShippedModel(
             name="abb_irb1200_5_90",
             title="ABB IRB 1200-5/0.9",
             kind="arm",
@@ -56,7 +56,7 @@ MODELS: Final[dict[str, Model]] = {
             stiffness=(1.2e5, 1.1e5, 7e4, 2.5e4, 2e4, 1.2e4),
             stiffness_source=_SCALED,
         ),
-        Model(
+        ShippedModel(
             name="abb_irb6700_200_260",
             title="ABB IRB 6700-200/2.60",
             kind="arm",
@@ -65,7 +65,7 @@ MODELS: Final[dict[str, Model]] = {
             stiffness=_STIFF_200_KG,
             stiffness_source=_SCALED,
         ),
-        Model(
+        ShippedModel(
             name="fanuc_m20ia",
             title="FANUC M-20iA",
             kind="arm",
@@ -74,8 +74,8 @@ MODELS: Final[dict[str, Model]] = {
             stiffness=(4e5, 4e5, 2.5e5, 8e4, 6e4, 3e4),
             stiffness_source=_SCALED,
         ),
-        Model(name="gantry_xyz", title="three-axis gantry router", kind="machine", home=(0.0, 0.0, 0.0)),
-        Model(
+        ShippedModel(name="gantry_xyz", title="three-axis gantry router", kind="machine", home=(0.0, 0.0, 0.0)),
+        ShippedModel(
             name="kuka_kr10_r1100_2",
             title="KUKA KR 10 R1100-2",
             kind="arm",
@@ -84,7 +84,7 @@ MODELS: Final[dict[str, Model]] = {
             stiffness=_STIFF_10_KG,
             stiffness_source=_SCALED,
         ),
-        Model(
+        ShippedModel(
             name="kuka_kr10_r1100_sixx",
             title="KUKA KR 10 R1100 sixx",
             kind="arm",
@@ -93,7 +93,7 @@ MODELS: Final[dict[str, Model]] = {
             stiffness=_STIFF_10_KG,
             stiffness_source=_SCALED,
         ),
-        Model(
+        ShippedModel(
             name="kuka_kr210_r2700_2",
             title="KUKA KR 210 R2700-2",
             kind="arm",
@@ -102,13 +102,13 @@ MODELS: Final[dict[str, Model]] = {
             stiffness=_STIFF_200_KG,
             stiffness_source=_SCALED,
         ),
-        Model(
+        ShippedModel(
             name="mill_xyzac_trunnion",
             title="five-axis mill with tilting rotary table",
             kind="machine",
             home=(0.0, 0.0, 0.4, 0.0, 0.0),
         ),
-        Model(
+        ShippedModel(
             name="staubli_tx2_90",
             title="Staubli TX2-90",
             kind="arm",
@@ -117,7 +117,7 @@ MODELS: Final[dict[str, Model]] = {
             stiffness=(2.5e5, 2.2e5, 1.3e5, 4e4, 3.5e4, 2e4),
             stiffness_source=_SCALED,
         ),
-        Model(
+        ShippedModel(
             name="ur10e",
             title="Universal Robots UR10e",
             kind="arm",

@@ -5,7 +5,7 @@ from gcodesim.log.byte_strings import ByteStrings
 from gcodesim.log.container import LogWriteError
 from gcodesim.log.description import LogDescription, MotionColumns, ProcessColumns, StaticFrame
 from gcodesim.log.layout import Camera, View, layout
-from gcodesim.log.messages import Output, ProgramState
+from gcodesim.log.messages import OutputState, ProgramShown
 from gcodesim.log.shapes import Box, Capsule, Cone, Cylinder, Entity, Mesh, Polylines, Shape, Sphere
 from gcodesim.log.writer import LogWriter
 
@@ -24,10 +24,10 @@ __all__ = [
     "LogWriter",
     "Mesh",
     "MotionColumns",
-    "Output",
+    "OutputState",
     "Polylines",
     "ProcessColumns",
-    "ProgramState",
+    "ProgramShown",
     "Shape",
     "Sphere",
     "StaticFrame",

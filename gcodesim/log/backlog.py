@@ -17,7 +17,7 @@ Ints = NDArray[np.int64]
 LARGE: Final = 1 << 14  # bytes: a message that is copied by itself, once
 
 
-class Message(NamedTuple):
+class SingleMessage(NamedTuple):
     """One message by itself."""
 
     t_ns: int
@@ -43,12 +43,12 @@ class Messages:
     def __len__(self) -> int:
         return len(self.t_ns)
 
-    def __getitem__(self, index: int) -> Message:
+    def __getitem__(self, index: int) -> SingleMessage:
         start = int(self.begin[index])
         data = self.pools[int(self.pool[index])][start : start + int(self.size[index])]
-        return Message(int(self.t_ns[index]), int(self.channel[index]), data.tobytes())
+        return SingleMessage(int(self.t_ns[index]), int(self.channel[index]), data.tobytes())
 
-    def __iter__(self) -> Iterator[Message]:
+    def __iter__(self) -> Iterator[SingleMessage]:
         for index in range(len(self)):
             yield self[index]
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.log.byte_strings import ByteStrings
-from gcodesim.log.messages import SEVERITIES, ProgramState, log_frame, program_frame
+from gcodesim.log.messages import SEVERITIES, ProgramShown, log_frame, program_frame
 from gcodesim.log.scene import block_piece, polyline_update, rounded
 from gcodesim.log.template import STAMP_WIDTH, Template, padded_stamps, padded_varints
 from gcodesim.log.wire import FIXED32, tag
@@ -29,7 +29,7 @@ _MOST_TEMPLATE_POINTS: Final = 40  # of a polyline; longer ones are rare and mad
 class BlockColumns:
     """m blocks in the order of their begin.
 
-    `t_ns`, `line`, `block` (m,) as in `ProgramState`, `text` m blocks as
+    `t_ns`, `line`, `block` (m,) as in `ProgramShown`, `text` m blocks as
     written, in UTF-8. `modal` (m,) points into `modals`, which say the rest: file,
     motion, tool, work coordinates, feed, spindle, state. `points` (p, 3) [m] in
     `frame` are the ways of all blocks, block i from `point_starts[i]` to
@@ -41,7 +41,7 @@ class BlockColumns:
     block: NDArray[np.integer]
     text: ByteStrings
     modal: NDArray[np.integer]
-    modals: Sequence[ProgramState]
+    modals: Sequence[ProgramShown]
     points: Array
     point_starts: NDArray[np.integer]
     frame: str = "world"

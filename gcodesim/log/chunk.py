@@ -12,7 +12,7 @@ from mcap.opcode import Opcode
 from numpy.typing import NDArray
 
 from gcodesim.log.checksum import crc32
-from gcodesim.log.order import Cut
+from gcodesim.log.order import ChunkPiece
 
 PACKING: Final = zstandard.ZstdCompressionParameters(
     strategy=zstandard.STRATEGY_FAST,
@@ -43,7 +43,7 @@ class ChunkBuilder:
         self.last_ns = 0
         self._index: dict[int, list[bytes]] = {}
 
-    def add(self, cut: Cut) -> None:
+    def add(self, cut: ChunkPiece) -> None:
         """Records whose times do not decrease; the places in their index count from the begin of the chunk."""
         if self.count == 0:
             self.first_ns = cut.first_ns

@@ -39,7 +39,7 @@ from gcodesim.log.backlog import Messages
 from gcodesim.log.checksum import crc32
 from gcodesim.log.chunk import ChunkBuilder, PackedChunk, pack
 from gcodesim.log.order import Ordered
-from gcodesim.log.rows import Rows
+from gcodesim.log.rows import RecordRows
 from gcodesim.log.topics import Topic
 
 MAGIC: Final = b"\x89MCAP0\r\n"
@@ -60,7 +60,7 @@ class Sink(Protocol):
 
     def message(self, channel: int, t_ns: int, data: bytes) -> None: ...
 
-    def rows(self, rows: Rows, channels: Sequence[int]) -> None: ...
+    def rows(self, rows: RecordRows, channels: Sequence[int]) -> None: ...
 
 
 class Container:
@@ -116,7 +116,7 @@ class Container:
         self._channels.append(channel)
         self._write(_bytes_of(channel))
 
-    def add(self, messages: Messages, rows: Sequence[Rows], channels: Sequence[int]) -> None:
+    def add(self, messages: Messages, rows: Sequence[RecordRows], channels: Sequence[int]) -> None:
         """Messages and rows of the periodic `channels`; chunks are closed as they fill.
 
         Times must not be earlier than those of before. The sequence counts from 0 for each channel.
@@ -266,7 +266,7 @@ class Container:
 
 def _hand_over(ordered: Ordered, channels: Sequence[int], sink: Sink) -> None:
     for item in ordered.each():
-        if isinstance(item, Rows):
+        if isinstance(item, RecordRows):
             sink.rows(item, channels)
         else:
             sink.message(item.channel, item.t_ns, item.data)

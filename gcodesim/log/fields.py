@@ -10,28 +10,28 @@ _PART: Final = re.compile(r"(\w+)(?:\[([^\[\]]+)\])?(?:\.|$)")
 _NAMES: Final = ("name", "child_frame_id", "id")  # the fields by which an item of a repeated field is called
 
 
-class Part(NamedTuple):
+class FieldStep(NamedTuple):
     """One step of a path: a field, and which item of it when it is repeated ("": all)."""
 
     field: str
     item: str
 
 
-def parse_path(path: str) -> tuple[Part, ...]:
+def parse_path(path: str) -> tuple[FieldStep, ...]:
     """The steps of a path. ValueError when it is none."""
     parts, at = [], 0
     while at < len(path):
         found = _PART.match(path, at)
         if found is None:
             break
-        parts.append(Part(found[1], found[2] or ""))
+        parts.append(FieldStep(found[1], found[2] or ""))
         at = found.end()
     if at < len(path) or not parts or path.endswith("."):
         raise ValueError(f"not a field: '{path}'")
     return tuple(parts)
 
 
-def value_at(message: Any, parts: tuple[Part, ...]) -> Any:
+def value_at(message: Any, parts: tuple[FieldStep, ...]) -> Any:
     """The value in `message`; a list where a repeated field is asked for as a whole.
 
     ValueError when the message has no such field or no such item.

@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from threading import Lock
 from typing import Any, Final
 
-from gcodesim.log.rows import MESSAGE_HEAD, RECORD_HEAD, Rows
+from gcodesim.log.rows import MESSAGE_HEAD, RECORD_HEAD, RecordRows
 from gcodesim.log.topics import Topic
 
 _WAITING: Final = 1 << 15  # messages on their way to a viewer: more than a window of the run brings
@@ -73,7 +73,7 @@ class LiveView:
             self._last[channel] = lambda: (t_ns, data)
             self._send(channel, t_ns, data)
 
-    def rows(self, rows: Rows, channels: Sequence[int]) -> None:
+    def rows(self, rows: RecordRows, channels: Sequence[int]) -> None:
         """The periodic messages of many instants."""
         last, matrix = len(rows.times) - 1, rows.matrix()
         ends = (*rows.starts[1:], rows.width)

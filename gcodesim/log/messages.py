@@ -19,7 +19,7 @@ STATES: Final = ("running", "paused", "toolchange", "finished", "failed")
 _LOG_LINE: Final = tag(6, FIXED32)
 
 
-class Output(NamedTuple):
+class OutputState(NamedTuple):
     """An output of the control with its value, or a device of the cell with the verb that it was told last."""
 
     name: str
@@ -28,7 +28,7 @@ class Output(NamedTuple):
 
 
 @dataclass(slots=True)
-class ProgramState:
+class ProgramShown:
     """What `/program` shows; see `gcodesim.Program`. `feed` [m/s], `spindle` [rad/s, + = M3]."""
 
     file: str = ""
@@ -44,10 +44,10 @@ class ProgramState:
     block: int = 0
     flood: bool = False
     mist: bool = False
-    outputs: tuple[Output, ...] = ()
+    outputs: tuple[OutputState, ...] = ()
 
 
-def program_frame(s: ProgramState) -> tuple[bytes, bytes]:
+def program_frame(s: ProgramShown) -> tuple[bytes, bytes]:
     """The parts of a `gcodesim.Program` that many blocks share: before its line and after its text."""
     names = text(5, s.motion) + unsigned(6, s.tool) + text(7, s.tool_name) + text(8, s.wcs)
     numbers = double(9, s.feed) + double(10, s.spindle)
@@ -56,7 +56,7 @@ def program_frame(s: ProgramState) -> tuple[bytes, bytes]:
     return text(2, s.file), names + numbers + text(11, s.state) + coolant + outputs
 
 
-def program_message(t_ns: int, s: ProgramState) -> bytes:
+def program_message(t_ns: int, s: ProgramShown) -> bytes:
     """A `gcodesim.Program`."""
     before, after = program_frame(s)
     return stamp(1, t_ns) + before + unsigned(3, s.line) + text(4, s.text) + after + unsigned(12, s.block)

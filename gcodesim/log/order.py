@@ -14,9 +14,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.log.backlog import Message, Messages
+from gcodesim.log.backlog import Messages, SingleMessage
 from gcodesim.log.byte_strings import ByteStrings
-from gcodesim.log.rows import MESSAGE_HEAD, MESSAGE_OPCODE, Rows
+from gcodesim.log.rows import MESSAGE_HEAD, MESSAGE_OPCODE, RecordRows
 
 Ints = NDArray[np.int64]
 HEAD: Final = np.dtype(
@@ -26,7 +26,7 @@ HEAD: Final = np.dtype(
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Cut:
+class ChunkPiece:
     """A part of a chunk: `size` bytes of records, and by channel the index entries of their messages.
 
     `write` puts the records into the chunk's bytes, where the index says that they are.
@@ -48,7 +48,7 @@ class Ordered:
     """
 
     def __init__(
-        self, messages: Messages, rows: Sequence[Rows], channels: Sequence[int], counts: NDArray[np.int64]
+        self, messages: Messages, rows: Sequence[RecordRows], channels: Sequence[int], counts: NDArray[np.int64]
     ) -> None:
         """`rows` in time order; `counts` by channel number are raised by what comes."""
         self._channels = channels
@@ -91,7 +91,7 @@ class Ordered:
         counts += number
         return ByteStrings.rows(heads.view(np.uint8).reshape(count, HEAD.itemsize))
 
-    def cut(self, filled: int, most: int) -> Iterator[Cut]:
+    def cut(self, filled: int, most: int) -> Iterator[ChunkPiece]:
         """Parts of chunks: the first for one that has `filled` bytes; all but the last fill theirs beyond `most`."""
         first, start = 0, 0
         while first < len(self._ends):
@@ -99,7 +99,7 @@ class Ordered:
             yield self._between(first, last, start, filled)
             first, start, filled = last, int(self._ends[last - 1]), 0
 
-    def _between(self, first: int, last: int, start: int, filled: int) -> Cut:
+    def _between(self, first: int, last: int, start: int, filled: int) -> ChunkPiece:
         """Records from place `first` to `last`; they begin at byte `start` of all, and at `filled` of their chunk."""
         a, b = np.searchsorted(self._at, [first, last]).tolist()
         r, s = np.searchsorted(self._row_at, [first, last]).tolist()
@@ -115,7 +115,7 @@ class Ordered:
                 rows.write(data, row_at[done : done + len(rows.times)])
                 done += len(rows.times)
 
-        return Cut(
+        return ChunkPiece(
             size=int(self._ends[last - 1]) - start,
             count=b - a + (s - r) * len(self._channels),
             first_ns=int(times.min()),
@@ -148,7 +148,7 @@ class Ordered:
             index[channel] = entries.tobytes()
         return index
 
-    def each(self) -> Iterator[Message | Rows]:
+    def each(self) -> Iterator[SingleMessage | RecordRows]:
         """Messages, and rows between them, one after the other."""
         r = 0
         for i, before in enumerate(self._before.tolist()):
@@ -158,7 +158,7 @@ class Ordered:
             yield self._messages[i]
         yield from self._rows_between(r, len(self._row_times))
 
-    def _rows_between(self, first: int, last: int) -> Iterator[Rows]:
+    def _rows_between(self, first: int, last: int) -> Iterator[RecordRows]:
         """Rows first ≤ j < last, in as few parts as they lie in."""
         k = bisect_right(self._row_borders, first) - 1
         while first < last:

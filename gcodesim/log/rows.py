@@ -69,7 +69,7 @@ def _messages(description: LogDescription, kind: str) -> tuple[Piece, ...]:
     return transforms, states, *poses, motion, process, wrench
 
 
-class Rows(NamedTuple):
+class RecordRows(NamedTuple):
     """Records of n instants, one a row of `template.width` bytes, in which message m begins at `template.starts[m]`.
 
     They are made where they belong; until then they are numbers: `times` (n,) [ns], `sequence` (n,), `values` (n, c).
@@ -88,10 +88,10 @@ class Rows(NamedTuple):
     def starts(self) -> tuple[int, ...]:
         return self.template.starts
 
-    def part(self, first: int, last: int) -> Rows:
+    def part(self, first: int, last: int) -> RecordRows:
         """Instants first ≤ i < last, sharing memory."""
         here = slice(first, last)
-        return Rows(self.times[here], self.sequence[here], self.values[here], self.template)
+        return RecordRows(self.times[here], self.sequence[here], self.values[here], self.template)
 
     def write(self, out: NDArray[np.uint8], at: Ints) -> None:
         """Write each row to `out` from its `at` (n,) on."""
@@ -133,12 +133,13 @@ class RowBuilder:
         self._templates = [RowTemplate(description, kind, channel_ids, columns) for kind in kinds]
         self.count = 0
 
-    def build(self, t_ns: Ints, kind: Ints, values: NDArray[np.float64]) -> list[Rows]:
+    def build(self, t_ns: Ints, kind: Ints, values: NDArray[np.float64]) -> list[RecordRows]:
         """Rows of n instants with `values` (n, c), which they keep, in time order, split where the kind changes."""
         n = len(t_ns)
         sequence = self.count + np.arange(n, dtype=np.int64)
         self.count += n
         borders = np.concatenate([[0], np.flatnonzero(np.diff(kind)) + 1, [n]]).tolist()
         return [
-            Rows(t_ns[i:j], sequence[i:j], values[i:j], self._templates[int(kind[i])]) for i, j in pairwise(borders)
+            RecordRows(t_ns[i:j], sequence[i:j], values[i:j], self._templates[int(kind[i])])
+            for i, j in pairwise(borders)
         ]

@@ -23,7 +23,7 @@ class TopicSummary:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Place:
+class ProgramLine:
     """A program line."""
 
     file: str
@@ -48,7 +48,7 @@ class LogSummary:
     problem: str
     missing: tuple[str, ...]
     damage: tuple[Damage, ...]
-    stopped_at: Place | None
+    stopped_at: ProgramLine | None
     duration_ns: int
     library: str
     size: int
@@ -130,7 +130,7 @@ def summary(path: Path, *, check: bool = True) -> LogSummary:
     )
 
 
-def _missing(log: LogFile, last: Place | None) -> tuple[str, ...]:
+def _missing(log: LogFile, last: ProgramLine | None) -> tuple[str, ...]:
     """What a log that is damaged or has no end does not have, in words."""
     missing = [_in_words(log, damage) for damage in log.damage]
     ended = "gcodesim.result" in log.metadata  # the run did, though not the file
@@ -148,11 +148,11 @@ def _missing(log: LogFile, last: Place | None) -> tuple[str, ...]:
     return (*missing, *(name for name in expected if name not in log.attachments))
 
 
-def _place_at(log: LogFile, t_ns: int) -> Place | None:
+def _place_at(log: LogFile, t_ns: int) -> ProgramLine | None:
     """The program line in force at a time, as far as the log tells."""
     programs = decoded(log, "/program", "gcodesim.Program", last_ns=t_ns, backwards=True)
     last = next((program for _, program in programs), None)
-    return Place(file=last.file, line=last.line, text=last.text) if last is not None and last.line else None
+    return ProgramLine(file=last.file, line=last.line, text=last.text) if last is not None and last.line else None
 
 
 def _in_words(log: LogFile, damage: Damage) -> str:

@@ -28,13 +28,13 @@ from gcodesim.log.layout import layout
 from gcodesim.log.messages import (
     SEVERITIES,
     STATES,
-    ProgramState,
+    ProgramShown,
     event_message,
     frames_message,
     log_message,
     program_message,
 )
-from gcodesim.log.rows import RowBuilder, Rows
+from gcodesim.log.rows import RecordRows, RowBuilder
 from gcodesim.log.scene import entities_update, force_updates, path_update, polyline_update
 from gcodesim.log.schema import schema_data
 from gcodesim.log.shapes import Entity, Mesh, Shape
@@ -78,12 +78,12 @@ class LogWriter:
         self._periodic = tuple(self._channels[topic.name] for topic in PERIODIC)
         self._batch = ColumnBatch(description)
         self._builder = RowBuilder(description, self._periodic, self._batch.columns)
-        self._rows: deque[Rows] = deque()
+        self._rows: deque[RecordRows] = deque()
         self._next_row = 0  # of the first of them
         self._backlog = Backlog()
         self._written_ns = 0  # everything before is on its way to disk
         self._last_ns = -1  # the last instant of the last window
-        self._program = ProgramState()
+        self._program = ProgramShown()
         self._at_start: set[int] = set()  # channels that have their message at time 0
         self._begin()
 
@@ -163,7 +163,7 @@ class LogWriter:
     # ---- when something changes
 
     def program(self, t_ns: int, **changes: Any) -> None:
-        """The block in execution from `t_ns` on: fields of `ProgramState` that change, the others stay.
+        """The block in execution from `t_ns` on: fields of `ProgramShown` that change, the others stay.
 
         Writes nothing when nothing changes; a new block also gives a line for `/log`.
         """
@@ -314,7 +314,7 @@ class LogWriter:
     ) -> None:
         self.abandon()
 
-    def _due_rows(self, before_ns: int) -> list[Rows]:
+    def _due_rows(self, before_ns: int) -> list[RecordRows]:
         """Rows earlier than `before_ns`; they are gone afterwards."""
         due = []
         while self._rows and (rows := self._rows[0]).times[self._next_row] < before_ns:
@@ -350,7 +350,7 @@ class LogWriter:
             if channel in self._periodic or channel in self._at_start:
                 continue
             if topic == "/program":
-                self._add_one(topic, 0, program_message(0, ProgramState()))
+                self._add_one(topic, 0, program_message(0, ProgramShown()))
             else:  # /event and /log have their start already; what is left are scenes
                 self._add_one(topic, 0, entities_update(0, ()))
 

@@ -38,7 +38,7 @@ from gcodesim.canon import (
 from gcodesim.canon.batch import EXACT, MoveBatch
 from gcodesim.canon.batch import RAPID as RAPID_MOVE
 from gcodesim.frames import Pose
-from gcodesim.motion.rows import Rows, Tags
+from gcodesim.motion.rows import PathRows, Tags
 from gcodesim.motion.tool_path import (
     ARC,
     BLEND,
@@ -95,7 +95,7 @@ class _Builder:
         self.states: dict[ToolState, int] = {}
         self.state = -1  # -1: not yet in `states`
         self.events: list[PathEvent] = []
-        self.rows = Rows()
+        self.rows = PathRows()
 
     def add(self, event: Event | MoveBatch) -> None:
         if type(event) is LinearFeed:

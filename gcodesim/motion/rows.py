@@ -33,7 +33,7 @@ class _Piece(NamedTuple):
     arcs: dict[str, Any]  # the rows of the arcs, from 0, and their columns
 
 
-class Rows:
+class PathRows:
     """Grows row by row; `path` makes the columns."""
 
     def __init__(self) -> None:

@@ -30,7 +30,7 @@ ZERO: Final[Axes] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 _NOWHERE: Final = Span("")
 
 
-class Control(StrEnum):
+class Commanded(StrEnum):
     """What a program commands.
 
     AXES: the control point, each letter for itself, as every program does until it says otherwise. POINT: the tip in
@@ -63,7 +63,7 @@ class ToolState:
     g92: Axes = ZERO
     rotation: float = 0.0
     word: str = ""
-    control: Control = Control.AXES
+    control: Commanded = Commanded.AXES
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,7 @@ from gcodesim.frames import Array
 from gcodesim.motion.blend import along_limits, blend
 from gcodesim.motion.curves import Curves
 from gcodesim.motion.pieces import AxisLimits, Pieces
-from gcodesim.motion.tool_path import Control, ToolPath
+from gcodesim.motion.tool_path import Commanded, ToolPath
 from gcodesim.motion.trajectory import Samples
 from gcodesim.planning.feeds import report_fast_feeds
 from gcodesim.planning.plan import JointExtremes
@@ -98,8 +98,8 @@ class AxisPosing:
     independent_rapids: bool = False
 
     @property
-    def understands(self) -> frozenset[Control]:
-        return frozenset((Control.AXES,))
+    def understands(self) -> frozenset[Commanded]:
+        return frozenset((Commanded.AXES,))
 
     def start(self, kinematics: Kinematics, home: Array) -> Axes:
         """Where the control point stands at `home` (j,), without tool offset."""

@@ -23,7 +23,7 @@ from gcodesim.motion.blend import blend
 from gcodesim.motion.blend_kernels import NORMAL_SHARE
 from gcodesim.motion.pieces import OVERLAP, Pieces
 from gcodesim.motion.timing import Caps
-from gcodesim.motion.tool_path import Control, ToolPath
+from gcodesim.motion.tool_path import Commanded, ToolPath
 from gcodesim.motion.trajectory import Samples
 from gcodesim.planning import joint_moves
 from gcodesim.planning.arm_kernels import joint_caps, joint_rates
@@ -34,7 +34,7 @@ from gcodesim.planning.nodes import Nodes
 from gcodesim.planning.plan import JointExtremes
 from gcodesim.planning.posing import Posed
 from gcodesim.planning.reach import report_poses, report_slow_joints
-from gcodesim.planning.spin_choice import Probe, SpinChoice, choose_spin
+from gcodesim.planning.spin_choice import SampledPath, SpinChoice, choose_spin
 from gcodesim.planning.travel import report_missing_axes
 
 if TYPE_CHECKING:
@@ -156,8 +156,8 @@ class FixedAttitude:
     joint_rapids: bool = False
 
     @property
-    def understands(self) -> frozenset[Control]:
-        return frozenset((Control.AXES,))
+    def understands(self) -> frozenset[Commanded]:
+        return frozenset((Commanded.AXES,))
 
     def start(self, kinematics: Kinematics, home: Array) -> Axes:
         """Where the flange stands at `home` (j,), seen from M."""
@@ -173,7 +173,7 @@ class FixedAttitude:
         rows = with_joint_rows(path, self.R_BO(path), joint_rapids=self.joint_rapids)
         path = rows.path
         R_BO = self.R_BO(path)
-        probe = Probe.of(rows, R_BO)
+        probe = SampledPath.of(rows, R_BO)
         near = spin_of(kinematics.forward(home[None])[0, :3, :3], R_BO[0] if len(path) else self.upright)
         choice = choose_spin(kinematics, probe, home, near, self.spin)
         pieces = blend(path, choice.limits, own_time=np.where(rows.joint, 1.0, np.nan))

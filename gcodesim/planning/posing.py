@@ -11,7 +11,7 @@ from gcodesim.diagnostics import Findings
 from gcodesim.frames import Array, Pose
 from gcodesim.motion.pieces import Pieces
 from gcodesim.motion.timing import Caps, time_law
-from gcodesim.motion.tool_path import Control, ToolPath
+from gcodesim.motion.tool_path import Commanded, ToolPath
 from gcodesim.planning.feeds import without_zero_feeds
 from gcodesim.planning.plan import JointPath, Plan, with_times
 
@@ -35,7 +35,7 @@ class Posing(Protocol):
     """The way from what is commanded to joints. Times, feeds of zero and the order of findings are `plan_path`'s."""
 
     @property
-    def understands(self) -> frozenset[Control]:
+    def understands(self) -> frozenset[Commanded]:
         """What a program may command."""
         ...
 

@@ -13,7 +13,7 @@ from gcodesim.frames import Array
 from gcodesim.motion.pieces import Pieces
 from gcodesim.planning.flange_poses import flange_poses
 from gcodesim.planning.nodes import Nodes
-from gcodesim.planning.spin_choice import Probe, SpinChoice
+from gcodesim.planning.spin_choice import SampledPath, SpinChoice
 from gcodesim.units import DEG, MM, MM_PER_MINUTE
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def report_poses(
     nodes: Nodes,
     q: Array,
     status: NDArray[np.uint8],
-    probe: Probe,
+    probe: SampledPath,
     choice: SpinChoice,
     home: Array,
     findings: Findings,
@@ -124,7 +124,7 @@ def _blocks(pieces: Pieces, piece: NDArray[np.int64]) -> int:
     return len(np.unique(pieces.path.block[np.cumsum(cover[:-1]) > 0]))
 
 
-def _shift_that_fits(kinematics: Kinematics, probe: Probe, choice: SpinChoice, home: Array) -> str:
+def _shift_that_fits(kinematics: Kinematics, probe: SampledPath, choice: SpinChoice, home: Array) -> str:
     """The smallest of some shifts of the part with which all of the program can be run."""
     ways = [np.array(way, dtype=float) for way in product((-1, 0, 1), repeat=3) if any(way)]
     ways.sort(key=lambda way: (np.abs(way).sum(), *(-way)))
@@ -137,7 +137,7 @@ def _shift_that_fits(kinematics: Kinematics, probe: Probe, choice: SpinChoice, h
     return f"no shift of the part up to {_SHIFTS[-1] / MM:.0f} mm was found that would do"
 
 
-def _fits(kinematics: Kinematics, probe: Probe, choice: SpinChoice, home: Array, step: Array) -> bool:
+def _fits(kinematics: Kinematics, probe: SampledPath, choice: SpinChoice, home: Array, step: Array) -> bool:
     previous = home
     for number, (a, b) in zip(probe.number, probe.chains, strict=True):
         X = flange_poses(probe.p_BO[a:b] + step, probe.R_BO[a:b], choice.spin)

@@ -28,7 +28,7 @@ _SHARP: Final = 0.1  # quantile of poses that may be slower than the limits used
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Probe:
+class SampledPath:
     """Some flange origins (k, 3) of a path with R_BO (k, 3, 3), in chains that begin where a joint move ends.
 
     `chains` holds first and last + 1 of each; `number` which of the path's chains it is.
@@ -40,7 +40,7 @@ class Probe:
     number: list[int]
 
     @staticmethod
-    def of(rows: JointRows, R_BO: Array) -> Probe:
+    def of(rows: JointRows, R_BO: Array) -> SampledPath:
         """Points all along the path, not more than about `POSES` of them."""
         path = rows.path
         heads = np.flatnonzero(rows.joint & ~rows.home)
@@ -69,7 +69,7 @@ class Probe:
         share = np.concatenate(share_parts) if share_parts else np.zeros(0)
         R = R_BO[row]
         origins = flange_origins(curves.points_at(row, share), offsets(path)[row, :3], R)
-        return Probe(origins, R, chains, [int(c) for c in chosen])
+        return SampledPath(origins, R, chains, [int(c) for c in chosen])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,7 +81,7 @@ class SpinChoice:
     limits: AxisLimits
 
 
-def choose_spin(kinematics: Kinematics, probe: Probe, home: Array, near: float, spin: float | None) -> SpinChoice:
+def choose_spin(kinematics: Kinematics, probe: SampledPath, home: Array, near: float, spin: float | None) -> SpinChoice:
     """The spin with fewest bad poses, then most margin, then nearest to `near`; a given `spin` [rad] is kept.
 
     Margin counts joint limits and singularities up to a comfortable distance,
@@ -100,7 +100,7 @@ def choose_spin(kinematics: Kinematics, probe: Probe, home: Array, near: float, 
     return SpinChoice(best[1], best[2], _limits(kinematics, best[3]))
 
 
-def _try(kinematics: Kinematics, probe: Probe, home: Array, spin: float) -> tuple[Array, int, dict[int, Array]]:
+def _try(kinematics: Kinematics, probe: SampledPath, home: Array, spin: float) -> tuple[Array, int, dict[int, Array]]:
     """Joints (k, j) at the poses of `probe`, how many are bad, and seeds that had to be searched."""
     X = flange_poses(probe.p_BO, probe.R_BO, spin)
     q = np.empty((len(X), len(home)))

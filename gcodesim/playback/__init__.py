@@ -1,8 +1,8 @@
 """A finished run read back: what the program did when, where everything stood, what it looked like at any moment."""
 
-from gcodesim.playback.frames import FrameTree
+from gcodesim.playback.frames import RecordedFrames
 from gcodesim.playback.recording import Recording, RecordingError
 from gcodesim.playback.scenes import Drawing, Lines, drawing_of
 from gcodesim.playback.timeline import Timeline
 
-__all__ = ["Drawing", "FrameTree", "Lines", "Recording", "RecordingError", "Timeline", "drawing_of"]
+__all__ = ["Drawing", "Lines", "RecordedFrames", "Recording", "RecordingError", "Timeline", "drawing_of"]

@@ -18,7 +18,7 @@ _PREFIX = "transforms["
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class FrameTree:
+class RecordedFrames:
     """Frames over n instants `t_ns` (n,): each has a parent and poses (n or 1, 4, 4) in it, 1 when it stands still."""
 
     t_ns: NDArray[np.int64]
@@ -26,7 +26,7 @@ class FrameTree:
     poses: dict[str, Array]
 
     @staticmethod
-    def of(static: Any, moving: Series) -> FrameTree:
+    def of(static: Any, moving: Series) -> RecordedFrames:
         """From the message of `/tf_static` (None: there is none) and the columns of `/tf`."""
         parents: dict[str, str] = {}
         poses: dict[str, Array] = {}
@@ -42,7 +42,7 @@ class FrameTree:
                 p = moving.columns(*(f"{item}translation.{axis}" for axis in "xyz"))
                 q = moving.columns(*(f"{item}rotation.{axis}" for axis in "xyzw"))
                 poses[child] = _matrices(p, q)
-        return FrameTree(moving.t_ns, parents, poses)
+        return RecordedFrames(moving.t_ns, parents, poses)
 
     def in_world(self, frame: str) -> Array:
         """X_WF (n or 1, 4, 4) of a frame; one that the log does not have stands at the origin of the world."""

@@ -20,7 +20,7 @@ from gcodesim.log.logfile import LogFile, LogReadError, RawMessage
 from gcodesim.log.reader import decoder_of
 from gcodesim.log.series import Series, read_series
 from gcodesim.log.topics import PERIODIC
-from gcodesim.playback.frames import FrameTree
+from gcodesim.playback.frames import RecordedFrames
 from gcodesim.playback.scenes import Drawing, drawing_of
 from gcodesim.playback.timeline import Timeline
 
@@ -191,9 +191,9 @@ class Recording:
                 self._series[name, every_ns] = read.get(name, nothing)
         return self._series[topic, every_ns]
 
-    def frames(self, every_ns: int = 0) -> FrameTree:
+    def frames(self, every_ns: int = 0) -> RecordedFrames:
         static = self._changes.get("/tf_static", [])
-        return FrameTree.of(static[-1][1] if static else None, self.series("/tf", every_ns))
+        return RecordedFrames.of(static[-1][1] if static else None, self.series("/tf", every_ns))
 
     def drawings(self, topic: str) -> list[tuple[int, tuple[Drawing, ...]]]:
         """Time and content of a scene topic that is no tile, in order."""

@@ -13,7 +13,7 @@ Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Modal:
+class BlockState:
     """What many blocks have in common; feed [m/s], spindle [rad/s, + = M3]."""
 
     file: str
@@ -39,15 +39,15 @@ class Timeline:
     block: Ints
     text: tuple[str, ...]
     modal: Ints
-    modals: tuple[Modal, ...]
+    modals: tuple[BlockState, ...]
 
     @staticmethod
     def of(messages: Iterable[tuple[int, Any]]) -> Timeline:
         """From time [ns] and message of `/program`, in order."""
-        known: dict[Modal, int] = {}
+        known: dict[BlockState, int] = {}
         t_ns, line, block, text, modal = [], [], [], [], []
         for time, m in messages:
-            state = Modal(
+            state = BlockState(
                 file=m.file,
                 motion=m.motion,
                 tool=m.tool,

@@ -13,7 +13,7 @@ from gcodesim.canon import Output as OutputEvent
 from gcodesim.cell.placing import SYSTEMS
 from gcodesim.diagnostics.span_table import SpanTable
 from gcodesim.frames import Array
-from gcodesim.log import BlockColumns, BlockMessages, Output, ProgramState
+from gcodesim.log import BlockColumns, BlockMessages, OutputState, ProgramShown
 from gcodesim.recorder.lines import texts_of
 from gcodesim.recorder.ways import Ways
 
@@ -118,12 +118,12 @@ def _moves(path: ToolPath, first: Ints, starts: Ints, here: tuple[int, str, int]
     return any((span.file, span.line) == here[1:] for span in spans)
 
 
-def _switches(plan: Plan, entries: _Entries) -> tuple[Ints, list[tuple[Output, ...]]]:
+def _switches(plan: Plan, entries: _Entries) -> tuple[Ints, list[tuple[OutputState, ...]]]:
     """Which of the states (m,) of all outputs is in force once each block has begun, and these states."""
     switches = ((timed, _switched(timed.event)) for timed in plan.trajectory.events)
     events = [(round(timed.time * 1e9), 2 * timed.row, to) for timed, to in switches if to is not None]
-    now: dict[str, Output] = {}
-    shown: list[tuple[Output, ...]] = [()]
+    now: dict[str, OutputState] = {}
+    shown: list[tuple[OutputState, ...]] = [()]
     for _, _, output in events:
         now[output.name] = output
         shown.append(tuple(now[name] for name in sorted(now)))
@@ -137,11 +137,11 @@ def _switches(plan: Plan, entries: _Entries) -> tuple[Ints, list[tuple[Output, .
     return count[len(events) :], shown
 
 
-def _switched(event: Event) -> Output | None:
+def _switched(event: Event) -> OutputState | None:
     if isinstance(event, OutputEvent):
-        return Output(f"{event.type} {event.index}", event.value)
+        return OutputState(f"{event.type} {event.index}", event.value)
     if isinstance(event, Action):
-        return Output(event.target, verb=event.verb)
+        return OutputState(event.target, verb=event.verb)
     return None
 
 
@@ -175,7 +175,7 @@ def _columns(
         block=np.arange(len(at), dtype=np.int64),
         text=texts_of(sources, names, file, line),
         modal=which,
-        modals=modals or [ProgramState()],
+        modals=modals or [ProgramShown()],
         points=points,
         point_starts=point_starts,
         frame=frame,
@@ -207,11 +207,11 @@ def _groups(keys: Ints) -> tuple[Ints, Ints]:
 
 
 def _modal(
-    shop: Shop, state: ToolState, file: str, moving: bool, feed: float, word: str, outputs: tuple[Output, ...]
-) -> ProgramState:
+    shop: Shop, state: ToolState, file: str, moving: bool, feed: float, word: str, outputs: tuple[OutputState, ...]
+) -> ProgramShown:
     """What the blocks of one group share; `word` is their state."""
     tool = shop.tool(state.tool)
-    return ProgramState(
+    return ProgramShown(
         file=file,
         motion=state.word if moving else "",
         tool=state.tool,

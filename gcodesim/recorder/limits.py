@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Limits:
+class JointLimits:
     """Limits (j,) of the joints of a shop, infinite where there are none; SI."""
 
     shop: Shop
@@ -24,12 +24,12 @@ class Limits:
     reach: Array
 
     @staticmethod
-    def of(shop: Shop) -> Limits:
+    def of(shop: Shop) -> JointLimits:
         joints = shop.kinematics.joints
         bounded = np.isfinite(joints.lower) & np.isfinite(joints.upper)
         lower, upper = np.where(bounded, joints.lower, 0.0), np.where(bounded, joints.upper, 0.0)
         reach = np.where(upper > lower, 0.5 * (upper - lower), np.inf)
-        return Limits(shop=shop, middle=0.5 * (lower + upper), reach=reach)
+        return JointLimits(shop=shop, middle=0.5 * (lower + upper), reach=reach)
 
     def used(self, q: Array, qd: Array, effort: Array) -> tuple[Array, Array, Array]:
         """Share (n,) that the nearest joint uses of its travel, speed and effort, from those of all joints (n, j)."""

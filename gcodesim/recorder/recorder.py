@@ -22,7 +22,7 @@ from gcodesim.recorder.blocks import Blocks
 from gcodesim.recorder.bodies import cell_entities, tile_meshes, tool_shapes
 from gcodesim.recorder.frames import Frames, seven, stock_frame, work_systems
 from gcodesim.recorder.instants import Instants
-from gcodesim.recorder.limits import Limits
+from gcodesim.recorder.limits import JointLimits
 from gcodesim.recorder.look import layout_kind, view_of
 from gcodesim.recorder.pose_kernels import bend, compare
 from gcodesim.recorder.reporter import Reporter
@@ -72,7 +72,7 @@ class Recorder:
         self._blocks = Blocks.of(self._plan, self._shop, job.sources, ways, self._frames.path_frame)
         self._tiles: list[Tiles] = [self._tiles_of(placed.stock) for placed in self._shop.stocks.values()]
         self._tile_ns = self._tile_period(self._plan.trajectory.duration_ns)
-        self._limits = Limits.of(self._shop)
+        self._limits = JointLimits.of(self._shop)
         self._writer = LogWriter(out / LOG_NAME, self._description(ways), live)
         self._reporter = Reporter(self._writer, job.shown(job.findings))
         self._texts = Texts(self._writer, self._plan.trajectory.events)

@@ -1,6 +1,14 @@
 """Whether a run still does what an earlier one did: comparison by quantity and tolerance, never of text."""
 
-from gcodesim.regress.changes import Change, Comparison, FieldChange, FindingChange, MoveChange, Place, SurfaceChange
+from gcodesim.regress.changes import (
+    Change,
+    ChangedLine,
+    Comparison,
+    FieldChange,
+    FindingChange,
+    MoveChange,
+    SurfaceChange,
+)
 from gcodesim.regress.compare import compare_results
 from gcodesim.regress.tolerance import DEFAULTS, QUANTITIES, Tolerance
 from gcodesim.regress.verdicts import CaseVerdict, Found, SuiteVerdict
@@ -10,12 +18,12 @@ __all__ = [
     "QUANTITIES",
     "CaseVerdict",
     "Change",
+    "ChangedLine",
     "Comparison",
     "FieldChange",
     "FindingChange",
     "Found",
     "MoveChange",
-    "Place",
     "SuiteVerdict",
     "SurfaceChange",
     "Tolerance",

@@ -10,7 +10,7 @@ FindingKind = Literal["new", "gone", "changed"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Place:
+class ChangedLine:
     """A line of a program; `text` is empty where only its number is known, as in accepted results."""
 
     file: str
@@ -56,11 +56,11 @@ class MoveChange:
     what: str
     detail: str = ""
     count: int = 1
-    old: Place | None = None
-    new: Place | None = None
-    last_old: Place | None = None
-    last_new: Place | None = None
-    near: Place | None = None
+    old: ChangedLine | None = None
+    new: ChangedLine | None = None
+    last_old: ChangedLine | None = None
+    last_new: ChangedLine | None = None
+    near: ChangedLine | None = None
     fields: tuple[FieldChange, ...] = ()
     way_mm: float = 0.0
 

@@ -65,7 +65,7 @@ def _turn(x: float, y: float, angle: float) -> tuple[float, float]:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Arc:
+class ArcMove:
     """Centre [mm], normal and signed sweep [deg] of an arc in the machine frame."""
 
     center: Point
@@ -88,7 +88,7 @@ class Step:
     numbers: tuple[tuple[str, float], ...] = ()
     start: Axes = NO_AXES
     end: Axes | None = None
-    arc: Arc | None = None
+    arc: ArcMove | None = None
     through: tuple[Point, ...] = ()
     stops: bool = False
     system: System = field(default=System(), compare=False)
@@ -114,14 +114,14 @@ class Step:
         return x, y, z
 
 
-def _in_plane(arc: Arc, point: Sequence[float]) -> Point:
+def _in_plane(arc: ArcMove, point: Sequence[float]) -> Point:
     """`point` at the height of the centre along the normal."""
     rise = sum(n * (p - c) for n, p, c in zip(arc.normal, point, arc.center, strict=False))
     x, y, z = (p - n * rise for p, n in zip(point, arc.normal, strict=False))
     return x, y, z
 
 
-def arc_point(arc: Arc, start: Sequence[float], end: Sequence[float], part: float) -> Point:
+def arc_point(arc: ArcMove, start: Sequence[float], end: Sequence[float], part: float) -> Point:
     """The point after `part` of an arc or helix (Rodrigues' rotation about the normal, rise in proportion)."""
     n = arc.normal
     rise = sum(k * (e - s) for k, e, s in zip(n, end, start, strict=False))
@@ -178,7 +178,7 @@ class _Reducer:
     def _step(self, kind: str, fields: dict[str, Any], event: ev.Event) -> Step:
         start = self.position
         end: Axes | None = None
-        arc: Arc | None = None
+        arc: ArcMove | None = None
         through: tuple[Point, ...] = ()
         words: list[tuple[str, str]] = []
         if "end" in fields:
@@ -186,7 +186,9 @@ class _Reducer:
             self.position = end = (a, b, c, d, e, f)
         if kind == "arc":
             assert end is not None
-            arc = Arc(center=_point(fields.pop("center")), normal=_point(fields.pop("normal")), sweep=fields["sweep"])
+            arc = ArcMove(
+                center=_point(fields.pop("center")), normal=_point(fields.pop("normal")), sweep=fields["sweep"]
+            )
             del fields["sweep"]
             through = (arc_point(arc, start, end, 0.5),)
         elif kind == "spline":

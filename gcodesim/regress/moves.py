@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Final, TypeVar
 
 from gcodesim.regress.align import GAP, Pair, align
-from gcodesim.regress.changes import FieldChange, MoveChange, Place
+from gcodesim.regress.changes import ChangedLine, FieldChange, MoveChange
 from gcodesim.regress.motion import LETTERS, MOVES, Step
 from gcodesim.regress.tolerance import DEFAULTS, QUANTITIES, Tolerances
 
@@ -309,8 +309,8 @@ def _detail(step: Step) -> str:
     return ", ".join(told)
 
 
-def _place(step: Step, text: LineText) -> Place:
-    return Place(file=step.file, line=step.line, text=" ".join(text(step.file, step.line).split()))
+def _place(step: Step, text: LineText) -> ChangedLine:
+    return ChangedLine(file=step.file, line=step.line, text=" ".join(text(step.file, step.line).split()))
 
 
 def _same_way(a: Sequence[Step], b: Sequence[Step], tolerances: Tolerances) -> bool:

@@ -7,7 +7,15 @@ from dataclasses import asdict, dataclass
 from typing import Any, Final
 
 from gcodesim.numbers import clean
-from gcodesim.regress.changes import Change, Comparison, FieldChange, FindingChange, MoveChange, Place, SurfaceChange
+from gcodesim.regress.changes import (
+    Change,
+    ChangedLine,
+    Comparison,
+    FieldChange,
+    FindingChange,
+    MoveChange,
+    SurfaceChange,
+)
 
 NO_DIFFERENCE: Final = "no difference in motion or result"
 _MOST_OF_A_TEXT: Final = 200  # entries under a title on a screen
@@ -19,8 +27,8 @@ class Entry:
     """One difference as lines of text, and where it is on either side as far as it has a place there."""
 
     lines: tuple[str, ...]
-    old: Place | None = None
-    new: Place | None = None
+    old: ChangedLine | None = None
+    new: ChangedLine | None = None
 
 
 def number(value: float) -> str:
@@ -78,7 +86,7 @@ def field_text(field: FieldChange) -> str:
     )
 
 
-def _line(place: Place) -> str:
+def _line(place: ChangedLine) -> str:
     return f"{place}{f': {place.text}' if place.text else ''}"
 
 
@@ -178,7 +186,9 @@ def sections(comparison: Comparison) -> Iterator[tuple[str, list[Entry]]]:
 
 
 def _finding_entry(change: FindingChange) -> Entry:
-    old, new = (None if one is None else Place(file=one["file"], line=one["line"]) for one in (change.old, change.new))
+    old, new = (
+        None if one is None else ChangedLine(file=one["file"], line=one["line"]) for one in (change.old, change.new)
+    )
     return Entry(lines=(finding_text(change),), old=old, new=new)
 
 

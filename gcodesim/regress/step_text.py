@@ -14,7 +14,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Final
 
-from gcodesim.regress.motion import LETTERS, MOVES, NO_AXES, Arc, Axes, Point, Step, System, arc_point
+from gcodesim.regress.motion import LETTERS, MOVES, NO_AXES, ArcMove, Axes, Point, Step, System, arc_point
 
 _PLACES: Final = 6
 _FED: Final = ("line", "arc", "spline", "probe")
@@ -176,7 +176,7 @@ class _Reader:
         if kind == "arc":
             self.normal = _three(points.get("n", self.normal))
             center = _three(self.system.to_machine(points["c"]))
-            arc = Arc(center=center, normal=self.normal, sweep=numbers.pop("sweep"))
+            arc = ArcMove(center=center, normal=self.normal, sweep=numbers.pop("sweep"))
             through = (arc_point(arc, start, end, 0.5),)
             words = {"ccw": "yes" if ccw else "no", **words}
         return self._made(kind, list(words.items()), list(numbers.items()), start, end, arc, through)
@@ -188,7 +188,7 @@ class _Reader:
         numbers: list[tuple[str, float]],
         start: Axes | None = None,
         end: Axes | None = None,
-        arc: Arc | None = None,
+        arc: ArcMove | None = None,
         through: tuple[Point, ...] = (),
     ) -> Step:
         return Step(

@@ -25,7 +25,7 @@ class Tolerance:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Quantity:
+class Compared:
     """A row of the table: `dimension` is one of the cell file's, `unit` what files and messages show."""
 
     dimension: str
@@ -34,39 +34,39 @@ class Quantity:
     what: str
 
 
-QUANTITIES: Final[Mapping[str, Quantity]] = {
-    "position": Quantity(
+QUANTITIES: Final[Mapping[str, Compared]] = {
+    "position": Compared(
         dimension="length", unit="mm", default=Tolerance(0.001), what="ends of moves, middles of arcs, tool offsets"
     ),
-    "angle": Quantity(dimension="angle", unit="deg", default=Tolerance(0.001), what="ends of moves of A, B, C"),
-    "feed": Quantity(dimension="speed", unit="mm/min", default=Tolerance(0.0, 1e-3), what="feed of a move"),
-    "spindle": Quantity(dimension="rotational speed", unit="rpm", default=Tolerance(0.0, 1e-3), what="spindle speed"),
-    "dwell": Quantity(dimension="time", unit="s", default=Tolerance(0.001), what="a dwell of the program"),
-    "word": Quantity(dimension="ratio", unit="", default=Tolerance(1e-6), what="other numbers of the program"),
-    "time": Quantity(dimension="time", unit="s", default=Tolerance(0.01, 1e-3), what="all times of the results"),
-    "distance": Quantity(dimension="length", unit="mm", default=Tolerance(0.01, 1e-4), what="feed and rapid distance"),
-    "volume": Quantity(
+    "angle": Compared(dimension="angle", unit="deg", default=Tolerance(0.001), what="ends of moves of A, B, C"),
+    "feed": Compared(dimension="speed", unit="mm/min", default=Tolerance(0.0, 1e-3), what="feed of a move"),
+    "spindle": Compared(dimension="rotational speed", unit="rpm", default=Tolerance(0.0, 1e-3), what="spindle speed"),
+    "dwell": Compared(dimension="time", unit="s", default=Tolerance(0.001), what="a dwell of the program"),
+    "word": Compared(dimension="ratio", unit="", default=Tolerance(1e-6), what="other numbers of the program"),
+    "time": Compared(dimension="time", unit="s", default=Tolerance(0.01, 1e-3), what="all times of the results"),
+    "distance": Compared(dimension="length", unit="mm", default=Tolerance(0.01, 1e-4), what="feed and rapid distance"),
+    "volume": Compared(
         dimension="volume", unit="mm³", default=Tolerance(0.5, 1e-3), what="removed, deposited, remaining volume"
     ),
-    "surface": Quantity(dimension="length", unit="mm", default=Tolerance(0.01), what="height of a stock's surface"),
-    "force": Quantity(dimension="force", unit="N", default=Tolerance(0.5, 0.01), what="greatest force of a tool"),
-    "torque": Quantity(dimension="torque", unit="N·m", default=Tolerance(0.01, 0.01), what="torque of a tool"),
-    "power": Quantity(dimension="power", unit="W", default=Tolerance(1.0, 0.01), what="power of a tool"),
-    "joint": Quantity(
+    "surface": Compared(dimension="length", unit="mm", default=Tolerance(0.01), what="height of a stock's surface"),
+    "force": Compared(dimension="force", unit="N", default=Tolerance(0.5, 0.01), what="greatest force of a tool"),
+    "torque": Compared(dimension="torque", unit="N·m", default=Tolerance(0.01, 0.01), what="torque of a tool"),
+    "power": Compared(dimension="power", unit="W", default=Tolerance(1.0, 0.01), what="power of a tool"),
+    "joint": Compared(
         dimension="ratio", unit="", default=Tolerance(0.01, 1e-3), what="travel and margin of joints, in deg or mm"
     ),
-    "joint_speed": Quantity(dimension="ratio", unit="", default=Tolerance(0.01, 0.02), what="greatest joint speeds"),
-    "joint_acceleration": Quantity(
+    "joint_speed": Compared(dimension="ratio", unit="", default=Tolerance(0.01, 0.02), what="greatest joint speeds"),
+    "joint_acceleration": Compared(
         dimension="ratio",
         unit="",
         default=Tolerance(1.0, 0.1),
         what="greatest joint accelerations, deg or mm per s²",
     ),
-    "joint_effort": Quantity(
+    "joint_effort": Compared(
         dimension="ratio", unit="", default=Tolerance(0.5, 0.02), what="greatest joint efforts, in N·m or N"
     ),
-    "count": Quantity(dimension="ratio", unit="", default=Tolerance(0.0), what="counts, as of words not simulated"),
-    "finding": Quantity(dimension="ratio", unit="", default=Tolerance(0.01, 0.02), what="numbers inside findings"),
+    "count": Compared(dimension="ratio", unit="", default=Tolerance(0.0), what="counts, as of words not simulated"),
+    "finding": Compared(dimension="ratio", unit="", default=Tolerance(0.01, 0.02), what="numbers inside findings"),
 }
 
 Tolerances = Mapping[str, Tolerance]

@@ -16,7 +16,7 @@ class LibraryMissingError(Exception):
     """A script is not installed; the text says which package brings it."""
 
 
-class Library(NamedTuple):
+class WebLibrary(NamedTuple):
     """A script and the style that it needs."""
 
     script: str
@@ -35,11 +35,11 @@ def scene_library() -> str:
     return found[1].split("(function(){const _changeEvent")[0]
 
 
-def chart_library() -> Library:
+def chart_library() -> WebLibrary:
     """uPlot (MIT), from the package of extra `report`."""
     script = _read("metaflow-card-uplot", f"{_CHART_FOLDER}/uPlot.iife.min.js").decode()
     style = _read("metaflow-card-uplot", f"{_CHART_FOLDER}/uPlot.min.css").decode()
-    return Library(script, style)
+    return WebLibrary(script, style)
 
 
 def _read(package: str, file: str) -> bytes:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gcodesim.frames import quaternion_from_rotation
 from gcodesim.log import Box, Cone, Cylinder, Mesh, Shape, Sphere
-from gcodesim.playback import Drawing, FrameTree, Recording
+from gcodesim.playback import Drawing, RecordedFrames, Recording
 from gcodesim.report.motion import key_moments
 from gcodesim.report.pack import Pack
 from gcodesim.units import DEG, UM
@@ -78,7 +78,7 @@ def _thinning(recording: Recording) -> int:
     return -(-FINEST_NS // period) * period
 
 
-def _stock_frames(tree: FrameTree) -> list[str]:
+def _stock_frames(tree: RecordedFrames) -> list[str]:
     return [name for name in tree.poses if name == "stock" or name.startswith("stock/")]
 
 
@@ -143,7 +143,7 @@ def _at(known: NDArray[np.int64], values: Array, t_ns: NDArray[np.int64]) -> Arr
     return values[np.clip(np.searchsorted(known, t_ns, side="right") - 1, 0, len(known) - 1)]
 
 
-def _frame(tree: FrameTree, name: str, kept: NDArray[np.int64], pack: Pack) -> dict[str, Any]:
+def _frame(tree: RecordedFrames, name: str, kept: NDArray[np.int64], pack: Pack) -> dict[str, Any]:
     """Poses in the world: one when the frame stands still, else one for each kept moment."""
     X = tree.in_world(name)
     still = len(X) == 1 or bool(np.array_equal(X, np.broadcast_to(X[:1], X.shape)))

@@ -27,7 +27,7 @@ import numpy as np
 from gcodesim.frames import Array, Pose, rotation_from_quaternion
 from gcodesim.kinematics.dynamics import inverse_dynamics
 from gcodesim.world.body import Box, Cylinder, Mesh, RobotBody, Shape, Sphere, StaticBody, ToolBody
-from gcodesim.world.model import Model, joint_name, merged_model, payload_of
+from gcodesim.world.model import BulletModel, joint_name, merged_model, payload_of
 from gcodesim.world.protocol import STANDARD_GRAVITY, Couple, WorldSteps, WorldUnavailable
 from gcodesim.world.reaction import tool_reaction
 from gcodesim.world.state import WorldBase, wrench_rows
@@ -152,7 +152,7 @@ class BulletWorld(WorldBase):
             )
         return body
 
-    def _find_tip(self, model: Model) -> None:
+    def _find_tip(self, model: BulletModel) -> None:
         """The tip as a point of the inertial frame of the link that is pushed, which is what link states give."""
         self._tip_link = None if model.carrier < 0 else self._joints[model.carrier]
         self._p_tip: list[float] = [0.0, 0.0, 0.0]

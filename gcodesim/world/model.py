@@ -66,7 +66,7 @@ def carried_solids(chain: Chain) -> list[list[Solid]]:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Model:
+class BulletModel:
     """A URDF for Bullet, with links and joints named by place in the joint vector.
 
     `carrier` is the joint whose link has the flange, and the tip at `p_LT` (3,)
@@ -78,7 +78,7 @@ class Model:
     p_LT: Array
 
 
-def merged_model(chain: Chain, tool: ToolBody | None, *, solids: bool) -> Model:
+def merged_model(chain: Chain, tool: ToolBody | None, *, solids: bool) -> BulletModel:
     """Robot and tool as one multibody; `solids` says whether collision bodies are wanted."""
     tree = chain.tree
     masses = bodies(chain, payload_of(tool))
@@ -98,7 +98,7 @@ def merged_model(chain: Chain, tool: ToolBody | None, *, solids: bool) -> Model:
         parent = "base" if tree.parent[i] < 0 else f"link{tree.parent[i]}"
         kind = "prismatic" if tree.prismatic[i] else "continuous"
         _add_joint(root, joint_name(i), kind, parent, f"link{i}", tree.before[i], tree.axis[i])
-    return Model(text=ET.tostring(root, encoding="unicode"), carrier=carrier, p_LT=X_LT[:3, 3].copy())
+    return BulletModel(text=ET.tostring(root, encoding="unicode"), carrier=carrier, p_LT=X_LT[:3, 3].copy())
 
 
 def joint_name(index: int) -> str:

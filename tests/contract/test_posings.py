@@ -12,7 +12,7 @@ from gcodesim.diagnostics import Span
 from gcodesim.frames import Array, Pose, rotation_about
 from gcodesim.kinematics import Kinematics, kinematics_of, load_urdf, model_path
 from gcodesim.motion import build_tool_path
-from gcodesim.motion.tool_path import Control, ToolPath
+from gcodesim.motion.tool_path import Commanded, ToolPath
 from gcodesim.planning import AxisPosing, FixedAttitude, Plan, Posing, plan_path
 
 MODELS = ("gantry_xyz", "kuka_kr10_r1100_2")
@@ -91,7 +91,7 @@ def test_joints_begin_at_home_and_go_on_without_a_jump(name: str) -> None:
 def test_what_it_does_not_understand_is_refused(name: str) -> None:
     model, posing, home = MEMBERS[name]
     path = ToolPath.from_points(np.array([[0.4, 0.0, 0.4], [0.5, 0.0, 0.4]]), feed=0.1)
-    foreign = next(control for control in Control if control not in posing.understands)
+    foreign = next(control for control in Commanded if control not in posing.understands)
     path = replace(path, states=tuple(replace(state, control=foreign) for state in path.states))
 
     with pytest.raises(ValueError, match=f"cannot be commanded by {foreign}"):

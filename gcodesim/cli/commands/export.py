@@ -12,7 +12,7 @@ from gcodesim.cli.exits import UsageError
 from gcodesim.cli.moments import add_range, chosen_range, nanoseconds, open_recording, reads_logs, status_of_reading
 
 if TYPE_CHECKING:
-    from gcodesim.export.select import Part
+    from gcodesim.export.select import TimeRange
     from gcodesim.playback import Recording
 
 _SUFFIX: Final = {"csv": ".csv", "jsonl": ".jsonl", "stl": ".stl", "glb": ".glb", "rosbag2": "_bag"}
@@ -72,12 +72,12 @@ def add_parser(commands: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from gcodesim.export.select import Part
+    from gcodesim.export.select import TimeRange
 
     recording = open_recording(arguments.log)
     _refuse_useless(arguments)
     first_ns, last_ns = chosen_range(arguments, recording)
-    part = Part(first_ns=first_ns, last_ns=last_ns, period_ns=arguments.period)
+    part = TimeRange(first_ns=first_ns, last_ns=last_ns, period_ns=arguments.period)
     topics = [name if name.startswith("/") else f"/{name}" for name in arguments.topics.split(",") if name]
     if arguments.at is not None and arguments.at > recording.end_ns:
         raise UsageError(f"the run ends at {recording.end_ns * 1e-9:g} s, before {arguments.at * 1e-9:g} s")
@@ -108,7 +108,7 @@ def _refuse_useless(arguments: argparse.Namespace) -> None:
             raise UsageError(f"{option} means nothing for {arguments.to}")
 
 
-def _text(arguments: argparse.Namespace, recording: Recording, topics: list[str], part: Part) -> None:
+def _text(arguments: argparse.Namespace, recording: Recording, topics: list[str], part: TimeRange) -> None:
     from gcodesim.export.lines import write_lines
     from gcodesim.export.table import NoTableError, write_table
 
@@ -147,7 +147,7 @@ def _moment(arguments: argparse.Namespace, recording: Recording) -> None:
     print(f"wrote the part at {moment * 1e-9:g} s, {how}, {written.triangles} triangles, into {out}")
 
 
-def _bag(arguments: argparse.Namespace, recording: Recording, topics: list[str], part: Part) -> None:
+def _bag(arguments: argparse.Namespace, recording: Recording, topics: list[str], part: TimeRange) -> None:
     from gcodesim.export.rosbag import NoRosError, write_bag
     from gcodesim.export.table import NoTableError
 

@@ -12,7 +12,7 @@ from gcodesim.cli.judging import Met, add_baseline, add_today, print_findings_of
 from gcodesim.cli.options import add_cell, add_fail_on, add_language, add_programs
 
 if TYPE_CHECKING:
-    from gcodesim.cli.language import Reading
+    from gcodesim.cli.language import ProgramReading
 
 
 def add_parser(commands: Any) -> None:
@@ -40,7 +40,7 @@ def run(arguments: argparse.Namespace) -> int:
     return FINDINGS if any(reading.run is None for reading in read) else settled.status
 
 
-def _read(arguments: argparse.Namespace, path: Path) -> Reading:
+def _read(arguments: argparse.Namespace, path: Path) -> ProgramReading:
     from gcodesim.cli.language import reading_of
 
     reading = reading_of(arguments, path)
@@ -51,7 +51,7 @@ def _read(arguments: argparse.Namespace, path: Path) -> Reading:
     return reading
 
 
-def _met(arguments: argparse.Namespace, path: Path, reading: Reading) -> Met:
+def _met(arguments: argparse.Namespace, path: Path, reading: ProgramReading) -> Met:
     from gcodesim.cli.language import files_of
 
     return Met(

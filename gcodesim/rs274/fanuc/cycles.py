@@ -23,7 +23,7 @@ _NEEDS_Q = frozenset((730, 760, 830, 870))
 
 
 @dataclass(frozen=True, slots=True)
-class Hole:
+class FanucHole:
     """Heights along the drilling axis, in the work system and program units; dwell [s]."""
 
     bottom: float
@@ -110,7 +110,7 @@ def _take_heights(words: Words, control: FanucControl, letter: str) -> None:
 
 def _hole(
     words: Words, control: FanucControl, code: int, who: str, at: str | None, letter: str, data: dict[str, float]
-) -> Hole:
+) -> FanucHole:
     state = control.state
     if state.feed == 0.0:
         raise Fault("GS107", f"{who} without a feed: F is 0", at=at, hint="write F before or in this block")
@@ -132,10 +132,12 @@ def _hole(
     dwell = data.get("p", 0.0) * _MILLISECONDS
     if dwell < 0.0:
         raise Fault("GS106", f"the dwell of {who} is negative", at="p")
-    return Hole(state.bottom, clear, clear if state.retract == 990 and code != 870 else state.cycle_start, dwell, step)
+    return FanucHole(
+        state.bottom, clear, clear if state.retract == 990 and code != 870 else state.cycle_start, dwell, step
+    )
 
 
-def _drill(head: Head, hole: Hole) -> None:
+def _drill(head: Head, hole: FanucHole) -> None:
     """G81, G82."""
     head.feed_to(hole.bottom)
     if head.who == "G82":
@@ -143,12 +145,12 @@ def _drill(head: Head, hole: Hole) -> None:
     head.rapid_to(hole.level)
 
 
-def _dwell(head: Head, hole: Hole) -> None:
+def _dwell(head: Head, hole: FanucHole) -> None:
     if hole.dwell:
         head.control.dwell(hole.dwell)
 
 
-def _pecks(head: Head, hole: Hole, *, full: bool) -> None:
+def _pecks(head: Head, hole: FanucHole, *, full: bool) -> None:
     """G83 comes out to R after each peck, G73 only a little."""
     gap = _CLEARANCE_INCH if head.control.state.unit == INCH else _CLEARANCE_MM
     depth = hole.clear - hole.step
@@ -163,7 +165,7 @@ def _pecks(head: Head, hole: Hole, *, full: bool) -> None:
     head.rapid_to(hole.level)
 
 
-def _tap(head: Head, hole: Hole) -> None:
+def _tap(head: Head, hole: FanucHole) -> None:
     """G84, G74: feed down, turn round, feed to R, turn round again; then out at rapid."""
     direction = -1 if head.who == "G74" else 1
     if head.control.state.spindle != direction:
@@ -176,7 +178,7 @@ def _tap(head: Head, hole: Hole) -> None:
     head.rapid_to(hole.level)
 
 
-def _bore(head: Head, hole: Hole) -> None:
+def _bore(head: Head, hole: FanucHole) -> None:
     """G85, G89: feed down, and feed up to R."""
     head.feed_to(hole.bottom)
     if head.who == "G89":
@@ -185,7 +187,7 @@ def _bore(head: Head, hole: Hole) -> None:
     head.rapid_to(hole.level)
 
 
-def _bore_stop(head: Head, hole: Hole) -> None:
+def _bore_stop(head: Head, hole: FanucHole) -> None:
     """G86: the spindle stands while the tool comes out."""
     direction = head.control.state.spindle
     head.feed_to(hole.bottom)
@@ -196,7 +198,7 @@ def _bore_stop(head: Head, hole: Hole) -> None:
         head.turn(direction)
 
 
-def _bore_by_hand(head: Head, hole: Hole) -> None:
+def _bore_by_hand(head: Head, hole: FanucHole) -> None:
     """G88: dwell, stop; the operator brings the tool out to R."""
     direction = head.control.state.spindle
     head.feed_to(hole.bottom)
@@ -210,7 +212,7 @@ def _bore_by_hand(head: Head, hole: Hole) -> None:
         head.turn(direction)
 
 
-def _fine_bore(head: Head, hole: Hole) -> None:
+def _fine_bore(head: Head, hole: FanucHole) -> None:
     """G76: at the bottom the spindle is oriented and the edge lifted by Q along the first axis of the plane."""
     control = head.control
     direction = control.state.spindle
@@ -226,7 +228,7 @@ def _fine_bore(head: Head, hole: Hole) -> None:
     head.turn(direction)
 
 
-def _back_bore(head: Head, hole: Hole) -> None:
+def _back_bore(head: Head, hole: FanucHole) -> None:
     """G87: through the hole aside, down to R, then bored upwards to Z; leaves at the initial level."""
     control = head.control
     direction = control.state.spindle
@@ -247,7 +249,7 @@ def _back_bore(head: Head, hole: Hole) -> None:
     head.turn(direction)
 
 
-_SHAPES: dict[int, Callable[[Head, Hole], None]] = {
+_SHAPES: dict[int, Callable[[Head, FanucHole], None]] = {
     730: lambda head, hole: _pecks(head, hole, full=False),
     740: _tap,
     760: _fine_bore,

@@ -12,7 +12,7 @@ from gcodesim.rs274.fanuc.arguments import arguments_of
 from gcodesim.rs274.fanuc.control import FanucControl
 from gcodesim.rs274.fanuc.execute import CENTRE_POINT, execute
 from gcodesim.rs274.fanuc.expressions import number_of, value_of
-from gcodesim.rs274.fanuc.flow import FanucFlow, Modal
+from gcodesim.rs274.fanuc.flow import FanucFlow, ModalCall
 from gcodesim.rs274.fanuc.increments import in_increments
 from gcodesim.rs274.fanuc.program import FanucFile
 from gcodesim.rs274.fault import Fault
@@ -255,7 +255,7 @@ class FanucExecutor(Executor):
             self.flow.call_macro(round(number), round(rounds), arguments, index)  # type: ignore[arg-type]
         else:
             self.flow.begin_modal(
-                Modal(
+                ModalCall(
                     number=round(number),  # type: ignore[arg-type]
                     rounds=round(rounds),  # type: ignore[arg-type]
                     arguments=arguments,

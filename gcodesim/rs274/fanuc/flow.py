@@ -10,7 +10,7 @@ from gcodesim.rs274.block import Flow
 from gcodesim.rs274.fanuc import external
 from gcodesim.rs274.fanuc.control import FanucControl
 from gcodesim.rs274.fanuc.expressions import number_of
-from gcodesim.rs274.fanuc.program import MOST_LOOPS, FanucFile, Part
+from gcodesim.rs274.fanuc.program import MOST_LOOPS, FanucFile, FanucProgram
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.flow import FlowControl, Stopped
 from gcodesim.rs274.frame import Frame
@@ -20,11 +20,11 @@ from gcodesim.rs274.reader import Reader
 MOST_LEVELS = 10
 MOST_MACRO_LEVELS = 5
 _SUFFIXES = ("", ".nc", ".NC", ".ngc", ".txt", ".tap", ".cnc")
-_NO_PART = Part(None, 0, 0)
+_NO_PART = FanucProgram(None, 0, 0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Modal:
+class ModalCall:
     """A macro that G66 or G66.1 calls again and again."""
 
     number: int
@@ -37,12 +37,12 @@ class Modal:
 class FanucFrame(Frame):
     """`part` is the running program. `calls` are the modal macros in force here, shared with programs called by M98."""
 
-    part: Part = _NO_PART
+    part: FanucProgram = _NO_PART
     macro: bool = False
     macro_arguments: dict[int, float] = field(default_factory=dict)
     outer: dict[int, float] = field(default_factory=dict)  # the caller's #1 to #33
     begun: set[int] = field(default_factory=set)  # lines of DO that were passed
-    calls: list[Modal] = field(default_factory=list)
+    calls: list[ModalCall] = field(default_factory=list)
 
 
 class FanucFlow(FlowControl):
@@ -166,7 +166,7 @@ class FanucFlow(FlowControl):
         """G65: variables of its own, modal calls of its caller."""
         self._push_macro(number, rounds, arguments, index, self.running.calls)
 
-    def begin_modal(self, modal: Modal) -> None:
+    def begin_modal(self, modal: ModalCall) -> None:
         """G66 and G66.1; the program has to be there already."""
         self._find_program(modal.number)
         if len(self.running.calls) >= MOST_MACRO_LEVELS:
@@ -186,7 +186,7 @@ class FanucFlow(FlowControl):
         self._push_macro(modal.number, modal.rounds, modal.arguments, index, others)
 
     def _push_macro(
-        self, number: int, rounds: int, arguments: dict[int, float], index: int, calls: list[Modal]
+        self, number: int, rounds: int, arguments: dict[int, float], index: int, calls: list[ModalCall]
     ) -> None:
         if rounds <= 0:
             return
@@ -201,7 +201,7 @@ class FanucFlow(FlowControl):
         frame.outer = self.control.parameters.local
         self.control.parameters.local = dict(arguments)
 
-    def _push(self, file: FanucFile, part: Part, number: int, rounds: int, index: int) -> FanucFrame:
+    def _push(self, file: FanucFile, part: FanucProgram, number: int, rounds: int, index: int) -> FanucFrame:
         if len(self.frames) > MOST_LEVELS:
             hint = "a program that calls itself needs an IF that ends it"
             raise Stopped("GS132", f"programs are called more than {MOST_LEVELS} deep", hint=hint)
@@ -221,7 +221,7 @@ class FanucFlow(FlowControl):
         self.changes += 1
         return frame
 
-    def _find_program(self, number: int) -> tuple[FanucFile, Part]:
+    def _find_program(self, number: int) -> tuple[FanucFile, FanucProgram]:
         """In the running file, in the main one, or in a file of its name."""
         main = self.frames[0].file
         for file in (self._lines, main, self._file_of_number(number)):

@@ -23,7 +23,7 @@ _NOTE = re.compile(r"\([^)]*\)|;.*")
 MOST_LOOPS = 3
 
 
-class Part(NamedTuple):
+class FanucProgram(NamedTuple):
     """One program of a file: `first` is its first line to execute, `end` the one after its last."""
 
     number: int | None
@@ -99,23 +99,23 @@ class FanucFile(ProgramFile):
         return None if name is None else self._number_of(name)
 
     @cached_property
-    def parts(self) -> list[Part]:
+    def parts(self) -> list[FanucProgram]:
         """The programs in their order; text before the first O is a program without number when it says anything."""
         heads = [(index, number) for index in range(self.begin, self.end) if (number := self._head(index)) is not None]
         if not heads:
-            return [Part(None, self.begin, self.end)]
+            return [FanucProgram(None, self.begin, self.end)]
         parts = []
         if any(_NOTE.sub("", line).strip() for line in self.lines[self.begin : heads[0][0]]):
-            parts.append(Part(None, self.begin, heads[0][0]))
+            parts.append(FanucProgram(None, self.begin, heads[0][0]))
         for (index, number), following in zip(heads, [*heads[1:], (self.end, 0)], strict=True):
-            parts.append(Part(number, index, following[0]))
+            parts.append(FanucProgram(number, index, following[0]))
         return parts
 
-    def program(self, number: int) -> Part | None:
+    def program(self, number: int) -> FanucProgram | None:
         """The first program with `number`."""
         return next((part for part in self.parts if part.number == number), None)
 
-    def part_at(self, index: int) -> Part:
+    def part_at(self, index: int) -> FanucProgram:
         """The program that line `index` belongs to."""
         return next((part for part in self.parts if part.first <= index < part.end), self.parts[-1])
 
@@ -134,7 +134,7 @@ class FanucFile(ProgramFile):
         lines = [at for at in self._sequences.get(number, ()) if part.first <= at < part.end]
         return next((at for at in lines if at > index), lines[0] if lines else None)
 
-    def loops(self, part: Part) -> Loops:
+    def loops(self, part: FanucProgram) -> Loops:
         """The loops of a program; found once."""
         known = self._loops.get(part.first)
         if known is None:
@@ -156,7 +156,7 @@ def _between_percents(lines: Sequence[str]) -> tuple[int, int]:
     return marks[0] + 1, marks[1] if len(marks) > 1 else len(lines)
 
 
-def _find_loops(lines: Sequence[str], part: Part) -> Loops:
+def _find_loops(lines: Sequence[str], part: FanucProgram) -> Loops:
     loops = Loops({}, {}, {})
     stack: list[tuple[int, int]] = []
     for index in range(part.first, part.end):

@@ -6,7 +6,7 @@ import json
 import pytest
 
 from gcodesim.export.lines import write_lines
-from gcodesim.export.select import Part
+from gcodesim.export.select import TimeRange
 from gcodesim.export.table import NoTableError
 
 
@@ -32,7 +32,7 @@ def test_without_topics_every_message_comes(slot):
 
 
 def test_a_period_thins_every_topic(slot):
-    part = Part(first_ns=5_000_000_000, last_ns=6_000_000_000, period_ns=200_000_000)
+    part = TimeRange(first_ns=5_000_000_000, last_ns=6_000_000_000, period_ns=200_000_000)
     found = lines(slot, ["/tcp", "/wrench"], part)
 
     assert [line["t_ns"] for line in found if line["topic"] == "/tcp"] == [

@@ -5,11 +5,11 @@ import pytest
 from rosbags.highlevel import AnyReader
 
 from gcodesim.export.rosbag import write_bag
-from gcodesim.export.select import Part
+from gcodesim.export.select import TimeRange
 from gcodesim.export.table import NoTableError
 from gcodesim.log.reader import read_columns
 
-TENTH = Part(period_ns=100_000_000)
+TENTH = TimeRange(period_ns=100_000_000)
 
 
 @pytest.fixture(scope="module")

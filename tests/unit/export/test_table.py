@@ -6,7 +6,7 @@ import io
 import numpy as np
 import pytest
 
-from gcodesim.export.select import Part
+from gcodesim.export.select import TimeRange
 from gcodesim.export.table import NoTableError, seconds_text, write_table
 from gcodesim.log.reader import read_columns
 
@@ -52,7 +52,7 @@ def test_each_row_names_the_line_that_runs(slot):
 
 
 def test_a_part_of_the_time_at_a_period(slot):
-    part = Part(first_ns=5_000_000_000, last_ns=6_000_000_000, period_ns=100_000_000)
+    part = TimeRange(first_ns=5_000_000_000, last_ns=6_000_000_000, period_ns=100_000_000)
 
     times = column(table(slot, ["/motion"], part), "time_s")
 
@@ -79,6 +79,6 @@ def test_times_keep_all_their_digits():
 def test_a_period_takes_the_first_of_each_slot():
     t_ns = np.array([0, 10, 20, 35, 50, 51, 90])
 
-    assert Part(period_ns=20).chosen(t_ns).tolist() == [0, 2, 4, 6]
-    assert Part(first_ns=20, last_ns=50).chosen(t_ns).tolist() == [2, 3, 4]
-    assert Part(first_ns=100).chosen(t_ns).tolist() == []
+    assert TimeRange(period_ns=20).chosen(t_ns).tolist() == [0, 2, 4, 6]
+    assert TimeRange(first_ns=20, last_ns=50).chosen(t_ns).tolist() == [2, 3, 4]
+    assert TimeRange(first_ns=100).chosen(t_ns).tolist() == []

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from gcodesim.diagnostics import Caller, Diagnostic, Severity, SourceText, Span
-from gcodesim.formats import Places
+from gcodesim.formats import FilePlaces
 from gcodesim.regress.verdicts import CaseVerdict, Found, SuiteVerdict
 
 PROGRAM = "suite/a b.nc"
@@ -26,7 +26,7 @@ class Example:
     """A verdict and what it names."""
 
     verdict: SuiteVerdict
-    places: Places
+    places: FilePlaces
 
 
 def suite(*found: Found, prefix: str = "", lines: list[str] = LINES) -> Example:
@@ -46,7 +46,7 @@ def example(*cases: CaseVerdict, prefix: str = "", lines: list[str] = LINES, fau
         CELL: SourceText(CELL, b"gcodesim: 1\nmachine: gantry_xyz\n"),
     }
     verdict = SuiteVerdict(cases=cases, found=faults)
-    return Example(verdict, Places(sources=sources, prefix=prefix))
+    return Example(verdict, FilePlaces(sources=sources, prefix=prefix))
 
 
 def everything() -> Example:

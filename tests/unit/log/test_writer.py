@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gcodesim.log import BlockColumns, BlockMessages, ByteStrings, ProgramState
+from gcodesim.log import BlockColumns, BlockMessages, ByteStrings, ProgramShown
 from gcodesim.log.logfile import LogFile
 from gcodesim.log.reader import read_columns, read_messages
 from gcodesim.log.summary import summary
@@ -158,8 +158,8 @@ def test_many_blocks_at_once_say_what_single_calls_say(run, complaints, new_log,
     points = rng.random((starts[-1], 3))
     times = np.array([0, 0, 35, 40, 40, 90]) * MS
     modals = [
-        ProgramState(file="part.nc", motion="G0", wcs="G54"),
-        ProgramState(file="part.nc", motion="G1", wcs="G54", tool=300, tool_name="Fräser", feed=0.01, spindle=-5.0),
+        ProgramShown(file="part.nc", motion="G0", wcs="G54"),
+        ProgramShown(file="part.nc", motion="G1", wcs="G54", tool=300, tool_name="Fräser", feed=0.01, spindle=-5.0),
     ]
     modal = np.array([0, 0, 0, 1, 1, 1])
     t = np.arange(0, 101 * MS, 20 * MS)
