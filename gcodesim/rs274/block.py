@@ -101,6 +101,8 @@ class Block:
     flow: Flow | None = None
     deleted: bool = False
     plain: bool = False
+    slash: int | None = None
+    """Column of a slash inside the line, on controls that skip what stands behind it."""
     odd: tuple[tuple[str, str, Place], ...] | None = None
     """What `odd_numbers` finds in it, once it was asked."""
     _places: list[Place] | None = None

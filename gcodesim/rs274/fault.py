@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from gcodesim.diagnostics import Span
 from gcodesim.rs274.block import Place
 
 
@@ -9,7 +10,8 @@ class Fault(Exception):  # noqa: N818  (a fault of the user's, never seen outsid
     """Raised while a block is read or executed, and turned into a `Diagnostic` by the run.
 
     `at` says where: a place, a word's letter (`"x"`), a code as written in
-    `gcodes` (`"g43"`), or None for the whole block.
+    `gcodes` (`"g43"`), or None for the whole block. `span` is the line that is
+    guilty where that is another one than the line at which the control stops.
     """
 
     def __init__(
@@ -22,6 +24,7 @@ class Fault(Exception):  # noqa: N818  (a fault of the user's, never seen outsid
         value: float | None = None,
         limit: float | None = None,
         unit: str | None = None,
+        span: Span | None = None,
     ) -> None:
         super().__init__(message)
         self.code = code
@@ -31,3 +34,4 @@ class Fault(Exception):  # noqa: N818  (a fault of the user's, never seen outsid
         self.value = value
         self.limit = limit
         self.unit = unit
+        self.span = span

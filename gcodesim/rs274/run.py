@@ -355,8 +355,8 @@ class Executor:
 
     def _fault(self, fault: Fault, file: ProgramFile, index: int, text: str, block: Block | None) -> None:
         place = place_of(block, fault.at) if block else (fault.at if isinstance(fault.at, tuple) else None)
-        span = self.control.span
-        if place is not None:
+        span = fault.span or self.control.span
+        if place is not None and fault.span is None:
             span = Span(file.name, index + 1, place[0] + 1, index + 1, max(place[1], place[0] + 1) + 1, span.callers)
         finding = Diagnostic(
             code=fault.code,

@@ -343,12 +343,12 @@ CODES: tuple[Code, ...] = (
         severity=Severity.WARNING,
         title="Words that the control passes over",
         what=(
-            "A block with M98 holds other codes, or L0; a block with M72 holds more than that; or Grbl, which has no "
-            "switch for it, meets M1."
+            "A block with M98 holds other codes, or L0; a block with M72 holds more than that; Grbl, which has no "
+            "switch for it, meets M1; or a slash stands inside a block of Fanuc's."
         ),
         why=(
             "What stands there is never done. L0 calls nothing, and yet the next M99 comes back to this block. "
-            "Grbl does not stop at M1."
+            "Grbl does not stop at M1. Behind a slash inside a block many Fanuc controls read nothing."
         ),
         remedy="Put the other words into a block of their own; on Grbl write M0 to stop.",
     ),

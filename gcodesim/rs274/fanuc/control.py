@@ -13,11 +13,13 @@ from typing import TYPE_CHECKING, Any
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.fanuc import variables as numbers
 from gcodesim.rs274.fanuc.variables import Variables
+from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.state import ZERO, State, Vector, add, scaled, subtract
 from gcodesim.units import MM
 
 if TYPE_CHECKING:
     from gcodesim.rs274.fanuc.corners import Corner
+    from gcodesim.rs274.fanuc.flow import FanucFrame
     from gcodesim.rs274.fanuc.polar import Polar
 
 _XY = (0, 1)
@@ -36,6 +38,7 @@ class FanucState(State):
     mirror: tuple[float | None, float | None, float | None] = (None, None, None)  # G51.1
     scale: tuple[float, float, float] = (1.0, 1.0, 1.0)  # G51
     scale_centre: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    path_code: int = 640  # G61 to G64 as written
     length_mode: int = 490
     length_number: int = 0  # H
     radius_number: int = 0  # D
@@ -43,6 +46,8 @@ class FanucState(State):
     clear: float | None = None  # heights of the chain of cycles, in the work system
     bottom: float | None = None
     polar: Polar | None = None  # G16
+    stroke: int = 220  # G22 or G23
+    last_m: int = 0  # the last M code that is no call
     corner: Corner | None = None  # a move that waits for the next one
 
 
@@ -52,6 +57,7 @@ class FanucControl(Control):
     state: FanucState
     parameters: Variables
     writing: bool = False  # between a G10 that writes data of the control and G11
+    sequence: int = 0  # the last N before the block at hand
     via: Vector | None = None  # where the last G28 or G30 went through, of the axes, in program units
 
     def _first_state(self) -> State:
@@ -168,8 +174,10 @@ class FanucControl(Control):
         kind, axis = divmod(number - 5001, 20)
         if axis >= 6:
             return None
-        if kind in (0, 2):
+        if kind == 0:
             return subtract(self.tip(self.state.current), self.base())[axis]
+        if kind == 2:  # as the control shows it: with the tool's length
+            return subtract(self.axes(), self.base())[axis]
         if kind == 1:
             return self.axes()[axis]
         if kind == 3:
@@ -178,31 +186,47 @@ class FanucControl(Control):
             return self.state.tool_offset[axis]
         return 0.0
 
-    def mode_variable(self, number: int) -> float | None:
-        """#4001 …: G codes by group, and the last B D F H M N O S T words, as far as they are known."""
+    def mode_variable(self, number: int) -> float:
+        """#4001 …: G codes by group, and the last D F H M N O P S T words.
+
+        Raises `Fault` for groups of codes that are not simulated.
+        """
         state = self.state
         motion = state.motion if state.motion != 800 else state.before_cycle
+        frame: FanucFrame = self.frames[-1]  # type: ignore[assignment]
         known: dict[int, float] = {
             1: motion / 10.0 if motion <= 30 else state.before_cycle / 10.0,
             2: state.plane / 10.0,
             3: 91.0 if state.incremental else 90.0,
+            4: state.stroke / 10.0,
             5: state.feed_mode / 10.0,
             6: 21.0 if state.unit == MM else 20.0,
             7: {0: 40.0, 1: 41.0, -1: 42.0}[state.side],
             8: state.length_mode / 10.0,
             9: motion / 10.0 if motion >= 730 else 80.0,
             10: state.retract / 10.0,
+            11: 50.0 if state.scale == (1.0, 1.0, 1.0) else 51.0,
+            12: 66.0 if frame.calls else 67.0,
+            13: 96.0 if state.surface_speed else 97.0,
             14: 53.0 + state.system if state.system <= 6 else 54.1,
+            15: state.path_code / 10.0,
             16: 69.0 if state.turn is None else 68.0,
             17: 15.0 if state.polar is None else 16.0,
+            22: 50.1 if state.mirror == (None, None, None) else 51.1,
             107: float(state.radius_number),
             109: state.feed * state.feed_unit / state.unit,
             111: float(state.length_number),
+            113: float(state.last_m),
+            114: float(self.sequence),
+            115: float(frame.part.number or 0),
             119: state.speed,
             120: float(max(state.selected, 0)),
             130: float(max(state.system - ADDITIONAL, 0)),
         }
-        return known.get(number - 4000, 0.0)
+        if number - 4000 not in known:
+            hint = "known are groups 1 to 17 and 22, and #4107, #4109, #4111, #4113 to #4115, #4119, #4120, #4130"
+            raise Fault("GS121", f"what #{number} tells is not simulated", hint=hint)
+        return known[number - 4000]
 
 
 def first_of(index: int) -> int:

@@ -71,6 +71,7 @@ def execute(words: Words, control: FanucControl, has_point: dict[str, bool]) -> 
     if claimed in _NOT_SIMULATED or STROKE in g:
         name = _NOT_SIMULATED.get(claimed) or g_name(g[STROKE]).upper()
         control.skip(name, place_of(words.block, name.lower()))
+        state.stroke = g.get(STROKE, state.stroke)
     elif claimed in (100, 270, 280, 290, 300, 520, 920, 921):
         offsets.non_modal(words, control)
     _cancel_cycle(words, control)
@@ -190,6 +191,7 @@ def _path(words: Words, control: FanucControl) -> None:
     code = words.g.get(PATH)
     if code is not None:
         control.state.path = 611 if code == 610 else 640
+        control.state.path_code = code
         control.say_path()
 
 

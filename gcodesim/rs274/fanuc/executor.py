@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from gcodesim import canon
 from gcodesim.diagnostics import Diagnostic, SourceText, Span
 from gcodesim.rs274.block import Block
@@ -13,8 +15,8 @@ from gcodesim.rs274.fanuc.control import FanucControl
 from gcodesim.rs274.fanuc.execute import CENTRE_POINT, execute
 from gcodesim.rs274.fanuc.expressions import number_of, value_of
 from gcodesim.rs274.fanuc.flow import FanucFlow, ModalCall
-from gcodesim.rs274.fanuc.increments import in_increments
-from gcodesim.rs274.fanuc.program import FanucFile
+from gcodesim.rs274.fanuc.increments import in_increments, rounded
+from gcodesim.rs274.fanuc.program import FanucFile, sequence_of
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.flow import Stopped
 from gcodesim.rs274.program_file import ProgramFile
@@ -46,6 +48,8 @@ class FanucExecutor(Executor):
             self.control.finished = True
             return
         super()._line(file, index, text)
+        if (number := sequence_of(text)) is not None:
+            self.control.sequence = number
 
     def _end_of_part(self) -> None:
         """The program runs into the next one of its file, or into the end of it."""
@@ -65,11 +69,25 @@ class FanucExecutor(Executor):
         self._report(Diagnostic(code="GS010", message="the program has no end", span=span, hint=hint), last + 1)
 
     def _block(self, block: Block, index: int) -> None:
+        if block.slash is not None:
+            block = self._up_to_slash(block, block.slash)
         if block.flow is not None or block.settings:
             self._statement(block, index)
             return
         if block.words:
             self._words_of(block if block.plain else self._resolved(block), index)
+
+    def _up_to_slash(self, block: Block, slash: int) -> Block:
+        """With the switch on, what stands behind a slash inside the block is passed over."""
+        place = (slash, len(block.text.rstrip()))
+        if not self.settings.block_delete:
+            message = "many controls pass over what stands behind a slash inside a block, even with the switch off"
+            hint = "put it into a block of its own that begins with the slash"
+            self.control.warn("GS194", message, hint, place)
+            return block
+        self.control.skip("/", place)
+        count = sum(at < slash for at, _ in block.places)
+        return replace(block, words=block.words[:count], _places=block.places[:count])
 
     # -- statements
 
@@ -97,7 +115,7 @@ class FanucExecutor(Executor):
                 self._assign(block)
         except Fault as fault:
             parameters.roll_back()
-            if fault.at is None and flow is not None and not isinstance(fault, Stopped):
+            if fault.at is None and flow is not None and (flow.keyword == "goto" or not isinstance(fault, Stopped)):
                 fault.at = flow.place
             raise
         parameters.commit()
@@ -156,6 +174,7 @@ class FanucExecutor(Executor):
         block = self._without_superseded(block)
         if self.settings.decimal_point == "increments":
             block = in_increments(block, self.control)
+        block = rounded(block, self.control)
         words = read_words(block, self.dialect, self.control.parameters, self.settings.m_codes, self.settings.has_cell)
         self._execute(words, index)
         moved = any(isinstance(event, canon.Motion) for event in self.control.out)
@@ -215,6 +234,7 @@ class FanucExecutor(Executor):
 
     def _obey(self, words: Words) -> None:
         execute(words, self.control, _points(words.block))
+        self.control.state.last_m = next(reversed(words.m_codes), self.control.state.last_m)
 
     def _program_call(self, words: Words, index: int) -> None:
         """M98 and M99, after everything else in the block."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from gcodesim.diagnostics import Caller, SourceText
+from gcodesim.diagnostics import Caller, SourceText, Span
 from gcodesim.rs274.block import Flow
 from gcodesim.rs274.fanuc import external
 from gcodesim.rs274.fanuc.control import FanucControl
@@ -43,6 +43,7 @@ class FanucFrame(Frame):
     outer: dict[int, float] = field(default_factory=dict)  # the caller's #1 to #33
     begun: set[int] = field(default_factory=set)  # lines of DO that were passed
     calls: list[ModalCall] = field(default_factory=list)
+    jumps_in: dict[int, Span] = field(default_factory=dict)  # the GOTO that led behind a line of DO
 
 
 class FanucFlow(FlowControl):
@@ -90,7 +91,10 @@ class FanucFlow(FlowControl):
             start = loops.starts[index]
             if start not in self.running.begun:
                 message = f"END{number} is reached without the DO{number} of line {start + 1}"
-                raise Fault("GS130", message, at=flow.place, hint="a GOTO may leave a loop, but not enter it")
+                hint, span = "a GOTO may leave a loop, but not enter it", self.running.jumps_in.get(start)
+                if span is not None:
+                    message = f"this leads into the loop of line {start + 1}, whose END{number} needs its DO{number}"
+                raise Fault("GS130", message, at=flow.place, hint=hint, span=span)
             self._back_to(start)
             return
         self.running.begun.add(index)
@@ -111,7 +115,12 @@ class FanucFlow(FlowControl):
         """Go on at block N`number` of the running program."""
         target = self._lines.sequence(number, index)
         if target is None:
-            raise Stopped("GS130", f"there is no block N{number} in this program", hint=f"write N{number} before it")
+            where = f"in {self._lines.shown(part)}" if (part := self.running.part.number) else "in this program"
+            hint = f"put N{number} before the block that is meant"
+            raise Stopped("GS130", f"there is no block N{number} {where}", hint=hint)
+        for start, end in self._lines.loops(self.running.part).ends.items():
+            if start < target <= end and not start <= index <= end:
+                self.running.jumps_in[start] = self.control.span
         if target <= index:
             self._back_to(target)
         else:

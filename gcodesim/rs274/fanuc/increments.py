@@ -1,16 +1,57 @@
-"""Numbers without a decimal point as least increments: X10 is 0.01 mm, where the control is set so."""
+"""Least increments: lengths and angles are whole numbers of them, and so may X10 be where the control is set so."""
 
 from __future__ import annotations
+
+import re
+from collections.abc import Set as AbstractSet
+from dataclasses import replace
 
 from gcodesim.rs274.arcs import PLANE_AXES
 from gcodesim.rs274.block import Block
 from gcodesim.rs274.fanuc.control import FanucControl
-from gcodesim.units import INCH
+from gcodesim.rs274.functions import nearest
+from gcodesim.units import INCH, MM
 
 _LENGTHS = frozenset((*"xyzuvwijkr", ",c", ",r"))
 _ANGLES = frozenset("abc")
 _MM, _INCH, _DEGREE, _SECOND = 1e-3, 1e-4, 1e-3, 1e-3  # IS-B
 _REPEATS_OR_MODES = frozenset((73.0, 74.0, 76.0, *(float(n) for n in range(81, 90))))
+
+
+_PER_MM, _PER_INCH, _PER_DEGREE = 1000.0, 10000.0, 1000.0  # increments, IS-B
+_FINER = {MM: re.compile(r"\.[0-9]{3}0*[1-9]"), INCH: re.compile(r"\.[0-9]{3}[0-9]*[1-9]")}
+
+
+def rounded(block: Block, control: FanucControl) -> Block:
+    """The block with lengths and angles to the least increment, halves away from zero, as a control takes them in.
+
+    Factors, times, feeds and the arguments of macros stay as they are.
+    """
+    if block.plain and _FINER[control.state.unit].search(block.text) is None:
+        return block
+    codes = {value for letter, value in block.words if letter == "g"}
+    if 4.0 in codes:
+        return block
+    inch = 20.0 in codes or (control.state.unit == INCH and 21.0 not in codes)
+    turned = _letters_of_angles(codes, control)
+    words: list[tuple[str, float]] = []
+    changed = False
+    for letter, value in block.words:
+        fits = value
+        if letter in turned:
+            fits = nearest(value * _PER_DEGREE) / _PER_DEGREE  # type: ignore[operator]
+        elif letter in _LENGTHS and not (51.0 in codes and letter in "ijk"):
+            per = _PER_INCH if inch else _PER_MM
+            fits = nearest(value * per) / per  # type: ignore[operator]
+        changed = changed or fits != value
+        words.append((letter, fits))  # type: ignore[arg-type]
+    return replace(block, words=words, plain=False, _places=list(block.places)) if changed else block
+
+
+def _letters_of_angles(codes: AbstractSet[object], control: FanucControl) -> frozenset[str]:
+    polar = 16.0 in codes or (control.state.polar is not None and 15.0 not in codes)
+    more = {"xyz"[PLANE_AXES[control.state.plane][1]]} if polar else set()
+    return _ANGLES | more | ({"r"} if 68.0 in codes else set())
 
 
 def in_increments(block: Block, control: FanucControl) -> Block:

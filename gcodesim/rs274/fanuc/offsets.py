@@ -222,25 +222,27 @@ def _set_local(words: Words, control: FanucControl) -> None:
 
 
 def _preset(words: Words, control: FanucControl) -> None:
-    """The point where the tool stands reads as given."""
+    """The point where the tool stands reads as given; of the axes named, a G52 is taken back."""
     _refuse(words, control, "G92")
     state = control.state
     if state.turn is not None:
         raise Fault("GS106", "G92 is refused while G68 turns the system", at="g92", hint="say G69 first")
-    reads = state.current
+    local = _left_out(state.local, words)
+    reads = add(state.current, subtract(state.local, local))
     wanted = [words.values.get(letter, reads[axis]) for axis, letter in enumerate(AXES)]
-    control.reframe(preset=add(state.preset, subtract(reads, tuple(wanted))))  # type: ignore[arg-type]
+    control.reframe(preset=add(state.preset, subtract(reads, tuple(wanted))), local=local)  # type: ignore[arg-type]
 
 
 def _clear_preset(words: Words, control: FanucControl) -> None:
     """G92.1: for the axes named, G92 and G52 are taken back."""
     _refuse(words, control, "G92.1")
     state = control.state
+    control.reframe(preset=_left_out(state.preset, words), local=_left_out(state.local, words))
 
-    def cleared(shift: Vector) -> Vector:
-        return tuple(0.0 if letter in words.values else shift[axis] for axis, letter in enumerate(AXES))  # type: ignore[return-value]
 
-    control.reframe(preset=cleared(state.preset), local=cleared(state.local))
+def _left_out(shift: Vector, words: Words) -> Vector:
+    """`shift` without the axes that the block names."""
+    return tuple(0.0 if letter in words.values else shift[axis] for axis, letter in enumerate(AXES))  # type: ignore[return-value]
 
 
 def _refuse(words: Words, control: FanucControl, who: str) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -17,10 +18,40 @@ from gcodesim.rs274.reader import Reader
 _BLANK_OR_NOTE = r"(?:\s|\([^)]*\))*"
 _PROGRAM = re.compile(rf"{_BLANK_OR_NOTE}(?:[Oo]|:)\s*0*([0-9]{{1,15}})(?![0-9])")
 _SEQUENCE = re.compile(rf"{_BLANK_OR_NOTE}(?:/[1-9]?\s*)?[Nn]\s*0*([0-9]{{1,15}})(?![0-9])")
+_HEAD = re.compile(rf"{_BLANK_OR_NOTE}(?:/[1-9]?{_BLANK_OR_NOTE}|[Nn]\s*[0-9]{{1,15}}{_BLANK_OR_NOTE})*")
 _EXTERNAL = re.compile(r"PRNT|POPEN|PCLOS|SETVN", re.IGNORECASE)
 _LOOP = re.compile(r"(DO|END)\s*([0-9]{1,15})(?![0-9])")
 _NOTE = re.compile(r"\([^)]*\)|;.*")
 MOST_LOOPS = 3
+
+
+def sequence_of(text: str) -> int | None:
+    """The number of a line that begins with N."""
+    if text[:1] not in "Nn/( \t":
+        return None
+    match = _SEQUENCE.match(text)
+    return None if match is None else int(match[1])
+
+
+def slash_inside(text: str) -> int | None:
+    """Where a slash stands in a block of words behind its head, outside brackets and comments."""
+    head = _HEAD.match(text)
+    depth, found = 0, None
+    at = head.end() if head else 0
+    while at < len(text):
+        char = text[at]
+        if char in "=;":
+            return None if char == "=" else found  # in a setting it divides
+        if char == "(":
+            at = text.find(")", at)
+            if at < 0:
+                return found
+        elif char in "[]":
+            depth += 1 if char == "[" else -1
+        elif char == "/" and depth == 0 and found is None:
+            found = at
+        at += 1
+    return found
 
 
 class FanucProgram(NamedTuple):
@@ -63,6 +94,10 @@ class FanucFile(ProgramFile):
             return named
         if _EXTERNAL.search(text) is not None and (found := statement(index + 1, text)) is not None:
             return found
+        if "/" in text and (slash := slash_inside(text)) is not None:
+            width = 1 + text[slash + 1 : slash + 2].isdigit()
+            text = text[:slash] + " " * width + text[slash + width :]
+            return replace(self._reader.read(index + 1, text), slash=slash)
         return super().block(index)
 
     def _named(self, index: int, text: str) -> Block | None:

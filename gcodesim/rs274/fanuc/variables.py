@@ -19,6 +19,7 @@ LOCALS: Final = range(1, 34)
 EXTERNAL: Final = 5201  # external work offset, six axes
 FIRST_SYSTEM: Final = 5221  # G54 to G59, 20 numbers apart
 FIRST_ADDITIONAL: Final = 7001  # G54.1 P1 to P48, 20 numbers apart
+FIRST_OF_ALL: Final = 14001  # G54.1 P1 to P300 once more, where a control has so many
 FIRST_FURTHER: Final = 14961  # G54.1 P49 to P300
 MOST_ADDITIONAL: Final = 300
 LENGTH_WEAR, LENGTH_GEOMETRY, RADIUS_WEAR, RADIUS_GEOMETRY = 10000, 11000, 12000, 13000
@@ -35,7 +36,7 @@ _OFFSETS: Final = (
 _TOOL_OFFSETS: Final = tuple(range(first + 1, first + 1 + MOST_OFFSETS) for first in (10000, 11000, 12000, 13000))
 _SIGNALS: Final = (range(1000, 1036), range(1100, 1136))
 _CLOCKS: Final = (*range(3001, 3006), 3011, 3012, 3901, 3902, 3007)
-_MODES: Final = range(4001, 4121)
+_MODES: Final = (*range(4001, 4031), *range(4101, 4131))
 _POSITIONS: Final = range(5001, 5109)
 
 
@@ -61,6 +62,7 @@ class Variables(Parameters):
             0 <= number <= 33
             or any(number in part for part in (*_COMMON, *_OFFSETS, *_TOOL_OFFSETS, *_SIGNALS, _MODES, _POSITIONS))
             or 2001 <= number <= 2400
+            or FIRST_OF_ALL <= number < FIRST_FURTHER
             or number in _CLOCKS
             or number in (ALARM, STOP)
         )
@@ -71,7 +73,7 @@ class Variables(Parameters):
             return self.local.get(number)
         if number == 0 or any(number in part for part in _COMMON):
             return self.numbers.get(number) if number else None
-        number = _memory_c(number)
+        number = _where_kept(number)
         control = self._control
         for part in _OFFSETS:
             if number in part:
@@ -103,7 +105,7 @@ class Variables(Parameters):
         if number == 0 or number in _POSITIONS or number in _MODES or number == 3007:
             raise Fault("GS122", f"#{number} cannot be set")
         store = self.local if number in LOCALS else self.numbers
-        number = _memory_c(number)
+        number = _where_kept(number)
         control = self._control
         kept = value
         if kept is not None:
@@ -126,8 +128,13 @@ def _axis(number: int, part: range) -> int:
     return min((number - part.start) % 20, 5)
 
 
-def _memory_c(number: int) -> int:
-    """#2001–#2400 are the first 100 of each kind of tool offset, in the numbers of the larger memory."""
+def _where_kept(number: int) -> int:
+    """The number under which a value is kept that has two.
+
+    #2001–#2400 are the first 100 of each kind of tool offset in the larger memory, #14001–#14960 G54.1 P1 to P48.
+    """
+    if FIRST_OF_ALL <= number < FIRST_FURTHER:
+        return FIRST_ADDITIONAL + number - FIRST_OF_ALL
     if 2001 <= number <= 2400:
         kind, tool = divmod(number - 2001, 100)
         first = (LENGTH_WEAR, LENGTH_GEOMETRY, RADIUS_WEAR, RADIUS_GEOMETRY)[kind]

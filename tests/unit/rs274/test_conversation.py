@@ -45,9 +45,7 @@ def ends(events: list[canon.Event]) -> list[canon.Axes]:
 
 
 def test_the_trip_is_stored_and_the_next_move_begins_where_the_machine_stopped() -> None:
-    events, run = converse(
-        "G21 F50\nG0 Z10\nG38.2 Z-5\nG91 G0 Z5\nM2", lambda _: touched(0, 0, 2, over=-0.1)
-    )
+    events, run = converse("G21 F50\nG0 Z10\nG38.2 Z-5\nG91 G0 Z5\nM2", lambda _: touched(0, 0, 2, over=-0.1))
     assert run.parameters[5063] == pytest.approx(2.0) and run.parameters[5070] == 1.0
     assert ends(events)[-1][2] == pytest.approx(6.9 * MM)
 

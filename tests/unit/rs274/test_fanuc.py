@@ -222,7 +222,8 @@ def test_endless_recursion_is_a_finding(fanuc):
 def test_a_goto_may_not_enter_a_loop(fanuc):
     done = fanuc(body("GOTO 5", "WHILE[#1 LT 3]DO1", "N5 G0 X1.", "END1", "M30"))
 
-    assert [(f.code, f.span.line) for f in done.errors] == [("GS130", 6)]
+    assert [(f.code, f.span.line) for f in done.errors] == [("GS130", 3)]  # the guilty line
+    assert done.run.failed_line == 6  # where the control notices
 
 
 def test_a_loop_whose_head_cannot_be_read_is_gone_through_once(fanuc):
@@ -542,3 +543,70 @@ def test_a_program_behind_the_percent_sign_is_pointed_at(program) -> None:
     done = program("%\nO1\nM98 P10\nM30\n%\n(more)\nO10\nM99\n", dialect="fanuc")
 
     assert [(f.code, f.span.line) for f in done.errors] == [("GS131", 3)] and "line 7" in done.errors[0].hint
+
+
+def test_modal_variables_tell_what_is_in_force(fanuc):
+    """Groups 4, 11, 12, 13, 15, 22; the last M, N and O; the P of the additional system."""
+    asks = "#{0}=#{1}"
+    lines = ["N7 M8", "G61 G54.1 P3", "G51.1 X0.", "G23"]
+    lines += [asks.format(100 + at, n) for at, n in enumerate((4113, 4114, 4115, 4015, 4130, 4022, 4004, 4011))]
+    lines += [asks.format(110 + at, n) for at, n in enumerate((4012, 4013))]
+    done = fanuc(body(*lines, "M30"))
+
+    assert not done.errors
+    assert [done.run.parameters.get(100 + at) for at in range(8)] == [8, 7, 1, 61, 3, 51.1, 23, 50]
+    assert [done.run.parameters.get(110 + at) for at in range(2)] == [67, 97]
+
+
+def test_the_number_of_the_block_before_is_that_of_the_last_n(fanuc):
+    assert fanuc(body("N5 G0 X1.", "N6 #100=#4114", "M30")).run.parameters[100] == 5
+
+
+def test_modal_information_that_is_not_simulated_is_refused(fanuc):
+    assert [(f.code, f.span.line) for f in fanuc(body("#1=#4108", "M30")).errors] == [("GS121", 3)]
+
+
+def test_the_present_position_has_the_length_of_the_tool_and_the_end_of_the_block_has_not(fanuc):
+    done = fanuc(body("G54 G43 H1", "G0 Z10.", "#100=#5003", "#101=#5043", "#102=#5023", "M30"))
+
+    assert [done.run.parameters[n] for n in (100, 101, 102)] == [10, 60, 60]
+
+
+def test_g92_takes_back_the_g52_of_the_axes_it_names(fanuc):
+    """G52 X10 Y20, then X reads 0 by G92 at machine 15: X1 is 16, whatever G52; Y keeps its shift."""
+    done = fanuc(body("G52 X10. Y20.", "G0 X5. Y5.", "G92 X0.", "G0 X1. Y1.", "G52 X0. Y0.", "G0 X1. Y1.", "M30"))
+
+    assert done.ends == [[15, 25, 0], [16, 21, 0], [16, 1, 0]]
+
+
+def test_values_are_whole_increments(fanuc):
+    """IS-B: 0.001 mm, 0.0001 in, 0.001 deg, halves away from zero; factors, feeds and arguments are not rounded."""
+    done = fanuc(body("#1=12.3456", "G0 X#1 Y-1.0005 Z.12344 A1.23456", "G20 G0 X1.00005", "M30"))
+
+    assert done.raw[2].end[:3] == pytest.approx((0.012346, -0.001001, 0.000123))
+    assert done.events[2]["end"][3] == pytest.approx(1.235)
+    assert done.ends[1][0] == pytest.approx(1.0001 * 25.4)
+    macro = fanuc(body("G65 P2 A1.23456", "M30", "O2", "#100=#1", "M99"))
+    assert macro.run.parameters[100] == 1.23456
+
+
+def test_a_slash_inside_a_block_ends_it_where_the_switch_is_on(fanuc):
+    text = body("G0 X1. /2 Y5.", "G0 X[4./2.] (a / b)", "#1=4./2.", "M30")
+
+    assert fanuc(text, block_delete=True).ends == [[1, 0, 0], [2, 0, 0]]
+    done = fanuc(text)
+    assert done.ends == [[1, 5, 0], [2, 5, 0]]
+    assert [(f.code, f.span.line, f.span.column) for f in done.findings] == [("GS194", 3, 8)]
+
+
+def test_a_goto_without_a_target_names_the_program_it_looks_in(fanuc):
+    done = fanuc(body("N1 IF[1EQ1]GOTO 9", "M30"))
+    assert [(f.code, f.span.line, f.message) for f in done.errors] == [("GS130", 3, "there is no block N9 in O0001")]
+
+
+def test_all_systems_are_variables_twice(fanuc):
+    """#7001 of G54.1 P1 is #14001, too."""
+    done = fanuc(body("#14001=5.", "G54.1 P1", "G0 X1.", "#100=#7001", "M30"))
+
+    assert done.ends == [[6, 0, 0]]
+    assert done.run.parameters[100] == 5
