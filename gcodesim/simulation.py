@@ -15,6 +15,7 @@ from gcodesim.checks.coarse import coarse_findings
 from gcodesim.checks.empty_spindle import empty_spindle_findings
 from gcodesim.checks.ends import left_on
 from gcodesim.checks.idle import blind_axis_findings, idle_findings
+from gcodesim.checks.missing_length import cutting_without_length
 from gcodesim.checks.speed import speed_findings
 from gcodesim.diagnostics import Diagnostic, Findings, Severity, SourceText, Span
 from gcodesim.frames import Array
@@ -219,6 +220,7 @@ def run(
             progress=progress,
         )
         job.findings.extend(inspector.final(execution))
+        job.findings.change(cutting_without_length(job.findings, job.plan, job.shop, execution.rows.removed))
         results = results_of(job, execution)
         if recorder is not None:
             recorder.finish(results, execution)

@@ -42,6 +42,13 @@ def idle_findings(cell: Cell, channel: str) -> Iterator[Diagnostic]:
                 message=f"channel `{name}` does not run: one program is run, in channel `{channel}`",
                 hint=f"its {other.robot or MACHINE} is left out; run its program with a cell of its own",
             )
+    if running in cell.robots and cell.fixtures:
+        yield Diagnostic(
+            code="GS917",
+            span=cell.span("fixtures"),
+            message=f"the links of `{running}` are not checked against fixtures; tools and holders are",
+            hint="look in the replay whether the arm stays clear of them",
+        )
     for name in movers:
         if name != running and not any((other.robot or MACHINE) == name for other in cell.channels.values()):
             path = ("machine",) if name == MACHINE else ("robots", name)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from enum import IntEnum
 
@@ -102,6 +102,10 @@ class Findings:
     def extend(self, findings: Iterable[Diagnostic]) -> None:
         for finding in findings:
             self.add(finding)
+
+    def change(self, changed: Mapping[Diagnostic, Diagnostic]) -> None:
+        """Put others in the place of findings: what was known before a run may weigh more after it."""
+        self._items = {key: changed.get(finding, finding) for key, finding in self._items.items()}
 
     def __iter__(self) -> Iterator[Diagnostic]:
         """In the order of their places."""

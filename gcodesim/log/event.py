@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+BEGINS: Final = "begins here; what it comes to is told at the end of the run"
+"""The end of the message of an event that tells only the beginning of a finding."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,3 +38,24 @@ class LogEvent:
     @property
     def is_finding(self) -> bool:
         return self.code.startswith("GS")
+
+    @property
+    def is_beginning(self) -> bool:
+        """Whether another event tells later what this finding came to."""
+        return self.is_finding and self.message.endswith(BEGINS)
+
+
+def settled(events: Iterable[LogEvent]) -> tuple[LogEvent, ...]:
+    """`events` with each finding once: at the time of its beginning, with what it came to as far as that is told."""
+    found: list[LogEvent] = []
+    begun: dict[tuple[str, str, int], int] = {}
+    for event in events:
+        place = (event.code, event.file, event.line)
+        if event.is_beginning:
+            begun[place] = len(found)
+        elif place in begun:
+            at = begun.pop(place)
+            found[at] = replace(event, t_ns=found[at].t_ns)
+            continue
+        found.append(event)
+    return tuple(found)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from gcodesim.log.damage import Damage
-from gcodesim.log.event import LogEvent
+from gcodesim.log.event import LogEvent, settled
 from gcodesim.log.logfile import LogFile, LogReadError
 from gcodesim.log.reader import decoded
 
@@ -95,14 +95,14 @@ def summary(path: Path, *, check: bool = True) -> LogSummary:
         for i, channel in sorted(log.channels.items())
     )
     problem, events, interrupted, stopped_at = log.problem, {"note": 0, "warning": 0, "error": 0}, False, None
-    findings: list[LogEvent] = []
+    told: list[LogEvent] = []
     try:
         for t_ns, message in decoded(log, "/event", "gcodesim.Event"):
             event = LogEvent.of(t_ns, message)
             events[event.severity] = events.get(event.severity, 0) + 1
             interrupted |= event.code == "interrupted"
             if event.is_finding:
-                findings.append(event)
+                told.append(event)
         stopped_at = _place_at(log, end_ns)
     except LogReadError as error:
         problem = problem or str(error)
@@ -126,7 +126,7 @@ def summary(path: Path, *, check: bool = True) -> LogSummary:
         topics=topics,
         attachments={name: size for name, (_, size) in log.attachments.items()},
         events=events,
-        findings=tuple(findings),
+        findings=settled(told),
     )
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import json
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -22,6 +21,7 @@ from gcodesim.log.series import Series, read_series
 from gcodesim.log.topics import PERIODIC
 from gcodesim.playback.frames import RecordedFrames
 from gcodesim.playback.scenes import Drawing, drawing_of
+from gcodesim.playback.stored_results import RESULTS_NAME, NoResultsError, results_from
 from gcodesim.playback.timeline import Timeline
 
 LOG_NAME: Final = "run.mcap"
@@ -44,6 +44,7 @@ class Recording:
     log: LogFile
     folder: Path | None
     _series: dict[tuple[str, int], Series] = field(default_factory=dict)
+    _unfit: str = ""
     _tile_times: dict[str, list[tuple[int, int]]] = field(default_factory=lambda: defaultdict(list))
 
     @staticmethod
@@ -77,6 +78,14 @@ class Recording:
         return dict(self.log.metadata.get("gcodesim.run", {}))
 
     @property
+    def period_ns(self) -> int:
+        """Time between two samples, as the record has it; 0 when it does not tell."""
+        try:
+            return max(int(self.run.get("log_period_ns", "0")), 0)
+        except ValueError:
+            return 0
+
+    @property
     def name(self) -> str:
         """Name of the program."""
         return self.run.get("program", self.log.path.name)
@@ -95,6 +104,9 @@ class Recording:
             )
             for damage in self.log.damage
         ]
+        if self._unfit:
+            hint = "run the program again; what the log itself has was used"
+            found.append(Diagnostic(code="GS614", span=span, message=f"{self._unfit}; it is left out", hint=hint))
         if self.log.problem:
             ended = "gcodesim.result" in self.log.metadata
             lost = "" if ended else f"; what came after {end_s:.3f} s is not there"
@@ -121,15 +133,18 @@ class Recording:
 
     @cached_property
     def results(self) -> dict[str, Any]:
-        """The results that the log carries, else those beside it; {} when the run did not come to its end."""
-        data = self.log.attached("results.json")
+        """The results that the log carries, else those beside it; {} when there are none that hold together."""
+        data = self.log.attached(RESULTS_NAME)
         if data is None and self.folder is not None:
             with suppress(OSError):
-                data = (self.folder / "results.json").read_bytes()
-        with suppress(ValueError):
-            value = json.loads(data or b"{}")
-            return value if isinstance(value, dict) else {}
-        return {}
+                data = (self.folder / RESULTS_NAME).read_bytes()
+        if data is None:  # the run did not come to its end
+            return {}
+        try:
+            return results_from(data)
+        except NoResultsError as reason:
+            self._unfit = f"{RESULTS_NAME} holds no results of gcodesim: {reason}"
+            return {}
 
     @cached_property
     def line_rows(self) -> list[dict[str, str]] | None:

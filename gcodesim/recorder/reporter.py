@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from gcodesim.declarations.units import UNITS
 from gcodesim.diagnostics import Diagnostic
+from gcodesim.diagnostics.catalogue import code_of
+from gcodesim.log.event import BEGINS
 from gcodesim.units import MM3
 
 if TYPE_CHECKING:
@@ -21,13 +24,14 @@ class Reporter:
 
     What planning has found is known before the run, with the time at which it
     will happen: it waits for its turn, so that a run that ends early does not
-    tell what never happened.
+    tell what never happened. What comes up in the run is told twice: that it
+    begins, and at the end of the run what it came to, as the results have it.
     """
 
     def __init__(self, writer: LogWriter, known: Sequence[Diagnostic]) -> None:
         self._writer = writer
         self._waiting = deque(sorted(known, key=_time_ns))
-        self._said: set[tuple[str, str, int]] = set()
+        self._said: dict[tuple[str, str, int], list[str]] = {}
 
     def until(self, end_ns: int, fresh: Sequence[Diagnostic] = (), *, begin_ns: int = 0) -> None:
         """Say what waits for a time up to `end_ns`, and the findings that came up between `begin_ns` and then."""
@@ -36,17 +40,20 @@ class Reporter:
             self._say(_time_ns(finding), finding)
         for finding in fresh:
             # a finding has the time at which its block begins, which may be long ago
-            self._say(min(max(_time_ns(finding), begin_ns), end_ns), finding)
+            t_ns = min(max(_time_ns(finding), begin_ns), end_ns)
+            title = code_of(finding.code).title
+            self._say(t_ns, replace(finding, message=f"{title}: {BEGINS}", value=None))
 
     def rest(self, end_ns: int, findings: Sequence[Diagnostic]) -> None:
-        """At the end say those of all findings that nobody could say before; those of later blocks are left out."""
+        """At the end say those of all findings that were not said as they are; those of later blocks are left out."""
         for finding in findings:
-            if _time_ns(finding) <= end_ns and (finding.code, finding.span.file, finding.span.line) not in self._said:
+            said = self._said.get(_place(finding), ())
+            if _time_ns(finding) <= end_ns and _words(finding) not in said:
                 self._say(end_ns, finding)
 
     def _say(self, t_ns: int, finding: Diagnostic) -> None:
         span = finding.span
-        self._said.add((finding.code, span.file, span.line))
+        self._said.setdefault(_place(finding), []).append(_words(finding))
         self._writer.event(
             t_ns,
             finding.code,
@@ -57,6 +64,14 @@ class Reporter:
             bodies=finding.bodies,
             value=(finding.value or 0.0) * _FACTORS.get(finding.unit or "", 1.0),
         )
+
+
+def _place(finding: Diagnostic) -> tuple[str, str, int]:
+    return finding.code, finding.span.file, finding.span.line
+
+
+def _words(finding: Diagnostic) -> str:
+    return f"{finding.level.word} {finding.message}"
 
 
 def _time_ns(finding: Diagnostic) -> int:

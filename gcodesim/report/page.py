@@ -14,6 +14,7 @@ from typing import Any, Final
 import numpy as np
 
 from gcodesim.diagnostics.show import as_json
+from gcodesim.log.event import settled
 from gcodesim.numbers import clean
 from gcodesim.playback import Recording
 from gcodesim.playback.quantities import Chart, charts_of, extremes
@@ -152,7 +153,7 @@ def _findings(recording: Recording) -> list[dict[str, Any]]:
                 "line": event.line,
                 "time_s": event.t_ns * 1e-9,
             }
-            for event in recording.events
+            for event in settled(recording.events)
             if event.is_finding
         ]
     found = []

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.log.event import settled
 from gcodesim.playback.quantities import NEGLIGIBLE, Chart, thinned
 from gcodesim.playback.recording import Recording
 
@@ -164,7 +165,7 @@ def _background(axis: Axes, recording: Recording, first_ns: int, last_ns: int) -
         left, right = max(begin, first_ns) * 1e-9, min(end, last_ns) * 1e-9
         if right > left:
             axis.axvspan(left, right, facecolor="none", edgecolor=_MUTED, hatch="////", linewidth=0.0, zorder=1)
-    for event in recording.events:
+    for event in settled(recording.events):
         if event.severity in _SEVERE and first_ns <= event.t_ns <= last_ns:
             axis.axvline(
                 event.t_ns * 1e-9, color=_SEVERE[event.severity], linewidth=1.0, linestyle=(0, (4, 2)), zorder=1

@@ -72,7 +72,7 @@ def replay_of(recording: Recording, pack: Pack) -> dict[str, Any]:
 
 def _thinning(recording: Recording) -> int:
     """Time between two looks at the periodic topics [ns], 0 for every sample."""
-    period = int(recording.run.get("log_period_ns", "0") or 0)
+    period = recording.period_ns
     if not period or period >= FINEST_NS:
         return 0
     return -(-FINEST_NS // period) * period

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import groupby
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from gcodesim.cli.exits import OK, UsageError
+from gcodesim.cli.exits import FINDINGS, OK, UsageError
 from gcodesim.cli.options import add_format
 
 if TYPE_CHECKING:
@@ -32,6 +34,13 @@ def add_parser(commands: Any) -> None:
         help="a run.mcap, the folder of a run, or the run.mcap.part of one that was killed",
     )
     add_format(parser)
+    parser.add_argument(
+        "--fail-on",
+        choices=("incomplete", "never"),
+        default="never",
+        help="exit with status 1 when the log is not whole: cut off, damaged, or of a run that was interrupted "
+        "(default: never)",
+    )
     parser.add_argument(
         "--quick",
         action="store_true",
@@ -57,9 +66,10 @@ def add_parser(commands: Any) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     from gcodesim.cli.output import print_json
-    from gcodesim.log.logfile import LogReadError
+    from gcodesim.log.logfile import LogFile, LogReadError
     from gcodesim.log.summary import summary
     from gcodesim.playback.recording import LOG_NAME
+    from gcodesim.playback.stored_results import final_findings
 
     if arguments.log.is_dir():
         arguments.log /= LOG_NAME
@@ -68,6 +78,9 @@ def run(arguments: argparse.Namespace) -> int:
             print(_layout(arguments.log, arguments.layout), end="")
             return OK
         facts = summary(arguments.log, check=not arguments.quick)
+        if facts.findings and "results.json" in facts.attachments:  # events tell beginnings, results what they came to
+            log = LogFile.open(facts.path, lenient=True)
+            facts = replace(facts, findings=final_findings(log, facts.findings))
     except FileNotFoundError:
         raise UsageError(f"log {arguments.log} is not there") from None
     except (LogReadError, OSError) as error:
@@ -78,7 +91,7 @@ def run(arguments: argparse.Namespace) -> int:
         _print(facts)
     if arguments.extract is not None:
         _extract(arguments.log, arguments.extract, said=arguments.format != "json")
-    return OK
+    return FINDINGS if arguments.fail_on == "incomplete" and not facts.complete else OK
 
 
 def _print(facts: LogSummary) -> None:
@@ -93,14 +106,14 @@ def _print(facts: LogSummary) -> None:
     rows += [(name, run[name]) for name in ("program", "cell", "world") if name in run]
     rows += [("written by", facts.library)]
     rows += [("duration", _duration(facts.duration_ns))]
-    if "step_ns" in run and "log_period_ns" in run:
-        step, period = (float(run[name]) * 1e-6 for name in ("step_ns", "log_period_ns"))
-        rows += [("steps", f"{step:g} ms; every {period:g} ms in the log")]
+    step, period = (_number(run.get(name)) for name in ("step_ns", "log_period_ns"))
+    if step is not None and period is not None:
+        rows += [("steps", f"{step * 1e-6:g} ms; every {period * 1e-6:g} ms in the log")]
     if "blocks" in facts.result:
         rows += [("blocks", facts.result["blocks"])]
-    if "removed_m3" in facts.result:
-        removed = float(facts.result["removed_m3"]) / MM3
-        rows += [("added" if removed < 0.0 else "removed", f"{abs(removed):.1f} mm³")]
+    removed = _number(facts.result.get("removed_m3"))
+    if removed is not None:
+        rows += [("added" if removed < 0.0 else "removed", f"{abs(removed / MM3):.1f} mm³")]
     rows += [("file", f"{_bytes(facts.size)} in {facts.chunks} chunk{'' if facts.chunks == 1 else 's'}")]
     rows += [("attached", ", ".join(f"{name} ({_bytes(size)})" for name, size in facts.attachments.items()) or "none")]
     rows += [("missing", text) for text in facts.missing]
@@ -127,6 +140,15 @@ def _print(facts: LogSummary) -> None:
         ],
         names=2,
     )
+
+
+def _number(text: str | None) -> float | None:
+    """The number in a record of the log; None when there is none, or the record was edited."""
+    try:
+        value = float(text or "")
+    except ValueError:
+        return None
+    return value if isfinite(value) else None
 
 
 def _topic_rows(topics: Sequence[TopicSummary]) -> Iterator[tuple[str, str, int, float]]:

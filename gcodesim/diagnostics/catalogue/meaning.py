@@ -487,7 +487,8 @@ CODES += (
         code="GS198",
         severity=Severity.NOTE,
         title="Tool without its length, as the program has it",
-        what="The program says G49 and never G43, and the tool in the spindle is long.",
+        what="The program says G49 and never G43, and the tool in the spindle is long. It is an error where that tool "
+        "cuts and the zero of its work system is not as much higher.",
         why="The programmed places are those of the spindle's nose then: the tip stands deeper by the length.",
         remedy="Say G43 H… after M6. Where Z is touched off with the tool, put its length into the work offset.",
     ),

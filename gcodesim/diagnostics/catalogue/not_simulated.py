@@ -112,6 +112,14 @@ CODES += (
         why="Without its place the axis takes time only. What is cut while it moves or stands turned is not right.",
         remedy="Give `at: [x, y, z]`, a point on the axis in machine coordinates.",
     ),
+    Code(
+        code="GS917",
+        severity=Severity.NOTE,
+        title="Links of an arm are not checked",
+        what="The cell has an arm and fixtures. Tools and holders are checked against fixtures, links are not.",
+        why="A run without errors says nothing about an elbow that goes through a wall.",
+        remedy="Look at the replay of the log. `checks: {GS917: error}` lets no such run pass unseen.",
+    ),
 )
 
 # comments
