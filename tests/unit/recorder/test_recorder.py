@@ -111,7 +111,7 @@ def test_findings_are_events_at_their_time(log):
     drawn = read_columns(log, "/process", ["power_w"])
     first = drawn["t_ns"][np.flatnonzero(drawn["power_w"] > 10.0)[0]]
     assert abs(power[0][0] - first) < 2e9  # within the window in which it came up
-    assert power[0][1].value > 10.0  # W, while the message says kW
+    assert power[1][1].value > 10.0  # W, while the message says kW
 
 
 def test_every_finding_of_the_results_is_an_event_of_the_log(log):
