@@ -7,7 +7,7 @@ the whole table and so find every newcomer.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from importlib import import_module
 from typing import Any
 
@@ -18,6 +18,7 @@ class Family(Mapping[str, Any]):
     def __init__(self, name: str, **entries: str) -> None:
         self.name = name
         self._entries = dict(entries)
+        self._own = tuple(entries)
         self._loaded: dict[str, Any] = {}
         self._searched = False
 
@@ -29,6 +30,11 @@ class Family(Mapping[str, Any]):
                 self._entries.setdefault(point.name, point.value)
             self._searched = True
         return self._entries
+
+    def in_order(self, names: Iterable[str]) -> tuple[str, ...]:
+        """These names as the table has them, then those of third parties in alphabetical order."""
+        wanted = set(names)
+        return (*(name for name in self._own if name in wanted), *sorted(wanted.difference(self._own)))
 
     def __getitem__(self, key: str) -> Any:
         if key not in self._loaded:

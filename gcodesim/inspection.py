@@ -2,29 +2,31 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gcodesim.canon import ToolChange
 from gcodesim.cell.machine import LETTERS
-from gcodesim.checks.events import Flags
-from gcodesim.checks.misuse import RowUse, blind_findings, stock_findings
 from gcodesim.checks.saturation import saturation_findings
 from gcodesim.diagnostics import Diagnostic, Span
+from gcodesim.diagnostics.events import Flags
 from gcodesim.executor.record import StepRecord
 from gcodesim.executor.tasks import RowColumns
 from gcodesim.executor.totals import JointTotals, RowTotals
 from gcodesim.frames import Array
+from gcodesim.processes import PROCESSES
+from gcodesim.processes.column import FINDINGS
+from gcodesim.processes.rows import Rows
+from gcodesim.processes.signal import SPINDLE
 from gcodesim.shop import Shop
-from gcodesim.tools.cutter import Cutter
-from gcodesim.units import KW, UM
+from gcodesim.units import KW
 
 if TYPE_CHECKING:
     from gcodesim.executor import Execution
     from gcodesim.planning import Plan
-
-RUB = 2.0 * UM  # [m] of its own wall that an arm may take when it comes back and is bent otherwise than before
 
 
 class Inspector:
@@ -32,24 +34,38 @@ class Inspector:
 
     def __init__(self, plan: Plan, shop: Shop, dt_ns: int) -> None:
         self._plan, self._shop, self._dt = plan, shop, dt_ns * 1e-9
-        self._rows = RowColumns.of(plan.path)
-        self._names = {number: tool.name for number, tool in shop.cell.tools.items()}
         self._known: set[tuple[str, Span]] = set()
-        self._changes = {
-            timed.row: timed.event.span for timed in plan.path.events if isinstance(timed.event, ToolChange)
-        }
-        self._blind = _blind_turns(plan, shop)
-        self._grain = _least_rapid(self._rows, shop)
-        self._up = _straight_up(plan, shop)
-        self._probes, self._left_taps = _rows_of(plan, _PROBES), _rows_of(plan, _LEFT_TAPS)
         self._starts = plan.trajectory.row_start if len(plan.path) else np.zeros(1)
+        self._turns = _blind_turns(plan, shop)
+        rows = RowColumns.of(plan.path)
+        spindle = rows.signals[SPINDLE.name]
+        setting = np.cumsum(np.diff(rows.tool, prepend=rows.tool[:1]) != 0)
+        setting = setting + np.cumsum(np.diff(spindle, prepend=spindle[:1]) != 0.0)
+        self._shape = Rows(
+            rapid=rows.rapid,
+            tool=rows.tool,
+            setting=setting.astype(np.int64),
+            changed=np.diff(rows.tool, prepend=-1) != 0,
+            retreat=_straight_up(plan, shop),
+            time=self._starts,
+            columns={},
+            span=self._span,
+            with_word=cache(lambda words: _rows_of(plan, words)),
+            tools=shop.cell.tools,
+            turns=self._turns,
+            change_spans={
+                timed.row: timed.event.span for timed in plan.path.events if isinstance(timed.event, ToolChange)
+            },
+            grain=_grain(shop),
+        )
+        self._kinds = {
+            kind: np.isin(rows.tool, [number for number, tool in shop.cell.tools.items() if kind in tool.processes])
+            for kind in shop.sheet.kinds[1:]
+        }
 
     def fresh(self, record: StepRecord, totals: RowTotals, joints: JointTotals) -> list[Diagnostic]:
         """Findings that came up in the steps of `record`."""
-        use = record.rapid & (record.removed > 0.0) | record.stopped | record.reversed | record.inside | record.tilted
-        use |= (record.shank_depth > 0.0) | (record.holder_depth > 0.0)
-        use |= (record.removed > 0.0) if self._blind else False
-        found = self._misuse(totals) if use.any() else []
+        found = self._misuse(totals) if self._tells(record) else []
         if record.world.saturated.any():
             found += self._saturation(joints)
         if self._above_limits(record):
@@ -70,30 +86,18 @@ class Inspector:
         path = self._plan.path
         return path.span(row) if 0 <= row < len(path) else Span(self._shop.cell.name)
 
+    def _tells(self, record: StepRecord) -> bool:
+        """Whether a step of the window may be a reason for a process to complain."""
+        told = (column for column in record.sheet.columns if column.shown_in & FINDINGS)
+        return any(record[column.name].any() for column in told) or bool(self._turns and record["engaged"].any())
+
     def _misuse(self, totals: RowTotals) -> list[Diagnostic]:
-        rows = self._rows
-        setting = np.cumsum(np.diff(rows.tool, prepend=rows.tool[:1]) != 0)
-        setting = setting + np.cumsum(np.diff(rows.spindle, prepend=rows.spindle[:1]) != 0.0)
-        use = RowUse(
-            rapid=rows.rapid,
-            tool=rows.tool,
-            setting=setting.astype(np.int64),
-            changed=np.diff(rows.tool, prepend=-1) != 0,
-            spindle=rows.spindle,
-            time=self._starts,
-            rapid_cut=np.where(self._up, 0.0, totals.rapid_cut),
-            rapid_bound=totals.rapid_bound + self._grain,
-            stopped_cut=np.where(self._up | self._probes, 0.0, totals.stopped_cut),
-            reversed_cut=np.where(self._up | self._left_taps, 0.0, totals.reversed_cut),
-            shank=totals.shank,
-            holder=totals.holder,
-            inside=totals.inside,
-            tilted=totals.tilted,
-        )
-        return [
-            *stock_findings(use, self._span, self._names, self._changes),
-            *blind_findings(self._blind, totals.removed, self._starts, self._span),
-        ]
+        """What each kind of process has to say of the rows of its tools."""
+        found: list[Diagnostic] = []
+        for kind, mine in self._kinds.items():
+            columns = totals.columns if mine.all() else {n: np.where(mine, c, 0) for n, c in totals.columns.items()}
+            found += PROCESSES[kind].findings(replace(self._shape, columns=columns))
+        return found
 
     def _saturation(self, joints: JointTotals) -> list[Diagnostic]:
         own = self._shop.kinematics.joints
@@ -113,9 +117,9 @@ class Inspector:
         """Whether a step asks for more than the cell's `limits` allow."""
         limits = self._shop.cell.limits
         return (
-            _above(record.power, limits.spindle_power)
-            or _above(record.torque, limits.spindle_torque)
-            or (limits.force is not None and _above(np.linalg.norm(record.wrench[:, :3], axis=1), limits.force))
+            _above(record["power"], limits.spindle_power)
+            or _above(record["torque"], limits.spindle_torque)
+            or _above(record["force"], limits.force)
         )
 
     def _limits(self, totals: RowTotals) -> list[Diagnostic]:
@@ -123,9 +127,9 @@ class Inspector:
         limits = self._shop.cell.limits
         found = []
         columns: tuple[tuple[str, float | None, Array, float, str, str], ...] = (
-            ("GS510", limits.spindle_power, totals.power, KW, "kW", "power of the spindle"),
-            ("GS511", limits.spindle_torque, totals.torque, 1.0, "N·m", "torque of the spindle"),
-            ("GS512", limits.force, totals.force, 1.0, "N", "force on the tool"),
+            ("GS510", limits.spindle_power, totals["power"], KW, "kW", "power of the spindle"),
+            ("GS511", limits.spindle_torque, totals["torque"], 1.0, "N·m", "torque of the spindle"),
+            ("GS512", limits.force, totals["force"], 1.0, "N", "force on the tool"),
         )
         for code, limit, values, unit, name, what in columns:
             if limit is None or not (values > limit).any():
@@ -149,10 +153,6 @@ class Inspector:
         return found
 
 
-_PROBES = frozenset(("G31", "G38.2", "G38.3", "G38.4", "G38.5"))  # what they touch ends them on the machine
-_LEFT_TAPS = frozenset(("G74",))
-
-
 def _rows_of(plan: Plan, words: frozenset[str]) -> Flags:
     """Rows (n,) whose motion word is one of `words`."""
     path = plan.path
@@ -174,18 +174,10 @@ def _straight_up(plan: Plan, shop: Shop) -> Flags:
     return up
 
 
-def _least_rapid(rows: RowColumns, shop: Shop) -> Array:
-    """What each row (n,) may take [m³] at rapid and has yet cut nothing: a cell, or a rub of the tool's own wall."""
+def _grain(shop: Shop) -> float:
+    """Volume [m³] of a cell of the coarsest stock."""
     grids = (placed.stock.grid[2:] for placed in shop.stocks.values())
-    grain = max((float(dx * dy * max(dx, dy)) for dx, dy in grids), default=0.0)
-    rubs = {
-        number: RUB * np.pi * tool.diameter * tool.flute_length
-        for number, tool in shop.cell.tools.items()
-        if isinstance(tool, Cutter)
-    }
-    numbers, of_row = np.unique(rows.tool, return_inverse=True)
-    least: Array = np.array([max(grain, rubs.get(int(number), 0.0)) for number in numbers])[of_row]
-    return least
+    return max((float(dx * dy * max(dx, dy)) for dx, dy in grids), default=0.0)
 
 
 def _above(values: Array, limit: float | None) -> bool:

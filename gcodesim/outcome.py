@@ -12,6 +12,7 @@ from gcodesim.diagnostics import Diagnostic, Severity, SourceText, Span
 from gcodesim.frames import Array
 from gcodesim.job import Job
 from gcodesim.motion.tool_path import HOME, RAPID
+from gcodesim.processes.column import LINES, RESULTS
 from gcodesim.results import Results, StockResult, Times, joint_rows, line_rows, tool_rows
 from gcodesim.shop import Shop
 from gcodesim.verdict import idle_suppressions
@@ -94,6 +95,8 @@ def results_of(job: Job, execution: Execution | None, *, failed: bool = False) -
         findings = sorted([*findings, _interrupted(job, stop)], key=lambda finding: finding.order)
     rests = _rests(plan, _end_ns(job, plan, execution))
     names = {number: tool.name for number, tool in shop.cell.tools.items()}
+    stands = [(rest.row, rest.event.span, rest.duration) for rest in rests]
+    own = shop.sheet.own(RESULTS)
     return Results(
         status="failed" if failed else "findings" if bad else "ok",
         stopped_at=stopped,
@@ -103,10 +106,11 @@ def results_of(job: Job, execution: Execution | None, *, failed: bool = False) -
         feed_distance=float(length[~rapid].sum()),
         rapid_distance=float(length[rapid].sum()),
         stocks={} if execution is None else _stock_results(shop, execution),
-        tools=tool_rows(path, names, row_time, length, totals),
+        tools=tool_rows(path, names, row_time, length, totals, own),
         joints=_joints(plan, shop, execution),
         not_simulated=_not_simulated(job),
-        lines=line_rows(path, row_time, length, totals, [(e.row, e.event.span, e.duration) for e in rests], ran),
+        lines=line_rows(path, row_time, length, totals, stands, ran, shop.sheet.own(LINES)),
+        columns=own,
     )
 
 
@@ -177,7 +181,7 @@ def _times(rests: Sequence[TimedEvent], rapid: Any, row_time: Array, execution: 
     feed = float(row_time[~rapid].sum())
     engaged = 0.0
     if execution is not None and len(row_time):
-        engaged = float(np.minimum(execution.rows.engaged, row_time)[~rapid].sum())
+        engaged = float(np.minimum(execution.rows["engaged"], row_time)[~rapid].sum())
     return Times(feed=feed, engaged=engaged, rapid=float(row_time[rapid].sum()), dwell=dwell, tool_change=change)
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.diagnostics.show import as_json
@@ -17,6 +18,7 @@ from gcodesim.frames import Array
 from gcodesim.kinematics.chain import Joints
 from gcodesim.motion.tool_path import HOME, RAPID, ToolPath
 from gcodesim.numbers import clean, rounded
+from gcodesim.processes.column import FORCE, POWER, REMOVED, TORQUE, Column
 from gcodesim.units import DEG, MM, MM3, MM_PER_MINUTE
 
 SCHEMA: Final = "gcodesim-results/1"
@@ -88,6 +90,8 @@ class Results:
     joints: Sequence[Mapping[str, Any]] = ()
     not_simulated: Sequence[Mapping[str, Any]] = ()
     lines: LineRows = field(default_factory=lambda: LineRows())
+    columns: Sequence[Column] = ()
+    """Columns of processes that stand in `tools` behind those that every run has."""
 
     def as_json(self) -> dict[str, Any]:
         stopped = self.stopped_at
@@ -126,19 +130,22 @@ Stand = tuple[int, Span, float]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LineRows:
-    """Program lines (m,) in the order in which they first ran: which of the `files`, line number, and `numbers` (m, 5).
+    """Program lines (m,) in the order in which they first ran: which of the `files`, line number, and `numbers` (m, k).
 
-    These are time [s], distance [mm], mean feed [mm/min], removed volume [mm³] and greatest force [N].
+    These are time [s], distance [mm], mean feed [mm/min], removed volume [mm³], greatest force [N], and the columns of
+    processes under `more` names.
     """
 
     files: Sequence[str] = ()
     file: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     line: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     numbers: Array = field(default_factory=lambda: np.zeros((0, 5)))
+    more: Sequence[str] = ()
 
     def csv(self) -> str:
         """A text with a head; numbers have six digits."""
-        head = "file,line,time_s,distance_mm,feed_mm_min,removed_mm3,max_force_N\n"
+        known = ("file", "line", "time_s", "distance_mm", "feed_mm_min", "removed_mm3", "max_force_N")
+        head = ",".join((*known, *self.more)) + "\n"
         names = [_quoted(name) for name in self.files]
         columns = (_six_digits(column) for column in self.numbers.T)
         rows = zip((names[i] for i in self.file.tolist()), map(str, self.line.tolist()), *columns, strict=True)
@@ -166,8 +173,9 @@ def line_rows(
     totals: RowTotals | None,
     stands: Sequence[Stand] = (),
     ran: int | None = None,
+    columns: Sequence[Column] = (),
 ) -> LineRows:
-    """One row a program line: file, line, time, distance, mean feed, removed volume, greatest force.
+    """One row a program line: file, line, time, distance, mean feed, removed volume, greatest force, then `columns`.
 
     `time` [s] and `distance` [m] are those of each path row; a loop's passes are
     added up. The time of a line has its dwells and tool changes, the feed has not.
@@ -181,13 +189,35 @@ def line_rows(
     removed: Array = np.zeros(count)
     force: Array = np.zeros(count)
     if totals is not None and len(path):
-        removed += np.bincount(index, weights=totals.removed - totals.added, minlength=count)
-        np.maximum.at(force, index, totals.force)
+        removed += np.bincount(index, weights=totals["removed"] - totals["added"], minlength=count)
+        np.maximum.at(force, index, totals["force"])
     speed = np.divide(metres, moving, out=np.zeros(count), where=moving > 0.0)
     reached = np.zeros(count, dtype=bool)
     reached[index[:ran]] = reached[standing] = True
-    numbers = np.stack([moving + still, metres / MM, speed / MM_PER_MINUTE, removed / MM3, force], axis=1)
-    return LineRows(files=files, file=file[reached], line=line[reached], numbers=numbers[reached])
+    own = [_by_group(column, totals, index[:ran], count) / column.divisor for column in columns]
+    numbers = np.stack([moving + still, metres / MM, speed / MM_PER_MINUTE, removed / MM3, force, *own], axis=1)
+    return LineRows(
+        files=files,
+        file=file[reached],
+        line=line[reached],
+        numbers=numbers[reached],
+        more=[column.key for column in columns],
+    )
+
+
+def _by_group(column: Column, totals: RowTotals | None, group: Ints, count: int) -> Array:
+    """One value (count,) for each group of path rows; these belong to `group` (r,), in the order in which they ran."""
+    values: Array = np.zeros(count)
+    if totals is None or not len(group):
+        return values
+    rows = totals[column.name][: len(group)]
+    if column.of == "greatest":
+        np.maximum.at(values, group, rows)
+    elif column.of == "last":
+        values[group] = rows
+    else:
+        np.add.at(values, group, rows)
+    return values
 
 
 def _lines_of(path: ToolPath, stands: Sequence[Stand]) -> tuple[list[str], Ints, Ints, Ints, Ints]:
@@ -214,9 +244,17 @@ def _lines_of(path: ToolPath, stands: Sequence[Stand]) -> tuple[list[str], Ints,
 
 
 def tool_rows(
-    path: ToolPath, names: Mapping[int, str], time: Array, distance: Array, totals: RowTotals | None
+    path: ToolPath,
+    names: Mapping[int, str],
+    time: Array,
+    distance: Array,
+    totals: RowTotals | None,
+    columns: Sequence[Column] = (),
 ) -> list[dict[str, Any]]:
-    """One entry a tool that was in the spindle while something moved; `time` [s] and `distance` [m] of path rows."""
+    """One entry a tool that was in the spindle while something moved; `time` [s] and `distance` [m] of path rows.
+
+    Its last keys are those of `columns`.
+    """
     if not len(path):
         return []
     numbers = np.array([state.tool for state in path.states], dtype=np.int64)[path.state]
@@ -232,16 +270,33 @@ def tool_rows(
             "time_s": rounded(float(time[mine].sum())),
             "feed_mm": rounded(float(distance[mine & feeds].sum() / MM)),
         }
-        force = np.zeros(1) if totals is None else totals.force[mine]
-        removed = 0.0 if totals is None else float(totals.removed[mine].sum())
-        entry["removed_mm3"] = rounded(removed / MM3)
-        entry["max_force_N"] = rounded(float(force.max(initial=0.0)))
-        entry["max_torque_Nm"] = rounded(0.0 if totals is None else float(totals.torque[mine].max(initial=0.0)))
-        entry["max_power_W"] = rounded(0.0 if totals is None else float(totals.power[mine].max(initial=0.0)))
-        strongest = np.flatnonzero(mine)[int(force.argmax())] if force.max(initial=0.0) > 0.0 else None
+        here = np.flatnonzero(mine)
+        for column in _OF_TOOLS:
+            entry[column.key] = _of_rows(column, totals, here)
+        force = np.zeros(1) if totals is None else totals["force"][mine]
+        strongest = here[int(force.argmax())] if force.max(initial=0.0) > 0.0 else None
         entry["line_of_max_force"] = None if strongest is None else path.span(int(strongest)).line
+        for column in columns:
+            entry[column.key] = _of_rows(column, totals, here)
         entries.append(entry)
     return entries
+
+
+_OF_TOOLS: Final = (REMOVED, FORCE, TORQUE, POWER)
+
+
+def _of_rows(column: Column, totals: RowTotals | None, rows: NDArray[np.intp]) -> float:
+    """One value of path rows (r,), in the unit of the file."""
+    if totals is None or not len(rows):
+        return 0.0
+    values = totals[column.name][rows]
+    if column.of == "greatest":
+        value = float(values.max())
+    elif column.of == "last":
+        value = float(values[-1])
+    else:
+        value = float(values.sum())
+    return rounded(value / column.divisor)
 
 
 def joint_rows(names: Iterable[str], joints: Joints, totals: JointTotals, path: ToolPath) -> list[dict[str, Any]]:

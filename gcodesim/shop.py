@@ -18,6 +18,7 @@ from gcodesim.cell.stock import Box, Cylinder, StockSpec
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.frames import Array, Pose
 from gcodesim.kinematics import Cartesian, Chain, Inertial, Kinematics, Link, kinematics_of, model_path
+from gcodesim.processes.sheet import Sheet
 from gcodesim.scene import WORK, WORLD, Mover, Scene, Stand
 from gcodesim.units import MM
 
@@ -107,6 +108,11 @@ class Shop:
         """Where the first pocket stands: X_W of the flange side of the tool in it."""
         placed = self.cell.magazine.place
         return self.cell.frames[placed.frame or "world"] @ placed.X
+
+    @property
+    def sheet(self) -> Sheet:
+        """The columns that a run in this cell has."""
+        return Sheet.of(self.cell.tools.values())
 
     def tool(self, number: int) -> Tool | None:
         """The tool of that number; None for the empty spindle and for numbers that the cell does not know."""

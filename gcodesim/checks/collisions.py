@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.checks.events import runs
 from gcodesim.diagnostics import Diagnostic, Span
+from gcodesim.diagnostics.events import runs
 from gcodesim.frames import Array, Pose
 from gcodesim.units import MM
 

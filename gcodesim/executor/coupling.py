@@ -1,4 +1,4 @@
-"""The tool and the stock while the robot moves: joint positions in, wrench on the tool out."""
+"""The tool and what it acts on while the robot moves: joint positions in, wrench on the tool out."""
 
 from __future__ import annotations
 
@@ -96,8 +96,8 @@ class Stretch:
         return self(0, self._steps.q[self.begin : self.end])
 
     def save(self) -> Callable[[], None]:
-        """Remember stocks and processes; the answer puts them back."""
-        kept = [(part, part.task.state.values.copy(), part.task.target.stock.memento()) for part in self.parts]
+        """Remember targets and processes; the answer puts them back."""
+        kept = [(part, part.task.state.values.copy(), part.task.target.memento()) for part in self.parts]
 
         def restore() -> None:
             for part, values, back in kept:

@@ -18,6 +18,7 @@ from gcodesim.executor.tasks import RowColumns
 from gcodesim.executor.totals import JointTotals, RowTotals
 from gcodesim.executor.window import StepWindow, first_carry, window_of
 from gcodesim.frames import Pose
+from gcodesim.processes.column import ADDED, REMOVED
 from gcodesim.shop import Shop
 from gcodesim.world import RobotBody, WorldSteps, open_world, tool_body
 
@@ -99,7 +100,9 @@ def execute(
     `WorldUnavailable` when the world cannot be opened here.
     """
     rows = RowColumns.of(plan.path)
-    totals = RowTotals.zeros(len(rows.tool))
+    sheet = shop.sheet
+    totals = RowTotals.zeros(len(rows.tool), sheet)
+    standing: dict[str, float] = {}
     q0 = plan.joints(plan.trajectory.sample(np.zeros(1)))[0]
     joints = JointTotals.start(q0)
     planned = int(-(-plan.trajectory.duration_ns // dt_ns))
@@ -128,10 +131,12 @@ def execute(
             if following is not None and follows:
                 cutter.begin(following)
             steps, follows = _move(world, shop, cutter, cut, following)
-            record = record_of(cut.window, steps, cut.parts)
+            record = record_of(cut.window, steps, cut.parts, sheet, standing)
+            standing = record.standing
             _add_volumes(volumes, cut.parts)
             del in_hand[0]
-            _sum_up(record, totals, joints)
+            totals.add(record)
+            joints.add(steps.q, steps.qd, steps.qdd, steps.effort, steps.saturated, record.window.row)
             found = inspect(record, totals, joints) if inspect is not None else []
             if watcher is not None:
                 behind.do(watcher.take(record, found, cut.seen))
@@ -199,12 +204,14 @@ def _move(world: World, shop: Shop, cutter: Cutter, cut: Cut, following: Cut | N
 
 def _add_volumes(volumes: dict[str, tuple[float, float]], parts: Sequence[Part]) -> None:
     for part in parts:
-        if part.answer is None:
+        answer = part.answer
+        if answer is None or not (REMOVED.name in answer.columns or ADDED.name in answer.columns):
             continue
-        change = float(part.answer.removed.sum())
-        before = volumes.get(part.task.target.name, (0.0, 0.0))
-        gone, come = (change, 0.0) if part.task.process.takes else (0.0, -change)
-        volumes[part.task.target.name] = (before[0] + gone, before[1] + come)
+        gone, come = volumes.get(part.task.target.name, (0.0, 0.0))
+        volumes[part.task.target.name] = (
+            gone + float(answer[REMOVED.name].sum()),
+            come + float(answer[ADDED.name].sum()),
+        )
 
 
 def _joined(parts: list[WorldSteps]) -> WorldSteps:
@@ -227,25 +234,3 @@ def pocket_of(shop: Shop, name: str) -> Pose:
     names = [tool.name for _, tool in sorted(shop.cell.tools.items())]
     index = names.index(name) if name in names else len(names)
     return shop.magazine_pose @ Pose.from_xyz_rpy((index * shop.cell.magazine.pitch, 0.0, 0.0))
-
-
-def _sum_up(record: StepRecord, totals: RowTotals, joints: JointTotals) -> None:
-    row = record.window.row
-    world = record.world
-    joints.add(world.q, world.qd, world.qdd, world.effort, world.saturated, row)
-    cutting = record.removed > 0.0
-    # what cutting takes away is known better with every pass along a wall, so single steps may be negative
-    totals.add("removed", row, np.where(record.adding, 0.0, record.removed))
-    totals.add("added", row, np.where(record.adding, -record.removed, 0.0))
-    totals.add("engaged", row, record.engaged * record.window.dt)
-    totals.add("stopped_cut", row, np.where(record.stopped, record.removed, 0.0))
-    totals.add("reversed_cut", row, np.where(record.reversed, record.removed, 0.0))
-    totals.add("rapid_cut", row, np.where(record.rapid & cutting, record.removed, 0.0))
-    totals.add("rapid_bound", row, np.where(record.rapid & cutting, record.rapid_bound, 0.0))
-    totals.add("inside", row, record.inside * record.window.dt)
-    totals.add("tilted", row, record.tilted * record.window.dt)
-    totals.raise_to("force", row, np.linalg.norm(record.wrench[:, :3], axis=1))
-    for name in ("torque", "power"):
-        totals.raise_to(name, row, np.abs(getattr(record, name)))
-    totals.raise_to("shank", row, record.shank_depth)
-    totals.raise_to("holder", row, record.holder_depth)

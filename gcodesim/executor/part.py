@@ -1,4 +1,4 @@
-"""One tool at work in one stock during consecutive steps: the question to the process, step by step or at once."""
+"""One process of a tool at one target during consecutive steps: the question to it, step by step or at once."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from gcodesim.executor.targets import Box
 from gcodesim.executor.tasks import RowColumns, Task
 from gcodesim.executor.window import StepWindow
 from gcodesim.frames import Array
@@ -16,7 +17,7 @@ from gcodesim.processes.window import ProcessStep, Window
 from gcodesim.shop import Shop
 
 NEAR = 1e-3
-"""Distance [m] from the stock within which a tool counts as near; more than any arm gives way."""
+"""Distance [m] from its target within which a process counts as near; more than any arm gives way."""
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -24,7 +25,7 @@ class Part:
     """Steps `begin` to `end` of a window. `window` is their commanded motion in S, `X_BS` (n, 4, 4) where S is.
 
     `share` (c, 2) tells where in its step each piece begins and ends. `answer`
-    is what the process did, None while the tool stays away from the stock, and
+    is what the process did, None while it stays away from its target, and
     `wrench` (n, 6) what the tool felt, in base axes.
     """
 
@@ -40,14 +41,14 @@ class Part:
 
     def run(self) -> None:
         """All steps at once, as commanded."""
-        stock, window = self.task.target.stock, self.window
-        if _is_near(self.task, window.piece_start, window.piece_end, float(stock.tops.max())):
-            self._keep(self.task.process.run(stock, window, self.task.state))
+        task, window = self.task, self.window
+        if _is_near(task, window.piece_start, window.piece_end, window.axis, task.target.filled()):
+            self._keep(task.process.run(task.target.given, window, task.state))
 
     def step(self, k: int, moved_before: Array, moved: Array) -> Array:
         """Step `k` of this part, its tip off the command by `moved_before` … `moved` (3,) [m]; wrench (6,); in B."""
         if self._loop is None:
-            self._loop = self.task.process.loop(self.task.target.stock, self.window, self.task.state)
+            self._loop = self.task.process.loop(self.task.target.given, self.window, self.task.state)
         R = self.X_BS[k, :3, :3]
         wrench = self._loop.step(k, moved_before @ R, moved @ R, self.share)
         return np.concatenate([R @ wrench[:3], R @ wrench[3:]])
@@ -71,7 +72,7 @@ class Part:
 def part_of(
     shop: Shop, rows: RowColumns, task: Task, steps: StepWindow, begin: int, end: int, jacobian: Callable[[], Array]
 ) -> Part | None:
-    """The question for steps `begin` to `end`, all with the task's tool; None when the tool stays away from the stock.
+    """The question for steps `begin` to `end`, all with the task's tool; None when it stays away from the target.
 
     `jacobian` gives those of the tip (n, 6, j) in base axes; a rigid machine does not ask for them.
     """
@@ -93,10 +94,10 @@ def part_of(
             steps.piece_share[first:last],
             steps.piece_row[first:last],
         )
-    if not _is_near(task, start, stop, task.target.stock.z_range[1]):
-        return None
     R_SB = X_BS[:, :3, :3].transpose(0, 2, 1)
     axis = -np.einsum("nij,nj->ni", R_SB, steps.tip[begin:end, :3, 2])
+    if not _is_near(task, start, stop, axis, task.target.room):
+        return None
     velocity = np.zeros((count, 3))
     np.add.at(velocity, step, (stop - start) / steps.dt)
     step_row = steps.row[begin:end]
@@ -108,11 +109,12 @@ def part_of(
         piece_step=step,
         axis=axis,
         velocity=velocity,
-        spindle=rows.spindle[step_row],
         rapid=rapid,
-        active=rows.active[step_row],
+        signals={signal.name: rows.signal(signal, step_row) for signal in task.process.reads},
         dt=steps.dt,
-        compliance=None if shop.stiffness is None else _seen_from(R_SB, compliance(jacobian(), shop.stiffness)),
+        compliance=_seen_from(R_SB, compliance(jacobian(), shop.stiffness))
+        if task.process.pushes and shop.stiffness is not None
+        else None,
     )
     return Part(task=task, begin=begin, end=end, window=window, X_BS=X_BS, share=share)
 
@@ -123,18 +125,9 @@ def _into(X: Array, points: Array) -> Array:
     return local
 
 
-def _is_near(task: Task, start: Array, stop: Array, top: float) -> bool:
-    """Whether the tool may touch the stock, whose material ends at height `top` [m], on its way."""
-    stock, reach = task.target.stock, task.reach + NEAR
-    if not task.process.takes:
-        return True
-    low, high = np.minimum(start, stop).min(axis=0), np.maximum(start, stop).max(axis=0)
-    corner = stock.grid[:2] + stock.grid[2:] * stock.count.shape
-    return bool(
-        low[2] - NEAR < top
-        and (low[:2] - reach < corner).all()
-        and (high[:2] + reach > stock.grid[:2]).all()
-    )
+def _is_near(task: Task, start: Array, stop: Array, axis: Array, box: Box | None) -> bool:
+    """Whether the process may act on something in `box` on its way, its tip going along pieces (c, 3); see `Zone`."""
+    return box is None or task.process.zone.meets(start, stop, axis, *box, NEAR)
 
 
 def _seen_from(R: Array, C: Array) -> Array:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,58 +12,61 @@ from numpy.typing import NDArray
 from gcodesim.executor.part import Part, deflection_of
 from gcodesim.executor.window import StepWindow
 from gcodesim.frames import Array
+from gcodesim.processes.column import FORCE, Column
 
 if TYPE_CHECKING:
+    from gcodesim.processes.sheet import Sheet
+    from gcodesim.processes.window import ProcessStep
     from gcodesim.world import WorldSteps
-
-KINDS: Final = ("", "milling", "extrusion")
-"""Processes as the log numbers them."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class StepRecord:
-    """n steps: the window, what the world did, and the process summed over stocks.
+    """n steps: the window, what the world did, and what all processes did at all their targets.
 
-    wrench, deflection (n, 6) in base axes at the tip; peak_force, torque, power,
-    removed [m³] (negative when added), all (n,); `kind` points into KINDS;
-    depths [m] of shank and holder in stock; flags of misuse.
+    wrench, deflection (n, 6) in base axes at the tip; `kind` (n,) points into the kinds of the sheet; `columns` (n,)
+    by name are those of the sheet, zero where nobody says otherwise.
     """
 
     window: StepWindow
     world: WorldSteps
+    sheet: Sheet
     wrench: Array
     deflection: Array
-    peak_force: Array
-    torque: Array
-    power: Array
-    removed: Array
-    engaged: NDArray[np.bool_]
     kind: NDArray[np.int64]
-    shank_depth: Array
-    holder_depth: Array
-    stopped: NDArray[np.bool_]
-    reversed: NDArray[np.bool_]
-    inside: NDArray[np.bool_]
-    tilted: NDArray[np.bool_]
-    rapid: NDArray[np.bool_]
-    adding: NDArray[np.bool_]
-    rapid_bound: Array
+    columns: Mapping[str, NDArray[Any]]
 
     def __len__(self) -> int:
         return len(self.window)
 
+    def __getitem__(self, column: str) -> NDArray[Any]:
+        """A column (n,)."""
+        return self.columns[column]
 
-def record_of(window: StepWindow, world: WorldSteps, parts: Sequence[Part]) -> StepRecord:
-    """Sum up the parts of a window."""
+    @property
+    def net_removed(self) -> Array:
+        """Volume (n,) [m³] that the stocks have lost in each step, below zero where they gained."""
+        net: Array = self.columns["removed"] - self.columns["added"]
+        return net
+
+    @property
+    def standing(self) -> dict[str, float]:
+        """The values at the end of the window that stand until somebody says others."""
+        return {c.name: float(self.columns[c.name][-1]) for c in self.sheet.columns if c.of == "last"}
+
+
+def record_of(
+    window: StepWindow,
+    world: WorldSteps,
+    parts: Sequence[Part],
+    sheet: Sheet,
+    standing: Mapping[str, float] | None = None,
+) -> StepRecord:
+    """Put together the parts of a window; `standing` are the values that stood at the end of the window before."""
     n = len(window)
     wrench, deflection = np.zeros((n, 6)), np.zeros((n, 6))
-    columns: dict[str, Any] = {
-        name: np.zeros(n) for name in ("peak_force", "torque", "power", "removed", "shank_depth", "holder_depth")
-    }
-    marks_of = ("engaged", "stopped", "reversed", "inside", "tilted", "rapid")
-    flags: dict[str, Any] = {name: np.zeros(n, dtype=bool) for name in marks_of}
-    adding = np.zeros(n, dtype=bool)
-    kind, bound = np.zeros(n, dtype=np.int64), np.zeros(n)
+    kind = np.zeros(n, dtype=np.int64)
+    columns = {column.name: _blank(column, n, standing or {}) for column in sheet.columns}
     for part in parts:
         answer = part.answer
         if answer is None or part.wrench is None:
@@ -71,33 +74,31 @@ def record_of(window: StepWindow, world: WorldSteps, parts: Sequence[Part]) -> S
         here = slice(part.begin, part.end)
         wrench[here] += part.wrench
         deflection[here] += deflection_of(part)
-        for name, values in columns.items():
-            values[here] += getattr(answer, name)
-        for name, marks in flags.items():
-            marks[here] |= part.window.rapid if name == "rapid" else getattr(answer, name)
-        kind[here] = np.where(answer.engaged, KINDS.index(part.task.process.kind), kind[here])
-        adding[here] |= not part.task.process.takes
-        bound[here] += _rapid_bound(part)
+        for column in sheet.columns:
+            if column.name in answer.columns:
+                _put_in(columns[column.name], column, answer, here)
+        kind[here] = np.where(answer["engaged"], sheet.kinds.index(part.task.process.kind), kind[here])
+    columns[FORCE.name] = np.linalg.norm(wrench[:, :3], axis=1)
     return StepRecord(
-        window=window,
-        world=world,
-        wrench=wrench,
-        deflection=deflection,
-        kind=kind,
-        rapid_bound=bound,
-        adding=adding,
-        **columns,
-        **flags,
+        window=window, world=world, sheet=sheet, wrench=wrench, deflection=deflection, kind=kind, columns=columns
     )
 
 
-def _rapid_bound(part: Part) -> Array:
-    """Volume (n,) [m³] that a rapid may seem to take where it only grazes: half a cell of all wall that it passes."""
-    stock, window = part.task.target.stock, part.window
-    way = window.piece_end - window.piece_start
-    low = np.minimum(window.piece_start[:, 2], window.piece_end[:, 2])
-    depth = np.clip(stock.z_range[1] - low, 0.0, stock.z_range[1] - stock.z_range[0])
-    walls = 2.0 * np.hypot(way[:, 0], way[:, 1]) * depth + 2.0 * np.pi * part.task.reach * np.abs(way[:, 2])
-    bound = np.zeros(window.steps)
-    np.add.at(bound, window.piece_step, 0.5 * float(stock.grid[2:].max()) * walls)
-    return bound
+def _blank(column: Column, n: int, standing: Mapping[str, float]) -> NDArray[Any]:
+    if column.of == "last":
+        return np.full(n, standing.get(column.name, 0.0))
+    return np.zeros(n, dtype=bool if column.of == "any" else float)
+
+
+def _put_in(into: NDArray[Any], column: Column, answer: ProcessStep, here: slice) -> None:
+    """Join what one process says in the steps `here` to what others have said."""
+    values = answer.columns[column.name]
+    if column.of == "any":
+        into[here] |= values
+    elif column.of == "last":
+        into[here] = values
+        into[here.stop :] = values[-1]
+    elif column.adds:
+        into[here] += values
+    else:
+        np.maximum(into[here], values, out=into[here])

@@ -1,48 +1,43 @@
-"""Which process each tool carries out in each stock, and what every path row asks of it."""
+"""Which processes each tool carries out at which targets, and what every path row asks of them."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.frames import Array
+from gcodesim.executor.targets import Target, targets_of
 from gcodesim.motion.tool_path import HOME, RAPID, ToolPath
 from gcodesim.processes import PROCESSES
-from gcodesim.shop import PlacedStock, Shop
+from gcodesim.processes.signal import ACTIVE, SPINDLE, Signal
+from gcodesim.shop import Shop
 
 if TYPE_CHECKING:
+    from gcodesim.processes.protocol import Process
     from gcodesim.processes.window import ProcessState
     from gcodesim.tools.tool import Tool
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Task:
-    """One tool at work in one stock. `state` is what the process carries from window to window."""
+    """One process of a tool at one target. `state` is what the process carries from window to window."""
 
     tool: Tool
-    target: PlacedStock
-    process: Any
+    target: Target
+    process: Process
     state: ProcessState
-
-    @property
-    def reach(self) -> float:
-        """How far from its tip this tool can touch anything [m]."""
-        widths = [body.radius for body in self.tool.primitives] + [body.radius_bottom for body in self.tool.primitives]
-        bead = 0.5 * float(getattr(self.tool, "bead_width", 0.0))
-        return max([*widths, bead, 0.0])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RowColumns:
-    """What holds in each of the n path rows: tool number, signed spindle speed [rad/s], rapid, process switched on."""
+    """What holds in each of the n path rows: tool number, rapid, and the signals (n,) by name."""
 
     tool: NDArray[np.int64]
-    spindle: Array
     rapid: NDArray[np.bool_]
-    active: NDArray[np.bool_]
+    signals: Mapping[str, NDArray[Any]]
 
     @staticmethod
     def of(path: ToolPath) -> RowColumns:
@@ -50,13 +45,17 @@ class RowColumns:
         speeds = np.array([state.spindle for state in path.states], dtype=float)
         if not len(path):  # one resting row, so that a program without moves has a state too
             none = np.zeros(1, dtype=bool)
-            return RowColumns(tool=numbers[:1], spindle=speeds[:1], rapid=none, active=none)
+            return RowColumns(tool=numbers[:1], rapid=none, signals={SPINDLE.name: speeds[:1], ACTIVE.name: none})
         return RowColumns(
             tool=numbers[path.state],
-            spindle=speeds[path.state],
             rapid=(path.kind == RAPID) | (path.kind == HOME),
-            active=path.active.astype(bool),
+            signals={SPINDLE.name: speeds[path.state], ACTIVE.name: path.active.astype(bool)},
         )
+
+    def signal(self, signal: Signal, row: NDArray[np.int64]) -> NDArray[Any]:
+        """The values of a signal in rows `row` (n,); its default where the program knows no such signal."""
+        values = self.signals.get(signal.name)
+        return np.full(len(row), signal.default) if values is None else values[row]
 
 
 @dataclass(slots=True, eq=False)
@@ -72,10 +71,12 @@ class Tasks:
         if number != self._current:
             self._current = number
             tool = self.shop.tool(number)
-            self._tasks = [] if tool is None else [self._task(tool, placed) for placed in self.shop.stocks.values()]
+            self._tasks = [] if tool is None else list(self._of(tool))
         return self._tasks
 
-    @staticmethod
-    def _task(tool: Tool, placed: PlacedStock) -> Task:
-        process = PROCESSES[tool.process].of(tool, placed.material)
-        return Task(tool=tool, target=placed, process=process, state=process.begin())
+    def _of(self, tool: Tool) -> Iterator[Task]:
+        for kind in tool.processes:
+            variant = PROCESSES[kind]
+            for target in targets_of(self.shop, variant.acts_on):
+                process = variant.of(tool, target.material)
+                yield Task(tool=tool, target=target, process=process, state=process.begin())

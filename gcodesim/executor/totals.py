@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.frames import Array
+
+if TYPE_CHECKING:
+    from gcodesim.executor.record import StepRecord
+    from gcodesim.processes.sheet import Sheet
 
 Rows = NDArray[np.int64]
 
@@ -18,42 +22,37 @@ TREMBLE: Final = 1e-9
 
 @dataclass(slots=True, eq=False)
 class RowTotals:
-    """What happened while each of the n path rows was run.
+    """What the steps came to while each of the n path rows was run: `columns` (n,) by name, those of the sheet.
 
-    removed, added [m³]; engaged [s]; force [N], torque [N·m], power [W] are the
-    greatest of any step; `stopped_cut` and `reversed_cut` [m³] were removed in
-    feed with the spindle off or turning backwards, `rapid_cut` by rapids, which
-    may seem to take `rapid_bound` [m³] where they only graze; `inside` and
-    `tilted` [s] the tool stood in stock that it did not cut; `shank` and
-    `holder` [m] are the greatest depths at which these parts stood in stock.
+    How steps become one value is what each column declares (`Column.of`); of a flag it is the time [s].
     """
 
-    removed: Array
-    added: Array
-    engaged: Array
-    force: Array
-    torque: Array
-    power: Array
-    stopped_cut: Array
-    reversed_cut: Array
-    rapid_cut: Array
-    rapid_bound: Array
-    inside: Array
-    tilted: Array
-    shank: Array
-    holder: Array
+    sheet: Sheet
+    columns: dict[str, Array]
 
     @staticmethod
-    def zeros(count: int) -> RowTotals:
-        return RowTotals(*(np.zeros(count) for _ in range(14)))
+    def zeros(count: int, sheet: Sheet) -> RowTotals:
+        return RowTotals(sheet, {column.name: np.zeros(count) for column in sheet.columns})
 
-    def add(self, column: str, rows: Rows, values: Any) -> None:
-        """Add `values` to `column` at `rows`, which may repeat."""
-        np.add.at(getattr(self, column), rows, values)
+    def __getitem__(self, column: str) -> Array:
+        """A column (n,)."""
+        return self.columns[column]
 
-    def raise_to(self, column: str, rows: Rows, values: Any) -> None:
-        """Raise `column` at `rows` to `values` where those are greater."""
-        np.maximum.at(getattr(self, column), rows, values)
+    def add(self, record: StepRecord) -> None:
+        """Take in the steps of a record, in order."""
+        rows = record.window.row
+        for column in self.sheet.columns:
+            values, total = record[column.name], self.columns[column.name]
+            if column.of == "last":
+                total[rows] = values  # of repeated rows the last counts
+            elif not values.any():
+                continue
+            elif column.of == "greatest":
+                np.maximum.at(total, rows, np.abs(values))
+            elif column.of == "any":
+                np.add.at(total, rows, values * record.window.dt)
+            else:
+                np.add.at(total, rows, values)
 
 
 @dataclass(slots=True, eq=False)

@@ -3,7 +3,7 @@
 from gcodesim.log.blocks import BlockColumns, BlockMessages
 from gcodesim.log.byte_strings import ByteStrings
 from gcodesim.log.container import LogWriteError
-from gcodesim.log.description import LogDescription, MotionColumns, ProcessColumns, StaticFrame
+from gcodesim.log.description import LogDescription, MotionColumns, ProcessColumns, ProcessField, StaticFrame
 from gcodesim.log.layout import Camera, View, layout
 from gcodesim.log.messages import OutputState, ProgramShown
 from gcodesim.log.shapes import Box, Capsule, Cone, Cylinder, Entity, Mesh, Polylines, Shape, Sphere
@@ -27,6 +27,7 @@ __all__ = [
     "OutputState",
     "Polylines",
     "ProcessColumns",
+    "ProcessField",
     "ProgramShown",
     "Shape",
     "Sphere",

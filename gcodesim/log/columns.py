@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.frames import canonical_quaternion
-from gcodesim.log.description import LogDescription, MotionColumns, ProcessColumns
+from gcodesim.log.description import PROCESS_COLUMNS, LogDescription, MotionColumns, array_of
 from gcodesim.log.row_kernels import NOT_FINITE, UNIT, fault_of
 
 BATCH: Final = 512  # instants: about 1 MB of records, a chunk
@@ -28,9 +28,10 @@ class ColumnBatch:
     """
 
     def __init__(self, description: LogDescription) -> None:
-        widths = {field.name: 1 for kind in (MotionColumns, ProcessColumns) for field in fields(kind)}
+        widths = dict.fromkeys([*(field.name for field in fields(MotionColumns)), *PROCESS_COLUMNS], 1)
         widths |= {"position": 3, "wrench": 6, "tf": 7 * len(description.moving_frames), "target": 7, "tcp": 7}
         widths |= dict.fromkeys(_JOINTS, len(description.joint_names))
+        widths |= dict.fromkeys((array_of(field.name) for field in description.process_fields), 1)
         ends = np.cumsum(list(widths.values())).tolist()
         self.columns = {name: end - width for (name, width), end in zip(widths.items(), ends, strict=True)}
         self._widths = widths

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,14 @@ class StaticFrame:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ProcessField:
+    """A field of `/process` that only this log has, a number or a `flag`; its name ends in the unit."""
+
+    name: str
+    flag: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class LogDescription:
     """All that is fixed for a whole log.
 
@@ -31,7 +40,8 @@ class LogDescription:
     seed, step_ns, log_period_ns, versions; `log_format` and `gcodesim` are
     added; `records` are further ones by name. `moving_frames` are (parent, child) in the order of the columns given
     to `LogWriter.window`. `wrench_frame` names the frame whose axes the wrench
-    follows. `process_kinds` is the list into which the column `kind` points.
+    follows. `process_kinds` is the list into which the column `kind` points,
+    `process_fields` stand in `/process` behind the fields that it always has.
     `cell` are the robot links and fixtures, `feed_path` and `rapid_path` the
     planned path in `path_frame`. `attachments` are the inputs by name:
     program.nc, subprograms, cell.yaml, URDFs; layout.json is added when missing.
@@ -46,7 +56,8 @@ class LogDescription:
     rapid_path: Polylines = field(default_factory=Polylines.none)
     path_frame: str = "world"
     wrench_frame: str = "world"
-    process_kinds: tuple[str, ...] = ("", "milling", "extrusion")
+    process_kinds: tuple[str, ...] = ("",)
+    process_fields: tuple[ProcessField, ...] = ()
     stock_tiles: int = 1
     added_tiles: int = 0
     records: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
@@ -82,6 +93,7 @@ class ProcessColumns:
     `kind` points into `LogDescription.process_kinds`; spindle [rad/s, + = M3],
     force [N], torque about the tool axis [N·m], power [W], removal rate [m³/s]
     and net removed volume since the start [m³], negative for added material.
+    `fields` (n,) by name are those of `LogDescription.process_fields`.
     """
 
     kind: NDArray[np.integer]
@@ -92,3 +104,13 @@ class ProcessColumns:
     power: Array
     removal: Array
     removed: Array
+    fields: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+
+
+PROCESS_COLUMNS: Final = tuple(item.name for item in fields(ProcessColumns) if item.name != "fields")
+"""Those that every log has."""
+
+
+def array_of(name: str) -> str:
+    """What the values of a process field are called among the columns of a log."""
+    return f"process.{name}"

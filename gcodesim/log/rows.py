@@ -15,7 +15,8 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.log.description import LogDescription
+from gcodesim.log.description import LogDescription, array_of
+from gcodesim.log.schema import FIRST_MORE
 from gcodesim.log.template import Piece, Slot, Template, bool_slot, double_slot, nested, stamp_slot, text_piece
 from gcodesim.log.topics import PERIODIC
 
@@ -64,6 +65,9 @@ def _messages(description: LogDescription, kind: str) -> tuple[Piece, ...]:
     process = stamp_slot(1) + text_piece(2, kind) + bool_slot(3, "engaged")
     for number, array in enumerate(("spindle", "force", "torque", "power", "removal", "removed"), start=4):
         process += double_slot(number, array)
+    for number, field in enumerate(description.process_fields, start=FIRST_MORE):
+        slot = bool_slot if field.flag else double_slot
+        process += slot(number, array_of(field.name))
     wrench = stamp_slot(1) + text_piece(2, description.wrench_frame)
     wrench += _vector(3, "wrench", 0) + _vector(4, "wrench", 3)
     return transforms, states, *poses, motion, process, wrench

@@ -7,10 +7,11 @@ once, in `data/log/gcodesim.proto`, which is read here; no compiler is needed.
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from functools import cache
 from importlib import import_module
 from importlib.resources import files
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from google.protobuf import (
     descriptor_pool,
@@ -20,6 +21,9 @@ from google.protobuf import (
 from google.protobuf.descriptor import FileDescriptor
 from google.protobuf.descriptor_pb2 import FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet
 
+if TYPE_CHECKING:
+    from gcodesim.log.description import ProcessField
+
 _FIELD = re.compile(r"(repeated +)?([\w.]+) +(\w+) *= *(\d+);")
 _TYPES: Final = {
     "double": FieldDescriptorProto.TYPE_DOUBLE,
@@ -27,6 +31,13 @@ _TYPES: Final = {
     "bool": FieldDescriptorProto.TYPE_BOOL,
     "string": FieldDescriptorProto.TYPE_STRING,
 }
+
+
+PROCESS: Final = "gcodesim.Process"
+"""The message to which processes add fields of their own."""
+
+FIRST_MORE: Final = 32
+"""Number of the first of these fields; those below are the log's own."""
 
 
 def read_proto(text: str) -> FileDescriptorProto:
@@ -90,8 +101,11 @@ def message_class(schema: str) -> Any:
     return getattr(import_module(f"foxglove_schemas_protobuf.{name}_pb2"), name)
 
 
-def schema_data(schema: str) -> bytes:
-    """A serialized FileDescriptorSet of the schema's file and all it needs, dependencies first."""
+def schema_data(schema: str, more: Sequence[ProcessField] = ()) -> bytes:
+    """A serialized FileDescriptorSet of the schema's file and all it needs, dependencies first.
+
+    `more` are fields that the message has in one log, behind its own.
+    """
     collected: dict[str, FileDescriptorProto] = {}
 
     def collect(file: FileDescriptor) -> None:
@@ -100,7 +114,19 @@ def schema_data(schema: str) -> bytes:
         if file.name not in collected:
             collected[file.name] = FileDescriptorProto.FromString(file.serialized_pb)
 
-    collect(message_class(schema).DESCRIPTOR.file)
+    own = message_class(schema).DESCRIPTOR.file
+    collect(own)
+    if more:
+        message = next(m for m in collected[own.name].message_type if m.name == schema.partition(".")[2])
+        for number, field in enumerate(more, start=FIRST_MORE):
+            kind = _TYPES["bool" if field.flag else "double"]
+            message.field.add(
+                name=field.name,
+                number=number,
+                json_name=_json_name(field.name),
+                label=FieldDescriptorProto.LABEL_OPTIONAL,
+                type=kind,
+            )
     return FileDescriptorSet(file=collected.values()).SerializeToString(deterministic=True)
 
 

@@ -23,7 +23,14 @@ from gcodesim.log.backlog import Backlog
 from gcodesim.log.blocks import BlockMessages
 from gcodesim.log.columns import ColumnBatch
 from gcodesim.log.container import Container, Sink
-from gcodesim.log.description import Array, LogDescription, MotionColumns, ProcessColumns
+from gcodesim.log.description import (
+    PROCESS_COLUMNS,
+    Array,
+    LogDescription,
+    MotionColumns,
+    ProcessColumns,
+    array_of,
+)
 from gcodesim.log.layout import layout
 from gcodesim.log.messages import (
     SEVERITIES,
@@ -36,7 +43,7 @@ from gcodesim.log.messages import (
 )
 from gcodesim.log.rows import RecordRows, RowBuilder
 from gcodesim.log.scene import entities_update, force_updates, path_update, polyline_update
-from gcodesim.log.schema import schema_data
+from gcodesim.log.schema import PROCESS, schema_data
 from gcodesim.log.shapes import Entity, Mesh, Shape
 from gcodesim.log.topics import PERIODIC, tile_topic, topic_table
 from gcodesim.version import __version__
@@ -44,7 +51,6 @@ from gcodesim.version import __version__
 LOG_FORMAT: Final = "1"
 ROOT: Final = "world"
 _MOTION: Final = tuple(field.name for field in fields(MotionColumns))
-_PROCESS: Final = tuple(field.name for field in fields(ProcessColumns))
 _BLOCK_FIELDS: Final = frozenset({"file", "line", "text", "block"})
 _MEDIA_TYPES: Final = {
     ".json": "application/json",
@@ -71,7 +77,10 @@ class LogWriter:
         self._frames = _checked_frames(description)
         topics = topic_table(description.stock_tiles, description.added_tiles)
         library = f"gcodesim {__version__}"
-        data = {schema: schema_data(schema) for schema in dict.fromkeys(topic.schema for topic in topics)}
+        data = {
+            schema: schema_data(schema, description.process_fields if schema == PROCESS else ())
+            for schema in dict.fromkeys(topic.schema for topic in topics)
+        }
         channels = [(topic, data[topic.schema]) for topic in topics]
         self._container = Container(Path(path), library, channels, sink)
         self._channels = {topic.name: i for i, topic in enumerate(topics, start=1)}
@@ -135,7 +144,8 @@ class LogWriter:
             "tcp": tcp,
             "wrench": wrench,
             **{name: getattr(motion, name) for name in _MOTION},
-            **{name: getattr(process, name) for name in _PROCESS},
+            **{name: getattr(process, name) for name in PROCESS_COLUMNS},
+            **{array_of(name): values for name, values in process.fields.items()},
         }
         before = self._last_ns
         self._take(times, columns)

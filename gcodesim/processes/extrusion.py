@@ -6,13 +6,16 @@ material is already in the way the bead loses that part, so that what was added 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import pi
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.processes.column import ADDED, ENGAGED, Column, Shown
+from gcodesim.processes.protocol import Process
+from gcodesim.processes.signal import ACTIVE, Signal
 from gcodesim.processes.window import ProcessState, ProcessStep, Window
 from gcodesim.tools.extruder import Extruder
 
@@ -24,12 +27,20 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Extrusion:
-    """The printing process of one extruder: adds its bead to the stock on feed moves while active."""
+class Extrusion(Process):
+    """The printing process of one extruder: adds its bead to the stock on feed moves while active.
+
+    It lays its bead wherever it is switched on, so its zone is everywhere. It has no force, so the machine does not
+    give way and a whole window can be laid at once.
+    """
 
     kind: ClassVar[str] = "extrusion"
-    takes: ClassVar[bool] = False  # it adds
-    pushes: ClassVar[bool] = False  # no force: the whole window can be laid after the motion
+    reads: ClassVar[tuple[Signal, ...]] = (ACTIVE,)
+    writes: ClassVar[tuple[Column, ...]] = (
+        ADDED,
+        ENGAGED,
+        Column("nominal", "m^3", "sum", Shown.NOWHERE, "volume that it meant to add"),
+    )
 
     extruder: Extruder
 
@@ -38,14 +49,14 @@ class Extrusion:
         """The process of an extruder; what it lays has no cutting constants."""
         return cls(extruder=tool)
 
-    def begin(self) -> ProcessState:
-        """A nozzle carries nothing from window to window."""
-        return ProcessState()
+    @property
+    def laid_section(self) -> float:
+        return self.extruder.bead_width * self.extruder.bead_height
 
     def run(self, stock: Stock | None, window: Window, state: ProcessState) -> ProcessStep:
-        """Add to `stock` (in place) along the active pieces of `window`; `removed` is negative, `nominal` positive."""
+        """Add to `stock` (in place) along the active pieces of `window`."""
         n = window.steps
-        laid = window.active[window.piece_step]
+        laid = window.signals[ACTIVE.name][window.piece_step] > 0.0
         lengths = np.linalg.norm(window.piece_end - window.piece_start, axis=1) * laid
         nominal = _sums(window.piece_step, self.extruder.bead_area * lengths, n)
         added = np.zeros(n)
@@ -57,7 +68,7 @@ class Extrusion:
                 self.extruder.bead_height,
             )
             added = _sums(window.piece_step[laid], found.volume, n)
-        return replace(ProcessStep.idle(n), removed=-added, nominal=nominal, engaged=nominal > 0.0)
+        return ProcessStep.free(n, {"added": added, "nominal": nominal, "engaged": nominal > 0.0})
 
 
 def _sums(step: NDArray[np.int64], value: Array, steps: int) -> Array:

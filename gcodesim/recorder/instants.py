@@ -8,10 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.frames import Array
+from gcodesim.processes.column import LOG
 
 if TYPE_CHECKING:
     from gcodesim.executor.record import StepRecord
     from gcodesim.planning import Plan
+    from gcodesim.processes.sheet import Sheet
 
 Ints = NDArray[np.int64]
 
@@ -30,8 +32,10 @@ class Instants:
     are joints `q` (p, j), tip `X_BT` (p, 4, 4) without bend and `deflection` (p, 6).
     """
 
-    def __init__(self, plan: Plan) -> None:
+    def __init__(self, plan: Plan, sheet: Sheet) -> None:
         self._plan = plan
+        self._own = sheet.own(LOG)
+        self._sums: dict[str, float] = {}  # since the start of the run
         self._clear()
 
     def _clear(self) -> None:
@@ -44,9 +48,10 @@ class Instants:
     def worth_writing(self) -> bool:
         return self.count >= MANY or self._windows >= MOST_WINDOWS
 
-    def add(self, record: StepRecord, t_ns: Ints, at: Ints, removed: Array) -> None:
-        """The instants `t_ns` (m,), which are steps `at` (m,) of a window; `removed` (n,) [m³] since the start."""
+    def add(self, record: StepRecord, t_ns: Ints, at: Ints) -> None:
+        """The instants `t_ns` (m,), which are steps `at` (m,) of a window."""
         window, world = record.window, record.world
+        removed = record.net_removed
         needed = np.zeros(len(record), dtype=bool)
         needed[at] = needed[np.maximum(at - 1, 0)] = needed[-1] = True
         ends = np.flatnonzero(needed)
@@ -70,15 +75,25 @@ class Instants:
             time=window.samples.time[at],
             wrench=record.wrench[at],
             kind=record.kind[at],
-            engaged=record.engaged[at],
-            torque=record.torque[at],
-            power=record.power[at],
-            removal=record.removed[at] / window.dt,
-            removed=removed[at],
+            engaged=record["engaged"][at],
+            torque=record["torque"][at],
+            power=record["power"][at],
+            removal=removed[at] / window.dt,
+            removed=self._since_start("removed", removed)[at],
+            **{
+                c.field: (self._since_start(c.name, record[c.name]) if c.of == "sum" else record[c.name])[at]
+                for c in self._own
+            },
         )
         self._windows += 1
         self._ends += len(ends)
         self.count += len(at)
+
+    def _since_start(self, name: str, values: Array) -> Array:
+        """The sum (n,) of `values` (n,) and of all that came before under this name."""
+        sums: Array = self._sums.get(name, 0.0) + np.cumsum(values)
+        self._sums[name] = float(sums[-1])
+        return sums
 
     def _extend(self, **columns: Array | NDArray[Any]) -> None:
         for name, column in columns.items():

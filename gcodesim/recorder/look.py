@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from gcodesim.frames import Array
 from gcodesim.log import Camera, View
+from gcodesim.processes import PROCESSES
 from gcodesim.recorder.ways import Ways
 
 if TYPE_CHECKING:
@@ -31,8 +32,8 @@ CLOSEST: Final = 0.15
 
 
 def layout_kind(shop: Shop) -> str:
-    """`process` when any tool does something else than mill, else `robot` or `milling` after what moves."""
-    if any(tool.process not in ("", "milling") for tool in shop.cell.tools.values()):
+    """`process` when a tool does something that has no force, else `robot` or `milling` after what moves."""
+    if not all(PROCESSES[kind].pushes for kind in shop.sheet.kinds[1:]):
         return "process"
     return "robot" if shop.mover.seen_whole else "milling"
 
@@ -67,12 +68,12 @@ def _volumes(shop: Shop, plan: Plan) -> tuple[float, float] | None:
     path = plan.path
     added = 0.0
     for number, tool in shop.cell.tools.items():
-        bead = float(getattr(tool, "bead_width", 0.0)) * float(getattr(tool, "bead_height", 0.0))
-        if bead > 0.0 and len(path):
+        section = sum(PROCESSES[kind].of(tool, None).laid_section for kind in tool.processes)
+        if section > 0.0 and len(path):
             tools = np.array([state.tool for state in path.states])[path.state]
-            added += bead * float(path.length[(tools == number) & path.active].sum())
-    cuts = any(tool.process == "milling" for tool in shop.cell.tools.values())
-    stock = sum(placed.initial for placed in shop.stocks.values()) if cuts else 0.0
+            added += section * float(path.length[(tools == number) & path.active].sum())
+    takes = any(PROCESSES[kind].takes for kind in shop.sheet.kinds[1:])
+    stock = sum(placed.initial for placed in shop.stocks.values()) if takes else 0.0
     if added == stock == 0.0:
         return None
     return (float(f"{-added:.2g}"), float(f"{stock:.2g}"))

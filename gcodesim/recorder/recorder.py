@@ -13,11 +13,12 @@ import numpy as np
 
 from gcodesim.canon import ToolChange
 from gcodesim.diagnostics import Diagnostic
-from gcodesim.executor.record import KINDS, StepRecord
+from gcodesim.executor.record import StepRecord
 from gcodesim.frames import Array
 from gcodesim.job import BULLET
-from gcodesim.log import LogDescription, LogWriter, MotionColumns, ProcessColumns, layout
+from gcodesim.log import LogDescription, LogWriter, MotionColumns, ProcessColumns, ProcessField, layout
 from gcodesim.motion.tool_path import HOME, RAPID
+from gcodesim.processes.column import LOG
 from gcodesim.recorder.blocks import Blocks
 from gcodesim.recorder.bodies import cell_entities, tile_meshes, tool_shapes
 from gcodesim.recorder.frames import Frames, seven, stock_frame, work_systems
@@ -73,11 +74,11 @@ class Recorder:
         self._tiles: list[Tiles] = [self._tiles_of(placed.stock) for placed in self._shop.stocks.values()]
         self._tile_ns = self._tile_period(self._plan.trajectory.duration_ns)
         self._limits = JointLimits.of(self._shop)
+        self._sheet = self._shop.sheet
+        self._instants = Instants(self._plan, self._sheet)
         self._writer = LogWriter(out / LOG_NAME, self._description(ways), live)
         self._reporter = Reporter(self._writer, job.shown(job.findings))
         self._texts = Texts(self._writer, self._plan.trajectory.events)
-        self._instants = Instants(self._plan)
-        self._removed = 0.0
         self._cut_at: Array = np.zeros(3)  # where the tip stands over the work
         self._force_shown = False
         self._now_ns = 0
@@ -139,7 +140,10 @@ class Recorder:
             feed_path=ways.polylines(~rapid),
             rapid_path=ways.polylines(rapid),
             path_frame=self._frames.path_frame,
-            process_kinds=KINDS,
+            process_kinds=self._sheet.kinds,
+            process_fields=tuple(
+                ProcessField(name=column.field, flag=column.of == "any") for column in self._sheet.own(LOG)
+            ),
             stock_tiles=max(1, sum(len(tiles) for tiles in self._tiles)),
             records={"gcodesim.joints": self._limits.record},
             attachments=attachments,
@@ -163,7 +167,7 @@ class Recorder:
         self._changes_of_tool(0, -1, window)
         for index, tiles in enumerate(self._tiles):
             self._draw(0, index, tiles.all())
-        self._write(record_of(window, world, []), np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64))
+        self._write(record_of(window, world, [], self._sheet), np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64))
         self._writer.blocks(self._blocks.messages, *self._blocks.between(0, 1))
 
     def look(self, window: StepWindow) -> Sequence[Glimpse]:
@@ -222,9 +226,7 @@ class Recorder:
 
     def _write(self, record: StepRecord, t_ns: Any, at: Any) -> None:
         """The log instants `t_ns` (m,), which are steps `at` (m,) of the record."""
-        removed = self._removed + np.cumsum(record.removed)
-        self._removed = float(removed[-1])
-        self._instants.add(record, t_ns, at, removed)
+        self._instants.add(record, t_ns, at)
         if self._instants.worth_writing:
             self._write_instants()
 
@@ -276,6 +278,7 @@ class Recorder:
                 power=came["power"],
                 removal=came["removal"],
                 removed=came["removed"],
+                fields={column.field: came[column.field] for column in self._sheet.own(LOG)},
             ),
             wrench=wrench,
         )

@@ -30,8 +30,10 @@ class Tool:
     """
 
     kind: ClassVar[str] = ""
+    processes: ClassVar[tuple[str, ...]] = ()
+    """Names in the PROCESSES family of what this tool does; none: it is only moved. Each acts on its own targets."""
     process: ClassVar[str] = ""
-    """Name of the process in the PROCESSES family that this tool carries out."""
+    """The same in short, for a kind of tool with one process."""
 
     number: int = 0
     name: str = key(
@@ -40,6 +42,10 @@ class Tool:
     length: float = key("length", "from the tip to the holder", default=100.0 * MM)
     holder: Holder | None = key(Holder, "the holder; none: only the tool itself", default=None)
     mass: float | None = key("mass", "mass of tool and holder", default=None, rule="that of steel bodies of this size")
+
+    def __init_subclass__(cls) -> None:
+        if "process" in vars(cls) and "processes" not in vars(cls):
+            cls.processes = (cls.process,) if cls.process else ()
 
     def __post_init__(self) -> None:
         fill_derived(self)

@@ -1,0 +1,207 @@
+"""What processes act on: the stocks of the shop, their surfaces, its bodies, or nothing; each with a frame S."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from itertools import product
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.cell.placement import bounds_of
+from gcodesim.executor.body_shapes import triangles_of
+from gcodesim.frames import Array, Pose
+from gcodesim.shop import PlacedStock, Shop
+
+if TYPE_CHECKING:
+    from gcodesim.processes.materials import Material
+    from gcodesim.processes.protocol import ActsOn
+
+Box = tuple[Array, Array]
+"""Least and greatest corner (3,) [m]."""
+
+
+class Target(Protocol):
+    """Something that one process acts on.
+
+    `name` is that of the stock, empty where the target is none; `X_WS` the pose of S in the world (table axes at zero).
+    """
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def X_WS(self) -> Pose: ...
+
+    @property
+    def material(self) -> Material | None:
+        """What it is made of, where that is known."""
+
+    @property
+    def given(self) -> Any:
+        """What the process gets: see `processes.protocol`."""
+
+    @property
+    def room(self) -> Box | None:
+        """What the target never leaves, in S; None: the process is asked wherever its tool is."""
+
+    def filled(self) -> Box | None:
+        """The box that holds the target as it is now; at most `room`."""
+
+    def memento(self) -> Callable[[], None]:
+        """Remember the state; the answer puts it back."""
+
+
+def targets_of(shop: Shop, acts_on: ActsOn) -> list[Target]:
+    """The targets of a process that acts on such things."""
+    if acts_on == "stock":
+        return [StockTarget(placed) for placed in shop.stocks.values()]
+    if acts_on == "surface":
+        return [SkinTarget(placed) for placed in shop.stocks.values()]
+    if acts_on == "bodies":
+        bodies = standing_bodies(shop)
+        return [BodiesTarget(bodies)] if bodies else []
+    return [NoTarget()]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StockTarget:
+    """A stock that the process may change."""
+
+    placed: PlacedStock
+
+    @property
+    def name(self) -> str:
+        return self.placed.name
+
+    @property
+    def X_WS(self) -> Pose:
+        return self.placed.X_WS
+
+    @property
+    def material(self) -> Material | None:
+        return self.placed.material
+
+    @property
+    def given(self) -> Any:
+        return self.placed.stock
+
+    @property
+    def room(self) -> Box:
+        stock = self.placed.stock
+        corner = stock.grid[:2] + stock.grid[2:] * stock.count.shape
+        return np.append(stock.grid[:2], stock.z_range[0]), np.append(corner, stock.z_range[1])
+
+    def filled(self) -> Box:
+        low, high = self.room
+        return low, np.append(high[:2], float(self.placed.stock.tops.max()))
+
+    def memento(self) -> Callable[[], None]:
+        return self.placed.stock.memento()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SkinTarget(StockTarget):
+    """The surface of a stock, which the process only looks at; itself the `Skin`."""
+
+    @property
+    def given(self) -> Any:
+        return self
+
+    @property
+    def box(self) -> Box:
+        return self.filled()
+
+    def triangles(self) -> tuple[Array, NDArray[np.int32]]:
+        surface = self.placed.stock.surface()
+        return surface.vertices, surface.faces.astype(np.int32, copy=False)
+
+    def memento(self) -> Callable[[], None]:
+        return _nothing_to_put_back
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BodiesTarget:
+    """All bodies at once. S is the frame in which they stand still: the world, carried by a table that moves."""
+
+    bodies: tuple[StandingBody, ...]
+
+    name = ""
+    X_WS = Pose.identity()
+    material = None
+
+    @property
+    def given(self) -> Any:
+        return self.bodies
+
+    @property
+    def room(self) -> Box:
+        lows, highs = zip(*(body.box for body in self.bodies), strict=True)
+        return np.min(lows, axis=0), np.max(highs, axis=0)
+
+    def filled(self) -> Box:
+        return self.room
+
+    def memento(self) -> Callable[[], None]:
+        return _nothing_to_put_back
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NoTarget:
+    """For a process that acts on nothing: S is the frame of the bodies."""
+
+    name = ""
+    X_WS = Pose.identity()
+    material = None
+    given = None
+    room = None
+
+    def filled(self) -> None:
+        return None
+
+    def memento(self) -> Callable[[], None]:
+        return _nothing_to_put_back
+
+
+def _nothing_to_put_back() -> None:
+    """What the process looked at has not changed."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StandingBody:
+    """A fixture or a stock as a process sees it that acts on bodies; all in their common frame S."""
+
+    name: str
+    role: str
+    box: Box
+    _shape: Callable[[], tuple[Array, NDArray[np.int32]]]
+
+    def triangles(self) -> tuple[Array, NDArray[np.int32]]:
+        return self._shape()
+
+
+def standing_bodies(shop: Shop) -> tuple[StandingBody, ...]:
+    """All fixtures of the shop, then its stocks."""
+    bodies = []
+    for name, fixture in shop.cell.fixtures.items():
+        X = shop.placement.fixtures[name]
+        box = _box_around(X, *bounds_of(fixture.shape))
+        bodies.append(StandingBody(name, "fixture", box, partial(_moved, X, partial(triangles_of, fixture.shape))))
+    for name, placed in shop.stocks.items():
+        skin, X = SkinTarget(placed), placed.X_WS
+        bodies.append(StandingBody(name, "stock", _box_around(X, *skin.room), partial(_moved, X, skin.triangles)))
+    return tuple(bodies)
+
+
+def _moved(X: Pose, shape: Callable[[], tuple[Array, NDArray[np.int32]]]) -> tuple[Array, NDArray[np.int32]]:
+    points, faces = shape()
+    return X.apply(points), faces
+
+
+def _box_around(X: Pose, low: Sequence[float] | Array, high: Sequence[float] | Array) -> Box:
+    """The upright box that holds the corners of a box in the frame at `X`."""
+    corners = X.apply(np.array(list(product(*zip(low, high, strict=True)))))
+    return corners.min(axis=0), corners.max(axis=0)

@@ -1,0 +1,139 @@
+"""Columns: what a process says about each step, declared once by the process that says it.
+
+Executor, results, `lines.csv`, log, report and charts go through these declarations, so that a new figure of a process
+is one line in the file of that process.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from enum import Flag, auto
+from typing import Final, Literal
+
+from gcodesim.units import DEG, MM, MM3, MM_PER_MINUTE
+
+Of = Literal["sum", "greatest", "any", "last"]
+Together = Literal["", "sum", "greatest"]
+
+_NAME: Final = re.compile(r"[a-z][a-z0-9_]*")
+
+
+class Shown(Flag):
+    """Who gets to see a column. What nobody sees stays with the steps of the process: for tests and calculators."""
+
+    NOWHERE = 0
+    LOG = auto()
+    """The topic `/process` of the log, and with it tables, charts and the page of a run."""
+    LINES = auto()
+    """`lines.csv`, one figure for each program line."""
+    RESULTS = auto()
+    """`results.json`, one figure for each tool, and the summary on the screen."""
+    FINDINGS = auto()
+    """The findings of the process: as soon as this is not zero, the process is asked what is wrong."""
+
+
+LOG, LINES, RESULTS, FINDINGS = Shown.LOG, Shown.LINES, Shown.RESULTS, Shown.FINDINGS
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """How a unit is spelled: in the log (SI), in files of the shop floor, and how much SI one of the latter is."""
+
+    log: str
+    shop: str
+    divisor: float = 1.0
+
+
+UNITS: Final[dict[str, Unit]] = {
+    "": Unit("", ""),
+    "m": Unit("m", "mm", MM),
+    "m^2": Unit("m2", "mm2", MM**2),
+    "m^3": Unit("m3", "mm3", MM3),
+    "m/s": Unit("m_s", "mm_min", MM_PER_MINUTE),
+    "m^3/s": Unit("m3_s", "mm3_s", MM3),
+    "rad": Unit("rad", "deg", DEG),
+    "rad/s": Unit("rad_s", "deg_s", DEG),
+    "N": Unit("n", "N"),
+    "N·m": Unit("nm", "Nm"),
+    "W": Unit("w", "W"),
+}
+"""Units that are spelled in a way of their own; any other is spelled as it is, and is the same in every file."""
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """One figure of a process, with a value for each step.
+
+    `unit` is the SI unit of the values. `of` says what becomes of many steps, such as those of a line or of a tool:
+
+    - `sum` adds them up (a volume); the log shows the sum since the start of the run;
+    - `greatest` keeps the greatest in size (a depth); the log shows the value of the step;
+    - `any` is a flag; many steps give the time [s] during which it was set, the log shows the flag;
+    - `last` stands until the process says another value (a thickness, a count).
+
+    `together` says how the values of several processes, or of one process in several stocks, become one in the same
+    step: by default as `of` says, so that a torque that is the `greatest` of many steps but the sum of two stocks says
+    `together="sum"`. Of two `last` the later counts.
+    """
+
+    name: str
+    unit: str = ""
+    of: Of = "sum"
+    shown_in: Shown = LOG | LINES | RESULTS
+    says: str = ""
+    together: Together = ""
+
+    def __post_init__(self) -> None:
+        if _NAME.fullmatch(self.name) is None:
+            raise ValueError(f"a column is named in lower case letters, digits and _, not {self.name!r}")
+
+    @property
+    def _spelling(self) -> Unit:
+        known = UNITS.get(self.unit)
+        if known is not None:
+            return known
+        plain = re.sub(r"\W+", "_", self.unit.replace("·", "").replace("^", "")).strip("_")
+        return Unit(plain.lower(), plain)
+
+    @property
+    def divisor(self) -> float:
+        """SI in one unit of files and screens."""
+        return 1.0 if self.of == "any" else self._spelling.divisor
+
+    @property
+    def shop_unit(self) -> str:
+        """The unit in files and on screens; of a flag the time in seconds."""
+        return "s" if self.of == "any" else self._spelling.shop
+
+    @property
+    def key(self) -> str:
+        """The name in `results.json` and `lines.csv`, such as `max_film_thickness_mm`."""
+        return ("max_" if self.of == "greatest" else "") + _joined(self.name, self.shop_unit)
+
+    @property
+    def field(self) -> str:
+        """The name in the log, in SI and lower case, such as `film_thickness_m`; a flag has its bare name."""
+        return self.name if self.of == "any" else _joined(self.name, self._spelling.log)
+
+    @property
+    def adds(self) -> bool:
+        """Whether values of one step are added up over processes and stocks."""
+        return (self.together or self.of) == "sum"
+
+
+def _joined(name: str, unit: str) -> str:
+    return f"{name}_{unit}" if unit else name
+
+
+ENGAGED: Final = Column("engaged", of="any", shown_in=LOG, says="the tool works on something")
+REMOVED: Final = Column("removed", "m^3", says="volume taken away")
+ADDED: Final = Column("added", "m^3", shown_in=LOG, says="volume put on")
+FORCE: Final = Column("force", "N", of="greatest", says="size of the force on the tool, which is that of the wrench")
+TORQUE: Final = Column(
+    "torque", "N·m", of="greatest", together="sum", shown_in=LOG | RESULTS, says="what the spindle has to give"
+)
+POWER: Final = Column("power", "W", of="greatest", together="sum", shown_in=LOG | RESULTS, says="of the spindle")
+
+HOUSE: Final = (ENGAGED, REMOVED, ADDED, FORCE, TORQUE, POWER)
+"""Those that every run has, whatever its tools do; a process writes those of them that it has values for."""

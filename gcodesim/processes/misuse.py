@@ -1,0 +1,195 @@
+"""What no machinist would do with a cutter: rapids through stock, feeding with the spindle off, shanks in stock.
+
+An event goes on over rows that are free of it until the tool leaves with a rapid that touches nothing, or tool
+or spindle change; it is found once, at its first row, with the worst number of all its rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.diagnostics import Diagnostic, Span
+from gcodesim.diagnostics.events import Flags, runs
+from gcodesim.processes.rows import Rows
+from gcodesim.tools.cutter import Cutter
+from gcodesim.units import MM, MM3, UM
+
+Array = NDArray[np.float64]
+
+RUB: Final = 2.0 * UM
+"""[m] of its own wall that an arm may take when it comes back and is bent otherwise than before."""
+
+_PROBES: Final = frozenset(("G31", "G38.2", "G38.3", "G38.4", "G38.5"))  # what they touch ends them on the machine
+_LEFT_TAPS: Final = frozenset(("G74",))
+
+
+def cutter_findings(rows: Rows) -> list[Diagnostic]:
+    """GS401 to GS407, GS501 and GS502 from the columns that `Milling` writes."""
+    bound = rows["rapid_bound"] + _least(rows)
+    # on its way out of a hole the tool has been below already
+    rapid_cut = np.where(rows.retreat, 0.0, rows["rapid_cut"])
+    stopped = np.where(rows.retreat | rows.with_word(_PROBES), 0.0, rows["stopped_cut"])
+    backwards = np.where(rows.retreat | rows.with_word(_LEFT_TAPS), 0.0, rows["reversed_cut"])
+    shank, holder, inside = rows["shank_depth"], rows["holder_depth"], rows["inside"]
+    fault = (shank > 0.0) | (holder > 0.0) | (stopped > 0.0) | (backwards > 0.0)
+    away = rows.rapid & ~fault & (rapid_cut <= bound) & (inside <= 0.0)
+    found = [
+        *_rapids(rows, rapid_cut, bound),
+        *_inside(rows, inside),
+        *_in_stock(rows, "shank", shank, away),
+        *_in_stock(rows, "holder", holder, away),
+        *_tilted(rows, away),
+        *_spindle(rows, "GS501", stopped, bound),
+        *_spindle(rows, "GS502", backwards, bound),
+    ]
+    return [*_folded(found), *_blind(rows)]
+
+
+def _least(rows: Rows) -> Array:
+    """What each row (n,) may take [m³] and has yet cut nothing: a cell, or a rub of the tool's own wall."""
+    least = np.full(len(rows), rows.grain)
+    for number, tool in rows.tools.items():
+        if isinstance(tool, Cutter):
+            least[rows.tool == number] = max(rows.grain, RUB * np.pi * tool.diameter * tool.flute_length)
+    return least
+
+
+def _folded(found: list[Diagnostic]) -> list[Diagnostic]:
+    """Events of one kind in the same place, as in a loop, are told once and counted, with the numbers of the first."""
+    first: dict[tuple[str, Span], Diagnostic] = {}
+    for finding in found:
+        key = (finding.code, finding.span)
+        known = first.get(key)
+        first[key] = finding if known is None else replace(known, count=known.count + finding.count)
+    return list(first.values())
+
+
+def _blind(rows: Rows) -> list[Diagnostic]:
+    """GS407: cuts while a rotary axis turns whose place nobody knows, one for each stretch of such rows."""
+    found = []
+    removed = rows["removed"]
+    for letter, turns in rows.turns.items():
+        for event in runs(turns & (removed > 0.0)):
+            first, taken = int(event[0]), float(removed[event].sum()) / MM3
+            found.append(
+                Diagnostic(
+                    code="GS407",
+                    message=f"{taken:.1f} mm³ of stock are cut while axis {letter} turns, whose place is not known; "
+                    "the cut is computed as if it stood still",
+                    span=rows.span(first),
+                    hint=f"give axis {letter} of the machine its `at: [x, y, z]`, a point on the axis",
+                    count=len(event),
+                    time=float(rows.time[first]),
+                    value=taken,
+                    limit=0.0,
+                    unit="mm^3",
+                )
+            )
+    return _folded(found)
+
+
+def _rapids(rows: Rows, cut: Array, bound: Array) -> Iterator[Diagnostic]:
+    for event in rows.events(rows.rapid & (cut > bound)):
+        first = int(event[0])
+        volume, allowed = cut[event].sum() / MM3, bound[event].sum() / MM3
+        yield Diagnostic(
+            code="GS401",
+            message=f"rapid move of {rows.tool_name(first)} takes {volume:.1f} mm³ of stock away; "
+            f"{allowed:.1f} mm³ could be an error of the grid",
+            span=rows.span(first),
+            hint="retract before the move, or make it a feed move",
+            count=len(event),
+            time=float(rows.time[first]),
+            value=volume,
+            limit=allowed,
+            unit="mm^3",
+        )
+
+
+def _inside(rows: Rows, inside: Array) -> Iterator[Diagnostic]:
+    for event in runs(inside > 0.0, group=np.cumsum(rows.changed)):
+        first = int(event[0])
+        # the tool that is in the spindle before anything has moved is there from the start
+        late = bool(rows.changed[1 : first + 1].any())
+        when = "where it is put into the spindle" if late else "when the program starts"
+        yield Diagnostic(
+            code="GS403" if late else "GS402",
+            message=f"{rows.tool_name(first)} stands in stock {when}; it cuts nothing for {inside[event].sum():.3f} s, "
+            "until it has left the stock",
+            span=rows.change_spans.get(first) or rows.span(first),
+            hint="retract before the tool change" if late else "check `stock`, `work_offsets` and `home` of the cell",
+            time=float(rows.time[first]),
+            value=float(inside[event].sum()),
+            limit=0.0,
+            unit="s",
+        )
+
+
+_IN_STOCK: Final = {
+    "shank": ("GS404", "the flutes are too short for this depth"),
+    "holder": ("GS405", "use a longer tool or a slimmer holder, or cut less deep beside the wall"),
+}
+
+
+def _in_stock(rows: Rows, part: str, depth: Array, away: Flags) -> Iterator[Diagnostic]:
+    code, hint = _IN_STOCK[part]
+    for event in rows.events(depth > 0.0, away):
+        first, worst = int(event[0]), float(depth[event].max()) / MM
+        yield Diagnostic(
+            code=code,
+            message=f"{part} of {rows.tool_name(first)} runs into stock, {worst:.3f} mm deep",
+            span=rows.span(first),
+            hint=hint,
+            count=len(event),
+            time=float(rows.time[first]),
+            value=worst,
+            limit=0.0,
+            unit="mm",
+        )
+
+
+def _tilted(rows: Rows, away: Flags) -> Iterator[Diagnostic]:
+    tilted = rows["tilted"]
+    for event in rows.events(tilted > 0.0, away):
+        first, spent = int(event[0]), float(tilted[event].sum())
+        yield Diagnostic(
+            code="GS406",
+            message=f"{rows.tool_name(first)} leans in the stock; it cuts nothing for {spent:.3f} s",
+            span=rows.span(first),
+            count=len(event),
+            time=float(rows.time[first]),
+            value=spent,
+            limit=0.0,
+            unit="s",
+        )
+
+
+_TURNS: Final = {
+    "GS501": ("the spindle stopped", "start it with `S` and `M3` before this line"),
+    "GS502": ("the spindle turning backwards (M4)", "use `M3`"),
+}
+
+
+def _spindle(rows: Rows, code: str, volume: Array, bound: Array) -> Iterator[Diagnostic]:
+    how, hint = _TURNS[code]
+    never = np.zeros(len(rows), dtype=np.bool_)  # one cause, until tool or spindle change
+    for event in rows.events(volume > 0.0, never):
+        first, taken = int(event[0]), float(volume[event].sum()) / MM3
+        if volume[event].sum() <= bound[event].max():
+            continue  # a tap on its way out, in its own thread: nothing that the grid could show
+        yield Diagnostic(
+            code=code,
+            message=f"{rows.tool_name(first)} feeds through {taken:.1f} mm³ of stock with {how}",
+            span=rows.span(first),
+            hint=hint,
+            count=len(event),
+            time=float(rows.time[first]),
+            value=taken,
+            limit=0.0,
+            unit="mm^3",
+        )

@@ -1,0 +1,130 @@
+"""What a process is, whoever adds one: what it acts on, how far it reaches, what it reads and says.
+
+A process acts on targets, one `Task` for each (`acts_on` says which sort there is):
+
+- `stock`: each stock of the cell in turn, a `material.Stock`, which the process may change in place;
+- `surface`: the skin of each stock in turn, a `Skin`, which can be looked at but not cut;
+- `bodies`: all that stands in the cell and does not move by itself, at once, as a tuple of `Body`;
+- `nothing`: there is no target. `run` gets None, and its frame S is that of the bodies.
+
+The executor asks a process about a window of steps when its `zone` may meet the target on the way; a process without a
+target, or with a zone that is `EVERYWHERE`, is asked about every window. It is not asked, and says nothing, where the
+cell has no target of that sort.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.processes.column import Column
+from gcodesim.processes.signal import Signal
+from gcodesim.processes.window import ProcessState, ProcessStep, Window
+from gcodesim.processes.zone import EVERYWHERE, Zone
+
+if TYPE_CHECKING:
+    from gcodesim.diagnostics import Diagnostic
+    from gcodesim.processes.materials import Material
+    from gcodesim.processes.rows import Rows
+
+Array = NDArray[np.float64]
+
+ActsOn = Literal["stock", "surface", "bodies", "nothing"]
+
+
+class Skin(Protocol):
+    """The surface of a stock as it is now, in the frame S of its columns."""
+
+    @property
+    def name(self) -> str:
+        """The stock's name in the cell."""
+
+    @property
+    def box(self) -> tuple[Array, Array]:
+        """Least and greatest corner (3,) [m] in S of the box that holds it."""
+
+    def triangles(self) -> tuple[Array, NDArray[np.int32]]:
+        """Points (v, 3) [m] in S and triangles (t, 3) that point outwards; made anew at each call."""
+
+
+class Body(Protocol):
+    """Something solid that stands in the cell, in the frame S of all bodies."""
+
+    @property
+    def name(self) -> str:
+        """The name in the cell."""
+
+    @property
+    def role(self) -> str:
+        """What it is: `fixture` or `stock`."""
+
+    @property
+    def box(self) -> tuple[Array, Array]:
+        """Least and greatest corner (3,) [m] in S of the box that holds it."""
+
+    def triangles(self) -> tuple[Array, NDArray[np.int32]]:
+        """Points (v, 3) [m] in S and triangles (t, 3)."""
+
+
+class Loop(Protocol):
+    """A window gone through step by step; see `Process.loop`."""
+
+    def step(self, k: int, moved_before: Array, moved: Array, share: Array) -> Array:
+        """Step `k`, in order. The tip is off the window's pieces by `moved_before` … `moved` (3,) [m].
+
+        `share` (c, 2) tells where in its step each piece begins and ends. Wrench (6,) on the tool in S.
+        """
+
+    def finish(self) -> ProcessStep:
+        """What all steps came to."""
+
+
+class Process:
+    """The base of all processes: one that acts on nothing, says nothing and is never wrong.
+
+    A kind of process is a frozen dataclass below this. `kind` is its name in the table `PROCESSES`; `acts_on` its sort
+    of target; `takes` says that it takes material away, `pushes` that it has a force, so that a machine may give way;
+    `reads` the signals that `Window.signals` holds for it, `writes` the columns that it gives values for.
+    """
+
+    kind: ClassVar[str] = ""
+    acts_on: ClassVar[ActsOn] = "stock"
+    takes: ClassVar[bool] = False
+    pushes: ClassVar[bool] = False
+    reads: ClassVar[tuple[Signal, ...]] = ()
+    writes: ClassVar[tuple[Column, ...]] = ()
+
+    @classmethod
+    def of(cls, tool: Any, material: Material | None) -> Self:
+        """The process of `tool` at a target of `material`, None where that is not known or there is no stock."""
+        raise NotImplementedError
+
+    @property
+    def zone(self) -> Zone:
+        """Where it acts, seen from the tip of its tool."""
+        return EVERYWHERE
+
+    @property
+    def laid_section(self) -> float:
+        """Section [m²] of what it adds along its path while it is switched on, at the most; 0 when it adds nothing."""
+        return 0.0
+
+    def begin(self) -> ProcessState:
+        """The state of a tool that was just put in."""
+        return ProcessState()
+
+    def run(self, target: Any, window: Window, state: ProcessState) -> ProcessStep:
+        """Act on `target` along `window`; `target` and `state` are changed in place."""
+        raise NotImplementedError
+
+    def loop(self, target: Any, window: Window, state: ProcessState) -> Loop:
+        """The same step by step, for a world that answers every wrench with a motion; only when it `pushes`."""
+        raise NotImplementedError
+
+    @classmethod
+    def findings(cls, rows: Rows) -> Iterable[Diagnostic]:
+        """What is wrong with how the process was used, in its own words; `rows` are those of all its tools."""
+        return ()

@@ -1,0 +1,68 @@
+"""What a run came to row by row, as a process looks at it to tell what is wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.diagnostics import Span
+from gcodesim.diagnostics.events import Flags, runs
+
+if TYPE_CHECKING:
+    from gcodesim.tools.tool import Tool
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Rows:
+    """n rows of the path, all columns (n,).
+
+    `rapid`: the row is a rapid; `tool`: number of the tool; `setting`: anything that changes whenever tool or spindle
+    do; `changed`: a tool came into the spindle between the row before and this one; `retreat`: the row leads straight
+    along the tool's axis away from the work; `time` [s] at which the row begins. `turns` tells for each rotary axis
+    whose place nobody knows, by letter, in which rows it turns; `grain` [m³] is the volume of a cell of the coarsest
+    stock. `columns` are what the process wrote, as the executor has summed it up: zero in rows of other processes.
+    `span` is where a row stands in the program, `change_spans` where the program asks for the tool that comes before a
+    row, and `with_word` gives the rows whose motion word is one of some.
+    """
+
+    rapid: Flags
+    tool: Ints
+    setting: Ints
+    changed: Flags
+    retreat: Flags
+    time: Array
+    columns: Mapping[str, Array]
+    span: Callable[[int], Span]
+    with_word: Callable[[frozenset[str]], Flags]
+    tools: Mapping[int, Tool] = field(default_factory=dict)
+    turns: Mapping[str, Flags] = field(default_factory=dict)
+    change_spans: Mapping[int, Span] = field(default_factory=dict)
+    grain: float = 0.0
+
+    def __len__(self) -> int:
+        return len(self.rapid)
+
+    def __getitem__(self, column: str) -> Array:
+        """A column; zeros when there is none of that name."""
+        found = self.columns.get(column)
+        return np.zeros(len(self)) if found is None else found
+
+    def tool_name(self, row: int) -> str:
+        """The tool of a row as messages call it."""
+        number = int(self.tool[row])
+        tool = self.tools.get(number)
+        return f"T{number}" if tool is None else tool.name
+
+    def events(self, fault: Flags, ends: Flags | None = None) -> Iterator[NDArray[np.intp]]:
+        """The rows (k,) of each event at `fault`, which goes on until tool or spindle change or a row at `ends`.
+
+        Without `ends` an event ends at the first row that is free of it.
+        """
+        return runs(fault, ends, self.setting)

@@ -1,0 +1,49 @@
+"""The columns of a run: those that every run has, and those of the processes that the tools of the cell carry out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from gcodesim.processes.column import HOUSE, Column, Shown
+
+if TYPE_CHECKING:
+    from gcodesim.tools.tool import Tool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sheet:
+    """Which kinds of process there are, "" (none) first, and which columns; both in the order in which they are shown.
+
+    `columns` begins with `HOUSE` and has no name twice; what nobody is shown is left out.
+    """
+
+    kinds: tuple[str, ...] = ("",)
+    columns: tuple[Column, ...] = HOUSE
+
+    @staticmethod
+    def of(tools: Iterable[Tool]) -> Sheet:
+        """The sheet of a cell with these tools. ValueError when two processes mean different columns by one name."""
+        from gcodesim.processes import PROCESSES
+
+        kinds = PROCESSES.in_order(kind for tool in tools for kind in tool.processes)
+        known = {column.name: column for column in HOUSE}
+        owner = dict.fromkeys(known, "every run")
+        for kind in kinds:
+            for column in PROCESSES[kind].writes:
+                if column.shown_in is Shown.NOWHERE:
+                    continue
+                other = known.setdefault(column.name, column)
+                if other != column:
+                    raise ValueError(f"column `{column.name}` of {kind} is another one in {owner[column.name]}")
+                owner.setdefault(column.name, kind)
+        return Sheet(kinds=("", *kinds), columns=tuple(known.values()))
+
+    def shown_in(self, where: Shown) -> tuple[Column, ...]:
+        """The columns that are shown there."""
+        return tuple(column for column in self.columns if column.shown_in & where)
+
+    def own(self, where: Shown) -> tuple[Column, ...]:
+        """Those of them that only the processes of this cell have."""
+        return tuple(column for column in self.shown_in(where) if column not in HOUSE)

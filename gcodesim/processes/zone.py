@@ -1,0 +1,50 @@
+"""Zones: where a process acts, seen from the tip of its tool."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf, isfinite
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Zone:
+    """A cylinder about the axis of the tool that holds everything on which a process may act; lengths [m].
+
+    In the tip frame T, whose Z points from the holder to the tip: within `radius` of the axis, from `above` the tip,
+    towards the holder, to `below` it, beyond the tip. A laser that burns 300 mm away from its lens says `below=0.3`.
+    Either may be negative: a zone that begins 10 mm beyond the tip has `above=-0.01`.
+    """
+
+    radius: float
+    below: float = 0.0
+    above: float = 0.0
+
+    @property
+    def everywhere(self) -> bool:
+        """Whether the zone has no end, so that the process is asked about every step."""
+        return not isfinite(self.radius)
+
+    def meets(self, start: Array, end: Array, axis: Array, low: Array, high: Array, margin: float = 0.0) -> bool:
+        """Whether something of the box from `low` to `high` (3,) may be in the zone, or nearer to it than `margin` [m].
+
+        The tip goes along pieces from `start` to `end` (c, 3); `axis` (n, 3) are the unit vectors from the tip to the
+        holder on the way. All are in one frame. May say yes where the answer is no, never the other way round.
+        """
+        if self.everywhere:
+            return True
+        least, most = axis.min(axis=0), axis.max(axis=0)
+        ends = np.array([-self.below * least, -self.below * most, self.above * least, self.above * most])
+        steepest = np.where(least * most > 0.0, np.minimum(np.abs(least), np.abs(most)), 0.0)
+        across = self.radius * np.sqrt(np.maximum(1.0 - steepest**2, 0.0)) + margin
+        lower = np.minimum(start, end).min(axis=0) + ends.min(axis=0) - across
+        upper = np.maximum(start, end).max(axis=0) + ends.max(axis=0) + across
+        return bool((lower < high).all() and (upper > low).all())
+
+
+EVERYWHERE = Zone(radius=inf)
+"""For a process that wants to see every step, wherever the tool is."""
