@@ -48,7 +48,11 @@ WINDOW = 1000
 
 def description() -> LogDescription:
     return LogDescription(
-        run={"program": "bench.nc"}, static_frames=(), moving_frames=tuple(FRAMES), joint_names=tuple(JOINTS)
+        run={"program": "bench.nc"},
+        static_frames=(),
+        moving_frames=tuple(FRAMES),
+        joint_names=tuple(JOINTS),
+        process_kinds=("", "milling"),
     )
 
 
@@ -76,7 +80,8 @@ def part(given: dict[str, Any], rows: slice) -> dict[str, Any]:
         if isinstance(value, np.ndarray):
             cut[name] = value[rows]
         else:
-            cut[name] = type(value)(**{field: getattr(value, field)[rows] for field in value.__dataclass_fields__})
+            names = [name for name in value.__dataclass_fields__ if name != "fields"]
+            cut[name] = type(value)(**{field: getattr(value, field)[rows] for field in names})
     return cut
 
 

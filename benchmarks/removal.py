@@ -78,9 +78,8 @@ def window(tips: Array, dt: float = 0.004) -> Window:
         piece_step=np.arange(n),
         axis=np.tile([0.0, 0.0, 1.0], (n, 1)),
         velocity=np.diff(path, axis=0) / dt,
-        spindle=np.full(n, 1885.0),
         rapid=np.zeros(n, dtype=bool),
-        active=np.zeros(n, dtype=bool),
+        signals={"spindle": np.full(n, 1885.0), "active": np.zeros(n, dtype=bool)},
         dt=dt,
     )
 

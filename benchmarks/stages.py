@@ -30,7 +30,7 @@ STAGES = {
     "world": ("gcodesim.world.kinematic:KinematicWorld.run", "gcodesim.world.bullet:BulletWorld.run"),
     "sums + findings": (
         "gcodesim.executor.loop:record_of",
-        "gcodesim.executor.loop:_sum_up",
+        "gcodesim.executor.totals:RowTotals.add",
         "gcodesim.inspection:Inspector.fresh",
         "gcodesim.inspection:Inspector.final",
     ),

@@ -37,6 +37,9 @@ STOCK: Final = "stock"
 FIXTURE: Final = "fixture"
 """What the frames of these bodies in the scene are called: `stock/plate`, `fixture/vise`."""
 
+BODIES: Final = "bodies"
+"""The world as it lies with all axes at zero, carried by the table if there is one: fixtures and stocks stand still in it."""
+
 WORK_FRAME: Final = "G54"
 """Where the log draws the frame `stock` of a cell without one."""
 
@@ -172,6 +175,7 @@ def _scene(mover: Mover, placement: Placement) -> Scene:
     """The frames of a cell. What names no link stands on what carries the work, as it lies with all axes at zero."""
     frames = {
         WORK_FRAME: _work_stand(mover, placement.X_W("G54")),
+        BODIES: _work_stand(mover, Pose.identity()),
         **{f"{STOCK}/{name}": _work_stand(mover, X_WS) for name, X_WS in placement.stocks.items()},
         **{f"{FIXTURE}/{name}": _work_stand(mover, X_W) for name, X_W in placement.fixtures.items()},
     }

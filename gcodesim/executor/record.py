@@ -101,4 +101,4 @@ def _put_in(into: NDArray[Any], column: Column, answer: ProcessStep, here: slice
     elif column.adds:
         into[here] += values
     else:
-        np.maximum(into[here], values, out=into[here])
+        into[here] = np.where(np.abs(values) > np.abs(into[here]), values, into[here])

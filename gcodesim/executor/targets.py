@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from gcodesim.cell.placement import bounds_of
 from gcodesim.executor.body_shapes import triangles_of
 from gcodesim.frames import Array, Pose
-from gcodesim.shop import PlacedStock, Shop
+from gcodesim.shop import BODIES, FIXTURE, PlacedStock, Shop
 
 if TYPE_CHECKING:
     from gcodesim.processes.materials import Material
@@ -27,14 +27,14 @@ Box = tuple[Array, Array]
 class Target(Protocol):
     """Something that one process acts on.
 
-    `name` is that of the stock, empty where the target is none; `X_WS` the pose of S in the world (table axes at zero).
+    `name` is that of the stock, empty where the target is none; `frame` is the name of S in the scene.
     """
 
     @property
     def name(self) -> str: ...
 
     @property
-    def X_WS(self) -> Pose: ...
+    def frame(self) -> str: ...
 
     @property
     def material(self) -> Material | None:
@@ -78,8 +78,8 @@ class StockTarget:
         return self.placed.name
 
     @property
-    def X_WS(self) -> Pose:
-        return self.placed.X_WS
+    def frame(self) -> str:
+        return self.placed.frame
 
     @property
     def material(self) -> Material | None:
@@ -125,12 +125,12 @@ class SkinTarget(StockTarget):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BodiesTarget:
-    """All bodies at once. S is the frame in which they stand still: the world, carried by a table that moves."""
+    """All bodies at once. S is the frame in which they stand still."""
 
     bodies: tuple[StandingBody, ...]
 
     name = ""
-    X_WS = Pose.identity()
+    frame = BODIES
     material = None
 
     @property
@@ -154,7 +154,7 @@ class NoTarget:
     """For a process that acts on nothing: S is the frame of the bodies."""
 
     name = ""
-    X_WS = Pose.identity()
+    frame = BODIES
     material = None
     given = None
     room = None
@@ -184,13 +184,22 @@ class StandingBody:
 
 
 def standing_bodies(shop: Shop) -> tuple[StandingBody, ...]:
-    """All fixtures of the shop, then its stocks."""
+    """The fixtures of the shop that stand still in `BODIES`, then its stocks that do."""
     bodies = []
+    carrier, _ = shop.scene.standing_on(BODIES)
+
+    def stands_there(frame: str) -> bool:
+        return shop.scene.standing_on(frame)[0] == carrier
+
     for name, fixture in shop.cell.fixtures.items():
+        if not stands_there(f"{FIXTURE}/{name}"):
+            continue
         X = shop.placement.fixtures[name]
         box = _box_around(X, *bounds_of(fixture.shape))
         bodies.append(StandingBody(name, "fixture", box, partial(_moved, X, partial(triangles_of, fixture.shape))))
     for name, placed in shop.stocks.items():
+        if not stands_there(placed.frame):
+            continue
         skin, X = SkinTarget(placed), placed.X_WS
         bodies.append(StandingBody(name, "stock", _box_around(X, *skin.room), partial(_moved, X, skin.triangles)))
     return tuple(bodies)

@@ -1,5 +1,7 @@
 """What every process promises, whoever adds it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -13,10 +15,14 @@ from gcodesim.tools import TOOLS
 VALUES = {"diameter": 10e-3, "bead_width": 4e-3, "bead_height": 2e-3, "corner_radius": 2e-3}
 
 
-def tools():
-    for kind in TOOLS:
-        required = {p.name: VALUES[p.name] for p in all_keys(TOOLS[kind]).values() if p.required}
-        yield pytest.param(TOOLS[kind](number=1, **required), id=kind)
+def makers():
+    """Each process of each tool, as (tool, kind)."""
+    for name in TOOLS:
+        required = {p.name: VALUES[p.name] for p in all_keys(TOOLS[name]).values() if p.required}
+        tool = TOOLS[name](number=1, **required)
+        for kind in tool.processes:
+            if PROCESSES[kind].acts_on == "stock":
+                yield pytest.param((tool, kind), id=f"{name}-{kind}")
 
 
 def window(z, n=50):
@@ -28,9 +34,8 @@ def window(z, n=50):
         piece_step=np.arange(n),
         axis=np.tile([0.0, 0.0, 1.0], (n, 1)),
         velocity=np.diff(points, axis=0) / 0.02,
-        spindle=np.full(n, 300.0),
         rapid=np.zeros(n, dtype=bool),
-        active=np.ones(n, dtype=bool),
+        signals={"spindle": np.full(n, 300.0), "active": np.ones(n, dtype=bool)},
         dt=0.02,
     )
 
@@ -40,8 +45,9 @@ def room():
     return Stock.box((0.0, 0.0, -20e-3), (60e-3, 40e-3, 0.0), 1e-3)
 
 
-def process_of(tool):
-    return PROCESSES[tool.process].of(tool, LIBRARY["42crmo4"])
+def process_of(maker):
+    tool, kind = maker
+    return PROCESSES[kind].of(tool, LIBRARY["42crmo4"])
 
 
 @pytest.mark.parametrize("name", PROCESSES)
@@ -49,54 +55,101 @@ def test_is_named_as_in_the_table(name):
     assert PROCESSES[name].kind == name
 
 
-@pytest.mark.parametrize("tool", list(tools()))
-def test_volume_removed_is_what_the_stock_lost(tool):
-    process, stock = process_of(tool), room()
+@pytest.mark.parametrize("name", PROCESSES)
+def test_columns_have_one_meaning_and_are_told(name):
+    writes = PROCESSES[name].writes
+
+    assert len({column.name for column in writes}) == len(writes)
+    assert all(column.says and column.of in ("sum", "greatest", "any", "last") for column in writes)
+    assert PROCESSES[name].acts_on in ("stock", "surface", "bodies", "nothing")
+
+
+@pytest.mark.parametrize("maker", list(makers()))
+def test_volumes_are_what_the_stock_lost_and_gained(maker):
+    process, stock = process_of(maker), room()
     before = stock.volume
     z = -2e-3 if process.takes else 2e-3
 
     found = process.run(stock, window(z), process.begin())
 
-    assert found.removed.any()
-    assert found.removed.sum() == pytest.approx(before - stock.volume, rel=1e-6)
-    assert found.engaged[found.removed != 0.0].all()
+    change = found["removed"] - found["added"]
+    assert change.any()
+    assert change.sum() == pytest.approx(before - stock.volume, rel=1e-6)
+    assert found["engaged"][change != 0.0].all()
+    assert process.takes == found["removed"].any()
 
 
-@pytest.mark.parametrize("tool", list(tools()))
-def test_columns_are_finite_and_as_long_as_the_window(tool):
-    process = process_of(tool)
+@pytest.mark.parametrize("maker", list(makers()))
+def test_columns_are_declared_finite_and_as_long_as_the_window(maker):
+    process = process_of(maker)
     found = process.run(room(), window(-2e-3), process.begin())
 
-    for name in found.__slots__:
-        column = getattr(found, name)
-        assert len(column) == 50, name
+    assert found.wrench.shape == (50, 6) and found.deflection.shape == (50, 3)
+    declared = {column.name: column for column in process.writes}
+    assert set(found.columns) <= set(declared)
+    for name, column in found.columns.items():
+        assert column.shape == (50,), name
+        assert (column.dtype == bool) == (declared[name].of == "any"), name
         assert np.isfinite(column.astype(float)).all(), name
+    assert process.pushes or not found.wrench.any()
 
 
-@pytest.mark.parametrize("tool", list(tools()))
-def test_without_stock_there_is_no_wrench(tool):
-    process = process_of(tool)
+@pytest.mark.parametrize("maker", list(makers()))
+def test_without_stock_there_is_no_wrench(maker):
+    process = process_of(maker)
     found = process.run(None, window(-2e-3), process.begin())
 
     assert not found.wrench.any()
-    assert not found.removed.any()
+    assert not found["removed"].any() and not found["added"].any()
 
 
-@pytest.mark.parametrize("tool", list(tools()))
-def test_the_same_input_gives_the_same_bits(tool):
+@pytest.mark.parametrize("maker", list(makers()))
+def test_the_same_input_gives_the_same_bits(maker):
     results = []
     for _ in range(2):
-        process = process_of(tool)
+        process = process_of(maker)
         results.append(process.run(room(), window(-2e-3), process.begin()))
 
-    for name in results[0].__slots__:
-        assert np.array_equal(getattr(results[0], name), getattr(results[1], name)), name
+    first, second = results
+    assert np.array_equal(first.wrench, second.wrench) and np.array_equal(first.deflection, second.deflection)
+    for name in first.columns:
+        assert np.array_equal(first[name], second[name]), name
 
 
-@pytest.mark.parametrize("tool", list(tools()))
-def test_inputs_are_not_changed(tool):
-    process, given, kept = process_of(tool), window(-2e-3), window(-2e-3)
+@pytest.mark.parametrize("maker", list(makers()))
+def test_inputs_are_not_changed(maker):
+    process, given, kept = process_of(maker), window(-2e-3), window(-2e-3)
     process.run(room(), given, process.begin())
 
-    for name in ("piece_start", "piece_end", "velocity", "spindle"):
+    for name in ("piece_start", "piece_end", "velocity"):
         assert np.array_equal(getattr(given, name), getattr(kept, name))
+    for name, values in kept.signals.items():
+        assert np.array_equal(given.signals[name], values)
+
+
+@pytest.mark.parametrize("maker", list(makers()))
+def test_a_process_reads_no_signal_that_it_does_not_declare(maker):
+    process = process_of(maker)
+    full = window(-2e-3)
+    less = replace(full, signals={signal.name: full.signals[signal.name] for signal in process.reads})
+
+    assert np.array_equal(
+        process.run(room(), full, process.begin()).wrench, process.run(room(), less, process.begin()).wrench
+    )
+
+
+@pytest.mark.parametrize("maker", list(makers()))
+def test_what_is_outside_the_zone_is_left_alone(maker):
+    process = process_of(maker)
+    zone = process.zone
+    if zone.everywhere:
+        return
+    stock = room()
+    z = zone.below + 1e-3  # the tip, above material that ends at 0
+    found = process.run(stock, window(z), process.begin())
+
+    axis = np.array([[0.0, 0.0, 1.0]])
+    low, high = np.array([0.0, 0.0, -20e-3]), np.array([60e-3, 40e-3, 0.0])
+    assert not zone.meets(window(z).piece_start, window(z).piece_end, axis, low, high)
+    assert not found.wrench.any()
+    assert all(not column.any() for column in found.columns.values())

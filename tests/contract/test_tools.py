@@ -26,7 +26,7 @@ def sample(kind: str, **more):
 @pytest.mark.parametrize("kind", TOOLS)
 def test_is_named_as_in_the_table(kind):
     assert TOOLS[kind].kind == kind
-    assert TOOLS[kind].process in PROCESSES
+    assert all(process in PROCESSES for process in TOOLS[kind].processes)
 
 
 @pytest.mark.parametrize("kind", TOOLS)
@@ -75,7 +75,7 @@ def test_tools_are_values(kind):
         sample(kind).length = 1.0
 
 
-@pytest.mark.parametrize("kind", [kind for kind in TOOLS if TOOLS[kind].process == "milling"])
+@pytest.mark.parametrize("kind", [kind for kind in TOOLS if "milling" in TOOLS[kind].processes])
 def test_shape_and_edge_tell_of_the_same_outline(kind):
     """The underside of the removal shape at a radius is the height of the edge there."""
     from gcodesim.material.kernels import underside

@@ -62,9 +62,8 @@ def cut_along(
         piece_step=np.arange(n),
         axis=np.tile([0.0, 0.0, 1.0], (n, 1)),
         velocity=np.diff(points, axis=0) / dt,
-        spindle=np.full(n, SPINDLE),
         rapid=np.zeros(n, dtype=bool),
-        active=np.zeros(n, dtype=bool),
+        signals={"spindle": np.full(n, SPINDLE), "active": np.zeros(n, dtype=bool)},
         dt=dt,
         compliance=np.tile(C, (n, 1, 1)),
     )
@@ -106,11 +105,11 @@ def test_a_tool_that_is_pushed_back_cuts_thinner_chips() -> None:
     found, _ = cut(arm() / 0.3, STEEL, -4e-3, LENGTH, 20e-3, 1e-3)
     retreat = np.diff(found.deflection[:, 0]) / (FEED * DT)
     full = FEED * math.pi / SPINDLE  # feed per tooth of two
-    busy = np.flatnonzero(found.chip[1:] > 0.2 * found.chip.max())
+    busy = np.flatnonzero(found["chip"][1:] > 0.2 * found["chip"].max())
 
-    assert found.chip[-1] == pytest.approx(full, rel=2e-3)
+    assert found["chip"][-1] == pytest.approx(full, rel=2e-3)
     assert retreat[busy].min() < -0.2
-    assert found.chip[1:][busy] / full == pytest.approx(1.0 + retreat[busy], abs=0.05)
+    assert found["chip"][1:][busy] / full == pytest.approx(1.0 + retreat[busy], abs=0.05)
 
 
 def test_a_slot_in_a_soft_arm_settles_at_the_balance_of_depth_and_bend() -> None:
@@ -122,7 +121,7 @@ def test_a_slot_in_a_soft_arm_settles_at_the_balance_of_depth_and_bend() -> None
         found, closed = cut(C / share, STEEL, -4e-3, 1.25 * LENGTH, 20e-3, 1e-3)
         depth = 1e-3 / (1.0 + gain[2] / share)
         assert closed[-1] == pytest.approx(gain / share * depth, rel=0.02)
-        assert found.axial_depth[-1] == pytest.approx(depth, rel=0.02)
+        assert found["axial_depth"][-1] == pytest.approx(depth, rel=0.02)
 
 
 @pytest.mark.parametrize("share", [1.0, 0.3])
@@ -143,7 +142,7 @@ def test_a_tool_that_is_bent_goes_round_a_corner(turn: float, machine: object, s
 
     assert size[n - 1] > 5.0 * FEED * DT  # it has something to swing round
     assert swing.max() < 3.0
-    assert found.removed[n:].max() < 8.0 * found.removed[n - 100 : n].mean()
+    assert found["removed"][n:].max() < 8.0 * found["removed"][n - 100 : n].mean()
     assert force[n:].max() < 2.5 * max(force[n - 1], force[-1])
     assert (miss <= 0.01 * size + 0.5e-6).mean() > 0.99
     before = (corner[0] - 40e-3 * math.cos(turn * DEG), corner[1] - 40e-3 * math.sin(turn * DEG))

@@ -95,9 +95,8 @@ def path_window(points, *, dt, active, spindle=0.0):
         piece_step=np.arange(n),
         axis=np.tile([0.0, 0.0, 1.0], (n, 1)),
         velocity=np.diff(points, axis=0) / dt,
-        spindle=np.full(n, spindle),
         rapid=np.zeros(n, dtype=bool),
-        active=np.broadcast_to(active, n).copy(),
+        signals={"spindle": np.full(n, spindle), "active": np.broadcast_to(active, n).copy()},
         dt=dt,
     )
 
@@ -117,9 +116,9 @@ def test_deposited_volume_is_section_times_path(steps):
     found = process.run(stock, window, process.begin())
 
     nominal = bead_area(6e-3, 3e-3) * 100e-3
-    assert found.nominal.sum() == pytest.approx(nominal, rel=1e-12)
-    assert -found.removed.sum() == pytest.approx(nominal, rel=5e-3)
-    assert stock.volume == pytest.approx(-found.removed.sum(), rel=1e-9)
+    assert found["nominal"].sum() == pytest.approx(nominal, rel=1e-12)
+    assert found["added"].sum() == pytest.approx(nominal, rel=5e-3)
+    assert stock.volume == pytest.approx(found["added"].sum(), rel=1e-9)
     assert not found.wrench.any()
 
 
@@ -132,10 +131,10 @@ def test_nothing_is_laid_while_the_nozzle_is_off():
 
     found = process.run(stock, window, process.begin())
 
-    assert not found.removed[:50].any()
-    assert not found.engaged[:50].any()
-    assert found.engaged[50:].all()
-    assert -found.removed.sum() == pytest.approx(bead_area(6e-3, 3e-3) * 50e-3, rel=5e-3)
+    assert not found["added"][:50].any()
+    assert not found["engaged"][:50].any()
+    assert found["engaged"][50:].all()
+    assert found["added"].sum() == pytest.approx(bead_area(6e-3, 3e-3) * 50e-3, rel=5e-3)
 
 
 # --- removal programs, cut by the process ---------------------------------------------------------------------------
@@ -164,7 +163,7 @@ def removed(name, resolution):
     window = path_window(program_path(name), dt=0.02, active=False, spindle=5000.0 * 2.0 * math.pi / 60.0)
     found = process.run(stock, window, process.begin())
     assert not found.wrench.any()  # no material, no force
-    return found.removed.sum()
+    return found["removed"].sum()
 
 
 @pytest.mark.parametrize("name", PROGRAMS)

@@ -54,7 +54,8 @@ def look(ran: Ran) -> tuple[np.ndarray, list[np.ndarray]]:
     rows = ran.execution.rows
     (placed,) = ran.shop.stocks.values()
     stock = placed.stock
-    return np.column_stack([rows.force, rows.removed, rows.engaged]), [stock.count, stock.hi, stock.lo, stock.walls]
+    seen = np.column_stack([rows[name] for name in ("force", "removed", "engaged")])
+    return seen, [stock.count, stock.hi, stock.lo, stock.walls]
 
 
 @pytest.mark.parametrize("cell", CELLS)

@@ -58,6 +58,7 @@ def description(**changes):
             ),
             "feed_path": Polylines(np.array([[0.5, 0, 0.1], [0.5, 0, 0.09], [0.53, 0, 0.09]]), np.array([0])),
             "rapid_path": Polylines(np.array([[0.4, 0, 0.2], [0.5, 0, 0.1]]), np.array([0])),
+            "process_kinds": ("", "milling", "extrusion"),
             "stock_tiles": 4,
             "added_tiles": 2,
             "attachments": {"program.nc": PROGRAM, "cell.yaml": CELL, "arm.urdf": b"<robot name='arm'/>"},
