@@ -38,7 +38,7 @@ FIXTURE: Final = "fixture"
 """What the frames of these bodies in the scene are called: `stock/plate`, `fixture/vise`."""
 
 BODIES: Final = "bodies"
-"""The world as it lies with all axes at zero, carried by the table if there is one: fixtures and stocks stand still in it."""
+"""The world as it lies with all axes at zero, carried by a table if there is one: where fixtures and stocks rest."""
 
 WORK_FRAME: Final = "G54"
 """Where the log draws the frame `stock` of a cell without one."""
