@@ -220,7 +220,7 @@ def run(
             progress=progress,
         )
         job.findings.extend(inspector.final(execution))
-        job.findings.change(cutting_without_length(job.findings, job.plan, job.shop, execution.rows.removed))
+        job.findings.change(cutting_without_length(job.findings, job.plan, job.shop, execution.rows["removed"]))
         results = results_of(job, execution)
         if recorder is not None:
             recorder.finish(results, execution)
