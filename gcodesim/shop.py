@@ -12,7 +12,7 @@ from gcodesim.cell import Cell, Placement, place
 from gcodesim.cell.cell import MACHINE, MAIN
 from gcodesim.cell.leftover import NOTHING_LEFT, Leftover, no_stock
 from gcodesim.cell.machine import MachineTool
-from gcodesim.cell.placement import bounds_of
+from gcodesim.cell.placement import FIXTURE, STOCK, bounds_of
 from gcodesim.cell.robot import Payload, Robot
 from gcodesim.cell.stock import Box, Cylinder, StockSpec
 from gcodesim.diagnostics import Diagnostic
@@ -33,10 +33,6 @@ MEMORY_BUDGET: Final = 2 << 30
 CELLS_PER_DIAMETER: Final = 24
 """Cells across the smallest cutter where the cell file names no resolution."""
 
-STOCK: Final = "stock"
-FIXTURE: Final = "fixture"
-"""What the frames of these bodies in the scene are called: `stock/plate`, `fixture/vise`."""
-
 BODIES: Final = "bodies"
 """The world as it lies with all axes at zero, carried by a table if there is one: where fixtures and stocks rest."""
 
@@ -50,7 +46,7 @@ MOST_DEFAULT_COLUMNS: Final = 4_000_000
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PlacedStock:
-    """A workpiece and where it stands: `X_WS` is the frame of its columns in the world (table axes at zero).
+    """A workpiece and where it stands: `X_WS` is the frame of its columns in the world at first (table axes at zero).
 
     That is its own frame S, unless it lies on another side (`stock.turn`). `frame` is its name in the scene.
     """
@@ -127,16 +123,19 @@ def open_shop(cell: Cell, channel: str = MAIN) -> Shop:
     if channel not in cell.channels:
         channel = next(iter(cell.channels))
     placement = place(cell, channel)
-    description = cell.machine_of(channel)
-    mover = _machine(description) if isinstance(description, MachineTool) else _robot(description)
+    mover = _mover(cell.machine_of(channel))
     return Shop(
         cell=cell,
         channel=channel,
         mover=mover,
         placement=placement,
         X_BM=mover.X_WB.inverse() @ placement.X_WM,
-        scene=_scene(mover, placement),
+        scene=_scene(cell, mover, placement),
     )
+
+
+def _mover(description: MachineTool | Robot) -> Mover:
+    return _machine(description) if isinstance(description, MachineTool) else _robot(description)
 
 
 def _machine(tool: MachineTool) -> Mover:
@@ -171,20 +170,26 @@ def _robot(robot: Robot) -> Mover:
     )
 
 
-def _scene(mover: Mover, placement: Placement) -> Scene:
+def _scene(cell: Cell, mover: Mover, placement: Placement) -> Scene:
     """The frames of a cell. What names no link stands on what carries the work, as it lies with all axes at zero."""
     frames = {
         WORK_FRAME: _work_stand(mover, placement.X_W("G54")),
         BODIES: _work_stand(mover, Pose.identity()),
         **{f"{STOCK}/{name}": _work_stand(mover, X_WS) for name, X_WS in placement.stocks.items()},
         **{f"{FIXTURE}/{name}": _work_stand(mover, X_W) for name, X_W in placement.fixtures.items()},
+        **{name: Stand(on.link, on.X) for name, on in placement.carried.items()},
     }
-    return Scene(movers={mover.name: mover}, frames=frames)
+    movers = {mover.name: mover}
+    for on in placement.carried.values():
+        name = on.link.partition("/")[0]
+        if name not in movers:
+            movers[name] = _mover(cell.machine if name == MACHINE and cell.machine else cell.robots[name])
+    return Scene(movers=movers, frames=frames)
 
 
 def _work_stand(mover: Mover, X_W: Pose) -> Stand:
-    """What stands at `X_W` in the world while the axes are at zero goes along with the table, if there is one."""
-    if isinstance(mover.kinematics, Cartesian):
+    """What stands at `X_W` in the world while the axes are at zero goes along with a table that moves."""
+    if isinstance(mover.kinematics, Cartesian) and mover.moves(WORK):
         return Stand(f"{mover.name}/{WORK}", mover.X_WB.inverse() @ X_W)
     return Stand(WORLD, X_W)
 
@@ -209,6 +214,7 @@ def _loaded(chain: Chain, payload: Payload | None) -> Chain:
 def with_stock(shop: Shop) -> tuple[Shop, list[Diagnostic]]:
     """The shop with its workpieces; a finding for each that does not fit into memory or cannot be read."""
     stocks: dict[str, PlacedStock] = {}
+    stands: dict[str, Stand] = {}
     findings = _undrawn(shop)
     for name, spec in shop.cell.stocks.items():
         made = _stock(shop, name, spec)
@@ -218,18 +224,15 @@ def with_stock(shop: Shop) -> tuple[Shop, list[Diagnostic]]:
         material = shop.cell.material(spec)
         if material is None and made.material:
             material = _material_named(shop.cell, made.material)
-        X_WS = shop.placement.stocks[name]
+        frame = f"{STOCK}/{name}"
+        X_WS = shop.placement.stocks[name] if name in shop.placement.stocks else shop.scene.at_rest(frame)
         made = _upright(shop, made, X_WS)
+        turn = Pose(np.zeros(3), made.turn)
+        stand = shop.scene.frames[frame]
+        stands[frame] = Stand(stand.parent, stand.X @ turn)
         stocks[name] = PlacedStock(
-            name=name,
-            frame=f"{STOCK}/{name}",
-            spec=spec,
-            stock=made,
-            X_WS=X_WS @ Pose(np.zeros(3), made.turn),
-            material=material,
-            initial=made.volume,
+            name=name, frame=frame, spec=spec, stock=made, X_WS=X_WS @ turn, material=material, initial=made.volume
         )
-    stands = {placed.frame: _work_stand(shop.mover, placed.X_WS) for placed in stocks.values()}
     return replace(shop, stocks=stocks, scene=shop.scene.with_frames(stands)), findings
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 from gcodesim.canon import Axes
 from gcodesim.cell import Cell, LoadedCell
 from gcodesim.cell.cell import MAIN
+from gcodesim.cell.placement import FIXTURE
 from gcodesim.cell.reach import reach_findings
 from gcodesim.checks.coarse import coarse_findings
 from gcodesim.checks.empty_spindle import empty_spindle_findings
@@ -27,7 +28,7 @@ from gcodesim.outcome import first_error, results_of
 from gcodesim.results import Results
 from gcodesim.rs274 import Settings, interpret
 from gcodesim.scene import WORLD
-from gcodesim.shop import FIXTURE, Shop, open_shop, with_stock
+from gcodesim.shop import Shop, open_shop, with_stock
 from gcodesim.whole_file import write_whole
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from gcodesim.cell.channel import Channel
 from gcodesim.cell.machine import MachineKind, MachineTool
 from gcodesim.cell.material import MaterialKind
 from gcodesim.cell.packages import PackageFolder
-from gcodesim.cell.placing import Place, names_of
+from gcodesim.cell.placing import Carried, Place, names_of
 from gcodesim.cell.robot import Robot, RobotKind
 from gcodesim.cell.settings import (
     CODE_PATTERNS,
@@ -71,13 +71,16 @@ class Cell:
     """A cell as a YAML file describes it.
 
     Fields declared by `key` are keys of the file; those below are derived. `frames` gives X_W of every frame that
-    stands still (`world`, those of `frames:`, `machine`, `<robot>/base`). In `robots` and `machine` the bases are
-    resolved. Places of stock and target, which may depend on work offsets, are the business of `placement.place`.
+    stands still (`world`, those of `frames:`, `machine`, `<robot>/base`), `carried` the link of those that do not. In
+    `robots` and `machine` the bases are resolved. Places of stock and target, which may depend on work offsets, are the
+    business of `placement.place`.
     """
 
     gcodesim: int = key(Whole(), "version of the cell format", default=FORMAT)
     units: Units = key(Record(Units, "`units`"), "what plain numbers mean", default=Units(), quiet=True)
-    placed_frames: Mapping[str, Place] = key(_FRAMES, "frames that stand still", name="frames", default={}, quiet=True)
+    placed_frames: Mapping[str, Place] = key(
+        _FRAMES, "frames, in the world or on a link", name="frames", default={}, quiet=True
+    )
     machine: MachineTool | None = key(MachineKind(), "a machine tool", default=None)
     robots: Mapping[str, Robot] = key(_ROBOTS, "robots", default={}, quiet=True)
     channels: Mapping[str, Channel] = key(_CHANNELS, "one program each", default={}, quiet=True)
@@ -100,6 +103,7 @@ class Cell:
     log: LogSettings = key(Record(LogSettings, "`log`"), "how densely the run is written down", default=LogSettings())
     name: str = ""
     frames: Mapping[str, Pose] = field(default_factory=dict, compare=False)
+    carried: Mapping[str, Carried] = field(default_factory=dict, compare=False)
     spans: Mapping[Path, Span] = field(default_factory=dict, compare=False, repr=False)
     defaults_used: tuple[Default, ...] = field(default=(), compare=False, repr=False)
 
@@ -130,6 +134,12 @@ class Cell:
             assert self.machine is not None
             return self.machine
         return self.robots[name]
+
+    @property
+    def link_names(self) -> tuple[str, ...]:
+        """All links of its robots and its machine, as the log calls them: `arm/flange`, `machine/table`."""
+        movers = ([(MACHINE, self.machine)] if self.machine is not None else []) + [*self.robots.items()]
+        return tuple(f"{name}/{link}" for name, mover in movers for link in mover.link_names)
 
     def channel_span(self, channel: str, *path: str | int) -> Span:
         """Where a key of a channel stands: under `channels`, or at top level in a cell with one robot."""

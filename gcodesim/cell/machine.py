@@ -25,6 +25,7 @@ from gcodesim.declarations.reading import FAULT, Fault, Path, Reading
 from gcodesim.declarations.record import FREE, Record, not_a_mapping, object_schema
 from gcodesim.declarations.units import shown
 from gcodesim.frames import Pose
+from gcodesim.kinematics.chain import BASE, FLANGE
 
 if TYPE_CHECKING:
     from gcodesim.kinematics.cartesian import Axis as KinematicAxis
@@ -413,6 +414,13 @@ class MachineTool:
     def X_WB(self) -> Pose:
         """Its base in the world, which is machine zero."""
         return self.X_WM
+
+    @property
+    def link_names(self) -> tuple[str, ...]:
+        """What can carry something: base, links and flange."""
+        if self.shipped is not None:
+            return self.shipped.carriers
+        return (BASE, *(f"link_{axis.letter}" for axis in self.axes), FLANGE, "table")
 
     def axis(self, letter: str) -> MachineAxis | None:
         return next((axis for axis in self.axes if axis.letter == letter), None)

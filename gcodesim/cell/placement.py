@@ -18,7 +18,7 @@ import numpy as np
 from gcodesim.cell.cell import MAIN, Cell
 from gcodesim.cell.channel import Channel, Orientation
 from gcodesim.cell.machine import MachineTool
-from gcodesim.cell.placing import SYSTEMS, system_index
+from gcodesim.cell.placing import SYSTEMS, Carried, system_index
 from gcodesim.cell.placing import Place as Standing
 from gcodesim.cell.robot import Robot
 from gcodesim.cell.stock import Cylinder, Shape
@@ -28,6 +28,8 @@ from gcodesim.units import DEG, MM
 
 Corners = tuple[tuple[float, float, float], tuple[float, float, float]]
 
+STOCK: Final = "stock"
+FIXTURE: Final = "fixture"
 CLEARANCE: Final = 0.1  # m that the longest tool clears the stock's top by, at the top of Z
 _UPRIGHT: Final = 1e-9  # Z axes whose dot product is nearer to 1 than this count as parallel
 _FIRST_PARAMETER: Final = 5221
@@ -39,8 +41,9 @@ class Placement:
     """Where everything stands that depends on the work systems.
 
     `X_WM` is M of the channel in the world; `work_offsets` X_MP of systems 1 (G54) to 9 (G59.3), which turn about Z
-    of M only. `stocks`, `fixtures` and `target` are X_W of the bodies' own frames. `given` are the systems that
-    the cell names, `automatic` says that G54 was chosen by the rule for stock without a place.
+    of M only. `stocks`, `fixtures` and `target` are X_W of the bodies' own frames, without those that stand on a link:
+    these are `carried`, by names such as `stock/plate` and `fixture/clamp`. `given` are the systems that the cell
+    names, `automatic` says that G54 was chosen by the rule for stock without a place.
     """
 
     X_WM: Pose
@@ -50,6 +53,7 @@ class Placement:
     stocks: Mapping[str, Pose]
     fixtures: Mapping[str, Pose]
     target: Pose | None
+    carried: Mapping[str, Carried] = field(default_factory=dict)
     frames: Mapping[str, Pose] = field(default_factory=dict)
     findings: tuple[Diagnostic, ...] = ()
 
@@ -121,16 +125,36 @@ def place(cell: Cell, channel: str = MAIN) -> Placement:
         frames=cell.frames,
         findings=tuple(findings),
     )
+    stocks = {f"{STOCK}/{name}": stock.place for name, stock in cell.stocks.items()}
+    fixtures = {f"{FIXTURE}/{name}": fixture.place for name, fixture in cell.fixtures.items()}
+    carried = {name: on_link for name, place in (stocks | fixtures).items() if (on_link := _on_link(cell, place))}
     return replace(
         result,
-        stocks={name: _standing(result, stock.place, "G54") for name, stock in cell.stocks.items()},
-        fixtures={name: _standing(result, fixture.place, "world") for name, fixture in cell.fixtures.items()},
+        stocks={
+            name: _standing(result, stock.place, "G54")
+            for name, stock in cell.stocks.items()
+            if f"{STOCK}/{name}" not in carried
+        },
+        fixtures={
+            name: _standing(result, fixture.place, "world")
+            for name, fixture in cell.fixtures.items()
+            if f"{FIXTURE}/{name}" not in carried
+        },
         target=None if cell.target is None else _standing(result, cell.target.place, "G54"),
+        carried=carried,
     )
 
 
 def _standing(placement: Placement, standing: Standing, default: str) -> Pose:
     return placement.X_W(standing.frame or default) @ standing.X
+
+
+def _on_link(cell: Cell, standing: Standing) -> Carried | None:
+    """On which link it stands; None when it stands still."""
+    name = standing.frame or ""
+    if name in cell.carried:
+        return Carried(cell.carried[name].link, cell.carried[name].X @ standing.X)
+    return Carried(name, standing.X) if name not in cell.frames and name in cell.link_names else None
 
 
 def _offset(cell: Cell, X_WM: Pose, mover: MachineTool | Robot, standing: Standing) -> Pose:

@@ -1,9 +1,9 @@
-"""Where things stand: a pose in a named frame, and how chains of frames resolve to the world."""
+"""Where things stand: a pose in a named frame, and how chains of frames resolve to the world or to a link."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -57,7 +57,7 @@ class _FrameName(Kind):
 
     @property
     def expected(self) -> str:
-        return "the name of a frame"
+        return "the name of a frame, or of a link such as `arm/flange`"
 
     def read(self, node: Node, to: Reading, path: Path) -> str | Fault:
         text = scalar(self, node, to, path)
@@ -84,7 +84,7 @@ class Place:
     `frame` None: what that means depends on the owner (the world; for stock G54).
     """
 
-    frame: str | None = key(FRAME, "the frame it stands in", name="in", default=None)
+    frame: str | None = key(FRAME, "what it stands in", name="in", default=None)
     xyz: tuple[float, float, float] = key(POINT, "position in that frame", default=_ZERO, quiet=True)
     rpy: tuple[float, float, float] = key(_ANGLES, "roll, pitch, yaw about the fixed axes", default=_ZERO, quiet=True)
 
@@ -94,31 +94,46 @@ class Place:
         return Pose.from_xyz_rpy(self.xyz, self.rpy)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Carried:
+    """Where something stands on a link of a robot or machine: at `X` of `link`, such as `arm/flange`."""
+
+    link: str
+    X: Pose
+
+
 @dataclass(slots=True)
 class FrameTree:
-    """All frames that stand still, by name, each placed in another one; poses are resolved on demand."""
+    """All frames by name, each placed in another one or on one of `links`; where they are is found on demand."""
 
     placed: Mapping[str, tuple[Place, Path]]
+    links: Container[str]
     to: Reading
     poses: dict[str, Pose] = field(default_factory=dict)
+    carried: dict[str, Carried] = field(default_factory=dict)
 
-    def resolve(self) -> dict[str, Pose]:
-        """X_W of every frame, `world` first; circles become findings, unknown frames count as the world."""
+    def resolve(self) -> None:
+        """Fill `poses`, X_W of every frame that stands still, `world` first, and `carried`, those on links.
+
+        Circles become findings, unknown frames count as the world.
+        """
         self.poses[WORLD] = Pose.identity()
         for name in self.placed:
-            self._pose(name, ())
-        return self.poses
+            self._place(name, ())
 
-    def _pose(self, name: str, below: tuple[str, ...]) -> Pose:
-        if name in self.poses:
-            return self.poses[name]
-        placement, path = self.placed[name]
-        X_WP = self._parent(placement, path, (*below, name))
-        self.poses[name] = X_WP @ placement.X
-        return self.poses[name]
+    def _place(self, name: str, below: tuple[str, ...]) -> None:
+        """Find where the frame `name` is, unless that is known."""
+        if name in self.poses or name in self.carried:
+            return
+        own, path = self.placed[name]
+        parent = self._parent(own, path, (*below, name))
+        if isinstance(parent, Carried):
+            self.carried[name] = Carried(parent.link, parent.X @ own.X)
+        else:
+            self.poses[name] = parent @ own.X
 
-    def _parent(self, placement: Place, path: Path, chain: tuple[str, ...]) -> Pose:
-        parent = placement.frame or WORLD
+    def _parent(self, own: Place, path: Path, chain: tuple[str, ...]) -> Pose | Carried:
+        parent = own.frame or WORLD
         if parent in chain:
             circle = " in ".join(f"`{name}`" for name in (*chain[chain.index(parent) :], parent))
             self.to.fault(
@@ -128,8 +143,10 @@ class FrameTree:
                 "one of them has to stand in `world`",
             )
             return Pose.identity()
-        if parent in self.poses:
-            return self.poses[parent]
         if parent in self.placed:
-            return self._pose(parent, chain)
-        return Pose.identity()
+            self._place(parent, chain)
+        elif parent in self.links:
+            return Carried(parent, Pose.identity())
+        if parent in self.carried:
+            return self.carried[parent]
+        return self.poses.get(parent) or Pose.identity()

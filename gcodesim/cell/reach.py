@@ -26,9 +26,8 @@ def reach_findings(cell: Cell, channel: str, placement: Placement) -> Iterator[D
     mover = cell.machine_of(channel)
     longest = max(tool.true_length for tool in cell.tools.values())
     widest = max(max((body.radius for body in tool.primitives), default=0.0) for tool in cell.tools.values())
-    for name, stock in cell.stocks.items():
-        corners = bounds_of(stock.shape)
-        X_WS = placement.stocks[name]
+    for name, X_WS in placement.stocks.items():
+        corners = bounds_of(cell.stocks[name].shape)
         X_BS = mover.X_WB.inverse() @ X_WS
         if mover.axes:
             miss = _beyond_travel(mover.axes, X_BS, corners, longest, widest)

@@ -18,6 +18,7 @@ from gcodesim.diagnostics import Diagnostic, Severity, Span, codes
 from gcodesim.units import MM
 
 _FOLLOW_WORK: Final = ("stock", "fixtures", "target")
+_ON_LINKS: Final = ("frames", "stock", "fixtures")
 _STRANGE: Final = 100.0  # times larger or smaller than the rest
 
 
@@ -35,7 +36,7 @@ def resolve(cell: Cell, to: Reading) -> Cell:
     if not to.broken & {("simulation",), ("log",)}:
         simulation, log = with_step(cell.simulation, cell.log, to)
         cell = replace(cell, simulation=simulation, log=log)
-    _check_frames(to)
+    _check_frames(cell, to)
     _check_materials(to)
     _check_stock_on_arm(cell, to)
     _check_mesh_sizes(cell, to)
@@ -61,10 +62,12 @@ def _with_frames(cell: Cell, to: Reading) -> Cell:
         placed[MACHINE] = (cell.machine.base, ("machine", "base"))
     for name, robot in cell.robots.items():
         placed[f"{name}/base"] = (robot.base, ("robots", name, "base"))
-    frames = FrameTree(placed, to).resolve()
-    machine = None if cell.machine is None else cell.machine.at(frames[MACHINE])
-    robots = {name: robot.at(frames[f"{name}/base"]) for name, robot in cell.robots.items()}
-    return replace(cell, frames=frames, machine=machine, robots=robots)
+    tree = FrameTree(placed, cell.link_names, to)
+    tree.resolve()
+    bases = {name: tree.poses.get(name) or place.X for name, (place, _) in placed.items()}  # else a fault: see below
+    machine = None if cell.machine is None else cell.machine.at(bases[MACHINE])
+    robots = {name: robot.at(bases[f"{name}/base"]) for name, robot in cell.robots.items()}
+    return replace(cell, frames=tree.poses, carried=tree.carried, machine=machine, robots=robots)
 
 
 def _with_channels(cell: Cell, to: Reading) -> Cell:
@@ -130,23 +133,48 @@ def _check_taken(channels: dict[str, Channel], nested: bool, to: Reading) -> Non
         first.setdefault(robot, name)
 
 
-def _check_frames(to: Reading) -> None:
-    """Every `in:` names a frame; what stands still stands in what stands still."""
+def _check_frames(cell: Cell, to: Reading) -> None:
+    """Every `in:` names a frame or a link; what stands still stands in what stands still."""
     if ("frames",) in to.broken:
         return
     fixed = [WORLD, *to.names_in("frames"), *([MACHINE] if (MACHINE,) in to.keys else [])]
     fixed += [f"{name}/base" for name in to.names_in("robots")]
     for reference in to.references:
-        if reference.what != "frame" or reference.name in fixed:
+        if reference.what != "frame":
             continue
-        span = to.span(reference.path)
-        follows_work = reference.path[0] in _FOLLOW_WORK or reference.path[-1] == "tool_axis"
-        if reference.name not in SYSTEMS:
-            known = [*fixed, "G54"] if follows_work else fixed
-            to.fault("GS712", span, f"there is no frame `{reference.name}`", suggestion(reference.name, known))
-        elif not follows_work:
-            message = f"`{reference.name}` is no fixed frame"
-            to.fault("GS712", span, message, "only stock, fixtures, the target and a tool axis may stand in it")
+        name, section = reference.name, reference.path[0]
+        if name in cell.carried or (name in cell.link_names and name not in fixed):
+            if section not in _ON_LINKS:
+                _fault_on_link(cell, name, to.span(reference.path), to)
+        elif name not in fixed and not _is_on_unknown(cell, name, to):
+            _fault_of_frame(cell, name, fixed, reference.path, to)
+
+
+def _fault_on_link(cell: Cell, name: str, span: Span, to: Reading) -> None:
+    link = cell.carried[name].link if name in cell.carried else name
+    message = f"`{name}` moves" if link == name else f"`{name}` moves with `{link}`"
+    to.fault("GS712", span, message, "only frames, stock and fixtures may stand in it")
+
+
+def _fault_of_frame(cell: Cell, name: str, fixed: list[str], path: Path, to: Reading) -> None:
+    span = to.span(path)
+    follows_work = path[0] in _FOLLOW_WORK or path[-1] == "tool_axis"
+    if name not in SYSTEMS:
+        known = [*fixed, "G54"] if follows_work else fixed
+        if path[0] in _ON_LINKS and "/" in name:
+            known = [*known, *cell.link_names]
+        to.fault("GS712", span, f"there is no frame `{name}`", suggestion(name, list(dict.fromkeys(known))))
+    elif not follows_work:
+        message = f"`{name}` is no fixed frame"
+        to.fault("GS712", span, message, "only stock, fixtures, the target and a tool axis may stand in it")
+
+
+def _is_on_unknown(cell: Cell, name: str, to: Reading) -> bool:
+    """Whether `name` is a link of something whose links are not known, because it has a fault that was said."""
+    mover, slash, _ = name.partition("/")
+    if mover == MACHINE:
+        return bool(slash) and (MACHINE,) in to.keys and cell.machine is None
+    return bool(slash) and mover in to.names_in("robots") and mover not in cell.robots
 
 
 def _check_loaded_tools(cell: Cell, to: Reading) -> None:

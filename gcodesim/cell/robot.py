@@ -175,6 +175,11 @@ class Robot:
     payload: Payload | None
     X_WB: Pose = field(default_factory=Pose.identity, compare=False)
 
+    @property
+    def link_names(self) -> tuple[str, ...]:
+        """What can carry something: base, links and flange."""
+        return self.chain.carriers
+
     def axis(self, letter: str) -> MachineAxis | None:
         return None
 

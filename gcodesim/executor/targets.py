@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.cell.placement import bounds_of
+from gcodesim.cell.placement import FIXTURE, bounds_of
 from gcodesim.executor.body_shapes import triangles_of
 from gcodesim.frames import Array, Pose
-from gcodesim.shop import BODIES, FIXTURE, PlacedStock, Shop
+from gcodesim.shop import BODIES, PlacedStock, Shop
 
 if TYPE_CHECKING:
     from gcodesim.processes.materials import Material

@@ -21,6 +21,9 @@ JointKind = Literal["revolute", "prismatic", "fixed"]
 ShapeKind = Literal["box", "cylinder", "sphere", "mesh"]
 Indices = NDArray[np.int64]
 
+BASE = "base"
+FLANGE = "flange"
+
 SPIN_UP: float = 0.25  # [s] to full speed, where nothing names an acceleration
 GREY = (0.6, 0.6, 0.62, 1.0)
 
@@ -161,6 +164,11 @@ class Chain:
     @property
     def link_names(self) -> tuple[str, ...]:
         return tuple(link.name for link in self.links)
+
+    @property
+    def carriers(self) -> tuple[str, ...]:
+        """Names of what can carry something, as the log has them: the root is `base`, and there is a `flange`."""
+        return tuple(dict.fromkeys((BASE, *self.link_names[1:], FLANGE)))
 
     @cached_property
     def driven_joints(self) -> Joints:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from gcodesim.cell import placement
 from gcodesim.cell.stock import Box as BoxForm
 from gcodesim.cell.stock import Cylinder as CylinderForm
 from gcodesim.cell.stock import Mesh as MeshForm
@@ -34,7 +35,7 @@ PARTS: Final[dict[str, Color]] = {
 
 
 def cell_entities(frames: Frames) -> tuple[Entity, ...]:
-    """Links of the robot or machine, each in its frame, and fixtures in the world."""
+    """Links of the robot or machine, each in its frame, and fixtures in the frame that carries them."""
     shop = frames.shop
     by_link: dict[int, list[Shape]] = {}
     for shape in shop.kinematics.link_shapes:
@@ -45,9 +46,10 @@ def cell_entities(frames: Frames) -> tuple[Entity, ...]:
         if shapes
     ]
     for name, fixture in shop.cell.fixtures.items():
-        drawn = _form(fixture.shape, shop.placement.fixtures[name])
+        frame, X = frames.carrier(f"{placement.FIXTURE}/{name}")
+        drawn = _form(fixture.shape, X)
         if drawn is not None:
-            entities.append(Entity(id=f"fixture/{name}", frame="world", shapes=(drawn,)))
+            entities.append(Entity(id=f"{placement.FIXTURE}/{name}", frame=frame, shapes=(drawn,)))
     return tuple(entities)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -10,7 +11,7 @@ import numpy as np
 from gcodesim.frames import Array, Pose
 from gcodesim.log import StaticFrame
 from gcodesim.recorder.pose_kernels import write_poses
-from gcodesim.scene import WORK
+from gcodesim.scene import WORK, WORLD
 from gcodesim.shop import WORK_FRAME, Shop
 
 if TYPE_CHECKING:
@@ -36,12 +37,17 @@ def stock_frame(index: int, name: str) -> str:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Frames:
-    """Frames of one shop. `links` are the links that move or carry the flange, all but the root."""
+    """Frames of one shop. `links` are the links that move or carry the flange, all but the root.
+
+    `stocks` maps the names of stocks' frames in the log to those in the scene; a cell without stock has one, at G54.
+    """
 
     shop: Shop
     links: tuple[int, ...]
     flange: str
-    moving_stock: bool
+    stocks: Mapping[str, str]
+    moving_stocks: tuple[str, ...]
+    moving_work: bool
     moving_path: bool
 
     @staticmethod
@@ -50,11 +56,15 @@ class Frames:
         chain = shop.kinematics.chain
         children = {joint.child for joint in chain.joints}
         links = tuple(i for i, name in enumerate(names) if name in children)
+        stocks = {stock_frame(i, stock.name): stock.frame for i, stock in enumerate(shop.stocks.values())}
+        stocks = stocks or {stock_frame(0, ""): WORK_FRAME}
         return Frames(
             shop=shop,
             links=links,
             flange=f"{shop.name}/{chain.flange}",
-            moving_stock=shop.scene.moves(f"{shop.name}/{WORK}"),
+            stocks=stocks,
+            moving_stocks=tuple(name for name, frame in stocks.items() if shop.scene.moves(frame)),
+            moving_work=shop.scene.moves(f"{shop.name}/{WORK}"),
             moving_path=shop.mover.shifts_work,
         )
 
@@ -62,12 +72,28 @@ class Frames:
     def static(self) -> tuple[StaticFrame, ...]:
         """Frames that never move, seen from the world."""
         shop = self.shop
-        frames = [_static(self.base, shop.X_WB)]
-        if not self.moving_stock:
-            frames += [_static(stock_frame(i, p.name), p.X_WS) for i, p in enumerate(shop.stocks.values())]
-            if not shop.stocks:
-                frames.append(_static("stock", shop.placement.X_W("G54")))
-        return tuple(frames)
+        stands = [placed.X_WS for placed in shop.stocks.values()] or [shop.placement.X_W("G54")]
+        resting = [
+            _static(name, X_WS)
+            for name, X_WS in zip(self.stocks, stands, strict=True)
+            if name not in self.moving_stocks
+        ]
+        return (_static(self.base, shop.X_WB), *resting)
+
+    def carrier(self, frame: str) -> tuple[str, Pose]:
+        """The frame of the log that carries a frame of the scene, and where the latter stands in it."""
+        shop = self.shop
+        on, X = shop.scene.standing_on(frame)
+        mover, _, link = on.partition("/")
+        if mover != shop.name or not shop.scene.moves(on):
+            return WORLD, shop.scene.at_rest(frame)
+        if link == WORK:
+            chain = shop.kinematics.chain
+            assert chain.table is not None
+            index = chain.link_names.index(chain.table)
+            at_zero = shop.kinematics.link(np.zeros((1, len(shop.home))), index)[0]
+            return self.link_frame(index), Pose.from_matrix(at_zero).inverse() @ X
+        return on, X
 
     @property
     def base(self) -> str:
@@ -89,10 +115,7 @@ class Frames:
         if self.flange_is_extra:
             frames.append((self.base, self.flange_name))
         frames += [(self.flange_name, "tool"), ("world", "tcp"), ("world", "part")]
-        if self.moving_stock:
-            frames += [("world", stock_frame(i, p.name)) for i, p in enumerate(self.shop.stocks.values())]
-            if not self.shop.stocks:
-                frames.append(("world", "stock"))
+        frames += [("world", name) for name in self.moving_stocks]
         if self.moving_path:
             frames.append(("world", self.path_frame))
         return tuple(frames)
@@ -115,11 +138,7 @@ class Frames:
         shop = self.shop
         columns = [shop.kinematics.forward(q)] if self.flange_is_extra else []
         columns += [tools, tcp, part]
-        if self.moving_stock:
-            now = {shop.name: q}
-            columns += [shop.scene.track(stock.frame, now) for stock in shop.stocks.values()]
-            if not shop.stocks:
-                columns.append(shop.scene.track(WORK_FRAME, now))
+        columns += [shop.scene.track(self.stocks[name], {shop.name: q}) for name in self.moving_stocks]
         if self.moving_path:
             columns.append(self.carried(q, np.tile(np.eye(4), (len(q), 1, 1))))
         rows = np.empty((len(q), len(self.links) + len(columns), 7))
@@ -130,7 +149,7 @@ class Frames:
 
     def carried(self, q: Array, X_WP: Array) -> Array:
         """Work systems (n, 4, 4) in W, given for a table at zero, where the table's linear axes at `q` bring them."""
-        if not self.moving_stock:
+        if not self.moving_work:
             return X_WP
         X = X_WP.copy()
         X[:, :3, 3] += self.shop.kinematics.table_travel(q) @ self.shop.X_WB.R.T
@@ -138,7 +157,7 @@ class Frames:
 
     def seen_from_table(self, q: Array, X_W: Array) -> Array:
         """Poses (n, 4, 4) in W as the table sees them, which is the same where no axis moves a table."""
-        if not self.moving_stock:
+        if not self.moving_work:
             return X_W
         shop = self.shop
         X: Array = np.linalg.inv(shop.scene.track(f"{shop.name}/{WORK}", {shop.name: q})) @ X_W

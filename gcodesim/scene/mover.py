@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Final, Literal
 import numpy as np
 
 from gcodesim.frames import Array, Pose
+from gcodesim.kinematics.chain import BASE, FLANGE
 
 if TYPE_CHECKING:
     from gcodesim.kinematics.protocol import Kinematics
 
-BASE: Final = "base"
-FLANGE: Final = "flange"
 WORK: Final = "work side"
 """The frame C of what carries the work. It lies on the base while the joints that carry it stand at zero."""
 
@@ -52,8 +51,7 @@ class Mover:
     @property
     def frame_names(self) -> tuple[str, ...]:
         """Names of all frames that this mover has: its base, its links and its flange, without the work side."""
-        own = (BASE, *self.kinematics.link_names, FLANGE)
-        return tuple(dict.fromkeys(f"{self.name}/{link}" for link in own))
+        return tuple(f"{self.name}/{link}" for link in self.kinematics.chain.carriers)
 
     def seen_from_base(self, link: str, q: Array) -> Array:
         """X_BL (n, 4, 4) of a link, the flange or the work side with the joints at `q` (n, j); KeyError: no such."""

@@ -13,7 +13,8 @@ from typing import Final
 import numpy as np
 
 from gcodesim.frames import Array, Pose
-from gcodesim.scene.mover import BASE, Mover
+from gcodesim.kinematics.chain import BASE
+from gcodesim.scene.mover import Mover
 
 WORLD: Final = "world"
 
@@ -48,7 +49,10 @@ class Scene:
         return replace(self, frames={**self.frames, **frames})
 
     def track(self, frame: str, q: Mapping[str, Array], holds: Sequence[Hold] = ()) -> Array:
-        """X_WF (n, 4, 4): where a frame is while the joints of each mover are at `q[mover]` (n, j)."""
+        """X_WF (n, 4, 4): where a frame is while the joints of each mover are at `q[mover]` (n, j).
+
+        A mover that `q` does not name stands at home.
+        """
         if not self._may_move(frame, holds):
             return _still(self.at_rest(frame), q)
         own = _holds_of(frame, holds)
@@ -57,7 +61,7 @@ class Scene:
         split = self._mover_of(frame)
         if split is not None:
             mover, link = split
-            X: Array = mover.X_WB.matrix @ mover.seen_from_base(link, q[mover.name])
+            X: Array = mover.X_WB.matrix @ mover.seen_from_base(link, _joints(mover, q))
             return X
         stand = self.frames[frame]
         return self.track(stand.parent, q, holds) @ stand.X.matrix
@@ -125,7 +129,7 @@ class Scene:
         """X_BF of a frame that stands on `mover`; None when it stands on another one."""
         split = self._mover_of(frame)
         if split is not None:
-            return mover.seen_from_base(split[1], q[mover.name]) if split[0] is mover else None
+            return mover.seen_from_base(split[1], _joints(mover, q)) if split[0] is mover else None
         stand = self.frames[frame]
         X_BP = self._in_base(mover, stand.parent, q) if stand.parent != WORLD else None
         if X_BP is None:
@@ -155,6 +159,11 @@ def _holds_of(frame: str, holds: Sequence[Hold]) -> list[Hold]:
 
 def _count(q: Mapping[str, Array]) -> int:
     return len(next(iter(q.values())))
+
+
+def _joints(mover: Mover, q: Mapping[str, Array]) -> Array:
+    """Joints (n, j) of a mover; its home where nothing moves it."""
+    return q[mover.name] if mover.name in q else np.tile(mover.home, (_count(q), 1))
 
 
 def _rows(q: Mapping[str, Array], begin: int, end: int) -> dict[str, Array]:

@@ -117,7 +117,7 @@ CODES += (
         code="GS712",
         severity=Severity.ERROR,
         title="A name that nothing has",
-        what="The cell refers to a frame, robot, axis, material or model that does not exist.",
+        what="The cell refers to a frame, link, robot, axis, material or model that is not there, or that moves.",
         why="What is meant cannot be found.",
         remedy="Correct the name, or define it; the message names similar ones.",
     ),
