@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -12,11 +12,15 @@ from gcodesim.cli.output import wants_colour
 from gcodesim.diagnostics import SourceText
 from gcodesim.diagnostics.show import as_text
 from gcodesim.formats.text import counting, found_text
+from gcodesim.regress.mutants import MutantVerdict
 from gcodesim.regress.sources import Sources
 from gcodesim.regress.verdicts import NOTHING_ACCEPTED, CaseVerdict, SuiteVerdict
 
 _MOST: Final = 8
 """Findings of a case that are shown without -v."""
+
+_MOST_QUANTITIES: Final = 5
+"""Names of quantities that are shown of a change."""
 
 _COLOUR: Final = {"passed": "32", "failed": "31;1", "not_run": "33"}
 _WORDS: Final = {"passed": "passed", "failed": "FAILED", "not_run": "not run"}
@@ -31,6 +35,19 @@ def print_suite(verdict: SuiteVerdict, root: Path, *, verbose: bool) -> None:
         if case.status == "failed" or verbose:
             _print_case(case, sources, verbose=verbose)
     _print_summary(verdict)
+
+
+def print_mutants(verdicts: Sequence[MutantVerdict], seed: int, *, verbose: bool) -> None:
+    """Each change that no case sees, all of them with `verbose`; then the counts."""
+    words = {"seen": "seen", "not_seen": "NOT SEEN", "no_effect": "no effect"}
+    for one in verdicts:
+        if one.fate == "not_seen" or verbose:
+            names = [*one.quantities[:_MOST_QUANTITIES], *["…"] * (len(one.quantities) > _MOST_QUANTITIES)]
+            what = f": {', '.join(names)}" if names else ""
+            print(f"{words[one.fate]} {one.mutant.case.name}")
+            print(f"  {one.mutant.file}, {one.mutant.mutation.operator}: {one.mutant.mutation.what}{what}")
+    counts = [f"{sum(one.fate == fate for one in verdicts)} {word.lower()}" for fate, word in words.items()]
+    print(f"{len(verdicts)} changes drawn with seed {seed}: {', '.join(counts)}")
 
 
 def _print_case(case: CaseVerdict, sources: Mapping[str, SourceText], *, verbose: bool) -> None:

@@ -17,6 +17,7 @@ _SECTIONS: Final = (
     ("results", "`results.json`, `run` and `check`"),
     ("findings", "A finding, in `lint`, `cell validate` and everywhere"),
     ("test", "`test`"),
+    ("mutants", "`test --mutate`"),
     ("baseline", "Baseline files"),
     ("info", "`info`"),
 )

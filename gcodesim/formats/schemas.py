@@ -195,6 +195,38 @@ def _test() -> Json:
     return document("gcodesim test --format json", root, definitions)
 
 
+def _mutants() -> Json:
+    from gcodesim.regress.mutants import SCHEMA, Fate
+
+    fates = {
+        "seen": "changes with which their case fails",
+        "not_seen": "changes with which it passes, although something differs",
+        "no_effect": "changes after which nothing differs",
+    }
+    assert tuple(fates) == get_args(Fate)
+    return document(
+        "gcodesim test --mutate N --format json",
+        record(
+            "what a suite would not see",
+            schema=choice("name of this form", SCHEMA),
+            seed=whole("the same seed draws the same changes"),
+            counts=record("changes by what became of them", **{name: whole(what) for name, what in fates.items()}),
+            mutants=array(
+                "each change, in the order drawn",
+                record(
+                    "one change of one file of a case",
+                    case=text("the case"),
+                    file=text("the program or cell that is changed, from the folder of the run"),
+                    operator=text("the kind of change"),
+                    change=text("what is changed"),
+                    fate=choice("what became of it", *fates),
+                    quantities=array("names of all that differs", text("a quantity")),
+                ),
+            ),
+        ),
+    )
+
+
 def _baseline() -> Json:
     entry = record(
         "a known finding",
@@ -302,6 +334,7 @@ SCHEMAS: Final[dict[str, Callable[[], Json]]] = {
     ),
     "findings": _findings,
     "test": _test,
+    "mutants": _mutants,
     "diff": _diff,
     "canon": lambda: document("gcodesim canon --format json", canon(finding()), None),
     "baseline": _baseline,

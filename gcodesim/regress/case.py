@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fnmatch import fnmatch
 from pathlib import Path, PurePosixPath
 from typing import Final
@@ -27,6 +27,7 @@ class Case:
     """One program in one cell. Paths are as they can be opened; `name` and `file` are shown, from the root, with `/`.
 
     `spans` are places in the test file by path, such as ``("expect", "status")`` or ``("options", "dialect")``.
+    `edits` are texts that are read in place of what stands at a path, for asking what the case would see.
     """
 
     name: str
@@ -40,6 +41,12 @@ class Case:
     allow_path: tuple[Path, ...] = ()
     spans: Mapping[At, Span] = field(default_factory=dict)
     test_file: Path | None = None
+    edits: Mapping[Path, bytes] = field(default_factory=dict)
+
+    def read(self, path: Path) -> SourceText:
+        """The text at `path` as this case has it. OSError when it cannot be read."""
+        source = SourceText.read(path)
+        return replace(source, raw=self.edits[path]) if path in self.edits else source
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,7 +8,7 @@ from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from gcodesim.cell import load_cell
+from gcodesim.cell.loader import read_cell
 from gcodesim.cell.settings import matches
 from gcodesim.declarations.reading import suggestion
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText, Span
@@ -111,7 +111,7 @@ def judge(case: Case, how: Judging) -> tuple[CaseVerdict, Outcome]:
 
 def run_case(case: Case, how: Judging) -> Outcome:
     """Run, check or lint the program of a case. OSError when program or cell cannot be read."""
-    program = SourceText.read(case.program)
+    program = case.read(case.program)
     if case.options.dialect is not None and case.options.dialect not in DIALECTS:
         hint = suggestion(case.options.dialect, list(DIALECTS))
         span = case.spans.get(("options", "dialect"), Span(case.file))
@@ -120,7 +120,7 @@ def run_case(case: Case, how: Judging) -> Outcome:
     if case.options.mode == "lint":
         return _lint(case, program)
     assert case.cell is not None
-    return _simulate(case, program, load_cell(case.cell, case.allow_path), how)
+    return _simulate(case, program, read_cell(case.read(case.cell), case.cell, case.allow_path), how)
 
 
 def _settings(case: Case, settings: Settings) -> Settings:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gcodesim.cli import exits
+from gcodesim.cli.exits import UsageError
 from gcodesim.cli.formats import add_verdict_formats, write_formats
 from gcodesim.cli.judging import add_baseline, read_baseline, write_baseline
 from gcodesim.cli.suite import Bar, add_selection, jobs_of, selected, workers_are_safe
@@ -36,6 +37,13 @@ def add_parser(commands: Any) -> None:
     parser.add_argument(
         "--cache", type=Path, metavar="DIR", help="where it is remembered what passed (default: in the user's cache)"
     )
+    parser.add_argument(
+        "--mutate",
+        type=int,
+        metavar="N",
+        help="change programs and cells in N ways, one at a time, and tell which changes no case sees",
+    )
+    parser.add_argument("--seed", type=int, default=1, metavar="S", help="which changes --mutate draws (default: 1)")
     add_baseline(parser)
     add_verdict_formats(parser)
     parser.set_defaults(run=run)
@@ -46,6 +54,8 @@ def run(arguments: argparse.Namespace) -> int:
     from gcodesim.regress.suite import INTERNAL, baseline_of, run_suite
 
     begin = time.perf_counter()
+    if arguments.mutate is not None:
+        return _mutate(arguments)
     collected, how = selected(arguments)
     cache = _cache(arguments, how)
     with workers_are_safe(), Bar(len(collected.cases)) as step:
@@ -67,6 +77,36 @@ def run(arguments: argparse.Namespace) -> int:
     if any(one.finding.code == INTERNAL for case in verdict.cases for one in case.found):
         return exits.INTERNAL
     return exits.FINDINGS if verdict.failed and arguments.write_baseline is None else exits.OK
+
+
+def _mutate(arguments: argparse.Namespace) -> int:
+    """Ask what the suite would not see. Status 1 when a change that has an effect passes."""
+    from gcodesim.cli.output import note, print_json
+    from gcodesim.cli.verdicts import print_mutants
+    from gcodesim.regress.mutants import draw, judge_mutants, mutants_as_json
+    from gcodesim.regress.suite import run_suite
+
+    if arguments.mutate < 1:
+        raise UsageError("--mutate takes a number from 1 on")
+    begin = time.perf_counter()
+    collected, how = selected(arguments)
+    with workers_are_safe(), Bar(len(collected.cases)) as step:
+        suite = run_suite(collected, how, jobs=jobs_of(arguments), progress=lambda case: step(case.name))
+    passed = {case.name for case in suite.with_status("passed")}
+    sound = [case for case in collected.cases if case.name in passed]
+    for case in suite.with_status("failed"):
+        note(f"{case.name} fails as it is and is left out")
+    if not sound:
+        raise UsageError("no case passes as it is, so none can tell a change")
+    mutants = draw(sound, how.root, arguments.mutate, arguments.seed)
+    with workers_are_safe(), Bar(len(mutants)) as step:
+        verdicts = judge_mutants(mutants, how, jobs=jobs_of(arguments), progress=lambda one: step(one.case.name))
+    if arguments.format == "json":
+        print_json(mutants_as_json(verdicts, arguments.seed))
+    else:
+        print_mutants(verdicts, arguments.seed, verbose=arguments.verbose)
+    note(f"{time.perf_counter() - begin:.1f} s")
+    return exits.FINDINGS if any(one.fate == "not_seen" for one in verdicts) else exits.OK
 
 
 def _cache(arguments: argparse.Namespace, how: Judging) -> Cache:

@@ -60,6 +60,7 @@ def printed(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[Any]]:
             ],
             "findings": [_json("lint", "bad.nc", "mistake.nc"), _json("cell", "validate", "broken.yaml")],
             "test": [_json("test"), *_accepted_and_changed(folder)],
+            "mutants": [_json("test", "--fail-on", "never", "--mutate", "6")],
             "diff": [
                 _json("diff", "bad.nc", "mistake.nc"),
                 _json("diff", "bad.nc", "bad.nc"),
@@ -116,7 +117,7 @@ def _baseline(folder: Path) -> Any:
     return json.loads((folder / "known.json").read_text())
 
 
-JSON_OUTPUTS = ("results", "findings", "test", "diff", "canon", "baseline", "info")
+JSON_OUTPUTS = ("results", "findings", "test", "mutants", "diff", "canon", "baseline", "info")
 
 
 @pytest.mark.parametrize("name", SCHEMAS)

@@ -1,0 +1,121 @@
+"""What a suite would not see: seeded changes of its programs and cells, each judged as the case that it changes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from random import Random
+from typing import TYPE_CHECKING, Any, Final, Literal
+
+from gcodesim.diagnostics import SourceText
+from gcodesim.regress.case import Case, shown_path
+from gcodesim.regress.mutation import CELL_OPERATORS, PROGRAM_OPERATORS, Mutation, mutate_cell, mutate_program
+from gcodesim.regress.tolerance import DEFAULTS, Tolerance
+from gcodesim.regress.workers import in_parallel
+
+if TYPE_CHECKING:
+    from gcodesim.regress.judge import Judging
+
+SCHEMA: Final = "gcodesim-mutants/1"
+
+Fate = Literal["seen", "not_seen", "no_effect"]
+"""The case fails; it passes although something differs, or nothing was there to compare with; nothing differs."""
+
+_SHARE_OF_PROGRAMS: Final = 0.7  # the other changes are of cells
+_TRIES: Final = 50  # draws for each mutant: an operator may find nothing to change, or what was drawn before
+_EXACT: Final = {name: Tolerance(1e-6 * default.absolute, 1e-9) for name, default in DEFAULTS.items()}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mutant:
+    """A case with one change of its program or its cell."""
+
+    case: Case
+    file: str
+    mutation: Mutation
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MutantVerdict:
+    """What became of a mutant; `quantities` are those that differ, within tolerance where it was not seen."""
+
+    mutant: Mutant
+    fate: Fate
+    quantities: tuple[str, ...] = ()
+
+
+def draw(cases: Sequence[Case], root: Path, count: int, seed: int) -> tuple[Mutant, ...]:
+    """`count` mutants of `cases`; fewer where nothing more can be changed. The same seed draws the same ones."""
+    drawn: dict[tuple[str, str, str], Mutant] = {}
+    for number in range(count * _TRIES):
+        mutant = _draw_one(cases, root, Random(f"{seed}/{number}"))
+        if mutant is not None:
+            drawn.setdefault((mutant.case.name, mutant.file, mutant.mutation.text), mutant)
+        if len(drawn) == count:
+            break
+    return tuple(drawn.values())
+
+
+def _draw_one(cases: Sequence[Case], root: Path, random: Random) -> Mutant | None:
+    """A change of one case; None when what was drawn finds nothing to change."""
+    case = random.choice(cases)
+    path, change, operators = case.program, mutate_program, list(PROGRAM_OPERATORS)
+    if case.cell is not None and random.random() >= _SHARE_OF_PROGRAMS:
+        path, change, operators = case.cell, mutate_cell, list(CELL_OPERATORS)
+    text = "\n".join(SourceText.read(path).lines) + "\n"
+    mutation = change(random, text, random.choice(operators))
+    if mutation is None or mutation.text == text:
+        return None
+    changed = replace(case, edits={path: mutation.text.encode()})
+    return Mutant(case=changed, file=shown_path(path, root), mutation=mutation)
+
+
+def judge_mutants(
+    mutants: Sequence[Mutant], how: Judging, *, jobs: int = 1, progress: Callable[[Mutant], None] | None = None
+) -> tuple[MutantVerdict, ...]:
+    """The fate of each mutant, in their order, by `jobs` processes."""
+    fates = in_parallel(_fate, [mutant.case for mutant in mutants], how, jobs)
+    verdicts = []
+    try:
+        for mutant in mutants:
+            fate, quantities = next(fates)
+            verdicts.append(MutantVerdict(mutant=mutant, fate=fate, quantities=quantities))
+            if progress is not None:
+                progress(mutant)
+    finally:
+        fates.close()
+    return tuple(verdicts)
+
+
+def _fate(case: Case, how: Judging) -> tuple[Fate, tuple[str, ...]]:
+    from gcodesim.regress.facts import compare
+    from gcodesim.regress.judge import judge
+
+    verdict, outcome = judge(case, how)
+    if verdict.status == "failed":
+        return "seen", verdict.quantities
+    original = judge(replace(case, edits={}), how)[1]
+    comparison = compare(original.facts, outcome.facts, _EXACT)
+    return ("no_effect", ()) if comparison.same else ("not_seen", comparison.quantities)
+
+
+def mutants_as_json(verdicts: Sequence[MutantVerdict], seed: int) -> dict[str, Any]:
+    """All verdicts, with the counts on top."""
+    fates: tuple[Fate, ...] = ("seen", "not_seen", "no_effect")
+    return {
+        "schema": SCHEMA,
+        "seed": seed,
+        "counts": {fate: sum(one.fate == fate for one in verdicts) for fate in fates},
+        "mutants": [
+            {
+                "case": one.mutant.case.name,
+                "file": one.mutant.file,
+                "operator": one.mutant.mutation.operator,
+                "change": one.mutant.mutation.what,
+                "fate": one.fate,
+                "quantities": list(one.quantities),
+            }
+            for one in verdicts
+        ],
+    }

@@ -1,0 +1,58 @@
+"""What a suite would not see: drawn by a seed, judged as cases, nothing written."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from gcodesim.cli import main
+from gcodesim.regress.case import collect
+from gcodesim.regress.judge import Judging
+from gcodesim.regress.mutants import draw, judge_mutants
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
+
+
+def test_a_seed_draws_the_same_changes(suite: Path) -> None:
+    cases = collect([suite], suite).cases
+    one, same, other = (draw(cases, suite, 8, seed) for seed in (1, 1, 2))
+
+    assert [(m.file, m.mutation) for m in one] == [(m.file, m.mutation) for m in same]
+    assert [m.mutation for m in one] != [m.mutation for m in other]
+    assert len({(m.case.name, m.mutation.text) for m in one}) == 8
+
+
+def test_accepted_results_see_changes_and_nothing_is_written(suite: Path) -> None:
+    before = contents(suite)
+    verdicts = judge_mutants(draw(collect([suite], suite).cases, suite, 6, 3), Judging(root=suite))
+
+    assert contents(suite) == before
+    assert sum(one.fate == "seen" for one in verdicts) >= 4
+    assert all(one.quantities for one in verdicts if one.fate == "not_seen")
+
+
+def test_a_suite_that_compares_nothing_sees_little(
+    suite: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Without accepted results only what becomes an error is seen; the rest is told, and the status says so."""
+    for golden in suite.glob("*.golden.json"):
+        golden.unlink()
+    monkeypatch.chdir(suite)
+
+    assert main(["test", "--mutate", "8", "--seed", "3"]) == 1
+    text = capsys.readouterr().out
+    assert text.count("NOT SEEN ") >= 2 and "8 changes drawn with seed 3: " in text
+
+    main(["test", "--mutate", "8", "--seed", "3", "--format", "json"])
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["counts"]["not_seen"] == text.count("NOT SEEN ")
+    assert {one["fate"] for one in answer["mutants"]} <= {"seen", "not_seen", "no_effect"}
+
+
+def test_asking_for_no_change_is_wrong_usage(suite: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(suite)
+    assert main(["test", "--mutate", "0"]) == 2
