@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.diagnostics import Diagnostic, Span
+from gcodesim.diagnostics.plain import table_text
 from gcodesim.diagnostics.show import as_json
 from gcodesim.diagnostics.span_table import SpanTable
 from gcodesim.executor.totals import JointTotals, RowTotals
@@ -146,7 +147,7 @@ class LineRows:
         """A text with a head; numbers have six digits."""
         known = ("file", "line", "time_s", "distance_mm", "feed_mm_min", "removed_mm3", "max_force_N")
         head = ",".join((*known, *self.more)) + "\n"
-        names = [_quoted(name) for name in self.files]
+        names = [_quoted(table_text(name)) for name in self.files]
         columns = (_six_digits(column) for column in self.numbers.T)
         rows = zip((names[i] for i in self.file.tolist()), map(str, self.line.tolist()), *columns, strict=True)
         return head + "".join([",".join(row) + "\n" for row in rows])

@@ -14,6 +14,7 @@ from gcodesim.cell.placement import Placement, place
 from gcodesim.cell.placing import SYSTEMS
 from gcodesim.declarations.kind import Json
 from gcodesim.declarations.reading import Path, dotted
+from gcodesim.diagnostics.plain import one_line
 from gcodesim.frames import Pose
 from gcodesim.units import MM
 
@@ -22,16 +23,18 @@ _DEFAULT: Final = "default"
 # a sign that means something in YAML, but not the minus of a number
 _NEEDS_QUOTES: Final = re.compile(r"[\[\]{}#&*!|>'\"%@`]|-(?![0-9.])")
 
+_QUOTED: Final = re.compile(r": | #|:$|^[\s:]|\s$|##")  # what may not stand in a text without quotes
+
 
 def cell_as_text(cell: Cell) -> str:
     """The cell as YAML with every default written out and marked; what follows from it stands below as comments."""
     marks = {default.path: f"{_DEFAULT}: {default.why}" if default.why else _DEFAULT for default in cell.defaults_used}
-    lines = [f"# {cell.name} as gcodesim understands it; what is marked {_DEFAULT} is not written there"]
+    lines = [f"# {one_line(cell.name)} as gcodesim understands it; what is marked {_DEFAULT} is not written there"]
     _tree(ROOT.show(_as_written(cell)), (), "", marks, lines)
     placement = place(cell, next(iter(cell.channels)))
     lines += ["", "# where things stand: x, y, z [mm]; quaternion x, y, z, w"]
-    lines += [f"#   {name} in {parent}: {_pose_text(X)}" for name, parent, X in _poses(cell, placement)]
-    lines += [f"# {finding.level.word} {finding.code}: {finding.message}" for finding in placement.findings]
+    lines += [f"#   {one_line(name)} in {parent}: {_pose_text(X)}" for name, parent, X in _poses(cell, placement)]
+    lines += [f"# {finding.level.word} {finding.code}: {one_line(finding.message)}" for finding in placement.findings]
     return "\n".join(lines) + "\n"
 
 
@@ -72,12 +75,12 @@ def _poses(cell: Cell, placement: Placement) -> list[tuple[str, str, Pose]]:
 def _tree(value: Json, path: Path, indent: str, marks: dict[Path, str], lines: list[str]) -> None:
     for name, content in value.items():
         at = (*path, name)
-        mark = f"  # {marks[at]}" if at in marks else ""
+        mark = f"  # {one_line(marks[at])}" if at in marks else ""
         if isinstance(content, dict) and content:
-            lines.append(f"{indent}{name}:{mark}")
+            lines.append(f"{indent}{_inline(name)}:{mark}")
             _tree(content, at, indent + "  ", marks, lines)
         else:
-            lines.append(f"{indent}{name}: {_inline(content)}{mark}")
+            lines.append(f"{indent}{_inline(name)}: {_inline(content)}{mark}")
 
 
 def _inline(value: Any) -> str:
@@ -86,9 +89,13 @@ def _inline(value: Any) -> str:
     if isinstance(value, (list, tuple)):
         return f"[{', '.join(_inline(entry) for entry in value)}]"
     if isinstance(value, dict):
-        return "{" + ", ".join(f"{name}: {_inline(entry)}" for name, entry in value.items()) + "}"
+        return "{" + ", ".join(f"{_inline(name)}: {_inline(entry)}" for name, entry in value.items()) + "}"
     text = str(value)
-    return f'"{text}"' if text == "" or ": " in text or _NEEDS_QUOTES.match(text) else text
+    if text and not _NEEDS_QUOTES.match(text) and not _QUOTED.search(text) and text.isprintable():
+        return text
+    # only what is escaped has a meaning within these quotes; JSON's escapes are those of YAML
+    quoted = text.replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{one_line(quoted)}"'
 
 
 def _rounded(values: Any) -> list[float]:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from gcodesim.cli.exits import UsageError
+from gcodesim.diagnostics.plain import raw
 
 if TYPE_CHECKING:
     from gcodesim.regress import SuiteVerdict
@@ -59,8 +60,9 @@ def write_formats(verdict: SuiteVerdict | None, arguments: argparse.Namespace) -
         except OSError as error:
             raise UsageError(f"{path} cannot be written: {error.strerror or error}") from None
     if arguments.format not in ("text", "json"):
-        sys.stdout.write(writer_of(arguments.format)(verdict, places))
+        stream = raw(sys.stdout) if arguments.format == "github" else sys.stdout
+        stream.write(writer_of(arguments.format)(verdict, places))
     if arguments.github and arguments.format != "github":
         # other formats have stdout for themselves; runners read both streams
-        stream = sys.stdout if arguments.format == "text" else sys.stderr
+        stream = raw(sys.stdout if arguments.format == "text" else sys.stderr)
         stream.write(writer_of("github")(verdict, places))

@@ -7,13 +7,14 @@ import gc
 import os
 import sys
 from argparse import Namespace
-from collections.abc import Sequence
-from contextlib import suppress
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from typing import Final
 
 from gcodesim.cli.exits import INTERNAL, INTERRUPTED, OK, USAGE, UsageError
 from gcodesim.cli.interrupts import Interrupted, handled, interrupted_by
 from gcodesim.cli.parser import build_parser
+from gcodesim.diagnostics.plain import PlainStream, raw
 
 # Imports make many objects that all stay: to look for garbage among them every 700 takes a tenth of a short command.
 GARBAGE_EVERY: Final = 100_000
@@ -28,6 +29,22 @@ def main(argv: Sequence[str] | None = None) -> int:
     atexit.register(gc.freeze)  # else the interpreter looks through all of them several times before it ends
     if not _streams_are_open():
         return USAGE
+    with _plain_streams():
+        return _run(argv)
+
+
+@contextmanager
+def _plain_streams() -> Iterator[None]:
+    """What is printed meanwhile holds no commands to a terminal or a build server but ours."""
+    before = sys.stdout, sys.stderr
+    sys.stdout, sys.stderr = PlainStream(raw(before[0])), PlainStream(raw(before[1]))
+    try:
+        yield
+    finally:
+        sys.stdout, sys.stderr = before
+
+
+def _run(argv: Sequence[str] | None) -> int:
     arguments: Namespace | None = None
     try:
         with handled():

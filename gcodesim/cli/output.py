@@ -9,6 +9,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any, TextIO
 
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText
+from gcodesim.diagnostics.plain import one_line, raw
 from gcodesim.diagnostics.show import as_json, as_text
 from gcodesim.numbers import clean
 
@@ -28,13 +29,13 @@ def print_findings(findings: Iterable[Diagnostic], sources: Mapping[str, SourceT
         if colour:
             word = finding.level.word
             text = text.replace(f" {word} ", f" \033[{_COLOUR[finding.level]}m{word}\033[0m ", 1)
-        print(text)
+        print(text, file=raw(sys.stdout) if colour else sys.stdout)
 
 
 def print_verdict(name: str, findings: Sequence[Diagnostic], sources: Mapping[str, SourceText]) -> None:
     """The findings of one program or cell, and a line that counts them."""
     print_findings(findings, sources)
-    print(f"{name}: {verdict(findings)}")
+    print(f"{one_line(name)}: {verdict(findings)}")
 
 
 def verdict(findings: Iterable[Diagnostic]) -> str:
@@ -64,6 +65,7 @@ def print_table(
     """Columns aligned: the first ones, of `names`, and those of `texts` to the left, those of numbers to the right."""
     if not rows:
         return
+    rows = [[one_line(cell) for cell in row] for row in rows]
     widths = [max(len(row[i]) for row in rows if i < len(row)) for i in range(max(len(row) for row in rows))]
     for row in rows:
         cells = [

@@ -23,6 +23,7 @@ from gcodesim.cli.language import Language, files_of, write_parameters
 from gcodesim.cli.options import read_source
 from gcodesim.cli.output import note, print_findings, print_json, print_table, verdict
 from gcodesim.diagnostics import Severity
+from gcodesim.diagnostics.plain import raw
 from gcodesim.job import Job, Options
 from gcodesim.report import summary_rows
 from gcodesim.results import Results
@@ -240,7 +241,7 @@ class _Bar:
                 BarColumn(),
                 TextColumn("{task.percentage:>3.0f} %"),
                 TimeRemainingColumn(),
-                console=Console(stderr=True),
+                console=Console(file=raw(sys.stderr)),
                 transient=True,
             )
             self._task = self._bar.add_task("reading", total=None)

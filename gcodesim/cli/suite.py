@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from gcodesim.cli.exits import UsageError
 from gcodesim.cli.judging import add_today
 from gcodesim.cli.options import add_fail_on, read_source
+from gcodesim.diagnostics.plain import one_line, raw
 
 if TYPE_CHECKING:
     from gcodesim.regress.case import Collected
@@ -102,15 +103,16 @@ class Bar:
             from rich.console import Console
             from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-            columns = (MofNCompleteColumn(), BarColumn(), TimeRemainingColumn(), TextColumn("{task.fields[case]}"))
-            self._bar = Progress(*columns, console=Console(stderr=True), transient=True)
+            case = TextColumn("{task.fields[case]}", markup=False)
+            columns = (MofNCompleteColumn(), BarColumn(), TimeRemainingColumn(), case)
+            self._bar = Progress(*columns, console=Console(file=raw(sys.stderr)), transient=True)
             self._task = self._bar.add_task("cases", total=self._total, case="")
             self._bar.start()
         return self._step
 
     def _step(self, name: str) -> None:
         if self._bar is not None:
-            self._bar.update(self._task, advance=1, case=name)
+            self._bar.update(self._task, advance=1, case=one_line(name))
 
     def __exit__(self, *_: object) -> None:
         if self._bar is not None:

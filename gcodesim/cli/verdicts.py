@@ -10,6 +10,7 @@ from typing import Final
 
 from gcodesim.cli.output import wants_colour
 from gcodesim.diagnostics import SourceText
+from gcodesim.diagnostics.plain import one_line, raw
 from gcodesim.diagnostics.show import as_text
 from gcodesim.formats.text import counting, found_text
 from gcodesim.regress.mutants import MutantVerdict
@@ -51,7 +52,7 @@ def print_mutants(verdicts: Sequence[MutantVerdict], seed: int, *, verbose: bool
 
 
 def _print_case(case: CaseVerdict, sources: Mapping[str, SourceText], *, verbose: bool) -> None:
-    print(f"{_coloured(_WORDS[case.status], case.status)} {case.name}{' (unchanged)' if case.unchanged else ''}")
+    _print(f"{_coloured(_WORDS[case.status], case.status)} {one_line(case.name)}{' (unchanged)' * case.unchanged}")
     shown = counting(case)
     if verbose:
         shown += [one for one in case.found if one.state != "counts"]
@@ -67,7 +68,7 @@ def _print_case(case: CaseVerdict, sources: Mapping[str, SourceText], *, verbose
 def _print_summary(verdict: SuiteVerdict) -> None:
     states: list[str] = [one.state for case in verdict.cases for one in case.found]
     for text in verdict.gone:
-        print(f"gone from the baseline: {text}")
+        print(f"gone from the baseline: {one_line(text)}")
     failed, passed, rest = (len(verdict.with_status(status)) for status in ("failed", "passed", "not_run"))
     unchanged = sum(case.unchanged for case in verdict.cases)
     faults = len(verdict.found)
@@ -84,11 +85,16 @@ def _print_summary(verdict: SuiteVerdict) -> None:
     unaccepted = sum(any(one.finding.code == NOTHING_ACCEPTED for one in case.found) for case in verdict.cases)
     if unaccepted:
         parts.append(f"{unaccepted} without accepted results (`gcodesim accept`)")
-    print(", ".join(parts))
+    _print(", ".join(parts))
     for case in verdict.with_status("failed"):
         what = list(dict.fromkeys(one.code for one in case.counting))
         quantities = f": {', '.join(case.quantities[:6])}{' …' if len(case.quantities) > 6 else ''}"
-        print(f"  {case.name}  {' '.join(what)}{quantities if case.quantities else ''}")
+        print(f"  {one_line(case.name)}  {' '.join(what)}{quantities if case.quantities else ''}")
+
+
+def _print(text: str) -> None:
+    """Text with our colours, in which everything else is fit already."""
+    print(text, file=raw(sys.stdout))
 
 
 def _coloured(text: str, status: str) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from gcodesim.diagnostics.finding import Diagnostic, Span
+from gcodesim.diagnostics.plain import excerpt_of, one_line
 from gcodesim.diagnostics.text import SourceText
 
 _LONGEST_EXCERPT = 120
@@ -13,7 +14,8 @@ _LONGEST_EXCERPT = 120
 
 def place(span: Span) -> str:
     """`file:line:column`, or the file alone when the finding is about all of it."""
-    return f"{span.file}:{span.line}:{span.column}" if span.line else span.file
+    file = one_line(span.file)
+    return f"{file}:{span.line}:{span.column}" if span.line else file
 
 
 def excerpt(span: Span, text: str) -> list[str]:
@@ -22,7 +24,7 @@ def excerpt(span: Span, text: str) -> list[str]:
         return []
     first = max(span.column - 1, 0)
     last = span.end_column - 1 if span.end_line == span.line and span.end_column > span.column else first + 1
-    shown = "".join(c if c == "\t" or c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
+    shown = excerpt_of(text)
     cut = max(0, first - _LONGEST_EXCERPT // 2) if len(shown) > _LONGEST_EXCERPT else 0
     window = shown[cut : cut + _LONGEST_EXCERPT]
     lead = "".join("\t" if c == "\t" else " " for c in window[: first - cut])
@@ -41,15 +43,16 @@ def as_text(finding: Diagnostic, sources: Mapping[str, SourceText]) -> str:
     if finding.time is not None:
         remarks.append(f"{'first ' if finding.count > 1 else ''}at {finding.time:.3f} s")
     remark = f" ({', '.join(remarks)})" if remarks else ""
-    lines = [f"{place(finding.span)}: {finding.level.word} {finding.code}: {finding.message}{remark}"]
+    lines = [f"{place(finding.span)}: {finding.level.word} {finding.code}: {one_line(finding.message)}{remark}"]
     source = sources.get(finding.span.file)
     if source is not None and finding.span.line:
         lines += excerpt(finding.span, source.line(finding.span.line))
-    lines += [f"  called from {c.file}:{c.line} ({c.name})" for c in reversed(finding.span.callers)]
+    for caller in reversed(finding.span.callers):
+        lines.append(f"  called from {one_line(caller.file)}:{caller.line} ({one_line(caller.name)})")
     if finding.related is not None:
         lines.append(f"  see {place(finding.related)}")
     if finding.hint:
-        lines.append(f"  hint: {finding.hint}")
+        lines.append(f"  hint: {one_line(finding.hint)}")
     return "\n".join(lines)
 
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, Final, TextIO
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.diagnostics.plain import table_text
 from gcodesim.export.select import TimeRange
 from gcodesim.log.fields import leaves, parse_path, value_at
 from gcodesim.log.reader import decoder_of
@@ -84,9 +85,14 @@ def _write_periodic(recording: Recording, out: TextIO, topics: Sequence[str], pa
                 head.append(column_of(topic, name, kinds).name)
                 columns.append([texts[i] for i in rows])
     writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(head)
-    writer.writerows(zip(*columns, strict=True))
+    writer.writerow(map(table_text, head))
+    writer.writerows(map(_row, zip(*columns, strict=True)))
     return len(times)
+
+
+def _row(cells: Iterable[Any]) -> list[Any]:
+    """Cells of which texts are no formulas."""
+    return [table_text(cell) if isinstance(cell, str) else cell for cell in cells]
 
 
 def _numbers(column: NDArray[np.float64], divisor: float) -> list[float | int]:
@@ -107,8 +113,8 @@ def _write_changes(recording: Recording, out: TextIO, topic: str, part: TimeRang
         message = decode(raw)
         if not names:
             names = [name for name in leaves(message) if "[" not in name]
-            writer.writerow(["time_s", *names])
+            writer.writerow(["time_s", *map(table_text, names)])
         row = [value_at(message, parse_path(name)) for name in names]
-        writer.writerow([seconds_text(raw.t_ns), *(int(v) if isinstance(v, bool) else v for v in row)])
+        writer.writerow([seconds_text(raw.t_ns), *_row(int(v) if isinstance(v, bool) else v for v in row)])
         count += 1
     return count

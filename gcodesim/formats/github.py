@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from gcodesim.diagnostics import Severity, code_of
+from gcodesim.diagnostics.plain import lines
 from gcodesim.formats.items import Item, items_of
 from gcodesim.formats.places import FilePlaces
 from gcodesim.regress.verdicts import SuiteVerdict
@@ -35,14 +36,16 @@ def _line(item: Item) -> str:
         if span.column and place["endLine"] == span.line:
             place |= {"col": span.column, "endColumn": max(span.end_column, span.column + 1)}
     place["title"] = f"{finding.code} {code_of(finding.code).title}"
-    text = "\n".join(part for part in (finding.message, item.reason, finding.hint and f"hint: {finding.hint}") if part)
+    parts = (finding.message, item.reason, finding.hint and f"hint: {finding.hint}")
+    text = "\n".join(part for part in parts if part)
     properties = ",".join(f"{name}={_property(str(value))}" for name, value in place.items())
     return f"::{_NAMES[level]} {properties}::{_data(text)}"
 
 
 def _data(text: str) -> str:
     """A message as a workflow command takes it: one line, `%` first."""
-    return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
+    fit = "\r".join(map(lines, text.split("\r")))
+    return fit.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
 
 
 def _property(text: str) -> str:

@@ -6,6 +6,7 @@ import json
 from typing import Any, Final
 
 from gcodesim.diagnostics import Severity
+from gcodesim.diagnostics.plain import one_line
 from gcodesim.formats.items import Item, items_of
 from gcodesim.formats.places import FilePlaces
 from gcodesim.regress.verdicts import SuiteVerdict
@@ -23,7 +24,7 @@ def _issue(item: Item) -> dict[str, Any]:
     finding, span = item.finding, item.finding.span
     begin = max(span.line, 1)  # a finding about a whole file stands at its first line
     return {
-        "description": f"{finding.message} ({finding.hint})" if finding.hint else finding.message,
+        "description": one_line(f"{finding.message} ({finding.hint})" if finding.hint else finding.message),
         "check_name": finding.code,
         "fingerprint": item.fingerprint,
         "severity": _severity(item),

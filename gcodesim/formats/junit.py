@@ -12,6 +12,7 @@ from typing import Final
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
+from gcodesim.diagnostics.plain import one_line
 from gcodesim.diagnostics.show import as_text, place
 from gcodesim.formats.places import FilePlaces
 from gcodesim.formats.text import counting, found_text
@@ -50,7 +51,7 @@ def _suite(folder: str, members: Sequence[CaseVerdict | Found], places: FilePlac
     suite = Element(
         "testsuite",
         {
-            "name": _xml(folder or _NAME),
+            "name": _xml(one_line(folder or _NAME)),
             "tests": str(len(members)),
             "failures": str(sum(_outcome(case) == "failure" for case in cases)),
             "errors": str(sum(_outcome(case) == "error" for case in cases) + sum(f.state == "counts" for f in faults)),
@@ -82,7 +83,7 @@ def _add_case(suite: Element, folder: str, case: CaseVerdict, places: FilePlaces
         codes = dict.fromkeys(one.finding.code for one in failing)
         first = failing[0].finding
         more = f" (and {len(failing) - 1} more)" if len(failing) > 1 else ""
-        message = f"{place(first.span)}: {first.code}: {first.message}{more}"
+        message = f"{place(first.span)}: {first.code}: {one_line(_xml(first.message))}{more}"
         failure = SubElement(element, _outcome(case), {"type": " ".join(codes), "message": _xml(message)})
         failure.text = _xml("\n".join(found_text(one, places.sources) for one in failing))
     others = [found_text(one, places.sources) for one in case.found if one.state != "counts"]
@@ -95,14 +96,15 @@ def _add_fault(suite: Element, folder: str, fault: Found, places: FilePlaces) ->
     element = _test(suite, folder, finding.span.file, 0.0)
     text = _xml(as_text(finding, places.sources))
     if fault.state == "counts":
-        SubElement(element, "error", {"type": finding.code, "message": _xml(finding.message)}).text = text
+        SubElement(element, "error", {"type": finding.code, "message": one_line(_xml(finding.message))}).text = text
     else:
         SubElement(element, "system-out").text = text
 
 
 def _test(suite: Element, folder: str, name: str, seconds: float) -> Element:
     own = name.rpartition("/")[2]
-    attributes = {"classname": _xml(folder.replace("/", ".") or _NAME), "name": _xml(own), "time": _seconds(seconds)}
+    names = {"classname": folder.replace("/", ".") or _NAME, "name": own}
+    attributes = {**{what: _xml(one_line(name)) for what, name in names.items()}, "time": _seconds(seconds)}
     return SubElement(suite, "testcase", attributes)
 
 

@@ -8,6 +8,7 @@ from typing import Any, Final
 from urllib.parse import quote
 
 from gcodesim.diagnostics import Span
+from gcodesim.diagnostics.plain import one_line
 from gcodesim.formats.items import Item, items_of
 from gcodesim.formats.places import FilePlaces
 from gcodesim.formats.sarif_rules import LEVELS, rules
@@ -57,6 +58,11 @@ def _uri(name: str) -> str:
     return quote(name, safe="/~!$&'()*+,;=@", errors="surrogateescape")
 
 
+def _text(text: str) -> str:
+    """A piece of a message; what readers would take for a link (SARIF 2.1.0, 3.11.6) is none."""
+    return one_line(text).replace("](", "\\](")
+
+
 def _artifacts(named: Iterable[str], items: Iterable[Item], places: FilePlaces) -> list[Json]:
     """Programs and cells of the cases, and all other files that results name, in the order of their names."""
     analysed = {places.shown(name): name for name in named}
@@ -82,7 +88,7 @@ def _spans(item: Item) -> list[Span]:
 
 def _result(item: Item, rule_index: int, at: dict[str, int]) -> Json:
     finding = item.finding
-    lines = [finding.message, *([f"hint: {finding.hint}"] if finding.hint else [])]
+    lines = [_text(finding.message), *([f"hint: {_text(finding.hint)}"] if finding.hint else [])]
     result: Json = {
         "ruleId": finding.code,
         "ruleIndex": rule_index,
@@ -138,7 +144,7 @@ def _related(item: Item, at: dict[str, int]) -> list[Json]:
     if related is not None:
         places.append((related, "see here"))
     return [
-        {"id": number, **_location(place, at), "message": {"text": text}}
+        {"id": number, **_location(place, at), "message": {"text": _text(text)}}
         for number, (place, text) in enumerate(places, start=1)
     ]
 

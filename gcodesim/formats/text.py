@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Final
 
 from gcodesim.diagnostics import SourceText
+from gcodesim.diagnostics.plain import one_line
 from gcodesim.diagnostics.show import as_text
 from gcodesim.regress.verdicts import CaseVerdict, Found
 
@@ -32,7 +33,7 @@ def found_text(found: Found, sources: Mapping[str, SourceText]) -> str:
 
 def _remark(found: Found) -> str:
     if found.state == "suppressed":
-        return f"suppressed: {found.reason}"
+        return f"suppressed: {one_line(found.reason)}"
     if found.state == "counts":
-        return found.reason
+        return one_line(found.reason)
     return "" if found.state == "told" else {"baseline": "in the baseline"}.get(found.state, found.state)

@@ -14,6 +14,7 @@ from typing import Any, Final
 import numpy as np
 
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText, Span
+from gcodesim.diagnostics.plain import text_of_table
 from gcodesim.log.event import LogEvent
 from gcodesim.log.logfile import LogFile, LogReadError, RawMessage
 from gcodesim.log.reader import decoder_of
@@ -153,7 +154,8 @@ class Recording:
         if file is None or not file.is_file():
             return None
         with file.open(encoding="utf-8", newline="") as stream:
-            return list(csv.DictReader(stream))
+            rows = list(csv.DictReader(stream))
+        return [{**row, "file": text_of_table(row["file"])} if row.get("file") else row for row in rows]
 
     @cached_property
     def sources(self) -> dict[str, SourceText]:

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, Final
 
+from gcodesim.diagnostics.plain import one_line
 from gcodesim.numbers import clean
 from gcodesim.regress.changes import (
     Change,
@@ -268,7 +269,7 @@ def _row(change: Change) -> str:
 
 
 def _escaped(text: str) -> str:
-    return text.replace("|", "\\|").replace("<", "&lt;")
+    return one_line(text).replace("|", "\\|").replace("<", "&lt;").replace("](", "]\\(")
 
 
 def _diff_lines(moves: Sequence[MoveChange]) -> Iterator[str]:

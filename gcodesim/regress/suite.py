@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from gcodesim.diagnostics import Diagnostic, Span
+from gcodesim.diagnostics.plain import lines
 from gcodesim.regress.case import Case, Collected
 from gcodesim.regress.sources import Sources
 from gcodesim.regress.verdicts import CaseVerdict, Found, SuiteVerdict
@@ -50,7 +51,7 @@ def judged(case: Case, how: Judging) -> Judged:
 
 def _broken(case: Case, how: Judging, fault: Exception) -> CaseVerdict:
     """The verdict on a case that gcodesim itself failed on; the trace goes to stderr."""
-    traceback.print_exception(fault, file=sys.stderr)
+    print(lines("".join(traceback.format_exception(fault))), end="", file=sys.stderr)
     finding = Diagnostic(
         code=INTERNAL,
         span=Span(case.file),

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.diagnostics.plain import one_line
 from gcodesim.log.event import settled
 from gcodesim.playback.quantities import NEGLIGIBLE, Chart, thinned
 from gcodesim.playback.recording import Recording
@@ -35,6 +36,7 @@ _STYLE: Final = {
     "axes.linewidth": 0.6,
     "axes.unicode_minus": True,
     "text.color": _INK,
+    "text.parse_math": False,  # names are no formulas
     "xtick.color": _MUTED,
     "ytick.color": _MUTED,
     "xtick.labelcolor": _INK,
@@ -87,8 +89,8 @@ def draw(
         _line_axis(axes[0], recording, first_ns, last_ns)
         figure.align_ylabels(list(axes))
         figure.subplots_adjust(left=0.092, right=0.885, bottom=0.5 / height, top=1.0 - 0.72 / height, hspace=0.16)
-        figure.text(0.092, 1.0 - 0.26 / height, recording.name, weight="bold", fontsize=11)
-        cell, world = recording.run.get("cell", ""), recording.run.get("world", "")
+        figure.text(0.092, 1.0 - 0.26 / height, one_line(recording.name), weight="bold", fontsize=11)
+        cell, world = one_line(recording.run.get("cell", "")), one_line(recording.run.get("world", ""))
         subtitle = f"{cell}, {world} world" if world else cell
         figure.text(0.885, 1.0 - 0.26 / height, subtitle, ha="right", color=_MUTED)
         out = BytesIO()
@@ -109,7 +111,8 @@ def _chart(axis: Axes, chart: Chart, first_ns: int, last_ns: int, gaps: Sequence
         colour = _FAINT if curve.faint else _COLOURS[plain.index(curve) % len(_COLOURS)]
         t_ns, values = _broken(t_ns, values, gaps)
         seconds = t_ns * 1e-9
-        axis.plot(seconds, values, color=colour, linewidth=0.9, label=curve.label, zorder=2 if curve.faint else 3)
+        above = 2 if curve.faint else 3
+        axis.plot(seconds, values, color=colour, linewidth=0.9, label=one_line(curve.label), zorder=above)
         if len(chart.curves) == 1 and len(values) and np.nanmin(values) >= 0.0:
             axis.fill_between(seconds, values, 0.0, color=colour, alpha=0.12, linewidth=0.0, zorder=2)
     axis.set_ylabel(f"{chart.title}\n[{chart.unit}]")
@@ -188,7 +191,7 @@ def _line_axis(axis: Axes, recording: Recording, first_ns: int, last_ns: int) ->
         file = timeline.modals[timeline.modal[index]].file
         name = str(timeline.line[index])
         ticks.append(max(int(timeline.t_ns[index]), first_ns) * 1e-9)
-        labels.append(name if not files or file == files[0] or not file else f"{file}:{name}")
+        labels.append(name if not files or file == files[0] or not file else f"{one_line(file)}:{name}")
     kept = [i for i in range(len(ticks)) if not i or ticks[i] - ticks[i - 1] > 0.032 * (last_ns - first_ns) * 1e-9]
     top.set_xticks([ticks[i] for i in kept], [labels[i] for i in kept])
     top.set_xlabel("program line", labelpad=3, color=_MUTED)
