@@ -7,7 +7,6 @@ material is already in the way the bead loses that part, so that what was added 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import pi
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -76,13 +75,3 @@ def _sums(step: NDArray[np.int64], value: Array, steps: int) -> Array:
     totals = np.zeros(steps)
     np.add.at(totals, step, value)
     return totals
-
-
-def bead_area(width: float, height: float) -> float:
-    """Section [m²] of a bead `width` wide and `height` high [m]: a rectangle between two half circles."""
-    return (width - height) * height + 0.25 * pi * height**2
-
-
-def filament_length(volume: float, diameter: float) -> float:
-    """Length [m] of filament of `diameter` [m] that holds `volume` [m³]; what an E word counts."""
-    return volume / (0.25 * pi * diameter**2)

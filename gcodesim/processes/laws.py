@@ -123,14 +123,3 @@ class LinearEdge:
     def specific_force(self, chip: float) -> float:
         """Tangential force over chip section [Pa] at chip thickness `chip` [m] > 0."""
         return self.ktc + self.kte / chip
-
-
-def chip_force(law: Law, *, width: float, chip: float) -> tuple[float, float, float]:
-    """Tangential, normal and axial force [N] on one edge `width` [m] wide at chip thickness `chip` [m].
-
-    A chip of zero thickness leaves the edge force alone; a negative one is no contact.
-    """
-    if chip < 0.0 or width <= 0.0:
-        return 0.0, 0.0, 0.0
-    force = [float(width * ((k * chip**p if chip > 0.0 else 0.0) + e)) for k, p, e in law.packed]
-    return force[0], force[1], force[2]

@@ -8,8 +8,14 @@ import numpy as np
 import pytest
 
 from gcodesim.material.stock import Stock
-from gcodesim.processes.end_mill import (
-    Cut,
+from gcodesim.processes.laws import Kienzle, LinearEdge
+from gcodesim.processes.milling import Milling
+from gcodesim.processes.window import Window
+from gcodesim.tools import TOOLS
+from gcodesim.units import DEG, MM, MM3, N_PER_MM2, RPM
+from tests.physics.end_mill import (
+    ConstantCut,
+    chip_force,
     end_mill_forces,
     handbook_power,
     instantaneous_forces,
@@ -17,11 +23,6 @@ from gcodesim.processes.end_mill import (
     mean_chip_thickness,
     plunge_forces,
 )
-from gcodesim.processes.laws import Kienzle, LinearEdge, chip_force
-from gcodesim.processes.milling import Milling
-from gcodesim.processes.window import Window
-from gcodesim.tools import TOOLS
-from gcodesim.units import DEG, MM, MM3, N_PER_MM2, RPM
 
 DATA = Path(__file__).parents[1] / "data" / "physics"
 CASES = {case["id"]: case for case in json.loads((DATA / "milling.json").read_text())["cases"]}
@@ -60,7 +61,7 @@ def computed(case):
     lead = inputs["tool"].get("lead_angle_deg", 90.0)
     lead_angle = None if lead == 90.0 else lead * DEG
     size = inputs["cut"]
-    cut = Cut(
+    cut = ConstantCut(
         mode=size["mode"],
         ap=size["ap_mm"] * MM,
         ae=size["ae_mm"] * MM,
@@ -100,9 +101,9 @@ def test_case(name):
 # --- identities -------------------------------------------------------------------------------------------------
 
 CUTS = [
-    Cut(mode="slot", ap=5e-3, ae=10e-3, feed_per_tooth=0.05e-3, spindle=400.0),
-    Cut(mode="up", ap=4e-3, ae=3e-3, feed_per_tooth=0.06e-3, spindle=500.0),
-    Cut(mode="down", ap=2e-3, ae=7e-3, feed_per_tooth=0.1e-3, spindle=300.0),
+    ConstantCut(mode="slot", ap=5e-3, ae=10e-3, feed_per_tooth=0.05e-3, spindle=400.0),
+    ConstantCut(mode="up", ap=4e-3, ae=3e-3, feed_per_tooth=0.06e-3, spindle=500.0),
+    ConstantCut(mode="down", ap=2e-3, ae=7e-3, feed_per_tooth=0.1e-3, spindle=300.0),
 ]
 
 
@@ -156,8 +157,8 @@ def test_slot_means_in_closed_form():
 @pytest.mark.parametrize("law", [STEEL, ALUMINIUM], ids=["kienzle", "linear"])
 def test_up_and_down_mirror(law):
     """ID-05: tangential parts keep or change sign, radial parts the other way."""
-    up = Cut(mode="up", ap=4e-3, ae=3e-3, feed_per_tooth=0.06e-3, spindle=500.0)
-    down = Cut(mode="down", ap=4e-3, ae=3e-3, feed_per_tooth=0.06e-3, spindle=500.0)
+    up = ConstantCut(mode="up", ap=4e-3, ae=3e-3, feed_per_tooth=0.06e-3, spindle=500.0)
+    down = ConstantCut(mode="down", ap=4e-3, ae=3e-3, feed_per_tooth=0.06e-3, spindle=500.0)
     a, b = (end_mill_forces(mill(), law, cut, peaks=False) for cut in (up, down))
 
     assert (a.torque, a.power) == pytest.approx((b.torque, b.power), rel=1e-9)
@@ -195,15 +196,15 @@ def test_nothing_gives_nothing():
     """ID-09: exactly zero, and only the edge force where the feed is zero."""
     for law in (STEEL, ALUMINIUM):
         for cut in (
-            Cut(mode="slot", ap=0.0, ae=10e-3, feed_per_tooth=0.05e-3, spindle=400.0),
-            Cut(mode="up", ap=5e-3, ae=0.0, feed_per_tooth=0.05e-3, spindle=400.0),
+            ConstantCut(mode="slot", ap=0.0, ae=10e-3, feed_per_tooth=0.05e-3, spindle=400.0),
+            ConstantCut(mode="up", ap=5e-3, ae=0.0, feed_per_tooth=0.05e-3, spindle=400.0),
         ):
             nothing = end_mill_forces(mill(), law, cut)
             assert not nothing.force.any()
             assert (nothing.torque, nothing.power, nothing.mrr, nothing.peak) == (0.0, 0.0, 0.0, 0.0)
-    rubbing = Cut(mode="slot", ap=5e-3, ae=10e-3, feed_per_tooth=0.0, spindle=400.0)
+    rubbing = ConstantCut(mode="slot", ap=5e-3, ae=10e-3, feed_per_tooth=0.0, spindle=400.0)
     edge = Rows(ALUMINIUM.packed * [0.0, 1.0, 1.0])
-    full = Cut(mode="slot", ap=5e-3, ae=10e-3, feed_per_tooth=0.05e-3, spindle=400.0)
+    full = ConstantCut(mode="slot", ap=5e-3, ae=10e-3, feed_per_tooth=0.05e-3, spindle=400.0)
     assert end_mill_forces(mill(), ALUMINIUM, rubbing, peaks=False).force == pytest.approx(
         end_mill_forces(mill(), edge, full, peaks=False).force, rel=1e-12
     )
@@ -269,7 +270,7 @@ def test_slot_in_stock(kind, law, cells):
     stock = Stock.box((0.0, 0.0, -20e-3), (30e-3, 20e-3, 0.0), D / cells)
     window = straight((8e-3, 10e-3, -3e-3), (16e-3, 10e-3, -3e-3), feed=feed_of(tool), spindle=OMEGA)
     stock.remove(np.array([[-6e-3, 10e-3, -3e-3]]), window.piece_start[:1], tool.cutting_shape)
-    wanted = end_mill_forces(tool, law, Cut(mode="slot", ap=3e-3, ae=D, feed_per_tooth=CHIP, spindle=OMEGA))
+    wanted = end_mill_forces(tool, law, ConstantCut(mode="slot", ap=3e-3, ae=D, feed_per_tooth=CHIP, spindle=OMEGA))
 
     found = run(tool, law, stock, window)
 
@@ -299,7 +300,7 @@ def test_side_milling_in_stock(law, mode, phase):
     window = straight(*ends, feed=feed_of(tool), spindle=OMEGA)
     outside = np.array([[-10e-3 if mode == "down" else 50e-3, y, -4e-3]])
     stock.remove(outside, window.piece_start[:1], tool.cutting_shape)
-    wanted = end_mill_forces(tool, law, Cut(mode=mode, ap=4e-3, ae=ae, feed_per_tooth=CHIP, spindle=OMEGA))
+    wanted = end_mill_forces(tool, law, ConstantCut(mode=mode, ap=4e-3, ae=ae, feed_per_tooth=CHIP, spindle=OMEGA))
     force = wanted.force * ([1.0, 1.0, 1.0] if mode == "down" else [-1.0, -1.0, 1.0])  # K turned into S
 
     found = run(tool, law, stock, window)

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from gcodesim.material.stock import Stock
-from gcodesim.processes.calculators import jet_kerf, spray_stripe, suction_grip
-from gcodesim.processes.extrusion import Extrusion, bead_area, filament_length
+from gcodesim.processes.extrusion import Extrusion
 from gcodesim.processes.milling import Milling
 from gcodesim.processes.window import Window
 from gcodesim.tools import TOOLS
 from gcodesim.units import MM, MM3, MM_PER_MINUTE, UM
+from tests.physics.process_formulas import bead_area, filament_length, jet_kerf, spray_stripe, suction_grip
 
 DATA = Path(__file__).parents[1] / "data" / "physics"
 CASES = {case["id"]: case for case in json.loads((DATA / "process.json").read_text())["cases"]}

@@ -2,7 +2,8 @@
 
 import pytest
 
-from gcodesim.processes.laws import Kienzle, LinearEdge, chip_force
+from gcodesim.processes.laws import Kienzle, LinearEdge
+from tests.physics.end_mill import chip_force
 
 MM = 1e-3
 

@@ -1,4 +1,4 @@
-"""Closed forms of processes that act without touching: one small function each, also the truth for their tests."""
+"""Closed forms of processes that lay, spray, cut at a distance or grip: the truth for their tests."""
 
 from __future__ import annotations
 
@@ -56,3 +56,13 @@ def suction_grip(*, cups: int, diameter: float, vacuum: float, mass: float, grav
     """
     cup = vacuum * 0.25 * pi * diameter**2
     return SuctionGrip(cup_force=cup, force=cups * cup, vertical_acceleration=cups * cup / mass - gravity)
+
+
+def bead_area(width: float, height: float) -> float:
+    """Section [m²] of a bead `width` wide and `height` high [m]: a rectangle between two half circles."""
+    return (width - height) * height + 0.25 * pi * height**2
+
+
+def filament_length(volume: float, diameter: float) -> float:
+    """Length [m] of filament of `diameter` [m] that holds `volume` [m³]; what an E word counts."""
+    return volume / (0.25 * pi * diameter**2)

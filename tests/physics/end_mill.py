@@ -1,4 +1,4 @@
-"""Forces of an end mill or drill in a cut of known size, without stock: the calculator, and the truth for the kernels.
+"""Forces of an end mill or drill in a cut of known size, without stock: the truth for the kernels.
 
 Sums over teeth, heights and angles of the mechanistic model (Altintas 2012, sec. 2.8), integrated by Gauss-Legendre
 quadrature between the limits of each tooth's contact. Frame K: X along the feed, Z to the holder, Y to the left;
@@ -28,7 +28,7 @@ _PEAK_ANGLES = 360
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Cut:
+class ConstantCut:
     """A cut of constant size: `up` (conventional), `down` (climb) or `slot`; depth `ap`, width `ae` [m].
 
     Contact runs over the same angles at every height: up 0 to acos(1 - 2 ae/D), down from 180 degrees minus that to
@@ -127,7 +127,7 @@ def element_forces(law: Law, chip: Array, b: Array, phi: Array, kappa: Array) ->
 
 
 def instantaneous_forces(
-    cutter: Cutter, law: Law, cut: Cut, theta: float, lead_angle: float | None = None
+    cutter: Cutter, law: Law, cut: ConstantCut, theta: float, lead_angle: float | None = None
 ) -> tuple[Array, float]:
     """Force (3,) [N] in K and torque [N·m] with tooth 0 at `theta` [rad] at the tip.
 
@@ -167,7 +167,7 @@ def _contacts(tip: float, lag: float, start: float, end: float, z0: float, z1: f
 
 
 def end_mill_forces(
-    cutter: Cutter, law: Law, cut: Cut, *, lead_angle: float | None = None, peaks: bool = True
+    cutter: Cutter, law: Law, cut: ConstantCut, *, lead_angle: float | None = None, peaks: bool = True
 ) -> CutForces:
     """Mean and peak forces of `cutter` in a cut of constant size.
 
@@ -202,7 +202,7 @@ def end_mill_forces(
     )  # fmt: skip
 
 
-def _peak_angles(cutter: Cutter, cut: Cut) -> list[float]:
+def _peak_angles(cutter: Cutter, cut: ConstantCut) -> list[float]:
     """Angles of tooth 0 [rad] at which peaks are looked for: over one pitch, and where contact begins or ends."""
     pitch = 2.0 * pi / cutter.flutes
     lag = 2.0 * tan(cutter.helix) / cutter.diameter * cut.ap
@@ -240,7 +240,7 @@ def plunge_forces(cutter: Cutter, law: Law, *, feed_per_rev: float, spindle: flo
     )  # fmt: skip
 
 
-def mean_chip_thickness(cutter: Cutter, cut: Cut, lead_angle: float = 0.5 * pi) -> float:
+def mean_chip_thickness(cutter: Cutter, cut: ConstantCut, lead_angle: float = 0.5 * pi) -> float:
     """h_m = c sin(kappa) 2 ae / (D phi_s) [m]: chip thickness averaged over the angle of contact phi_s."""
     start, end = cut.limits(cutter.diameter)
     if end <= start:
@@ -248,7 +248,7 @@ def mean_chip_thickness(cutter: Cutter, cut: Cut, lead_angle: float = 0.5 * pi) 
     return cut.feed_per_tooth * sin(lead_angle) * (cos(start) - cos(end)) / (end - start)
 
 
-def handbook_power(law: Kienzle, cutter: Cutter, cut: Cut, lead_angle: float = 0.5 * pi) -> float:
+def handbook_power(law: Kienzle, cutter: Cutter, cut: ConstantCut, lead_angle: float = 0.5 * pi) -> float:
     """kc(h_m) ap ae v_f [W], as handbooks give it: never below the exact mean (Jensen), equal only for mc = 0."""
     h = mean_chip_thickness(cutter, cut, lead_angle)
     if h <= 0.0:
@@ -261,3 +261,14 @@ def handbook_power(law: Kienzle, cutter: Cutter, cut: Cut, lead_angle: float = 0
 def kienzle_pressure(kc11: float, mc: float, chip: float) -> float:
     """kc [Pa] at chip thickness `chip` [m]: kc11 (h / 1 mm)**-mc with `kc11` [Pa]."""
     return float(kc11 * (chip / MM) ** -mc)
+
+
+def chip_force(law: Law, *, width: float, chip: float) -> tuple[float, float, float]:
+    """Tangential, normal and axial force [N] on one edge `width` [m] wide at chip thickness `chip` [m].
+
+    A chip of zero thickness leaves the edge force alone; a negative one is no contact.
+    """
+    if chip < 0.0 or width <= 0.0:
+        return 0.0, 0.0, 0.0
+    force = [float(width * ((k * chip**p if chip > 0.0 else 0.0) + e)) for k, p, e in law.packed]
+    return force[0], force[1], force[2]
