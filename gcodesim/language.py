@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from math import atan2, degrees
+from typing import Final
+
+from gcodesim.canon.systems import name_of_system
 from gcodesim.cell import Cell, Placement, place
 from gcodesim.cell.cell import MAIN
-from gcodesim.diagnostics import Diagnostic, SourceText
+from gcodesim.diagnostics import Diagnostic, Severity, SourceText
 from gcodesim.rs274 import MappedAction, Settings, ToolEntry, ToolTable, read_parameters
 from gcodesim.units import MM
+
+_UNTURNED: Final = 1e-6  # deg
 
 
 def settings_of_cell(
@@ -43,12 +49,12 @@ def settings_of_cell(
     if own.parameters is not None:
         parameters, more = read_parameters(SourceText.read(own.parameters.path, own.parameters.name))
         findings += more
-    given = placement.parameters()
     if own.parameters is None:
-        parameters = given
+        parameters = placement.parameters()
     else:  # the cell's own work offsets come before those of the file
-        named = {5221 + 20 * (index - 1) for index in placement.given}
-        parameters |= {number: value for number, value in given.items() if _system_start(number) in named}
+        parameters |= placement.parameters(placement.given)
+    if own.dialect == "fanuc":
+        findings += _turned(cell, channel, placement)
     settings = Settings(
         dialect=own.dialect,
         tool_table=table,
@@ -67,8 +73,23 @@ def settings_of_cell(
     return settings, findings
 
 
-def _system_start(number: int) -> int:
-    return 5221 + 20 * ((number - 5221) // 20)
+def _turned(cell: Cell, channel: str, placement: Placement) -> list[Diagnostic]:
+    """An error for each work system that is turned about Z, which those of Fanuc cannot be."""
+    found = []
+    for index in placement.given:
+        R = placement.work_offsets[index].R
+        if abs(turn := degrees(atan2(float(R[1, 0]), float(R[0, 0])))) > _UNTURNED:
+            name = name_of_system(index)
+            found.append(
+                Diagnostic(
+                    code="GS726",
+                    severity=Severity.ERROR,
+                    span=cell.channel_span(channel, "work_offsets", name),
+                    message=f"{name} is turned by {turn:.6g} deg about Z, and Fanuc's work systems are only shifted",
+                    hint="let the program turn it (G68 X0 Y0 R…), or turn the stock and what holds it",
+                )
+            )
+    return found
 
 
 def _differing(cell: Cell, channel: str, table: ToolTable, lengths: dict[int, float]) -> list[Diagnostic]:

@@ -209,7 +209,7 @@ class Override(Event):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WorkSystem(Event):
-    """State: the work system in force; `index` 1 (G54) to 9 (G59.3).
+    """State: the work system in force; `index` 1 (G54) to 9 (G59.3), or more (`canon.systems`).
 
     ``end = R(rotation) (program + g92) + offset``, R about Z [rad].
     """

@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final, Literal
 
-from gcodesim.cell.placing import SYSTEM_NAMES, Place, system_name
+from gcodesim.canon.systems import system_name
+from gcodesim.cell.placing import SYSTEM_NAMES, Place
 from gcodesim.declarations.composed import ListOf
 from gcodesim.declarations.file_kind import File, FileValue
 from gcodesim.declarations.keys import key
@@ -239,7 +240,7 @@ class Channel:
     dialect: str = key(_DialectKind(), "which control's language", default="linuxcnc")
     work_offsets: Mapping[str, Place] = key(
         MapOf(SYSTEM_NAMES, Record(Place, "a work offset"), "work systems and where they are"),
-        "where G54 to G59.3 are",
+        "where G54 to G59.3 are; for `fanuc` also `G54.1 P1` to `G54.1 P300`",
         default={},
         quiet=True,
     )

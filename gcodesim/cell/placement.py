@@ -7,7 +7,7 @@ only a shift and a turn about Z of M, so Z of M has to be parallel to theirs.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import product
 from math import atan2
@@ -15,15 +15,17 @@ from typing import Final
 
 import numpy as np
 
+from gcodesim.canon.systems import SYSTEMS, system_index
 from gcodesim.cell.cell import MAIN, Cell
 from gcodesim.cell.channel import Channel, Orientation
 from gcodesim.cell.machine import MachineTool
-from gcodesim.cell.placing import SYSTEMS, Carried, system_index
+from gcodesim.cell.placing import Carried
 from gcodesim.cell.placing import Place as Standing
 from gcodesim.cell.robot import Robot
 from gcodesim.cell.stock import Cylinder, Shape
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.frames import Array, Pose
+from gcodesim.rs274.parameters import first_of_system
 from gcodesim.units import DEG, MM
 
 Corners = tuple[tuple[float, float, float], tuple[float, float, float]]
@@ -32,18 +34,17 @@ STOCK: Final = "stock"
 FIXTURE: Final = "fixture"
 CLEARANCE: Final = 0.1  # m that the longest tool clears the stock's top by, at the top of Z
 _UPRIGHT: Final = 1e-9  # Z axes whose dot product is nearer to 1 than this count as parallel
-_FIRST_PARAMETER: Final = 5221
-_PARAMETER_STEP: Final = 20
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Placement:
     """Where everything stands that depends on the work systems.
 
-    `X_WM` is M of the channel in the world; `work_offsets` X_MP of systems 1 (G54) to 9 (G59.3), which turn about Z
-    of M only. `stocks`, `fixtures` and `target` are X_W of the bodies' own frames, without those that stand on a link:
-    these are `carried`, by names such as `stock/plate` and `fixture/clamp`. `given` are the systems that the cell
-    names, `automatic` says that G54 was chosen by the rule for stock without a place.
+    `X_WM` is M of the channel in the world; `work_offsets` X_MP of systems 1 (G54) to 9 (G59.3), and of Fanuc's
+    additional ones that the cell names (101 is G54.1 P1); they turn about Z of M only. `stocks`, `fixtures` and
+    `target` are X_W of the bodies' own frames, without those that stand on a link: these are `carried`, by names such
+    as `stock/plate` and `fixture/clamp`. `given` are the systems that the cell names, `automatic` says that G54 was
+    chosen by the rule for stock without a place.
     """
 
     X_WM: Pose
@@ -61,15 +62,21 @@ class Placement:
         """The pose of a frame or work system (`table`, `G54`) in the world; KeyError when there is none."""
         if name in self.frames:
             return self.frames[name]
-        return self.X_WM @ self.work_offsets[system_index(name)]
+        return self.X_WM @ self.work_offsets.get(system_index(name), Pose.identity())
 
-    def parameters(self) -> dict[int, float]:
-        """Work offsets as the control keeps them: 5221 X, 5222 Y, 5223 Z [mm], 5230 turn about Z [deg]; next +20."""
+    def parameters(self, systems: Iterable[int] | None = None) -> dict[int, float]:
+        """Offsets of `systems` (default all) as the control keeps them.
+
+        5221 X, 5222 Y, 5223 Z [mm], 5230 turn about Z [deg], the next system 20 further; Fanuc's additional ones
+        from 7001 and 14961 on, without a turn.
+        """
         values: dict[int, float] = {}
-        for index, X_MP in self.work_offsets.items():
-            first = _FIRST_PARAMETER + _PARAMETER_STEP * (index - 1)
+        for index in self.work_offsets if systems is None else systems:
+            X_MP, first = self.work_offsets[index], first_of_system(index)
             for axis in range(3):
                 values[first + axis] = float(X_MP.p[axis]) / MM
+            if index > len(SYSTEMS):
+                continue
             values[first + 9] = atan2(float(X_MP.R[1, 0]), float(X_MP.R[0, 0])) / DEG
         return values
 

@@ -7,6 +7,7 @@ from collections.abc import Container, Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
+from gcodesim.canon.systems import SYSTEM_PATTERN, SYSTEMS, system_name
 from gcodesim.declarations.keys import key
 from gcodesim.declarations.kind import WITHIN_REACH, Json, Kind, scalar
 from gcodesim.declarations.map_of import Name
@@ -18,19 +19,8 @@ from gcodesim.frames import Pose
 WORLD: Final = "world"
 MACHINE: Final = "machine"
 RESERVED: Final = (WORLD, MACHINE, "tool", "tcp", "part", "camera", "flange", "base")
-SYSTEMS: Final = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
 
 _NAME = r"[A-Za-z_][A-Za-z0-9_-]*"
-
-
-def system_name(text: str) -> str | None:
-    """`g54` → `G54`; None when it is no work system."""
-    return text.upper() if text.upper() in SYSTEMS else None
-
-
-def system_index(name: str) -> int:
-    """1 for G54 … 9 for G59.3."""
-    return SYSTEMS.index(name) + 1
 
 
 def _plain_name(text: str) -> str | None:
@@ -46,9 +36,7 @@ def names_of(what: str) -> Name:
     )
 
 
-SYSTEM_NAMES: Final = Name(
-    what="work system", pattern=r"[Gg]5(4|5|6|7|8|9(\.[123])?)", canonical=system_name, known=SYSTEMS
-)
+SYSTEM_NAMES: Final = Name(what="work system", pattern=SYSTEM_PATTERN, canonical=system_name, known=SYSTEMS)
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,9 +6,10 @@ from dataclasses import replace
 from importlib.util import find_spec
 from typing import Final
 
+from gcodesim.canon.systems import SYSTEMS, system_name
 from gcodesim.cell.cell import FORMAT, MACHINE, MAIN, Cell
 from gcodesim.cell.channel import Channel
-from gcodesim.cell.placing import SYSTEMS, WORLD, FrameTree, Place
+from gcodesim.cell.placing import WORLD, FrameTree, Place
 from gcodesim.cell.settings import matches, with_step
 from gcodesim.cell.stock import Box, Mesh, Shape
 from gcodesim.declarations.keys import keys
@@ -39,6 +40,7 @@ def resolve(cell: Cell, to: Reading) -> Cell:
     _check_frames(cell, to)
     _check_materials(to)
     _check_stock_on_arm(cell, to)
+    _check_systems(cell, to)
     _check_mesh_sizes(cell, to)
     _check_loaded_tools(cell, to)
     _check_codes(cell, to)
@@ -159,7 +161,7 @@ def _fault_on_link(cell: Cell, name: str, span: Span, to: Reading) -> None:
 def _fault_of_frame(cell: Cell, name: str, fixed: list[str], path: Path, to: Reading) -> None:
     span = to.span(path)
     follows_work = path[0] in _FOLLOW_WORK or path[-1] == "tool_axis"
-    if name not in SYSTEMS:
+    if system_name(name) is None:
         known = [*fixed, "G54"] if follows_work else fixed
         if path[0] in _ON_LINKS and "/" in name:
             known = [*known, *cell.link_names]
@@ -192,6 +194,24 @@ def _check_loaded_tools(cell: Cell, to: Reading) -> None:
             f"there is no tool T{number} to be loaded",
             f"tools of this cell: {known}",
         )
+
+
+def _check_systems(cell: Cell, to: Reading) -> None:
+    """Additional systems are Fanuc's."""
+    for name, channel in cell.channels.items():
+        own: Path = ("channels", name)
+        path: Path = (*own, "dialect") if (*own, "dialect") in to.keys else ("dialect",)
+        if path not in to.keys or channel.dialect == "fanuc":
+            continue  # where no dialect is written, the command line may name it
+        for system in channel.work_offsets:
+            if system not in SYSTEMS:
+                to.fault(
+                    "GS719",
+                    to.span((*path[:-1], "work_offsets", system)),
+                    f"{system} is a work system of `fanuc`, and the dialect is `{channel.dialect}`",
+                    "G54 to G59.3 are there in every dialect but `grbl`, which ends at G59",
+                    related=to.span(path),
+                )
 
 
 def _check_stock_on_arm(cell: Cell, to: Reading) -> None:

@@ -8,10 +8,10 @@ from typing import Any, Final
 
 import numpy as np
 
+from gcodesim.canon.systems import name_of_system
 from gcodesim.cell.cell import MAIN, Cell
 from gcodesim.cell.loader import ROOT
 from gcodesim.cell.placement import Placement, place
-from gcodesim.cell.placing import SYSTEMS
 from gcodesim.declarations.kind import Json
 from gcodesim.declarations.reading import Path, dotted
 from gcodesim.diagnostics.plain import one_line
@@ -64,7 +64,7 @@ def _poses(cell: Cell, placement: Placement) -> list[tuple[str, str, Pose]]:
     rows = [(name, "world", X) for name, X in cell.frames.items() if name != "world"]
     systems = placement.given or ((1,) if placement.automatic else ())
     zero = "machine" if cell.machine else "base"
-    rows += [(SYSTEMS[index - 1], zero, placement.work_offsets[index]) for index in systems]
+    rows += [(name_of_system(index), zero, placement.work_offsets[index]) for index in systems]
     rows += [(f"stock {name}", "world", X) for name, X in placement.stocks.items()]
     rows += [(f"fixture {name}", "world", X) for name, X in placement.fixtures.items()]
     rows += [(name, on.link, on.X) for name, on in cell.carried.items()]

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.canon.systems import name_of_system
 from gcodesim.cell.stock import Box, Cylinder, Mesh, Shape
 from gcodesim.checks.collisions import FixtureBody, ToolParts, collision_finding, fixture_touches
 from gcodesim.diagnostics import Diagnostic
@@ -125,5 +126,4 @@ def place_in_system(p_M: Array, state: ToolState) -> tuple[str, Array]:
     """
     R = rotation_about(_UP, state.rotation)
     point = R.T @ (p_M - np.array(state.system_offset[:3])) - np.array(state.g92[:3])
-    name = f"G{53 + state.system}" if state.system <= 6 else f"G59.{state.system - 6}"
-    return name, point
+    return name_of_system(state.system), point

@@ -48,7 +48,7 @@ class ToolState:
 
     `offset` is the active length offset (axes stand at end + offset), `spindle`
     [rad/s] is positive for M3 and 0 when stopped, `surface_speed` [m/s] is set
-    under G96 (then `spindle` is its cap). `system` 1 (G54) to 9 (G59.3) with
+    under G96 (then `spindle` is its cap). `system` (`canon.systems`: 1 is G54) with
     its offset, G92 and rotation [rad]. `word` is the motion word, as G1; `control` what the words command.
     """
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.canon.systems import name_of_system
 from gcodesim.diagnostics import Diagnostic, Findings
 from gcodesim.frames import Array
 from gcodesim.motion.curves import Curves
@@ -36,8 +37,10 @@ def axis_ranges(path: ToolPath) -> tuple[Array, Array]:
             angle = peak + half_turns * np.pi
             u = angle / np.where(sweep == 0.0, 1.0, sweep)
             size = 1.0 + curves.growth[:, None] * u
-            at = curves.center + u * curves.lift + size * (
-                np.cos(angle) * curves.radial + np.sin(angle) * curves.sideways
+            at = (
+                curves.center
+                + u * curves.lift
+                + size * (np.cos(angle) * curves.radial + np.sin(angle) * curves.sideways)
             )
             inside = (u > 0.0) & (u < 1.0)
             low[arc, :3] = np.where(inside, np.minimum(low[arc, :3], at), low[arc, :3])
@@ -106,7 +109,7 @@ def _report_axis(
         room = (float(joints.lower[j]) - least, float(joints.upper[j]) - most)
         if room[0] <= room[1]:
             shift = min(max(0.0, room[0]), room[1])
-            hint = f"{_system_name(state.system)} shifted by {shift / factor:+.3f} {unit} in {letter} would fit"
+            hint = f"{name_of_system(state.system)} shifted by {shift / factor:+.3f} {unit} in {letter} would fit"
         else:
             hint = (
                 f"no shift fits: the program needs {(most - least) / factor:.3f} {unit} of {letter},"
@@ -130,7 +133,3 @@ def _report_axis(
             unit="m" if axis < 3 else "rad",
         )
     )
-
-
-def _system_name(index: int) -> str:
-    return f"G{53 + index}" if index <= 6 else f"G59.{index - 6}"

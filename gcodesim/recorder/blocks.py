@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gcodesim.canon import Action, Event, OptionalStop, Stop, ToolChange
 from gcodesim.canon import Output as OutputEvent
-from gcodesim.cell.placing import SYSTEMS
+from gcodesim.canon.systems import name_of_system
 from gcodesim.diagnostics.span_table import SpanTable
 from gcodesim.frames import Array
 from gcodesim.log import BlockColumns, BlockMessages, OutputState, ProgramShown
@@ -216,7 +216,7 @@ def _modal(
         motion=state.word if moving else "",
         tool=state.tool,
         tool_name=tool.name if tool is not None else "",
-        wcs=SYSTEMS[state.system - 1],
+        wcs=name_of_system(state.system),
         feed=float(feed),
         spindle=state.spindle,
         state=word,

@@ -266,7 +266,7 @@ def _applied(name: str, operator: Operator, random: Random, text: str) -> Mutati
 CELL_OPERATORS: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {
     "tool diameter": (r"tools\.[0-9]+\.diameter", ("stocks", "tools", "surface")),
     "flutes": (r"tools\.[0-9]+\.flutes", ("tools",)),
-    "offset": (r"work_offsets\.G5[0-9.]+\.xyz\.[0-2]", ("machine", "X", "Y", "Z", "joints")),
+    "offset": (r"work_offsets\.G5[0-9.]+(?: P[0-9]+)?\.xyz\.[0-2]", ("machine", "X", "Y", "Z", "joints")),
     "stiffness": (r"robots\.[^.]+\.stiffness\.[0-9]", ("stocks", "tools", "surface", "joints")),
     "stock height": (r"stock\.box\.2", ("stocks", "surface")),
     "cutting force": (r"materials\.[^.]+\.kc11", ("tools",)),

@@ -245,7 +245,7 @@ CODES += (
         title="A tilted work system",
         what=(
             "Work offsets may be shifted and turned about Z of the machine, not tilted; on an arm all systems of "
-            "a channel share one Z direction."
+            "a channel share one Z direction. Those of Fanuc may only be shifted."
         ),
         why="G-code has no word for a tilted work offset, so the program would run somewhere else.",
         remedy="Tilt the frame of the whole work instead, or split the program into channels.",

@@ -10,10 +10,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from gcodesim.canon.systems import ADDITIONAL
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.fanuc import variables as numbers
 from gcodesim.rs274.fanuc.variables import Variables
 from gcodesim.rs274.fault import Fault
+from gcodesim.rs274.parameters import first_of_system
 from gcodesim.rs274.state import ZERO, State, Vector, add, scaled, subtract
 from gcodesim.units import MM
 
@@ -23,7 +25,6 @@ if TYPE_CHECKING:
     from gcodesim.rs274.fanuc.polar import Polar
 
 _XY = (0, 1)
-ADDITIONAL = 100  # the index of G54.1 P1 is one more
 
 
 @dataclass(slots=True)
@@ -120,7 +121,7 @@ class FanucControl(Control):
         return tuple(out)  # type: ignore[return-value]
 
     def system_offset(self, index: int) -> tuple[Vector, float]:
-        return self.stored(first_of(index)), 0.0
+        return self.stored(first_of_system(index)), 0.0
 
     def use_system(self, index: int) -> None:
         self.reframe(system=index)
@@ -229,14 +230,4 @@ class FanucControl(Control):
         return known[number - 4000]
 
 
-def first_of(index: int) -> int:
-    """The first variable of a work system's offsets."""
-    if index <= 6:
-        return numbers.FIRST_SYSTEM + 20 * (index - 1)
-    additional = index - ADDITIONAL
-    if additional <= 48:
-        return numbers.FIRST_ADDITIONAL + 20 * (additional - 1)
-    return numbers.FIRST_FURTHER + 20 * (additional - 49)
-
-
-__all__ = ["ADDITIONAL", "FanucControl", "FanucState", "first_of"]
+__all__ = ["FanucControl", "FanucState"]

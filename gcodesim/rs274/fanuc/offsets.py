@@ -5,14 +5,16 @@ from __future__ import annotations
 from dataclasses import replace
 
 from gcodesim import canon
+from gcodesim.canon.systems import ADDITIONAL, MOST_ADDITIONAL
 from gcodesim.rs274 import parameters as homes
 from gcodesim.rs274.dialects import g_name
 from gcodesim.rs274.dialects.linuxcnc import LENGTH, NON_MODAL, SYSTEM
 from gcodesim.rs274.ends import end_point
 from gcodesim.rs274.fanuc import polar
 from gcodesim.rs274.fanuc import variables as numbers
-from gcodesim.rs274.fanuc.control import ADDITIONAL, FanucControl, first_of
+from gcodesim.rs274.fanuc.control import FanucControl
 from gcodesim.rs274.fault import Fault
+from gcodesim.rs274.parameters import first_of_system
 from gcodesim.rs274.state import AXES, ZERO, Vector, add, subtract
 from gcodesim.rs274.words import Words, place_of
 
@@ -92,7 +94,7 @@ def work_system(words: Words, control: FanucControl) -> None:
 
 
 def _check_additional(number: int, who: str) -> None:
-    last = numbers.MOST_ADDITIONAL
+    last = MOST_ADDITIONAL
     if not 1 <= number <= last:
         raise Fault("GS106", f"{who} P{number}: P runs from 1 to {last}", at="p", value=number, limit=last)
 
@@ -130,9 +132,9 @@ def _set_data(words: Words, control: FanucControl) -> None:
 def _set_system(words: Words, control: FanucControl, level: int, number: int) -> None:
     if level == 20:
         _check_additional(number, "G10 L20")
-        first = first_of(ADDITIONAL + number)
+        first = first_of_system(ADDITIONAL + number)
     elif 0 <= number <= 6:
-        first = first_of(number) if number else numbers.EXTERNAL
+        first = first_of_system(number) if number else numbers.EXTERNAL
     else:
         raise Fault("GS106", f"G10 L2 P{number}: P runs from 0 to 6", at="p", value=number, limit=6)
     for axis, letter in enumerate(AXES[:6]):

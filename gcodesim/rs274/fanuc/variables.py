@@ -9,19 +9,16 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Final
 
+from gcodesim.canon.systems import MOST_ADDITIONAL
 from gcodesim.rs274.fault import Fault
-from gcodesim.rs274.parameters import Parameters
+from gcodesim.rs274.parameters import FIRST_ADDITIONAL, FIRST_FURTHER, FIRST_SYSTEM, Parameters
 
 if TYPE_CHECKING:
     from gcodesim.rs274.fanuc.control import FanucControl
 
 LOCALS: Final = range(1, 34)
 EXTERNAL: Final = 5201  # external work offset, six axes
-FIRST_SYSTEM: Final = 5221  # G54 to G59, 20 numbers apart
-FIRST_ADDITIONAL: Final = 7001  # G54.1 P1 to P48, 20 numbers apart
 FIRST_OF_ALL: Final = 14001  # G54.1 P1 to P300 once more, where a control has so many
-FIRST_FURTHER: Final = 14961  # G54.1 P49 to P300
-MOST_ADDITIONAL: Final = 300
 LENGTH_WEAR, LENGTH_GEOMETRY, RADIUS_WEAR, RADIUS_GEOMETRY = 10000, 11000, 12000, 13000
 MOST_OFFSETS: Final = 999
 ALARM, STOP = 3000, 3006

@@ -180,3 +180,23 @@ def test_placing_does_not_change_the_cell() -> None:
 
     place(first)
     assert first == second
+
+
+def test_additional_systems_of_fanuc_have_their_place_and_their_parameters() -> None:
+    text = GANTRY + (
+        "dialect: fanuc\nwork_offsets: {G54.1 P1: {xyz: [300, 200, -200]}, g54 p49: {xyz: [1, 2, 3]}}\n"
+        "stock: {box: [10, 10, 10], zero: top-front-left, in: G54.1 P1}\n"
+    )
+    placement = place(sound(text))
+
+    assert placement.given == (101, 149)
+    np.testing.assert_allclose(placement.stocks["stock"].p * 1e3, (300, 200, -200))
+    values = placement.parameters(placement.given)
+    assert [values[n] for n in (7001, 7002, 7003, 14961)] == pytest.approx([300, 200, -200, 1])
+    assert not any(7004 <= n < 7021 for n in values)
+
+
+def test_additional_systems_are_fanucs() -> None:
+    text = GANTRY + "dialect: linuxcnc\nwork_offsets: {G54.1 P1: {xyz: [300, 200, -200]}}\n"
+
+    assert codes(text) == ["GS719"]
