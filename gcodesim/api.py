@@ -12,6 +12,7 @@ from gcodesim.cell.show import cell_as_text
 from gcodesim.declarations.files import InputFile
 from gcodesim.diagnostics import Diagnostic, Findings, Severity, SourceText
 from gcodesim.diagnostics.show import as_text
+from gcodesim.job import Options
 from gcodesim.motion import ToolPath, build_tool_path
 from gcodesim.motion.tool_path import ZERO
 from gcodesim.results import Results
@@ -50,8 +51,12 @@ def load_cell(path: Path | str, allow_paths: Sequence[Path] = ()) -> Cell:
     return loaded.cell
 
 
-def simulate(program: Path | str, cell: Cell | Path | str, out: Path | str | None = None) -> Results:
+def simulate(
+    program: Path | str, cell: Cell | Path | str, out: Path | str | None = None, *, force: bool = False
+) -> Results:
     """Run `program` in `cell`; with `out`, a folder, write there what `gcodesim run` writes.
+
+    Files in `out` that the run reads, or that gcodesim did not write, are overwritten with `force` only (GS750).
 
     `cell` is a file, or a `Cell`, which may have been changed since it was read: then the log carries what
     `gcodesim cell show` prints of it in place of the file, and the results the hash of that.
@@ -61,7 +66,7 @@ def simulate(program: Path | str, cell: Cell | Path | str, out: Path | str | Non
     once the files in `out` are closed; it is a `gcodesim.simulation.RunInterrupted` when there are results so far.
     """
     loaded = _as_loaded(cell) if isinstance(cell, Cell) else read_cell_file(Path(cell))
-    job = simulation.prepare(SourceText.read(Path(program)), loaded)
+    job = simulation.prepare(SourceText.read(Path(program)), loaded, Options(force=force))
     results, _ = simulation.run(job, None if out is None else Path(out))
     return results
 

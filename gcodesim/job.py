@@ -26,7 +26,8 @@ BULLET: Final = "bullet"
 class Options:
     """What the command line may say over the cell: `world`, settings of the reader, the day for dated suppressions.
 
-    `findings` and `sources` are those of files that the command line names besides.
+    `findings` and `sources` are those of files that the command line names besides. `force` lets a run overwrite inputs
+    and files of others in its output folder.
     """
 
     world: str | None = None
@@ -35,6 +36,7 @@ class Options:
     sources: Mapping[str, SourceText] = field(default_factory=dict)
     today: date | None = None
     fail_on: Severity | None = Severity.ERROR
+    force: bool = False
 
 
 @dataclass(slots=True, kw_only=True, eq=False)

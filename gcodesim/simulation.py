@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 from gcodesim.canon import Axes
 from gcodesim.cell import Cell, LoadedCell
@@ -25,6 +25,15 @@ from gcodesim.language import settings_of_cell
 from gcodesim.motion import ToolPath, build_tool_path
 from gcodesim.motion.timing import event_durations
 from gcodesim.outcome import first_error, results_of
+from gcodesim.output_folder import (
+    RESULTS_NAME,
+    FolderInUseError,
+    claimed,
+    forget,
+    in_use,
+    names_of,
+    overwriting,
+)
 from gcodesim.results import Results
 from gcodesim.rs274 import Settings, interpret
 from gcodesim.scene import WORLD
@@ -36,11 +45,6 @@ if TYPE_CHECKING:
     from gcodesim.executor import Execution, Progress
     from gcodesim.log.live import LiveView
     from gcodesim.planning import Plan
-
-LOG_NAME: Final = "run.mcap"
-RESULTS_NAME: Final = "results.json"
-LINES_NAME: Final = "lines.csv"
-STOCK_SUFFIXES: Final = (".stl", ".stock")
 
 
 class RunInterrupted(KeyboardInterrupt):
@@ -186,14 +190,43 @@ def run(
     `live` shows the log to viewers while it is written.
     What an earlier run left in `out` under the same names goes first, so that
     nothing old stands beside the results of a run that failed. `WorldUnavailable`
-    comes before anything is touched. KeyboardInterrupt ends the run: log and
+    comes before anything is touched. So does GS750, where a file there is an
+    input or not of gcodesim (unless the job may `force` it), and GS751, where
+    another run is at work there. KeyboardInterrupt ends the run: log and
     results are closed as they are, then `RunInterrupted` goes on to the caller.
     """
-    from gcodesim.executor import execute
-    from gcodesim.inspection import Inspector
     from gcodesim.world import require_world
 
     require_world(job.world)
+    if out is None:
+        return _run(job, None, progress, live)
+    span = Span(job.program.name)
+    try:
+        with claimed(out):
+            names = _names(job.shop)
+            lost = [] if job.options.force else overwriting(out, names, _inputs(job), span)
+            if lost:
+                return _refused(job, lost), None
+            return _run(job, out, progress, live)
+    except FolderInUseError:
+        return _refused(job, [in_use(span)]), None
+
+
+def _refused(job: Job, findings: Sequence[Diagnostic]) -> Results:
+    """Results of a job that may not write its files; nothing is touched."""
+    job.findings.extend(findings)
+    return replace(results_of(job, None, failed=True), stopped_at=findings[0].span)
+
+
+def _run(
+    job: Job,
+    out: Path | None,
+    progress: Callable[[Progress], None] | None,
+    live: LiveView | None,
+) -> tuple[Results, Execution | None]:
+    from gcodesim.executor import execute
+    from gcodesim.inspection import Inspector
+
     if job.shop is None or job.plan is None or job.cell is None:
         return _not_run(job, out), None
     job.shop, problems = with_stock(job.shop)
@@ -203,8 +236,7 @@ def run(
     job.findings.extend(coarse_findings(job.shop, job.plan))
     recorder = None
     if out is not None:
-        _forget(out, job.shop)
-    if out is not None:
+        forget(out, _names(job.shop))
         from gcodesim.recorder import Recorder
 
         recorder = Recorder(job, out, live)
@@ -238,16 +270,17 @@ def _not_run(job: Job, out: Path | None) -> Results:
     results = results_of(job, None, failed=True)
     results = replace(results, stopped_at=first_error(results.findings))
     if out is not None:
-        _forget(out, job.shop)
-        out.mkdir(parents=True, exist_ok=True)
+        forget(out, _names(job.shop))
         write_whole(out / RESULTS_NAME, results.text().encode())
     return results
 
 
-def _forget(out: Path, shop: Shop | None) -> None:
-    """Remove the files that a run writes, as far as an earlier one left them, whole or not."""
-    stocks = () if shop is None or shop.cell is None else shop.cell.stocks
-    names = [LOG_NAME, RESULTS_NAME, LINES_NAME, *(f"{name}{suffix}" for name in stocks for suffix in STOCK_SUFFIXES)]
-    for name in names:
-        (out / name).unlink(missing_ok=True)
-        (out / f"{name}.part").unlink(missing_ok=True)
+def _names(shop: Shop | None) -> list[str]:
+    """The files that a run in this shop writes."""
+    return names_of(() if shop is None else shop.cell.stocks)
+
+
+def _inputs(job: Job) -> list[Path]:
+    """All files that were read for a job, as far as they are files."""
+    read = [source.folder / source.name for source in job.sources.values() if source.folder is not None]
+    return [*read, *(file.path for file in job.loaded.files)]

@@ -13,6 +13,7 @@ from typing import Final
 
 from gcodesim.cli.exits import INTERNAL, INTERRUPTED, OK, USAGE, UsageError
 from gcodesim.cli.interrupts import Interrupted, handled, interrupted_by
+from gcodesim.cli.overwriting import refuse_own_inputs
 from gcodesim.cli.parser import build_parser
 from gcodesim.diagnostics.plain import PlainStream, raw
 
@@ -49,6 +50,7 @@ def _run(argv: Sequence[str] | None) -> int:
     try:
         with handled():
             arguments = build_parser().parse_args(argv)
+            refuse_own_inputs(arguments)
             status = int(arguments.run(arguments))
             sys.stdout.flush()
             return status

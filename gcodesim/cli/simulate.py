@@ -25,18 +25,10 @@ from gcodesim.cli.output import note, print_findings, print_json, print_table, v
 from gcodesim.diagnostics import Severity
 from gcodesim.diagnostics.plain import raw
 from gcodesim.job import Job, Options
+from gcodesim.output_folder import IN_USE, LOG_NAME, OVERWRITES, names_of
 from gcodesim.report import summary_rows
 from gcodesim.results import Results
-from gcodesim.simulation import (
-    LINES_NAME,
-    LOG_NAME,
-    RESULTS_NAME,
-    STOCK_SUFFIXES,
-    RunInterrupted,
-    check,
-    prepare,
-    run,
-)
+from gcodesim.simulation import RunInterrupted, check, prepare, run
 from gcodesim.verdict import suppressed_findings
 
 if TYPE_CHECKING:
@@ -60,6 +52,7 @@ def _prepared(arguments: argparse.Namespace, path: Path, loaded: LoadedCell) -> 
         findings=tuple(language.findings),
         sources=language.sources,
         today=arguments.today,
+        force=getattr(arguments, "force", False),
         fail_on=None if arguments.fail_on == "never" else Severity[arguments.fail_on.upper()],
     )
     return prepare(program, loaded, options)
@@ -267,7 +260,9 @@ def _print_verdict(
     print(f"{shown.name}: {'interrupted, with ' if interrupted else ''}{verdict(shown.findings)}")
     stopped = results.stopped_at
     if not simulated:
-        print("nothing was simulated, because of what is wrong in the cell")
+        kept = any(finding.code in (OVERWRITES, IN_USE) for finding in results.findings)
+        where = "is in the output folder" if kept else "is wrong in the cell"
+        print(f"nothing was simulated, because of what {where}")
         return
     if stopped is not None:
         where = f"{stopped.file}:{stopped.line}" if stopped.line else stopped.file
@@ -277,8 +272,6 @@ def _print_verdict(
 
 
 def _print_files(out: Path, results: Results) -> None:
-    stocks = [f"{name}{suffix}" for name in results.stocks for suffix in STOCK_SUFFIXES]
-    names = [LOG_NAME, RESULTS_NAME, LINES_NAME, *stocks]
     print()
-    print(f"  files in {out}: {', '.join(names)}")
+    print(f"  files in {out}: {', '.join(names_of(results.stocks))}")
     print(f"  look at it: open {out / LOG_NAME} in Foxglove or Lichtblick, with the layout that is inside")

@@ -20,12 +20,12 @@ from gcodesim.log.logfile import LogFile, LogReadError, RawMessage
 from gcodesim.log.reader import decoder_of
 from gcodesim.log.series import Series, read_series
 from gcodesim.log.topics import PERIODIC
+from gcodesim.output_folder import LOG_NAME, RESULTS_NAME
 from gcodesim.playback.frames import RecordedFrames
 from gcodesim.playback.scenes import Drawing, drawing_of
-from gcodesim.playback.stored_results import RESULTS_NAME, NoResultsError, results_from
+from gcodesim.playback.stored_results import NoResultsError, results_from
 from gcodesim.playback.timeline import Timeline
 
-LOG_NAME: Final = "run.mcap"
 PERIODIC_TOPICS: Final = tuple(topic.name for topic in PERIODIC)
 _TILES: Final = ("/scene/stock/", "/scene/added/")
 _OTHER_FILES: Final = ("layout.json", "results.json", "cell.yaml", "program.nc")

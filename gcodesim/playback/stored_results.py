@@ -8,8 +8,8 @@ from typing import Any, Final
 
 from gcodesim.log.event import LogEvent
 from gcodesim.log.logfile import LogFile
+from gcodesim.output_folder import RESULTS_NAME
 
-RESULTS_NAME: Final = "results.json"
 _NUMBER: Final = (int, float)
 _TEXT: Final = (str,)
 _PARTS: Final[Mapping[str, tuple[type, ...]]] = {

@@ -18,6 +18,7 @@ from gcodesim.frames import Array
 from gcodesim.job import BULLET
 from gcodesim.log import LogDescription, LogWriter, MotionColumns, ProcessColumns, ProcessField, layout
 from gcodesim.motion.tool_path import HOME, RAPID
+from gcodesim.output_folder import LINES_NAME, LOG_NAME, RESULTS_NAME
 from gcodesim.processes.column import LOG
 from gcodesim.recorder.blocks import Blocks
 from gcodesim.recorder.bodies import cell_entities, tile_meshes, tool_shapes
@@ -41,7 +42,6 @@ if TYPE_CHECKING:
     from gcodesim.material.surface import Glimpse, Surface, Tile, Tiles
     from gcodesim.world import WorldSteps
 
-LOG_NAME: Final = "run.mcap"
 TILE_PERIOD_NS: Final = 500_000_000
 """Stock is drawn at most this often."""
 
@@ -348,9 +348,9 @@ class Recorder:
         state = "failed" if results.status == "failed" else "finished"
         text = results.text().encode()
         removed = sum(stock.removed - stock.deposited for stock in results.stocks.values())
-        self._writer.close(self._now_ns, state, {"removed_m3": repr(removed)}, {"results.json": text})
-        write_whole(self._out / "results.json", text)
-        write_whole(self._out / "lines.csv", results.lines_csv().encode())
+        self._writer.close(self._now_ns, state, {"removed_m3": repr(removed)}, {RESULTS_NAME: text})
+        write_whole(self._out / RESULTS_NAME, text)
+        write_whole(self._out / LINES_NAME, results.lines_csv().encode())
         self._write_stocks()
 
     def _write_stocks(self) -> None:

@@ -14,6 +14,7 @@ from gcodesim.diagnostics.show import as_json
 from gcodesim.language import settings_of_cell
 from gcodesim.numbers import read_json
 from gcodesim.outcome import INTERRUPTED
+from gcodesim.output_folder import LOG_NAME, RESULTS_NAME
 from gcodesim.regress.changes import Comparison
 from gcodesim.regress.compare import INCOMPLETE
 from gcodesim.regress.facts import Facts, compare, facts_of_run
@@ -25,7 +26,7 @@ from gcodesim.regress.tolerance import Tolerances
 from gcodesim.results import SCHEMA as RESULTS
 from gcodesim.rs274 import Settings, interpret
 from gcodesim.rs274.assumed import assumed_tools
-from gcodesim.simulation import LOG_NAME, RESULTS_NAME, prepare, run
+from gcodesim.simulation import prepare, run
 
 if TYPE_CHECKING:
     from gcodesim.material.stock import Stock

@@ -45,10 +45,10 @@ _STYLE: Final = {
     "grid.linewidth": 0.7,
     "path.simplify": True,
 }
-_NO_DATE: Final[dict[str, dict[str, Any]]] = {
-    "svg": {"Date": None, "Creator": None},
-    "png": {"Software": None},
-    "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
+_METADATA: Final[dict[str, dict[str, Any]]] = {
+    "svg": {"Date": None, "Creator": "gcodesim"},
+    "png": {"Software": "gcodesim"},
+    "pdf": {"CreationDate": None, "Creator": "gcodesim", "Producer": None},
 }
 
 
@@ -94,7 +94,7 @@ def draw(
         subtitle = f"{cell}, {world} world" if world else cell
         figure.text(0.885, 1.0 - 0.26 / height, subtitle, ha="right", color=_MUTED)
         out = BytesIO()
-        figure.savefig(out, format=kind, metadata=_NO_DATE[kind])
+        figure.savefig(out, format=kind, metadata=_METADATA[kind])
     return out.getvalue()
 
 

@@ -23,6 +23,7 @@ NONE = {
     "GS612": "depends on whether pybullet is installed",
     "GS613": "a fault of gcodesim itself",
     "GS614": "needs a damaged log; tests/cli/test_views.py has some",
+    "GS751": "needs two runs at once; tests/cli/test_output_folder.py has them",
     "GS616": "needs somebody who stops a run; tests/cli/test_interrupts.py does",
 }
 TRANSCRIPTS = sorted(FOLDER.glob("GS*.txt"))

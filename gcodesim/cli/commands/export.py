@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from gcodesim.cli.exits import UsageError
 from gcodesim.cli.moments import add_range, chosen_range, nanoseconds, open_recording, reads_logs, status_of_reading
+from gcodesim.cli.overwriting import refuse_foreign
 
 if TYPE_CHECKING:
     from gcodesim.export.select import TimeRange
@@ -163,7 +164,11 @@ def _bag(arguments: argparse.Namespace, recording: Recording, topics: list[str],
 
 def _target(arguments: argparse.Namespace, recording: Recording) -> Path:
     given: Path | None = arguments.out
-    return given if given is not None else Path(Path(recording.name).stem + _SUFFIX[arguments.to])
+    if given is not None:
+        return given
+    usual = Path(Path(recording.name).stem + _SUFFIX[arguments.to])
+    refuse_foreign(usual)
+    return usual
 
 
 def _write(path: Path, data: bytes) -> None:

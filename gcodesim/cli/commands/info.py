@@ -68,7 +68,7 @@ def run(arguments: argparse.Namespace) -> int:
     from gcodesim.cli.output import print_json
     from gcodesim.log.logfile import LogFile, LogReadError
     from gcodesim.log.summary import summary
-    from gcodesim.playback.recording import LOG_NAME
+    from gcodesim.output_folder import LOG_NAME
     from gcodesim.playback.stored_results import final_findings
 
     if arguments.log.is_dir():

@@ -8,6 +8,7 @@ from typing import Any
 
 from gcodesim.cli.exits import UsageError
 from gcodesim.cli.moments import add_range, chosen_range, open_recording, reads_logs, status_of_reading
+from gcodesim.cli.overwriting import refuse_foreign
 
 _USUAL = ("force", "power", "removal", "feed", "error")
 
@@ -44,6 +45,8 @@ def run(arguments: argparse.Namespace) -> int:
     kind = out.suffix.lower().lstrip(".")
     if kind not in FORMATS:
         raise UsageError(f"{out.name}: a picture ends in .svg, .png or .pdf")
+    if arguments.out is None:
+        refuse_foreign(out)
     first_ns, last_ns = chosen_range(arguments, recording)
     charts = charts_of(recording, what) or [chart for chart in charts_of(recording, _USUAL) if chart.speaks]
     try:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 from gcodesim.cli.exits import UsageError
 from gcodesim.cli.moments import open_recording, reads_logs, status_of_reading
 from gcodesim.cli.options import add_format
+from gcodesim.cli.overwriting import refuse_foreign
 
 if TYPE_CHECKING:
     from gcodesim.report.times import TimeReport
@@ -26,9 +27,7 @@ def add_parser(commands: Any) -> None:
     )
     parser.add_argument("log", type=Path, metavar="LOG", help="a run.mcap, or the folder of a run")
     parser.add_argument("other", type=Path, metavar="OTHER", nargs="?", help="a second run, shown beside the first")
-    parser.add_argument(
-        "-o", "--out", type=Path, default=Path("report.html"), metavar="FILE", help="the page (default: report.html)"
-    )
+    parser.add_argument("-o", "--out", type=Path, metavar="FILE", help="the page (default: report.html)")
     parser.add_argument(
         "--times", action="store_true", help="print the time by tool, layer and line; the parts add up to the total"
     )
@@ -56,15 +55,19 @@ def run(arguments: argparse.Namespace) -> int:
     from gcodesim.report.page import write_page
     from gcodesim.whole_file import write_whole
 
+    out = arguments.out
+    if out is None:
+        out = Path("report.html")
+        refuse_foreign(out)
     try:
         page = write_page(recordings).encode()
     except LibraryMissingError as reason:
         raise UsageError(str(reason)) from None
     try:
-        write_whole(arguments.out, page)
+        write_whole(out, page)
     except OSError as error:
-        raise UsageError(f"{arguments.out} cannot be written: {error.strerror}") from None
-    print(f"wrote {arguments.out}, {len(page) / 1e6:.1f} MB; open it in a browser")
+        raise UsageError(f"{out} cannot be written: {error.strerror}") from None
+    print(f"wrote {out}, {len(page) / 1e6:.1f} MB; open it in a browser")
     return status_of_reading(*recordings)
 
 

@@ -27,6 +27,11 @@ def add_parser(commands: Any) -> None:
         "--out", type=Path, default=Path("out"), metavar="DIR", help="folder for the files (default: out)"
     )
     parser.add_argument(
+        "--force",
+        action="store_true",
+        help="overwrite files in DIR also where the run reads them, or gcodesim did not write them",
+    )
+    parser.add_argument(
         "--world",
         choices=("kinematic", "bullet"),
         help="instead of what the cell says: kinematic has no dynamics; bullet has inertia, gravity and motors",

@@ -322,6 +322,27 @@ CODES += (
     ),
 )
 
+# the output folder
+CODES += (
+    Code(
+        code="GS750",
+        severity=Severity.ERROR,
+        title="The run would overwrite a file",
+        what="A file that the run writes stands in the output folder already. It is one that the run reads, or one "
+        "that gcodesim did not write.",
+        why="A mesh of one's own, or the stock of the run before, would be gone. Nothing was simulated.",
+        remedy="Name another folder with `--out`. With `--force` the file is overwritten.",
+    ),
+    Code(
+        code="GS751",
+        severity=Severity.ERROR,
+        title="Two runs into one folder",
+        what="Another run that has not ended writes into the output folder.",
+        why="The files of both would be mixed. Nothing was simulated.",
+        remedy="Wait for the other run, or name another folder with `--out`.",
+    ),
+)
+
 # robot descriptions (URDF)
 CODES += (
     Code(

@@ -1,0 +1,55 @@
+"""What a command writes must not be what it reads."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import Final
+
+from gcodesim.cli.exits import UsageError
+
+# --write-parameters and --write-baseline may name what --parameters and --baseline read: they bring it up to date
+_READ: Final = ("program", "programs", "paths", "cell", "old_cell", "tools", "log", "other", "old", "new")
+_WRITTEN: Final = ("out", "junit", "sarif", "gitlab", "html", "write_parameters", "write_baseline")
+_OF_RUNS: Final = ("run.mcap", "results.json", "lines.csv", "*.stock", "*.stl")
+_HEAD: Final = 1 << 16
+
+
+def refuse_own_inputs(arguments: argparse.Namespace) -> None:
+    """UsageError when a file that the command line names for writing is one that it reads."""
+    targets = [(name, path) for name in _WRITTEN if (path := getattr(arguments, name, None)) is not None]
+    targets = [(name, path) for name, path in targets if path.is_file()]
+    if not targets:
+        return
+    inputs = list(_inputs(arguments))
+    for name, path in targets:
+        for read in inputs:
+            with suppress(OSError):
+                if path.samefile(read):
+                    option = "-o" if name == "out" else f"--{name.replace('_', '-')}"
+                    raise UsageError(f"{option} {path} would overwrite what the command reads; nothing was done")
+
+
+def _inputs(arguments: argparse.Namespace) -> Iterator[Path]:
+    for name in _READ:
+        value = getattr(arguments, name, None)
+        for path in value if isinstance(value, list) else [value]:
+            if not isinstance(path, Path):
+                continue
+            if not path.is_dir():
+                yield path
+                continue
+            for pattern in _OF_RUNS:
+                yield from path.glob(pattern)
+
+
+def refuse_foreign(path: Path) -> None:
+    """UsageError when a file that nobody named stands where a command would write by itself, and is not its own."""
+    if not path.is_file():
+        return
+    with path.open("rb") as file:
+        if b"gcodesim" in file.read(_HEAD).lower():
+            return
+    raise UsageError(f"{path} is there already, and gcodesim did not write it; name a file with -o")

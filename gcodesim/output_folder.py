@@ -1,0 +1,131 @@
+"""The folder of a run: nobody else writes there meanwhile, and nothing of the user's goes lost in it."""
+
+from __future__ import annotations
+
+import errno
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Final
+
+from gcodesim.diagnostics import Diagnostic, Span
+
+try:
+    import fcntl
+except ImportError:  # not everywhere
+    fcntl = None  # type: ignore[assignment]
+
+LOG_NAME: Final = "run.mcap"
+RESULTS_NAME: Final = "results.json"
+LINES_NAME: Final = "lines.csv"
+STOCK_SUFFIXES: Final = (".stl", ".stock")
+OVERWRITES: Final = "GS750"
+IN_USE: Final = "GS751"
+
+# how files of each name begin when gcodesim wrote them, and where in the file
+_BEGINNINGS: Final[Mapping[str, tuple[tuple[int, bytes], ...]]] = {
+    ".mcap": ((0, b"\x89MCAP0\r\n"), (25, b"gcodesim")),
+    ".json": ((0, b'{\n "schema": "gcodesim-results/'),),
+    ".csv": ((0, b"file,line,time_s,"),),
+    ".stl": ((0, b"gcodesim binary STL"),),
+    ".stock": ((0, b"gcodesim-stock/"),),
+}
+_HEAD: Final = 64
+
+
+class FolderInUseError(Exception):
+    """Another run that lives writes into the folder."""
+
+
+def names_of(stocks: Iterable[str]) -> list[str]:
+    """The files that a run of these stocks writes."""
+    return [LOG_NAME, RESULTS_NAME, LINES_NAME, *(f"{name}{suffix}" for name in stocks for suffix in STOCK_SUFFIXES)]
+
+
+@contextmanager
+def claimed(out: Path) -> Iterator[None]:
+    """Make the folder and keep it for this run; FolderInUseError when another run has it, OSError when it cannot be.
+
+    The claim ends with the process, however that ends, and leaves no file behind.
+    """
+    out.mkdir(parents=True, exist_ok=True)
+    held = None
+    if fcntl is not None:
+        with suppress(OSError):  # a folder that cannot be opened, or a file system without locks: then without
+            held = os.open(out, os.O_RDONLY)
+    try:
+        if held is not None:
+            try:
+                fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except OSError as error:
+                if error.errno in (errno.EWOULDBLOCK, errno.EACCES):
+                    raise FolderInUseError(out) from None
+        yield
+    finally:
+        if held is not None:
+            os.close(held)
+
+
+def in_use(span: Span) -> Diagnostic:
+    """GS751."""
+    return Diagnostic(
+        code=IN_USE,
+        span=span,
+        message="another run is writing into the output folder",
+        hint="wait for its end, or give this one a folder of its own: `--out DIR`",
+    )
+
+
+def overwriting(out: Path, names: Sequence[str], inputs: Iterable[Path], span: Span) -> list[Diagnostic]:
+    """GS750 for each file of `names` in `out` that is one of `inputs`, or that gcodesim did not write."""
+    inputs, found = list(inputs), []
+    for name in names:
+        for path in (out / name, out / f"{name}.part"):
+            reason = _reason(path, Path(name).suffix, inputs)
+            if reason:
+                found.append(
+                    Diagnostic(
+                        code=OVERWRITES,
+                        span=span,
+                        message=f"the run would overwrite `{path.name}` in the output folder, which {reason}",
+                        hint="give the run a folder of its own: `--out DIR`; or overwrite it: `--force`",
+                    )
+                )
+    return found
+
+
+def _reason(path: Path, kind: str, inputs: Sequence[Path]) -> str:
+    """Why a file must not be overwritten; empty when it may be."""
+    if not os.path.lexists(path):
+        return ""
+    if any(_same(path, other) for other in inputs):
+        return "it reads"
+    return "" if _is_ours(path, kind) else "gcodesim did not write"
+
+
+def _same(path: Path, other: Path) -> bool:
+    with suppress(OSError):
+        return path.samefile(other)
+    return False
+
+
+def _is_ours(path: Path, kind: str) -> bool:
+    """Whether the file begins as gcodesim begins such files; so does one that was cut off, or is empty."""
+    if path.is_symlink() and not path.exists():
+        return True
+    if not path.is_file():
+        return False
+    try:
+        with path.open("rb") as file:
+            head = file.read(_HEAD)
+    except OSError:
+        return False  # nobody can tell
+    return all(mark.startswith(head[at : at + len(mark)]) for at, mark in _BEGINNINGS[kind])
+
+
+def forget(out: Path, names: Iterable[str]) -> None:
+    """Remove `names` in `out`, as far as an earlier run left them, whole or not."""
+    for name in names:
+        (out / name).unlink(missing_ok=True)
+        (out / f"{name}.part").unlink(missing_ok=True)
