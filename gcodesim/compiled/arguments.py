@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple, cast
 
 import numpy as np
 
@@ -27,12 +28,16 @@ TUPLE_SIZE, TUPLE_ITEMS = 16, 24
 
 
 class Argument(NamedTuple):
-    """Type of an argument: a kind of number, an array of such numbers in C order, or a tuple of such arguments."""
+    """Type of an argument: a kind of number, an array of such numbers in C order, or a tuple of such arguments.
+
+    `named` is the class of a named tuple, see `name_of`.
+    """
 
     item: str = ""
     dimensions: int | None = None  # of an array
     readonly: bool = False
     parts: tuple[Argument, ...] | None = None  # of a tuple
+    named: str = ""
 
 
 Arguments = tuple[Argument, ...]
@@ -40,9 +45,12 @@ Arguments = tuple[Argument, ...]
 
 def argument_of(value: Any) -> Argument | None:
     """Type of a value; None when only numba knows what to do with it."""
-    if type(value) is tuple:
+    if isinstance(value, tuple):
         parts = tuple(map(argument_of, value))
-        return None if None in parts or not parts else Argument(parts=parts)  # type: ignore[arg-type]
+        named = "" if type(value) is tuple else name_of(type(value))
+        if None in parts or not parts or named is None:
+            return None
+        return Argument(parts=parts, named=named)  # type: ignore[arg-type]
     if type(value) is np.ndarray:
         flags = value.flags
         item = _DESCRIPTIONS.get(value.dtype)
@@ -53,6 +61,24 @@ def argument_of(value: Any) -> Argument | None:
     if item is None or (type(value) is int and not -_LARGEST <= value < _LARGEST):
         return None
     return Argument(item)
+
+
+def name_of(kind: type) -> str | None:
+    """Name in machine code of a class of named tuples; None when it is none that can be found by its name."""
+    module = sys.modules.get(kind.__module__)
+    found = hasattr(kind, "_fields") and getattr(module, kind.__qualname__, None) is kind
+    return f"{_NAMED}{kind.__module__}:{kind.__qualname__}" if found else None
+
+
+def is_named(name: str) -> bool:
+    """Whether a name in machine code is that of a class of named tuples."""
+    return name.startswith(_NAMED)
+
+
+def class_of(name: str) -> type | None:
+    """The class of named tuples that has this name; None when its module is not there, or has changed."""
+    _, module, kind = name.split(":")
+    return cast("type | None", getattr(sys.modules.get(module), kind, None))
 
 
 def types_of(item: str) -> tuple[str, ...]:
@@ -74,7 +100,7 @@ def _name(kind: type) -> str:
     return f"gcodesim_{kind.__module__}_{kind.__name__}"
 
 
-ARRAY_TYPE, TUPLE_TYPE = "gcodesim_ndarray", "gcodesim_tuple"
+ARRAY_TYPE, TUPLE_TYPE, _NAMED = "gcodesim_ndarray", "gcodesim_tuple", "gcodesim_named:"
 OBJECTS: Final[dict[str, object]] = (
     {ARRAY_TYPE: np.ndarray, TUPLE_TYPE: tuple}
     | {_name(python): python for python in _ITEM_OF}
@@ -84,13 +110,14 @@ OBJECTS: Final[dict[str, object]] = (
 
 
 def as_text(arguments: Sequence[Argument]) -> str:
-    """Equal for equal types, and different otherwise: `f8 i4[2] (u1[1]r f8)`."""
+    """Equal for equal types, and different otherwise: `f8 i4[2] (u1[1]r f8)`; a named tuple with its fields."""
     return " ".join(map(_as_text, arguments))
 
 
 def _as_text(argument: Argument) -> str:
     if argument.parts is not None:
-        return f"({as_text(argument.parts)})"
+        fields = getattr(class_of(argument.named), "_fields", ()) if argument.named else ()
+        return f"{argument.named}{','.join(fields)}({as_text(argument.parts)})"
     if argument.dimensions is None:
         return argument.item
     return f"{argument.item}[{argument.dimensions}]{'r' if argument.readonly else ''}"

@@ -13,7 +13,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from gcodesim import compiled
-from gcodesim.compiled.arguments import Argument, Arguments
+from gcodesim.compiled.arguments import Argument, Arguments, class_of
 from gcodesim.compiled.folder import folders, obstacles, writable_folder
 
 if TYPE_CHECKING:
@@ -160,7 +160,8 @@ def _no_executable(library: Any, description: Any, environment: Any) -> Any:
 
 def _type_of(numba: Any, argument: Argument) -> Any:
     if argument.parts is not None:
-        return numba.types.Tuple([_type_of(numba, part) for part in argument.parts])
+        kinds = tuple(_type_of(numba, part) for part in argument.parts)
+        return numba.types.BaseTuple.from_types(kinds, class_of(argument.named) if argument.named else None)
     import numpy as np
 
     item = numba.from_dtype(np.dtype(argument.item))

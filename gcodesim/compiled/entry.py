@@ -28,6 +28,7 @@ from gcodesim.compiled.arguments import (
     Arguments,
     dtype_numbers,
     dtype_of,
+    name_of,
     types_of,
 )
 
@@ -46,7 +47,8 @@ def build_entry(made: Any, arguments: Arguments, symbol: str) -> ir.Module | Non
 
 def _is_known(kind: Any) -> bool:
     if isinstance(kind, types.BaseTuple):
-        return all(map(_is_known, kind))
+        named = isinstance(kind, types.BaseNamedTuple)
+        return all(map(_is_known, kind)) and not (named and name_of(kind.instance_class) is None)
     if isinstance(kind, types.Array):
         return isinstance(kind.dtype, types.Integer | types.Float | types.Boolean) and kind.layout == "C"
     return isinstance(kind, types.Integer | types.Float | types.Boolean | types.NoneType)
@@ -105,7 +107,7 @@ class _Entry:
         """Demand that an object is of the type."""
         known = self._read(thing, TYPE, _POINTER)
         if argument.parts is not None:
-            self._demand(self._any(known, [self._named(TUPLE_TYPE)]))
+            self._demand(self._any(known, [self._named(argument.named or TUPLE_TYPE)]))
             self._demand(self._any(self._read(thing, TUPLE_SIZE, _INT64), [_INT64(len(argument.parts))]))
             for i, part in enumerate(argument.parts):
                 self._look_at(self._item(thing, i), part)
@@ -174,7 +176,11 @@ class _Entry:
             tuple_ = self._api.tuple_new(len(kind))
             for i, item in enumerate(kind):
                 self._api.tuple_setitem(tuple_, i, self._object(item, self._b.extract_value(value, i)))
-            return tuple_
+            if not isinstance(kind, types.BaseNamedTuple):
+                return tuple_
+            named = self._api.call(self._named(str(name_of(kind.instance_class))), args=tuple_)
+            self._api.decref(tuple_)
+            return named
         if isinstance(kind, types.Array):
             return self._array_object(kind, value)
         return self._api.from_native_value(kind, value)

@@ -26,7 +26,7 @@ from typing import Any, Final, NamedTuple, cast
 import numpy as np
 
 from gcodesim.compiled import Kernel, is_compiler_off
-from gcodesim.compiled.arguments import ARRAY, NUMBER, OBJECTS, ORDER, TYPE, Arguments, as_text
+from gcodesim.compiled.arguments import ARRAY, NUMBER, OBJECTS, ORDER, TYPE, Arguments, as_text, class_of, is_named
 from gcodesim.compiled.folder import folders, package, source_beside, writable_folder
 from gcodesim.own_folder import OwnFolder
 
@@ -161,6 +161,9 @@ def address_of(name: str) -> int | None:
     """Where the thing is that code calls so, which has to be where numba has it; None when there is none."""
     if name in OBJECTS:
         return id(OBJECTS[name])
+    if is_named(name):
+        kind = class_of(name)
+        return None if kind is None else id(kind)
     if name.startswith("PyExc_"):  # to C a variable with the address; to numba, and so here, the exception itself
         return id(getattr(builtins, name.removeprefix("PyExc_")))
     for prefix, module in _HELPERS.items():

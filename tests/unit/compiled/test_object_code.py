@@ -6,7 +6,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -87,6 +87,32 @@ def put_behind(values: Any, count: int) -> Any:
 @kernel
 def first_of(columns: Any, scale: float) -> float:
     return float(scale * columns[0][0] + columns[1][1][0])
+
+
+class Place(NamedTuple):
+    x: float
+    y: float
+
+
+class Other(NamedTuple):
+    x: float
+    y: float
+
+
+class Line(NamedTuple):
+    start: Place | Other
+    lengths: Any
+
+
+@kernel
+def along(line: Line, way: float) -> Line:
+    line.lengths[0] += way
+    return Line(Place(line.start.x + way, line.start.y), line.lengths)
+
+
+@kernel
+def sum_of(place: Any) -> float:
+    return float(place.x + place.y)
 
 
 @kernel
@@ -276,6 +302,39 @@ def test_tuples_of_arrays() -> None:
     entry = fresh(first_of)._entry_for((columns, 10.0))
     assert entry(columns[:1], 10.0) is NotImplemented
     assert entry((columns[0], (1, 2)), 10.0) is NotImplemented
+
+
+def test_named_tuples_go_in_and_come_out() -> None:
+    line = Line(Place(1.0, 2.0), np.array([5.0]))
+    moved = along(line, 3.0)
+    assert type(moved) is Line and type(moved.start) is Place
+    assert moved.start == Place(4.0, 2.0) and moved.lengths is line.lengths and moved.lengths.tolist() == [8.0]
+    entry = fresh(along)._entry_for((line, 3.0))
+    assert entry(tuple(line), 3.0) is NotImplemented
+    assert entry(Line(tuple(line.start), line.lengths), 3.0) is NotImplemented  # type: ignore[arg-type]
+    assert entry(line._replace(start=Other(1.0, 2.0)), 3.0) is NotImplemented
+    for _ in range(10):
+        moved = along(line, 0.0)
+    before = sys.getrefcount(Line)
+    for _ in range(10):
+        moved = along(line, 0.0)
+    assert sys.getrefcount(Line) == before
+
+
+def test_named_tuples_need_no_numba(cache: Path) -> None:
+    code = "from tests.unit.compiled.test_object_code import Line, Place, along; import numpy as np, sys\n"
+    code += "print(along(Line(Place(1.0, 2.0), np.array([5.0])), 3.0).start.x, 'numba' in sys.modules)"
+    assert output(code) == "4.0 True\n"
+    assert output(code) == "4.0 False\n"
+
+
+def test_named_tuples_that_nobody_can_find_go_by_numba() -> None:
+    class Hidden(NamedTuple):
+        x: float
+        y: float
+
+    assert argument_of(Hidden(1.0, 2.0)) is None
+    assert sum_of(Hidden(1.0, 2.0)) == 3.0
 
 
 def test_a_kernel_that_fails() -> None:
