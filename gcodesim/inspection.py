@@ -176,8 +176,8 @@ def _straight_up(plan: Plan, shop: Shop) -> Flags:
 
 def _grain(shop: Shop) -> float:
     """Volume [m³] of a cell of the coarsest stock."""
-    grids = (placed.stock.grid[2:] for placed in shop.stocks.values())
-    return max((float(dx * dy * max(dx, dy)) for dx, dy in grids), default=0.0)
+    cells = (placed.stock.spacing for placed in shop.stocks.values())
+    return max((float(dx * dy * max(dx, dy)) for dx, dy in cells), default=0.0)
 
 
 def _above(values: Array, limit: float | None) -> bool:

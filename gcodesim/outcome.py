@@ -196,7 +196,7 @@ def _stock_results(shop: Shop, execution: Execution) -> dict[str, StockResult]:
             removed=removed,
             deposited=added,
             remaining=stock.volume,
-            resolution=float(stock.grid[2:].max()),
+            resolution=stock.cell,
             error_bound=stock.error_bound(),
         )
     return results

@@ -63,15 +63,6 @@ def no_stock(folder: str, file: str, fault: Exception | str) -> str:
 
 def corners(stock: Stock) -> tuple[Point, Point]:
     """Least and greatest corner [m] of what is left, in the stock's own frame; of its grid when nothing is left."""
-    x0, y0, dx, dy = (float(value) for value in stock.grid)
-    filled = stock.count > 0
-    if filled.any():
-        i, j = np.flatnonzero(filled.any(axis=1)), np.flatnonzero(filled.any(axis=0))
-        used = np.arange(stock.lo.shape[2]) < stock.count[:, :, None]
-        z = (float(stock.lo[used].min()), float(stock.hi[used].max()))
-        x, y = (x0 + dx * i[0], x0 + dx * (i[-1] + 1)), (y0 + dy * j[0], y0 + dy * (j[-1] + 1))
-    else:
-        x, y, z = (x0, x0 + dx * filled.shape[0]), (y0, y0 + dy * filled.shape[1]), stock.z_range
-    points = np.array(list(product(x, y, z))) @ stock.turn.T
+    points = stock.in_part(np.array(list(product(*zip(*stock.extent(), strict=True)))))
     low, high = points.min(axis=0), points.max(axis=0)
     return (float(low[0]), float(low[1]), float(low[2])), (float(high[0]), float(high[1]), float(high[2]))

@@ -29,7 +29,7 @@ def coarse_findings(shop: Shop, plan: Plan) -> Iterator[Diagnostic]:
         return
     thinnest, tool = min(cutters, key=lambda cutter: cutter[0])
     for name, placed in shop.stocks.items():
-        cell = float(max(placed.stock.grid[2:]))
+        cell = placed.stock.cell
         if FEWEST * cell <= thinnest * (1.0 + 1e-9):
             continue
         yield Diagnostic(

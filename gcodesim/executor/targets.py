@@ -91,13 +91,11 @@ class StockTarget:
 
     @property
     def room(self) -> Box:
-        stock = self.placed.stock
-        corner = stock.grid[:2] + stock.grid[2:] * stock.count.shape
-        return np.append(stock.grid[:2], stock.z_range[0]), np.append(corner, stock.z_range[1])
+        return self.placed.stock.bounds
 
     def filled(self) -> Box:
         low, high = self.room
-        return low, np.append(high[:2], float(self.placed.stock.tops.max()))
+        return low, np.append(high[:2], self.placed.stock.top)
 
     def memento(self) -> Callable[[], None]:
         return self.placed.stock.memento()

@@ -81,7 +81,7 @@ def _computed(recording: Recording, stock: str | None) -> Surface | None:
         return None
     loaded = load_stock(file)
     surface = loaded.surface()
-    return replace(surface, vertices=surface.vertices @ loaded.turn.T)
+    return replace(surface, vertices=loaded.in_part(surface.vertices))
 
 
 def _drawn(drawings: list[Drawing]) -> Surface:

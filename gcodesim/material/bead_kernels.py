@@ -7,27 +7,47 @@ of its layer [tip - h, tip]: where a neighbouring bead lies already, the rest of
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.compiled import kernel
-from gcodesim.material.removal_kernels import PATCH_SHIFT, overlap
-from gcodesim.material.sweep_kernels import NUDGE_X, NUDGE_Y, piece_line, row_range, strip_range
+from gcodesim.material.field_kernels import PATCH_SHIFT, Columns, Field
+from gcodesim.material.removal_kernels import overlap
+from gcodesim.material.sweep_kernels import columns_across_x, columns_across_y, piece_of, strip_range, x_of, y_of
 
 Array = NDArray[np.float64]
-Ints = NDArray[np.int32]
-Bytes = NDArray[np.uint8]
 
 FULL = 1.0 - 1.0e-9  # a layer filled so far counts as full
 SHARPEST = -0.6  # cosine of the turn (127 degrees) up to which the outside of a corner is a mitre
 
 
+class Bead(NamedTuple):
+    """The section of a strand: its `width` and `height`; it fuses with material nearer than `fuse` [m]."""
+
+    width: float
+    height: float
+    fuse: float
+
+
+class Strand(NamedTuple):
+    """A piece of a strand, with its neighbours (3,) [m]: where the piece before it begins, where it begins and ends
+    itself, and where the one behind it ends. Without neighbours `previous` is `start`, `following` is `end`."""
+
+    previous: Array
+    start: Array
+    end: Array
+    following: Array
+
+
 @kernel
-def unite(lo: Array, hi: Array, count: Ints, i: int, j: int, bottom: float, top: float, fuse: float) -> float:
+def unite(columns: Columns, i: int, j: int, bottom: float, top: float, fuse: float) -> float:
     """Add [bottom, top] to column (i, j) and fuse it with what is nearer than `fuse`; added length [m], -1: no room.
 
     On -1 the column is as it was.
     """
+    lo, hi, count = columns
     n = count[i, j]
     low, high = bottom, top
     first = 0
@@ -78,16 +98,15 @@ def bead_thickness(c: float, cell: float, width: float, height: float) -> float:
 
 
 @kernel
-def fill_layer(
-    lo: Array, hi: Array, count: Ints, i: int, j: int, tip: float, height: float, thickness: float, fuse: float
-) -> float:
+def fill_layer(columns: Columns, i: int, j: int, tip: float, thickness: float, bead: Bead) -> float:
     """Put `thickness` [m] of material into the free room of the layer below `tip`; added length [m], -1: no room."""
+    height, fuse = bead.height, bead.fuse
     bottom = tip - height
-    held = overlap(lo, hi, count, i, j, bottom, tip)
+    held = overlap(columns, i, j, bottom, tip)
     if held >= height * FULL:
         return 0.0
     if held + thickness >= height * FULL:
-        return unite(lo, hi, count, i, j, bottom, tip, fuse)
+        return unite(columns, i, j, bottom, tip, fuse)
     middle = tip - 0.5 * height
     spread = thickness
     if held > 0.0:
@@ -96,64 +115,51 @@ def fill_layer(
         least, most = thickness, height
         for _ in range(45):
             spread = 0.5 * (least + most)
-            inside = overlap(lo, hi, count, i, j, middle - 0.5 * spread, middle + 0.5 * spread)
+            inside = overlap(columns, i, j, middle - 0.5 * spread, middle + 0.5 * spread)
             if spread + held - inside < wanted:
                 least = spread
             else:
                 most = spread
-    return unite(lo, hi, count, i, j, middle - 0.5 * spread, middle + 0.5 * spread, fuse)
+    return unite(columns, i, j, middle - 0.5 * spread, middle + 0.5 * spread, fuse)
 
 
 @kernel
-def add_piece(
-    lo: Array,
-    hi: Array,
-    count: Ints,
-    grid: Array,
-    dirty: Bytes,
-    tops: Array,
-    previous: Array,
-    start: Array,
-    end: Array,
-    following: Array,
-    width: float,
-    height: float,
-    fuse: float,
-    trial: bool,
-) -> float:
-    """Lay a bead from nozzle tip `start` to `end` (3,) [m]; added volume [m^3], -1 when a column has no room.
+def add_piece(field: Field, strand: Strand, bead: Bead, trial: bool) -> float:
+    """Lay a bead along a piece of the nozzle tip's way; added volume [m^3], -1 when a column has no room.
 
-    Ends are flat, so pieces in line abut. `previous` is where the strand's piece before began (`start`: none), what
-    it laid is not laid twice; `following` is where the next one ends (`end`: none), and the outside of the corner to
-    it is filled by a mitre, which holds what the overlap on its inside lacks; where the strand turns back, by a round
-    sector. With `trial` nothing is added: it asks whether there is room.
+    Ends are flat, so pieces in line abut. What the piece before has laid is not laid twice. The outside of the corner
+    to the following piece is filled by a mitre, which holds what the overlap on its inside lacks; where the strand
+    turns back, by a round sector. With `trial` nothing is added: it asks whether there is room.
     """
+    columns, grid, _, dirty, tops = field
+    lo, _, count = columns
     nx, ny = count.shape
-    x0, y0, z0, ux, uy, length, slope = piece_line(start, end)
+    previous, start, end, following = strand
+    width, height = bead.width, bead.height
+    piece = piece_of(start, end)
+    x0, y0, z0, ux, uy, length, slope = piece
     if length <= 0.0:
         return 0.0
-    _, _, _, vx, vy, next_length, _ = piece_line(end, following)
+    _, _, _, vx, vy, next_length, _ = piece_of(end, following)
     corner = next_length > 0.0
     bend = ux * vx + uy * vy
     mitre = corner and bend >= SHARPEST
-    wx0, wy0, _, wx, wy, before_length, _ = piece_line(previous, start)
-    before_cell = abs(wy) * grid[2] + abs(wx) * grid[3]
-    cell = abs(uy) * grid[2] + abs(ux) * grid[3]
-    reach = 0.5 * width + 0.5 * (grid[2] + grid[3])
+    wx0, wy0, _, wx, wy, before_length, _ = piece_of(previous, start)
+    before_cell = abs(wy) * grid.dx + abs(wx) * grid.dy
+    cell = abs(uy) * grid.dx + abs(ux) * grid.dy
+    reach = 0.5 * width + 0.5 * (grid.dx + grid.dy)
     if mitre:
         reach /= np.sqrt(0.5 * (1.0 + bend))
     total = 0.0
-    first_i, last_i = row_range(
-        grid[0], grid[2], NUDGE_X, nx, min(x0, x0 + ux * length) - reach, max(x0, x0 + ux * length) + reach
-    )
+    first_i, last_i = columns_across_x(grid, nx, min(x0, x0 + ux * length) - reach, max(x0, x0 + ux * length) + reach)
     for i in range(first_i, last_i):
-        x = grid[0] + (i + 0.5 + NUDGE_X) * grid[2]
-        least, most = strip_range(x, reach, x0, y0, ux, uy, length)
+        x = x_of(grid, i)
+        least, most = strip_range(x, reach, piece)
         if least > most:
             continue
-        first_j, last_j = row_range(grid[1], grid[3], NUDGE_Y, ny, least, most)
+        first_j, last_j = columns_across_y(grid, ny, least, most)
         for j in range(first_j, last_j):
-            y = grid[1] + (j + 0.5 + NUDGE_Y) * grid[3]
+            y = y_of(grid, j)
             along = (x - x0) * ux + (y - y0) * uy
             if along < 0.0:
                 continue
@@ -170,61 +176,45 @@ def add_piece(
                 if mitre:
                     across, next_across = ey * ux - ex * uy, ey * vx - ex * vy
                     far = abs(next_across) > abs(across)
-                    wide = abs(vy) * grid[2] + abs(vx) * grid[3] if far else cell
+                    wide = abs(vy) * grid.dx + abs(vx) * grid.dy if far else cell
                     thickness = bead_thickness(max(abs(across), abs(next_across)), wide, width, height)
                 else:
                     away = np.sqrt(ex * ex + ey * ey)
-                    wide = cell if away == 0.0 else (abs(ex) * grid[2] + abs(ey) * grid[3]) / away
+                    wide = cell if away == 0.0 else (abs(ex) * grid.dx + abs(ey) * grid.dy) / away
                     thickness = bead_thickness(away, wide, width, height)
                 tip = end[2]
             if thickness <= 0.0:
                 continue
             if trial:
                 full = count[i, j] == lo.shape[2]
-                if full and overlap(lo, hi, count, i, j, tip - height, tip) == 0.0:
+                if full and overlap(columns, i, j, tip - height, tip) == 0.0:
                     return -1.0
                 continue
-            added = fill_layer(lo, hi, count, i, j, tip, height, thickness, fuse)
+            added = fill_layer(columns, i, j, tip, thickness, bead)
             if added > 0.0:
                 total += added
                 pi, pj = i >> PATCH_SHIFT, j >> PATCH_SHIFT
                 dirty[pi, pj] = 1
                 tops[pi, pj] = max(tops[pi, pj], tip)
-    return total * float(grid[2] * grid[3])
+    return total * float(grid.dx * grid.dy)
 
 
 @kernel
-def add_bead(
-    lo: Array,
-    hi: Array,
-    count: Ints,
-    grid: Array,
-    dirty: Bytes,
-    tops: Array,
-    starts: Array,
-    ends: Array,
-    width: float,
-    height: float,
-    fuse: float,
-    first: int,
-    volume: Array,
-) -> int:
+def add_bead(field: Field, starts: Array, ends: Array, bead: Bead, first: int, volume: Array) -> int:
     """Lay pieces `first`... of a bead in order; returns the index of the piece that found no room, or their number.
 
     starts, ends (c, 3): nozzle tips in S [m]; a piece that starts where the one before ended goes round the corner.
-    `volume` (c,) receives what was added [m^3]. To go on after a stop, grow `lo` and `hi` and call again.
+    `volume` (c,) receives what was added [m^3]. To go on after a stop, give the columns more room and call again.
     """
     pieces = len(starts)
     for p in range(first, pieces):
         previous, following = starts[p], ends[p]
-        if p > 0 and np.max(np.abs(starts[p] - ends[p - 1])) < fuse:
+        if p > 0 and np.max(np.abs(starts[p] - ends[p - 1])) < bead.fuse:
             previous = starts[p - 1]
-        if p + 1 < pieces and np.max(np.abs(starts[p + 1] - ends[p])) < fuse:
+        if p + 1 < pieces and np.max(np.abs(starts[p + 1] - ends[p])) < bead.fuse:
             following = ends[p + 1]
         for trial in (True, False):
-            added = add_piece(
-                lo, hi, count, grid, dirty, tops, previous, starts[p], ends[p], following, width, height, fuse, trial
-            )
+            added = add_piece(field, Strand(previous, starts[p], ends[p], following), bead, trial)
             if added < 0.0:
                 return p
             volume[p] += added

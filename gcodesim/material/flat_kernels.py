@@ -6,10 +6,13 @@ it keeps all points of the lattice, so that nothing opens between fine and coars
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.compiled import kernel
+from gcodesim.material.field_kernels import Columns
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -18,9 +21,45 @@ Bytes = NDArray[np.uint8]
 FLAT_SIDE = 16  # columns along one side of a patch
 
 
+class Span(NamedTuple):
+    """The columns [i0, i1) x [j0, j1) that a tile draws, out of those that it knows."""
+
+    i0: int
+    i1: int
+    j0: int
+    j1: int
+
+
+class Triangles(NamedTuple):
+    """Triangles (f, 3) of points, counter-clockwise from outside, and whether each is changed surface (f,): 0 or 1."""
+
+    faces: Ints
+    cut: Bytes
+
+
+class Chains(NamedTuple):
+    """Vertices of the prisms between columns, see `surface_kernels`; prism by prism of p, group by group of g.
+
+    `start` (p + 1,) of its groups, and `plain` (p,): the first of two vertices where all four columns begin in one
+    group and end in the next, and nothing else is, or -1. Of each group: `bits` of the columns that change, whether
+    they are `rising`, the mask `below`, its first `vertex`, and in `extra` the vertex in the middle of the second
+    strand above it (-1: none). And the vertices, `points` (v, 3) [m].
+    """
+
+    start: Ints
+    plain: Ints
+    bits: Bytes
+    rising: Bytes
+    below: Bytes
+    vertex: Ints
+    extra: Ints
+    points: Array
+
+
 @kernel(lean=True)
-def end_of(lo: Array, hi: Array, count: Ints, i: int, j: int, top: int) -> float:
+def end_of(columns: Columns, i: int, j: int, top: int) -> float:
     """Where column (i, j) ends for good (top 1) or begins (top 0) [m]; NaN when it is empty."""
+    lo, hi, count = columns
     n = count[i, j]
     if n == 0:
         return np.nan
@@ -28,24 +67,14 @@ def end_of(lo: Array, hi: Array, count: Ints, i: int, j: int, top: int) -> float
 
 
 @kernel
-def find_flat(
-    lo: Array,
-    hi: Array,
-    count: Ints,
-    lo_before: Array,
-    hi_before: Array,
-    count_before: Ints,
-    i0: int,
-    i1: int,
-    j0: int,
-    j1: int,
-) -> Bytes:
-    """Patches (p, q, 2) of the tile [i0, i1) x [j0, j1), undersides and tops: 0 not flat, 1 flat, 2 flat and changed.
+def find_flat(columns: Columns, before: Columns, span: Span) -> Bytes:
+    """Patches (p, q, 2) of a tile, undersides and tops: 0 not flat, 1 flat, 2 flat and changed.
 
     Flat is a patch whose columns, and those around it, have the same end.
     """
-    mx, my = count.shape
-    one_x, one_y = count_before.shape[0] == 1, count_before.shape[1] == 1
+    i0, i1, j0, j1 = span
+    mx, my = columns.number.shape
+    one_x, one_y = before.number.shape[0] == 1, before.number.shape[1] == 1
     flat = np.zeros(((i1 - i0 + FLAT_SIDE - 1) // FLAT_SIDE, (j1 - j0 + FLAT_SIDE - 1) // FLAT_SIDE, 2), np.uint8)
     for pi in range(flat.shape[0]):
         a0, a1 = i0 + pi * FLAT_SIDE, min(i0 + (pi + 1) * FLAT_SIDE, i1)
@@ -54,17 +83,17 @@ def find_flat(
             if a1 - a0 < 2 or b1 - b0 < 2:
                 continue
             for top in range(2):
-                z = end_of(lo, hi, count, a0, b0, top)
+                z = end_of(columns, a0, b0, top)
                 even = True
                 given = 0
                 for i in range(max(a0 - 1, 0), min(a1 + 1, mx)):
                     for j in range(max(b0 - 1, 0), min(b1 + 1, my)):
-                        even = even and end_of(lo, hi, count, i, j, top) == z
+                        even = even and end_of(columns, i, j, top) == z
                         if not even:
                             break
                         if a0 <= i < a1 and b0 <= j < b1:
                             before_i, before_j = 0 if one_x else i, 0 if one_y else j
-                            if end_of(lo_before, hi_before, count_before, before_i, before_j, top) == z:
+                            if end_of(before, before_i, before_j, top) == z:
                                 given += 1
                     if not even:
                         break
@@ -74,18 +103,17 @@ def find_flat(
 
 
 @kernel(lean=True)
-def lattice_vertex(start: Ints, vertex: Ints, columns: int, a: int, b: int, top: int) -> int:
+def lattice_vertex(chains: Chains, columns: int, a: int, b: int, top: int) -> int:
     """The first (top 0) or last (top 1) vertex over a point of the tile's lattice."""
     place = a * columns + b
-    group = start[place + 1] - 1 if top == 1 else start[place]
-    return int(vertex[group])
+    group = chains.start[place + 1] - 1 if top == 1 else chains.start[place]
+    return int(chains.vertex[group])
 
 
 @kernel(lean=True)
-def outline(
-    flat: Bytes, pi: int, pj: int, top: int, i0: int, i1: int, j0: int, j1: int, start: Ints, vertex: Ints, out: Ints
-) -> int:
+def outline(flat: Bytes, pi: int, pj: int, top: int, span: Span, chains: Chains, out: Ints) -> int:
     """Vertices around a flat patch, counter-clockwise from above, into `out`; their number."""
+    i0, i1, j0, j1 = span
     columns = j1 - j0 + 1
     a0, a1 = pi * FLAT_SIDE, min((pi + 1) * FLAT_SIDE, i1 - i0)
     b0, b1 = pj * FLAT_SIDE, min((pj + 1) * FLAT_SIDE, j1 - j0)
@@ -105,14 +133,15 @@ def outline(
                 a, b = a1 - s, b1
             else:
                 a, b = a0, b1 - s
-            out[n] = lattice_vertex(start, vertex, columns, a, b, top)
+            out[n] = lattice_vertex(chains, columns, a, b, top)
             n += 1
     return n
 
 
 @kernel
-def flat_faces(flat: Bytes, i0: int, i1: int, j0: int, j1: int, start: Ints, vertex: Ints) -> tuple[Ints, Bytes]:
-    """Triangles (f, 3) of all flat patches, counter-clockwise from outside, and whether each is changed surface."""
+def flat_faces(flat: Bytes, span: Span, chains: Chains) -> Triangles:
+    """The triangles of all flat patches."""
+    i0, i1, j0, j1 = span
     columns = j1 - j0 + 1
     room = flat.shape[0] * flat.shape[1] * 8 * FLAT_SIDE
     faces = np.empty((room, 3), np.int32)
@@ -124,10 +153,10 @@ def flat_faces(flat: Bytes, i0: int, i1: int, j0: int, j1: int, start: Ints, ver
             for top in range(2):
                 if flat[pi, pj, top] == 0:
                     continue
-                n = outline(flat, pi, pj, top, i0, i1, j0, j1, start, vertex, ring)
+                n = outline(flat, pi, pj, top, span, chains, ring)
                 a = (pi * FLAT_SIDE + min((pi + 1) * FLAT_SIDE, i1 - i0)) // 2
                 b = (pj * FLAT_SIDE + min((pj + 1) * FLAT_SIDE, j1 - j0)) // 2
-                centre = lattice_vertex(start, vertex, columns, a, b, top)
+                centre = lattice_vertex(chains, columns, a, b, top)
                 first, fans = 0, n
                 if n == 4:  # two triangles from a corner
                     centre, first, fans = ring[0], 1, 2
@@ -138,4 +167,4 @@ def flat_faces(flat: Bytes, i0: int, i1: int, j0: int, j1: int, start: Ints, ver
                     faces[used, 2] = v if top == 1 else u
                     cut[used] = flat[pi, pj, top] - 1
                     used += 1
-    return faces[:used], cut[:used]
+    return Triangles(faces[:used], cut[:used])

@@ -1,11 +1,21 @@
 """All compiled kernels of the stock that other packages call from their own compiled loops.
 
-Common arguments: `lo`, `hi` (nx, ny, k) [m] and `count` (nx, ny) are the columns, `grid` (4,) is the outer corner
-x, y and the cell size dx, dy [m], `dirty` (patches) u1 marks patches of 16 x 16 columns that changed, `tops` (patches)
-[m] bounds their height from above. Everything is in the stock frame S.
+They take a `Field` whole, as `Stock.view` gives it, and hand it on; what is in it is only named in this package.
+Everything is in the stock frame S.
 """
 
-from gcodesim.material.bead_kernels import add_bead
+from gcodesim.material.bead_kernels import Bead, add_bead
+from gcodesim.material.field_kernels import (
+    Field,
+    breadth_along,
+    coarsest,
+    diagonal,
+    patch_at,
+    patch_tops,
+    tighten_tops,
+    top_nearby,
+)
+from gcodesim.material.place_kernels import ELSEWHERE, Places, ToColumns, ask_places, share_between, to_columns
 from gcodesim.material.query_kernels import (
     difference,
     fill_slices,
@@ -13,41 +23,49 @@ from gcodesim.material.query_kernels import (
     highest_under,
     is_material,
     occupancy,
-    patch_tops,
-    surrounding,
     volume_of,
 )
 from gcodesim.material.removal_kernels import (
-    PATCH_SHIFT,
-    overlap,
-    patch_top,
+    Found,
     remove,
     remove_piece,
     scratch,
     touch_piece,
 )
-from gcodesim.material.sweep_kernels import underside
+from gcodesim.material.sweep_kernels import Shape, underside
 from gcodesim.material.tilted_kernels import remove_tilted
 from gcodesim.material.wall_kernels import beyond_columns
 
 __all__ = [
-    "PATCH_SHIFT",
+    "ELSEWHERE",
+    "Bead",
+    "Field",
+    "Found",
+    "Places",
+    "Shape",
+    "ToColumns",
     "add_bead",
+    "ask_places",
     "beyond_columns",
+    "breadth_along",
+    "coarsest",
+    "diagonal",
     "difference",
     "fill_slices",
     "highest",
     "highest_under",
     "is_material",
     "occupancy",
-    "overlap",
-    "patch_top",
+    "patch_at",
     "patch_tops",
     "remove",
     "remove_piece",
     "remove_tilted",
     "scratch",
-    "surrounding",
+    "share_between",
+    "tighten_tops",
+    "to_columns",
+    "top_nearby",
     "touch_piece",
     "underside",
     "volume_of",

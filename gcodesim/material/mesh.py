@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.material.field_kernels import Columns
 from gcodesim.material.stock import Stock, grid_of
 
 Array = NDArray[np.float64]
@@ -44,7 +45,7 @@ def stock_of_mesh(vertices: Array, faces: Ints, resolution: float, material: str
 
     Overlapping closed shells unite; a mesh that is inside out is turned. OpenMeshError when it is not closed.
     """
-    from gcodesim.material.raster_kernels import crossings, fill_columns
+    from gcodesim.material.raster_kernels import Crossings, fill_columns, find_crossings
 
     vertices = np.ascontiguousarray(vertices, dtype=np.float64)
     faces = np.ascontiguousarray(faces, dtype=np.int32)
@@ -54,28 +55,29 @@ def stock_of_mesh(vertices: Array, faces: Ints, resolution: float, material: str
     minimum, maximum = vertices.min(axis=0), vertices.max(axis=0)
     grid, shape = grid_of(minimum, maximum, resolution)
 
-    found = np.zeros(shape, dtype=np.int32)
-    start = np.zeros(shape, dtype=np.int32)
-    nothing = np.zeros(0)
-    crossings(vertices, faces, grid, found, nothing, start, start, False)
-    start = (np.cumsum(found.ravel()) - found.ravel()).astype(np.int32).reshape(shape)
-    heights = np.zeros(int(found.sum()))
-    ups = np.zeros(len(heights), dtype=np.int32)
-    crossings(vertices, faces, grid, found, heights, ups, start, True)
+    number, start = np.zeros((2, *shape), dtype=np.int32)
+    crossings = Crossings(number, start, np.zeros(0), np.zeros(0, dtype=np.int32))
+    find_crossings(vertices, faces, grid, crossings, False)
+    start[:] = (np.cumsum(number.ravel()) - number.ravel()).reshape(shape)
+    total = int(number.sum())
+    crossings = Crossings(number, start, np.zeros(total), np.zeros(total, dtype=np.int32))
+    find_crossings(vertices, faces, grid, crossings, True)
 
-    lo, hi = np.zeros((*shape, 1)), np.zeros((*shape, 1))
-    count = np.zeros(shape, dtype=np.int32)
-    most, leaks = fill_columns(found, heights, ups, start, lo, hi, count, True)
+    columns = _no_columns(shape, 1)
+    most, leaks = fill_columns(crossings, columns, True)
     if leaks:
-        raise OpenMeshError(leaks, count.size)
-    lo, hi = np.zeros((*shape, max(most, 1))), np.zeros((*shape, max(most, 1)))
-    fill_columns(found, heights, ups, start, lo, hi, count, False)
+        raise OpenMeshError(leaks, number.size)
+    columns = _no_columns(shape, max(most, 1))
+    fill_columns(crossings, columns, False)
     return Stock(
-        lo=lo,
-        hi=hi,
-        count=count,
+        columns=columns,
         grid=grid,
         z_range=(float(minimum[2]), float(maximum[2])),
         resolution=resolution,
         material=material,
     )
+
+
+def _no_columns(shape: tuple[int, int], room: int) -> Columns:
+    """Columns with room for so many intervals each, all empty."""
+    return Columns(np.zeros((*shape, room)), np.zeros((*shape, room)), np.zeros(shape, dtype=np.int32))

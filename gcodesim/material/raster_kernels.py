@@ -2,14 +2,30 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.compiled import kernel
-from gcodesim.material.sweep_kernels import NUDGE_X, NUDGE_Y, row_range
+from gcodesim.material.field_kernels import Columns, Grid
+from gcodesim.material.sweep_kernels import columns_across_x, columns_across_y, x_of, y_of
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
+
+
+class Crossings(NamedTuple):
+    """Where the lines of columns cross a mesh: how many each has (nx, ny), and the first of them in the lists.
+
+    heights [m] and ups: +1 where the line leaves the body, going up, -1 where it enters. Lists may be empty as long as
+    crossings are only counted.
+    """
+
+    number: Ints
+    start: Ints
+    heights: Array
+    ups: Ints
 
 
 @kernel
@@ -21,14 +37,9 @@ def side(ax: float, ay: float, bx: float, by: float, x: float, y: float) -> floa
 
 
 @kernel
-def crossings(
-    vertices: Array, faces: Ints, grid: Array, found: Ints, heights: Array, ups: Ints, start: Ints, store: bool
-) -> None:
-    """Crossings of every column's line with the triangles: counted in `found` (nx, ny), or stored.
-
-    With `store`, `start` (nx, ny) says where a column's crossings begin in heights [m] and ups (+1: the line leaves
-    the body, going up; -1: it enters).
-    """
+def find_crossings(vertices: Array, faces: Ints, grid: Grid, crossings: Crossings, store: bool) -> None:
+    """Crossings of every column's line with the triangles: their number, or with `store` also their lists."""
+    found, start, heights, ups = crossings
     nx, ny = found.shape
     found[:] = 0
     for f in range(faces.shape[0]):
@@ -39,12 +50,12 @@ def crossings(
         if area == 0.0:
             continue
         up = 1 if area > 0.0 else -1
-        first_i, last_i = row_range(grid[0], grid[2], NUDGE_X, nx, min(ax, bx, cx), max(ax, bx, cx))
-        first_j, last_j = row_range(grid[1], grid[3], NUDGE_Y, ny, min(ay, by, cy), max(ay, by, cy))
+        first_i, last_i = columns_across_x(grid, nx, min(ax, bx, cx), max(ax, bx, cx))
+        first_j, last_j = columns_across_y(grid, ny, min(ay, by, cy), max(ay, by, cy))
         for i in range(first_i, last_i):
-            x = grid[0] + (i + 0.5 + NUDGE_X) * grid[2]
+            x = x_of(grid, i)
             for j in range(first_j, last_j):
-                y = grid[1] + (j + 0.5 + NUDGE_Y) * grid[3]
+                y = y_of(grid, j)
                 wa = up * side(bx, by, cx, cy, x, y)
                 wb = up * side(cx, cy, ax, ay, x, y)
                 wc = up * side(ax, ay, bx, by, x, y)
@@ -58,13 +69,13 @@ def crossings(
 
 
 @kernel
-def fill_columns(
-    found: Ints, heights: Array, ups: Ints, start: Ints, lo: Array, hi: Array, count: Ints, dry: bool
-) -> tuple[int, int]:
+def fill_columns(crossings: Crossings, columns: Columns, dry: bool) -> tuple[int, int]:
     """Intervals between entering and leaving, overlapping shells united; (most intervals of a column, open columns).
 
     `dry`: count only. A column is open when the mesh does not close along it; it gets what is certain.
     """
+    found, start, heights, ups = crossings
+    lo, hi, count = columns
     nx, ny = found.shape
     most, leaks = 0, 0
     for i in range(nx):

@@ -1,18 +1,4 @@
-"""Cutters, shanks and holders as arrays: the bodies of revolution that kernels sweep through a stock.
-
-A shape is eight numbers:
-
-    0  kind: 0 cylinder, 1 ball, 2 bull nose, 3 cone
-    1  radius [m] of the whole
-    2  corner radius [m] (ball: the radius)
-    3  radius [m] of the flat at the bottom
-    4  rise of the cone, dz / drho [-]
-    5  height [m] of the lowest point above the tip
-    6  height [m] of the top above the tip
-    7  unused, 0
-
-Below its top a shape is a cylinder of the radius that ends in that underside; it is convex.
-"""
+"""Cutters, shanks and holders as kernels take them: the bodies of revolution that are swept through a stock."""
 
 from __future__ import annotations
 
@@ -21,33 +7,34 @@ from math import pi, tan
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from gcodesim.material.sweep_kernels import BALL, BULL_NOSE, CONE, CYLINDER, Shape
 
-SHAPE_SIZE = 8
+Array = NDArray[np.float64]
 
 _FACETS = 24
 
 
-def _shape(*values: float) -> Array:
-    return np.array([*values, *[0.0] * (SHAPE_SIZE - len(values))])
+def _shape(kind: float, radius: float, corner: float, flat: float, rise: float, bottom: float, top: float) -> Shape:
+    """Kernels are compiled for numbers with a point."""
+    return Shape(*map(float, (kind, radius, corner, flat, rise, bottom, top)))
 
 
-def flat(diameter: float, length: float) -> Array:
+def flat(diameter: float, length: float) -> Shape:
     """Flat end mill of `diameter` that cuts up to `length` above its tip [m]."""
     return cylinder(diameter, 0.0, length)
 
 
-def cylinder(diameter: float, bottom: float, top: float) -> Array:
+def cylinder(diameter: float, bottom: float, top: float) -> Shape:
     """A round section from `bottom` to `top` above the tip [m]: shank, holder, or a flat cutter (bottom 0)."""
-    return _shape(0.0, diameter / 2.0, 0.0, diameter / 2.0, 0.0, bottom, top)
+    return _shape(CYLINDER, diameter / 2.0, 0.0, diameter / 2.0, 0.0, bottom, top)
 
 
-def ball(diameter: float, length: float) -> Array:
+def ball(diameter: float, length: float) -> Shape:
     """Ball end mill: a half sphere below a cylinder; lengths [m]."""
-    return _shape(1.0, diameter / 2.0, diameter / 2.0, 0.0, 0.0, 0.0, max(length, diameter / 2.0))
+    return _shape(BALL, diameter / 2.0, diameter / 2.0, 0.0, 0.0, 0.0, max(length, diameter / 2.0))
 
 
-def bull_nose(diameter: float, corner_radius: float, length: float) -> Array:
+def bull_nose(diameter: float, corner_radius: float, length: float) -> Shape:
     """End mill with rounded corners; lengths [m]. No corner gives a flat, half the diameter a ball."""
     radius = diameter / 2.0
     if not 0.0 <= corner_radius <= radius * (1.0 + 1e-12):
@@ -56,49 +43,44 @@ def bull_nose(diameter: float, corner_radius: float, length: float) -> Array:
         return flat(diameter, length)
     if corner_radius >= radius:
         return ball(diameter, length)
-    return _shape(2.0, radius, corner_radius, radius - corner_radius, 0.0, 0.0, max(length, corner_radius))
+    return _shape(BULL_NOSE, radius, corner_radius, radius - corner_radius, 0.0, 0.0, max(length, corner_radius))
 
 
-def cone(diameter: float, point_angle: float, length: float, tip_diameter: float = 0.0) -> Array:
+def cone(diameter: float, point_angle: float, length: float, tip_diameter: float = 0.0) -> Shape:
     """Drill or chamfer mill: a cone of `point_angle` [rad, whole angle], from `tip_diameter` outwards [m]."""
     if point_angle >= pi - 1e-9 or tip_diameter >= diameter:
         return flat(diameter, length)
     rise = 1.0 / tan(point_angle / 2.0)
     height = (diameter - tip_diameter) / 2.0 * rise
-    return _shape(3.0, diameter / 2.0, 0.0, tip_diameter / 2.0, rise, 0.0, max(length, height))
+    return _shape(CONE, diameter / 2.0, 0.0, tip_diameter / 2.0, rise, 0.0, max(length, height))
 
 
-def no_bodies() -> Array:
-    """The empty list of shapes (0, 8)."""
-    return np.zeros((0, SHAPE_SIZE))
-
-
-def section_volume(shape: Array) -> float:
+def section_volume(shape: Shape) -> float:
     """Volume [m^3] of a shape, from its closed form."""
-    radius, corner, flat_radius, rise = shape[1], shape[2], shape[3], shape[4]
-    height = shape[6] - shape[5]
-    if shape[0] in (1.0, 2.0):
+    radius, corner, flat_radius, rise = shape.radius, shape.corner, shape.flat, shape.rise
+    height = shape.top - shape.bottom
+    if shape.kind in (BALL, BULL_NOSE):
         body = pi * radius**2 * (height - corner)
         # a half torus tube around a disc (Pappus)
         nose = pi * flat_radius**2 * corner + pi**2 / 2 * flat_radius * corner**2 + 2 / 3 * pi * corner**3
         return float(body + nose)
-    if shape[0] == 3.0:
+    if shape.kind == CONE:
         point = (radius - flat_radius) * rise
         frustum = pi * point / 3 * (radius**2 + radius * flat_radius + flat_radius**2)
         return float(pi * radius**2 * (height - point) + frustum)
     return float(pi * radius**2 * height)
 
 
-def profile(shape: Array) -> tuple[Array, Array]:
+def profile(shape: Shape) -> tuple[Array, Array]:
     """Radii (m,) and heights (m,) above the tip [m] of the body from its lowest point up; rounded corners as facets."""
-    radius, corner, flat_radius, rise = (float(shape[k]) for k in (1, 2, 3, 4))
-    bottom, top = float(shape[5]), float(shape[6])
+    radius, corner, flat_radius, rise = shape.radius, shape.corner, shape.flat, shape.rise
+    bottom, top = shape.bottom, shape.top
     radii, heights = [flat_radius], [bottom]
-    if shape[0] in (1.0, 2.0):
+    if shape.kind in (BALL, BULL_NOSE):
         angles = np.arange(1, _FACETS + 1) * (pi / 2.0 / _FACETS)
         radii += [flat_radius + corner * float(np.sin(t)) for t in angles]
         heights += [bottom + corner * (1.0 - float(np.cos(t))) for t in angles]
-    elif shape[0] == 3.0:
+    elif shape.kind == CONE:
         radii.append(radius)
         heights.append(bottom + (radius - flat_radius) * rise)
     if top > heights[-1]:

@@ -12,20 +12,20 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import ceil, sqrt
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.material.shape import no_bodies
+from gcodesim.material.field_kernels import PATCH, Columns, Field, Grid
+from gcodesim.material.sweep_kernels import Shape
 
 if TYPE_CHECKING:
+    from gcodesim.material.relief import Relief
     from gcodesim.material.surface import Surface, Tiles
 
 Array = NDArray[np.float64]
-Ints = NDArray[np.int32]
-Bytes = NDArray[np.uint8]
-Singles = NDArray[np.float32]
 Vector = Sequence[float] | Array
 
 WALL_PLANES = 8
@@ -33,9 +33,6 @@ WALL_PLANES = 8
 
 BYTES_PER_COLUMN = 8 + 8 + 4 + 4 * WALL_PLANES
 """Memory of a column with one interval and its two borders; each further interval costs 16 bytes in every column."""
-
-PATCH = 16
-"""Columns along one side of a patch, the unit in which changes are watched (2 ** PATCH_SHIFT of the kernels)."""
 
 GAP_CLOSED = 1.0e-9
 """Gaps [m] up to which added material fuses with what lies above or below: rounding of layer heights."""
@@ -79,43 +76,41 @@ def finest_resolution(size: Vector, budget: int) -> float:
 
 
 class Stock:
-    """A workpiece in its frame S. Arrays change in place; everything else stays.
+    """A workpiece in its frame S. What stands in its field changes in place; everything else stays.
 
+    Outside of this package nobody looks into `field`: kernels hand it on whole (`view`), everything else asks methods.
     `turn` (3, 3) is nearly always the identity: axes of the frame in which the columns stand, seen from the part's
-    own frame, when the part was laid on another side (`turning`). All arrays and points are in the former.
+    own frame, when the part was laid on another side (`turning`). All points are in the former.
     """
 
-    __slots__ = (
-        "count", "dirty", "grid", "hi", "lo", "material", "original", "resolution", "tops", "turn", "walls", "z_range"
-    )  # fmt: skip
+    __slots__ = ("field", "material", "original", "resolution", "turn", "z_range")
 
     def __init__(
         self,
         *,
-        lo: Array,
-        hi: Array,
-        count: Ints,
-        grid: Array,
+        columns: Columns,
+        grid: Grid,
         z_range: tuple[float, float],
         resolution: float,
         material: str = "",
-        original: tuple[Array, Array, Ints] | None = None,
+        original: Columns | None = None,
     ) -> None:
-        """From columns lo, hi (nx, ny, k) [m], count (nx, ny) and grid (x, y of the outer corner, dx, dy) [m].
-
-        `z_range` is the height of the stock as it came; `original` its columns then (default: as they are now).
-        """
+        """`z_range` is the height of the stock as it came; `original` its columns then (default: as they are now)."""
         from gcodesim.material.kernels import patch_tops
 
-        self.lo, self.hi, self.count, self.grid = lo, hi, count, grid
         self.z_range, self.resolution, self.material = z_range, resolution, material
         self.turn: Array = np.eye(3)
-        self.original = original if original is not None else (lo.copy(), hi.copy(), count.copy())
-        patches = (-(-count.shape[0] // PATCH), -(-count.shape[1] // PATCH))
-        self.dirty: Bytes = np.zeros(patches, dtype=np.uint8)
-        self.tops: Array = np.zeros(patches)
-        self.walls: Singles = np.zeros((WALL_PLANES, count.shape[0] + 1, count.shape[1] + 1), dtype=np.float32)
-        patch_tops(hi, count, self.tops)
+        self.original = original if original is not None else _copied(columns)
+        nx, ny = columns.number.shape
+        patches = (-(-nx // PATCH), -(-ny // PATCH))
+        self.field = Field(
+            columns=columns,
+            grid=grid,
+            walls=np.zeros((WALL_PLANES, nx + 1, ny + 1), dtype=np.float32),
+            dirty=np.zeros(patches, dtype=np.uint8),
+            tops=np.zeros(patches),
+        )
+        patch_tops(columns, self.field.tops)
 
     @classmethod
     def box(cls, minimum: Vector, maximum: Vector, resolution: float, material: str = "") -> Stock:
@@ -123,15 +118,12 @@ class Stock:
         grid, shape = grid_of(minimum, maximum, resolution)
         low, high = float(minimum[2]), float(maximum[2])
         return cls(
-            lo=np.full((*shape, 1), low),
-            hi=np.full((*shape, 1), high),
-            count=np.ones(shape, dtype=np.int32),
+            columns=_equal_columns(shape, low, high),
             grid=grid,
             z_range=(low, high),
             resolution=resolution,
             material=material,
-            # all columns of a box begin alike, so one stands for all
-            original=(np.full((1, 1, 1), low), np.full((1, 1, 1), high), np.ones((1, 1), dtype=np.int32)),
+            original=_equal_columns((1, 1), low, high),  # all columns of a box begin alike, so one stands for all
         )
 
     @classmethod
@@ -151,8 +143,8 @@ class Stock:
         minimum, maximum = begin - radius, begin + radius
         minimum[along], maximum[along] = begin[along], begin[along] + length
         grid, shape = grid_of(minimum, maximum, resolution)
-        x = (grid[0] + (np.arange(shape[0]) + 0.5) * grid[2])[:, None] - begin[0]
-        y = (grid[1] + (np.arange(shape[1]) + 0.5) * grid[3])[None, :] - begin[1]
+        x = (grid.x + (np.arange(shape[0]) + 0.5) * grid.dx)[:, None] - begin[0]
+        y = (grid.y + (np.arange(shape[1]) + 0.5) * grid.dy)[None, :] - begin[1]
         if axis == "z":
             half = np.where(x**2 + y**2 <= radius**2, length / 2.0, 0.0)
             middle = begin[2] + length / 2.0
@@ -161,9 +153,11 @@ class Stock:
             half = np.broadcast_to(np.sqrt(np.maximum(radius**2 - across**2, 0.0)), shape)
             middle = begin[2]
         return cls(
-            lo=np.ascontiguousarray(middle - half)[:, :, None],
-            hi=np.ascontiguousarray(middle + half)[:, :, None],
-            count=(half > 0.0).astype(np.int32),
+            columns=Columns(
+                lo=np.ascontiguousarray(middle - half)[:, :, None],
+                hi=np.ascontiguousarray(middle + half)[:, :, None],
+                number=(half > 0.0).astype(np.int32),
+            ),
             grid=grid,
             z_range=(float(minimum[2]), float(maximum[2])),
             resolution=resolution,
@@ -174,29 +168,59 @@ class Stock:
     def empty(cls, minimum: Vector, maximum: Vector, resolution: float, material: str = "") -> Stock:
         """Room without material, to be printed into [m]."""
         stock = cls.box(minimum, maximum, resolution, material)
-        stock.count[:] = 0
-        stock.hi[:] = stock.lo
-        stock.original[2][:] = 0
-        stock.tops[:] = -np.inf
+        lo, hi, count = stock.field.columns
+        count[:] = 0
+        hi[:] = lo
+        stock.original.number[:] = 0
+        stock.field.tops[:] = -np.inf
         return stock
+
+    def view(self, axis: Vector) -> Field:
+        """The field whose columns stand nearest to `axis` (3,), from a tool's tip to its holder; there is one, along Z.
+
+        For kernels, which hand it on to those of this package. It holds until the stock has to `grow`.
+        """
+        return self.field
 
     @property
     def origin(self) -> Array:
         """Outer corner (x, y) of the grid [m]."""
-        return self.grid[:2].copy()
+        return np.array(self.field.grid[:2])
 
     @property
     def spacing(self) -> Array:
         """Cell size (dx, dy) [m]."""
-        return self.grid[2:].copy()
+        return np.array(self.field.grid[2:])
+
+    @property
+    def cell(self) -> float:
+        """The longer side of a cell [m]."""
+        return float(self.spacing.max())
+
+    @property
+    def bounds(self) -> tuple[Array, Array]:
+        """The lowest and the highest corner (3,) [m] of the stock as it came."""
+        far = self.origin + self.spacing * self.field.columns.number.shape
+        return np.append(self.origin, self.z_range[0]), np.append(far, self.z_range[1])
+
+    @property
+    def top(self) -> float:
+        """Height [m] that no material surpasses; -inf where there is none."""
+        return float(self.field.tops.max())
+
+    def in_part(self, points: Array) -> Array:
+        """Points (n, 3) [m] in the part's own frame, on whichever side it lies."""
+        turned: Array = points @ self.turn.T
+        return turned
 
     @property
     def volume(self) -> float:
         """All material [m^3]: the columns, and what true walls take of them or leave beside them."""
         from gcodesim.material.kernels import beyond_columns, volume_of
 
-        strips = float(beyond_columns(self.walls)) * float(self.grid[2] * self.grid[3])
-        return float(volume_of(self.lo, self.hi, self.count, self.grid)) - strips
+        grid = self.field.grid
+        strips = float(beyond_columns(self.field.walls)) * float(grid.dx * grid.dy)
+        return float(volume_of(self.field)) - strips
 
     def error_bound(self) -> float:
         """How far [m^3] the volume cut or added may be off on this grid; 0 when nothing changed.
@@ -206,86 +230,76 @@ class Stock:
         """
         from gcodesim.material.error_kernels import changes, error_bound
 
-        change = np.zeros(self.count.shape)
-        if changes(self.lo, self.hi, self.count, *self.original, change) == 0.0:
+        columns = self.field.columns
+        change = np.zeros(columns.number.shape)
+        if changes(columns, self.original, change) == 0.0:
             return 0.0
-        return float(error_bound(self.lo, self.hi, self.count, self.walls, change, self.grid))
+        return float(error_bound(self.field, change))
 
     def copy(self) -> Stock:
         """An independent stock in the same state."""
         twin = Stock(
-            lo=self.lo.copy(),
-            hi=self.hi.copy(),
-            count=self.count.copy(),
-            grid=self.grid.copy(),
+            columns=_copied(self.field.columns),
+            grid=self.field.grid,
             z_range=self.z_range,
             resolution=self.resolution,
             material=self.material,
             original=self.original,
         )
-        twin.dirty[:] = self.dirty
-        twin.walls[:] = self.walls
+        twin.field.dirty[:] = self.field.dirty
+        twin.field.walls[:] = self.field.walls
         twin.turn = self.turn.copy()
         return twin
 
     def memento(self) -> Callable[[], None]:
         """Remember the state; the answer puts it back."""
-        names = ("lo", "hi", "count", "dirty", "tops", "walls")
-        kept = {name: getattr(self, name).copy() for name in names}
+        kept = _copied_field(self.field)
 
         def restore() -> None:
-            for name, values in kept.items():
-                setattr(self, name, values.copy())
+            self.field = _copied_field(kept)
 
         return restore
 
     def grow(self) -> None:
         """Double the intervals that a column can hold."""
-        empty = np.zeros_like(self.lo)
-        self.lo = np.concatenate((self.lo, empty), axis=2)
-        self.hi = np.concatenate((self.hi, empty), axis=2)
+        lo, hi, count = self.field.columns
+        empty = np.zeros_like(lo)
+        wider = Columns(np.concatenate((lo, empty), axis=2), np.concatenate((hi, empty), axis=2), count)
+        self.field = self.field._replace(columns=wider)
 
-    def remove(self, starts: Array, ends: Array, shape: Array, bodies: Array | None = None) -> Removal:
+    def remove(self, starts: Array, ends: Array, shape: Shape, bodies: Sequence[Shape] = ()) -> Removal:
         """Cut along c straight pieces, tool upright: tips from `starts` to `ends` (c, 3) in S [m].
 
-        `shape` (8,) is the cutting part, `bodies` (b, 8) shank and holder: what they run through, after each piece,
+        `shape` is the cutting part, `bodies` are shank and holder: what they run through, after each piece,
         is reported and not removed.
         """
-        from gcodesim.material.kernels import remove
+        from gcodesim.material.kernels import Found, remove
 
         starts, ends = _pieces(starts), _pieces(ends)
-        bodies = no_bodies() if bodies is None else np.ascontiguousarray(bodies, dtype=float)
-        result = Removal(
-            volume=np.zeros(len(starts)), body_volume=np.zeros(len(starts)), body_depth=np.zeros(len(starts))
-        )
+        others = np.array(bodies, dtype=float).reshape(-1, len(Shape._fields))
+        found = Found(*np.zeros((3, len(starts))))
         done = 0
         while True:
-            done = remove(
-                self.lo, self.hi, self.count, self.grid, self.dirty, self.walls, self.tops, starts, ends, shape, bodies,
-                done, result.volume, result.body_volume, result.body_depth,
-            )  # fmt: skip
+            done = remove(self.field, starts, ends, shape, others, done, found)
             if done == len(starts):
-                return result
+                return Removal(**found._asdict())
             self.grow()
 
-    def remove_tilted(self, starts: Array, ends: Array, axes_start: Array, axes_end: Array, shape: Array) -> Array:
+    def remove_tilted(self, starts: Array, ends: Array, axes_start: Array, axes_end: Array, shape: Shape) -> Array:
         """Cut along c pieces with an axis that turns: unit vectors (c, 3) from tip to holder at both ends, in S.
 
         Volume (c,) [m^3]. The body is asked at poses half a cell apart; rounded corners are 24 facets, the facets
         staying inside by less than a thousandth of the corner radius.
         """
         from gcodesim.material.shape import profile
-        from gcodesim.material.tilted_kernels import remove_tilted
+        from gcodesim.material.tilted_kernels import Pieces, Profile, remove_tilted
 
-        starts, ends, axes_start, axes_end = (_pieces(a) for a in (starts, ends, axes_start, axes_end))
-        radii, heights = profile(shape)
+        way = Pieces(*map(_pieces, (starts, ends, axes_start, axes_end)))
+        body = Profile(*profile(shape))
         volume = np.zeros(len(starts))
         done = 0
         while True:
-            done = remove_tilted(
-                self.lo, self.hi, self.count, self.grid, self.dirty, self.walls, starts, ends, axes_start, axes_end,
-                radii, heights, done, volume,
-            )  # fmt: skip
+            done = remove_tilted(self.field, way, body, done, volume)
             if done == len(starts):
                 return volume
             self.grow()
@@ -296,24 +310,22 @@ class Stock:
         Pieces that follow each other make one strand with flat ends and round corners. The part outside the grid
         is not kept: `volume` then stays below `nominal`.
         """
-        from gcodesim.material.kernels import add_bead
+        from gcodesim.material.kernels import Bead, add_bead
 
         if not 0.0 < height <= width:
             raise ValueError(f"a bead {width} m wide and {height} m high")
         starts, ends = _pieces(starts), _pieces(ends)
         area = (width - height) * height + np.pi * height**2 / 4.0
+        bead = Bead(float(width), float(height), GAP_CLOSED)
         result = Deposition(volume=np.zeros(len(starts)), nominal=area * np.linalg.norm(ends - starts, axis=1))
         done = 0
         while True:
-            done = add_bead(
-                self.lo, self.hi, self.count, self.grid, self.dirty, self.tops, starts, ends, width, height,
-                GAP_CLOSED, done, result.volume,
-            )  # fmt: skip
+            done = add_bead(self.field, starts, ends, bead, done, result.volume)
             if done == len(starts):
                 return result
             self.grow()
 
-    def touch(self, starts: Array, ends: Array, shape: Array) -> tuple[Array, Array]:
+    def touch(self, starts: Array, ends: Array, shape: Shape) -> tuple[Array, Array]:
         """Material that `shape` would run through along c pieces, each against the stock as it is now.
 
         Volume (c,) [m^3] and depth (c,) [m]; nothing is removed.
@@ -321,14 +333,11 @@ class Stock:
         from gcodesim.material.kernels import touch_piece
 
         starts, ends = _pieces(starts), _pieces(ends)
-        found = [
-            touch_piece(self.lo, self.hi, self.count, self.grid, self.tops, a, b, shape)
-            for a, b in zip(starts, ends, strict=True)
-        ]
+        found = [touch_piece(self.field, a, b, shape) for a, b in zip(starts, ends, strict=True)]
         pairs = np.array(found, dtype=float).reshape(-1, 2)
         return pairs[:, 0], pairs[:, 1]
 
-    def inside(self, tip: Vector, shape: Array) -> bool:
+    def inside(self, tip: Vector, shape: Shape) -> bool:
         """Whether a tool of this shape, standing with its tip there [m], is in material."""
         point = np.array([tip], dtype=float)
         return bool(self.touch(point, point, shape)[0][0] > 0.0)
@@ -337,13 +346,36 @@ class Stock:
         """Share [-] of the height z0 < z1 [m] that is material at (x, y), bilinear between column centres."""
         from gcodesim.material.kernels import occupancy
 
-        return float(occupancy(self.lo, self.hi, self.count, self.grid, x, y, z0, z1))
+        return float(occupancy(self.field, x, y, z0, z1))
 
     def height_at(self, x: float, y: float) -> float:
         """Height [m] of the highest material in the column of (x, y); -inf where there is none."""
         from gcodesim.material.kernels import highest
 
-        return float(highest(self.hi, self.count, self.grid, x, y))
+        return float(highest(self.field, x, y))
+
+    def extent(self) -> tuple[Array, Array]:
+        """The lowest and the highest corner (3,) [m] of a box around all material; `bounds` where there is none."""
+        lo, hi, count = self.field.columns
+        filled = count > 0
+        if not filled.any():
+            return self.bounds
+        x, y, dx, dy = self.field.grid
+        i, j = np.flatnonzero(filled.any(axis=1)), np.flatnonzero(filled.any(axis=0))
+        used = np.arange(lo.shape[2]) < count[:, :, None]
+        low = np.array([x + dx * i[0], y + dy * j[0], lo[used].min()])
+        return low, np.array([x + dx * (i[-1] + 1), y + dy * (j[-1] + 1), hi[used].max()])
+
+    def relief(self) -> Relief:
+        """How high the columns stand, and how much material each holds."""
+        from gcodesim.material.relief import relief_of
+
+        return relief_of(self)
+
+    def spacing_for(self, columns: int) -> float:
+        """Distance [m] at which about `columns` columns stand in the whole stock; never less than a cell."""
+        area = float(np.prod(self.spacing * self.field.columns.number.shape))
+        return max(self.cell, float((area / columns) ** 0.5))
 
     def surface(self, spacing: float | None = None) -> Surface:
         """The closed surface, columns drawn about `spacing` [m] apart (default: the resolution; 0: all columns)."""
@@ -357,16 +389,35 @@ class Stock:
 
         return Tiles(self, across=across, spacing=spacing)
 
+    def save(self, path: Path) -> None:
+        """Write the file from which a later run goes on."""
+        from gcodesim.material.stock_file import save_stock
+
+        save_stock(self, path)
+
+
+def _copied(columns: Columns) -> Columns:
+    return Columns(columns.lo.copy(), columns.hi.copy(), columns.number.copy())
+
+
+def _copied_field(field: Field) -> Field:
+    return Field(_copied(field.columns), field.grid, field.walls.copy(), field.dirty.copy(), field.tops.copy())
+
+
+def _equal_columns(shape: tuple[int, int], low: float, high: float) -> Columns:
+    """Columns of one interval each, all from `low` to `high` [m]."""
+    return Columns(np.full((*shape, 1), low), np.full((*shape, 1), high), np.ones(shape, dtype=np.int32))
+
 
 def _pieces(points: Array) -> Array:
     """Points as a contiguous (c, 3) array."""
     return np.ascontiguousarray(points, dtype=float).reshape(-1, 3)
 
 
-def grid_of(minimum: Vector, maximum: Vector, resolution: float) -> tuple[Array, tuple[int, int]]:
-    """Grid (4,) and number of columns of a box; ValueError when it has no volume."""
+def grid_of(minimum: Vector, maximum: Vector, resolution: float) -> tuple[Grid, tuple[int, int]]:
+    """Grid and number of columns of a box; ValueError when it has no volume."""
     size = [float(b) - float(a) for a, b in zip(minimum, maximum, strict=True)]
     if not (all(s > 0.0 for s in size) and resolution > 0.0):
         raise ValueError(f"a stock of size {size} m at resolution {resolution} m")
     nx, ny = cells_along(size[0], resolution), cells_along(size[1], resolution)
-    return np.array([float(minimum[0]), float(minimum[1]), size[0] / nx, size[1] / ny]), (nx, ny)
+    return Grid(float(minimum[0]), float(minimum[1]), size[0] / nx, size[1] / ny), (nx, ny)

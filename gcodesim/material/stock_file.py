@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from gcodesim.material.field_kernels import Columns, Grid
 from gcodesim.material.stock import WALL_PLANES, Stock
 from gcodesim.whole_file import write_whole
 
@@ -29,10 +30,11 @@ class StockFileError(ValueError):
 
 def save_stock(stock: Stock, path: Path) -> None:
     """Write the stock as it is now; `original` becomes this state when it is loaded."""
-    nx, ny, k = stock.lo.shape
-    used = np.arange(k)[None, None, :] < stock.count[:, :, None]
+    columns, grid, walls, _, _ = stock.field
+    nx, ny, k = columns.lo.shape
+    used = np.arange(k)[None, None, :] < columns.number[:, :, None]
     head: dict[str, Any] = {
-        "grid_m": [float(v) for v in stock.grid],
+        "grid_m": [float(v) for v in grid],
         "columns": [nx, ny],
         "material": stock.material,
         "resolution_m": float(stock.resolution),
@@ -41,10 +43,10 @@ def save_stock(stock: Stock, path: Path) -> None:
     if (stock.turn != np.eye(3)).any():
         head["turn"] = [[int(v) for v in row] for row in stock.turn]
     arrays = (
-        stock.count.astype("<i4"),
-        stock.lo[used].astype("<f8"),
-        stock.hi[used].astype("<f8"),
-        stock.walls.astype("<f4"),
+        columns.number.astype("<i4"),
+        columns.lo[used].astype("<f8"),
+        columns.hi[used].astype("<f8"),
+        walls.astype("<f4"),
     )
     body = b"".join(array.tobytes() for array in arrays)
     text = json.dumps(head, sort_keys=True, ensure_ascii=False).encode() + b"\n"
@@ -90,7 +92,8 @@ def stock_from_bytes(raw: bytes, name: str) -> Stock:
     used = np.arange(k)[None, None, :] < count[:, :, None]
     lo, hi = np.zeros((nx, ny, k)), np.zeros((nx, ny, k))
     lo[used], hi[used] = ends[:total], ends[total:]
-    stock = Stock(lo=lo, hi=hi, count=count, grid=grid, z_range=z_range, resolution=resolution, material=material)
-    stock.walls[:] = walls.reshape(stock.walls.shape)
+    columns = Columns(lo, hi, count)
+    stock = Stock(columns=columns, grid=Grid(*grid.tolist()), z_range=z_range, resolution=resolution, material=material)
+    stock.field.walls[:] = walls.reshape(stock.field.walls.shape)
     stock.turn = turn
     return stock

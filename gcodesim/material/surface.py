@@ -11,6 +11,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.material.field_kernels import PATCH, Columns
+from gcodesim.material.flat_kernels import Span, Triangles
+
 if TYPE_CHECKING:
     from gcodesim.material.stock import Stock
 
@@ -67,11 +70,11 @@ def build_surface(stock: Stock, spacing: float = 0.0) -> Surface:
     """The whole surface from columns about `spacing` [m] apart; 0 takes all of them."""
     lattice = _Lattice.spaced(stock, spacing)
     if lattice.has_all(stock):
-        columns = _Columns(stock.lo, stock.hi, stock.count, stock.walls, stock.original)
+        drawn = _Drawn(stock.field.columns, stock.field.walls, stock.original)
     else:
-        columns = lattice.columns(stock, lattice.original(stock))
-    points, faces, cut, flat_parts, flat_cut = _mesh(columns, lattice, 0, len(lattice.ix), 0, len(lattice.iy))
-    faces, cut = np.concatenate((faces, flat_parts)), np.concatenate((cut, flat_cut))
+        drawn = lattice.columns(stock, lattice.original(stock))
+    points, fine, coarse = _mesh(drawn, lattice, Span(0, len(lattice.ix), 0, len(lattice.iy)))
+    faces, cut = np.concatenate((fine.faces, coarse.faces)), np.concatenate((fine.cut, coarse.cut))
     # points inside flat parts are in no triangle
     used = np.zeros(len(points), dtype=bool)
     used[faces] = True
@@ -79,24 +82,21 @@ def build_surface(stock: Stock, spacing: float = 0.0) -> Surface:
     return Surface(vertices=points[used], faces=number[faces], cut=cut)
 
 
-class _Columns(NamedTuple):
-    """Columns (m, n) side by side as kernels take them, and those that the stock came with, which may be one for all.
+class _Drawn(NamedTuple):
+    """Columns (m, n) side by side that are drawn, and those that the stock came with, which may be one for all.
 
     The walls at them where all columns of a stock are drawn, else (4, 0, 0).
     """
 
-    lo: Array
-    hi: Array
-    intervals: Ints
+    columns: Columns
     walls: NDArray[np.float32]
-    original: tuple[Array, Array, Ints]
+    original: Columns
 
-    def same(self, other: _Columns) -> bool:
+    def same(self, other: _Drawn) -> bool:
         """Whether nothing tells them from `other` columns of the same place."""
         from gcodesim.material.tile_kernels import same_columns
 
-        equal = same_columns(self.lo, self.hi, self.intervals, other.lo, other.hi, other.intervals)
-        return bool(equal) and np.array_equal(self.walls, other.walls)
+        return bool(same_columns(self.columns, other.columns)) and np.array_equal(self.walls, other.walls)
 
 
 class _Lattice(NamedTuple):
@@ -115,7 +115,7 @@ class _Lattice(NamedTuple):
     def spaced(stock: Stock, spacing: float) -> _Lattice:
         """Columns at most `spacing` [m] apart, unless there are fewer; the outer corners stay the stock's own."""
         picks, corners = [], []
-        for cells, origin, step in zip(stock.count.shape, stock.grid[:2], stock.grid[2:], strict=True):
+        for cells, origin, step in zip(stock.field.columns.number.shape, stock.origin, stock.spacing, strict=True):
             drawn = min(cells, max(1, ceil(cells * step / spacing - 1e-9))) if spacing > 0.0 else cells
             picks.append(((np.arange(drawn) + 0.5) * cells / drawn).astype(np.int32))
             corners.append(origin + np.arange(drawn + 1) * (cells * step / drawn))
@@ -124,47 +124,41 @@ class _Lattice(NamedTuple):
 
     def has_all(self, stock: Stock) -> bool:
         """Whether all columns of the stock are drawn."""
-        return stock.count.shape == (len(self.ix), len(self.iy))
+        return stock.field.columns.number.shape == (len(self.ix), len(self.iy))
 
     def part(self, i0: int, i1: int, j0: int, j1: int) -> _Lattice:
         """The lattice of columns [i0, i1) x [j0, j1) alone."""
         xs, ys = self.xs[i0 : i1 + 1], self.ys[j0 : j1 + 1]
         return _Lattice(self.ix[i0:i1], self.iy[j0:j1], xs, ys, self.joined)
 
-    def original(self, stock: Stock) -> tuple[Array, Array, Ints]:
+    def original(self, stock: Stock) -> Columns:
         """The columns that the stock came with, where this lattice draws them; one for all of a box."""
         lo, hi, count = stock.original
         none = np.zeros(1, np.int32)
         at = np.ix_(self.ix if count.shape[0] > 1 else none, self.iy if count.shape[1] > 1 else none)
-        return lo[at], hi[at], count[at]
+        return Columns(lo[at], hi[at], count[at])
 
-    def columns(self, stock: Stock, original: tuple[Array, Array, Ints]) -> _Columns:
+    def columns(self, stock: Stock, original: Columns) -> _Drawn:
         """A copy of the columns of the stock that are drawn, without its walls."""
         from gcodesim.material.tile_kernels import take_columns
 
         shape = (len(self.ix), len(self.iy))
-        lo, hi = np.empty((2, *shape, stock.lo.shape[2]))
-        count = np.empty(shape, dtype=np.int32)
-        take_columns(stock.lo, stock.hi, stock.count, self.ix, self.iy, lo, hi, count)
-        return _Columns(lo, hi, count, np.zeros((4, 0, 0), np.float32), original)
+        columns = stock.field.columns
+        room = (*shape, columns.lo.shape[2])
+        taken = Columns(np.empty(room), np.empty(room), np.empty(shape, dtype=np.int32))
+        take_columns(columns, self.ix, self.iy, taken)
+        return _Drawn(taken, np.zeros((4, 0, 0), np.float32), original)
 
 
-def _mesh(
-    columns: _Columns, lattice: _Lattice, i0: int, i1: int, j0: int, j1: int
-) -> tuple[Array, Ints, Bytes, Ints, Bytes]:
-    """Points, faces and their class of the drawn columns [i0, i1) x [j0, j1); then faces and class of flat parts."""
+def _mesh(drawn: _Drawn, lattice: _Lattice, span: Span) -> tuple[Array, Triangles, Triangles]:
+    """Points, and triangles, of the columns of a span; those of flat parts by themselves."""
     from gcodesim.material.flat_kernels import find_flat, flat_faces
-    from gcodesim.material.surface_kernels import build_chains, build_faces
+    from gcodesim.material.surface_kernels import Corners, build_chains, build_faces
 
-    lo, hi, count, walls, original = columns
-    start, plain, bits, rising, below, vertex, extra, points = build_chains(
-        lo, hi, count, walls, lattice.xs, lattice.ys, i0, i1, j0, j1, lattice.joined
-    )
-    flat = find_flat(lo, hi, count, *original, i0, i1, j0, j1)
-    faces, cut = build_faces(
-        lo, hi, count, *original, i0, i1, j0, j1, start, plain, bits, rising, below, vertex, extra, points, flat
-    )
-    return points, faces, cut, *flat_faces(flat, i0, i1, j0, j1, start, vertex)
+    columns, walls, original = drawn
+    chains = build_chains(columns, walls, Corners(lattice.xs, lattice.ys), span, lattice.joined)
+    flat = find_flat(columns, original, span)
+    return chains.points, build_faces(columns, original, span, chains, flat), flat_faces(flat, span, chains)
 
 
 class _Place(NamedTuple):
@@ -172,9 +166,9 @@ class _Place(NamedTuple):
 
     number: int
     lattice: _Lattice
-    span: tuple[int, int, int, int]
+    span: Span
     corner: tuple[int, int]  # of the lattice in that of all tiles
-    original: tuple[Array, Array, Ints]
+    original: Columns
 
 
 class Tiles:
@@ -184,8 +178,8 @@ class Tiles:
         """`spacing` [m] between drawn columns; default: the stock's own, or coarser to keep tiles small."""
         if not 1 <= across <= 4:
             raise ValueError("the log has room for 16 tiles")
-        nx, ny = stock.count.shape
-        area = nx * ny * stock.grid[2] * stock.grid[3]
+        nx, ny = stock.field.columns.number.shape
+        area = nx * ny * stock.field.grid.dx * stock.field.grid.dy
         self._stock = stock
         lattice = _Lattice.spaced(stock, sqrt(area / DRAWN_COLUMNS) if spacing is None else spacing)
         self._all_drawn = lattice.has_all(stock)
@@ -194,7 +188,7 @@ class Tiles:
             _place(number, lattice, stock, i, j)
             for number, (i, j) in enumerate(product(pairwise(edges_i), pairwise(edges_j)))
         ]
-        self._drawn: dict[int, _Columns] = {}
+        self._drawn: dict[int, _Drawn] = {}
 
     def __len__(self) -> int:
         return len(self._places)
@@ -209,24 +203,22 @@ class Tiles:
         return self._glimpse([place for place in self._places if self._is_dirty(place)])
 
     def _glimpse(self, places: Sequence[_Place]) -> Glimpse:
-        self._stock.dirty[:] = 0
+        self._stock.field.dirty[:] = 0
         return Glimpse(tiles=[(place, self._columns(place)) for place in places], drawn=self._drawn)
 
-    def _columns(self, place: _Place) -> _Columns:
+    def _columns(self, place: _Place) -> _Drawn:
         """A copy of the columns that a tile draws, and those around them."""
         columns = place.lattice.columns(self._stock, place.original)
         if not self._all_drawn:
             return columns
         i, j = place.corner
         xs, ys = place.lattice.xs, place.lattice.ys
-        return columns._replace(walls=self._stock.walls[:2, i : i + len(xs), j : j + len(ys)].copy())
+        return columns._replace(walls=self._stock.field.walls[:2, i : i + len(xs), j : j + len(ys)].copy())
 
     def _is_dirty(self, place: _Place) -> bool:
         """Whether a column that the tile draws, or one next to it, lies in a changed patch."""
-        from gcodesim.material.stock import PATCH
-
         ix, iy = place.lattice.ix, place.lattice.iy
-        near = self._stock.dirty[ix[0] // PATCH : ix[-1] // PATCH + 1, iy[0] // PATCH : iy[-1] // PATCH + 1]
+        near = self._stock.field.dirty[ix[0] // PATCH : ix[-1] // PATCH + 1, iy[0] // PATCH : iy[-1] // PATCH + 1]
         return bool(near.any())
 
 
@@ -235,7 +227,7 @@ def _place(number: int, lattice: _Lattice, stock: Stock, i: tuple[int, int], j: 
     (i0, i1), (j0, j1) = i, j
     low_i, low_j = max(i0 - 1, 0), max(j0 - 1, 0)
     around = lattice.part(low_i, min(i1 + 1, len(lattice.ix)), low_j, min(j1 + 1, len(lattice.iy)))
-    span = (i0 - low_i, i1 - low_i, j0 - low_j, j1 - low_j)
+    span = Span(i0 - low_i, i1 - low_i, j0 - low_j, j1 - low_j)
     return _Place(number, around, span, (low_i, low_j), around.original(stock))
 
 
@@ -246,8 +238,8 @@ class Glimpse:
     `drawn` are the columns of which each tile is drawn now.
     """
 
-    tiles: Sequence[tuple[_Place, _Columns]]
-    drawn: dict[int, _Columns]
+    tiles: Sequence[tuple[_Place, _Drawn]]
+    drawn: dict[int, _Drawn]
 
     def draw(self) -> list[Tile]:
         """The tiles that look different from those of the glimpses drawn before; from one thread at a time."""
@@ -260,10 +252,10 @@ class Glimpse:
         return fresh
 
 
-def _tile(place: _Place, columns: _Columns) -> Tile:
+def _tile(place: _Place, drawn: _Drawn) -> Tile:
     from gcodesim.material.tile_kernels import facets_of
 
-    mesh = _mesh(columns, place.lattice, *place.span)
+    mesh = _mesh(drawn, place.lattice, place.span)
     original, changed = (Facets(*facets_of(*mesh, which, ROUNDING)) for which in range(2))
     return Tile(number=place.number, original=original, changed=changed)
 

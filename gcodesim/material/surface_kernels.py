@@ -17,20 +17,29 @@ strands, one around each, so that every edge belongs to exactly two triangles: t
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.compiled import kernel
-from gcodesim.material.flat_kernels import FLAT_SIDE
+from gcodesim.material.field_kernels import Columns
+from gcodesim.material.flat_kernels import FLAT_SIDE, Chains, Span, Triangles
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
 Bytes = NDArray[np.uint8]
 Singles = NDArray[np.float32]
-Places = NDArray[np.int64]
 
 DIAGONAL_02 = 0b0101
 DIAGONAL_13 = 0b1010
+
+
+class Corners(NamedTuple):
+    """Where the corners between columns lie: along x (mx + 1,) and along y (my + 1,) [m]."""
+
+    xs: Array
+    ys: Array
 
 
 @kernel(lean=True)
@@ -107,11 +116,12 @@ def rim_shift(below: int, above: int, shifts: Array, first: int, second: int) ->
 
 
 @kernel(lean=True)
-def plain_prism(lo: Array, hi: Array, count: Ints, a: int, b: int, limit: float, heights: Array) -> bool:
+def plain_prism(columns: Columns, a: int, b: int, limit: float, heights: Array) -> bool:
     """Whether the prism around (a, b) has four columns of one piece each, which begin and end together.
 
     Then `heights` (of length 4) begins with the mean height of their bottoms and that of their tops.
     """
+    lo, hi, count = columns
     if count[a - 1, b - 1] != 1 or count[a, b - 1] != 1 or count[a, b] != 1 or count[a - 1, b] != 1:
         return False
     low_0, low_1, low_2, low_3 = lo[a - 1, b - 1, 0], lo[a, b - 1, 0], lo[a, b, 0], lo[a - 1, b, 0]
@@ -125,36 +135,23 @@ def plain_prism(lo: Array, hi: Array, count: Ints, a: int, b: int, limit: float,
 
 
 @kernel
-def build_chains(
-    lo: Array,
-    hi: Array,
-    count: Ints,
-    walls: Singles,
-    xs: Array,
-    ys: Array,
-    i0: int,
-    i1: int,
-    j0: int,
-    j1: int,
-    limit: float,
-) -> tuple[Ints, Ints, Bytes, Bytes, Bytes, Ints, Ints, Array]:
-    """Groups and vertices of the prisms around columns [i0, i1) x [j0, j1) of (mx, my).
+def build_chains(columns: Columns, walls: Singles, corners: Corners, span: Span, limit: float) -> Chains:
+    """Groups and vertices of the prisms around a span of columns (mx, my).
 
-    walls (4, mx + 1, my + 1), or (4, 0, 0) where they are not known; xs (mx + 1), ys (my + 1): the lattice [m];
-    limit [m]: the greatest height of a group. Returns, prism by prism (a from i0 to i1, b from j0 to j1): `start`
-    (p + 1,) of its groups, and `plain` (p,): the first of two vertices where all four columns begin in one group and
-    end in the next, and nothing else is, or -1; of each group: bits of the columns that change, whether they rise, mask
-    below, its first vertex, the vertex in the middle of the second strand above it (-1: none); and the vertices (v, 3)
-    [m].
+    walls (4, mx + 1, my + 1), or (4, 0, 0) where they are not known; limit [m]: the greatest height of a group.
+    Prisms come with a from i0 to i1 and b from j0 to j1.
     """
+    lo, hi, count = columns
+    xs, ys = corners
+    i0, i1, j0, j1 = span
     mx, my = count.shape
-    rows, columns = i1 - i0 + 1, j1 - j0 + 1
+    rows, across = i1 - i0 + 1, j1 - j0 + 1
     room = 0
     for i in range(max(i0 - 1, 0), min(i1 + 1, mx)):
         for j in range(max(j0 - 1, 0), min(j1 + 1, my)):
             room += 8 * count[i, j]
-    start = np.empty(rows * columns + 1, np.int32)
-    plain = np.empty(rows * columns, np.int32)
+    start = np.empty(rows * across + 1, np.int32)
+    plain = np.empty(rows * across, np.int32)
     bits = np.empty(room, np.uint8)
     rising = np.empty(room, np.uint8)
     below = np.empty(room, np.uint8)
@@ -170,11 +167,11 @@ def build_chains(
     shifts = np.zeros(4)
     for a in range(i0, i1 + 1):
         for b in range(j0, j1 + 1):
-            prism = (a - i0) * columns + b - j0
+            prism = (a - i0) * across + b - j0
             start[prism], plain[prism] = groups, -1
             rim_a, rim_b = a == 0 or a == mx, b == 0 or b == my
             rim = rim_a or rim_b
-            if not rim and plain_prism(lo, hi, count, a, b, limit, heights):
+            if not rim and plain_prism(columns, a, b, limit, heights):
                 plain[prism] = made
                 # as most are: four columns of one piece each, a vertex below and one above
                 for turn in range(2):
@@ -264,13 +261,16 @@ def build_chains(
                 heights[best] = best_z
                 mask ^= 1 << best
                 cursor[best] += 1
-    start[rows * columns] = groups
-    return start, plain, bits[:groups], rising[:groups], below[:groups], vertex[:groups], extra[:groups], points[:made]
+    start[rows * across] = groups
+    return Chains(
+        start, plain, bits[:groups], rising[:groups], below[:groups], vertex[:groups], extra[:groups], points[:made]
+    )
 
 
 @kernel(lean=True)
-def seen_vertex(bits: Bytes, rising: Bytes, below: Bytes, vertex: Ints, group: int, corner: int) -> int:
+def seen_vertex(chains: Chains, group: int, corner: int) -> int:
     """The vertex of a group as the strand around a material corner sees it; -1 when that strand passes by."""
+    bits, rising, below, vertex = chains.bits, chains.rising, chains.below, chains.vertex
     mask = below[group]
     if rising[group]:
         mask = mask | bits[group]
@@ -283,7 +283,7 @@ def seen_vertex(bits: Bytes, rising: Bytes, below: Bytes, vertex: Ints, group: i
 
 
 @kernel(lean=True)
-def find_group(bits: Bytes, rising: Bytes, begin: int, corner: int, change: int) -> int:
+def find_group(bits: Bytes, begin: int, corner: int, change: int) -> int:
     """The group, from `begin` on, in which a corner's column makes its `change`-th change (even: rise, odd: fall)."""
     left = change
     group = begin
@@ -296,26 +296,25 @@ def find_group(bits: Bytes, rising: Bytes, begin: int, corner: int, change: int)
 
 
 @kernel(lean=True)
-def collect_chain(
-    bits: Bytes, rising: Bytes, below: Bytes, vertex: Ints, extra: Ints, first: int, last: int, corner: int, out: Ints
-) -> int:
+def collect_chain(chains: Chains, first: int, last: int, corner: int, out: Ints) -> int:
     """Vertices of the strand around `corner` from group `first` to `last`, upwards, into `out`; their number."""
     n = 0
     for group in range(first, last + 1):
-        v = seen_vertex(bits, rising, below, vertex, group, corner)
+        v = seen_vertex(chains, group, corner)
         if v >= 0:
             out[n] = v
             n += 1
         # the added vertex is on the strand of the upper one of the two corners
-        if extra[group] >= 0 and group < last and corner >= 2:
-            out[n] = extra[group]
+        if chains.extra[group] >= 0 and group < last and corner >= 2:
+            out[n] = chains.extra[group]
             n += 1
     return n
 
 
 @kernel(lean=True)
-def was_there(lo: Array, hi: Array, count: Ints, i: int, j: int, bottom: float, top: float) -> float:
-    """Length [m] of [bottom, top] that was material in column (i, j); arrays may have one column for all."""
+def was_there(before: Columns, i: int, j: int, bottom: float, top: float) -> float:
+    """Length [m] of [bottom, top] that was material in column (i, j); there may be one column for all."""
+    lo, hi, count = before
     if count.shape[0] == 1:
         i = 0
     if count.shape[1] == 1:
@@ -329,8 +328,9 @@ def was_there(lo: Array, hi: Array, count: Ints, i: int, j: int, bottom: float, 
 
 
 @kernel(lean=True)
-def was_end(lo: Array, hi: Array, count: Ints, i: int, j: int, z: float, rises: bool) -> bool:
+def was_end(before: Columns, i: int, j: int, z: float, rises: bool) -> bool:
     """Whether column (i, j) began (`rises`) or ended at z from the outset."""
+    lo, hi, count = before
     if count.shape[0] == 1:
         i = 0
     if count.shape[1] == 1:
@@ -343,18 +343,11 @@ def was_end(lo: Array, hi: Array, count: Ints, i: int, j: int, z: float, rises: 
 
 @kernel(lean=True)
 def build_wall(
-    points: Array,
-    chain_p: Ints,
-    m: int,
-    chain_q: Ints,
-    n: int,
-    flip: bool,
-    changed: int,
-    faces: Ints,
-    cut: Bytes,
-    used: int,
+    points: Array, chain_p: Ints, chain_q: Ints, flip: bool, changed: int, into: Triangles, used: int
 ) -> int:
-    """Triangles between two chains of m and n vertices, upwards, whichever is lower next; the new number of faces."""
+    """Triangles between two chains of vertices, upwards, whichever is lower next; the new number of faces."""
+    faces, cut = into
+    m, n = len(chain_p), len(chain_q)
     s, t = 0, 0
     while s + 1 < m or t + 1 < n:
         up_p = t + 1 >= n
@@ -383,34 +376,17 @@ def more_room(faces: Ints, cut: Bytes, used: int) -> tuple[Ints, Bytes]:
 
 
 @kernel
-def build_faces(
-    lo: Array,
-    hi: Array,
-    count: Ints,
-    lo_before: Array,
-    hi_before: Array,
-    count_before: Ints,
-    i0: int,
-    i1: int,
-    j0: int,
-    j1: int,
-    start: Ints,
-    plain: Ints,
-    bits: Bytes,
-    rising: Bytes,
-    below: Bytes,
-    vertex: Ints,
-    extra: Ints,
-    points: Array,
-    flat: Bytes,
-) -> tuple[Ints, Bytes]:
-    """Triangles (f, 3), counter-clockwise from outside, and whether each is changed surface (f,).
+def build_faces(columns: Columns, before: Columns, span: Span, chains: Chains, flat: Bytes) -> Triangles:
+    """The triangles of a tile.
 
     What `flat` (of flat_kernels) says is flat is left out.
     A tile owns its columns, and the borders at the lower side of each (at the grid's end also the upper one).
     """
+    lo, hi, count = columns
+    i0, i1, j0, j1 = span
+    start, plain, bits, points = chains.start, chains.plain, chains.bits, chains.points
     mx, my = count.shape
-    columns = j1 - j0 + 1
+    across = j1 - j0 + 1
     faces = np.empty((4 * (i1 - i0) * (j1 - j0) + 64, 3), np.int32)
     cut = np.empty(faces.shape[0], np.uint8)
     used = 0
@@ -421,8 +397,8 @@ def build_faces(
             changes = 2 * count[i, j]
             if used + 2 * changes > faces.shape[0]:
                 faces, cut = more_room(faces, cut, used)
-            near = (i - i0) * columns + j - j0
-            far = near + columns
+            near = (i - i0) * across + j - j0
+            far = near + across
             p0, p1, p2, p3 = plain[near], plain[far], plain[far + 1], plain[near + 1]
             all_plain = p0 | p1 | p2 | p3 >= 0
             if not all_plain:
@@ -434,13 +410,13 @@ def build_faces(
                 if all_plain:
                     v0, v1, v2, v3 = p0 + t, p1 + t, p2 + t, p3 + t
                 else:
-                    v0 = seen_vertex(bits, rising, below, vertex, find_group(bits, rising, p0, 2, t), 2)
-                    v1 = seen_vertex(bits, rising, below, vertex, find_group(bits, rising, p1, 3, t), 3)
-                    v2 = seen_vertex(bits, rising, below, vertex, find_group(bits, rising, p2, 0, t), 0)
-                    v3 = seen_vertex(bits, rising, below, vertex, find_group(bits, rising, p3, 1, t), 1)
+                    v0 = seen_vertex(chains, find_group(bits, p0, 2, t), 2)
+                    v1 = seen_vertex(chains, find_group(bits, p1, 3, t), 3)
+                    v2 = seen_vertex(chains, find_group(bits, p2, 0, t), 0)
+                    v3 = seen_vertex(chains, find_group(bits, p3, 1, t), 1)
                 rises = t & 1 == 0
                 z = lo[i, j, t >> 1] if rises else hi[i, j, t >> 1]
-                changed = 0 if was_end(lo_before, hi_before, count_before, i, j, z, rises) else 1
+                changed = 0 if was_end(before, i, j, z, rises) else 1
                 if rises:
                     v1, v3 = v3, v1
                 # along the diagonal that bends less
@@ -456,8 +432,8 @@ def build_faces(
         last_j = j1 + 1 if turn == 1 and j1 == my else j1
         for i in range(i0, last_i):
             for j in range(j0, last_j):
-                here = (i - i0) * columns + j - j0
-                there = here + 1 if turn == 0 else here + columns
+                here = (i - i0) * across + j - j0
+                there = here + 1 if turn == 0 else here + across
                 if plain[here] | plain[there] >= 0:
                     continue  # the columns begin and end together: no wall
                 ai, aj = (i - 1, j) if turn == 0 else (i, j - 1)
@@ -491,31 +467,32 @@ def build_faces(
                         open_q = corner_qa if open_column == 0 else corner_qb
                         close_p = corner_pa if take_a else corner_pb
                         close_q = corner_qa if take_a else corner_qb
-                        g0p = find_group(bits, rising, p, open_p, open_change)
-                        g1p = find_group(bits, rising, p, close_p, change)
-                        g0q = find_group(bits, rising, q, open_q, open_change)
-                        g1q = find_group(bits, rising, q, close_q, change)
+                        g0p = find_group(bits, p, open_p, open_change)
+                        g1p = find_group(bits, p, close_p, change)
+                        g0q = find_group(bits, q, open_q, open_change)
+                        g1q = find_group(bits, q, close_q, change)
                         if g0p != g1p or g0q != g1q:
                             si, sj, ei, ej = (ai, aj, i, j) if a_solid else (i, j, ai, aj)
                             changed = 0
                             full = (z - open_z) * (1.0 - 1.0e-9)
-                            if was_there(lo_before, hi_before, count_before, si, sj, open_z, z) < full:
+                            if was_there(before, si, sj, open_z, z) < full:
                                 changed = 1
                             inside = 0 <= ei < mx and 0 <= ej < my
-                            if inside and was_there(lo_before, hi_before, count_before, ei, ej, open_z, z):
+                            if inside and was_there(before, ei, ej, open_z, z):
                                 changed = 1
                             corner_p = corner_pa if a_solid else corner_pb
                             corner_q = corner_qa if a_solid else corner_qb
-                            m = collect_chain(bits, rising, below, vertex, extra, g0p, g1p, corner_p, chain_p)
-                            n = collect_chain(bits, rising, below, vertex, extra, g0q, g1q, corner_q, chain_q)
+                            m = collect_chain(chains, g0p, g1p, corner_p, chain_p)
+                            n = collect_chain(chains, g0q, g1q, corner_q, chain_q)
                             while used + m + n > faces.shape[0]:
                                 faces, cut = more_room(faces, cut, used)
                             flip = a_solid == (turn == 1)
-                            used = build_wall(points, chain_p, m, chain_q, n, flip, changed, faces, cut, used)
+                            into = Triangles(faces, cut)
+                            used = build_wall(points, chain_p[:m], chain_q[:n], flip, changed, into, used)
                     if take_a:
                         open_column, open_change, open_z = 0, ta, za
                         ta += 1
                     else:
                         open_column, open_change, open_z = 1, tb, zb
                         tb += 1
-    return faces[:used], cut[:used]
+    return Triangles(faces[:used], cut[:used])

@@ -7,30 +7,58 @@ underside is b(rho), rho = sqrt(u^2 + c^2); it is convex and rises with rho, so
 m u + b(rho) has one minimum over the interval of u in which the tool stands
 over the column, and that minimum is the floor of the swept volume there.
 Every shape is convex, so what it sweeps over a column is one interval.
-
-A shape is an array of eight numbers, see `shape.py`.
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.compiled import kernel
+from gcodesim.material.field_kernels import Grid
 
 Array = NDArray[np.float64]
-Ints = NDArray[np.int32]
-Bytes = NDArray[np.uint8]
 
 # Columns are asked this far (in cells) beside their centre, differently in x and y: a wall that runs exactly
 # through centres then owns them on one side only, whatever rounding does, as if walls were half open.
 NUDGE_X = 1.0e-7
 NUDGE_Y = 0.63e-7
 
+CYLINDER, BALL, BULL_NOSE, CONE = 0.0, 1.0, 2.0, 3.0  # kinds of shapes
+
+
+class Shape(NamedTuple):
+    """A body of revolution about the tool's axis: cutter, shank or holder. Made by `shape.py`.
+
+    Below `top` it is a cylinder of `radius` that ends in an underside, as its `kind` says; it is convex.
+    """
+
+    kind: float  # CYLINDER, BALL, BULL_NOSE or CONE
+    radius: float  # [m] of the whole
+    corner: float  # radius [m] of the corner; of a ball, `radius`
+    flat: float  # radius [m] of the flat at the bottom
+    rise: float  # of a cone, dz / drho [-]
+    bottom: float  # height [m] of the lowest point above the tip
+    top: float  # height [m] of the top above the tip
+
+
+class Piece(NamedTuple):
+    """A straight piece of the tip's way: start, horizontal unit direction, horizontal length [m], slope dz/du [-]."""
+
+    x: float
+    y: float
+    z: float
+    ux: float
+    uy: float
+    length: float
+    slope: float
+
 
 @kernel(lean=True)
-def piece_line(start: Array, end: Array) -> tuple[float, float, float, float, float, float, float]:
-    """Straight piece as (x, y, z of its start, unit direction ux, uy, horizontal length [m], slope dz/du [-]).
+def piece_of(start: Array, end: Array) -> Piece:
+    """The piece from `start` to `end` (3,) [m].
 
     A piece without horizontal length has direction (1, 0), length 0 and slope 0; its heights are then
     `start[2]` and `end[2]` alone.
@@ -38,19 +66,19 @@ def piece_line(start: Array, end: Array) -> tuple[float, float, float, float, fl
     dx, dy = end[0] - start[0], end[1] - start[1]
     length = np.sqrt(dx * dx + dy * dy)
     if length < 1.0e-12:
-        return start[0], start[1], start[2], 1.0, 0.0, 0.0, 0.0
-    return start[0], start[1], start[2], dx / length, dy / length, length, (end[2] - start[2]) / length
+        return Piece(start[0], start[1], start[2], 1.0, 0.0, 0.0, 0.0)
+    return Piece(start[0], start[1], start[2], dx / length, dy / length, length, (end[2] - start[2]) / length)
 
 
 @kernel(lean=True)
-def underside(shape: Array, rho: float) -> float:
-    """Height b(rho) [m] of the tool's underside above the lowest point of the shape, at radius rho <= shape[1]."""
-    beyond = rho - float(shape[3])
+def underside(shape: Shape, rho: float) -> float:
+    """Height b(rho) [m] of the tool's underside above the lowest point of the shape, at radius rho <= its own."""
+    beyond = rho - float(shape.flat)
     if beyond <= 0.0:
         return 0.0
-    if shape[0] == 3.0:
-        return beyond * float(shape[4])
-    corner = float(shape[2])
+    if shape.kind == CONE:
+        return beyond * float(shape.rise)
+    corner = float(shape.corner)
     if corner <= 0.0:
         return 0.0
     return corner - float(np.sqrt(max(corner * corner - beyond * beyond, 0.0)))
@@ -101,55 +129,55 @@ def rises_at(flat: float, corner: float, c2: float, slope: float, u: float) -> b
 
 
 @kernel(lean=True)
-def lowest_at(shape: Array, c2: float, slope: float, first: float, last: float) -> float:
+def lowest_at(shape: Shape, c2: float, slope: float, first: float, last: float) -> float:
     """The u [m] at which slope * u + b(rho) is least; first <= u <= last, all of it over the column; c2 = c^2."""
     if slope == 0.0:
         return min(max(0.0, first), last)
     steep = abs(slope)
-    kind = shape[0]
-    if kind == 1.0:
-        reach = steep * np.sqrt(max(shape[1] * shape[1] - c2, 0.0)) / np.sqrt(1.0 + slope * slope)
-    elif kind == 2.0:
+    if shape.kind == BALL:
+        reach = steep * np.sqrt(max(shape.radius * shape.radius - c2, 0.0)) / np.sqrt(1.0 + slope * slope)
+    elif shape.kind == BULL_NOSE:
         # short pieces are mostly lowest at an end, which is quick to see
-        if rises_at(shape[3], shape[2], c2, slope, first):
+        if rises_at(shape.flat, shape.corner, c2, slope, first):
             return first
-        if not rises_at(shape[3], shape[2], c2, slope, last):
+        if not rises_at(shape.flat, shape.corner, c2, slope, last):
             return last
-        reach = bull_nose_reach(shape[3], shape[2], np.sqrt(c2), steep)
-    elif kind == 3.0:
-        reach = np.sqrt(max(shape[3] * shape[3] - c2, 0.0))
-        if shape[4] > steep:
-            reach = max(reach, steep * np.sqrt(c2 / (shape[4] * shape[4] - steep * steep)))
+        reach = bull_nose_reach(shape.flat, shape.corner, np.sqrt(c2), steep)
+    elif shape.kind == CONE:
+        reach = np.sqrt(max(shape.flat * shape.flat - c2, 0.0))
+        if shape.rise > steep:
+            reach = max(reach, steep * np.sqrt(c2 / (shape.rise * shape.rise - steep * steep)))
         else:
-            reach = shape[1]
+            reach = shape.radius
     else:
-        reach = shape[1]
+        reach = shape.radius
     free = float(-reach if slope > 0.0 else reach)
     return min(max(free, first), last)
 
 
 @kernel(lean=True)
 def swept_interval(
-    shape: Array, c2: float, along: float, low_z: float, high_z: float, z: float, length: float, slope: float
+    shape: Shape, piece: Piece, c2: float, along: float, low_z: float, high_z: float
 ) -> tuple[float, float]:
     """Swept interval (bottom, top) [m] over a column, or (1, 0) when the tool never stands over it.
 
     c2: squared distance [m^2] between column and the line of the piece; along: position [m] of the column along it;
-    z: tip height at the piece's start; low_z, high_z: lowest and highest tip height of the piece.
+    low_z, high_z: lowest and highest tip height of the piece.
     """
-    radius2 = shape[1] * shape[1]
+    length, slope = piece.length, piece.slope
+    radius2 = shape.radius * shape.radius
     first, last = -along, length - along
     near = min(max(0.0, first), last)
     if c2 + near * near > radius2:
         return 1.0, 0.0
     if slope == 0.0:
-        return low_z + shape[5] + underside(shape, np.sqrt(c2 + near * near)), high_z + shape[6]
+        return low_z + shape.bottom + underside(shape, np.sqrt(c2 + near * near)), high_z + shape.top
     half = np.sqrt(radius2 - c2)
     first, last = max(first, -half), min(last, half)
     u = lowest_at(shape, c2, slope, first, last)
-    line_z = z + slope * along
-    bottom = line_z + slope * u + shape[5] + underside(shape, np.sqrt(u * u + c2))
-    top = line_z + (slope * last if slope > 0.0 else slope * first) + shape[6]
+    line_z = piece.z + slope * along
+    bottom = line_z + slope * u + shape.bottom + underside(shape, np.sqrt(u * u + c2))
+    top = line_z + (slope * last if slope > 0.0 else slope * first) + shape.top
     return bottom, top
 
 
@@ -162,16 +190,39 @@ def row_range(origin: float, step: float, nudge: float, count: int, least: float
 
 
 @kernel(lean=True)
-def strip_range(
-    x: float, radius: float, x0: float, y0: float, ux: float, uy: float, length: float
-) -> tuple[float, float]:
+def columns_across_x(grid: Grid, nx: int, least: float, most: float) -> tuple[int, int]:
+    """First and last + 1 index i of the columns that may lie in least..most [m] along x."""
+    return row_range(grid.x, grid.dx, NUDGE_X, nx, least, most)
+
+
+@kernel(lean=True)
+def columns_across_y(grid: Grid, ny: int, least: float, most: float) -> tuple[int, int]:
+    """The same along y, index j."""
+    return row_range(grid.y, grid.dy, NUDGE_Y, ny, least, most)
+
+
+@kernel(lean=True)
+def x_of(grid: Grid, i: int) -> float:
+    """Where columns i are asked [m]."""
+    return grid.x + (i + 0.5 + NUDGE_X) * grid.dx
+
+
+@kernel(lean=True)
+def y_of(grid: Grid, j: int) -> float:
+    """Where columns j are asked [m]."""
+    return grid.y + (j + 0.5 + NUDGE_Y) * grid.dy
+
+
+@kernel(lean=True)
+def strip_range(x: float, radius: float, piece: Piece) -> tuple[float, float]:
     """Range (least, most) of y [m] in which the sweep of a disc can cover points of the line x = const.
 
     (1, 0) when there is none. Never too small; up to a few cells too large.
     """
+    y0, ux, uy = piece.y, piece.ux, piece.uy
     # positions along the piece at which the disc reaches this x
-    first, last = 0.0, length
-    offset = x - x0
+    first, last = 0.0, piece.length
+    offset = x - piece.x
     slowness = 1.0 / ux if ux != 0.0 else 0.0
     if ux != 0.0:
         a, b = (offset - radius) * slowness, (offset + radius) * slowness

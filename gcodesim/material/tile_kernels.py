@@ -6,47 +6,48 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.compiled import kernel
+from gcodesim.material.field_kernels import Columns
+from gcodesim.material.flat_kernels import Triangles
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
-Bytes = NDArray[np.uint8]
 
 
 @kernel(lean=True)
-def take_columns(
-    lo: Array, hi: Array, count: Ints, ix: Ints, iy: Ints, lo_taken: Array, hi_taken: Array, count_taken: Ints
-) -> None:
-    """Copy the columns at `ix` (m,) and `iy` (n,) to arrays (m, n, k) and (m, n); no more of each than it has."""
+def take_columns(columns: Columns, ix: Ints, iy: Ints, taken: Columns) -> None:
+    """Copy the columns at `ix` (m,) and `iy` (n,) to those (m, n) of `taken`; no more of each than it has."""
+    lo, hi, count = columns
     for a in range(len(ix)):
         for b in range(len(iy)):
             i, j = ix[a], iy[b]
             pieces = count[i, j]
-            count_taken[a, b] = pieces
+            taken.number[a, b] = pieces
             for k in range(pieces):
-                lo_taken[a, b, k], hi_taken[a, b, k] = lo[i, j, k], hi[i, j, k]
+                taken.lo[a, b, k], taken.hi[a, b, k] = lo[i, j, k], hi[i, j, k]
 
 
 @kernel(lean=True)
-def same_columns(lo: Array, hi: Array, count: Ints, lo_before: Array, hi_before: Array, count_before: Ints) -> bool:
+def same_columns(columns: Columns, before: Columns) -> bool:
     """Whether as many columns have the same pieces as before."""
+    lo, hi, count = columns
     for i in range(count.shape[0]):
         for j in range(count.shape[1]):
-            if count[i, j] != count_before[i, j]:
+            if count[i, j] != before.number[i, j]:
                 return False
             for k in range(count[i, j]):
-                if lo[i, j, k] != lo_before[i, j, k] or hi[i, j, k] != hi_before[i, j, k]:
+                if lo[i, j, k] != before.lo[i, j, k] or hi[i, j, k] != before.hi[i, j, k]:
                     return False
     return True
 
 
 @kernel
-def facets_of(
-    points: Array, faces: Ints, cut: Bytes, flat_parts: Ints, flat_cut: Bytes, which: int, rounding: float
-) -> tuple[Array, Ints]:
+def facets_of(points: Array, fine: Triangles, coarse: Triangles, which: int, rounding: float) -> tuple[Array, Ints]:
     """The triangles (f, 3) of one class out of two lists of them, and the points (v, 3) [m] that they have.
 
     Points stay in their order and become whole multiples of 1 / rounding.
     """
+    faces, cut = fine
+    flat_parts, flat_cut = coarse
     number = np.full(len(points), -1, np.int32)
     found = 0
     for f in range(len(faces)):

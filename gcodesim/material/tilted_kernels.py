@@ -6,28 +6,43 @@ between two poses is taken as the hull of their intervals.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.compiled import kernel
-from gcodesim.material.removal_kernels import PATCH_SHIFT, subtract
-from gcodesim.material.sweep_kernels import NUDGE_X, NUDGE_Y, row_range
+from gcodesim.material.field_kernels import PATCH_SHIFT, Field
+from gcodesim.material.removal_kernels import subtract
+from gcodesim.material.sweep_kernels import columns_across_x, columns_across_y, x_of, y_of
 from gcodesim.material.wall_kernels import shorten_walls
 
 Array = NDArray[np.float64]
-Ints = NDArray[np.int32]
-Bytes = NDArray[np.uint8]
-Singles = NDArray[np.float32]
+
+
+class Pieces(NamedTuple):
+    """Pieces of a tip's way with an axis that turns, each (c, 3): tips [m], and unit vectors to the holder."""
+
+    starts: Array
+    ends: Array
+    axes_start: Array
+    axes_end: Array
+
+
+class Profile(NamedTuple):
+    """A body of revolution as a stack of frusta: radii (m,) at heights (m,) above the tip [m]."""
+
+    radii: Array
+    heights: Array
 
 
 @kernel
-def line_through_body(
-    px: float, py: float, ax: float, ay: float, az: float, radii: Array, heights: Array
-) -> tuple[float, float]:
+def line_through_body(px: float, py: float, ax: float, ay: float, az: float, body: Profile) -> tuple[float, float]:
     """Interval (low, high) [m] above the tip in which the upright line at (px, py) from it is inside; (1, 0): never.
 
-    (ax, ay, az): unit axis from tip to holder; the body is the stack of frusta with `radii` at `heights` (m,) [m].
+    (ax, ay, az): unit axis from tip to holder.
     """
+    radii, heights = body
     least, most = np.inf, -np.inf
     level = px * ax + py * ay
     apart2 = px * px + py * py
@@ -80,32 +95,20 @@ def line_through_body(
 
 
 @kernel
-def remove_tilted(
-    lo: Array,
-    hi: Array,
-    count: Ints,
-    grid: Array,
-    dirty: Bytes,
-    walls: Singles,
-    starts: Array,
-    ends: Array,
-    axes_start: Array,
-    axes_end: Array,
-    radii: Array,
-    heights: Array,
-    first: int,
-    volume: Array,
-) -> int:
+def remove_tilted(field: Field, way: Pieces, body: Profile, first: int, volume: Array) -> int:
     """Remove pieces `first`... of a tool whose axis turns; returns the index that found no room, or their number.
 
-    starts, ends (c, 3): tips in S [m]; axes (c, 3): unit vectors from tip to holder at both ends; radii, heights (m,):
-    the body's profile from the tip upwards [m]. `volume` (c,) is added to [m^3].
+    `volume` (c,) is added to [m^3].
     """
+    columns, grid, walls, dirty, _ = field
+    _, hi, count = columns
+    starts, ends, axes_start, axes_end = way
+    radii, heights = body
     nx, ny = count.shape
     pieces = len(starts)
     tall = heights[-1]
     wide = np.max(radii)
-    cell = min(grid[2], grid[3])
+    cell = min(grid.dx, grid.dy)
     for p in range(first, pieces):
         move, turn = 0.0, 0.0
         for d in range(3):
@@ -118,16 +121,16 @@ def remove_tilted(
         ya = min(starts[p, 1], ends[p, 1]) + min(0.0, axes_start[p, 1] * tall, axes_end[p, 1] * tall) - wide
         yb = max(starts[p, 1], ends[p, 1]) + max(0.0, axes_start[p, 1] * tall, axes_end[p, 1] * tall) + wide
         lowest = min(starts[p, 2], ends[p, 2]) + min(0.0, axes_start[p, 2] * tall, axes_end[p, 2] * tall) - wide
-        first_i, last_i = row_range(grid[0], grid[2], NUDGE_X, nx, xa, xb)
-        first_j, last_j = row_range(grid[1], grid[3], NUDGE_Y, ny, ya, yb)
+        first_i, last_i = columns_across_x(grid, nx, xa, xb)
+        first_j, last_j = columns_across_y(grid, ny, ya, yb)
         total = 0.0
         for i in range(first_i, last_i):
-            x = grid[0] + (i + 0.5 + NUDGE_X) * grid[2]
+            x = x_of(grid, i)
             for j in range(first_j, last_j):
                 n = count[i, j]
                 if n == 0 or hi[i, j, n - 1] <= lowest:
                     continue
-                y = grid[1] + (j + 0.5 + NUDGE_Y) * grid[3]
+                y = y_of(grid, j)
                 held_low, held_high = 1.0, 0.0  # hull that still grows
                 changed = False
                 for pose in range(poses):
@@ -139,7 +142,7 @@ def remove_tilted(
                     tip_x = starts[p, 0] + t * (ends[p, 0] - starts[p, 0])
                     tip_y = starts[p, 1] + t * (ends[p, 1] - starts[p, 1])
                     tip_z = starts[p, 2] + t * (ends[p, 2] - starts[p, 2])
-                    low, high = line_through_body(x - tip_x, y - tip_y, ax / norm, ay / norm, az / norm, radii, heights)
+                    low, high = line_through_body(x - tip_x, y - tip_y, ax / norm, ay / norm, az / norm, body)
                     if low < high:
                         low, high = low + tip_z, high + tip_z
                         # bodies of poses next to each other hang together, so the hull of the run is what they sweep
@@ -148,9 +151,9 @@ def remove_tilted(
                         else:
                             held_low, held_high = low, high
                     if held_low < held_high and (low >= high or pose == poses - 1):
-                        gone = subtract(lo, hi, count, i, j, held_low, held_high)
+                        gone = subtract(columns, i, j, held_low, held_high)
                         if gone < 0.0:
-                            volume[p] += total * grid[2] * grid[3]
+                            volume[p] += total * grid.dx * grid.dy
                             return p
                         if gone > 0.0:
                             total += gone + shorten_walls(walls, i, j, gone)
@@ -158,5 +161,5 @@ def remove_tilted(
                         held_low, held_high = 1.0, 0.0
                 if changed:
                     dirty[i >> PATCH_SHIFT, j >> PATCH_SHIFT] = 1
-        volume[p] += total * grid[2] * grid[3]
+        volume[p] += total * grid.dx * grid.dy
     return pieces

@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.material.field_kernels import Columns, Grid
 from gcodesim.material.stock import Stock, cells_along
 
 Array = NDArray[np.float64]
@@ -52,7 +53,7 @@ def turned(stock: Stock, R: Array) -> Stock:
 
 def _flat(stock: Stock, R: Array) -> Stock:
     """Turned so that Z stays or becomes −Z; exact."""
-    lo, hi, count, walls, grid = stock.lo, stock.hi, stock.count, stock.walls, stock.grid.copy()
+    (lo, hi, count), walls, grid = stock.field.columns, stock.field.walls, np.array(stock.field.grid)
     z_range = stock.z_range
     if R[0, 0] == 0.0:  # x and y change places
         lo, hi, count = lo.transpose(1, 0, 2), hi.transpose(1, 0, 2), count.T
@@ -66,29 +67,25 @@ def _flat(stock: Stock, R: Array) -> Stock:
     if signs[2] < 0.0:
         lo, hi = _upside_down(lo, hi, count)
         z_range = (-z_range[1], -z_range[0])
-    return _like(stock, lo, hi, count, grid, z_range, walls)
+    return _like(stock, Columns(lo, hi, count), grid, z_range, walls)
 
 
 def _like(
     stock: Stock,
-    lo: Array,
-    hi: Array,
-    count: NDArray[np.int32],
+    columns: Columns,
     grid: Array,
     z_range: tuple[float, float],
     walls: Singles | None = None,
 ) -> Stock:
     made = Stock(
-        lo=np.ascontiguousarray(lo),
-        hi=np.ascontiguousarray(hi),
-        count=np.ascontiguousarray(count),
-        grid=grid,
+        columns=Columns(*map(np.ascontiguousarray, columns)),
+        grid=Grid(*map(float, grid)),
         z_range=z_range,
         resolution=stock.resolution,
         material=stock.material,
     )
     if walls is not None:
-        made.walls[:] = walls
+        made.field.walls[:] = walls
     return made
 
 
@@ -120,25 +117,26 @@ def _upside_down(lo: Array, hi: Array, count: NDArray[np.int32]) -> tuple[Array,
 
 def _on_edge(stock: Stock) -> Stock:
     """Laid so that x points up and z to −x: rows along x become columns."""
-    nx, ny = stock.count.shape
+    (old_lo, old_hi, old_count), old_grid = stock.field.columns, stock.field.grid
+    nx, ny = old_count.shape
     low, high = stock.z_range
     slices = cells_along(high - low, stock.resolution)
     step = (high - low) / slices
     begins: list[NDArray[np.intp]] = []
     ends: list[NDArray[np.intp]] = []
     most = 1
-    used = np.arange(stock.lo.shape[2])[None, None, :] < stock.count[:, :, None]
+    used = np.arange(old_lo.shape[2])[None, None, :] < old_count[:, :, None]
     for s in range(slices):
         z = high - (s + 0.5) * step
-        full = (used & (stock.lo <= z) & (z < stock.hi)).any(axis=2)
+        full = (used & (old_lo <= z) & (z < old_hi)).any(axis=2)
         change = np.diff(full.astype(np.int8), axis=0, prepend=0, append=0)
         begins.append(np.argwhere(change.T == 1))  # (row j, border i), sorted by row
         ends.append(np.argwhere(change.T == -1))
         most = max(most, int(np.bincount(begins[-1][:, 0], minlength=1).max(initial=0)))
     lo, hi = np.zeros((slices, ny, most)), np.zeros((slices, ny, most))
     count = np.zeros((slices, ny), dtype=np.int32)
-    wall = stock.walls[0]
-    origin, width = float(stock.grid[0]), float(stock.grid[2])
+    wall = stock.field.walls[0]
+    origin, width = old_grid.x, old_grid.dx
     for s in range(slices):
         rows = np.bincount(begins[s][:, 0], minlength=ny)
         count[s] = rows
@@ -148,5 +146,5 @@ def _on_edge(stock: Stock) -> Stock:
             held = wall[i, j] * side
             beyond = np.where(held > 0.0, held - 2.0, 0.0)
             into[s, j, place] = origin + (i - side * beyond) * width
-    grid = np.array([-high, stock.grid[1], step, stock.grid[3]])
-    return _like(stock, lo, hi, count, grid, (origin, origin + nx * width))
+    grid = np.array([-high, old_grid.y, step, old_grid.dy])
+    return _like(stock, Columns(lo, hi, count), grid, (origin, origin + nx * width))

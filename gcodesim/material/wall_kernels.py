@@ -22,14 +22,16 @@ that turns can give volume back.)
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.compiled import kernel
-from gcodesim.material.sweep_kernels import NUDGE_X, NUDGE_Y, row_range
+from gcodesim.material.field_kernels import Columns, Field
+from gcodesim.material.sweep_kernels import NUDGE_X, NUDGE_Y, Piece, row_range
 
 Array = NDArray[np.float64]
-Ints = NDArray[np.int32]
 Singles = NDArray[np.float32]
 
 SAME_PLACE = 1.0e-5  # walls nearer than this part of a cell are the same wall, cut again
@@ -37,26 +39,37 @@ NEVER = 1.0e9  # a place [cells] that no stock has
 SLIVER = 0.125  # what is lower than this share of the height above it is no place of its own: a tip that shakes
 SAME_HEIGHT = 1.0e-8  # heights [m] nearer than this are the same: rounding of single precision
 
-# rows of the scratch of a piece: of each line of columns along x, and along y, the first and the last column that was
-# cut, and by how much
-FIRST, FIRST_GONE, LAST, LAST_GONE = 0, 1, 2, 3
+# planes of `walls`, each for borders in x and, one further on, in y
+PLACE, HEIGHT, SECOND, LOWER = 0, 2, 4, 6
+
+FIRST, FIRST_GONE, LAST, LAST_GONE = 0, 1, 2, 3  # rows of `Cut`
+
+
+class Cut(NamedTuple):
+    """Which columns a piece has cut: of each line along x (4, ny), and along y (4, nx), the first and the last one.
+
+    -1 where there is none; behind each stands by how much [m] it was cut.
+    """
+
+    x: Array
+    y: Array
 
 
 @kernel(lean=True)
 def taken(walls: Singles, axis: int, i: int, j: int) -> float:
     """What a wall takes of the standing column [m]: length, to be multiplied by the area of a cell."""
-    total = max(abs(float(walls[axis, i, j])) - 2.0, 0.0) * float(walls[2 + axis, i, j])
-    if walls[6 + axis, i, j] > 0.0:
-        total += max(float(walls[4 + axis, i, j]), 0.0) * float(walls[6 + axis, i, j])
+    total = max(abs(float(walls[axis, i, j])) - 2.0, 0.0) * float(walls[HEIGHT + axis, i, j])
+    if walls[LOWER + axis, i, j] > 0.0:
+        total += max(float(walls[SECOND + axis, i, j]), 0.0) * float(walls[LOWER + axis, i, j])
     return total
 
 
 @kernel(lean=True)
 def left(walls: Singles, axis: int, i: int, j: int) -> float:
     """What a wall leaves of the gone column [m]: length, to be multiplied by the area of a cell."""
-    total = max(2.0 - abs(float(walls[axis, i, j])), 0.0) * float(walls[2 + axis, i, j])
-    if walls[6 + axis, i, j] > 0.0:
-        total += max(-float(walls[4 + axis, i, j]), 0.0) * float(walls[6 + axis, i, j])
+    total = max(2.0 - abs(float(walls[axis, i, j])), 0.0) * float(walls[HEIGHT + axis, i, j])
+    if walls[LOWER + axis, i, j] > 0.0:
+        total += max(-float(walls[SECOND + axis, i, j]), 0.0) * float(walls[LOWER + axis, i, j])
     return total
 
 
@@ -113,9 +126,9 @@ def set_wall(
     """
     taken_before, left_before = taken(walls, axis, i, j), left(walls, axis, i, j)
     walls[axis, i, j] = side * (beyond + 2.0) if height > 0.0 else 0.0
-    walls[2 + axis, i, j] = height
-    if lower > 0.0 or walls[6 + axis, i, j] > 0.0:  # few walls have a second place
-        walls[4 + axis, i, j], walls[6 + axis, i, j] = second, lower
+    walls[HEIGHT + axis, i, j] = height
+    if lower > 0.0 or walls[LOWER + axis, i, j] > 0.0:  # few walls have a second place
+        walls[SECOND + axis, i, j], walls[LOWER + axis, i, j] = second, lower
     taken_now, left_now = taken(walls, axis, i, j), left(walls, axis, i, j)
     below_i, below_j = (i - 1, j) if axis == 0 else (i, j - 1)
     gain = 0.0
@@ -139,8 +152,8 @@ def shorten_wall(walls: Singles, axis: int, i: int, j: int, gone: float) -> floa
     """The standing column at a border was cut by `gone` [m], so its wall is lower; returns the gain [m]."""
     side = 1 if walls[axis, i, j] > 0.0 else -1
     beyond = abs(float(walls[axis, i, j])) - 2.0
-    second = float(walls[4 + axis, i, j])
-    height, lower = float(walls[2 + axis, i, j]) - gone, float(walls[6 + axis, i, j])
+    second = float(walls[SECOND + axis, i, j])
+    height, lower = float(walls[HEIGHT + axis, i, j]) - gone, float(walls[LOWER + axis, i, j])
     if height <= SAME_HEIGHT:
         beyond, height = second, lower + height
         second, lower = 0.0, 0.0
@@ -228,9 +241,9 @@ def advance_wall(
         return set_wall(walls, axis, i, j, side, beyond, height, 0.0, 0.0)
     if place * side < 0.0:
         return 0.0  # an undercut: the wall of the other side goes with its column
-    first, upper = abs(place) - 2.0, float(walls[2 + axis, i, j])
-    lower = float(walls[6 + axis, i, j])
-    second = float(walls[4 + axis, i, j]) if lower > 0.0 else first
+    first, upper = abs(place) - 2.0, float(walls[HEIGHT + axis, i, j])
+    lower = float(walls[LOWER + axis, i, j])
+    second = float(walls[SECOND + axis, i, j]) if lower > 0.0 else first
     held = upper + lower
     more = height - held
     if beyond <= 0.0:
@@ -272,10 +285,11 @@ def advance_wall(
 
 
 @kernel(lean=True)
-def material_above(lo: Array, hi: Array, intervals: int, i: int, j: int, bottom: float) -> float:
+def material_above(columns: Columns, i: int, j: int, bottom: float) -> float:
     """Length [m] of material of column (i, j) above `bottom`."""
+    lo, hi, count = columns
     total = 0.0
-    for k in range(intervals):
+    for k in range(count[i, j]):
         if hi[i, j, k] > bottom:
             total += hi[i, j, k] - max(lo[i, j, k], bottom)
     return total
@@ -283,43 +297,28 @@ def material_above(lo: Array, hi: Array, intervals: int, i: int, j: int, bottom:
 
 @kernel(lean=True)
 def reckon_walls(
-    lo: Array,
-    hi: Array,
-    count: Ints,
-    grid: Array,
-    walls: Singles,
-    x0: float,
-    y0: float,
-    ux: float,
-    uy: float,
-    length: float,
-    radius: float,
-    low_z: float,
-    z0: float,
-    slope: float,
-    bottom: float,
-    cut_x: Array,
-    cut_y: Array,
-    rims: Array,
+    field: Field, piece: Piece, radius: float, low_z: float, bottom: float, cut: Cut, rims: Array
 ) -> float:
     """Reckon the walls that an upright tool has left along a piece; returns the gain over what was held [m].
 
-    The piece as `piece_line` gives it, `low_z` its lowest tip; bottom: the height over the tip [m] from which on the
-    tool is a cylinder. cut_x (4, ny), cut_y (4, nx): of lines along x and along y, which columns were cut (`FIRST`
-    ...); rims (2, n): scratch.
+    low_z: the lowest tip of the piece; bottom: the height over the tip [m] from which on the tool is a cylinder of
+    `radius`; rims (2, n): scratch.
     """
+    columns, grid, walls, _, _ = field
+    _, hi, count = columns
     nx, ny = count.shape
-    dip = abs(slope) * np.sqrt(2.0 * radius * max(grid[2], grid[3]))
+    x0, y0, z0, ux, uy, length, slope = piece
+    dip = abs(slope) * np.sqrt(2.0 * radius * max(grid.dx, grid.dy))
     gain = 0.0
     for axis in range(2):
         if axis == 0:  # rows along x, one for each j
             crossing, uf, um, lines, cells = y0, uy, ux, ny, nx
-            line_origin, line_step, line_nudge = grid[1], grid[3], NUDGE_Y
-            origin, step, nudge, begin = grid[0], grid[2], NUDGE_X, x0
+            line_origin, line_step, line_nudge = grid.y, grid.dy, NUDGE_Y
+            origin, step, nudge, begin = grid.x, grid.dx, NUDGE_X, x0
         else:
             crossing, uf, um, lines, cells = x0, ux, uy, nx, ny
-            line_origin, line_step, line_nudge = grid[0], grid[2], NUDGE_X
-            origin, step, nudge, begin = grid[1], grid[3], NUDGE_Y, y0
+            line_origin, line_step, line_nudge = grid.x, grid.dx, NUDGE_X
+            origin, step, nudge, begin = grid.y, grid.dy, NUDGE_Y, y0
         least = min(crossing, crossing + uf * length) - radius
         most = max(crossing, crossing + uf * length) + radius
         first, last = row_range(line_origin, line_step, line_nudge, lines, least, most)
@@ -350,15 +349,15 @@ def reckon_walls(
                 if n == 0 or hi[i, j, n - 1] <= low:
                     continue
                 gi, gj = (gone, line) if axis == 0 else (line, gone)
-                height = material_above(lo, hi, n, i, j, low) - material_above(lo, hi, count[gi, gj], gi, gj, low)
+                height = material_above(columns, i, j, low) - material_above(columns, gi, gj, low)
                 if height <= 0.0:
                     continue
                 beyond = min(max(border - below if side == 1 else above - border, -0.5), 0.5)
                 row = FIRST if side == 1 else LAST
                 if axis == 0:
-                    fresh = cut_x[row + 1, line] if cut_x[row, line] == gone else 0.0
+                    fresh = cut.x[row + 1, line] if cut.x[row, line] == gone else 0.0
                 else:
-                    fresh = cut_y[row + 1, line] if cut_y[row, line] == gone else 0.0
+                    fresh = cut.y[row + 1, line] if cut.y[row, line] == gone else 0.0
                 bi, bj = (border, line) if axis == 0 else (line, border)
                 gain += advance_wall(walls, axis, bi, bj, side, beyond, height, fresh, dip)
     return float(gain)

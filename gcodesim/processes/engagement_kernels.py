@@ -14,14 +14,28 @@ Frame K: X (u) along the horizontal feed, Y (l) to its left, Z up to the holder;
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.compiled import kernel
-from gcodesim.material.kernels import fill_slices, occupancy, surrounding
+from gcodesim.material.kernels import (
+    ELSEWHERE,
+    Field,
+    Places,
+    ToColumns,
+    ask_places,
+    breadth_along,
+    coarsest,
+    diagonal,
+    fill_slices,
+    occupancy,
+    share_between,
+    to_columns,
+)
 
 Array = NDArray[np.float64]
-Ints = NDArray[np.int32]
 
 ANGLES = 64
 SLICES = 16  # elements along the engaged part of one piece of the edge, at most
@@ -30,8 +44,13 @@ SLICE_CELLS = 2.0
 UPRIGHT = 1.0e-12  # cosine of kappa below which a straight piece is part of a cylinder
 ROWS = 4 * SLICES  # room for four pieces
 
-# Nearly all rows touch material at few angles, so each keeps the range of those; nothing else is worked on.
-FROM, TO = 8, 9  # columns of `rows` (ROWS, COLUMNS)
+# Columns of `Teeth.pieces`, the outline of an edge: see `Cutter.edge`.
+ARC, AT_R, AT_Z, KAPPA, KAPPA_END, LENGTH, FOOT, HEAD = 0, 1, 2, 3, 4, 5, 6, 7
+
+# Columns of `Room.rows`: radius and height of a row in its middle, kappa there, width, lowest and highest place,
+# largest radius. Nearly all rows touch material at few angles, so each keeps the range of those; nothing else is worked
+# on.
+RADIUS, HEIGHT, SIN_KAPPA, COS_KAPPA, EDGE_WIDTH, LOW, HIGH, OUTER, FROM, TO = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9
 COLUMNS = 10
 
 # An edge that moves into material at less than this share of its speed slides on it and does not cut: the flat bottom
@@ -41,35 +60,66 @@ LEAST_ADVANCE = 1.0e-4
 # Up to this tangent of kappa an element of a falling tool is asked so deep that its wall counts as full.
 STEEPEST = 4.0
 
-ELSEWHERE = -1.0  # no share: has to be asked column by column
 THIN = 1.0e-7  # [m] least height over which material is asked for
 
 
-@kernel(lean=True)
-def lay_rows(edge: Array, height: float, cell: float, rows: Array, piece: int) -> int:
-    """Cut the part of piece `piece` of the edge (k, 8) below `height` [m] into rows; returns their number.
+class Circle(NamedTuple):
+    """Sine and cosine of phi at the angles (ANGLES,) at which a revolution is looked at."""
 
-    See `Cutter.edge` for the columns of a piece. Those of a row: radius and height in its middle, sine and cosine of
-    kappa, width, lowest and highest place, largest radius; then FROM, TO.
+    sines: Array
+    cosines: Array
+
+
+class Heading(NamedTuple):
+    """Where a cutter is fed to: horizontal direction (ux, uy), and how level and how steep its way is: unit vectors."""
+
+    ux: float
+    uy: float
+    level: float
+    climb: float
+
+
+class Room(NamedTuple):
+    """Room to work in, made once for each cutter.
+
+    rows (ROWS, COLUMNS) of the edge; of each the share of it that is in material, weights (ROWS, ANGLES), and the
+    force (3, ROWS, ANGLES) [N] on one tooth along u, l, z, within the range FROM..TO; sums (SUMS, ANGLES) over rows;
+    unit (3, ANGLES): force per width; line, share and places (ANGLES,): what is asked of the stock; turning
+    (3, 3 ANGLES + 1): one tooth's force over its angle at the tip, twice, then that of all teeth.
     """
-    radius, kappa0, kappa1 = edge[piece, 0], edge[piece, 3], edge[piece, 4]
-    length, z0, z1 = edge[piece, 5], edge[piece, 6], edge[piece, 7]
+
+    rows: Array
+    weights: Array
+    force: Array
+    sums: Array
+    unit: Array
+    line: Array
+    share: Array
+    places: Places
+    turning: Array
+
+
+@kernel(lean=True)
+def lay_rows(pieces: Array, piece: int, height: float, cell: float, rows: Array) -> int:
+    """Cut the part of a piece of the edge that is below `height` [m] into rows; returns their number."""
+    radius, kappa0, kappa1 = pieces[piece, ARC], pieces[piece, KAPPA], pieces[piece, KAPPA_END]
+    length, z0, z1 = pieces[piece, LENGTH], pieces[piece, FOOT], pieces[piece, HEAD]
     if z0 >= height or length <= 0.0:
         return 0
     if radius > 0.0:
         if z1 > height:
-            kappa1 = np.arccos(max((edge[piece, 2] - height) / radius, -1.0))
+            kappa1 = np.arccos(max((pieces[piece, AT_Z] - height) / radius, -1.0))
         step = (kappa1 - kappa0) / SLICES
         for i in range(SLICES):
             a = kappa0 + i * step
             kappa = a + 0.5 * step
-            rows[i, 0] = edge[piece, 1] + radius * np.sin(kappa)
-            rows[i, 1] = edge[piece, 2] - radius * np.cos(kappa)
-            rows[i, 2], rows[i, 3] = np.sin(kappa), np.cos(kappa)
-            rows[i, 4] = radius * step
-            rows[i, 5] = edge[piece, 2] - radius * np.cos(a)
-            rows[i, 6] = edge[piece, 2] - radius * np.cos(a + step)
-            rows[i, 7] = edge[piece, 1] + radius * np.sin(a + step)
+            rows[i, RADIUS] = pieces[piece, AT_R] + radius * np.sin(kappa)
+            rows[i, HEIGHT] = pieces[piece, AT_Z] - radius * np.cos(kappa)
+            rows[i, SIN_KAPPA], rows[i, COS_KAPPA] = np.sin(kappa), np.cos(kappa)
+            rows[i, EDGE_WIDTH] = radius * step
+            rows[i, LOW] = pieces[piece, AT_Z] - radius * np.cos(a)
+            rows[i, HIGH] = pieces[piece, AT_Z] - radius * np.cos(a + step)
+            rows[i, OUTER] = pieces[piece, AT_R] + radius * np.sin(a + step)
         return SLICES
     sine, cosine = np.sin(kappa0), np.cos(kappa0)
     if z1 > height:
@@ -80,28 +130,28 @@ def lay_rows(edge: Array, height: float, cell: float, rows: Array, piece: int) -
     step = length / number
     for i in range(number):
         s = (i + 0.5) * step
-        rows[i, 0], rows[i, 1] = edge[piece, 1] + s * cosine, z0 + s * sine
-        rows[i, 2], rows[i, 3] = sine, cosine
-        rows[i, 4] = step
-        rows[i, 5], rows[i, 6] = z0 + i * step * sine, z0 + (i + 1) * step * sine
-        rows[i, 7] = rows[i, 0] + 0.5 * step * cosine
+        rows[i, RADIUS], rows[i, HEIGHT] = pieces[piece, AT_R] + s * cosine, z0 + s * sine
+        rows[i, SIN_KAPPA], rows[i, COS_KAPPA] = sine, cosine
+        rows[i, EDGE_WIDTH] = step
+        rows[i, LOW], rows[i, HIGH] = z0 + i * step * sine, z0 + (i + 1) * step * sine
+        rows[i, OUTER] = rows[i, RADIUS] + 0.5 * step * cosine
     return number
 
 
 @kernel(lean=True)
-def clearances(grid: Array, ux: float, uy: float) -> tuple[float, float]:
+def clearances(field: Field, heading: Heading) -> tuple[float, float]:
     """How far [m] ahead of the cutter, and inside its width, to ask: no column around such a place is under it.
 
-    Ahead it is the diagonal of a cell, for any direction; aside the width of a cell seen along the feed (ux, uy).
+    Ahead it is the diagonal of a cell, for any direction; aside the width of a cell seen along the feed.
     """
-    return float(np.sqrt(grid[2] * grid[2] + grid[3] * grid[3])), float(grid[2] * abs(uy) + grid[3] * abs(ux))
+    return diagonal(field), breadth_along(field, heading.ux, heading.uy)
 
 
 @kernel(lean=True)
 def probe(
     r: float, outer: float, sine: float, cosine: float, ahead: float, aside: float, level: float
 ) -> tuple[float, float, float]:
-    """Where to ask for material ahead of the point at radius r and angle phi: (x, y) along u and l, way d [m].
+    """Where to ask for material ahead of the point at radius r and angle phi: (u, l), and the way d there [m].
 
     outer: largest radius of the element; ahead, aside: see `clearances`; level: share of the feed that is horizontal.
     d is the way along the feed.
@@ -127,75 +177,22 @@ def turned(sine: float, cosine: float, angle: float) -> tuple[float, float]:
 @kernel(lean=True)
 def plunge_way(rows: Array, i: int, cell: float, level: float) -> float:
     """Least way d [m] for row i: falling, so far that columns a cell nearer to the axis, with lower floor, are full."""
-    steep = STEEPEST if rows[i, 2] > STEEPEST * rows[i, 3] else rows[i, 2] / rows[i, 3]
-    return float((1.0 - level) * (0.5 * (rows[i, 6] - rows[i, 5]) + cell * steep))
+    steep = STEEPEST if rows[i, SIN_KAPPA] > STEEPEST * rows[i, COS_KAPPA] else rows[i, SIN_KAPPA] / rows[i, COS_KAPPA]
+    return float((1.0 - level) * (0.5 * (rows[i, HIGH] - rows[i, LOW]) + cell * steep))
 
 
 @kernel(lean=True)
-def share_at(
-    lo: Array, hi: Array, count: Ints, grid: Array, tip: Array, ux: float, uy: float, level: float, climb: float,
-    cell: float, rows: Array, i: int, sine: float, cosine: float,
-) -> float:  # fmt: skip
+def share_at(field: Field, tip: Array, heading: Heading, rows: Array, i: int, sine: float, cosine: float) -> float:
     """Share [-] of row i that is in material at one angle; see `contact_of_rows`."""
-    ahead, aside = clearances(grid, ux, uy)
-    px, py, way = probe(rows[i, 0], rows[i, 7], sine, cosine, ahead, aside, level)
+    ux, uy, level, climb = heading
+    cell = coarsest(field)
+    ahead, aside = clearances(field, heading)
+    px, py, way = probe(rows[i, RADIUS], rows[i, OUTER], sine, cosine, ahead, aside, level)
     x, y = tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py
     rise = climb * max(way, plunge_way(rows, i, cell, level) if climb < 0.0 else 0.0)
-    low = tip[2] + rows[i, 5] + rise + min(0.5 * (1.0 - level) * cell * climb, 0.0)
-    high = max(tip[2] + rows[i, 6] + rise, low + THIN)
-    simple, share = solid(lo, hi, count, grid, x, y, low, high)
-    if simple == 1:
-        return share
-    return float(occupancy(lo, hi, count, grid, x, y, low, high))
-
-
-@kernel(lean=True)
-def solid(
-    lo: Array, hi: Array, count: Ints, grid: Array, x: float, y: float, z0: float, z1: float
-) -> tuple[int, float]:
-    """(1, share of z0..z1 that is material) if each of the columns around (x, y) has one interval, else (0, 0).
-
-    The common case of `occupancy`, without its loops.
-    """
-    i, j, wx, wy = surrounding(grid, x, y)
-    if i < 0 or j < 0 or i + 1 >= count.shape[0] or j + 1 >= count.shape[1]:
-        return 0, 0.0
-    if count[i, j] * count[i + 1, j] * count[i, j + 1] * count[i + 1, j + 1] != 1:
-        return 0, 0.0
-    a = max(min(hi[i, j, 0], z1) - max(lo[i, j, 0], z0), 0.0)
-    b = max(min(hi[i + 1, j, 0], z1) - max(lo[i + 1, j, 0], z0), 0.0)
-    c = max(min(hi[i, j + 1, 0], z1) - max(lo[i, j + 1, 0], z0), 0.0)
-    d = max(min(hi[i + 1, j + 1, 0], z1) - max(lo[i + 1, j + 1, 0], z0), 0.0)
-    return 1, ((1.0 - wy) * ((1.0 - wx) * a + wx * b) + wy * ((1.0 - wx) * c + wx * d)) / (z1 - z0)
-
-
-@kernel(lean=True)
-def read_single(
-    lo: Array, hi: Array, last_i: float, last_j: float, ny: np.uint64, us: Array, vs: Array, ups: Array, bottom: float,
-    top: float, share: Array,
-) -> None:  # fmt: skip
-    """Share (n,) of bottom..top [m], raised by `ups`, that is material at places (us, vs) between column centres.
-
-    For stocks of which each column has one interval; an empty one ends where it begins. Places that have no four
-    columns around them get ELSEWHERE.
-    """
-    scale = 1.0 / (top - bottom)
-    for k in range(share.shape[0]):
-        u, v = min(max(us[k], 0.0), last_i), min(max(vs[k], 0.0), last_j)
-        # truncation is the floor here; unsigned indices spare the check for negative ones
-        i, j = np.uint64(u), np.uint64(v)
-        a = i * ny + j
-        b = a + ny
-        z0, z1 = bottom + ups[k], top + ups[k]
-        wx, wy = u - np.float64(i), v - np.float64(j)
-        near = (1.0 - wx) * max(min(hi[a], z1) - max(lo[a], z0), 0.0)
-        near += wx * max(min(hi[b], z1) - max(lo[b], z0), 0.0)
-        a += np.uint64(1)
-        b += np.uint64(1)
-        far = (1.0 - wx) * max(min(hi[a], z1) - max(lo[a], z0), 0.0)
-        far += wx * max(min(hi[b], z1) - max(lo[b], z0), 0.0)
-        full = scale * ((1.0 - wy) * near + wy * far)
-        share[k] = full if u == us[k] and v == vs[k] else ELSEWHERE
+    low = tip[2] + rows[i, LOW] + rise + min(0.5 * (1.0 - level) * cell * climb, 0.0)
+    high = max(tip[2] + rows[i, HIGH] + rise, low + THIN)
+    return share_between(field, x, y, low, high)
 
 
 @kernel(lean=True)
@@ -210,26 +207,40 @@ def behind_range(sines: Array, gain: float, fall: float) -> int:
     return ANGLES // 4
 
 
-@kernel(lean=True)
-def grid_frame(grid: Array, tip: Array, ux: float, uy: float) -> tuple[float, float, float, float, float, float]:
-    """From u, l about the tip to columns: (i0, j0, i per u, i per l, j per u, j per l); whole at centres of columns."""
-    to_x, to_y = 1.0 / grid[2], 1.0 / grid[3]
-    return (
-        (tip[0] - grid[0]) * to_x - 0.5, (tip[1] - grid[1]) * to_y - 0.5, ux * to_x, -uy * to_x, uy * to_y, ux * to_y
-    )  # fmt: skip
+class Ring(NamedTuple):
+    """A row of the edge as `lay_places` sees it, all [m]."""
+
+    radius: float
+    outer: float  # its largest radius and `ahead` together
+    ahead: float
+    inside: float  # greatest distance to the side
+    least_way: float  # the shortest way along the feed
 
 
 @kernel(lean=True)
-def lay_places(
-    sines: Array, cosines: Array, radius: float, outer: float, ahead: float, inside: float, level: float, climb: float,
-    least_way: float, frame: tuple[float, float, float, float, float, float], us: Array, vs: Array, ups: Array,
-) -> None:  # fmt: skip
-    """Where to ask for material at many angles at once, as `probe` does for one: columns (us, vs), rise `ups` [m].
+def part_of(circle: Circle, begin: int, end: int) -> Circle:
+    """Some of the angles."""
+    return Circle(circle.sines[begin:end], circle.cosines[begin:end])
 
-    outer [m]: the element's largest radius and `ahead` together; inside [m]: greatest distance to the side; least_way
-    [m]: the shortest way along the feed; frame: see `grid_frame`. No branches, no dependence between turns.
+
+@kernel(lean=True)
+def places_at(room: Room, begin: int, end: int) -> Places:
+    """Room for the places of some angles."""
+    us, vs, ups = room.places
+    return Places(us[begin:end], vs[begin:end], ups[begin:end])
+
+
+@kernel(lean=True)
+def lay_places(circle: Circle, ring: Ring, heading: Heading, to_columns: ToColumns, places: Places) -> None:
+    """Where to ask for material at many angles at once, as `probe` does for one.
+
+    No branches, no dependence between turns.
     """
-    i0, j0, i_u, i_l, j_u, j_l = frame
+    sines, cosines = circle
+    radius, outer, ahead, inside, least_way = ring
+    _, _, level, climb = heading
+    i0, j0, i_u, i_l, j_u, j_l = to_columns
+    us, vs, ups = places
     for k in range(us.shape[0]):
         px, py = radius * sines[k], radius * cosines[k]
         wide = min(max(py, -inside), inside)
@@ -240,22 +251,6 @@ def lay_places(
         us[k] = i0 + i_u * px + i_l * py
         vs[k] = j0 + j_u * px + j_l * py
         ups[k] = climb * max(way, least_way)
-
-
-@kernel(lean=True)
-def ask_places(
-    lows: Array, highs: Array, count: Ints, us: Array, vs: Array, ups: Array, bottom: float, top: float, share: Array
-) -> None:
-    """Share (n,) of bottom..top [m] that is material at places from `lay_places`; ELSEWHERE where columns have more
-    than one interval, or the stock is a single row. lows, highs: the ends of all intervals in one row.
-    """
-    nx, ny = count.shape
-    if lows.shape[0] == nx * ny and nx > 1 and ny > 1:  # nearly always
-        read_single(
-            lows, highs, np.float64(nx - 2), np.float64(ny - 2), np.uint64(ny), us, vs, ups, bottom, top, share
-        )  # fmt: skip
-    else:
-        share[:] = ELSEWHERE
 
 
 @kernel(lean=True)
@@ -323,9 +318,8 @@ def locate_edge(weights: Array, i: int, k: int, fraction: float) -> None:
 
 @kernel(lean=True)
 def contact_of_rows(
-    lo: Array, hi: Array, count: Ints, grid: Array, circle: Array, tip: Array, ux: float, uy: float, level: float,
-    climb: float, rows: Array, first: int, number: int, last: int, weights: Array, places: Array,
-) -> bool:  # fmt: skip
+    field: Field, circle: Circle, tip: Array, heading: Heading, room: Room, first: int, number: int, last: int
+) -> bool:
     """Fill weights[first:first + number, :last]: share of each element in material at each angle at which it advances.
 
     0 where it does not advance. Returns whether there is any, and keeps the range of those angles in each row.
@@ -334,83 +328,86 @@ def contact_of_rows(
     below, so that contact grows gradually.
     Where contact begins or ends between two angles, the limit is found by halving and the weight is shared out.
     """
-    cell = max(grid[2], grid[3])
-    ahead, aside = clearances(grid, ux, uy)
-    frame = grid_frame(grid, tip, ux, uy)
-    lows, highs = lo.reshape(lo.size), hi.reshape(hi.size)
-    sines, cosines, us, vs, ups = circle[0], circle[1], places[0], places[1], places[2]
+    ux, uy, level, climb = heading
+    cell = coarsest(field)
+    ahead, aside = clearances(field, heading)
+    columns = to_columns(field, tip, ux, uy)
+    sines, rows, weights = circle.sines, room.rows, room.weights
     found = False
     for i in range(first, first + number):
-        radius, outer = rows[i, 0], rows[i, 7] + ahead
-        inside = max(radius - aside, 0.0)
-        sin_kappa, fall = rows[i, 2], climb * rows[i, 3]
+        sin_kappa, fall = rows[i, SIN_KAPPA], climb * rows[i, COS_KAPPA]
         least_way = plunge_way(rows, i, cell, level) if climb < 0.0 else 0.0
-        bottom, top = tip[2] + rows[i, 5] + min(0.5 * (1.0 - level) * cell * climb, 0.0), tip[2] + rows[i, 6]
+        ring = Ring(rows[i, RADIUS], rows[i, OUTER] + ahead, ahead, max(rows[i, RADIUS] - aside, 0.0), least_way)
+        bottom, top = tip[2] + rows[i, LOW] + min(0.5 * (1.0 - level) * cell * climb, 0.0), tip[2] + rows[i, HIGH]
         top = max(top, bottom + THIN)
         line = weights[i, :last]
         behind = behind_range(sines, level * sin_kappa, LEAST_ADVANCE + fall) if last == ANGLES else 0
         front_end, back_begin = min(ANGLES // 2 + behind, last), last - behind
         line[front_end:back_begin] = ELSEWHERE  # nothing advances there; rounding may leave one to be asked by itself
         for begin, end in ((0, front_end), (back_begin, last)):
-            lay_places(
-                sines[begin:end], cosines[begin:end], radius, outer, ahead, inside, level, climb, least_way, frame,
-                us[begin:end], vs[begin:end], ups[begin:end],
-            )  # fmt: skip
-            ask_places(
-                lows, highs, count, us[begin:end], vs[begin:end], ups[begin:end], bottom, top, line[begin:end]
-            )  # fmt: skip
+            places = places_at(room, begin, end)
+            lay_places(part_of(circle, begin, end), ring, heading, columns, places)
+            ask_places(field, places, bottom, top, line[begin:end])
         if leave_advancing(sines, level, sin_kappa, fall, line):
             for k in range(last):
                 if line[k] == ELSEWHERE:
-                    line[k] = share_at(
-                        lo, hi, count, grid, tip, ux, uy, level, climb, cell, rows, i, sines[k], cosines[k]
-                    )  # fmt: skip
-        found_share, steps = us[:last], vs[:last]  # the places are not needed any more
-        left = mark_steps(sines, level, sin_kappa, fall, line, found_share, steps)
-        begin, end = reach_of(found_share, steps)
-        for k in range(last):
-            if left == 0:
-                break
-            if steps[k] == 0.0:
-                continue
-            left -= 1
-            earlier, w = found_share[k - 1], found_share[k]
-            least, most = 0.0, 1.0
-            for _ in range(4):
-                middle = 0.5 * (least + most)
-                sine, cosine = turned(sines[k - 1], cosines[k - 1], middle * (2.0 * np.pi / ANGLES))
-                between = share_at(lo, hi, count, grid, tip, ux, uy, level, climb, cell, rows, i, sine, cosine)
-                if (between > 0.5 * (w + earlier)) == (w > earlier):
-                    most = middle
-                else:
-                    least = middle
-            locate_edge(weights, i, k, 0.5 * (least + most))
+                    line[k] = share_at(field, tip, heading, rows, i, sines[k], circle.cosines[k])
+        begin, end = share_out_steps(field, circle, tip, heading, room, i, last)
         rows[i, FROM], rows[i, TO] = begin, end
         found = found or end > begin
     return found
 
 
 @kernel(lean=True)
+def share_out_steps(
+    field: Field, circle: Circle, tip: Array, heading: Heading, room: Room, i: int, last: int
+) -> tuple[int, int]:
+    """Find where contact of row i begins or ends between two angles, and share that out; the range of its angles."""
+    sines, cosines, rows, weights = circle.sines, circle.cosines, room.rows, room.weights
+    fall = heading.climb * rows[i, COS_KAPPA]
+    known, steps = room.places.us[:last], room.places.vs[:last]  # the places are not needed any more
+    left = mark_steps(sines, heading.level, rows[i, SIN_KAPPA], fall, weights[i, :last], known, steps)
+    begin, end = reach_of(known, steps)
+    for k in range(last):
+        if left == 0:
+            break
+        if steps[k] == 0.0:
+            continue
+        left -= 1
+        earlier, w = known[k - 1], known[k]
+        least, most = 0.0, 1.0
+        for _ in range(4):
+            middle = 0.5 * (least + most)
+            sine, cosine = turned(sines[k - 1], cosines[k - 1], middle * (2.0 * np.pi / ANGLES))
+            between = share_at(field, tip, heading, rows, i, sine, cosine)
+            if (between > 0.5 * (w + earlier)) == (w > earlier):
+                most = middle
+            else:
+                least = middle
+        locate_edge(weights, i, k, 0.5 * (least + most))
+    return begin, end
+
+
+@kernel(lean=True)
 def contact_of_cylinder(
-    lo: Array, hi: Array, count: Ints, grid: Array, circle: Array, tip: Array, ux: float, uy: float, level: float,
-    climb: float, rows: Array, first: int, number: int, weights: Array, line: Array, places: Array,
-) -> bool:  # fmt: skip
+    field: Field, circle: Circle, tip: Array, heading: Heading, room: Room, first: int, number: int
+) -> bool:
     """The same for all rows of a cylinder at once, first..first+number: they stand above each other."""
-    ahead, aside = clearances(grid, ux, uy)
+    ux, uy, level, climb = heading
+    ahead, aside = clearances(field, heading)
     half = ANGLES // 2
-    radius, outer = rows[first, 0], rows[first, 7] + ahead
-    share, us, vs, ups = places[0, :half], places[1, :half], places[2, :half], places[3, :half]
-    bottom, top = tip[2] + rows[first, 5], tip[2] + rows[first + number - 1, 6]
+    rows, weights, line, share = room.rows, room.weights, room.line, room.share[:half]
+    radius, widest = rows[first, RADIUS], rows[first, OUTER]
+    bottom, top = tip[2] + rows[first, LOW], tip[2] + rows[first + number - 1, HIGH]
     height = (top - bottom) / number
-    lay_places(
-        circle[0, :half], circle[1, :half], radius, outer, ahead, max(radius - aside, 0.0), level, climb, 0.0,
-        grid_frame(grid, tip, ux, uy), us, vs, ups,
-    )  # fmt: skip
-    ask_places(lo.reshape(lo.size), hi.reshape(hi.size), count, us, vs, ups, bottom, top, share)
+    ring, places = Ring(radius, widest + ahead, ahead, max(radius - aside, 0.0), 0.0), places_at(room, 0, half)
+    lay_places(part_of(circle, 0, half), ring, heading, to_columns(field, tip, ux, uy), places)
+    ask_places(field, places, bottom, top, share)
     earlier = -1.0
     begin, end = half, 0
     for k in range(half):
-        if level * circle[0, k] <= LEAST_ADVANCE:
+        sine, cosine = circle.sines[k], circle.cosines[k]
+        if level * sine <= LEAST_ADVANCE:
             weights[first : first + number, k] = 0.0
             earlier = -1.0
             continue
@@ -419,21 +416,21 @@ def contact_of_cylinder(
             for i in range(number):
                 weights[first + i, k] = total
         else:
-            px, py, way = probe(radius, rows[first, 7], circle[0, k], circle[1, k], ahead, aside, level)
+            px, py, way = probe(radius, widest, sine, cosine, ahead, aside, level)
             x, y = tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py
             z0 = bottom + climb * way
-            total = fill_slices(lo, hi, count, grid, x, y, z0, height, line[:number]) / number
+            total = fill_slices(field, x, y, z0, height, line[:number]) / number
             for i in range(number):
                 weights[first + i, k] = line[i]
         if earlier >= 0.0 and abs(total - earlier) > 0.5 * max(total, earlier):
             least, most = 0.0, 1.0
             for _ in range(4):
                 middle = 0.5 * (least + most)
-                fine_sine, fine_cosine = turned(circle[0, k - 1], circle[1, k - 1], middle * (2.0 * np.pi / ANGLES))
-                px, py, way = probe(radius, rows[first, 7], fine_sine, fine_cosine, ahead, aside, level)
+                sine, cosine = turned(circle.sines[k - 1], circle.cosines[k - 1], middle * (2.0 * np.pi / ANGLES))
+                px, py, way = probe(radius, widest, sine, cosine, ahead, aside, level)
                 z0, z1 = bottom + climb * way, top + climb * way
                 x, y = tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py
-                between = occupancy(lo, hi, count, grid, x, y, z0, z1)
+                between = occupancy(field, x, y, z0, z1)
                 if (between > 0.5 * (total + earlier)) == (total > earlier):
                     most = middle
                 else:

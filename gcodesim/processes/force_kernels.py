@@ -8,43 +8,81 @@ sec. 2.8).
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.compiled import kernel
+from gcodesim.material.kernels import Field, coarsest
 from gcodesim.processes.engagement_kernels import (
     ANGLES,
+    ARC,
+    COS_KAPPA,
+    EDGE_WIDTH,
     FROM,
+    HEIGHT,
+    HIGH,
     LEAST_ADVANCE,
+    LOW,
+    RADIUS,
+    SIN_KAPPA,
     STEEPEST,
     TO,
     UPRIGHT,
+    Circle,
+    Heading,
+    Room,
     contact_of_cylinder,
     contact_of_rows,
     lay_rows,
 )
 
 Array = NDArray[np.float64]
-Ints = NDArray[np.int32]
 
 TABLE = 1025  # points of x**p on 0..1
+LEAST_SHARE = 0.05  # of a row in material, from which on an angle counts as one of contact
 
-# columns of the result of `cutting_force`
-FORCE, TORQUE, CHIP, DEPTH, WIDTH, ENTRY, EXIT, CONTACT = 0, 6, 7, 8, 9, 10, 11, 12
+# The result of `cutting_force`: wrench about the tip in S (6), torque, greatest chip thickness, axial depth, radial
+# width, entry and exit angle, and the sum of engaged elements (0: no contact).
+FORCE, MOMENT, TORQUE, CHIP, DEPTH, WIDTH, ENTRY, EXIT, CONTACT = 0, 3, 6, 7, 8, 9, 10, 11, 12
 RESULT = 13
 
-# rows of its scratch `sums` (SUMS + SPARE, ANGLES); below the sums stand unit forces (until then shares), places,
-# components, slices, and one for the caller
+# Sums over rows at each angle, in `Room.sums`: forces along u, l, z; the first two times height, and the third times
+# radius; torque; shares, the greatest share, and the greatest radial width.
+F_U, F_L, F_Z, TILT_U, TILT_L, LIFT, TURN, SHARES, MOST, WIDEST = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9
 SUMS = 10
-SPARE = 9
+
+TANGENTIAL, NORMAL, AXIAL = 0, 1, 2  # components of a law
+
+
+class ForceLaw(NamedTuple):
+    """Force per width of an edge, factor h**exponent + rub, each (3,); powers (3, TABLE): see `power_table`."""
+
+    factor: Array
+    exponent: Array
+    rub: Array
+    powers: Array
+
+
+class Teeth(NamedTuple):
+    """The edges of a cutter, all alike and evenly spread."""
+
+    radius: float  # [m]
+    number: float
+    lag: float  # tangent of the helix
+    height: float  # [m] up to which they cut
+    pieces: Array  # (k, 8) outline, see `Cutter.edge`
+    law: ForceLaw
+    circle: Circle
 
 
 @kernel(lean=True)
-def power_table(laws: Array, table: Array) -> None:
-    """Fill `table` (3, TABLE) with x**p on 0..1 for the exponents laws[:, 1]: a power costs more than all the rest."""
+def power_table(exponent: Array, table: Array) -> None:
+    """Fill `table` (3, TABLE) with x**p on 0..1 for each exponent: a power costs more than all the rest."""
     for component in range(3):
         for i in range(table.shape[1]):
-            table[component, i] = (i / (table.shape[1] - 1.0)) ** laws[component, 1]
+            table[component, i] = (i / (table.shape[1] - 1.0)) ** exponent[component]
 
 
 @kernel(lean=True)
@@ -54,28 +92,43 @@ def power_at(table: Array, component: int, left: int, part: float) -> float:
     return value
 
 
+class Scale(NamedTuple):
+    """factor c**exponent of each component, with c the feed per tooth: force per width [N/m] of a chip that thick."""
+
+    tangential: float
+    normal: float
+    axial: float
+
+
+@kernel(lean=True)
+def scale_of(law: ForceLaw, component: int, chip: float) -> float:
+    """One component of `Scale`."""
+    return float(law.factor[component] * chip ** law.exponent[component]) if chip > 0.0 else 0.0
+
+
 @kernel(lean=True)
 def unit_forces(
-    laws: Array, table: Array, scale: Array, circle: Array, level: float, climb: float, sin_kappa: float,
-    cos_kappa: float, begin: int, end: int, unit: Array,
-) -> None:  # fmt: skip
+    teeth: Teeth, heading: Heading, scale: Scale, sin_kappa: float, cos_kappa: float, begin: int, end: int, unit: Array
+) -> None:
     """Fill unit[:, begin:end] with force per width [N/m] at each angle: tangential, inward (radial), along the axis.
 
-    scale (3,): K c**p of each component; angles at which the edge does not advance get 0.
+    Angles at which the edge does not advance get 0.
     """
-    sines, unit_t, unit_r, unit_a = circle[0, begin:end], unit[0, begin:end], unit[1, begin:end], unit[2, begin:end]
-    fall = climb * cos_kappa
-    if laws[0, 1] == 1.0 and laws[1, 1] == 1.0 and laws[2, 1] == 1.0:
+    sines = teeth.circle.sines[begin:end]
+    unit_t, unit_r, unit_a = unit[0, begin:end], unit[1, begin:end], unit[2, begin:end]
+    _, exponent, rub, powers = teeth.law
+    level, fall = heading.level, heading.climb * cos_kappa
+    if exponent[TANGENTIAL] == 1.0 and exponent[NORMAL] == 1.0 and exponent[AXIAL] == 1.0:
         for k in range(sines.shape[0]):
             advance = level * sines[k] * sin_kappa - fall
             grown = min(advance, 1.0)
-            normal, axial = scale[1] * grown + laws[1, 2], scale[2] * grown + laws[2, 2]
+            normal, axial = scale.normal * grown + rub[NORMAL], scale.axial * grown + rub[AXIAL]
             cuts = advance > LEAST_ADVANCE
-            unit_t[k] = scale[0] * grown + laws[0, 2] if cuts else 0.0
+            unit_t[k] = scale.tangential * grown + rub[TANGENTIAL] if cuts else 0.0
             unit_r[k] = normal * sin_kappa + axial * cos_kappa if cuts else 0.0
             unit_a[k] = normal * cos_kappa - axial * sin_kappa if cuts else 0.0
         return
-    common = laws[0, 1] == laws[1, 1] and laws[0, 1] == laws[2, 1]
+    common = exponent[TANGENTIAL] == exponent[NORMAL] and exponent[TANGENTIAL] == exponent[AXIAL]
     for k in range(sines.shape[0]):
         advance = min(level * sines[k] * sin_kappa - fall, 1.0)
         if advance <= LEAST_ADVANCE:
@@ -84,34 +137,41 @@ def unit_forces(
         place = advance * (TABLE - 1)
         left = min(int(place), TABLE - 2)
         part = place - left
-        grown_t = power_at(table, 0, left, part)
+        grown_t = power_at(powers, TANGENTIAL, left, part)
         grown_r, grown_a = grown_t, grown_t
         if not common:
-            grown_r, grown_a = power_at(table, 1, left, part), power_at(table, 2, left, part)
-        normal, axial = scale[1] * grown_r + laws[1, 2], scale[2] * grown_a + laws[2, 2]
-        unit_t[k] = scale[0] * grown_t + laws[0, 2]
+            grown_r, grown_a = power_at(powers, NORMAL, left, part), power_at(powers, AXIAL, left, part)
+        normal, axial = scale.normal * grown_r + rub[NORMAL], scale.axial * grown_a + rub[AXIAL]
+        unit_t[k] = scale.tangential * grown_t + rub[TANGENTIAL]
         unit_r[k] = normal * sin_kappa + axial * cos_kappa
         unit_a[k] = normal * cos_kappa - axial * sin_kappa
 
 
-@kernel(lean=True)
-def add_row(
-    circle: Array, unit: Array, weights: Array, r: float, z: float, width: float, begin: int, end: int,
-    force_u: Array, force_l: Array, force_z: Array, sums: Array,
-) -> None:  # fmt: skip
-    """Force of one row (ANGLES,) on one tooth along u, l, z [N], and its part in `sums` (SUMS, ANGLES).
+class ToothForce(NamedTuple):
+    """Force of one row on one tooth (ANGLES,) along u, l, z [N]."""
 
-    Only angles begin..end, the others carry none and are not written.
+    u: Array
+    l: Array  # noqa: E741 - its name in frame K
+    z: Array
+
+
+@kernel(lean=True)
+def add_row(row: Array, circle: Circle, unit: Array, weights: Array, force: ToothForce, sums: Array) -> None:
+    """Force of one row on one tooth, and its part in `sums`.
+
+    Only angles FROM..TO of the row, the others carry none and are not written.
 
     Sums over rows stay apart by angle: so this loop has no dependence between its turns.
     """
+    r, z, width, begin, end = row[RADIUS], row[HEIGHT], row[EDGE_WIDTH], int(row[FROM]), int(row[TO])
     # slices, because an index of which the compiler cannot see that it is not negative keeps it to one angle at a time
-    sines, cosines, share = circle[0, begin:end], circle[1, begin:end], weights[begin:end]
+    sines, cosines, share = circle.sines[begin:end], circle.cosines[begin:end], weights[begin:end]
     unit_t, unit_r, unit_a = unit[0, begin:end], unit[1, begin:end], unit[2, begin:end]
-    f_u, f_l, f_z = force_u[begin:end], force_l[begin:end], force_z[begin:end]
-    all_u, all_l, all_z = sums[0, begin:end], sums[1, begin:end], sums[2, begin:end]
-    tilt_u, tilt_l, lift = sums[3, begin:end], sums[4, begin:end], sums[5, begin:end]
-    torque, contact, most, widest = sums[6, begin:end], sums[7, begin:end], sums[8, begin:end], sums[9, begin:end]
+    f_u, f_l, f_z = force.u[begin:end], force.l[begin:end], force.z[begin:end]
+    all_u, all_l, all_z = sums[F_U, begin:end], sums[F_L, begin:end], sums[F_Z, begin:end]
+    tilt_u, tilt_l, lift = sums[TILT_U, begin:end], sums[TILT_L, begin:end], sums[LIFT, begin:end]
+    torque, contact = sums[TURN, begin:end], sums[SHARES, begin:end]
+    most, widest = sums[MOST, begin:end], sums[WIDEST, begin:end]
     for k in range(share.shape[0]):
         b = share[k] * width
         tangential, inward = b * unit_t[k], b * unit_r[k]
@@ -133,128 +193,130 @@ def add_row(
 
 @kernel(lean=True)
 def cutting_force(
-    lo: Array, hi: Array, count: Ints, grid: Array, tool: Array, edge: Array, laws: Array, table: Array,
-    circle: Array, tip: Array, ux: float, uy: float, level: float, climb: float, chip: float, top: float,
-    rows: Array, weights: Array, force: Array, sums: Array, result: Array,
-) -> int:  # fmt: skip
-    """Mean force over a revolution with the tip at `tip` [m]; returns the number of rows filled in `rows`, `force`.
+    field: Field, teeth: Teeth, tip: Array, heading: Heading, chip: float, top: float, room: Room, result: Array
+) -> int:
+    """Mean force over a revolution with the tip at `tip` [m]; returns the number of rows filled in `room`.
 
-    tool (4,): radius, flutes, tan(helix), height of the edge; circle (2, ANGLES): sine, cosine of phi;
-    ux, uy: horizontal direction of the feed; level, climb: its horizontal and vertical share (unit vector);
-    chip [m]: feed per tooth; top [m]: no material is higher near the tool.
-    rows (ROWS, COLUMNS), sums (SUMS + SPARE, ANGLES): scratch;
-    force (3, ROWS, ANGLES) [N]: on one tooth per row and angle, along u, l, z, within the range of each row.
-    result (RESULT,): wrench about the tip in S (6), torque, greatest chip thickness, axial depth, radial width,
-    entry and exit angle, and the sum of engaged elements (0: no contact).
+    chip [m]: feed per tooth; top [m]: no material is higher near the tool; result (RESULT,).
     """
     result[:] = 0.0
-    height = min(tool[3], top - tip[2])
-    if height <= min(STEEPEST * max(grid[2], grid[3]) * climb, 0.0):
+    level, climb = heading.level, heading.climb
+    height = min(teeth.height, top - tip[2])
+    if height <= min(STEEPEST * coarsest(field) * climb, 0.0):
         return 0
     height = max(height, 1.0e-9)  # downwards the lowest rows ask for what is still below the tip
     last = ANGLES if climb < 0.0 else ANGLES // 2  # nothing behind the tool cuts unless it goes down
-    scale, line = sums[SUMS + 6], sums[SUMS + 7]
-    for component in range(3):
-        scale[component] = laws[component, 0] * chip ** laws[component, 1] if chip > 0.0 else 0.0
-    unit = sums[SUMS : SUMS + 3]
-    sums[:SUMS] = 0.0
+    law, pieces, rows = teeth.law, teeth.pieces, room.rows
+    scale = Scale(scale_of(law, TANGENTIAL, chip), scale_of(law, NORMAL, chip), scale_of(law, AXIAL, chip))
+    room.sums[:] = 0.0
     used = 0
     steepest = 0.0
-    for piece in range(edge.shape[0]):
-        number = lay_rows(edge, height, max(grid[2], grid[3]), rows[used:], piece)
+    for piece in range(pieces.shape[0]):
+        number = lay_rows(pieces, piece, height, coarsest(field), rows[used:])
         if number == 0:
             continue
         first, end = used, used + number - 1
-        touched = False
-        if max(level * rows[first, 2] - climb * rows[first, 3], level * rows[end, 2] - climb * rows[end, 3]) <= (
-            LEAST_ADVANCE
-        ):
+        most_advance = max(
+            level * rows[first, SIN_KAPPA] - climb * rows[first, COS_KAPPA],
+            level * rows[end, SIN_KAPPA] - climb * rows[end, COS_KAPPA],
+        )
+        if most_advance <= LEAST_ADVANCE:
             continue  # no angle at which this piece advances: a flat bottom in a level cut
-        if edge[piece, 0] == 0.0 and rows[first, 3] < UPRIGHT:
-            touched = contact_of_cylinder(
-                lo, hi, count, grid, circle, tip, ux, uy, level, climb, rows, first, number, weights, line,
-                sums[SUMS + 2 : SUMS + 6],
-            )  # fmt: skip
+        straight = pieces[piece, ARC] == 0.0
+        if straight and rows[first, COS_KAPPA] < UPRIGHT:
+            touched = contact_of_cylinder(field, teeth.circle, tip, heading, room, first, number)
         else:
-            touched = contact_of_rows(
-                lo, hi, count, grid, circle, tip, ux, uy, level, climb, rows, first, number, last, weights,
-                sums[SUMS + 3 : SUMS + 6],
-            )  # fmt: skip
+            touched = contact_of_rows(field, teeth.circle, tip, heading, room, first, number, last)
         if not touched:
             continue
         used += number
-        straight = edge[piece, 0] == 0.0
-        if straight:  # rows of one slope share the force per width
-            begin, end = last, 0
-            for i in range(first, used):
-                begin, end = min(begin, int(rows[i, FROM])), max(end, int(rows[i, TO]))
-            unit_forces(laws, table, scale, circle, level, climb, rows[first, 2], rows[first, 3], begin, end, unit)
-        for i in range(first, used):
-            begin, end = int(rows[i, FROM]), int(rows[i, TO])
-            if begin >= end:
-                continue
-            if not straight:
-                unit_forces(laws, table, scale, circle, level, climb, rows[i, 2], rows[i, 3], begin, end, unit)
-            add_row(
-                circle, unit, weights[i], rows[i, 0], rows[i, 1], rows[i, 4], begin, end, force[0, i], force[1, i],
-                force[2, i], sums,
-            )  # fmt: skip
-        steepest = max(steepest, rows[used - 1, 2])
+        add_rows(teeth, heading, scale, room, first, number, straight)
+        steepest = max(steepest, rows[used - 1, SIN_KAPPA])
     if used == 0:
         return 0
+    sum_up(teeth, heading, chip, steepest, last, room, used, result)
+    return used if result[CONTACT] > 0.0 else 0
+
+
+@kernel(lean=True)
+def add_rows(teeth: Teeth, heading: Heading, scale: Scale, room: Room, first: int, number: int, straight: bool) -> None:
+    """Forces of the rows first..first + number, which are those of one piece."""
+    rows = room.rows
+    if straight:  # rows of one slope share the force per width
+        begin, end = ANGLES, 0
+        for i in range(first, first + number):
+            begin, end = min(begin, int(rows[i, FROM])), max(end, int(rows[i, TO]))
+        unit_forces(teeth, heading, scale, rows[first, SIN_KAPPA], rows[first, COS_KAPPA], begin, end, room.unit)
+    for i in range(first, first + number):
+        begin, end = int(rows[i, FROM]), int(rows[i, TO])
+        if begin >= end:
+            continue
+        if not straight:
+            unit_forces(teeth, heading, scale, rows[i, SIN_KAPPA], rows[i, COS_KAPPA], begin, end, room.unit)
+        on_tooth = ToothForce(room.force[0, i], room.force[1, i], room.force[2, i])
+        add_row(rows[i], teeth.circle, room.unit, room.weights[i], on_tooth, room.sums)
+
+
+@kernel(lean=True)
+def sum_up(
+    teeth: Teeth, heading: Heading, chip: float, steepest: float, last: int, room: Room, used: int, result: Array
+) -> None:
+    """From the sums at each angle to the `result`; its CONTACT is 0 where there is none."""
+    ux, uy, level, climb = heading
+    sines, cosines = teeth.circle
+    sums, rows = room.sums, room.rows
     f_u, f_l, f_z, m_u, m_l, torque = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     delta = 2.0 * np.pi / ANGLES
     entry, leave, fullest = 2.0 * np.pi, 0.0, 0
     for k in range(last):
-        f_u += sums[0, k]
-        f_l += sums[1, k]
-        f_z += sums[2, k]
-        m_u += circle[1, k] * sums[5, k] - sums[4, k]
-        m_l += sums[3, k] - circle[0, k] * sums[5, k]
-        torque += sums[6, k]
-        result[CONTACT] += sums[7, k]
-        if sums[7, k] > sums[7, fullest]:
+        f_u += sums[F_U, k]
+        f_l += sums[F_L, k]
+        f_z += sums[F_Z, k]
+        m_u += cosines[k] * sums[LIFT, k] - sums[TILT_L, k]
+        m_l += sums[TILT_U, k] - sines[k] * sums[LIFT, k]
+        torque += sums[TURN, k]
+        result[CONTACT] += sums[SHARES, k]
+        if sums[SHARES, k] > sums[SHARES, fullest]:
             fullest = k
-        if circle[0, k] > 0.0:
-            result[WIDTH] += sums[9, k] * circle[0, k] * delta
-        w = sums[8, k]
-        if w > 0.05:
+        if sines[k] > 0.0:
+            result[WIDTH] += sums[WIDEST, k] * sines[k] * delta
+        w = sums[MOST, k]
+        if w > LEAST_SHARE:
             entry, leave = min(entry, (k + 1.0 - w) * delta), max(leave, (k + w) * delta)
-            result[CHIP] = max(result[CHIP], chip * (level * circle[0, k] * steepest))
+            result[CHIP] = max(result[CHIP], chip * (level * sines[k] * steepest))
     if climb < 0.0:  # the bottom takes the chip of the fall
-        result[CHIP] = max(result[CHIP], -chip * climb * rows[0, 3])
+        result[CHIP] = max(result[CHIP], -chip * climb * rows[0, COS_KAPPA])
     if result[CONTACT] <= 0.0:
-        return 0
+        return
     for i in range(used):
-        result[DEPTH] += weights[i, fullest] * (rows[i, 6] - rows[i, 5])
-    share = tool[1] / ANGLES
-    result[0] = share * (ux * f_u - uy * f_l)
-    result[1] = share * (uy * f_u + ux * f_l)
-    result[2] = share * f_z
-    result[3] = share * (ux * m_u - uy * m_l)
-    result[4] = share * (uy * m_u + ux * m_l)
-    result[5] = share * torque
+        result[DEPTH] += room.weights[i, fullest] * (rows[i, HIGH] - rows[i, LOW])
+    share = teeth.number / ANGLES
+    result[FORCE] = share * (ux * f_u - uy * f_l)
+    result[FORCE + 1] = share * (uy * f_u + ux * f_l)
+    result[FORCE + 2] = share * f_z
+    result[MOMENT] = share * (ux * m_u - uy * m_l)
+    result[MOMENT + 1] = share * (uy * m_u + ux * m_l)
+    result[MOMENT + 2] = share * torque
     result[TORQUE] = share * torque
     if leave > entry:
         result[ENTRY], result[EXIT] = entry, leave
-    return used
 
 
 @kernel(lean=True)
-def peak_force(tool: Array, rows: Array, force: Array, used: int, turning: Array) -> float:
+def peak_force(teeth: Teeth, room: Room, used: int) -> float:
     """Greatest force [N] within a revolution: all teeth and heights at once, each height late by its helix lag.
 
     Rows lag by z tan(helix) / radius; forces between the angles are interpolated.
-    turning (3, 3 ANGLES + 1): scratch; one tooth's force over its angle at the tip, twice, then that of all teeth.
     """
+    rows, force, turning = room.rows, room.force, room.turning
     delta = 2.0 * np.pi / ANGLES
-    teeth = int(tool[1])
+    number = int(teeth.number)
     turning[:] = 0.0
     for i in range(used):
         begin, end = int(rows[i, FROM]), int(rows[i, TO])
         if begin >= end:
             continue
-        place = (rows[i, 1] * tool[2] / tool[0] / delta) % ANGLES
+        place = (rows[i, HEIGHT] * teeth.lag / teeth.radius / delta) % ANGLES
         whole = int(place)
         part = place - whole
         for axis in range(3):
@@ -271,8 +333,8 @@ def peak_force(tool: Array, rows: Array, force: Array, used: int, turning: Array
             one[k] += one[ANGLES + k]
             one[ANGLES + k] = one[k]
         one[2 * ANGLES] = one[0]
-        for tooth in range(teeth):
-            place = tooth * ANGLES / teeth
+        for tooth in range(number):
+            place = tooth * ANGLES / number
             whole = int(place)
             part = place - whole
             here, following = one[whole : whole + ANGLES], one[whole + 1 : whole + 1 + ANGLES]

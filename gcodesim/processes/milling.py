@@ -30,7 +30,10 @@ if TYPE_CHECKING:
 
     from gcodesim.diagnostics import Diagnostic
     from gcodesim.material.stock import Stock
+    from gcodesim.processes.engagement_kernels import Room
+    from gcodesim.processes.force_kernels import Teeth
     from gcodesim.processes.materials import Material
+    from gcodesim.processes.milling_kernels import MillingTool, Motion
 
 Array = NDArray[np.float64]
 
@@ -94,44 +97,17 @@ class Milling(Process):
         """Cut `stock` (in place) along `window`; without stock nothing happens. `state` is carried on."""
         if stock is None:
             return ProcessStep.free(window.steps)
-        n = window.steps
-        first = np.searchsorted(window.piece_step, np.arange(n + 1)).astype(np.int64)
-        out = self.run_packed(
-            stock,
-            np.ascontiguousarray(window.piece_start, dtype=float).reshape(-1, 3),
-            np.ascontiguousarray(window.piece_end, dtype=float).reshape(-1, 3),
-            first,
-            packed_motion(window),
-            packed_compliance(window),
-            state,
-        )
-        return self._step_of(out, stock, window)
+        return self._step_of(self.run_packed(stock, packed_motion(window), state), stock, window)
 
-    def run_packed(
-        self,
-        stock: Stock,
-        starts: Array,
-        ends: Array,
-        first: NDArray[np.int64],
-        motion: Array,
-        compliance: Array,
-        state: ProcessState,
-    ) -> Array:
-        """The same on arrays as the kernel takes them (see `milling_kernels.mill`), for loops of single steps.
-
-        motion (n, 9): axis, velocity, spindle, rapid, active; compliance (n or 0, 3, 6). Returns out (n, OUTPUTS).
-        """
+    def run_packed(self, stock: Stock, motion: Motion, state: ProcessState) -> Array:
+        """The same on n steps as the kernel takes them, for loops of single steps; out (n, OUTPUTS)."""
         from gcodesim.processes.milling_kernels import OUTPUTS, mill
 
-        tool, edge, laws, table, circle, shapes, rows, weights, force, sums, turning = self._packed
-        out = np.zeros((len(motion), OUTPUTS))
+        steps = len(motion.spindle)
+        out = np.zeros((steps, OUTPUTS))
         while True:
-            done = mill(
-                stock.lo, stock.hi, stock.count, stock.grid, stock.dirty, stock.walls, stock.tops, starts, ends, first,
-                motion, compliance, tool, edge, laws, table, circle, shapes, rows, weights, force, sums, turning,
-                state.values, out,
-            )  # fmt: skip
-            if done == len(motion):
+            done = mill(stock.view(motion.axis[0]), self.packed_tool, motion, self._room, state.values, out)
+            if done == steps:
                 return out
             stock.grow()
 
@@ -178,40 +154,66 @@ class Milling(Process):
         depth = np.clip(stock.z_range[1] - low, 0.0, stock.z_range[1] - stock.z_range[0])
         walls = 2.0 * np.hypot(way[:, 0], way[:, 1]) * depth + 2.0 * np.pi * self.zone.radius * np.abs(way[:, 2])
         bound = np.zeros(window.steps)
-        np.add.at(bound, window.piece_step, 0.5 * float(stock.grid[2:].max()) * walls)
+        np.add.at(bound, window.piece_step, 0.5 * stock.cell * walls)
         return bound
 
     @cached_property
-    def _packed(self) -> tuple[Array, ...]:
-        """Constants and scratch arrays of the kernel, in its order."""
-        from gcodesim.processes.engagement_kernels import ANGLES, COLUMNS, ROWS
-        from gcodesim.processes.force_kernels import SPARE, SUMS, TABLE, power_table
-        from gcodesim.processes.milling_kernels import CLEARANCE
+    def packed_tool(self) -> MillingTool:
+        """Cutter and law as the kernel takes them."""
+        from gcodesim.material.sweep_kernels import CYLINDER, Shape
+        from gcodesim.processes.milling_kernels import CLEARANCE, MillingTool
+
+        def thinner(shape: Shape | None) -> Shape:
+            if shape is None:
+                return Shape(CYLINDER, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+            return shape._replace(radius=shape.radius - CLEARANCE, flat=shape.flat - CLEARANCE)
 
         cutter = self.cutter
-        tool = np.array([cutter.radius, float(cutter.flutes), np.tan(cutter.helix), cutter.edge_height])
-        laws = np.zeros((3, 3)) if self.law is None else np.ascontiguousarray(self.law.packed, dtype=float)
-        if self.law is None:
-            laws[:, 1] = 1.0
-        table = np.empty((3, TABLE))
-        power_table(laws, table)
-        phi = (np.arange(ANGLES) + 0.5) * (2.0 * np.pi / ANGLES)
-        circle = np.array([np.sin(phi), np.cos(phi)])
-        shapes = np.zeros((3, 8))
-        shapes[0] = cutter.cutting_shape
-        for row, shape in ((1, cutter.shank_shape), (2, cutter.holder_shape)):
-            if shape is not None:
-                shapes[row] = shape
-                shapes[row, 1] -= CLEARANCE
-                shapes[row, 3] -= CLEARANCE
-        scratch = (
-            np.zeros((ROWS, COLUMNS)),
-            np.zeros((ROWS, ANGLES)),
-            np.zeros((3, ROWS, ANGLES)),
-            np.zeros((SUMS + SPARE, ANGLES)),
-            np.zeros((3, 3 * ANGLES + 1)),
+        return MillingTool(
+            teeth=self._teeth,
+            cutter=cutter.cutting_shape,
+            shank=thinner(cutter.shank_shape),
+            holder=thinner(cutter.holder_shape),
         )
-        return (tool, cutter.edge, laws, table, circle, shapes, *scratch)
+
+    @property
+    def _teeth(self) -> Teeth:
+        from gcodesim.processes.engagement_kernels import ANGLES, Circle
+        from gcodesim.processes.force_kernels import TABLE, ForceLaw, Teeth, power_table
+
+        cutter = self.cutter
+        law = np.array([[0.0, 1.0, 0.0]] * 3) if self.law is None else self.law.packed
+        factor, exponent, rub = (np.array(column, dtype=float) for column in law.T)
+        powers = np.empty((3, TABLE))
+        power_table(exponent, powers)
+        phi = (np.arange(ANGLES) + 0.5) * (2.0 * np.pi / ANGLES)
+        return Teeth(
+            radius=float(cutter.radius),
+            number=float(cutter.flutes),
+            lag=float(np.tan(cutter.helix)),
+            height=float(cutter.edge_height),
+            pieces=cutter.edge,
+            law=ForceLaw(factor, exponent, rub, powers),
+            circle=Circle(np.sin(phi), np.cos(phi)),
+        )
+
+    @cached_property
+    def _room(self) -> Room:
+        from gcodesim.material.kernels import Places
+        from gcodesim.processes.engagement_kernels import ANGLES, COLUMNS, ROWS, Room
+        from gcodesim.processes.force_kernels import SUMS
+
+        return Room(
+            rows=np.zeros((ROWS, COLUMNS)),
+            weights=np.zeros((ROWS, ANGLES)),
+            force=np.zeros((3, ROWS, ANGLES)),
+            sums=np.zeros((SUMS, ANGLES)),
+            unit=np.zeros((3, ANGLES)),
+            line=np.zeros(ANGLES),
+            share=np.zeros(ANGLES),
+            places=Places(np.zeros(ANGLES), np.zeros(ANGLES), np.zeros(ANGLES)),
+            turning=np.zeros((3, 3 * ANGLES + 1)),
+        )
 
 
 class MillingLoop:
@@ -219,11 +221,7 @@ class MillingLoop:
 
     def __init__(self, process: Milling, stock: Stock, window: Window, state: ProcessState) -> None:
         self._process, self._stock, self._window, self._state = process, stock, window, state
-        self._starts = np.ascontiguousarray(window.piece_start, dtype=float).reshape(-1, 3)
-        self._ends = np.ascontiguousarray(window.piece_end, dtype=float).reshape(-1, 3)
-        self._first = np.searchsorted(window.piece_step, np.arange(window.steps + 1)).astype(np.int64)
         self._motion = packed_motion(window)
-        self._compliance = packed_compliance(window)
         self._out: list[Array] = []
 
     def step(self, k: int, moved_before: Array, moved: Array, share: Array) -> Array:
@@ -231,17 +229,20 @@ class MillingLoop:
 
         `share` (c, 2) tells where in its step each piece begins and ends. Wrench (6,) on the tool in S.
         """
-        a, b = int(self._first[k]), int(self._first[k + 1])
+        motion, here = self._motion, slice(k, k + 1)
+        a, b = motion.first_piece[k : k + 2].tolist()
         bend = moved - moved_before
-        out = self._process.run_packed(
-            self._stock,
-            self._starts[a:b] + moved_before + share[a:b, :1] * bend,
-            self._ends[a:b] + moved_before + share[a:b, 1:] * bend,
-            np.array([0, b - a], dtype=np.int64),
-            self._motion[k : k + 1],
-            self._compliance[k : k + 1],
-            self._state,
+        step = motion._replace(
+            starts=motion.starts[a:b] + moved_before + share[a:b, :1] * bend,
+            ends=motion.ends[a:b] + moved_before + share[a:b, 1:] * bend,
+            first_piece=np.array([0, b - a], dtype=np.int64),
+            axis=motion.axis[here],
+            velocity=motion.velocity[here],
+            spindle=motion.spindle[here],
+            rapid=motion.rapid[here],
+            compliance=motion.compliance[here],
         )
+        out = self._process.run_packed(self._stock, step, self._state)
         self._out.append(out)
         wrench: Array = out[0, :6]
         return wrench
@@ -251,14 +252,19 @@ class MillingLoop:
         return self._process._step_of(np.concatenate(self._out), self._stock, self._window)
 
 
-def packed_motion(window: Window) -> Array:
-    """Axis, velocity, spindle, rapid and active of each step (n, 9)."""
-    motion = np.empty((window.steps, 9))
-    motion[:, 0:3], motion[:, 3:6] = window.axis, window.velocity
-    motion[:, 6], motion[:, 7], motion[:, 8] = window.signals[SPINDLE.name], window.rapid, window.signals[ACTIVE.name]
-    return motion
+def packed_motion(window: Window) -> Motion:
+    """The motion of a window as the kernel takes it: a copy, so that how its arrays lie does not matter."""
+    from gcodesim.processes.milling_kernels import Motion
 
-
-def packed_compliance(window: Window) -> Array:
-    """Translation rows of the compliance (n, 3, 6); none of them for a rigid machine."""
-    return np.zeros((0, 3, 6)) if window.compliance is None else np.array(window.compliance[:, :3, :])
+    return Motion(
+        starts=np.array(window.piece_start, dtype=float, order="C").reshape(-1, 3),
+        ends=np.array(window.piece_end, dtype=float, order="C").reshape(-1, 3),
+        first_piece=np.searchsorted(window.piece_step, np.arange(window.steps + 1)).astype(np.int64),
+        axis=np.array(window.axis, dtype=float, order="C"),
+        velocity=np.array(window.velocity, dtype=float, order="C"),
+        spindle=np.array(window.signals[SPINDLE.name], dtype=float),
+        rapid=np.array(window.rapid, dtype=np.bool_),
+        compliance=np.zeros((0, 3, 6))
+        if window.compliance is None
+        else np.array(window.compliance[:, :3, :], dtype=float, order="C"),
+    )

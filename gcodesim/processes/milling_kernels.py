@@ -13,49 +13,63 @@ to the side) travels on towards the best that was found, no faster than the feed
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.compiled import kernel
-from gcodesim.material.kernels import PATCH_SHIFT, patch_top, remove_piece, scratch, touch_piece
+from gcodesim.material.kernels import (
+    Field,
+    Shape,
+    coarsest,
+    patch_at,
+    remove_piece,
+    scratch,
+    tighten_tops,
+    top_nearby,
+    touch_piece,
+)
+from gcodesim.processes.engagement_kernels import Heading, Room
 from gcodesim.processes.force_kernels import (
     CHIP,
     DEPTH,
     ENTRY,
     EXIT,
     RESULT,
-    SPARE,
-    SUMS,
+    TANGENTIAL,
     TORQUE,
     WIDTH,
+    Teeth,
     cutting_force,
     peak_force,
 )
-from gcodesim.processes.travel_kernels import SAME_WAY, edge_wrench, follow_travel, move_of, solve_travel
+from gcodesim.processes.travel_kernels import (
+    SAME_WAY,
+    Travel,
+    Wrenches,
+    edge_wrench,
+    follow_travel,
+    move_of,
+    solve_travel,
+)
 
 Array = NDArray[np.float64]
-Ints = NDArray[np.int32]
 Indices = NDArray[np.int64]
-Bytes = NDArray[np.uint8]
-Singles = NDArray[np.float32]
+Flags = NDArray[np.bool_]
 
-# columns of `motion` (n, 9)
-AXIS, VELOCITY, SPINDLE, RAPID, ACTIVE = 0, 3, 6, 7, 8
 # columns of `out` (n, OUTPUTS)
 (
     WRENCH, PEAK, OUT_TORQUE, POWER, REMOVED, ENGAGED, DEFLECTION, OUT_DEPTH, OUT_WIDTH, OUT_ENTRY, OUT_EXIT, OUT_CHIP,
     SHANK, HOLDER, STOPPED, REVERSED, INSIDE, TILTED,
 ) = (0, 6, 7, 8, 9, 10, 11, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24)  # fmt: skip
 OUTPUTS = 25
-# places in `state` (STATE,)
-(
-    DELTA, RELAXATION, FEED_X, FEED_Y, FREEDOM, CUTTING, TIP, HAS_TIP, STEP, PIECE, BEFORE, PATCH_X, PATCH_Y, CREDIT,
-    ADVANCE, TRAVEL, CHIPS, EDGES,
-) = (0, 3, 4, 5, 6, 7, 8, 11, 12, 13, 14, 17, 18, 19, 20, 21, 23, 29)  # fmt: skip
-STATE = 36
+# places in `State.numbers`
+RELAXATION, ADVANCE, FREEDOM, CUTTING, HAS_TIP, STEP, PIECE, CREDIT = 0, 1, 2, 3, 4, 5, 6, 7
 PLACED, BLOCKED, FREE = 0.0, 1.0, 2.0  # values of FREEDOM
 
 LEAST_SPEED = 1.0e-7  # [m/s]; slower is a dwell
+LEAST_LEVEL = 1.0e-6  # share of the speed that is horizontal, below which a tool goes straight up or down
 LEAST_TOUCH = 1.0e-6  # [m] of depth below which a tool only touches the surface
 LARGEST_TILT = 1.0e-3  # [-] horizontal part of the axis from which on a tool is not upright
 CLEARANCE = 1.0e-6  # [m] by which a shank is taken to be thinner, so that it does not rub in its own cut
@@ -76,53 +90,127 @@ CLOSE_ADVANCE = 0.02  # residual along the feed, as a share of the feed, since t
 RELAX_LEAST, RELAX_MOST = 0.01, 1.0
 
 
-@kernel(lean=True)
-def top_nearby(tops: Array, grid: Array, x: float, y: float, radius: float) -> float:
-    """Height [m] that no material within `radius` of (x, y) surpasses; -inf where there is no stock."""
-    size = 1 << PATCH_SHIFT
-    first_i = int(np.floor((x - radius - grid[0]) / (grid[2] * size)))
-    last_i = int(np.floor((x + radius - grid[0]) / (grid[2] * size)))
-    first_j = int(np.floor((y - radius - grid[1]) / (grid[3] * size)))
-    last_j = int(np.floor((y + radius - grid[1]) / (grid[3] * size)))
-    top = -np.inf
-    for i in range(max(first_i, 0), min(last_i + 1, tops.shape[0])):
-        for j in range(max(first_j, 0), min(last_j + 1, tops.shape[1])):
-            top = max(top, tops[i, j])
-    return top
+class MillingTool(NamedTuple):
+    """A cutter: its edges, and its parts that fill room; of a part that is missing the radius is 0."""
+
+    teeth: Teeth
+    cutter: Shape
+    shank: Shape
+    holder: Shape
+
+
+class Motion(NamedTuple):
+    """The motion of n steps in S, not bent; of step k the tip's pieces are first_piece[k]..first_piece[k + 1] of c.
+
+    A rigid machine has no compliance: none of its rows.
+    """
+
+    starts: Array  # (c, 3) [m]
+    ends: Array  # (c, 3) [m]
+    first_piece: Indices  # (n + 1,)
+    axis: Array  # (n, 3) from tip to holder
+    velocity: Array  # (n, 3) [m/s]
+    spindle: Array  # (n,) [rad/s], positive M3
+    rapid: Flags  # (n,)
+    compliance: Array  # (n or 0, 3, 6) translation of the tip
+
+
+class State(NamedTuple):
+    """What is remembered from step to step and from window to window; `STATE` numbers, see `state_of`."""
+
+    numbers: Array  # see above: how `solve_step` went, whether the tool may cut, where a broken off call goes on
+    delta: Array  # (3,) bend of the tip [m], and
+    before: Array  # (3,) that before the step
+    tip: Array  # (3,) where the tip was commanded last [m]
+    feed: Array  # (2,) horizontal direction of the command
+    travel: Array  # (2,) horizontal direction in which the tip goes
+    patch: Array  # (2,) where `tops` were looked at last
+    chips: Array  # (6,) wrench of chips, and
+    edges: Array  # (7,) of the edges, in the last cut
+
+
+STATE = 36
+
+
+class Step(NamedTuple):
+    """What is commanded in one step."""
+
+    tip: Array  # (3,) at its beginning, not bent [m]
+    level: float  # horizontal and
+    climb: float  # vertical share of its direction
+    chip: float  # feed per tooth [m]
+    way: float  # [m]
+    top: float  # no material near the tool is higher [m]
+
+
+class Trial(NamedTuple):
+    """Room for the search of `solve_step`: bends (3,) [m], and directions (2,)."""
+
+    place: Array  # the tip that is tried
+    delta: Array
+    residual: Array
+    earlier: Array  # residual before
+    best: Array
+    best_travel: Array
+    begin: Array
+    left: Array
+    moves: Array  # (6, 3)
+
+
+class Way(NamedTuple):
+    """Where the tip is at the beginning and at the end of a step, and of a piece, with the bend: (3,) [m]."""
+
+    before: Array
+    after: Array
+    start: Array
+    end: Array
+
+
+@kernel
+def state_of(values: Array) -> State:
+    """Views of the numbers (STATE,) that are kept."""
+    return State(
+        values[0:8], values[8:11], values[11:14], values[14:17], values[17:19], values[19:21], values[21:23],
+        values[23:29], values[29:36],
+    )  # fmt: skip
+
+
+@kernel
+def new_trial() -> Trial:
+    """Room for `solve_step`."""
+    return Trial(
+        np.empty(3), np.empty(3), np.empty(3), np.empty(3), np.empty(3), np.empty(2), np.empty(2), np.empty(3),
+        np.empty((6, 3)),
+    )  # fmt: skip
 
 
 @kernel(lean=True)
-def tighten_tops(
-    hi: Array, count: Ints, tops: Array, grid: Array, state: Array, x: float, y: float, radius: float
-) -> None:
-    """Renew the patches under the tool whenever it has come to another patch: cutting has lowered them."""
-    size = 1 << PATCH_SHIFT
-    pi = int(np.floor((x - grid[0]) / (grid[2] * size)))
-    pj = int(np.floor((y - grid[1]) / (grid[3] * size)))
-    if state[PATCH_X] == pi + 1.0 and state[PATCH_Y] == pj + 1.0:
-        return
-    state[PATCH_X], state[PATCH_Y] = pi + 1.0, pj + 1.0
-    reach_i = int(np.ceil(radius / (grid[2] * size)))
-    reach_j = int(np.ceil(radius / (grid[3] * size)))
-    for i in range(max(pi - reach_i, 0), min(pi + reach_i + 1, tops.shape[0])):
-        for j in range(max(pj - reach_j, 0), min(pj + reach_j + 1, tops.shape[1])):
-            tops[i, j] = patch_top(hi, count, i, j)
+def flat_way(way: Way) -> float:
+    """Horizontal way [m] of the commanded tip in a step."""
+    return float(np.sqrt((way.after[0] - way.before[0]) ** 2 + (way.after[1] - way.before[1]) ** 2))
 
 
 @kernel(lean=True)
-def travel_between(before: Array, after: Array, state: Array) -> float:
-    """Way [m] of the displaced tip in a step from `before` to `after` (3,)."""
+def travel_between(way: Way, state: State) -> float:
+    """Way [m] of the displaced tip in a step."""
     square = 0.0
     for axis in range(3):
-        d = after[axis] - before[axis] + state[DELTA + axis] - state[BEFORE + axis]
+        d = way.after[axis] - way.before[axis] + state.delta[axis] - state.before[axis]
         square += d * d
     return float(np.sqrt(square))
 
 
 @kernel(lean=True)
-def bend(state: Array) -> float:
+def bend(state: State) -> float:
     """Deflection [m] of the tip."""
-    return float(np.sqrt(state[DELTA] ** 2 + state[DELTA + 1] ** 2 + state[DELTA + 2] ** 2))
+    return float(np.sqrt(state.delta[0] ** 2 + state.delta[1] ** 2 + state.delta[2] ** 2))
+
+
+@kernel(lean=True)
+def unbend(state: State) -> None:
+    """No force, no deflection."""
+    for axis in range(3):
+        state.delta[axis] = 0.0
 
 
 @kernel(lean=True)
@@ -132,69 +220,74 @@ def along(vector: Array, ux: float, uy: float, level: float, climb: float) -> fl
 
 
 @kernel(lean=True)
+def look(
+    field: Field, teeth: Teeth, step: Step, travel: Travel, wrenches: Wrenches, place: Array, asked: float, room: Room,
+    result: Array,
+) -> tuple[int, float, float]:  # fmt: skip
+    """Wrench at a place of the tip, and how it travels then: rows that are filled, advance, growth of the force."""
+    heading = Heading(travel.travel[0], travel.travel[1], step.level, step.climb)
+    used = cutting_force(field, teeth, place, heading, asked * step.chip, step.top, room, result)
+    if used == 0:
+        travel.travel[0], travel.travel[1] = travel.feed[0], travel.feed[1]  # nothing holds it on another way
+        return used, asked, 1.0
+    if step.way <= 0.0:
+        return used, asked, 1.0
+    edge_wrench(teeth, heading, room, used, wrenches.edges)
+    advance, ratio = follow_travel(travel, wrenches, asked, result)
+    return used, advance, ratio
+
+
+@kernel(lean=True)
+def next_relaxation(relaxation: float, residual: Array, earlier: Array) -> float:
+    """The factor from the last two residuals (Aitken)."""
+    towards, change = 0.0, 0.0
+    for axis in range(3):
+        difference = residual[axis] - earlier[axis]
+        towards += earlier[axis] * difference
+        change += difference * difference
+    if change > 0.0:
+        return min(max(-relaxation * towards / change, RELAX_LEAST), RELAX_MOST)
+    return relaxation
+
+
+@kernel(lean=True)
 def solve_step(
-    lo: Array, hi: Array, count: Ints, grid: Array, tool: Array, edge: Array, laws: Array, table: Array,
-    circle: Array, compliance: Array, rigid: bool, tip: Array, feed: Array, level: float, climb: float,
-    chip: float, way: float, top: float, rows: Array, weights: Array, force: Array, sums: Array, moves: Array,
-    state: Array, result: Array,
-) -> tuple[int, float]:  # fmt: skip
+    field: Field, teeth: Teeth, compliance: Array, step: Step, room: Room, trial: Trial, state: State, result: Array
+) -> tuple[int, float]:
     """Wrench and deflection of one step together; `state` holds the deflection before and after.
 
-    way [m]: commanded in this step, in the direction feed (2,); the chip is as thick as the tip advances, in the
-    direction in which it travels (`travel_kernels`). moves (6, 3): scratch.
+    The chip is as thick as the tip advances, in the direction in which it travels (`travel_kernels`).
     Returns the number of rows that are filled for `peak_force`, and by what their forces have to be multiplied.
     """
-    spare = sums[SUMS + SPARE - 1]
-    place = spare[0:3]
-    travel = state[TRAVEL : TRAVEL + 2]
-    if rigid:
-        for axis in range(3):
-            state[DELTA + axis] = 0.0
-        used = cutting_force(
-            lo, hi, count, grid, tool, edge, laws, table, circle, tip, feed[0], feed[1], level, climb, chip, top,
-            rows, weights, force, sums, result,
-        )  # fmt: skip
-        return used, 1.0
-    delta, residual, earlier, best = spare[3:6], spare[6:9], spare[9:12], spare[12:15]
-    left, best_travel, begin = spare[15:18], spare[18:20], spare[20:22]
-    earlier[:] = 0.0
-    begin[0], begin[1] = travel[0], travel[1]
+    numbers, feed, level, climb, way = state.numbers, state.feed, step.level, step.climb, step.way
+    place, delta, residual, earlier, best, best_travel, begin, left, moves = trial
+    begin[0], begin[1] = state.travel[0], state.travel[1]
     for axis in range(3):
-        delta[axis] = state[DELTA + axis]
+        earlier[axis] = 0.0
+        delta[axis] = state.delta[axis]
         left[axis] = way * (climb if axis == 2 else level * feed[axis]) - delta[axis]
-    relaxation = state[RELAXATION] if state[RELAXATION] > 0.0 else 0.5
-    advance = state[ADVANCE] if state[ADVANCE] > 0.0 else 1.0
-    chips, edges = state[CHIPS : CHIPS + 6], state[EDGES : EDGES + TORQUE + 1]
-    turned = travel[0] != feed[0] or travel[1] != feed[1]
-    if way > 0.0 and turned and state[CUTTING] > 0.0:  # where the forces of the last step would let it go
-        advance = solve_travel(
-            compliance, edges, chips, left, level, climb, way, laws[0, 1], begin, feed, travel, advance, moves
-        )
+    relaxation = numbers[RELAXATION] if numbers[RELAXATION] > 0.0 else 0.5
+    advance = numbers[ADVANCE] if numbers[ADVANCE] > 0.0 else 1.0
+    exponent = teeth.law.exponent[TANGENTIAL]
+    travel = Travel(compliance, left, begin, feed, state.travel, level, climb, way, exponent, moves)
+    wrenches = Wrenches(state.edges, state.chips)
+    turned = begin[0] != feed[0] or begin[1] != feed[1]
+    if way > 0.0 and turned and numbers[CUTTING] > 0.0:  # where the forces of the last step would let it go
+        advance = solve_travel(travel, wrenches, advance)
     asked, best_asked, ratio = advance, advance, 1.0
     least = np.inf
     used = 0
     for turn in range(EVALUATIONS + 1):
         if turn == EVALUATIONS:  # no fixed point found: on from the best place seen, no faster than the feed
             advance = best_asked
-            travel[0], travel[1] = best_travel[0], best_travel[1]
+            travel.travel[0], travel.travel[1] = best_travel[0], best_travel[1]
         for axis in range(3):
             if turn == EVALUATIONS:
                 delta[axis] = best[axis]
-            place[axis] = tip[axis] + delta[axis]
-        asked, ux, uy = advance, travel[0], travel[1]
-        used = cutting_force(
-            lo, hi, count, grid, tool, edge, laws, table, circle, place, ux, uy, level, climb, asked * chip, top,
-            rows, weights, force, sums, result,
-        )  # fmt: skip
-        ratio, follows = 1.0, False
-        if way > 0.0 and used > 0:
-            edge_wrench(tool, laws, circle, ux, uy, rows, weights, used, edges)
-            advance, ratio = follow_travel(
-                compliance, edges, chips, left, level, climb, way, laws[0, 1], begin, feed, travel, asked, moves, result
-            )
-            follows = advance != 1.0
-        elif used == 0:
-            travel[0], travel[1] = feed[0], feed[1]  # nothing holds it on another way
+            place[axis] = step.tip[axis] + delta[axis]
+        asked, ux, uy = advance, travel.travel[0], travel.travel[1]
+        used, advance, ratio = look(field, teeth, step, travel, wrenches, place, asked, room, result)
+        follows = way > 0.0 and used > 0 and advance != 1.0
         move_of(compliance, result, residual)
         size, bent = 0.0, 0.0
         for axis in range(3):
@@ -207,13 +300,7 @@ def solve_step(
                 delta[axis] += onward * residual[axis]
             break
         if turn > 0:
-            towards, change = 0.0, 0.0
-            for axis in range(3):
-                difference = residual[axis] - earlier[axis]
-                towards += earlier[axis] * difference
-                change += difference * difference
-            if change > 0.0:
-                relaxation = min(max(-relaxation * towards / change, RELAX_LEAST), RELAX_MOST)
+            relaxation = next_relaxation(relaxation, residual, earlier)
         if size < least:
             least = size
             best_asked = asked
@@ -225,181 +312,236 @@ def solve_step(
         for axis in range(3):
             earlier[axis] = residual[axis]
             delta[axis] += relaxation * residual[axis]
-        same = ux * travel[0] + uy * travel[1] >= SAME_WAY
+        same = ux * travel.travel[0] + uy * travel.travel[1] >= SAME_WAY
         if size <= limit * limit and same and (not follows or short <= CLOSE_ADVANCE * way):
             break
     result[CHIP] *= advance / asked
-    state[RELAXATION], state[ADVANCE] = relaxation, advance
+    numbers[RELAXATION], numbers[ADVANCE] = relaxation, advance
     for axis in range(3):
-        state[DELTA + axis] = delta[axis]
+        state.delta[axis] = delta[axis]
     return used, ratio
 
 
-@kernel
-def mill(
-    lo: Array, hi: Array, count: Ints, grid: Array, dirty: Bytes, walls: Singles, tops: Array, starts: Array,
-    ends: Array, first_piece: Indices, motion: Array, compliance: Array, tool: Array, edge: Array, laws: Array,
-    table: Array, circle: Array, shapes: Array, rows: Array, weights: Array, force: Array, sums: Array, turning: Array,
-    state: Array, out: Array,
-) -> int:  # fmt: skip
-    """Run n steps; returns n, or the step in which a column had no room (grow `lo`, `hi` and call again).
-
-    starts, ends (c, 3): pieces of the undeflected tip; first_piece (n + 1,): pieces of step k are
-    first_piece[k]..first_piece[k+1]; motion (n, 9); compliance (n or 0, 3, 6); shapes (3, 8): cutter, shank, holder,
-    of which a missing one has radius 0; the rest as in `cutting_force`. All in S.
-    """
-    n = motion.shape[0]
-    result = np.zeros(RESULT)
-    before, after, p, q = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
-    spare, moves = scratch(count), np.empty((6, 3))
-    rigid_machine = compliance.shape[0] == 0
-    no_compliance = np.zeros((3, 6))
-    widest = max(shapes[0, 1], max(shapes[1, 1], shapes[2, 1]))
-    cell = max(grid[2], grid[3])
-    k = 0
-    resumed = False
-    if state[STEP] > 0.0:
-        k = int(state[STEP]) - 1
-        resumed = True
-    while k < n:
-        pieces_from, pieces_to = first_piece[k], first_piece[k + 1]
+@kernel(lean=True)
+def find_way(motion: Motion, k: int, state: State, way: Way) -> bool:
+    """Where the commanded tip begins and ends in step k; whether that is known: a dwell needs a step before it."""
+    pieces_from, pieces_to = motion.first_piece[k], motion.first_piece[k + 1]
+    if pieces_to <= pieces_from and state.numbers[HAS_TIP] == 0.0:
+        return False
+    for axis in range(3):
         if pieces_to > pieces_from:
-            before[:] = starts[pieces_from]
-            after[:] = ends[pieces_to - 1]
-        elif state[HAS_TIP] > 0.0:
-            before[:] = state[TIP : TIP + 3]
-            after[:] = before
+            way.before[axis] = motion.starts[pieces_from, axis]
+            way.after[axis] = motion.ends[pieces_to - 1, axis]
         else:
-            k += 1
-            continue
-        state[TIP : TIP + 3] = after
-        state[HAS_TIP] = 1.0
+            way.before[axis] = state.tip[axis]
+            way.after[axis] = state.tip[axis]
+        state.tip[axis] = way.after[axis]
+    state.numbers[HAS_TIP] = 1.0
+    return True
 
+
+@kernel(lean=True)
+def depth_of(field: Field, start: Array, end: Array, shape: Shape) -> float:
+    """How deep [m] a part of the tool is in material from `start` to `end`; 0 of one that is missing."""
+    return touch_piece(field, start, end, shape)[1] if shape.radius > 0.0 else 0.0
+
+
+@kernel(lean=True)
+def point_feed(motion: Motion, k: int, state: State) -> tuple[float, float, float]:
+    """Renew `state.feed` for step k; speed [m/s], and the horizontal and vertical share of its direction."""
+    vx, vy, vz = motion.velocity[k, 0], motion.velocity[k, 1], motion.velocity[k, 2]
+    speed = float(np.sqrt(vx * vx + vy * vy + vz * vz))
+    flat = np.sqrt(vx * vx + vy * vy)
+    level, climb = 1.0, 0.0
+    if speed > LEAST_SPEED:
+        level, climb = flat / speed, vz / speed
+        if flat > LEAST_LEVEL * speed:
+            state.feed[0], state.feed[1] = vx / flat, vy / flat
+        else:
+            level = 0.0
+    if state.feed[0] == 0.0 and state.feed[1] == 0.0:
+        state.feed[0] = 1.0
+    return speed, level, climb
+
+
+@kernel(lean=True)
+def may_feel(field: Field, cutter: Shape, way: Way, state: State) -> bool:
+    """Whether a tool that is fed may feel material: it cuts, leans on it, or runs through some in this step."""
+    cell = coarsest(field)
+    if state.numbers[CREDIT] > 0.0 or bend(state) >= SMALL_BEND * cell:
+        return True
+    for axis in range(3):
+        way.start[axis] = way.before[axis] + state.delta[axis]
+        way.end[axis] = way.after[axis] + state.delta[axis]
+    shared, _ = touch_piece(field, way.start, way.end, cutter)
+    if shared > LEAST_VOLUME:
+        state.numbers[CREDIT] = CREDIT_CELLS * cell
+        return True
+    return False
+
+
+@kernel(lean=True)
+def feel(
+    field: Field, tool: MillingTool, motion: Motion, k: int, way: Way, top: float, room: Room, trial: Trial,
+    state: State, result: Array, out: Array,
+) -> None:  # fmt: skip
+    """Force and deflection of step k, into `state` and `out` (OUTPUTS,)."""
+    numbers, heading = state.numbers, state.travel
+    for axis in range(3):
+        state.before[axis] = state.delta[axis]
+    before, after, spindle, rapid = way.before, way.after, motion.spindle[k], motion.rapid[k]
+    speed, level, climb = point_feed(motion, k, state)
+    used, ratio = 0, 1.0
+    turning_in = spindle > 0.0 and not rapid and min(before[2], after[2]) < top
+    if speed <= LEAST_SPEED:
+        turning_in = turning_in and numbers[CUTTING] > 0.0
+    elif turning_in:
+        turning_in = may_feel(field, tool.cutter, way, state)
+    rigid = motion.compliance.shape[0] == 0
+    if rigid or level == 0.0 or numbers[CUTTING] == 0.0 or (heading[0] == 0.0 and heading[1] == 0.0):
+        heading[0], heading[1] = state.feed[0], state.feed[1]
+    if turning_in:
+        chip, length = 0.0, 0.0
+        if speed > LEAST_SPEED:
+            chip = speed * 2.0 * np.pi / (spindle * tool.teeth.number)
+            flat = flat_way(way)
+            length = np.sqrt(flat * flat + (after[2] - before[2]) ** 2)
+        if rigid:
+            unbend(state)
+            fed = Heading(state.feed[0], state.feed[1], level, climb)
+            used = cutting_force(field, tool.teeth, before, fed, chip, top, room, result)
+        else:
+            step = Step(before, level, climb, chip, length, top)
+            used, ratio = solve_step(field, tool.teeth, motion.compliance[k], step, room, trial, state, result)
+    elif not rapid:
+        unbend(state)
+    if level == 0.0:  # straight up or down: what comes then begins afresh
+        heading[0], heading[1] = 0.0, 0.0
+    # a rapid keeps the bend until the tool is out: springing back inside its own cut would gouge the wall,
+    # which a tool that still turns would resist
+    numbers[CUTTING] = 1.0 if used > 0 else 0.0
+    if used > 0:
+        for component in range(6):
+            out[WRENCH + component] = result[component]
+        out[PEAK] = ratio * peak_force(tool.teeth, room, used)
+        out[OUT_TORQUE] = result[TORQUE]
+        out[POWER] = result[TORQUE] * spindle
+        out[ENGAGED] = 1.0
+        out[OUT_DEPTH], out[OUT_WIDTH] = result[DEPTH], result[WIDTH]
+        out[OUT_ENTRY], out[OUT_EXIT] = result[ENTRY], result[EXIT]
+        out[OUT_CHIP] = result[CHIP]
+    for axis in range(3):
+        out[DEFLECTION + axis] = state.delta[axis]
+
+
+@kernel(lean=True)
+def cut(
+    field: Field, tool: MillingTool, motion: Motion, k: int, first: int, way: Way, top: float, spare: Array,
+    state: State, out: Array,
+) -> bool:  # fmt: skip
+    """Remove along the displaced pieces of step k, from `first` on; False when a column had no room."""
+    pieces_from, pieces_to = motion.first_piece[k], motion.first_piece[k + 1]
+    pieces = pieces_to - pieces_from
+    start, end = way.start, way.end
+    for piece in range(first, pieces_to):
+        a, b = (piece - pieces_from) / pieces, (piece - pieces_from + 1.0) / pieces
+        for axis in range(3):
+            old, new = state.before[axis], state.delta[axis]
+            start[axis] = motion.starts[piece, axis] + old + a * (new - old)
+            end[axis] = motion.ends[piece, axis] + old + b * (new - old)
+        volume, ok = remove_piece(field, start, end, tool.cutter, spare)
+        out[REMOVED] += volume
+        if not ok:
+            state.numbers[STEP], state.numbers[PIECE] = k + 1.0, float(piece)
+            return False
+        lowest = min(start[2], end[2])
+        if lowest + tool.shank.bottom < top:
+            out[SHANK] = max(out[SHANK], depth_of(field, start, end, tool.shank))
+        if lowest + tool.holder.bottom < top:
+            out[HOLDER] = max(out[HOLDER], depth_of(field, start, end, tool.holder))
+    return True
+
+
+@kernel(lean=True)
+def settle(field: Field, motion: Motion, k: int, way: Way, state: State, out: Array) -> None:
+    """What the volume that step k has removed means for the next ones, and for misuse."""
+    cell = coarsest(field)
+    length = travel_between(way, state)
+    if out[REMOVED] > min(PLAIN_SECTION * length, COLUMN_CUT * cell) * cell * cell and length > 0.0:
+        state.numbers[CREDIT] = CREDIT_CELLS * cell
+    else:
+        state.numbers[CREDIT] -= length
+    if out[REMOVED] > LEAST_VOLUME:
+        out[ENGAGED] = 1.0
+        if not motion.rapid[k]:
+            if motion.spindle[k] == 0.0:
+                out[STOPPED] = 1.0
+            elif motion.spindle[k] < 0.0:
+                out[REVERSED] = 1.0
+
+
+@kernel(lean=True)
+def is_tilted(motion: Motion, k: int) -> bool:
+    """Whether the tool is not upright in step k."""
+    x, y, z = motion.axis[k, 0], motion.axis[k, 1], motion.axis[k, 2]
+    return bool(x**2 + y**2 > LARGEST_TILT * LARGEST_TILT or z <= 0.0)
+
+
+@kernel(lean=True)
+def is_free(field: Field, tool: MillingTool, tip: Array) -> bool:
+    """Whether no part stands in material: a long tool may stand through the stock with its edges below it."""
+    deepest = max(depth_of(field, tip, tip, tool.cutter), 0.0)
+    deepest = max(deepest, depth_of(field, tip, tip, tool.shank))
+    deepest = max(deepest, depth_of(field, tip, tip, tool.holder))
+    return deepest <= LEAST_TOUCH
+
+
+@kernel
+def mill(field: Field, tool: MillingTool, motion: Motion, room: Room, values: Array, out: Array) -> int:
+    """Run n steps; returns n, or the step in which a column had no room (give columns more and call again).
+
+    values (STATE,): see `State`; out (n, OUTPUTS) is filled. All in S.
+    """
+    n = len(motion.spindle)
+    state, trial, result, spare = state_of(values), new_trial(), np.zeros(RESULT), scratch(field)
+    way = Way(np.empty(3), np.empty(3), np.empty(3), np.empty(3))
+    before, after, delta, numbers = way.before, way.after, state.delta, state.numbers
+    widest = max(tool.cutter.radius, max(tool.shank.radius, tool.holder.radius))
+    cell = coarsest(field)
+    resumed = numbers[STEP] > 0.0
+    for k in range(int(numbers[STEP]) - 1 if resumed else 0, n):
+        if not find_way(motion, k, state, way):
+            continue
         # nothing near: idle
-        travel = np.sqrt((after[0] - before[0]) ** 2 + (after[1] - before[1]) ** 2)
-        reach = widest + cell + travel
-        top = top_nearby(tops, grid, after[0] + state[DELTA], after[1] + state[DELTA + 1], reach)
-        lowest = min(before[2], after[2])
-        if lowest + min(state[DELTA + 2], 0.0) - cell >= top:
-            state[DELTA : DELTA + 3] = 0.0
-            state[CUTTING] = 0.0
-            state[FREEDOM] = FREE
-            k += 1
+        reach = widest + cell + flat_way(way)
+        top = top_nearby(field, after[0] + delta[0], after[1] + delta[1], reach)
+        if min(before[2], after[2]) + min(delta[2], 0.0) - cell >= top:
+            unbend(state)
+            numbers[CUTTING] = 0.0
+            numbers[FREEDOM] = FREE
             continue
-        tilt = motion[k, AXIS] ** 2 + motion[k, AXIS + 1] ** 2
-        if tilt > LARGEST_TILT * LARGEST_TILT or motion[k, AXIS + 2] <= 0.0:
+        if is_tilted(motion, k):
             out[k, TILTED] = 1.0
-            state[DELTA : DELTA + 3] = 0.0
-            state[CUTTING] = 0.0
-            k += 1
+            unbend(state)
+            numbers[CUTTING] = 0.0
             continue
-        if not resumed and state[FREEDOM] != FREE:
-            deepest = 0.0
-            for body in range(3):  # a long tool may stand through the stock with its edges below it
-                if shapes[body, 1] > 0.0:
-                    _, depth = touch_piece(lo, hi, count, grid, tops, before, before, shapes[body])
-                    deepest = max(deepest, depth)
-            state[FREEDOM] = BLOCKED if deepest > LEAST_TOUCH else FREE
-        if state[FREEDOM] == BLOCKED:
+        if not resumed and numbers[FREEDOM] != FREE:
+            numbers[FREEDOM] = FREE if is_free(field, tool, before) else BLOCKED
+        if numbers[FREEDOM] == BLOCKED:
             out[k, INSIDE] = 1.0
-            k += 1
             continue
-        tighten_tops(hi, count, tops, grid, state, after[0], after[1], reach)
-        top = top_nearby(tops, grid, after[0] + state[DELTA], after[1] + state[DELTA + 1], reach)
-
-        spindle = motion[k, SPINDLE]
-        rapid = motion[k, RAPID] > 0.0
-        if not resumed:
-            state[BEFORE : BEFORE + 3] = state[DELTA : DELTA + 3]
-            vx, vy, vz = motion[k, VELOCITY], motion[k, VELOCITY + 1], motion[k, VELOCITY + 2]
-            speed = np.sqrt(vx * vx + vy * vy + vz * vz)
-            flat = np.sqrt(vx * vx + vy * vy)
-            level, climb, chip = 1.0, 0.0, 0.0
-            if speed > LEAST_SPEED:
-                level, climb = flat / speed, vz / speed
-                if flat > 1.0e-6 * speed:
-                    state[FEED_X], state[FEED_Y] = vx / flat, vy / flat
-                else:
-                    level = 0.0
-            if state[FEED_X] == 0.0 and state[FEED_Y] == 0.0:
-                state[FEED_X] = 1.0
-            used, ratio = 0, 1.0
-            result[:] = 0.0
-            turning_in = spindle > 0.0 and not rapid and lowest < top
-            if speed <= LEAST_SPEED:
-                turning_in = turning_in and state[CUTTING] > 0.0
-            elif turning_in and state[CREDIT] <= 0.0 and bend(state) < SMALL_BEND * cell:
-                for axis in range(3):
-                    q[axis] = after[axis] + state[DELTA + axis]
-                    p[axis] = before[axis] + state[DELTA + axis]
-                shared, _ = touch_piece(lo, hi, count, grid, tops, p, q, shapes[0])
-                turning_in = shared > LEAST_VOLUME
-                if turning_in:
-                    state[CREDIT] = CREDIT_CELLS * cell
-            feed, heading = state[FEED_X : FEED_X + 2], state[TRAVEL : TRAVEL + 2]
-            if rigid_machine or level == 0.0 or state[CUTTING] == 0.0 or (heading[0] == 0.0 and heading[1] == 0.0):
-                heading[0], heading[1] = feed[0], feed[1]
-            if turning_in:
-                chip = speed * 2.0 * np.pi / (spindle * tool[1]) if speed > LEAST_SPEED else 0.0
-                way = np.sqrt(travel * travel + (after[2] - before[2]) ** 2) if speed > LEAST_SPEED else 0.0
-                used, ratio = solve_step(
-                    lo, hi, count, grid, tool, edge, laws, table, circle,
-                    no_compliance if rigid_machine else compliance[k], rigid_machine, before,
-                    feed, level, climb, chip, way, top, rows, weights, force, sums, moves, state, result,
-                )  # fmt: skip
-            elif not rapid:
-                state[DELTA : DELTA + 3] = 0.0
-            if level == 0.0:  # straight up or down: what comes then begins afresh
-                heading[0], heading[1] = 0.0, 0.0
-            # a rapid keeps the bend until the tool is out: springing back inside its own cut would gouge the wall,
-            # which a tool that still turns would resist
-            state[CUTTING] = 1.0 if used > 0 else 0.0
-            if used > 0:
-                out[k, WRENCH : WRENCH + 6] = result[:6]
-                out[k, PEAK] = ratio * peak_force(tool, rows, force, used, turning)
-                out[k, OUT_TORQUE] = result[TORQUE]
-                out[k, POWER] = result[TORQUE] * spindle
-                out[k, ENGAGED] = 1.0
-                out[k, OUT_DEPTH], out[k, OUT_WIDTH] = result[DEPTH], result[WIDTH]
-                out[k, OUT_ENTRY], out[k, OUT_EXIT] = result[ENTRY], result[EXIT]
-                out[k, OUT_CHIP] = result[CHIP]
-            out[k, DEFLECTION : DEFLECTION + 3] = state[DELTA : DELTA + 3]
-
-        # removal along the displaced pieces
-        piece = pieces_from
+        pi, pj = patch_at(field, after[0], after[1])
+        if state.patch[0] != pi + 1.0 or state.patch[1] != pj + 1.0:  # cutting has lowered what is here
+            state.patch[0], state.patch[1] = pi + 1.0, pj + 1.0
+            tighten_tops(field, after[0], after[1], reach)
+        top = top_nearby(field, after[0] + delta[0], after[1] + delta[1], reach)
+        first = motion.first_piece[k]
         if resumed:
-            piece = int(state[PIECE])
-            resumed = False
-            state[STEP] = 0.0
-        pieces = pieces_to - pieces_from
-        while piece < pieces_to:
-            a, b = (piece - pieces_from) / pieces, (piece - pieces_from + 1.0) / pieces
-            for axis in range(3):
-                old, new = state[BEFORE + axis], state[DELTA + axis]
-                p[axis] = starts[piece, axis] + old + a * (new - old)
-                q[axis] = ends[piece, axis] + old + b * (new - old)
-            volume, ok = remove_piece(lo, hi, count, grid, dirty, walls, p, q, shapes[0], spare)
-            out[k, REMOVED] += volume
-            if not ok:
-                state[STEP], state[PIECE] = k + 1.0, float(piece)
-                return k
-            for body in range(1, 3):
-                if shapes[body, 1] > 0.0 and min(p[2], q[2]) + shapes[body, 5] < top:
-                    _, depth = touch_piece(lo, hi, count, grid, tops, p, q, shapes[body])
-                    column = SHANK if body == 1 else HOLDER
-                    out[k, column] = max(out[k, column], depth)
-            piece += 1
-        way = travel_between(before, after, state)
-        if out[k, REMOVED] > min(PLAIN_SECTION * way, COLUMN_CUT * cell) * cell * cell and way > 0.0:
-            state[CREDIT] = CREDIT_CELLS * cell
+            first, resumed = int(numbers[PIECE]), False
+            numbers[STEP] = 0.0
         else:
-            state[CREDIT] -= way
-        if out[k, REMOVED] > LEAST_VOLUME:
-            out[k, ENGAGED] = 1.0
-            if not rapid:
-                if spindle == 0.0:
-                    out[k, STOPPED] = 1.0
-                elif spindle < 0.0:
-                    out[k, REVERSED] = 1.0
-        k += 1
-    return int(n)
+            feel(field, tool, motion, k, way, top, room, trial, state, result, out[k])
+        if not cut(field, tool, motion, k, first, way, top, spare, state, out[k]):
+            return k
+        settle(field, motion, k, way, state, out[k])
+    return n

@@ -14,10 +14,23 @@ than it is fed, and dig itself in without ever moving on.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from gcodesim.compiled import kernel
-from gcodesim.processes.engagement_kernels import FROM, TO, Array
-from gcodesim.processes.force_kernels import TORQUE
+from gcodesim.processes.engagement_kernels import (
+    ANGLES,
+    COS_KAPPA,
+    EDGE_WIDTH,
+    FROM,
+    HEIGHT,
+    RADIUS,
+    SIN_KAPPA,
+    TO,
+    Array,
+    Heading,
+    Room,
+)
+from gcodesim.processes.force_kernels import AXIAL, NORMAL, TANGENTIAL, TORQUE, Teeth
 
 LEAST, MOST = 1.0e-3, 4.0  # advance over feed within which a chip is reckoned with
 SAME_WAY = 1.0 - 0.5 * 0.05 * 0.05  # cosine of the angle by which a contact may turn before it is asked again
@@ -25,28 +38,55 @@ ARRIVED = 1.0e-7  # [rad] from the feed, less than rounding of directions leaves
 ROUNDS, LARGEST_TURN = 40, 0.5  # of Newton's method; [rad] in one of them
 
 
+class Travel(NamedTuple):
+    """A step of a tip that gives way.
+
+    left [m]: way commanded in this step less the bend at its beginning, so that left + bend is the way of the tip;
+    horizontal directions: `begin`, where the tip went before, `feed`, the command, and `travel`, between them, which is
+    looked for.
+    """
+
+    compliance: Array  # (3, 6) translation of the tip
+    left: Array  # (3,)
+    begin: Array  # (2,)
+    feed: Array  # (2,)
+    travel: Array  # (2,)
+    level: float  # horizontal and
+    climb: float  # vertical share of the commanded direction
+    way: float  # [m] commanded, > 0
+    exponent: float  # of the force of chips over their thickness
+    moves: Array  # (6, 3) room to work in
+
+
+class Wrenches(NamedTuple):
+    """The two parts of a wrench (>= 6,): of the edges, which no chip changes (the torque behind it), and of chips."""
+
+    edges: Array
+    chips: Array
+
+
 @kernel(lean=True)
-def edge_wrench(
-    tool: Array, laws: Array, circle: Array, ux: float, uy: float, rows: Array, weights: Array, used: int, wrench: Array
-) -> None:
+def edge_wrench(teeth: Teeth, heading: Heading, room: Room, used: int, wrench: Array) -> None:
     """The part of `cutting_force` that no chip changes, from the contact that it has found: wrench (7,), torque last.
 
     The edge forces E of a law are the same at all angles, so that each row needs three sums over its contact.
     """
     wrench[:] = 0.0
-    if laws[0, 2] == 0.0 and laws[1, 2] == 0.0 and laws[2, 2] == 0.0:
+    rub_t, rub_n, rub_a = teeth.law.rub[TANGENTIAL], teeth.law.rub[NORMAL], teeth.law.rub[AXIAL]
+    if rub_t == 0.0 and rub_n == 0.0 and rub_a == 0.0:
         return
+    ux, uy, rows, weights = heading.ux, heading.uy, room.rows, room.weights
     f_u, f_l, f_z, m_u, m_l, torque = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(used):
         all_of, sines, cosines = 0.0, 0.0, 0.0
         for k in range(int(rows[i, FROM]), int(rows[i, TO])):
             all_of += weights[i, k]
-            sines += weights[i, k] * circle[0, k]
-            cosines += weights[i, k] * circle[1, k]
-        r, z, width = rows[i, 0], rows[i, 1], rows[i, 4]
-        tangential = width * laws[0, 2]
-        inward = width * (laws[1, 2] * rows[i, 2] + laws[2, 2] * rows[i, 3])
-        along = width * (laws[1, 2] * rows[i, 3] - laws[2, 2] * rows[i, 2])
+            sines += weights[i, k] * teeth.circle.sines[k]
+            cosines += weights[i, k] * teeth.circle.cosines[k]
+        r, z, width = rows[i, RADIUS], rows[i, HEIGHT], rows[i, EDGE_WIDTH]
+        tangential = width * rub_t
+        inward = width * (rub_n * rows[i, SIN_KAPPA] + rub_a * rows[i, COS_KAPPA])
+        along = width * (rub_n * rows[i, COS_KAPPA] - rub_a * rows[i, SIN_KAPPA])
         row_u = -tangential * cosines - inward * sines
         row_l = tangential * sines - inward * cosines
         f_u += row_u
@@ -55,7 +95,7 @@ def edge_wrench(
         m_u += r * along * cosines - z * row_l
         m_l += z * row_u - r * along * sines
         torque += r * tangential * all_of
-    share = tool[1] / circle.shape[1]
+    share = teeth.number / ANGLES
     wrench[0], wrench[1], wrench[2] = share * (ux * f_u - uy * f_l), share * (uy * f_u + ux * f_l), share * f_z
     wrench[3], wrench[4] = share * (ux * m_u - uy * m_l), share * (uy * m_u + ux * m_l)
     wrench[5] = share * torque
@@ -97,25 +137,20 @@ def angle_between(one: Array, other: Array) -> float:
 
 
 @kernel(lean=True)
-def solve_travel(
-    compliance: Array, edges: Array, chips: Array, left: Array, level: float, climb: float, way: float,
-    exponent: float, begin: Array, feed: Array, travel: Array, asked: float, moves: Array,
-) -> float:  # fmt: skip
-    """Advance over feed [-] of the tip in a step; turns `travel` (2,), its horizontal direction, in place.
+def solve_travel(step: Travel, wrenches: Wrenches, asked: float) -> float:
+    """Advance over feed [-] of the tip in a step; turns `step.travel` in place.
 
-    edges, chips (>= 6,): wrench of the edges, and of chips, that were asked for `travel` at the advance `asked` > 0.
-    They turn with the travel, and chips grow with the advance to the power `exponent`. left (3,) [m]: way commanded in
-    this step less the bend at its begin, so that left + bend is the way of the tip; way > 0 [m]: commanded; level,
-    climb: horizontal and vertical share of its direction; begin, feed (2,): horizontal directions of the tip before
-    and of the command, `travel` lies between them; moves (6, 3): scratch.
+    The wrenches were asked for that travel at the advance `asked` > 0. They turn with the travel, and chips grow with
+    the advance to the power `exponent`.
 
     Solves left + C W(travel, advance) = advance way travel, along the travel and across it, by Newton's method; the
     travel stays between `begin` and `feed`. Chips that pull the tool on, for ever thicker chips, are taken at the
     commanded feed, and a force that turns it further and further in the commanded direction: what holds it then, and
     keeps it from weaving about a straight line, is inertia.
     """
-    spread_moves(compliance, chips, moves[:3])
-    spread_moves(compliance, edges, moves[3:])
+    compliance, left, begin, feed, travel, level, climb, way, exponent, moves = step
+    spread_moves(compliance, wrenches.chips, moves[:3])
+    spread_moves(compliance, wrenches.edges, moves[3:])
     ux, uy = travel[0], travel[1]
     pushed = level * (ux * (moves[0, 0] + moves[2, 0]) + uy * (moves[0, 1] + moves[2, 1]))
     pushed += climb * (moves[0, 2] + moves[2, 2])
@@ -175,21 +210,18 @@ def solve_travel(
 
 
 @kernel(lean=True)
-def follow_travel(
-    compliance: Array, edges: Array, chips: Array, left: Array, level: float, climb: float, way: float,
-    exponent: float, begin: Array, feed: Array, travel: Array, asked: float, moves: Array, result: Array,
-) -> tuple[float, float]:  # fmt: skip
-    """Change the wrench `result` (>= 7,), asked for `travel` at the advance `asked`, to that of the travel it leaves.
+def follow_travel(step: Travel, wrenches: Wrenches, asked: float, result: Array) -> tuple[float, float]:
+    """Change the wrench `result` (>= 7,), asked for the travel at the advance `asked`, to that of the travel it leaves.
 
-    edges (7,): its part that no chip changes. Returns the advance, and by what the force has grown; `travel` turns,
-    `edges` and `chips` (6,) are then the two parts of the wrench. The rest as in `solve_travel`.
+    `wrenches.edges` is its part that no chip changes. Returns the advance, and by what the force has grown; the travel
+    turns, and `wrenches` are then the two parts of the wrench.
     """
+    edges, chips = wrenches
+    travel, exponent = step.travel, step.exponent
     ux, uy = travel[0], travel[1]
     for component in range(6):
         chips[component] = result[component] - edges[component]
-    advance = solve_travel(
-        compliance, edges, chips, left, level, climb, way, exponent, begin, feed, travel, asked, moves
-    )
+    advance = solve_travel(step, wrenches, asked)
     growth = (advance / asked) ** exponent
     cosine, sine = ux * travel[0] + uy * travel[1], ux * travel[1] - uy * travel[0]
     turn_wrench(edges, cosine, sine)

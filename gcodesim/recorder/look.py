@@ -83,10 +83,8 @@ def _corners(shop: Shop) -> Array:
     """The corners (n, 3) [m] of all stocks in the world."""
     corners: list[Sequence[float]] = []
     for placed in shop.stocks.values():
-        grid, (low, high) = placed.stock.grid, placed.stock.z_range
-        ends = grid[:2] + grid[2:] * placed.stock.count.shape
-        xs, ys = (grid[0], ends[0]), (grid[1], ends[1])
-        box = np.array([(x, y, z) for x in xs for y in ys for z in (low, high)])
+        xs, ys, zs = zip(*placed.stock.bounds, strict=True)
+        box = np.array([(x, y, z) for x in xs for y in ys for z in zs])
         corners += list(placed.X_WS.apply(box))
     return np.array(corners).reshape(-1, 3)
 

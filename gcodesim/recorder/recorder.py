@@ -87,9 +87,7 @@ class Recorder:
     # ---- before the run
 
     def _tiles_of(self, stock: Stock) -> Tiles:
-        area = float(np.prod(stock.grid[2:] * stock.count.shape))
-        spacing = max(float(stock.grid[2:].max()), (area / DRAWN_COLUMNS) ** 0.5)
-        return stock.tiles(across=self._across, spacing=spacing)
+        return stock.tiles(across=self._across, spacing=stock.spacing_for(DRAWN_COLUMNS))
 
     @property
     def _across(self) -> int:
@@ -355,12 +353,12 @@ class Recorder:
 
     def _write_stocks(self) -> None:
         from gcodesim.material.stl import write_stl
-        from gcodesim.material.stock_file import SUFFIX, save_stock
+        from gcodesim.material.stock_file import SUFFIX
 
         for name, placed in self._shop.stocks.items():
             with whole_file(self._out / f"{name}.stl") as file:
                 write_stl(_as_placed(placed.stock), file)
-            save_stock(placed.stock, self._out / f"{name}{SUFFIX}")
+            placed.stock.save(self._out / f"{name}{SUFFIX}")
 
     def abandon(self) -> None:
         """After a fault: keep what is there, under the name of a log that is not whole."""
@@ -376,4 +374,4 @@ def _in_world(R_WB: Array, wrench: Array) -> Array:
 def _as_placed(stock: Stock) -> Surface:
     """The surface in the part's own frame, on whichever side it lies."""
     surface = stock.surface()
-    return replace(surface, vertices=surface.vertices @ stock.turn.T)
+    return replace(surface, vertices=stock.in_part(surface.vertices))

@@ -20,6 +20,7 @@ from gcodesim.regress.changes import SurfaceChange
 from gcodesim.units import MM, UM
 
 if TYPE_CHECKING:
+    from gcodesim.material.relief import Relief
     from gcodesim.material.stock import Stock
 
 ACROSS: Final = 24
@@ -88,17 +89,10 @@ def _heights(text: str) -> list[list[float]]:
     return [heights] * (int(times) if cross else 1)
 
 
-def tops_of(stock: Stock) -> tuple[Array, Array]:
-    """Height of the top of each column (nx, ny) [m], NaN where it is empty, and length of its material [m]."""
-    used = np.arange(stock.lo.shape[2])[None, None, :] < stock.count[:, :, None]
-    tops = np.max(np.where(used, stock.hi, -np.inf), axis=2)
-    lengths = np.where(used, stock.hi - stock.lo, 0.0).sum(axis=2)
-    return np.where(np.isfinite(tops), tops, np.nan), lengths
-
-
 def coarse_of(stock: Stock) -> Coarse:
     """The coarse surface of a stock as it is now."""
-    tops, lengths = tops_of(stock)
+    relief = stock.relief()
+    tops, lengths = relief.tops, relief.lengths
     i, j = (_borders(n) for n in tops.shape)
     # an empty column is as deep as the stock's floor: it counts, as the deepest
     filled = np.where(np.isnan(tops), stock.z_range[0], tops)
@@ -106,10 +100,10 @@ def coarse_of(stock: Stock) -> Coarse:
     area = np.diff(i)[:, None] * np.diff(j)[None, :]
     mean = np.add.reduceat(np.add.reduceat(lengths, i[:-1], axis=0), j[:-1], axis=1) / area
     empty = np.logical_and.reduceat(np.logical_and.reduceat(np.isnan(tops), i[:-1], axis=0), j[:-1], axis=1)
-    size = np.array(tops.shape) * stock.grid[2:]
+    size = np.array(tops.shape) * relief.cell
     cells = (float(size[0]) / len(lowest), float(size[1]) / lowest.shape[1])
     return Coarse(
-        corner=(float(stock.grid[0]), float(stock.grid[1])),
+        corner=relief.corner,
         cell=cells,
         lowest=np.where(empty, np.nan, lowest),
         mean=np.where(empty, np.nan, mean),
@@ -128,10 +122,8 @@ def compare_coarse(name: str, old: Coarse, new: Coarse, allowed_mm: float) -> Su
         (*old.corner, *old.cell), (*new.corner, *new.cell), atol=1e-9
     ):
         return None
-    area = old.cell[0] * old.cell[1]
     found = [
-        _most(name, old.corner, old.cell, a, b, allowed_mm, area, exact=False)
-        for a, b in ((old.lowest, new.lowest), (old.mean, new.mean))
+        _most(name, old, a, b, allowed_mm, exact=False) for a, b in ((old.lowest, new.lowest), (old.mean, new.mean))
     ]
     sound = [change for change in found if change is not None]
     return max(sound, key=lambda change: change.deviation_mm, default=None)
@@ -142,37 +134,19 @@ def compare_stocks(name: str, old: Stock, new: Stock, allowed_mm: float) -> Surf
 
     Columns on other places are compared in the nearest of the old grid.
     """
-    before, after = tops_of(old)[0], tops_of(new)[0]
-    if old.count.shape != new.count.shape or not np.allclose(old.grid, new.grid, atol=1e-9):
-        nx, ny = before.shape
-        x = old.grid[0] + (np.arange(nx) + 0.5) * old.grid[2]
-        y = old.grid[1] + (np.arange(ny) + 0.5) * old.grid[3]
-        i = np.floor((x - new.grid[0]) / new.grid[2]).astype(int)
-        j = np.floor((y - new.grid[1]) / new.grid[3]).astype(int)
-        inside = ((i >= 0) & (i < after.shape[0]))[:, None] & ((j >= 0) & (j < after.shape[1]))[None, :]
-        nearest = after[np.clip(i, 0, after.shape[0] - 1)][:, np.clip(j, 0, after.shape[1] - 1)]
-        after = np.where(inside, nearest, np.nan)
-    corner = (float(old.grid[0]), float(old.grid[1]))
-    cell = (float(old.grid[2]), float(old.grid[3]))
-    return _most(name, corner, cell, before, after, allowed_mm, cell[0] * cell[1], exact=True)
+    before, after = old.relief(), new.relief()
+    return _most(name, before, before.tops, after.tops_at(before), allowed_mm, exact=True)
 
 
 def _most(
-    name: str,
-    corner: Sequence[float],
-    cell: Sequence[float],
-    old: Array,
-    new: Array,
-    allowed_mm: float,
-    area: float,
-    *,
-    exact: bool,
+    name: str, places: Coarse | Relief, old: Array, new: Array, allowed_mm: float, *, exact: bool
 ) -> SurfaceChange | None:
     """The place of the greatest difference; where one side has no material, the whole height counts.
 
     A wall that stands one cell beside its place is none: the last bit of a coordinate may move it over the middle of a
     column. So a height differs only when it lies outside of all heights that the other surface has around there.
     """
+    (x, y), (dx, dy) = places.corner, places.cell
     bottom = float(np.nanmin([np.nanmin(old, initial=np.inf), np.nanmin(new, initial=np.inf)]))
     floor = bottom if np.isfinite(bottom) else 0.0
     a, b = np.where(np.isnan(old), floor, old), np.where(np.isnan(new), floor, new)
@@ -185,12 +159,12 @@ def _most(
     i, j = np.unravel_index(int(np.argmax(np.where(off, apart, -1.0))), apart.shape)
     return SurfaceChange(
         stock=name,
-        x_mm=round(_mm(corner[0] + (int(i) + 0.5) * cell[0]), 3),
-        y_mm=round(_mm(corner[1] + (int(j) + 0.5) * cell[1]), 3),
+        x_mm=round(_mm(x + (int(i) + 0.5) * dx), 3),
+        y_mm=round(_mm(y + (int(j) + 0.5) * dy), 3),
         old_mm=None if np.isnan(old[i, j]) else _mm(float(old[i, j])),
         new_mm=None if np.isnan(new[i, j]) else _mm(float(new[i, j])),
         deviation_mm=_mm(float(apart[i, j])),
-        area_mm2=round(float(off.sum()) * area / MM**2, 3),
+        area_mm2=round(float(off.sum()) * (dx * dy) / MM**2, 3),
         allowed_mm=allowed_mm,
         exact=exact,
     )

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import pi
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from gcodesim.tools.body import Primitive, sphere
-from gcodesim.tools.cutter import Array, Cutter, arc_piece, line_piece
+from gcodesim.tools.cutter import Cutter, arc_piece, line_piece
+
+if TYPE_CHECKING:
+    from gcodesim.material.sweep_kernels import Shape
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -21,7 +24,7 @@ class BallEndMill(Cutter):
         return [arc_piece(0.0, R, R, 0.0, 0.5 * pi), line_piece(R, R, R, self.flute_length)]
 
     @property
-    def cutting_shape(self) -> Array:
+    def cutting_shape(self) -> Shape:
         from gcodesim.material.shape import ball
 
         return ball(self.diameter, self.flute_length)

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import pi
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from gcodesim.declarations.keys import key
 from gcodesim.tools.body import Primitive, cylinder
-from gcodesim.tools.cutter import Array, Cutter, arc_piece, line_piece
+from gcodesim.tools.cutter import Cutter, arc_piece, line_piece
 from gcodesim.units import MM
+
+if TYPE_CHECKING:
+    from gcodesim.material.sweep_kernels import Shape
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,7 +32,7 @@ class BullNoseEndMill(Cutter):
         ]
 
     @property
-    def cutting_shape(self) -> Array:
+    def cutting_shape(self) -> Shape:
         from gcodesim.material.shape import bull_nose
 
         return bull_nose(self.diameter, self.corner_radius, self.flute_length)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,9 @@ from gcodesim.declarations.keys import key
 from gcodesim.tools.body import Primitive, cylinder
 from gcodesim.tools.tool import Tool
 from gcodesim.units import DEG, MM
+
+if TYPE_CHECKING:
+    from gcodesim.material.sweep_kernels import Shape
 
 Array = NDArray[np.float64]
 
@@ -78,13 +81,13 @@ class Cutter(Tool):
         return self.flute_length
 
     @property
-    def cutting_shape(self) -> Array:
-        """The cutting part as a shape array (8,) of the material kernels; it ends at `flute_length`."""
+    def cutting_shape(self) -> Shape:
+        """The cutting part as a shape that the stock knows; it ends at `flute_length`."""
         raise NotImplementedError
 
     @property
-    def shank_shape(self) -> Array | None:
-        """The part between flutes and holder (8,), None when there is none."""
+    def shank_shape(self) -> Shape | None:
+        """The part between flutes and holder, None when there is none."""
         if self.length <= self.flute_length:
             return None
         from gcodesim.material.shape import cylinder as section
@@ -92,8 +95,8 @@ class Cutter(Tool):
         return section(self.diameter, self.flute_length, self.length)
 
     @property
-    def holder_shape(self) -> Array | None:
-        """The holder (8,), None when the cell gives none."""
+    def holder_shape(self) -> Shape | None:
+        """The holder, None when the cell gives none."""
         if self.holder is None:
             return None
         from gcodesim.material.shape import cylinder as section

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import tan
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from gcodesim.declarations.keys import key
 from gcodesim.tools.body import Primitive, cone
-from gcodesim.tools.cutter import Array, Cutter, line_piece
+from gcodesim.tools.cutter import Cutter, line_piece
 from gcodesim.units import DEG
+
+if TYPE_CHECKING:
+    from gcodesim.material.sweep_kernels import Shape
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,7 +34,7 @@ class Drill(Cutter):
         return self.tip_height
 
     @property
-    def cutting_shape(self) -> Array:
+    def cutting_shape(self) -> Shape:
         from gcodesim.material.shape import cone as cone_shape
 
         return cone_shape(self.diameter, self.point_angle, self.flute_length)

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
-from gcodesim.tools.cutter import Array, Cutter, line_piece
+from gcodesim.tools.cutter import Cutter, line_piece
+
+if TYPE_CHECKING:
+    from gcodesim.material.sweep_kernels import Shape
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -19,7 +22,7 @@ class FlatEndMill(Cutter):
         return [line_piece(0.0, 0.0, R, 0.0), line_piece(R, 0.0, R, self.flute_length)]
 
     @property
-    def cutting_shape(self) -> Array:
+    def cutting_shape(self) -> Shape:
         from gcodesim.material.shape import flat
 
         return flat(self.diameter, self.flute_length)

@@ -1,0 +1,106 @@
+"""How full a stock is at many places at once, as the forces of a cutter ask for it.
+
+Places are counted in columns: whole numbers are the centres of columns. So the loops over them have no branches, and
+several places go at a time.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.compiled import kernel
+from gcodesim.material.field_kernels import Field
+from gcodesim.material.query_kernels import occupancy, surrounding
+
+Array = NDArray[np.float64]
+
+ELSEWHERE = -1.0  # no share: the place has to be asked on its own
+
+
+class ToColumns(NamedTuple):
+    """From u, l [m] about a point to places in columns: (i0 + i_u u + i_l l, j0 + j_u u + j_l l)."""
+
+    i0: float
+    j0: float
+    i_u: float
+    i_l: float
+    j_u: float
+    j_l: float
+
+
+class Places(NamedTuple):
+    """Places (n,) in columns, `us` along x and `vs` along y, and how far above the given heights to ask there [m]."""
+
+    us: Array
+    vs: Array
+    ups: Array
+
+
+@kernel(lean=True)
+def to_columns(field: Field, point: Array, ux: float, uy: float) -> ToColumns:
+    """u points along the unit vector (ux, uy), l to its left; both begin above `point`."""
+    grid = field.grid
+    to_x, to_y = 1.0 / grid.dx, 1.0 / grid.dy
+    return ToColumns(
+        (point[0] - grid.x) * to_x - 0.5, (point[1] - grid.y) * to_y - 0.5, ux * to_x, -uy * to_x, uy * to_y, ux * to_y
+    )  # fmt: skip
+
+
+@kernel(lean=True)
+def share_between(field: Field, x: float, y: float, z0: float, z1: float) -> float:
+    """`occupancy`, quicker where each of the columns around (x, y) has one interval, as is common."""
+    i, j, wx, wy = surrounding(field.grid, x, y)
+    lo, hi, count = field.columns
+    if i < 0 or j < 0 or i + 1 >= count.shape[0] or j + 1 >= count.shape[1]:
+        return float(occupancy(field, x, y, z0, z1))
+    if count[i, j] * count[i + 1, j] * count[i, j + 1] * count[i + 1, j + 1] != 1:
+        return float(occupancy(field, x, y, z0, z1))
+    a = max(min(hi[i, j, 0], z1) - max(lo[i, j, 0], z0), 0.0)
+    b = max(min(hi[i + 1, j, 0], z1) - max(lo[i + 1, j, 0], z0), 0.0)
+    c = max(min(hi[i, j + 1, 0], z1) - max(lo[i, j + 1, 0], z0), 0.0)
+    d = max(min(hi[i + 1, j + 1, 0], z1) - max(lo[i + 1, j + 1, 0], z0), 0.0)
+    return float(((1.0 - wy) * ((1.0 - wx) * a + wx * b) + wy * ((1.0 - wx) * c + wx * d)) / (z1 - z0))
+
+
+@kernel(lean=True)
+def read_single(
+    lo: Array, hi: Array, nx: int, ny: int, places: Places, bottom: float, top: float, share: Array
+) -> None:
+    """`ask_places` for columns with one interval each; lo, hi: their ends in one row."""
+    us, vs, ups = places
+    last_i, last_j, row = np.float64(nx - 2), np.float64(ny - 2), np.uint64(ny)
+    scale = 1.0 / (top - bottom)
+    for k in range(share.shape[0]):
+        u, v = min(max(us[k], 0.0), last_i), min(max(vs[k], 0.0), last_j)
+        # truncation is the floor here; unsigned indices spare the check for negative ones
+        i, j = np.uint64(u), np.uint64(v)
+        a = i * row + j
+        b = a + row
+        z0, z1 = bottom + ups[k], top + ups[k]
+        wx, wy = u - np.float64(i), v - np.float64(j)
+        near = (1.0 - wx) * max(min(hi[a], z1) - max(lo[a], z0), 0.0)
+        near += wx * max(min(hi[b], z1) - max(lo[b], z0), 0.0)
+        a += np.uint64(1)
+        b += np.uint64(1)
+        far = (1.0 - wx) * max(min(hi[a], z1) - max(lo[a], z0), 0.0)
+        far += wx * max(min(hi[b], z1) - max(lo[b], z0), 0.0)
+        full = scale * ((1.0 - wy) * near + wy * far)
+        share[k] = full if u == us[k] and v == vs[k] else ELSEWHERE
+
+
+@kernel(lean=True)
+def ask_places(field: Field, places: Places, bottom: float, top: float, share: Array) -> None:
+    """Share (n,) of bottom..top [m], raised by `ups`, that is material at places between column centres.
+
+    ELSEWHERE at places that have no four columns around them, and everywhere when columns have more than one interval
+    or the stock is a single row.
+    """
+    lo, hi, count = field.columns
+    nx, ny = count.shape
+    if lo.size == nx * ny and nx > 1 and ny > 1:  # nearly always
+        read_single(lo.reshape(lo.size), hi.reshape(hi.size), nx, ny, places, bottom, top, share)
+    else:
+        share[:] = ELSEWHERE
