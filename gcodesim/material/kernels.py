@@ -19,9 +19,6 @@ from gcodesim.material.place_kernels import ELSEWHERE, Places, ToColumns, ask_pl
 from gcodesim.material.query_kernels import (
     difference,
     fill_slices,
-    highest,
-    highest_under,
-    is_material,
     occupancy,
     volume_of,
 )
@@ -52,9 +49,6 @@ __all__ = [
     "diagonal",
     "difference",
     "fill_slices",
-    "highest",
-    "highest_under",
-    "is_material",
     "occupancy",
     "patch_at",
     "patch_tops",

@@ -1,4 +1,4 @@
-"""Questions to a stock: how full a place is, how high, how much in all."""
+"""Questions to a stock: how full a place is, how much there is in all."""
 
 from __future__ import annotations
 
@@ -82,51 +82,6 @@ def fill_slices(field: Field, x: float, y: float, z0: float, dz: float, out: Arr
                     out[s] += share
                     total += share
     return total
-
-
-@kernel(lean=True)
-def highest(field: Field, x: float, y: float) -> float:
-    """Height [m] of the highest material in the column that holds (x, y); -inf when there is none."""
-    (_, hi, count), grid = field.columns, field.grid
-    nx, ny = count.shape
-    i, j = int(np.floor((x - grid.x) / grid.dx)), int(np.floor((y - grid.y) / grid.dy))
-    if not (0 <= i < nx and 0 <= j < ny) or count[i, j] == 0:
-        return -np.inf
-    return float(hi[i, j, count[i, j] - 1])
-
-
-@kernel(lean=True)
-def is_material(field: Field, x: float, y: float, z: float) -> bool:
-    """Whether the point (x, y, z) [m] lies in material."""
-    (lo, hi, count), grid = field.columns, field.grid
-    nx, ny = count.shape
-    i, j = int(np.floor((x - grid.x) / grid.dx)), int(np.floor((y - grid.y) / grid.dy))
-    if not (0 <= i < nx and 0 <= j < ny):
-        return False
-    inside = False
-    for k in range(count[i, j]):
-        inside |= lo[i, j, k] <= z <= hi[i, j, k]
-    return inside
-
-
-@kernel(lean=True)
-def highest_under(field: Field, x: float, y: float, radius: float) -> float:
-    """Height [m] of the highest material under a disc of `radius` around (x, y); -inf when there is none."""
-    (_, hi, count), grid = field.columns, field.grid
-    nx, ny = count.shape
-    top = -np.inf
-    first_i = max(int(np.floor((x - radius - grid.x) / grid.dx)), 0)
-    last_i = min(int(np.floor((x + radius - grid.x) / grid.dx)) + 1, nx)
-    first_j = max(int(np.floor((y - radius - grid.y) / grid.dy)), 0)
-    last_j = min(int(np.floor((y + radius - grid.y) / grid.dy)) + 1, ny)
-    for i in range(first_i, last_i):
-        cx = grid.x + (i + 0.5) * grid.dx - x
-        for j in range(first_j, last_j):
-            cy = grid.y + (j + 0.5) * grid.dy - y
-            n = count[i, j]
-            if n > 0 and cx * cx + cy * cy <= radius * radius and hi[i, j, n - 1] > top:
-                top = hi[i, j, n - 1]
-    return top
 
 
 @kernel(lean=True)

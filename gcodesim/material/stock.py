@@ -350,9 +350,16 @@ class Stock:
 
     def height_at(self, x: float, y: float) -> float:
         """Height [m] of the highest material in the column of (x, y); -inf where there is none."""
-        from gcodesim.material.kernels import highest
+        return max((high for _, high in self.intervals_at(x, y)), default=-np.inf)
 
-        return float(highest(self.field, x, y))
+    def intervals_at(self, x: float, y: float) -> list[tuple[float, float]]:
+        """From where to where [m] there is material in the column of (x, y), from below."""
+        lo, hi, count = self.field.columns
+        i, j = np.floor((np.array([x, y]) - self.origin) / self.spacing).astype(int)
+        if not (0 <= i < count.shape[0] and 0 <= j < count.shape[1]):
+            return []
+        n = count[i, j]
+        return list(zip(lo[i, j, :n].tolist(), hi[i, j, :n].tolist(), strict=True))
 
     def extent(self) -> tuple[Array, Array]:
         """The lowest and the highest corner (3,) [m] of a box around all material; `bounds` where there is none."""

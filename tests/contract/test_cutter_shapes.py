@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from gcodesim.material import Stock, shape
+from gcodesim.material.sweep_kernels import CONE
 
 MM = 1e-3
 
@@ -24,10 +25,10 @@ SHAPES = {
 
 def radius_profile(tool, rho):
     """Underside of the tool by its definition, a slow twin of the kernel."""
-    beyond = np.maximum(rho - tool[3], 0.0)
-    if tool[0] == 3.0:
-        return beyond * tool[4]
-    return tool[2] - np.sqrt(np.maximum(tool[2] ** 2 - beyond**2, 0.0))
+    beyond = np.maximum(rho - tool.flat, 0.0)
+    if tool.kind == CONE:
+        return beyond * tool.rise
+    return tool.corner - np.sqrt(np.maximum(tool.corner**2 - beyond**2, 0.0))
 
 
 def expected_envelope(tool, x, y, start, end):
@@ -37,15 +38,15 @@ def expected_envelope(tool, x, y, start, end):
     ux, uy = d[0] / length, d[1] / length
     along, across = (x - start[0]) * ux + (y - start[1]) * uy, (y - start[1]) * ux - (x - start[0]) * uy
     with np.errstate(invalid="ignore"):
-        half = np.sqrt(tool[1] ** 2 - across**2)
+        half = np.sqrt(tool.radius**2 - across**2)
     low, high = np.maximum(0.0, along - half), np.minimum(length, along + half)
     reached = low <= high
 
     def height(s):
-        rho = np.minimum(np.hypot(along - s, across), tool[1])
-        return start[2] + d[2] * s / length + tool[5] + radius_profile(tool, rho)
+        rho = np.minimum(np.hypot(along - s, across), tool.radius)
+        return start[2] + d[2] * s / length + tool.bottom + radius_profile(tool, rho)
 
-    tops = start[2] + d[2] * np.where(d[2] > 0.0, high, low) / length + tool[6]
+    tops = start[2] + d[2] * np.where(d[2] > 0.0, high, low) / length + tool.top
     golden = (math.sqrt(5.0) - 1.0) / 2.0
     for _ in range(90):
         a, b = high - golden * (high - low), low + golden * (high - low)
@@ -56,30 +57,38 @@ def expected_envelope(tool, x, y, start, end):
     return np.where(reached, best, np.nan), np.where(reached, tops, np.nan)
 
 
+def centres(stock):
+    """Centres of columns along x (nx, 1) and y (1, ny) [m]."""
+    (nx, ny), (dx, dy) = stock.relief().tops.shape, stock.spacing
+    return stock.origin[0] + (np.arange(nx)[:, None] + 0.5) * dx, stock.origin[1] + (np.arange(ny)[None, :] + 0.5) * dy
+
+
 @pytest.mark.parametrize("name", SHAPES)
 @pytest.mark.parametrize("rise", [-9.0, -1.3, 0.0, 0.4, 4.0])
 def test_floor_of_a_sloping_cut_is_the_lowest_envelope(name, rise):
     tool = SHAPES[name]
     stock = Stock.box((0, 0, -40 * MM), (20 * MM, 20 * MM, 0), 0.37 * MM)
     start, end = np.array([4.0, 5.0, -12.0]) * MM, np.array([13.0, 11.0, -12.0 + rise]) * MM
-    x = (stock.grid[0] + (np.arange(stock.count.shape[0]) + 0.5) * stock.grid[2])[:, None]
-    y = (stock.grid[1] + (np.arange(stock.count.shape[1]) + 0.5) * stock.grid[3])[None, :]
+    x, y = centres(stock)
     bottom, top = expected_envelope(tool, x, y, start, end)
 
     stock.remove(start[None], end[None], tool)
 
     inner = np.isfinite(bottom)
-    cut = stock.hi[:, :, 0] < 0.0
+    columns = [[stock.intervals_at(float(a), float(b)) for b in y[0]] for a in x[:, 0]]
+    floor = np.array([[column[0][1] for column in row] for row in columns])
+    cut = floor < 0.0
     assert np.array_equal(cut, inner)
     # beside the very rim, where a wall is steeper than the nudge of the columns allows to compare
     rim = np.hypot(np.gradient(np.nan_to_num(bottom, nan=9.0))[0], np.gradient(np.nan_to_num(bottom, nan=9.0))[1]) > 1.0
     compare = inner & ~rim
     assert compare.sum() > 200
-    assert np.abs(stock.hi[:, :, 0] - bottom)[compare].max() < 1e-9
+    assert np.abs(floor - bottom)[compare].max() < 1e-9
     through = inner & (top < 0.0)
-    assert np.array_equal(stock.count == 2, through)
+    assert np.array_equal([[len(column) == 2 for column in row] for row in columns], through)
     if through.any():
-        assert np.abs(stock.lo[:, :, 1] - top)[through & ~rim].max() < 1e-9
+        roof = np.array([[column[-1][0] for column in row] for row in columns])
+        assert np.abs(roof - top)[through & ~rim].max() < 1e-9
 
 
 @pytest.mark.parametrize("name", SHAPES)
@@ -95,7 +104,7 @@ def test_plunge_removes_the_volume_of_the_tool(name):
         assert errors[-1] <= stock.error_bound()
     assert errors[1] < 0.01 * exact
     # coming down from above takes the way as well
-    way = math.pi * tool[1] ** 2 * (-35.0 * MM + tool[6])
+    way = math.pi * tool.radius**2 * (-35.0 * MM + tool.top)
     stock.remove(above, tip, tool)
     assert stock.volume == pytest.approx(20 * 20 * 40 * MM**3 - exact + way, rel=2e-4)
 
@@ -111,8 +120,9 @@ def test_removal_does_not_depend_on_the_number_of_steps(name):
     parts = often.remove(points[:-1], points[1:], tool).volume.sum()
     # the columns are the same; strips at walls (wall_kernels) may take another of nearly equal steps
     assert parts == pytest.approx(whole, rel=4e-3 if name == "short_flat" else 1e-3)
-    assert np.array_equal(once.count, often.count)
-    assert np.abs(once.hi[:, :, 0] - often.hi[:, :, 0]).max() < 1e-10
+    one, other = once.relief(), often.relief()
+    assert np.array_equal(np.isnan(one.tops), np.isnan(other.tops))
+    assert np.nanmax(np.abs(one.tops - other.tops)) < 1e-10 and np.abs(one.lengths - other.lengths).max() < 1e-10
     assert parts == pytest.approx(20 * 20 * 20 * MM**3 - often.volume, rel=1e-9)
 
 

@@ -75,7 +75,4 @@ def run_texts(
 def height_at(ran: Ran, x: float, y: float) -> float:
     """Top of the material [m] in stock coordinates, in the column that holds (x, y); -inf where there is none."""
     (placed,) = ran.shop.stocks.values()
-    stock = placed.stock
-    i, j = (int(v) for v in np.floor((np.array([x, y]) - stock.grid[:2]) / stock.grid[2:]))
-    count = stock.count[i, j]
-    return float(stock.hi[i, j, count - 1]) if count else -np.inf
+    return placed.stock.height_at(x, y)

@@ -164,12 +164,12 @@ def wall_at(ran: Ran, x: float, z: float) -> float:
     """Y [m] of the wall: where the material that is at height z in column row x begins."""
     (placed,) = ran.shop.stocks.values()
     stock = placed.stock
-    i = int((x - stock.grid[0]) / stock.grid[2])
+    (_, y0), (_, dy) = stock.origin, stock.spacing
     there = [
-        any(stock.lo[i, j, k] < z < stock.hi[i, j, k] for k in range(stock.count[i, j]))
-        for j in range(stock.count.shape[1])
+        any(low < z < high for low, high in stock.intervals_at(x, y0 + (j + 0.5) * dy))
+        for j in range(stock.relief().tops.shape[1])
     ]
-    return float(stock.grid[1] + stock.grid[3] * there.index(True))  # half-way between the centres beside it
+    return float(y0 + dy * there.index(True))  # half-way between the centres beside it
 
 
 @pytest.mark.parametrize("share", [1.0, 0.3, 0.1])

@@ -64,8 +64,8 @@ def cut_range(job: Job) -> tuple[np.ndarray, np.ndarray]:
     """Least and greatest x, y [m] of the columns that were cut."""
     assert job.shop is not None
     stock = job.shop.stocks["stock"].stock
-    cut = np.argwhere(stock.hi[:, :, 0] < stock.z_range[1] - 1e-4)
-    return stock.grid[:2] + cut.min(axis=0) * stock.grid[2:], stock.grid[:2] + (cut.max(axis=0) + 1) * stock.grid[2:]
+    cut = np.argwhere(stock.relief().tops < stock.z_range[1] - 1e-4)
+    return stock.origin + cut.min(axis=0) * stock.spacing, stock.origin + (cut.max(axis=0) + 1) * stock.spacing
 
 
 @pytest.mark.parametrize("world", ["kinematic", "bullet"])
@@ -114,8 +114,7 @@ def test_two_setups_turned_over(tmp_path):
     assert two.removed == pytest.approx(slot(18.0), abs=two.error_bound + one.error_bound)
     assert job.shop is not None
     stock = job.shop.stocks["stock"].stock
-    i, j = ((np.array([30e-3, -10e-3]) - stock.grid[:2]) // stock.grid[2:]).astype(int)
-    assert stock.count[i, j] == 0  # no floor is left
+    assert stock.intervals_at(30e-3, -10e-3) == []  # no floor is left
     assert "GS406" not in codes(results)
 
 

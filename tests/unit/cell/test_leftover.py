@@ -13,8 +13,8 @@ from gcodesim.cell.leftover import Leftover
 from gcodesim.cell.loader import LoadedCell
 from gcodesim.cell.stock import Mesh
 from gcodesim.frames import Pose
+from gcodesim.material.shape import flat
 from gcodesim.material.stock import Stock
-from gcodesim.material.stock_file import save_stock
 from gcodesim.units import MM
 
 HEAD = "gcodesim: 1\nmachine: gantry_xyz\n"  # X 0 to 1200, Y 0 to 800, Z -400 to 0
@@ -23,10 +23,12 @@ HEAD = "gcodesim: 1\nmachine: gantry_xyz\n"  # X 0 to 1200, Y 0 to 800, Z -400 t
 def left(folder: Path, name: str = "stock") -> Stock:
     """A block 60 x 40 x 20 with zero at top front left, of which X 0 to 10 and the upper 5 mm are gone."""
     stock = Stock.box((0.0, 0.0, -0.02), (0.06, 0.04, 0.0), 0.5 * MM, "al6082_t6")
-    stock.hi[:] = -0.005
-    stock.count[:20] = 0
+    everywhere = np.array([[0.03, 0.02, -0.005]])
+    stock.remove(everywhere, everywhere, flat(0.2, 0.1))
+    edge = np.array([[-0.095, -0.2, -0.03], [-0.095, 0.2, -0.03]])
+    stock.remove(edge[:1], edge[1:], flat(0.21, 0.1))
     folder.mkdir(exist_ok=True)
-    save_stock(stock, folder / f"{name}.stock")
+    stock.save(folder / f"{name}.stock")
     return stock
 
 
@@ -68,7 +70,7 @@ def test_stock_that_was_turned_over_before_stands_as_it_was_cut(tmp_path: Path) 
     """Columns of a second setup run along another axis of the stock's own frame."""
     stock = left(tmp_path / "out1")
     stock.turn = Pose.from_xyz_rpy((0.0, 0.0, 0.0), (np.pi, 0.0, 0.0)).R.round()
-    save_stock(stock, tmp_path / "out1" / "stock.stock")
+    stock.save(tmp_path / "out1" / "stock.stock")
     cell = cell_of(tmp_path, "{from: out1}").cell
 
     assert cell is not None

@@ -9,6 +9,7 @@ import pytest
 
 from gcodesim.material import Stock
 from gcodesim.material.bead_kernels import bead_thickness, unite
+from gcodesim.material.field_kernels import Columns
 
 MM = 1e-3
 
@@ -17,7 +18,7 @@ def column(*intervals, room=4):
     lo, hi = np.zeros((1, 1, room)), np.zeros((1, 1, room))
     for k, (low, high) in enumerate(intervals):
         lo[0, 0, k], hi[0, 0, k] = low, high
-    return lo, hi, np.full((1, 1), len(intervals), dtype=np.int32)
+    return Columns(lo, hi, np.full((1, 1), len(intervals), dtype=np.int32))
 
 
 @pytest.mark.parametrize(
@@ -34,16 +35,17 @@ def column(*intervals, room=4):
     ],
 )
 def test_unite(held, new, expected, added):
-    lo, hi, count = column(*held)
-    assert unite(lo, hi, count, 0, 0, *map(float, new), 1e-9) == pytest.approx(added)
+    columns = column(*held)
+    lo, hi, count = columns
+    assert unite(columns, 0, 0, *map(float, new), 1e-9) == pytest.approx(added)
     n = count[0, 0]
     assert list(zip(lo[0, 0, :n], hi[0, 0, :n], strict=True)) == expected
 
 
 def test_unite_says_when_there_is_no_room_and_changes_nothing():
-    lo, hi, count = column((0, 1), (2, 3), room=2)
-    assert unite(lo, hi, count, 0, 0, 5.0, 6.0, 1e-9) == -1.0
-    assert count[0, 0] == 2 and hi[0, 0].tolist() == [1, 3]
+    columns = column((0, 1), (2, 3), room=2)
+    assert unite(columns, 0, 0, 5.0, 6.0, 1e-9) == -1.0
+    assert columns.number[0, 0] == 2 and columns.hi[0, 0].tolist() == [1, 3]
 
 
 @pytest.mark.parametrize("cell", [0.1, 0.7, 2.0])
@@ -60,7 +62,7 @@ def test_a_wall_of_layers_is_one_solid():
     for layer in range(1, 9):
         line[:, 2] = 2.5 * MM * layer + 3e-16
         stock.add_bead(line[:1], line[1:], 6 * MM, 2.5 * MM)
-    assert stock.count[60, 20] == 1
+    assert stock.field.columns.number[60, 20] == 1
     assert stock.height_at(30 * MM, 10 * MM) == pytest.approx(20 * MM, abs=1e-9)
 
 

@@ -26,12 +26,12 @@ def test_a_stock_comes_back_from_its_file(carved, tmp_path):
     save_stock(carved, tmp_path / "plate.stock")
     back = load_stock(tmp_path / "plate.stock")
     assert back.material == "al6082_t6" and back.resolution == 0.8 * MM
-    assert back.z_range == carved.z_range and np.array_equal(back.grid, carved.grid)
+    assert back.z_range == carved.z_range and np.array_equal(back.field.grid, carved.field.grid)
     assert back.volume == carved.volume
-    used = np.arange(back.lo.shape[2]) < back.count[:, :, None]
-    k = back.lo.shape[2]
-    assert np.array_equal(back.count, carved.count)
-    assert np.array_equal(back.hi[used], carved.hi[:, :, :k][used])
+    used = np.arange(back.field.columns.lo.shape[2]) < back.field.columns.number[:, :, None]
+    k = back.field.columns.lo.shape[2]
+    assert np.array_equal(back.field.columns.number, carved.field.columns.number)
+    assert np.array_equal(back.field.columns.hi[used], carved.field.columns.hi[:, :, :k][used])
     # what was cut before counts as given now
     assert back.error_bound() == 0.0
     assert not back.surface().cut.any()
@@ -40,7 +40,7 @@ def test_a_stock_comes_back_from_its_file(carved, tmp_path):
 def test_equal_stocks_give_equal_bytes(carved, tmp_path):
     roomy = carved.copy()
     roomy.grow()
-    roomy.lo[:, :, -1] = 7.0  # beyond what is used
+    roomy.field.columns.lo[:, :, -1] = 7.0  # beyond what is used
     save_stock(carved, tmp_path / "a.stock")
     save_stock(roomy, tmp_path / "b.stock")
     assert (tmp_path / "a.stock").read_bytes() == (tmp_path / "b.stock").read_bytes()

@@ -19,9 +19,9 @@ def as_stock(mesh, resolution):
 
 def test_a_box_mesh_is_the_box():
     stock = as_stock(trimesh.creation.box((30, 20, 10)), 0.5)
-    assert stock.count.shape == (60, 40)
+    assert stock.field.columns.number.shape == (60, 40)
     assert stock.volume == pytest.approx(6000 * MM**3, rel=1e-9)
-    assert np.abs(stock.hi - 5 * MM).max() < 1e-12
+    assert np.abs(stock.field.columns.hi - 5 * MM).max() < 1e-12
     assert stock.error_bound() == 0.0
 
 
@@ -36,11 +36,12 @@ def test_a_turned_body_keeps_its_volume(seed):
 def test_a_sphere_column_by_column():
     mesh = trimesh.creation.icosphere(subdivisions=4, radius=10)
     stock = as_stock(mesh, 0.5)
-    x = (stock.grid[0] + (np.arange(stock.count.shape[0]) + 0.5) * stock.grid[2])[:, None]
-    y = (stock.grid[1] + (np.arange(stock.count.shape[1]) + 0.5) * stock.grid[3])[None, :]
+    grid, (nx, ny) = stock.field.grid, stock.field.columns.number.shape
+    x = (grid.x + (np.arange(nx) + 0.5) * grid.dx)[:, None]
+    y = (grid.y + (np.arange(ny) + 0.5) * grid.dy)[None, :]
     inner = np.hypot(x, y) < 9 * MM
     exact = np.sqrt(np.maximum((10 * MM) ** 2 - x**2 - y**2, 0))
-    assert np.abs(stock.hi[:, :, 0] - exact)[inner].max() < 0.06 * MM
+    assert np.abs(stock.field.columns.hi[:, :, 0] - exact)[inner].max() < 0.06 * MM
     assert stock.volume == pytest.approx(4 / 3 * math.pi * 1000 * MM**3, rel=0.01)
 
 
@@ -53,7 +54,7 @@ def test_overlapping_shells_unite_and_a_hollow_stays_hollow():
     hole.invert()
     hollow = as_stock(trimesh.util.concatenate([low, hole]), 0.5)
     assert hollow.volume == pytest.approx((1000 - 64) * MM**3, rel=1e-9)
-    assert int(hollow.count.max()) == 2
+    assert int(hollow.field.columns.number.max()) == 2
 
 
 def test_inside_out_is_turned_and_open_is_refused():

@@ -23,19 +23,16 @@ def carved():
     return stock
 
 
-def columns(stock):
-    return stock.lo, stock.hi, stock.count, stock.grid
-
-
 def slow_occupancy(stock, x, y, z0, z1):
     """Bilinear mean of the shares of the four columns around, by plain Python."""
-    u, v = (x - stock.grid[0]) / stock.grid[2] - 0.5, (y - stock.grid[1]) / stock.grid[3] - 0.5
+    (lo, hi, number), grid = stock.field.columns, stock.field.grid
+    u, v = (x - grid.x) / grid.dx - 0.5, (y - grid.y) / grid.dy - 0.5
     total = 0.0
     for i in (math.floor(u), math.floor(u) + 1):
         for j in (math.floor(v), math.floor(v) + 1):
-            if 0 <= i < stock.count.shape[0] and 0 <= j < stock.count.shape[1]:
-                for k in range(stock.count[i, j]):
-                    share = max(min(stock.hi[i, j, k], z1) - max(stock.lo[i, j, k], z0), 0.0) / (z1 - z0)
+            if 0 <= i < number.shape[0] and 0 <= j < number.shape[1]:
+                for k in range(number[i, j]):
+                    share = max(min(hi[i, j, k], z1) - max(lo[i, j, k], z0), 0.0) / (z1 - z0)
                     total += (1 - abs(u - i)) * (1 - abs(v - j)) * share
     return total
 
@@ -53,7 +50,7 @@ def test_slices_add_up_to_what_single_questions_say(carved):
     out = np.empty(7)
     for x, y, z in rng.uniform((-1, -1, -11), (31, 21, 0), (200, 3)) * MM:
         dz = rng.uniform(0.05, 0.8) * MM
-        total = kernels.fill_slices(*columns(carved), x, y, z, dz, out)
+        total = kernels.fill_slices(carved.field, x, y, z, dz, out)
         expected = [slow_occupancy(carved, x, y, z + s * dz, z + (s + 1) * dz) for s in range(7)]
         assert out == pytest.approx(expected, abs=1e-9)
         assert total == pytest.approx(sum(expected), abs=1e-9)
@@ -69,33 +66,17 @@ def test_occupancy_is_continuous_and_half_at_a_wall():
     assert stock.occupancy(10 * MM, 10 * MM, -0.5 * MM, 0.5 * MM) == pytest.approx(0.5)
 
 
-def test_heights_and_points(carved):
+def test_intervals_and_heights(carved):
+    lo, hi, number = carved.field.columns
     for x, y in np.random.default_rng(9).uniform((0, 0), (30, 20), (100, 2)) * MM:
-        i, j = int(x / carved.grid[2]), int(y / carved.grid[3])
-        n = carved.count[i, j]
-        top = carved.hi[i, j, n - 1] if n else -np.inf
-        assert carved.height_at(x, y) == top
-        for z in (-9.5 * MM, -5 * MM, -1 * MM):
-            held = any(carved.lo[i, j, k] <= z <= carved.hi[i, j, k] for k in range(n))
-            assert kernels.is_material(*columns(carved), x, y, z) == held
-    assert carved.height_at(-1 * MM, 5 * MM) == -np.inf
-
-
-def test_highest_under_a_disc(carved):
-    x = (np.arange(carved.count.shape[0]) + 0.5) * carved.grid[2]
-    y = (np.arange(carved.count.shape[1]) + 0.5) * carved.grid[3]
-    tops = np.where(
-        carved.count > 0,
-        np.take_along_axis(carved.hi, np.maximum(carved.count - 1, 0)[:, :, None], 2)[:, :, 0],
-        -np.inf,
-    )
-    for cx, cy in np.random.default_rng(10).uniform((-3, -3), (33, 23), (50, 2)) * MM:
-        under = np.hypot(x[:, None] - cx, y[None, :] - cy) <= 4 * MM
-        expected = tops[under].max() if under.any() else -np.inf
-        assert kernels.highest_under(carved.hi, carved.count, carved.grid, cx, cy, 4 * MM) == expected
+        at = int(x / carved.field.grid.dx), int(y / carved.field.grid.dy)
+        n = number[at]
+        assert carved.intervals_at(x, y) == list(zip(lo[at][:n], hi[at][:n], strict=True))
+        assert carved.height_at(x, y) == (hi[at][n - 1] if n else -np.inf)
+    assert carved.intervals_at(-1 * MM, 5 * MM) == [] and carved.height_at(-1 * MM, 5 * MM) == -np.inf
 
 
 def test_kernels_say_the_same_without_the_compiler(carved):
-    arguments = (*columns(carved), 11.3 * MM, 7.7 * MM, -6 * MM, -3 * MM)
+    arguments = (carved.field, 11.3 * MM, 7.7 * MM, -6 * MM, -3 * MM)
     assert kernels.occupancy.py_func(*arguments) == kernels.occupancy(*arguments)
-    assert kernels.volume_of.py_func(*columns(carved)) == kernels.volume_of(*columns(carved))
+    assert kernels.volume_of.py_func(carved.field) == kernels.volume_of(carved.field)

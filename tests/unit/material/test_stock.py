@@ -15,16 +15,16 @@ MM = 1e-3
 
 def test_cells_divide_a_box_exactly_and_are_never_wider_than_asked():
     stock = Stock.box((-10 * MM, 2 * MM, -5 * MM), (21 * MM, 12 * MM, 1 * MM), 0.7 * MM, "steel")
-    assert stock.count.shape == (45, 15)
+    assert stock.field.columns.number.shape == (45, 15)
     assert (stock.spacing <= 0.7 * MM).all()
-    assert stock.origin + stock.spacing * stock.count.shape == pytest.approx([21 * MM, 12 * MM], abs=1e-15)
+    assert stock.bounds[1][:2] == pytest.approx([21 * MM, 12 * MM], abs=1e-15)
     assert stock.volume == pytest.approx(31 * 10 * 6 * MM**3, rel=1e-12)
     assert stock.error_bound() == 0.0
     assert stock.material == "steel"
 
 
 def test_a_length_that_is_a_whole_number_of_cells_stays_so():
-    assert Stock.box((0, 0, 0), (0.3, 0.1, 0.1), 0.1 * MM).count.shape == (3000, 1000)
+    assert Stock.box((0, 0, 0), (0.3, 0.1, 0.1), 0.1 * MM).relief().tops.shape == (3000, 1000)
 
 
 @pytest.mark.parametrize("maximum", [(0.0, 1.0, 1.0), (1.0, -1.0, 1.0), (1.0, 1.0, math.nan)])
@@ -42,7 +42,7 @@ def test_round_bars(axis):
 
 def test_memory_is_known_before_it_is_taken():
     stock = Stock.box((0, 0, 0), (80 * MM, 50 * MM, 10 * MM), 0.25 * MM)
-    taken = stock.lo.nbytes + stock.hi.nbytes + stock.count.nbytes + stock.walls.nbytes
+    taken = sum(array.nbytes for array in (*stock.field.columns, stock.field.walls))
     assert memory_needed((80 * MM, 50 * MM, 10 * MM), 0.25 * MM) == pytest.approx(taken, rel=0.01)
 
 
@@ -64,11 +64,12 @@ def test_grown_columns_lose_nothing():
     stock = Stock.box((0, 0, -20 * MM), (20 * MM, 20 * MM, 0), 0.5 * MM)
     result = stock.remove(starts, ends, tool)
     assert result.volume == pytest.approx(np.full(18, 20 * 6 * 0.4 * MM**3), rel=1e-9)
-    assert int(stock.count.max()) == 19
-    assert stock.lo.shape[2] == 32
-    used = np.arange(32) < stock.count[:, :, None]
-    assert (stock.hi > stock.lo)[used].all()
-    gaps = (stock.lo[:, :, 1:] - stock.hi[:, :, :-1])[used[:, :, 1:]]
+    assert int(stock.field.columns.number.max()) == 19
+    assert stock.field.columns.lo.shape[2] == 32
+    lo, hi, number = stock.field.columns
+    used = np.arange(32) < number[:, :, None]
+    assert (hi > lo)[used].all()
+    gaps = (lo[:, :, 1:] - hi[:, :, :-1])[used[:, :, 1:]]
     assert (gaps > 0.0).all()
 
 
@@ -81,7 +82,7 @@ def test_nothing_is_removed_beside_above_and_twice():
     assert stock.remove(points[:1], points[1:], tool).volume.sum() > 0.0
     before = stock.copy()
     assert stock.remove(points[:1], points[1:], tool).volume.sum() == 0.0
-    assert np.array_equal(stock.hi, before.hi)
+    assert np.array_equal(stock.field.columns.hi, before.field.columns.hi)
 
 
 def test_removal_is_the_same_for_any_split_of_the_calls():
@@ -99,12 +100,12 @@ def test_changed_patches_are_marked_and_others_not():
     stock = Stock.box((0, 0, -10 * MM), (64 * MM, 64 * MM, 0), 1 * MM)
     tip = np.array([[8.0, 40.0, -1.0]]) * MM
     stock.remove(tip, tip, shape.flat(6 * MM, 20 * MM))
-    assert np.argwhere(stock.dirty).tolist() == [[0, 2]]
+    assert np.argwhere(stock.field.dirty).tolist() == [[0, 2]]
 
 
 def test_shank_and_holder_are_reported_and_cut_nothing():
     stock = Stock.box((0, 0, -20 * MM), (40 * MM, 40 * MM, 0), 0.5 * MM)
-    bodies = np.array([shape.cylinder(10 * MM, 6 * MM, 30 * MM)])
+    bodies = [shape.cylinder(10 * MM, 6 * MM, 30 * MM)]
     tool = shape.flat(6 * MM, 6 * MM)
     start, end = (
         np.array([[-10.0, 20.0, -5.0], [-10.0, 20.0, -8.0]]) * MM,

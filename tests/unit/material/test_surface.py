@@ -124,11 +124,11 @@ def test_a_slot_beside_the_grid_runs_out_straight():
 
 def test_flat_parts_take_few_triangles():
     stock = Stock.box((0, 0, -15 * MM), (80 * MM, 50 * MM, 0), 0.2 * MM)
-    assert len(stock.surface().faces) < 0.05 * 4 * stock.count.size
+    assert len(stock.surface().faces) < 0.05 * 4 * stock.field.columns.number.size
     stock.remove(np.array([[20, 25, -3]]) * MM, np.array([[60, 25, -3]]) * MM, shape.flat(20 * MM, 20 * MM))
     surface = stock.surface()
     assert_closed(surface)
-    assert len(surface.faces) < 0.1 * 4 * stock.count.size
+    assert len(surface.faces) < 0.1 * 4 * stock.field.columns.number.size
     assert abs(surface.volume - stock.volume) < 0.1 * stock.error_bound()
 
 
@@ -136,8 +136,11 @@ def random_columns(rng, cells, most):
     """A stock of random intervals, far rougher than any cut."""
     stock = Stock.box((0, 0, 0), (*(float(c) for c in cells), 5.0), 1.0)
     levels = np.sort(rng.integers(0, 6 + 2 * most, (*cells, 2 * most)), axis=2) + np.arange(2 * most) * 0.7
-    stock.lo, stock.hi = np.ascontiguousarray(levels[:, :, 0::2]), np.ascontiguousarray(levels[:, :, 1::2])
-    stock.count[:] = rng.integers(0, most + 1, cells)
+    while stock.field.columns.lo.shape[2] < most:
+        stock.grow()
+    lo, hi, number = stock.field.columns
+    lo[:, :, :most], hi[:, :, :most] = levels[:, :, 0::2], levels[:, :, 1::2]
+    number[:] = rng.integers(0, most + 1, cells)
     return stock
 
 
@@ -171,9 +174,9 @@ def test_chessboard_of_columns_is_closed_everywhere():
     stock = Stock.box((0, 0, 0), (6.0, 6.0, 9.0), 1.0)
     stock.grow()
     black = (np.add.outer(np.arange(6), np.arange(6)) % 2).astype(bool)
-    stock.hi[black, 0] = 3.0
-    stock.lo[black, 1], stock.hi[black, 1] = 6.0, 9.0
-    stock.count[black] = 2
+    stock.field.columns.hi[black, 0] = 3.0
+    stock.field.columns.lo[black, 1], stock.field.columns.hi[black, 1] = 6.0, 9.0
+    stock.field.columns.number[black] = 2
     surface = stock.surface()
     assert_closed(surface)
     assert surface.volume == pytest.approx(stock.volume, rel=0.15)
@@ -258,7 +261,7 @@ def test_a_tile_that_only_seems_changed_is_not_drawn_again():
     tip = np.array([[30.3, 31.1, -2.0]]) * MM
     stock.remove(tip, tip, shape.ball(6 * MM, 20 * MM))
     first = tiles.changed()
-    stock.dirty[:] = 1  # as after a cut that was taken back and made again
+    stock.field.dirty[:] = 1  # as after a cut that was taken back and made again
     second = tiles.changed()
     assert len(second.tiles) == 16
     # the first look was never drawn: what is drawn counts, not what was seen
@@ -272,10 +275,10 @@ def test_a_wall_that_moves_within_its_cell_is_drawn_again():
     a, b = np.array([[-20.0, 20.0, -2.0]]) * MM, np.array([[90.0, 20.0, -2.0]]) * MM
     stock.remove(a, b, shape.flat(6.02 * MM, 20 * MM))
     tiles.all()
-    columns = stock.hi.copy()
+    columns = stock.field.columns.hi.copy()
     stock.remove(a, b, shape.flat(6.3 * MM, 20 * MM))
-    assert (stock.hi == columns).all()
-    stock.dirty[:] = 1
+    assert (stock.field.columns.hi == columns).all()
+    stock.field.dirty[:] = 1
 
     moved = tiles.changed().draw()
 
@@ -293,7 +296,7 @@ def test_what_was_seen_is_drawn_later_as_it_was(spacing):
     tip = np.array([[30.3, 31.1, -2.0]]) * MM
     stock.remove(tip, tip + 2 * MM, shape.ball(6 * MM, 20 * MM))
     then = {tile.number: tile for tile in others.all()}
-    stock.dirty[:] = 1
+    stock.field.dirty[:] = 1
     seen = tiles.changed()
     stock.remove(tip - 1 * MM, tip, shape.flat(9 * MM, 20 * MM))
 

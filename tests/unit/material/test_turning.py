@@ -31,9 +31,9 @@ def milled() -> Stock:
 
 def full(stock: Stock, points: np.ndarray) -> np.ndarray:
     """Whether each point (p, 3) of the columns' frame is in material."""
-    i, j = ((points[:, :2] - stock.grid[:2]) // stock.grid[2:]).astype(int).T
-    lo, hi = stock.lo[i, j], stock.hi[i, j]
-    used = np.arange(lo.shape[1])[None] < stock.count[i, j][:, None]
+    i, j = ((points[:, :2] - stock.origin) // stock.spacing).astype(int).T
+    lo, hi = stock.field.columns.lo[i, j], stock.field.columns.hi[i, j]
+    used = np.arange(lo.shape[1])[None] < stock.field.columns.number[i, j][:, None]
     return (used & (lo <= points[:, 2:]) & (points[:, 2:] < hi)).any(axis=1)
 
 
@@ -58,11 +58,12 @@ def test_every_turn_keeps_material_where_it_is(R):
 def test_turning_over_and_back_is_the_same_to_the_bit(R):
     stock = milled()
     back = turned(turned(stock, R), R.T)
-    used = np.arange(stock.lo.shape[2])[None, None] < stock.count[:, :, None]
-    assert np.array_equal(back.count, stock.count)
-    assert np.array_equal(back.lo[used], stock.lo[used]) and np.array_equal(back.hi[used], stock.hi[used])
-    assert np.array_equal(back.walls, stock.walls)
-    assert back.grid == pytest.approx(stock.grid, abs=1e-15)
+    used = np.arange(stock.field.columns.lo.shape[2])[None, None] < stock.field.columns.number[:, :, None]
+    assert np.array_equal(back.field.columns.number, stock.field.columns.number)
+    for one, other in zip(back.field.columns[:2], stock.field.columns[:2], strict=True):
+        assert np.array_equal(one[used], other[used])
+    assert np.array_equal(back.field.walls, stock.field.walls)
+    assert back.field.grid == pytest.approx(stock.field.grid, abs=1e-15)
     assert np.array_equal(back.turn, np.eye(3))
 
 

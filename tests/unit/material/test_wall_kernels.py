@@ -61,7 +61,7 @@ def test_no_step_gives_volume_back_on_the_other_side(turn):
     for points in random_passes(rng, 12):
         stock.remove(points[:-1], points[1:], CUTTERS["flat"])
     stock = turned(stock, turn)
-    corner = np.r_[stock.grid[:2], stock.z_range[1]]
+    corner = np.r_[stock.origin, stock.z_range[1]]
     before, removed = stock.volume, 0.0
     for points in random_passes(rng, 12):
         volume = stock.remove(points[:-1] + corner, points[1:] + corner, CUTTERS["flat"]).volume

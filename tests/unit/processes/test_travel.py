@@ -4,10 +4,19 @@ import numpy as np
 import pytest
 
 from gcodesim.material.stock import Stock
+from gcodesim.processes.engagement_kernels import Heading
 from gcodesim.processes.force_kernels import RESULT, TORQUE, cutting_force
 from gcodesim.processes.laws import LinearEdge
 from gcodesim.processes.milling import Milling
-from gcodesim.processes.travel_kernels import LEAST, MOST, edge_wrench, follow_travel, solve_travel
+from gcodesim.processes.travel_kernels import (
+    LEAST,
+    MOST,
+    Travel,
+    Wrenches,
+    edge_wrench,
+    follow_travel,
+    solve_travel,
+)
 from gcodesim.tools import TOOLS
 
 WAY = 13e-6
@@ -31,10 +40,10 @@ def machine(rng, scale):
 
 def ask(compliance, edges, chips, left, feed, travel, asked, exponent, level=1.0, climb=0.0, begin=None):
     begin, travel = travel if begin is None else begin, travel.copy()
-    advance = solve_travel(
-        compliance, edges, chips, left, level, climb, WAY, exponent, begin, feed, travel, asked, np.empty((6, 3))
-    )  # fmt: skip
-    return advance, travel
+    step = Travel(
+        compliance, left, begin, feed, travel, float(level), float(climb), WAY, exponent, moves=np.empty((6, 3))
+    )
+    return solve_travel(step, Wrenches(edges, chips), float(asked)), travel
 
 
 @pytest.mark.parametrize("exponent", [1.0, 0.74])
@@ -108,9 +117,8 @@ def test_the_wrench_follows_the_travel():
     edges_before, wrench = edges.copy(), result.copy()
     left = np.array([*(WAY * feed), 0.0]) - compliance @ wrench[:6]
     chips = np.empty(6)
-    advance, ratio = follow_travel(
-        compliance, edges, chips, left, 1.0, 0.0, WAY, 0.74, direction(0.0), feed, travel, 1.0, np.empty((6, 3)), result
-    )  # fmt: skip
+    step = Travel(compliance, left, direction(0.0), feed, travel, 1.0, 0.0, WAY, 0.74, moves=np.empty((6, 3)))
+    advance, ratio = follow_travel(step, Wrenches(edges, chips), 1.0, result)
     angle = np.arctan2(travel[1], travel[0])
 
     assert 0.0 < angle < 0.8
@@ -165,19 +173,16 @@ def test_edge_wrench_is_the_force_without_a_chip(kind):
     more = {"corner_radius": 2e-3} if kind.startswith("bull") else {}
     law = LinearEdge.from_table(631.0, 13.0, 99.0, 10.0, 273.0, 2.8)
     process = Milling(cutter=TOOLS[kind](diameter=10e-3, **more), law=law)
-    tool, edge, laws, table, circle, _, rows, weights, force, sums, _ = process._packed
+    teeth, room, heading = process.packed_tool.teeth, process._room, Heading(0.8, 0.6, 1.0, 0.0)
     stock = Stock.box((0.0, 0.0, -20e-3), (60e-3, 40e-3, 0.0), 0.5e-3)
     tip, found, none, fixed = np.array([29.9e-3, 1e-3, -4e-3]), np.zeros(RESULT), np.zeros(RESULT), np.zeros(TORQUE + 1)
 
     def cut(chip, result):
-        return cutting_force(
-            stock.lo, stock.hi, stock.count, stock.grid, tool, edge, laws, table, circle, tip, 0.8, 0.6, 1.0, 0.0,
-            chip, 0.0, rows, weights, force, sums, result,
-        )  # fmt: skip
+        return cutting_force(stock.view((0.0, 0.0, 1.0)), teeth, tip, heading, chip, 0.0, room, result)
 
     cut(0.0, none)
     used = cut(50e-6, found)
-    edge_wrench(tool, laws, circle, 0.8, 0.6, rows, weights, used, fixed)
+    edge_wrench(teeth, heading, room, used, fixed)
 
     assert np.linalg.norm(found[:3]) > 1.2 * np.linalg.norm(none[:3]) > 0.0
     assert fixed == pytest.approx(none[: TORQUE + 1], rel=1e-9, abs=1e-12)

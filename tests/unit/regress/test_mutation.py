@@ -76,10 +76,8 @@ def numbers_of(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def columns_of(stock: Stock) -> np.ndarray:
-    material = np.zeros(stock.count.shape)
-    for at in np.ndindex(material.shape):
-        material[at] = sum(stock.hi[at][k] - stock.lo[at][k] for k in range(stock.count[at]))
-    return material * stock.grid[2] * stock.grid[3]
+    material: np.ndarray = stock.relief().lengths * stock.spacing.prod()
+    return material
 
 
 def moved(old: np.ndarray, new: np.ndarray) -> float:

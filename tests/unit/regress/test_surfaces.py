@@ -32,7 +32,7 @@ def test_mean_height_is_the_volume() -> None:
     made = stock(2.0)
     coarse = coarse_of(made)
     area = coarse.cell[0] * coarse.cell[1]
-    columns = ((made.hi - made.lo)[:, :, 0]).sum() * made.grid[2] * made.grid[3]
+    columns = made.relief().lengths.sum() * made.spacing.prod()
     assert coarse.mean.sum() * area == pytest.approx(columns, rel=0.02)
 
 
@@ -56,7 +56,8 @@ def test_a_wall_that_moves_over_the_middle_of_a_column_is_none() -> None:
 def test_a_groove_of_one_column_is_one() -> None:
     whole = Stock.box((0, 0, 0), (20 * MM, 20 * MM, 10 * MM), 1 * MM)
     grooved = whole.copy()
-    grooved.hi[7, 2:18, 0] = 9 * MM
+    groove = np.array([[7.5, 2.5, 9.0], [7.5, 17.5, 9.0]]) * MM
+    grooved.remove(groove[:1], groove[1:], shape.flat(0.5 * MM, 10 * MM))
     change = compare_stocks("part", whole, grooved, 0.01)
     assert change.deviation_mm == pytest.approx(1.0) and change.x_mm == pytest.approx(7.5)
     assert compare_stocks("part", grooved, whole, 0.01).deviation_mm == pytest.approx(1.0)
