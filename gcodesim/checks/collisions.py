@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.diagnostics.events import runs
 from gcodesim.frames import Array, Pose
+from gcodesim.tools.parts import body_part
 from gcodesim.units import MM
 
 if TYPE_CHECKING:
@@ -27,15 +28,6 @@ TOUCH: Final = 1e-6
 # a ball nose is a body of this many straight outline pieces: 0.03 % of its radius too thin at most
 BALL_PIECES: Final = 32
 _BUNCH: Final = 64  # neighbouring pieces that are compared with a hull as one
-
-_CODES: Final = {"cutting": "GS301", "shank": "GS302", "holder": "GS303", "nozzle": "GS304"}
-_HINTS: Final = {
-    "cutting": "retract higher or go round it",
-    "shank": "use a longer tool, or keep more distance",
-    "holder": "use a longer tool or a slimmer holder",
-    "nozzle": "lift the tool before it passes",
-}
-_WORDS: Final = {"cutting": "the cutter", "shank": "the shank", "holder": "the holder", "nozzle": "the nozzle"}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -94,7 +86,7 @@ class FixtureBody:
 class ToolParts:
     """A tool as convex bodies of revolution.
 
-    `outlines` maps a part (cutting, shank, holder, nozzle) to points (k, 2):
+    `outlines` maps a part (cutting, shank, holder, nozzle …) to points (k, 2):
     radius and height above the tip [m].
     """
 
@@ -220,12 +212,13 @@ def _boxes(outline: Array, start: Array, end: Array, axis: Array) -> tuple[Array
 def collision_finding(touch: Touch, span: Span, system: str, point: Array, time: float | None = None) -> Diagnostic:
     """GS301 to GS304: `point` (3,) [m] is where the tip is at first contact, in work system `system`; `time` [s]."""
     where = " ".join(f"{letter}{value / MM:.3f}" for letter, value in zip("XYZ", point + 0.0, strict=True))
+    part = body_part(touch.part)
     return Diagnostic(
-        code=_CODES[touch.part],
-        message=f"{_WORDS[touch.part]} of {touch.tool} hits {touch.fixture}, {touch.depth / MM:.3f} mm deep, "
+        code=part.code,
+        message=f"{part.words} of {touch.tool} hits {touch.fixture}, {touch.depth / MM:.3f} mm deep, "
         f"first with the tip at {where} of {system}",
         span=span,
-        hint=_HINTS[touch.part],
+        hint=part.hint,
         time=time,
         value=touch.depth / MM,
         limit=0.0,

@@ -104,7 +104,8 @@ def _results() -> Json:
                 max_torque_Nm=number("greatest torque"),
                 max_power_W=number("greatest power"),
                 line_of_max_force=line,
-            ),
+            )
+            | {"additionalProperties": number("a figure of a process of the cell, such as `max_film_thickness_mm`")},
         ),
         joints=array(
             "each joint or axis",

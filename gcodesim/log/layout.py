@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
+from gcodesim.log.description import ProcessField
 from gcodesim.log.topics import MOST_TILES, topic_table
 
 KINDS: Final = ("milling", "robot", "process")
@@ -21,6 +22,7 @@ Node = str | Json
 """A panel by its name, or two of these side by side."""
 
 _VOLUME: Final = "Plot!volume"
+_OWN: Final = "Plot!own"
 _CELL: Final = "3D!cell"
 _PART: Final = "3D!part"
 
@@ -48,15 +50,28 @@ class View:
     volumes: tuple[float, float] | None = None
 
 
-def layout(kind: str, joints: Sequence[str], outputs: Sequence[str] = (), view: View | None = None) -> bytes:
-    """A layout as JSON for a log with those joints and outputs (names as in `/program`). KeyError for another kind."""
+def layout(
+    kind: str,
+    joints: Sequence[str],
+    outputs: Sequence[str] = (),
+    view: View | None = None,
+    fields: Sequence[ProcessField] = (),
+) -> bytes:
+    """A layout as JSON for a log with those joints, outputs (names as in `/program`) and fields of its processes.
+
+    KeyError for another kind.
+    """
     view = view or View()
     panels, right = {"milling": _milling, "robot": _robot, "process": _process}[kind](joints)
+    numbers = {field.name: f"/process.{field.name}" for field in fields if not field.flag}
+    if numbers:
+        panels[_OWN] = _plot("of the process [SI]", numbers)
+        right = {"direction": "column", "splitPercentage": 80, "first": right, "second": _OWN}
     if view.volumes is not None and _VOLUME in panels:
         panels[_VOLUME] |= {"minYValue": view.volumes[0], "maxYValue": view.volumes[1]}
     panels |= {name: _scene(name, camera) for name, camera in _cameras(view).items()}
     panels |= {
-        "StateTransitions!program": _states(outputs),
+        "StateTransitions!program": _states(outputs, [field.name for field in fields if field.flag]),
         "RosOut!log": {**_titled("log"), "searchTerms": [], "minLogLevel": 1, "topicToRender": "/log"},
         "RawMessages!block": _raw("block", "/program.text"),
         "RawMessages!event": _raw("last event", "/event.message"),
@@ -180,9 +195,10 @@ def _plot(title: str, paths: dict[str, str], lines: Sequence[float] = ()) -> Jso
     }
 
 
-def _states(outputs: Sequence[str]) -> Json:
+def _states(outputs: Sequence[str], flags: Sequence[str]) -> Json:
     paths = [(name, f"/program.{name}") for name in ("state", "tool", "motion", "line")]
     paths += [("engaged", "/process.engaged"), ("flood", "/program.flood")]
+    paths += [(name, f"/process.{name}") for name in flags]
     for name in outputs:
         field = "value" if name.startswith(("digital ", "analog ")) else "verb"
         paths.append((f"output {name}", f'/program.outputs[:]{{name=="{name}"}}.{field}'))

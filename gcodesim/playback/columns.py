@@ -17,6 +17,11 @@ _POSE: Final = re.compile(r"pose\.(position|orientation)\.([xyzw])")
 _VECTOR: Final = re.compile(r"(force|torque)\.([xyz])")
 _SPELLING: Final = {"_n": "_N", "_nm": "_Nm", "_w": "_W"}  # field names of a log are in lower case
 
+HOUSE_FIELDS: Final = frozenset(
+    ("kind", "engaged", "spindle_rad_s", "force_n", "torque_nm", "power_w", "removal_m3_s", "removed_m3")
+)
+"""The fields of `/process` that every log has; others are of the processes of one run."""
+
 # what a name in SI ends in: what it ends in on the shop floor, and how much SI one of those is
 _SHOP_FLOOR: Final[Mapping[str, tuple[str, float]]] = {
     "_m3_s": ("_mm3_s", MM3),
@@ -26,6 +31,20 @@ _SHOP_FLOOR: Final[Mapping[str, tuple[str, float]]] = {
     "_rad_s": ("_deg_s", DEG),
     "_rad": ("_deg", DEG),
 }
+
+
+_PEOPLE: Final = (
+    ("_m3_s", "mm³/s", MM3),
+    ("_m3", "mm³", MM3),
+    ("_m2", "mm²", MM**2),
+    ("_m_s", "mm/min", MM_PER_MINUTE),
+    ("_m", "mm", MM),
+    ("_rad_s", "°/s", DEG),
+    ("_rad", "°", DEG),
+    ("_nm", "N·m", 1.0),
+    ("_n", "N", 1.0),
+    ("_w", "W", 1.0),
+)
 
 
 class Column(NamedTuple):
@@ -55,6 +74,19 @@ def column_of(topic: str, field: str, kinds: Mapping[str, str], units: Units = "
                     shown, divisor = "_mm_s", MM
                 return Column(name[: -len(suffix)] + shown, divisor)
     return Column(name, 1.0)
+
+
+def own_fields(recording: Recording) -> list[str]:
+    """The numbers of `/process` that only this run's processes have, as the log calls them."""
+    return [name for name in recording.series("/process").names if name not in HOUSE_FIELDS]
+
+
+def shown_as(field: str) -> tuple[str, str, float]:
+    """How people see a field such as `film_thickness_m`: its title, its unit and how much SI that is."""
+    for suffix, unit, divisor in _PEOPLE:
+        if field.endswith(suffix):
+            return field[: -len(suffix)].replace("_", " "), unit, divisor
+    return field.replace("_", " "), "", 1.0
 
 
 def _si_name(topic: str, field: str, kinds: Mapping[str, str]) -> str:

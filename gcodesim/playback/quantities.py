@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.playback.columns import joint_kinds
+from gcodesim.playback.columns import joint_kinds, own_fields, shown_as
 from gcodesim.playback.recording import Recording
 from gcodesim.units import DEG, MM, MM3, MM_PER_MINUTE, RPM, UM
 
@@ -31,28 +31,32 @@ class Curve:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Chart:
-    """Curves of one unit that are drawn together; `what` is the quantity that was asked for."""
+    """Curves of one unit that are drawn together; `what` is the quantity that was asked for.
+
+    Up to `negligible` nothing in it means anything.
+    """
 
     what: str
     title: str
     unit: str
     curves: tuple[Curve, ...]
+    negligible: float = NEGLIGIBLE
 
     @property
     def speaks(self) -> bool:
         """Whether anything of it is more than rounding."""
-        return any(np.abs(curve.values).max(initial=0.0) > NEGLIGIBLE for curve in self.curves)
+        return any(np.abs(curve.values).max(initial=0.0) > self.negligible for curve in self.curves)
 
 
 def _field(
-    topic: str, field: str, what: str, title: str, unit: str, divisor: float
+    topic: str, field: str, what: str, title: str, unit: str, divisor: float, negligible: float = NEGLIGIBLE
 ) -> Callable[[Recording], list[Chart]]:
     def charts(recording: Recording) -> list[Chart]:
         series = recording.series(topic)
         if field not in series.names:
             return []
         curve = Curve(label=title.lower(), t_ns=series.t_ns, values=series.column(field) / divisor)
-        return [Chart(what=what, title=title, unit=unit, curves=(curve,))]
+        return [Chart(what=what, title=title, unit=unit, curves=(curve,), negligible=negligible)]
 
     return charts
 
@@ -113,9 +117,19 @@ QUANTITIES: Final[dict[str, Callable[[Recording], list[Chart]]]] = {
 }
 
 
+def quantities_of(recording: Recording) -> dict[str, Callable[[Recording], list[Chart]]]:
+    """What can be drawn of one run: `QUANTITIES`, and the columns of its processes by their names in the log."""
+    own = {}
+    for field in own_fields(recording):
+        title, unit, divisor = shown_as(field)
+        own[field] = _field("/process", field, field, title.capitalize(), unit, divisor, 0.0)
+    return QUANTITIES | own
+
+
 def charts_of(recording: Recording, what: Sequence[str]) -> list[Chart]:
     """The charts of some quantities, in that order. KeyError for one that there is not."""
-    return [chart for name in what for chart in QUANTITIES[name](recording)]
+    known = QUANTITIES if QUANTITIES.keys() >= set(what) else quantities_of(recording)
+    return [chart for name in what for chart in known[name](recording)]
 
 
 def thinned(t_ns: NDArray[np.int64], values: Array, slots: int) -> tuple[NDArray[np.int64], Array]:

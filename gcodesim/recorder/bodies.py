@@ -15,6 +15,7 @@ from gcodesim.cell.stock import Shape as Form
 from gcodesim.frames import Array, Pose
 from gcodesim.log import Box, Cone, Cylinder, Entity, Mesh, Shape, Sphere
 from gcodesim.recorder.frames import Frames
+from gcodesim.tools.parts import body_part
 
 if TYPE_CHECKING:
     from gcodesim.kinematics import LinkShape
@@ -26,12 +27,6 @@ Color = tuple[float, float, float, float]
 FIXTURE: Final[Color] = (0.45, 0.36, 0.28, 1.0)
 RAW: Final[Color] = (0.62, 0.64, 0.67, 1.0)
 CUT: Final[Color] = (0.86, 0.74, 0.42, 1.0)
-PARTS: Final[dict[str, Color]] = {
-    "cutting": (0.85, 0.65, 0.2, 1.0),
-    "shank": (0.7, 0.72, 0.75, 1.0),
-    "holder": (0.3, 0.32, 0.36, 1.0),
-    "nozzle": (0.75, 0.55, 0.3, 1.0),
-}
 
 
 def cell_entities(frames: Frames) -> tuple[Entity, ...]:
@@ -97,7 +92,7 @@ def tool_shapes(tool: Tool | None) -> tuple[Shape, ...]:
     shapes: list[Shape] = []
     for body in tool.primitives:
         p = np.array([0.0, 0.0, -0.5 * (body.bottom + body.top)])
-        color, length = PARTS[body.part], body.top - body.bottom
+        color, length = body_part(body.part).color, body.top - body.bottom
         if body.kind == "sphere":
             shapes.append(Sphere(radius=body.radius, p=p, color=color))
         elif body.kind == "cone":

@@ -117,7 +117,9 @@ class Recorder:
         if urdf is not None:
             attachments[f"{self._shop.name}.urdf"] = urdf
         view = view_of(self._shop, self._plan, ways, rapid)
-        attachments["layout.json"] = layout(layout_kind(self._shop), self._shop.joint_names, self._blocks.outputs, view)
+        fields = tuple(ProcessField(name=column.field, flag=column.of == "any") for column in self._sheet.own(LOG))
+        kind = layout_kind(self._shop)
+        attachments["layout.json"] = layout(kind, self._shop.joint_names, self._blocks.outputs, view, fields)
         run = {
             "program": job.program.name,
             "program_sha256": job.program.sha256,
@@ -139,9 +141,7 @@ class Recorder:
             rapid_path=ways.polylines(rapid),
             path_frame=self._frames.path_frame,
             process_kinds=self._sheet.kinds,
-            process_fields=tuple(
-                ProcessField(name=column.field, flag=column.of == "any") for column in self._sheet.own(LOG)
-            ),
+            process_fields=fields,
             stock_tiles=max(1, sum(len(tiles) for tiles in self._tiles)),
             records={"gcodesim.joints": self._limits.record},
             attachments=attachments,

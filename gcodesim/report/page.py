@@ -17,6 +17,7 @@ from gcodesim.diagnostics.show import as_json
 from gcodesim.log.event import settled
 from gcodesim.numbers import clean
 from gcodesim.playback import Recording
+from gcodesim.playback.columns import own_fields
 from gcodesim.playback.quantities import Chart, charts_of, extremes
 from gcodesim.report.libraries import chart_library, scene_library
 from gcodesim.report.pack import Pack
@@ -124,7 +125,11 @@ def run_data(recording: Recording, name: str, pack: Pack) -> dict[str, Any]:
             for modal in timeline.modals
         ],
         "replay": replay_of(recording, pack),
-        "charts": [_chart(chart, pack) for chart in charts_of(recording, CHARTS) if chart.speaks],
+        "charts": [
+            _chart(chart, pack)
+            for chart in charts_of(recording, (*CHARTS, *own_fields(recording)))
+            if chart.speaks
+        ],
         "times": _times(recording),
         "results": {
             key: results.get(key)

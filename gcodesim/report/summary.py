@@ -36,6 +36,11 @@ def summary_rows(results: Results) -> list[list[str]]:
             rows.append(
                 [f"{tool['name']}: torque, power", f"{tool['max_torque_Nm']:.2f} N·m", f"{tool['max_power_W']:.0f} W"]
             )
+        for column in results.columns:
+            if tool[column.key]:
+                most = "greatest " if column.of == "greatest" else ""
+                shown = f"{tool[column.key]:.4g} {column.shop_unit}".strip()
+                rows.append([f"{tool['name']}: {most}{column.name.replace('_', ' ')}", shown, column.says])
     for joint in results.joints:
         # a margin that is least where the machine stands at the start says nothing about the program
         if joint["margin"] is not None and joint["line_of_margin"] is not None:

@@ -11,19 +11,16 @@ STEEL_DENSITY: Final = 7850.0
 """Density of tool steel [kg/m³]; a solid carbide cutter weighs nearly twice that, `mass` says so."""
 
 
-Part = Literal["cutting", "shank", "holder", "nozzle"]
-
-
 @dataclass(frozen=True, slots=True)
 class Primitive:
     """A simple body on the tool axis; `bottom` and `top` are heights above the tip, towards the holder [m].
 
     A sphere has its centre half-way between both. A cone runs from `radius_bottom` to `radius`; a cylinder has
-    both equal. `part` says what it is, `cutting`, `shank`, `holder` or `nozzle`.
+    both equal. `part` says what it is: `cutting`, `shank`, `holder`, `nozzle` or a name of its own; see `parts`.
     """
 
     kind: Literal["cylinder", "sphere", "cone"]
-    part: Part
+    part: str
     radius: float
     bottom: float
     top: float
@@ -39,17 +36,17 @@ class Primitive:
         return pi * length * (a * a + a * b + b * b) / 3.0
 
 
-def cylinder(part: Part, radius: float, bottom: float, top: float) -> Primitive:
+def cylinder(part: str, radius: float, bottom: float, top: float) -> Primitive:
     """A cylinder of `radius` between two heights [m]."""
     return Primitive("cylinder", part, radius, bottom, top, radius)
 
 
-def sphere(part: Part, radius: float, bottom: float) -> Primitive:
+def sphere(part: str, radius: float, bottom: float) -> Primitive:
     """A ball of `radius` whose lowest point is at `bottom` [m]."""
     return Primitive("sphere", part, radius, bottom, bottom + 2.0 * radius, radius)
 
 
-def cone(part: Part, lower: float, upper: float, bottom: float, top: float) -> Primitive:
+def cone(part: str, lower: float, upper: float, bottom: float, top: float) -> Primitive:
     """A cone from radius `lower` at `bottom` to radius `upper` at `top` [m]."""
     return Primitive("cone", part, upper, bottom, top, lower)
 

@@ -18,7 +18,8 @@ def add_parser(commands: Any) -> None:
         "plot",
         help="charts of force, power, feed, joints … as SVG or PNG",
         description="Draw numbers of a log over time, with the program lines along the top.",
-        epilog="quantities: force, torque, power, removal, removed, spindle, feed, error, joints, speed, effort",
+        epilog="quantities: force, torque, power, removal, removed, spindle, feed, error, joints, speed, effort,"
+        " and what the processes of a run log besides, by the names in its topic /process",
     )
     parser.add_argument("log", type=Path, metavar="LOG", help="a run.mcap, or the folder of a run")
     parser.add_argument(
@@ -32,15 +33,17 @@ def add_parser(commands: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from gcodesim.playback.quantities import QUANTITIES, charts_of
+    from gcodesim.playback.columns import own_fields
+    from gcodesim.playback.quantities import charts_of, quantities_of
     from gcodesim.report.plot import FORMATS, NoPlotError, draw
     from gcodesim.whole_file import write_whole
 
     recording = open_recording(arguments.log)
     what = [name.strip() for name in (arguments.what or "").split(",") if name.strip()]
+    known = quantities_of(recording)
     for name in what:
-        if name not in QUANTITIES:
-            raise UsageError(f"there is no quantity {name}; there are {', '.join(QUANTITIES)}")
+        if name not in known:
+            raise UsageError(f"there is no quantity {name}; there are {', '.join(known)}")
     out = arguments.out if arguments.out is not None else Path(f"{Path(recording.name).stem}.svg")
     kind = out.suffix.lower().lstrip(".")
     if kind not in FORMATS:
@@ -48,7 +51,8 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.out is None:
         refuse_foreign(out)
     first_ns, last_ns = chosen_range(arguments, recording)
-    charts = charts_of(recording, what) or [chart for chart in charts_of(recording, _USUAL) if chart.speaks]
+    usual = (*_USUAL, *own_fields(recording))
+    charts = charts_of(recording, what) or [chart for chart in charts_of(recording, usual) if chart.speaks]
     try:
         picture = draw(recording, charts, kind, first_ns=first_ns, last_ns=last_ns)
     except NoPlotError as reason:

@@ -184,13 +184,16 @@ G.tables = (place) => {
   for (const run of G.runs) {
     const { times, results } = run, name = G.runs.length > 1 ? `${run.name}: ` : "", total = times.total_s;
     const toolRow = (number) => (results.tools || []).find((tool) => tool.number === number) || {};
+    const usual = ["number", "name", "time_s", "feed_mm", "removed_mm3", "max_force_N", "max_torque_Nm", "max_power_W", "line_of_max_force"];
+    const own = [...new Set((results.tools || []).flatMap(Object.keys))].filter((key) => !usual.includes(key));
     if (times.tools.length) {
-      G.table(place, `${name}Time by tool`, "all moves, dwells and its change", [["tool", "l"], ["time"], [""], ["in material"], ["volume mm³"], ["force N"], ["power W"]],
+      G.table(place, `${name}Time by tool`, "all moves, dwells and its change", [["tool", "l"], ["time"], [""], ["in material"], ["volume mm³"], ["force N"], ["power W"], ...own.map((key) => [key.replaceAll("_", " ")])],
         times.tools.map((tool) => ({
           cells: [tool.number ? `T${tool.number}${tool.name !== `T${tool.number}` ? ` ${tool.name}` : ""}` : "no tool", G.clock(tool.time_s), G.share(tool.time_s, total), G.clock(tool.engaged_s),
-            G.volume(tool.removed_mm3), G.number(toolRow(tool.number).max_force_N ?? tool.max_force_N, 1), G.number(toolRow(tool.number).max_power_W ?? tool.max_power_W, 0)],
+            G.volume(tool.removed_mm3), G.number(toolRow(tool.number).max_force_N ?? tool.max_force_N, 1), G.number(toolRow(tool.number).max_power_W ?? tool.max_power_W, 0),
+            ...own.map((key) => G.number(toolRow(tool.number)[key] ?? 0, 3))],
           t: (() => { const i = run.blocks.modal.findIndex((m) => run.modals[m].tool === tool.number); return i < 0 ? null : run.blocks.t[i]; })(),
-        })), ["total", G.clock(times.tools.reduce((sum, tool) => sum + tool.time_s, 0)), "", "", "", "", ""]);
+        })), ["total", G.clock(times.tools.reduce((sum, tool) => sum + tool.time_s, 0)), "", "", "", "", "", ...own.map(() => "")]);
     }
     if (results.time) {
       const parts = [["feed", "feed_s"], ["rapid", "rapid_s"], ["dwell", "dwell_s"], ["tool change", "tool_change_s"]];

@@ -1,0 +1,50 @@
+"""Parts of a tool's body: what messages call them, how they are drawn, which finding tells that they hit something.
+
+A kind of tool may name its parts as it likes. What stands in `PARTS` has words of its own; a package may add more by
+entry points of the group `gcodesim.parts`. Any other part is called by its name and drawn grey.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from gcodesim.family import Family
+
+Color = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BodyPart:
+    """One part: `words` as in "the cutter hits the vise", the `code` and `hint` of that finding, and red to alpha."""
+
+    words: str
+    color: Color = (0.5, 0.55, 0.6, 1.0)
+    code: str = "GS304"
+    hint: str = "keep more distance, or lift the tool before it passes"
+
+
+CUTTING: Final = BodyPart(
+    words="the cutter", color=(0.85, 0.65, 0.2, 1.0), code="GS301", hint="retract higher or go round it"
+)
+SHANK: Final = BodyPart(
+    words="the shank", color=(0.7, 0.72, 0.75, 1.0), code="GS302", hint="use a longer tool, or keep more distance"
+)
+HOLDER: Final = BodyPart(
+    words="the holder", color=(0.3, 0.32, 0.36, 1.0), code="GS303", hint="use a longer tool or a slimmer holder"
+)
+NOZZLE: Final = BodyPart(words="the nozzle", color=(0.75, 0.55, 0.3, 1.0), hint="lift the tool before it passes")
+
+PARTS = Family(
+    "parts",
+    cutting="gcodesim.tools.parts:CUTTING",
+    shank="gcodesim.tools.parts:SHANK",
+    holder="gcodesim.tools.parts:HOLDER",
+    nozzle="gcodesim.tools.parts:NOZZLE",
+)
+
+
+def body_part(name: str) -> BodyPart:
+    """The part of that name; one made up for names that nobody has described."""
+    found: BodyPart | None = PARTS.get(name)
+    return BodyPart(words=f"the {name.replace('_', ' ')}") if found is None else found
