@@ -8,7 +8,7 @@ from pathlib import Path
 
 from gcodesim.cell.cell import Cell, LoadedCell
 from gcodesim.cell.resolve import resolve
-from gcodesim.declarations.files import InputFile, Shelf
+from gcodesim.declarations.files import InputFile, Shelf, folders_of_the_user
 from gcodesim.declarations.nodes import Mapping, compose
 from gcodesim.declarations.reading import Fault, Reading
 from gcodesim.declarations.record import Record
@@ -23,8 +23,8 @@ ROOT = Record(Cell, "the cell", lenient=True)
 def load_cell(path: Path | str, allow_paths: Sequence[Path] = (), *, name: str | None = None) -> LoadedCell:
     """Read the cell at `path`; OSError when the file itself cannot be read.
 
-    Files that the cell names may lie in its folder, in those of its `packages:`
-    and in `allow_paths`. `name` is how findings call the cell (default: the file's name).
+    Files that the cell names may lie in its folder, in `allow_paths` and in what the user's own settings allow
+    (`GCODESIM_ALLOW_PATH`). `name` is how findings call the cell (default: the file's name).
     """
     path = Path(path)
     return read_cell(SourceText.read(path, name), path, allow_paths)
@@ -33,7 +33,7 @@ def load_cell(path: Path | str, allow_paths: Sequence[Path] = (), *, name: str |
 def read_cell(source: SourceText, path: Path, allow_paths: Sequence[Path] = ()) -> LoadedCell:
     """As `load_cell`, from a text that stands at `path`."""
     findings = Findings()
-    shelf = Shelf(folder=path.parent, allowed=tuple(allow_paths))
+    shelf = Shelf(folder=path.parent, allowed=(*allow_paths, *folders_of_the_user()))
     to = Reading(file=source.name, findings=findings, shelf=shelf)
     root = compose(source, findings)
     cell = None if root is None else _cell(root, to)

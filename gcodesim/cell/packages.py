@@ -13,7 +13,7 @@ from gcodesim.declarations.reading import FAULT, Fault, Path, Reading
 
 @dataclass(frozen=True, slots=True)
 class PackageFolder(Kind):
-    """The folder of a package; it may lie outside the cell's own, because naming it here allows it."""
+    """The folder of a package, below the cell's own or in one that the user allows."""
 
     @property
     def expected(self) -> str:
@@ -27,6 +27,13 @@ class PackageFolder(Kind):
         if "\0" in text.text or not folder.is_dir():
             message = f"the folder of package `{path[-1]}` is not there; tried `{short(text.text)}` beside the cell"
             return to.fault("GS714", text.span, message)
+        if not to.shelf.may_read(folder):
+            return to.fault(
+                "GS715",
+                text.span,
+                f"the folder `{short(text.text)}` of package `{path[-1]}` lies outside the cell's folder",
+                "only who runs gcodesim can open it to a cell: `--allow-path DIR`, or GCODESIM_ALLOW_PATH",
+            )
         to.shelf.packages[str(path[-1])] = folder
         return FileValue(name=text.text, path=folder)
 

@@ -76,6 +76,10 @@ def add_cell(parser: argparse.ArgumentParser, *, required: bool) -> None:
     parser.add_argument(
         "--cell", type=Path, metavar="CELL", required=required, help="the cell file (YAML); `gcodesim init` writes one"
     )
+    add_allow_path(parser)
+
+
+def add_allow_path(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--allow-path",
         type=Path,

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from gcodesim.cli.exits import UsageError
 from gcodesim.cli.judging import add_today
-from gcodesim.cli.options import add_fail_on, read_source
+from gcodesim.cli.options import add_allow_path, add_fail_on, read_source
 from gcodesim.diagnostics.plain import one_line, raw
 
 if TYPE_CHECKING:
@@ -42,6 +42,7 @@ def add_selection(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--cell", type=Path, metavar="CELL", help="the cell of programs that no test file gives one; makes each a case"
     )
+    add_allow_path(parser)
     add_fail_on(parser)
     add_today(parser)
 
@@ -69,7 +70,10 @@ def selected(arguments: argparse.Namespace) -> tuple[Collected, Judging]:
             f"there is no test in {where}{names}; a test is a file NAME.test.yaml, a program with `(expect: GS…)` in a "
             "comment, or any program when --cell names a cell"
         )
-    return collected, Judging(root=root, fail_on=arguments.fail_on, today=arguments.today or date.today())
+    today = arguments.today or date.today()
+    return collected, Judging(
+        root=root, fail_on=arguments.fail_on, today=today, allow_paths=tuple(arguments.allow_path)
+    )
 
 
 @contextmanager

@@ -50,7 +50,7 @@ class File(Kind):
                 "GS715",
                 text.span,
                 f"`{name}` names `{short(text.text)}`, which lies outside the cell's folder (tried `{found.tried}`)",
-                "move it beside the cell, name its folder under `packages:`, or allow it by `--allow-path DIR`",
+                "move it beside the cell, or allow its folder by `--allow-path DIR`",
             )
         if found.reason == "package":
             package = text.text.removeprefix("package://").partition("/")[0]

@@ -2,12 +2,25 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
+from typing import Final
 
 from gcodesim.diagnostics import SourceText
+
+VARIABLE: Final = "GCODESIM_ALLOW_PATH"
+"""The user's own settings: folders from which cells may take files, separated as in PATH."""
+
+_LARGEST: Final = 2_000_000_000  # bytes of a file that a cell names; a hole in a file costs its author nothing
+
+
+def folders_of_the_user() -> tuple[Path, ...]:
+    """What `GCODESIM_ALLOW_PATH` allows; only absolute folders, since others would be those of whoever is judged."""
+    named = os.environ.get(VARIABLE, "").split(os.pathsep)
+    return tuple(Path(folder) for folder in named if os.path.isabs(folder))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,8 +44,8 @@ class Refused:
 class Shelf:
     """Finds the files of one cell and remembers what was read.
 
-    A name is looked up beside the cell. It may leave that folder only into a
-    folder of `packages` or `allowed`; symbolic links are followed first.
+    A name is looked up beside the cell. It may leave that folder only into a folder of `allowed`, which the user names
+    and never the cell; symbolic links are followed first.
     """
 
     folder: Path
@@ -44,10 +57,7 @@ class Shelf:
     def may_read(self, path: Path) -> bool:
         """Whether `path` lies in an allowed folder."""
         real = Path(os.path.realpath(path))
-        return any(
-            real.is_relative_to(os.path.realpath(root))
-            for root in (self.folder, *self.packages.values(), *self.allowed)
-        )
+        return any(real.is_relative_to(os.path.realpath(root)) for root in (self.folder, *self.allowed))
 
     def locate(self, name: str, *, is_folder: bool = False) -> Path | Refused:
         """The path that `name` means, or why there is none. `package://NAME/…` looks into `packages`."""
@@ -67,6 +77,8 @@ class Shelf:
 
     def open(self, name: str, path: Path) -> SourceText:
         """Read and hash the file at `path`, which the cell calls `name`; OSError when that fails."""
+        if path.stat().st_size > _LARGEST:
+            raise OSError(errno.EFBIG, "it is larger than 2 GB")
         source = SourceText.read(path, name)
         self.note(name, path, source)
         return source

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import date
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from gcodesim.cell.loader import read_cell
 from gcodesim.cell.settings import matches
+from gcodesim.declarations.files import folders_of_the_user
 from gcodesim.declarations.reading import suggestion
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText, Span
 from gcodesim.diagnostics.show import as_json
@@ -47,11 +49,19 @@ class Judging:
     root: Path
     fail_on: str = "error"
     today: date | None = None
+    allow_paths: tuple[Path, ...] = ()
+
+    def allowed(self, case: Case) -> tuple[Path, ...]:
+        """Folders from which the case's cell may take files: what its test file names below `root`, and ours."""
+        root = os.path.realpath(self.root)
+        named = (folder for folder in case.allow_path if Path(os.path.realpath(folder)).is_relative_to(root))
+        return (*named, *self.allow_paths)
 
     @property
     def settings(self) -> str:
         """What a verdict depends on besides its case and the day, for who remembers it."""
-        return f"fail on {self.fail_on}"
+        folders = (shown_path(folder, self.root) for folder in (*self.allow_paths, *folders_of_the_user()))
+        return " ".join((f"fail on {self.fail_on}", *folders))
 
 
 @dataclass(slots=True, kw_only=True)
@@ -120,7 +130,7 @@ def run_case(case: Case, how: Judging) -> Outcome:
     if case.options.mode == "lint":
         return _lint(case, program)
     assert case.cell is not None
-    return _simulate(case, program, read_cell(case.read(case.cell), case.cell, case.allow_path), how)
+    return _simulate(case, program, read_cell(case.read(case.cell), case.cell, how.allowed(case)), how)
 
 
 def _settings(case: Case, settings: Settings) -> Settings:

@@ -142,8 +142,8 @@ CODES += (
         severity=Severity.ERROR,
         title="A file outside the allowed folders",
         what=(
-            "A cell may read files in its own folder, in the folders of `packages:`, and in those allowed by "
-            "--allow-path."
+            "A cell may read files in its own folder, and in those that whoever runs gcodesim allows by --allow-path "
+            "or GCODESIM_ALLOW_PATH. This holds for the folders of `packages:`, too, and behind symbolic links."
         ),
         why="A cell from elsewhere must not be able to read any file of this machine.",
         remedy="Move the file beside the cell, or run with `--allow-path DIR`.",
@@ -368,7 +368,7 @@ CODES += (
         code="GS762",
         severity=Severity.ERROR,
         title="A mesh lies outside the folders that may be read",
-        what="A <mesh> names a file outside the cell's folder, its `packages:` and the folders of --allow-path.",
+        what="A <mesh> names a file outside the cell's folder and the folders of --allow-path.",
         why="A description from elsewhere must not make gcodesim read any file of this machine.",
         remedy="Move the mesh beside the cell, or allow its folder with --allow-path.",
     ),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import socket
 import subprocess
 import sys
 from math import pi
@@ -13,6 +15,7 @@ import pytest
 from gcodesim.cell import load_cell
 from gcodesim.cell.channel import MCode
 from gcodesim.cell.stock import Box, Cylinder, Mesh
+from gcodesim.declarations import files
 from gcodesim.diagnostics import Severity, SourceText
 from gcodesim.units import DEG, MM, RPM
 from tests.unit.cell.text import NOWHERE, codes, loaded, sound
@@ -298,9 +301,74 @@ def test_files_may_lie_in_allowed_folders_only(tmp_path: Path) -> None:
         assert [f.code for f in load_cell(cell).findings] == ["GS715"]
         assert load_cell(cell, [outside]).cell is not None
         cell.write_text(text % name + "packages: {m: ../meshes}\n")
+        assert {f.code for f in load_cell(cell).findings} == {"GS715"}
+        assert load_cell(cell, [outside]).cell is not None
+
+
+@pytest.mark.parametrize("folder", ["../meshes", "/etc", "link", "below/../../meshes", "/"])
+def test_a_cell_opens_no_folder_to_itself(tmp_path: Path, folder: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Only who runs gcodesim opens folders; the finding says by which option."""
+    inside, outside = tmp_path / "cell", tmp_path / "meshes"
+    outside.mkdir()
+    (inside / "below").mkdir(parents=True)
+    (outside / "vise.stl").write_bytes((FOLDER / "vise.stl").read_bytes())
+    (inside / "link").symlink_to(outside)
+    cell = inside / "cell.yaml"
+    text = "machine: gantry_xyz\nfixtures: {vise: {mesh: package://m/vise.stl, unit: mm}}\n"
+    cell.write_text(text + f"packages: {{m: {folder}}}\n")
+    (finding,) = (finding for finding in load_cell(cell).findings if finding.code == "GS715")
+    assert "`m`" in finding.message and "--allow-path" in finding.hint
+    if not folder.startswith("/"):
+        assert load_cell(cell, [outside]).cell is not None
+        monkeypatch.setenv("GCODESIM_ALLOW_PATH", f"/nowhere:{outside}")
         assert load_cell(cell).cell is not None
-    cell.write_text(text % "package://m/vise.stl" + "packages: {m: ../meshes}\n")
+        monkeypatch.setenv("GCODESIM_ALLOW_PATH", "../meshes:.:link")  # of whoever is judged
+        monkeypatch.chdir(inside)
+        assert load_cell(cell).cell is None
+    (inside / "below" / "vise.stl").write_bytes((FOLDER / "vise.stl").read_bytes())
+    cell.write_text(text + "packages: {m: below}\n")
     assert load_cell(cell).cell is not None
+
+
+_KINDS = {
+    "mesh": "machine: gantry_xyz\nfixtures: {v: {mesh: %s, unit: mm}}\n",
+    "stock": "machine: gantry_xyz\nstock: {mesh: %s, unit: mm, material: al6082_t6}\n",
+    "from": "machine: gantry_xyz\nstock: {from: %s, material: al6082_t6}\n",
+    "tools": "machine: gantry_xyz\ntool_table: %s\n",
+    "parameters": "machine: gantry_xyz\nparameters: %s\n",
+    "subroutines": "machine: gantry_xyz\nsubroutines: [%s]\n",
+    "urdf": "robots: {arm: {urdf: %s}}\n",
+}
+
+
+@pytest.mark.parametrize("kind", _KINDS)
+def test_files_that_are_none_neither_hang_nor_break_anything(
+    tmp_path: Path, kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(files, "_LARGEST", 1000)
+    inside = tmp_path / "cell"
+    inside.mkdir()
+    for name in ("pipe", "pipe.stl", "pipe.stock"):
+        os.mkfifo(inside / name)
+    for name, target in (("zero.stl", "/dev/zero"), ("secret", "/etc/passwd"), ("etc", "/etc"), ("loop", "loop")):
+        (inside / name).symlink_to(target)
+    for name in ("huge.stl", "huge.urdf", "huge"):
+        with open(inside / name, "wb") as file:
+            file.truncate(1001)
+    with socket.socket(socket.AF_UNIX) as listening:
+        monkeypatch.chdir(inside)
+        listening.bind("door")
+        links = '<link name="b"><visual><geometry><mesh filename="%s"/></geometry></visual></link>'
+        joint = '<link name="c"/><joint name="j" type="revolute"><parent link="b"/><child link="c"/><axis xyz="0 0 1"/>'
+        joint += '<limit lower="-1" upper="1" velocity="1" effort="1"/></joint>'
+        for mesh in ("pipe.stl", "zero.stl", "etc/passwd", "door"):
+            (inside / f"{mesh.replace('/', '_')}.robot").write_text(f'<robot name="a">{links % mesh}{joint}</robot>')
+        for name in sorted(path.name for path in inside.iterdir()):
+            if kind != "urdf" and name.endswith(".robot"):
+                continue
+            (inside / "cell.yaml").write_text(_KINDS[kind] % name)
+            found = load_cell(inside / "cell.yaml")
+            assert found.cell is None and {f.code for f in found.findings if f.level.word == "error"}, name
 
 
 def test_defaults_are_listed() -> None:
