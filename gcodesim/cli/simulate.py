@@ -115,7 +115,8 @@ def _live(arguments: argparse.Namespace) -> LiveView | None:
         live = LiveView(arguments.live)
     except LiveViewError as reason:
         raise UsageError(str(reason)) from None
-    note(f"live at ws://localhost:{live.port}: open a Foxglove WebSocket connection in Foxglove or Lichtblick")
+    where = f"live at ws://localhost:{live.port}: open a Foxglove WebSocket connection in Foxglove or Lichtblick"
+    note(f"{where}; a viewer on a web site needs {live.address}")
     return live
 
 

@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from threading import Lock
 from typing import Any, Final
 
+from gcodesim.log.live_door import Door, hidden_host
 from gcodesim.log.rows import MESSAGE_HEAD, RECORD_HEAD, RecordRows
 from gcodesim.log.topics import Topic
 
@@ -43,18 +44,26 @@ class LiveView:
         self._last: dict[int, Callable[[], tuple[int, bytes]]] = {}
         self._lock = Lock()  # between the run and viewers that arrive
         try:
+            self._door = Door(port)
+        except OSError as error:
+            raise LiveViewError(f"a live view cannot listen at port {port}: {error.strerror}") from None
+        host = hidden_host()
+        try:
             self._server = foxglove.start_server(
                 name="gcodesim",
-                host="127.0.0.1",
-                port=port,
+                host=host,
+                port=0,
                 context=self._context,
                 capabilities=[Capability.Time],
                 server_listener=_Arrivals(self._repeat),
                 message_backlog_size=_WAITING,
             )
         except RuntimeError as error:
-            raise LiveViewError(f"a live view cannot listen at port {port}: {error}") from None
-        self.port = self._server.port
+            self._door.close()
+            raise LiveViewError(f"a live view cannot be served: {error}") from None
+        self.port = self._door.port
+        self.address = f"ws://localhost:{self.port}/?token={self._door.token}"
+        self._door.open(host, self._server.port)
 
     # ---- what a container hands over
 
@@ -93,6 +102,7 @@ class LiveView:
         end = time.monotonic() + _LINGER
         while time.monotonic() < end and any(channel.has_sinks() for channel in self._channels):
             time.sleep(0.02)
+        self._door.close()
         self._server.stop()
 
     # ----

@@ -1,0 +1,134 @@
+"""The door of a live view: who may connect to the viewer's server, which itself lets everybody in.
+
+A web page of anybody may open a websocket to this machine, and the browser sends along from which site the page is
+(RFC 6455, 10.2). So what connects is heard first, and handed on only when it knows the token of the printed address, or
+is no page of the web: a program, a viewer that is installed, a page from this machine.
+"""
+
+from __future__ import annotations
+
+import hmac
+import secrets
+import socket
+import sys
+from contextlib import suppress
+from threading import Thread
+from typing import Final
+from urllib.parse import parse_qs, urlsplit
+
+_LONGEST_HEAD: Final = 16_384  # bytes of a request
+_PATIENCE: Final = 5.0  # s to say who one is
+_HERE: Final = ("localhost", "127.0.0.1", "::1")
+_REFUSED: Final = (
+    b"HTTP/1.1 403 Forbidden\r\nContent-Type: text/plain; charset=utf-8\r\nConnection: close\r\n\r\n"
+    b"Open the address that gcodesim has printed, with its token: pages of other sites may not read this run.\n"
+)
+
+
+class Door:
+    """Listens at `port` of this machine (0: any free one) and hands on who may come in. OSError when it is taken."""
+
+    def __init__(self, port: int) -> None:
+        self.token = secrets.token_urlsafe(16)
+        self._listening = socket.create_server(("127.0.0.1", port))
+        self.port = int(self._listening.getsockname()[1])
+        self._server: tuple[str, int] | None = None
+
+    def open(self, host: str, port: int) -> None:
+        """Let people in, to the server at `host` and `port`."""
+        self._server = host, port
+        Thread(target=self._welcome, daemon=True).start()
+
+    def close(self) -> None:
+        """Nobody comes in any more; who is there stays until the server ends."""
+        with suppress(OSError):
+            self._listening.shutdown(socket.SHUT_RDWR)  # or the thread that accepts would stay
+        self._listening.close()
+
+    def _welcome(self) -> None:
+        while True:
+            try:
+                guest, _ = self._listening.accept()
+            except OSError:
+                return
+            Thread(target=self._hear, args=(guest,), daemon=True).start()
+
+    def _hear(self, guest: socket.socket) -> None:
+        """Read the request, and hand it on or refuse it."""
+        assert self._server is not None
+        with guest:
+            try:
+                guest.settimeout(_PATIENCE)
+                head = _head(guest)
+                if head is None:
+                    return
+                if not may_enter(head, self.token):
+                    guest.sendall(_REFUSED)
+                    return
+                guest.settimeout(None)
+                with socket.create_connection(self._server) as server:
+                    for end in (guest, server):
+                        end.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+                    server.sendall(head)
+                    back = Thread(target=_pass_on, args=(server, guest), daemon=True)
+                    back.start()
+                    _pass_on(guest, server)
+                    back.join()
+            except OSError:  # either side went away
+                return
+
+
+def hidden_host() -> str:
+    """An address of this machine for the server behind the door, which no web page can guess, where there are many."""
+    if not sys.platform.startswith("linux"):
+        return "127.0.0.1"
+    return f"127.{secrets.randbelow(254) + 1}.{secrets.randbelow(256)}.{secrets.randbelow(254) + 1}"
+
+
+def may_enter(head: bytes, token: str) -> bool:
+    """Whether the request whose head this is knows the token or is from no page of the web.
+
+    A browser always says from which site a page is; `null` is a page that hides it.
+    """
+    first, *lines = head.decode("latin-1").split("\r\n")
+    words = first.split(" ")
+    if len(words) != 3 or words[0] != "GET" or any(line[:1] in (" ", "\t") for line in lines):
+        return False
+    given = parse_qs(urlsplit(words[1]).query).get("token", [""])[0]
+    if hmac.compare_digest(given.encode(), token.encode()):
+        return True
+    fields = [line.partition(":") for line in lines]
+    origins = [value.strip().lower() for name, _, value in fields if name.strip().lower() == "origin"]
+    return all(map(_is_no_site, origins))
+
+
+def _is_no_site(origin: str) -> bool:
+    """A page of this machine, or a program whose pages have a scheme of their own."""
+    try:
+        parts = urlsplit(origin)
+    except ValueError:
+        return False
+    if parts.scheme in ("http", "https"):
+        return parts.hostname in _HERE
+    return "://" in origin and parts.scheme not in ("", "ftp", "blob", "data")
+
+
+def _head(guest: socket.socket) -> bytes | None:
+    """A request up to the empty line behind its fields; None when it does not come, or more comes."""
+    head = b""
+    while not head.endswith(b"\r\n\r\n"):
+        data = guest.recv(4096)
+        head += data
+        if not data or len(head) > _LONGEST_HEAD or b"\r\n\r\n" in head[:-4]:
+            return None
+    return head
+
+
+def _pass_on(one: socket.socket, other: socket.socket) -> None:
+    """Hand on what comes from one side until it ends."""
+    with suppress(OSError):
+        while data := one.recv(1 << 16):
+            other.sendall(data)
+    for end in (one, other):
+        with suppress(OSError):
+            end.shutdown(socket.SHUT_RDWR)
