@@ -8,6 +8,12 @@ from pathlib import Path
 from typing import BinaryIO
 
 
+def new_file(path: Path, *, buffering: int = -1) -> BinaryIO:
+    """A file of ours to write. What stood there goes: through a link that somebody planted nothing is written."""
+    path.unlink(missing_ok=True)
+    return open(path, "xb", buffering=buffering)
+
+
 @contextmanager
 def whole_file(path: Path) -> Iterator[BinaryIO]:
     """A file to write that stands beside `path` and gets its name at the end; nothing is left when that fails.
@@ -17,7 +23,7 @@ def whole_file(path: Path) -> Iterator[BinaryIO]:
     part = path.with_name(path.name + ".part")
     path.parent.mkdir(parents=True, exist_ok=True)
     try:
-        with part.open("wb") as file:
+        with new_file(part) as file:
             yield file
         part.replace(path)
     except BaseException as error:

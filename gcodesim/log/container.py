@@ -41,6 +41,7 @@ from gcodesim.log.chunk import ChunkBuilder, PackedChunk, pack
 from gcodesim.log.order import Ordered
 from gcodesim.log.rows import RecordRows
 from gcodesim.log.topics import Topic
+from gcodesim.whole_file import new_file
 
 MAGIC: Final = b"\x89MCAP0\r\n"
 CHUNK_SIZE: Final = 1 << 20
@@ -95,7 +96,7 @@ class Container:
         self._counts = np.zeros(len(topics) + 1, dtype=np.int64)  # messages by channel
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            self._file = open(self.part_path, "wb", buffering=0)  # noqa: SIM115  (lives as long as this object)
+            self._file = new_file(self.part_path, buffering=0)
             path.unlink(missing_ok=True)
         except OSError as error:
             raise self._failure(error) from error

@@ -11,7 +11,7 @@ from __future__ import annotations
 import json
 import zlib
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
@@ -21,6 +21,8 @@ from gcodesim.whole_file import write_whole
 
 SUFFIX = ".stock"
 _MAGIC = b"gcodesim-stock/2\n"
+_MOST_COLUMNS: Final = 100_000_000
+_MOST_INTERVALS: Final = 1000  # of a column
 _OLDER = b"gcodesim-stock/1\n"
 
 
@@ -53,6 +55,20 @@ def save_stock(stock: Stock, path: Path) -> None:
     write_whole(path, _MAGIC + text + zlib.compress(body, 1))
 
 
+def _unpacked(packed: bytes, nx: int, ny: int) -> bytes:
+    """The arrays of nx × ny columns, and no more than they can have: kilobytes may be packed that become gigabytes."""
+    if not (0 < nx <= _MOST_COLUMNS and 0 < ny <= _MOST_COLUMNS // nx):
+        raise ValueError(f"{nx} x {ny} columns are none that gcodesim writes")
+    unpacking = zlib.decompressobj()
+    first = unpacking.decompress(packed, 4 * nx * ny)
+    total = int(np.frombuffer(first, "<i4").clip(0, _MOST_INTERVALS).sum(dtype=np.int64))
+    rest = 16 * total + 4 * WALL_PLANES * (nx + 1) * (ny + 1)
+    body = first + unpacking.decompress(unpacking.unconsumed_tail, rest + 1)
+    if not unpacking.eof:
+        raise ValueError("more is packed than belongs to it")
+    return body
+
+
 def load_stock(path: Path) -> Stock:
     """The stock that `save_stock` wrote. OSError when there is no such file, StockFileError when it holds no stock."""
     return stock_from_bytes(path.read_bytes(), path.name)
@@ -67,8 +83,8 @@ def stock_from_bytes(raw: bytes, name: str) -> Stock:
     try:
         text, _, packed = raw[len(_MAGIC) :].partition(b"\n")
         head = json.loads(text)
-        body = zlib.decompress(packed)
         nx, ny = (int(v) for v in head["columns"])
+        body = _unpacked(packed, nx, ny)
         grid = np.array(head["grid_m"], dtype=np.float64)
         z_range = (float(head["z_range_m"][0]), float(head["z_range_m"][1]))
         resolution, material = float(head["resolution_m"]), str(head["material"])

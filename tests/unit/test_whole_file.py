@@ -33,3 +33,16 @@ def test_a_failure_leaves_what_was_there(tmp_path: Path) -> None:
 def test_folders_on_the_way_are_made(tmp_path: Path) -> None:
     write_whole(tmp_path / "reports" / "today" / "j.xml", b"<a/>")
     assert (tmp_path / "reports" / "today" / "j.xml").read_bytes() == b"<a/>"
+
+
+def test_nothing_is_written_through_a_link(tmp_path: Path) -> None:
+    """As one that somebody planted in a folder of outputs, in a repository or where everybody may write."""
+    victim = tmp_path / "victim"
+    victim.write_bytes(b"mine")
+    out = tmp_path / "out"
+    out.mkdir()
+    for name in ("a.bin", "a.bin.part"):
+        (out / name).symlink_to(victim)
+    write_whole(out / "a.bin", b"new")
+    assert victim.read_bytes() == b"mine" and (out / "a.bin").read_bytes() == b"new"
+    assert not (out / "a.bin").is_symlink() and [path.name for path in out.iterdir()] == ["a.bin"]

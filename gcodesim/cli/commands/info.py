@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import groupby
@@ -261,11 +262,12 @@ def _extract(log: Path, folder: Path, *, said: bool) -> None:
     """Write every attachment of `log` into `folder`; a file that is there already stays, and is an error."""
     from gcodesim.cli.output import note
     from gcodesim.log.logfile import LogFile
+    from gcodesim.whole_file import write_whole
 
     opened = LogFile.open(log, lenient=True)
     # a name may come from anywhere: only its last part counts
     files = {Path(name).name: name for name in opened.attachments}
-    present = [name for name in files if (folder / name).exists()]
+    present = [name for name in files if os.path.lexists(folder / name)]
     if present:
         raise UsageError(f"{folder / present[0]} is there already; nothing was written")
     contents = {own: opened.attached(name) for own, name in files.items()}
@@ -273,7 +275,7 @@ def _extract(log: Path, folder: Path, *, said: bool) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for own, data in whole.items():
-            (folder / own).write_bytes(data)
+            write_whole(folder / own, data)
     except OSError as error:
         raise UsageError(f"{folder} cannot be written: {error.strerror}") from None
     if said:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +31,7 @@ def add_parser(commands: Any) -> None:
 def run(arguments: argparse.Namespace) -> int:
     from gcodesim.starter.example import CELL, start_files
     from gcodesim.starter.first_cell import NoCellError, cell_for
+    from gcodesim.whole_file import write_whole
 
     folder = arguments.folder
     program = None if arguments.program is None else read_source(arguments.program, "program")
@@ -39,13 +41,13 @@ def run(arguments: argparse.Namespace) -> int:
         files = start_files() if program is None else {CELL: cell_for(program)}
     except NoCellError as reason:
         raise UsageError(f"{reason}; nothing was written") from None
-    present = [name for name in files if (folder / name).exists()]
+    present = [name for name in files if os.path.lexists(folder / name)]
     if present:
         raise UsageError(f"{folder / present[0]} is there already; nothing was written")
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for name, text in files.items():
-            (folder / name).write_bytes(text)
+            write_whole(folder / name, text)
     except OSError as error:
         raise UsageError(f"{folder} cannot be written: {error.strerror}") from None
     print(f"wrote {', '.join(files)} into {folder}")

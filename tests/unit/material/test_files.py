@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+import tracemalloc
+import zlib
 
 import numpy as np
 import pytest
@@ -89,3 +91,18 @@ def test_stl_is_the_surface_in_mm(carved, tmp_path, monkeypatch):
     assert len(surface.faces) % 100 > 0
     write_stl(carved.surface(), again)
     assert again.getvalue() == raw
+
+
+def test_a_stock_that_would_fill_the_memory_is_refused_before(carved, tmp_path) -> None:
+    """Some kilobytes of zeros, packed, are gigabytes."""
+    path = tmp_path / "a.stock"
+    save_stock(carved, path)
+    magic, head, _ = path.read_bytes().split(b"\n", 2)
+    bomb = zlib.compress(bytes(50_000_000), 9)
+    for text in (head, head.replace(b'[38, 25]', b'[9999999, 9999999]')):
+        path.write_bytes(b"\n".join((magic, text, bomb)))
+        tracemalloc.start()
+        with pytest.raises(StockFileError, match="damaged"):
+            load_stock(path)
+        assert tracemalloc.get_traced_memory()[1] < 10_000_000
+        tracemalloc.stop()
