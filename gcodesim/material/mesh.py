@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -30,7 +31,8 @@ def read_mesh(path: Path, scale: float = 1.0) -> tuple[Array, Ints]:
     import trimesh
 
     try:
-        mesh = trimesh.load(str(path), force="mesh", process=False)
+        # the bytes, not the path: the readers would open whatever else a file names, such as materials
+        mesh = trimesh.load(BytesIO(path.read_bytes()), file_type=path.suffix[1:].lower(), force="mesh", process=False)
     except Exception as fault:  # each kind of file has a reader that fails in its own ways
         raise ValueError(f"{path.name}: {fault or type(fault).__name__}") from fault
     vertices = np.ascontiguousarray(mesh.vertices, dtype=np.float64) * scale
