@@ -176,6 +176,23 @@ def test_the_other_inputs_of_the_action(repository: Path, tmp_path: Path) -> Non
     assert Job(repository, tmp_path / "3", checked).run().status == 1
 
 
+def test_no_file_of_a_pull_request_is_an_option(repository: Path, tmp_path: Path) -> None:
+    (repository / "--fail-on=never.nc").write_text("G21\nG1 X5\nM2\n")
+    job = Job(repository, tmp_path / "1", {"command": "lint", "paths": "*.nc"}).run()
+    assert job.status == 1 and "GS107" in job.printed
+    script = yaml_of("docs/gitlab-ci.yml")[".gcodesim"]["script"]
+    variables = {"GCODESIM_COMMAND": "lint", "GCODESIM_PATHS": "*.nc", "GCODESIM_ARGUMENTS": ""}
+    done = subprocess.run(
+        ["sh", "-ec", "\n".join(script)],
+        cwd=repository,
+        env=environment(tmp_path, **variables),
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 1 and "GS107" in done.stdout
+
+
 # ---- GitLab template
 
 
