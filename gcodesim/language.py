@@ -69,6 +69,7 @@ def settings_of_cell(
         auto_length=lengths,
         path_control=own.path_control,
         decimal_point=own.decimal_point,
+        compensation_start=own.compensation_start,
     )
     return settings, findings
 

@@ -260,6 +260,11 @@ class Channel:
         "what X10 is to a Fanuc program: 10 mm, or 10 increments of 0.001 mm",
         default="calculator",
     )
+    compensation_start: Literal["A", "B"] = key(
+        Choice(("A", "B")),
+        "start and end of Fanuc's cutter compensation: at right angles to the next move (A), or round its corner",
+        default="A",
+    )
     block_delete: bool = key(Switch(), "blocks that begin with `/` are skipped", default=False)
     optional_stop: bool = key(Switch(), "M1 stops; without effect, as nobody would go on", default=False)
     m_codes: Mapping[str, MCode] = key(

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 from gcodesim import canon
 from gcodesim.diagnostics import Span
@@ -23,8 +24,8 @@ from gcodesim.rs274.state import Vector, scaled
 from gcodesim.rs274.words import Words
 from gcodesim.units import DEG, MM
 
-_PLANE = {170: (0, 1, 2), 180: (2, 0, 1), 190: (1, 2, 0)}
-_STRAIGHT_ON = 0.05  # [rad] corners flatter than this are passed without an arc or an intersection
+PLANE = {170: (0, 1, 2), 180: (2, 0, 1), 190: (1, 2, 0)}
+STRAIGHT_ON = 0.05  # [rad] corners flatter than this are passed without an arc or an intersection
 _SWEEP_SLACK_MM = 0.0254
 _AT_ONCE = (canon.ToolSelect, canon.ToolNumber, canon.Message, canon.Print, canon.Log)  # no held move delays these
 # lathe tools: where the controlled point lies from the centre of the nose, by orientation, in radii along X and Z
@@ -46,6 +47,30 @@ class Held(canon.Event):
     feed_unit: canon.FeedUnit = "m/s"
     block: int = 0
     word: str = ""
+
+
+class CornerRule(Protocol):
+    """How another control than LinuxCNC enters the compensation and goes round corners."""
+
+    def enters(self, control: Control, end: Vector, length: float, *, rapid: bool) -> bool:
+        """Whether a first straight move of `length` in the plane begins the compensation; else it has been made."""
+
+    def refuse_arc(self, code: int) -> None:
+        """Raise a fault where the first move may not be an arc."""
+
+    def join(
+        self,
+        control: Control,
+        op: Point,
+        normal: Point,
+        offset_start: Point,
+        following: Line | Circle,
+        goal: Vector,
+        *,
+        turns: int = 0,
+        rapid: bool = False,
+    ) -> None:
+        """Join the held move with the next one; see `_corner`."""
 
 
 def is_on(control: Control) -> bool:
@@ -105,7 +130,7 @@ def leave(control: Control) -> None:
         return
     settle(control)
     before, control.out[:] = list(control.out), []
-    _flush(control)
+    flush(control)
     control.out[:0] = before
     if not state.comp_first:
         state.current = state.comp_programmed
@@ -118,7 +143,7 @@ def pause(control: Control) -> None:
     if control.state.side:
         settle(control)
         before, control.out[:] = list(control.out), []  # the block at hand may have moved, too
-        _flush(control)
+        flush(control)
         control.out[:0] = before
 
 
@@ -145,7 +170,7 @@ def straight(words: Words, control: Control, end: Vector, *, rapid: bool) -> Non
     from gcodesim.rs274.feeds import resolve_inverse_time, straight_length
 
     state = control.state
-    first, second, _ = _PLANE[state.plane]
+    first, second, _ = PLANE[state.plane]
     start = state.current if state.comp_first else state.comp_programmed
     if not rapid:
         resolve_inverse_time(words, control, straight_length(start, end))
@@ -162,21 +187,26 @@ def straight(words: Words, control: Control, end: Vector, *, rapid: bool) -> Non
         word="G0" if rapid else "G1",
     )
     radius = state.comp_radius
+    rule = control.corner_rule
     if state.comp_first:
-        if length <= radius:
+        if rule is not None:
+            if not rule.enters(control, end, length, rapid=rapid):
+                return
+        elif length <= radius:
             _too_short(length, radius, control)
     elif length == 0.0:
         at = state.current
-        move = replace(move, end=_with_plane(end, control, (at[first], at[second])))
+        move = replace(move, end=with_plane(end, control, (at[first], at[second])))
         control.out.append(move)
         state.current, state.comp_programmed = move.end, end
         return
     direction = ((goal[0] - op[0]) / length, (goal[1] - op[1]) / length) if length else (0.0, 0.0)
-    normal = _left(direction) if state.side > 0 else _right(direction)
-    offset_start = _beside(op, normal, radius)
+    normal = left(direction) if state.side > 0 else right(direction)
+    offset_start = beside(op, normal, radius)
     if not state.comp_first:
-        _corner(control, op, normal, offset_start, Line(offset_start, direction), end, rapid=rapid)
-    offset_end = _with_plane(end, control, _beside(goal, normal, radius))
+        join = _corner if rule is None else rule.join
+        join(control, op, normal, offset_start, Line(offset_start, direction), end, rapid=rapid)
+    offset_end = with_plane(end, control, beside(goal, normal, radius))
     control.out.append(replace(move, end=offset_end, direction=direction))
     state.current, state.comp_programmed, state.comp_normal = offset_end, end, normal
     state.comp_first = False
@@ -188,7 +218,7 @@ def arc(words: Words, control: Control, end: Vector, code: int) -> None:
     from gcodesim.rs274.feeds import resolve_inverse_time
 
     state = control.state
-    first, second, _ = _PLANE[state.plane]
+    first, second, _ = PLANE[state.plane]
     start = state.current if state.comp_first else state.comp_programmed
     shape = arc_of(words, control, start, end, code)
     if state.feed_mode == 930:
@@ -211,9 +241,12 @@ def arc(words: Words, control: Control, end: Vector, code: int) -> None:
         )
     sign = -1.0 if inside else 1.0
     out_normal = _towards(shape.centre, goal, sign)
-    offset_end = _beside(goal, out_normal, radius)
+    offset_end = beside(goal, out_normal, radius)
     centre = shape.centre
+    rule = control.corner_rule
     if state.comp_first:
+        if rule is not None:
+            rule.refuse_arc(code)
         if apart(op, goal) <= radius:
             _too_short(apart(op, goal), radius, control)
         if radius:
@@ -221,14 +254,15 @@ def arc(words: Words, control: Control, end: Vector, code: int) -> None:
         offset_start = op
     else:
         in_normal = _towards(shape.centre, op, sign)
-        offset_start = _beside(op, in_normal, radius)
+        offset_start = beside(op, in_normal, radius)
         circle = Circle(shape.centre, arc_radius + sign * radius)
-        _corner(control, op, in_normal, offset_start, circle, end, turns=shape.turns)
+        join = _corner if rule is None else rule.join
+        join(control, op, in_normal, offset_start, circle, end, turns=shape.turns)
     control.out.append(
         Held(
             span=control.span,
             kind="arc",
-            end=_with_plane(end, control, offset_end),
+            end=with_plane(end, control, offset_end),
             centre=centre,
             turns=shape.turns,
             sweep=sweep_of(offset_start, offset_end, Arc(centre, shape.turns)),
@@ -238,7 +272,7 @@ def arc(words: Words, control: Control, end: Vector, code: int) -> None:
             word=f"G{code // 10}",
         )
     )
-    state.current, state.comp_programmed = _with_plane(end, control, offset_end), end
+    state.current, state.comp_programmed = with_plane(end, control, offset_end), end
     state.comp_normal = out_normal
     state.comp_first = False
 
@@ -285,15 +319,15 @@ def _corner(
     As on the control, rotary axes reach their goal on the way round an outside corner.
     """
     state = control.state
-    turn = _turn_outward(state.comp_normal, normal, state.side)
-    if -_STRAIGHT_ON <= turn <= _STRAIGHT_ON:
-        _flush(control, lenient=True)
-    elif _STRAIGHT_ON < turn <= _outside_limit(control, turns):
+    turn = turn_outward(state.comp_normal, normal, state.side)
+    if -STRAIGHT_ON <= turn <= STRAIGHT_ON:
+        flush(control, lenient=True)
+    elif STRAIGHT_ON < turn <= _outside_limit(control, turns):
         held_end = state.current
-        _flush(control, lenient=turns != 0)
-        end = (*_with_plane(held_end, control, offset_start)[:3], *goal[3:])
+        flush(control, lenient=turns != 0)
+        end = (*with_plane(held_end, control, offset_start)[:3], *goal[3:])
         if rapid:
-            _emit(control, Held(span=control.span, kind="rapid", end=end, block=control.block_number, word="G0"))
+            emit(control, Held(span=control.span, kind="rapid", end=end, block=control.block_number, word="G0"))
         else:
             feed, unit = control.feed(linear=True)
             around = Held(
@@ -307,12 +341,12 @@ def _corner(
                 block=control.block_number,
                 word="G2" if state.side > 0 else "G3",
             )
-            _emit(control, around)
+            emit(control, around)
         state.comp_endpoint = offset_start
     elif not any(type(event) is Held for event in state.held):
-        _flush(control)  # after a stop nothing waits, and an inside corner is left as it is
+        flush(control)  # after a stop nothing waits, and an inside corner is left as it is
     else:
-        _flush(control, corner=_intersection(control, op, following, turns))
+        flush(control, corner=intersection(control, op, following, turns))
 
 
 def _outside_limit(control: Control, following_turns: int) -> float:
@@ -323,17 +357,17 @@ def _outside_limit(control: Control, following_turns: int) -> float:
     arc, else the held one.
     """
     side = control.state.side
-    waiting = _held_moves(control)
+    waiting = held_moves(control)
     turns = following_turns or (waiting[0].turns if waiting else 0)
     around = turns != 0 and (turns > 0) != (side > 0)
-    return math.pi - _STRAIGHT_ON if around else math.pi + _STRAIGHT_ON
+    return math.pi - STRAIGHT_ON if around else math.pi + STRAIGHT_ON
 
 
 def _in_plane(move: Held) -> bool:
     return move.kind == "arc" or move.direction != (0.0, 0.0)
 
 
-def _held_moves(control: Control) -> list[Held]:
+def held_moves(control: Control) -> list[Held]:
     return [event for event in control.state.held if type(event) is Held and _in_plane(event)]
 
 
@@ -342,7 +376,7 @@ def _held_move(control: Control) -> Held:
 
     After a stop only some across the plane may wait: then a move that ended here in the direction of the one before.
     """
-    waiting = _held_moves(control)
+    waiting = held_moves(control)
     if waiting:
         return waiting[0]
     state = control.state
@@ -350,14 +384,14 @@ def _held_move(control: Control) -> Held:
     return Held(span=control.span, kind="line", end=state.current, direction=(y, -x) if state.side > 0 else (-y, x))
 
 
-def _turn_outward(before: Point, after: Point, side: int) -> float:
+def turn_outward(before: Point, after: Point, side: int) -> float:
     """Angle [rad] from the old normal to the new one, positive where the corner is outside; -pi/2 to 3 pi/2."""
     angle = math.atan2(before[0] * after[1] - before[1] * after[0], before[0] * after[0] + before[1] * after[1])
     turn = -angle if side > 0 else angle
     return turn + 2.0 * math.pi if turn < -math.pi / 2.0 else turn
 
 
-def _intersection(control: Control, op: Point, following: Line | Circle, turns: int) -> Point:
+def intersection(control: Control, op: Point, following: Line | Circle, turns: int) -> Point:
     """Where the held offset path meets the next one, which leaves `op`: an arc of `turns`, or a line.
 
     As on the control, the centre of an arc that meets a line is taken to be as far from `op` as from the arc's other
@@ -365,7 +399,7 @@ def _intersection(control: Control, op: Point, following: Line | Circle, turns: 
     """
     state = control.state
     move = _held_move(control)
-    first, second, _ = _PLANE[state.plane]
+    first, second, _ = PLANE[state.plane]
     end = (move.end[first], move.end[second])
     held: Line | Circle
     held = Circle(move.centre, apart(move.centre, end)) if move.kind == "arc" else Line(end, move.direction)
@@ -386,12 +420,12 @@ def _intersection(control: Control, op: Point, following: Line | Circle, turns: 
         )
     if len(found) == 1:
         return found[0]
-    left, right = found  # of two circles: as seen from the held one's centre to the other
+    first_point, second_point = found  # of two circles: as seen from the held one's centre to the other
     if isinstance(held, Line):
         return max(found, key=lambda point: _dot(point, held.direction) * (1.0 if inside_next else -1.0))
     if isinstance(following, Line):
         return max(found, key=lambda point: _dot(point, following.direction) * (-1.0 if inside_held else 1.0))
-    return left if inside_held == (turns > 0) else right
+    return first_point if inside_held == (turns > 0) else second_point
 
 
 def _off_by(centre: Point, op: Point, radius: float) -> Point:
@@ -425,7 +459,7 @@ def _scaled(move: Held, factor: float) -> Held:
 # -- emission
 
 
-def _flush(control: Control, corner: Point | None = None, *, lenient: bool = False) -> None:
+def flush(control: Control, corner: Point | None = None, *, lenient: bool = False) -> None:
     """Emit what waits, before the events of the block in hand; `corner` is where the held move must end.
 
     A held move that would run backwards is a fault; a control does not look where the next one goes straight on or
@@ -440,9 +474,9 @@ def _flush(control: Control, corner: Point | None = None, *, lenient: bool = Fal
             control.out.append(event)
             continue
         if corner is None and not _in_plane(event):
-            _emit(control, event)
+            emit(control, event)
         else:
-            first, second, _ = _PLANE[state.plane]
+            first, second, _ = PLANE[state.plane]
             try:
                 move = _shortened(control, event, corner or (event.end[first], event.end[second]))
             except Fault as fault:
@@ -450,7 +484,7 @@ def _flush(control: Control, corner: Point | None = None, *, lenient: bool = Fal
                     raise
                 control.warn(fault.code, fault.message + "; the control does not see it", fault.hint)
                 move = event
-            _emit(control, move)
+            emit(control, move)
     control.out.extend(later)
 
 
@@ -474,10 +508,10 @@ def _shortened(control: Control, move: Held, corner: Point) -> Held:
             "the inside corner is closer than the tool's radius: the tool would cut into the part",
             hint=f"the move before is in line {move.span.line}; use a smaller tool",
         )
-    return replace(move, end=_with_plane(move.end, control, corner))
+    return replace(move, end=with_plane(move.end, control, corner))
 
 
-def _emit(control: Control, move: Held) -> None:
+def emit(control: Control, move: Held) -> None:
     """The event of a held move, from where the tool really stands."""
     state = control.state
     start, end = state.comp_emitted, move.end
@@ -493,14 +527,14 @@ def _emit(control: Control, move: Held) -> None:
         )
     else:
         control.out.append(_arc_event(control, move, start, end, at))
-    first, second, _ = _PLANE[state.plane]
+    first, second, _ = PLANE[state.plane]
     state.comp_emitted = end
     state.comp_endpoint = (end[first], end[second])
 
 
 def _arc_event(control: Control, move: Held, start: Vector, end: Vector, at: canon.Axes) -> canon.ArcFeed:
     state = control.state
-    first, second, normal = _PLANE[state.plane]
+    first, second, normal = PLANE[state.plane]
     middle = list(end)
     middle[first], middle[second] = move.centre
     axis = [0.0, 0.0, 0.0]
@@ -545,15 +579,15 @@ def _moves_linear(start: Vector, end: Vector) -> bool:
     return start[:3] != end[:3] or start[3:6] == end[3:6]
 
 
-def _left(direction: Point) -> Point:
+def left(direction: Point) -> Point:
     return -direction[1], direction[0]
 
 
-def _right(direction: Point) -> Point:
+def right(direction: Point) -> Point:
     return direction[1], -direction[0]
 
 
-def _beside(point: Point, normal: Point, radius: float) -> Point:
+def beside(point: Point, normal: Point, radius: float) -> Point:
     return point[0] + radius * normal[0], point[1] + radius * normal[1]
 
 
@@ -563,8 +597,8 @@ def _towards(centre: Point, point: Point, sign: float) -> Point:
     return sign * (point[0] - centre[0]) / length, sign * (point[1] - centre[1]) / length
 
 
-def _with_plane(vector: Vector, control: Control, point: Point) -> Vector:
-    first, second, _ = _PLANE[control.state.plane]
+def with_plane(vector: Vector, control: Control, point: Point) -> Vector:
+    first, second, _ = PLANE[control.state.plane]
     out = list(vector)
     out[first], out[second] = point
     return tuple(out)  # type: ignore[return-value]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from gcodesim import canon
 from gcodesim.diagnostics import Diagnostic, Severity, Span
@@ -22,6 +22,9 @@ from gcodesim.rs274.settings import Settings
 from gcodesim.rs274.state import AXES, LINEAR, State, Vector, add, scaled, subtract
 from gcodesim.rs274.tool_table import ToolEntry
 from gcodesim.units import DEG, MINUTE, MM, RPM
+
+if TYPE_CHECKING:
+    from gcodesim.rs274.compensation import CornerRule
 
 _PATH_MODES: dict[int, str] = {610: "exact_path", 611: "exact_stop", 640: "blend"}
 
@@ -51,6 +54,7 @@ class Control:
         self.last_system: canon.WorkSystem | None = None
         self.saved_modes: list[tuple[State, float, float, bool]] = []
         self.not_simulated: dict[str, tuple[int, Span]] = {}
+        self.corner_rule: CornerRule | None = None  # of cutter compensation; None for RS274's
         self.auto_length = False  # M6 takes the length along: nothing in the program is about lengths
         self.length_cancelled = False  # G49 is all that the program says about them
         self.sub_level = 0

@@ -11,6 +11,7 @@
 | polar coordinates | G16: radius and angle of the plane | `polar.py` |
 | devices outside | POPEN, DPRNT, PCLOS | `external.py` |
 | codes of Haas | G154 P is G54.1 P; G103, G187 are read; pockets are refused | `offsets.py`, `execute.py` |
+| cutter compensation | corners by intersection, start-up and cancel of type A and B | `compensation.py` |
 | corners | `,C` and `,R` between moves | `corners.py` |
 | drilling | heights pass on, K repeats, X Y before R | `cycles.py` |
 | a block from first to last | ignored words are warned of, not refused | `execute.py` |

@@ -20,9 +20,11 @@ from gcodesim.rs274.state import ZERO, State, Vector, add, scaled, subtract
 from gcodesim.units import MM
 
 if TYPE_CHECKING:
+    from gcodesim.rs274.dialects import Dialect
     from gcodesim.rs274.fanuc.corners import Corner
     from gcodesim.rs274.fanuc.flow import FanucFrame
     from gcodesim.rs274.fanuc.polar import Polar
+    from gcodesim.rs274.settings import Settings
 
 _XY = (0, 1)
 
@@ -47,6 +49,7 @@ class FanucState(State):
     clear: float | None = None  # heights of the chain of cycles, in the work system
     bottom: float | None = None
     polar: Polar | None = None  # G16
+    comp_starting: bool = False  # the held move starts the compensation
     stroke: int = 220  # G22 or G23
     last_m: int = 0  # the last M code that is no call
     corner: Corner | None = None  # a move that waits for the next one
@@ -60,6 +63,12 @@ class FanucControl(Control):
     writing: bool = False  # between a G10 that writes data of the control and G11
     sequence: int = 0  # the last N before the block at hand
     via: Vector | None = None  # where the last G28 or G30 went through, of the axes, in program units
+
+    def __init__(self, settings: Settings, dialect: Dialect) -> None:
+        super().__init__(settings, dialect)
+        from gcodesim.rs274.fanuc.compensation import FanucCorners
+
+        self.corner_rule = FanucCorners(self)
 
     def _first_state(self) -> State:
         return FanucState()

@@ -8,10 +8,11 @@ from gcodesim.rs274 import parameters as numbers
 from gcodesim.rs274.arcs import PLANE_AXES
 from gcodesim.rs274.dialects import g_name
 from gcodesim.rs274.dialects.fanuc import CYCLES, MIRROR, SCALING, STROKE, TURN
-from gcodesim.rs274.dialects.linuxcnc import CANCEL, COMPENSATION, MOTION, NON_MODAL, PATH, SPINDLE, STOPPING
+from gcodesim.rs274.dialects.linuxcnc import CANCEL, COMPENSATION, DISTANCE, MOTION, NON_MODAL, PATH, SPINDLE, STOPPING
 from gcodesim.rs274.ends import end_point, start_point
 from gcodesim.rs274.execute import NOT_MODELLED
 from gcodesim.rs274.fanuc import corners, figure, offsets, polar
+from gcodesim.rs274.fanuc.compensation import leave
 from gcodesim.rs274.fanuc.control import FanucControl
 from gcodesim.rs274.fanuc.cycles import cycle
 from gcodesim.rs274.fault import Fault
@@ -57,7 +58,7 @@ def execute(words: Words, control: FanucControl, has_point: dict[str, bool]) -> 
     claimed = g.get(NON_MODAL, -1)
     if claimed == 40:
         _dwell(words, control)
-    _compensation(words, control)
+    leaving = _compensation(words, control)
     _path(words, control)
     modes.retract(words, control)
     offsets.tool_length(words, control)
@@ -92,7 +93,7 @@ def execute(words: Words, control: FanucControl, has_point: dict[str, bool]) -> 
     elif claims:
         motion = own
     else:
-        used |= _moved_by(words, control, motion, own)
+        used |= _moved_by(words, control, motion, own, leaving=leaving)
     if own >= 0 and own not in CYCLES:
         state.cycle = -1
         state.motion = own
@@ -107,8 +108,11 @@ def execute(words: Words, control: FanucControl, has_point: dict[str, bool]) -> 
         compensation.settle(control)
 
 
-def _moved_by(words: Words, control: FanucControl, motion: int, own: int) -> frozenset[str]:
-    """Execute the motion when the block has words for it; the letters that it uses."""
+def _moved_by(words: Words, control: FanucControl, motion: int, own: int, *, leaving: bool = False) -> frozenset[str]:
+    """Execute the motion when the block has words for it; the letters that it uses.
+
+    `leaving` says that it takes the tool out of the cutter compensation.
+    """
     arc = motion in (20, 30)
     state = control.state
     if motion in CYCLES:
@@ -138,6 +142,8 @@ def _moved_by(words: Words, control: FanucControl, motion: int, own: int) -> fro
     if corners.is_near(words, control):
         corners.move(words, control, motion)
     else:
+        if leaving:
+            leave(control, end_point(words, control), rapid=motion == 0)
         MOTIONS[motion](words, control, motion)
     state.motion = own if own >= 0 else kept
     return corners.LETTERS | (_ARC_WORDS if arc else frozenset("k" if motion == 330 else ""))
@@ -195,13 +201,18 @@ def _path(words: Words, control: FanucControl) -> None:
         control.say_path()
 
 
-def _compensation(words: Words, control: FanucControl) -> None:
+def _compensation(words: Words, control: FanucControl) -> bool:
+    """G40, G41, G42 and D; whether the move of this block is to leave the compensation by itself."""
     code = words.g.get(COMPENSATION)
     if code is None:
-        return
+        _number_alone(words, control)
+        return False
     if code == 400:
-        compensation.leave(control)
-        return
+        motion = words.g.get(MOTION, control.state.motion)
+        if motion in (0, 10) and words.has_axes() and words.g.keys() <= {COMPENSATION, MOTION, DISTANCE}:
+            return True
+        leave(control, None, rapid=False)
+        return False
     figure.side(words, control)
     radius = offsets.check_radius_number(words, control)
     given = words.values.pop("d", None)
@@ -212,6 +223,16 @@ def _compensation(words: Words, control: FanucControl) -> None:
         state.side = -state.side
     if given is not None:
         words.values["d"] = given
+    return False
+
+
+def _number_alone(words: Words, control: FanucControl) -> None:
+    """D without G41 or G42 chooses the offset for the next of them."""
+    number = round(words.values.get("d", control.state.radius_number))
+    if control.state.side and number != control.state.radius_number:
+        hint = "say G40 before, or give D with G41 or G42"
+        raise Fault("GS153", "D cannot change while cutter compensation is on", at="d", hint=hint)
+    control.state.radius_number = number
 
 
 def _machine_coordinates(words: Words, control: FanucControl) -> None:
