@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable
 from functools import cached_property
 from pathlib import Path
@@ -461,12 +462,17 @@ class FlowControl:
         for folder in self.folders:
             path = folder / name
             try:
-                if path.is_file():
+                if path.is_file() and self._is_within(path):
                     self.files[name] = ProgramFile(SourceText.read(path), self.reader)
                     return self.files[name]
             except OSError:
                 continue
         return None
+
+    def _is_within(self, path: Path) -> bool:
+        """Whether a file of a folder lies there or in another one, and is no link to a file of somebody else."""
+        real = Path(os.path.realpath(path))
+        return any(real.is_relative_to(os.path.realpath(folder)) for folder in self.folders)
 
     # M98 and M99
 

@@ -257,7 +257,7 @@ class FanucFlow(FlowControl):
                     return known
                 path = folder / name
                 try:
-                    if path.is_file():
+                    if path.is_file() and self._is_within(path):
                         file = FanucFile(SourceText.read(path), self.reader)
                         self.files[name] = file
                         return file
