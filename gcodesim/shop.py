@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
@@ -14,12 +14,14 @@ from gcodesim.cell.leftover import NOTHING_LEFT, Leftover, no_stock
 from gcodesim.cell.machine import MachineTool
 from gcodesim.cell.placement import FIXTURE, STOCK, bounds_of
 from gcodesim.cell.robot import Payload, Robot
-from gcodesim.cell.stock import Box, Cylinder, StockSpec
+from gcodesim.cell.stock import StockSpec, solid_of
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.frames import Array, Pose
 from gcodesim.kinematics import Cartesian, Chain, Inertial, Kinematics, Link, kinematics_of, model_path
+from gcodesim.kinematics.chain import BASE
 from gcodesim.processes.sheet import Sheet
-from gcodesim.scene import WORK, WORLD, Mover, Scene, Stand
+from gcodesim.scene import WORK, WORLD, Body, Mover, Scene, Stand
+from gcodesim.solids import Box, Cylinder, Mesh, MeshFile, Placed, read_mesh
 from gcodesim.units import MM
 
 if TYPE_CHECKING:
@@ -184,7 +186,27 @@ def _scene(cell: Cell, mover: Mover, placement: Placement) -> Scene:
         name = on.link.partition("/")[0]
         if name not in movers:
             movers[name] = _mover(cell.machine if name == MACHINE and cell.machine else cell.robots[name])
-    return Scene(movers=movers, frames=frames)
+    return Scene(movers=movers, frames=frames, bodies=(*_links(mover), *_standing(cell)))
+
+
+def _links(mover: Mover) -> Iterator[Body]:
+    """The links of a mover that have a shape; the root is its base."""
+    shapes: dict[int, list[Placed]] = {}
+    for shape in mover.kinematics.link_shapes:
+        shapes.setdefault(shape.link, []).append(shape.placed)
+    for index, solids in sorted(shapes.items()):
+        link = mover.kinematics.link_names[index] if index else BASE
+        yield Body(name=f"{mover.name}/{link}", solids=tuple(solids), role="link")
+
+
+def _standing(cell: Cell) -> Iterator[Body]:
+    """Stocks, in the shape in which they come, and fixtures."""
+    for name, stock in cell.stocks.items():
+        solid = solid_of(stock.shape)
+        yield Body(name=f"{STOCK}/{name}", solids=() if solid is None else (Placed(solid),), role="stock")
+    for name, fixture in cell.fixtures.items():
+        solid = solid_of(fixture.shape)
+        yield Body(name=f"{FIXTURE}/{name}", solids=() if solid is None else (Placed(solid),), role="fixture")
 
 
 def _work_stand(mover: Mover, X_W: Pose) -> Stand:
@@ -238,12 +260,12 @@ def with_stock(shop: Shop) -> tuple[Shop, list[Diagnostic]]:
 
 def _undrawn(shop: Shop) -> list[Diagnostic]:
     """A finding for each mesh of the robot that cannot be read."""
-    from gcodesim.material.mesh import read_mesh
-
     findings = []
-    for mesh in dict.fromkeys(shape.mesh for shape in shop.kinematics.link_shapes if shape.mesh is not None):
+    solids = (shape.placed.solid for shape in shop.kinematics.link_shapes)
+    meshes = (solid.source for solid in solids if isinstance(solid, Mesh))
+    for file in dict.fromkeys(mesh.path for mesh in meshes if isinstance(mesh, MeshFile)):
         try:
-            read_mesh(mesh)
+            read_mesh(file)
         except ValueError as fault:
             message = f"a mesh of `{shop.name}` cannot be drawn: {fault}"
             findings.append(Diagnostic(code="GS770", span=shop.cell.span("robots", shop.name), message=message))
@@ -305,7 +327,7 @@ def _stock(shop: Shop, name: str, spec: StockSpec) -> Stock | Diagnostic:
     if isinstance(shape, Cylinder):
         centre = (0.0, 0.0, shape.bottom)
         return Stock.cylinder(centre, 2.0 * shape.radius, shape.top - shape.bottom, resolution, material)
-    from gcodesim.material.mesh import read_mesh, stock_of_mesh
+    from gcodesim.material.mesh import stock_of_mesh
 
     return stock_of_mesh(*read_mesh(shape.path, shape.scale), resolution, material)
 

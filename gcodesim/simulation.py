@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 from gcodesim.canon import Axes
 from gcodesim.cell import Cell, LoadedCell
 from gcodesim.cell.cell import MAIN
-from gcodesim.cell.placement import FIXTURE
 from gcodesim.cell.reach import reach_findings
 from gcodesim.checks.coarse import coarse_findings
 from gcodesim.checks.empty_spindle import empty_spindle_findings
@@ -19,7 +18,6 @@ from gcodesim.checks.idle import blind_axis_findings, idle_findings
 from gcodesim.checks.missing_length import cutting_without_length
 from gcodesim.checks.speed import speed_findings
 from gcodesim.diagnostics import Diagnostic, Findings, Severity, SourceText, Span
-from gcodesim.frames import Array
 from gcodesim.job import KINEMATIC, Job, Options
 from gcodesim.language import settings_of_cell
 from gcodesim.motion import ToolPath, build_tool_path
@@ -36,12 +34,10 @@ from gcodesim.output_folder import (
 )
 from gcodesim.results import Results
 from gcodesim.rs274 import Settings, interpret
-from gcodesim.scene import WORLD
 from gcodesim.shop import Shop, open_shop, with_stock
 from gcodesim.whole_file import write_whole
 
 if TYPE_CHECKING:
-    from gcodesim.checks.collisions import FixtureBody
     from gcodesim.executor import Execution, Progress
     from gcodesim.log.live import LiveView
     from gcodesim.planning import Plan
@@ -157,21 +153,9 @@ def _clearance(shop: Shop, plan: Plan) -> list[Diagnostic]:
     """Where the tool runs into a fixture."""
     if not shop.cell.fixtures:
         return []
-    from gcodesim.checks.clearance import Standing, clearance_findings, fixture_body
+    from gcodesim.checks.clearance import clearance_findings, standing_bodies
 
-    bodies: dict[str, list[FixtureBody]] = {}
-    for name, fixture in shop.cell.fixtures.items():
-        carrier, X = shop.scene.standing_on(f"{FIXTURE}/{name}")
-        body = fixture_body(name, fixture.shape, shop.X_WB.inverse() @ X if carrier == WORLD else X)
-        if body is not None:
-            bodies.setdefault(carrier, []).append(body)
-    standing = [Standing(tuple(some), _carrier(shop, carrier)) for carrier, some in bodies.items()]
-    return clearance_findings(plan, shop.cell.tools, standing, X_BM=shop.X_BM)
-
-
-def _carrier(shop: Shop, frame: str) -> Callable[[Array], Array] | None:
-    """Where a frame that carries fixtures is in B at joints (n, j); None for the world."""
-    return None if frame == WORLD else lambda q: shop.scene.seen_from(shop.name, frame, {shop.name: q})
+    return clearance_findings(plan, shop.cell.tools, standing_bodies(shop.scene, shop.name), X_BM=shop.X_BM)
 
 
 def check(job: Job) -> Results:

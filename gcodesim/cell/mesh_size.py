@@ -27,7 +27,7 @@ def bounds(path: Path, raw: bytes) -> tuple[Point, Point] | str:
     elif suffix == ".obj":
         points = _ascii(_OBJ_VERTEX, raw)
     else:
-        from gcodesim.material.mesh import read_mesh
+        from gcodesim.solids import read_mesh
 
         try:
             points = read_mesh(path)[0]

@@ -22,10 +22,11 @@ from gcodesim.cell.machine import MachineTool
 from gcodesim.cell.placing import Carried
 from gcodesim.cell.placing import Place as Standing
 from gcodesim.cell.robot import Robot
-from gcodesim.cell.stock import Cylinder, Shape
+from gcodesim.cell.stock import Shape
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.frames import Array, Pose
 from gcodesim.rs274.parameters import first_of_system
+from gcodesim.solids import Box, Cylinder
 from gcodesim.units import DEG, MM
 
 Corners = tuple[tuple[float, float, float], tuple[float, float, float]]
@@ -192,10 +193,7 @@ def _upright_base(cell: Cell, channel: Channel, robot: MachineTool | Robot) -> P
 
 def bounds_of(shape: Shape) -> Corners:
     """Least and greatest corner [m] of a shape in its own frame."""
-    if isinstance(shape, Cylinder):
-        r = shape.radius
-        return (-r, -r, shape.bottom), (r, r, shape.top)
-    return shape.lower, shape.upper
+    return shape.bounds if isinstance(shape, Box | Cylinder) else (shape.lower, shape.upper)
 
 
 def _automatic(cell: Cell, machine: MachineTool | Robot) -> tuple[Pose, Diagnostic]:

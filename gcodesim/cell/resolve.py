@@ -11,11 +11,12 @@ from gcodesim.cell.cell import FORMAT, MACHINE, MAIN, Cell
 from gcodesim.cell.channel import Channel
 from gcodesim.cell.placing import WORLD, FrameTree, Place
 from gcodesim.cell.settings import matches, with_step
-from gcodesim.cell.stock import Box, Mesh, Shape
+from gcodesim.cell.stock import MeshShape, Shape
 from gcodesim.declarations.keys import keys
 from gcodesim.declarations.reading import Path, Reading, suggestion
 from gcodesim.declarations.record import list_default
 from gcodesim.diagnostics import Diagnostic, Severity, Span, codes
+from gcodesim.solids import Box
 from gcodesim.units import MM
 
 _FOLLOW_WORK: Final = ("stock", "fixtures", "target")
@@ -269,7 +270,7 @@ def _check_mesh_sizes(cell: Cell, to: Reading) -> None:
     meshes += [(s.shape, (("stock", name, "mesh"))) for name, s in cell.stocks.items()]
     scale = _size_of_cell(cell)
     for shape, path in meshes:
-        if not isinstance(shape, Mesh):
+        if not isinstance(shape, MeshShape):
             continue
         side = max(high - low for low, high in zip(shape.lower, shape.upper, strict=True))
         if scale / _STRANGE <= side <= scale * _STRANGE:

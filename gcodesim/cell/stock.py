@@ -22,6 +22,7 @@ from gcodesim.declarations.reading import FAULT, Fault, Path, Reading, Reference
 from gcodesim.declarations.record import FREE, NEARLY, Record
 from gcodesim.declarations.units import find, names, shown
 from gcodesim.diagnostics import Diagnostic
+from gcodesim.solids import Box, Cylinder, Mesh, MeshFile, Solid
 
 Point = tuple[float, float, float]
 
@@ -40,29 +41,8 @@ _GRID: Final = Range(least=1e-7, most=1.0)  # m
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Box:
-    """A box between two corners in its own frame [m]."""
-
-    lower: Point
-    upper: Point
-
-    @property
-    def size(self) -> Point:
-        return (self.upper[0] - self.lower[0], self.upper[1] - self.lower[1], self.upper[2] - self.lower[2])
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Cylinder:
-    """A cylinder about Z of its own frame, from height `bottom` to `top` [m]."""
-
-    radius: float
-    bottom: float
-    top: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Mesh:
-    """A triangle mesh: points of the file times `scale` [m]; `lower` and `upper` are its corners [m]."""
+class MeshShape:
+    """A mesh file of the cell: its points times `scale` are metres; `lower` and `upper` are its corners [m]."""
 
     name: str
     path: FilePath
@@ -71,7 +51,19 @@ class Mesh:
     upper: Point
 
 
-Shape = Box | Cylinder | Mesh | Leftover
+    @property
+    def solid(self) -> Mesh:
+        return Mesh(source=MeshFile(path=self.path, scale=(self.scale, self.scale, self.scale)))
+
+
+Shape = Box | Cylinder | MeshShape | Leftover
+
+
+def solid_of(shape: Shape) -> Solid | None:
+    """The solid that a shape of the cell is; None for what an earlier run left, which is a stock and no solid."""
+    if isinstance(shape, Leftover):
+        return None
+    return shape.solid if isinstance(shape, MeshShape) else shape
 
 
 def zero_fractions(text: str) -> Point | None:
@@ -301,7 +293,7 @@ def _box_between(body: Body, to: Reading, path: Path) -> Shape | Fault:
     return Box(lower=body.min, upper=body.max)
 
 
-def _mesh(file: FileValue, unit: str | None, to: Reading, path: Path) -> Mesh | Fault:
+def _mesh(file: FileValue, unit: str | None, to: Reading, path: Path) -> MeshShape | Fault:
     span = to.span((*path, "mesh"))
     if FilePath(file.name).suffix.lower() not in MESH_SUFFIXES:
         return to.fault(
@@ -328,7 +320,7 @@ def _mesh(file: FileValue, unit: str | None, to: Reading, path: Path) -> Mesh | 
             )
         )
         to.default((*path, "unit"), "mm", "assumed")
-    return Mesh(name=file.name, path=file.path, scale=scale.factor, lower=lower, upper=upper)
+    return MeshShape(name=file.name, path=file.path, scale=scale.factor, lower=lower, upper=upper)
 
 
 @dataclass(frozen=True, slots=True)
@@ -405,7 +397,7 @@ class Target:
     unit: str | None = key(LENGTH_UNIT, "unit of the mesh file", default=None)
     place: Place = inline(Place)
     tolerance: float = key(Quantity("length", _SIDE), "largest deviation that is no finding", default=1e-4)
-    shape: Mesh | None = None
+    shape: MeshShape | None = None
 
     def checked(self, to: Reading, path: Path) -> Target | Fault:
         shape = _mesh(self.mesh, self.unit, to, path)

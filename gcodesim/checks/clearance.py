@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.canon.systems import name_of_system
-from gcodesim.cell.stock import Box, Cylinder, Mesh, Shape
-from gcodesim.checks.collisions import FixtureBody, ToolParts, collision_finding, fixture_touches
+from gcodesim.checks.collisions import Obstacle, ToolParts, collision_finding, fixture_touches
+from gcodesim.checks.pairs import may_not_meet
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.frames import Array, Pose, rotation_about
 from gcodesim.motion.tool_path import ToolState
+from gcodesim.scene import WORLD, Role, Scene
 
 if TYPE_CHECKING:
     from gcodesim.planning.plan import Plan
@@ -26,29 +28,37 @@ _BLOCK: Final = 50_000  # times whose poses are kept at once
 _UP: Final = np.array([0.0, 0.0, 1.0])
 
 
-def fixture_body(name: str, shape: Shape, X: Pose) -> FixtureBody | None:
-    """A fixture of the cell with its own frame at `X`; None for a shape that is no body."""
-    if isinstance(shape, Box):
-        return FixtureBody.box(name, shape.lower, shape.upper, X)
-    if isinstance(shape, Cylinder):
-        return FixtureBody.cylinder(name, shape.radius, shape.bottom, shape.top, X)
-    if isinstance(shape, Mesh):
-        from gcodesim.material.mesh import read_mesh
-
-        points, triangles = read_mesh(shape.path, shape.scale)
-        return FixtureBody.mesh(name, points, triangles, X)
-    return None
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Standing:
-    """Fixtures that stand on one thing: their places in its frame C, and X_BC (n, 4, 4) at joints `q` (n, j).
+    """Bodies of one role that stand on one thing: their places in its frame C, and X_BC (n, 4, 4) at joints `q` (n, j).
 
     Without `carrier` they stand still, and their places are those in B.
     """
 
-    fixtures: tuple[FixtureBody, ...]
+    bodies: tuple[Obstacle, ...]
     carrier: Callable[[Array], Array] | None = None
+    role: Role = "fixture"
+
+
+def standing_bodies(scene: Scene, base: str) -> list[Standing]:
+    """The bodies of a scene that a tool on the mover `base` may not enter, by what they stand on."""
+    found: dict[tuple[str, Role], list[Obstacle]] = {}
+    X_BW = scene.movers[base].X_WB.inverse()
+    for body in scene.bodies:
+        if body.solids and any(may_not_meet(role, body.role) for role in ("tool", "holder")):
+            carrier, X = scene.standing_on(body.name)
+            X = X_BW @ X if carrier == WORLD else X
+            obstacle = Obstacle.of(body.label, [placed.at(X) for placed in body.solids])
+            found.setdefault((carrier, body.role), []).append(obstacle)
+    return [
+        Standing(tuple(bodies), None if carrier == WORLD else partial(_carrier, scene, base, carrier), role)
+        for (carrier, role), bodies in found.items()
+    ]
+
+
+def _carrier(scene: Scene, base: str, frame: str, q: Array) -> Array:
+    """X_BC (n, 4, 4) of what carries something."""
+    return scene.seen_from(base, frame, {base: q})
 
 
 def clearance_findings(
@@ -59,7 +69,7 @@ def clearance_findings(
     `X_BM` is machine zero in B, for places in the work system.
     """
     trajectory, path = plan.trajectory, plan.path
-    standing = [some for some in standing if some.fixtures]
+    standing = [some for some in standing if some.bodies]
     if not standing or not len(path):
         return []
     duration = trajectory.duration
@@ -83,7 +93,8 @@ def _hits(
         tips = way.nose + tools[number].true_length * way.out
         axis = -(way.out[:-1] + way.out[1:])[mine]
         axis /= np.linalg.norm(axis, axis=1, keepdims=True)
-        touches = fixture_touches(ToolParts.of(tools[number]), standing.fixtures, tips[mine], tips[mine + 1], axis)
+        parts = ToolParts.of(tools[number]).against(standing.role)
+        touches = fixture_touches(parts, standing.bodies, tips[mine], tips[mine + 1], axis)
         for touch in touches:
             chord = int(mine[touch.piece])
             when = float(time[chord] + touch.share * (time[chord + 1] - time[chord]))

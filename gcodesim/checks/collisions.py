@@ -7,16 +7,19 @@ an error that is the chord's.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.checks.pairs import may_not_meet, role_of_part
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.diagnostics.events import runs
-from gcodesim.frames import Array, Pose
+from gcodesim.frames import Array
+from gcodesim.scene import Role
+from gcodesim.solids import Hull, Placed, hulls_of, outline_of
 from gcodesim.tools.parts import body_part
 from gcodesim.units import MM
 
@@ -25,61 +28,20 @@ if TYPE_CHECKING:
 
 # bodies that come nearer than this without a wall between them only touch [m]
 TOUCH: Final = 1e-6
-# a ball nose is a body of this many straight outline pieces: 0.03 % of its radius too thin at most
-BALL_PIECES: Final = 32
 _BUNCH: Final = 64  # neighbouring pieces that are compared with a hull as one
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Hull:
-    """A convex body: hull of `corners` (k, 3) [m], with `normals` (m, 3) of its faces."""
-
-    corners: Array
-    normals: Array
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class FixtureBody:
+class Obstacle:
     """Something that must not be touched, as convex bodies."""
 
     name: str
     hulls: tuple[Hull, ...]
 
     @staticmethod
-    def box(name: str, lower: Sequence[float], upper: Sequence[float], X: Pose | None = None) -> FixtureBody:
-        """A box from corner `lower` to `upper` [m] of the frame at `X`."""
-        ends = np.array([lower, upper], dtype=float)
-        grid = np.array([[ends[i, 0], ends[j, 1], ends[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
-        X = X or Pose.identity()
-        return FixtureBody(name=name, hulls=(Hull(X.apply(grid), X.rotate(np.eye(3))),))
-
-    @staticmethod
-    def cylinder(
-        name: str, radius: float, bottom: float, top: float, X: Pose | None = None, sides: int = 64
-    ) -> FixtureBody:
-        """A cylinder about Z of the frame at `X`, as a prism of `sides` that holds it [m]."""
-        angle = 2.0 * np.pi * np.arange(sides) / sides
-        outer = radius / np.cos(np.pi / sides)
-        ring = np.stack([outer * np.cos(angle), outer * np.sin(angle)], axis=1)
-        corners = np.array([[x, y, z] for z in (bottom, top) for x, y in ring])
-        middle = angle[: sides // 2] + np.pi / sides
-        normals = np.vstack([np.stack([np.cos(middle), np.sin(middle), 0.0 * middle], axis=1), [[0.0, 0.0, 1.0]]])
-        X = X or Pose.identity()
-        return FixtureBody(name=name, hulls=(Hull(X.apply(corners), X.rotate(normals)),))
-
-    @staticmethod
-    def mesh(name: str, vertices: Array, faces: NDArray[np.integer], X: Pose | None = None) -> FixtureBody:
-        """Every triangle of `faces` (t, 3) is a body of its own: the mesh may be hollow, and crossing it is found."""
-        points = (X or Pose.identity()).apply(np.asarray(vertices, dtype=float))
-        hulls = []
-        for triangle in points[np.asarray(faces)]:
-            edges = np.roll(triangle, -1, axis=0) - triangle
-            normal = np.cross(edges[0], edges[1])
-            size = np.linalg.norm(normal)
-            if size > 0.0:
-                normal = normal / size
-                hulls.append(Hull(triangle, np.vstack([normal, np.cross(edges, normal)])))
-        return FixtureBody(name=name, hulls=tuple(hulls))
+    def of(name: str, solids: Iterable[Placed]) -> Obstacle:
+        """Solids in the frame in which the tool moves."""
+        return Obstacle(name=name, hulls=tuple(hull for placed in solids for hull in hulls_of(placed)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -96,16 +58,17 @@ class ToolParts:
     @staticmethod
     def of(tool: Tool) -> ToolParts:
         """The parts of a tool of the cell."""
-        points: dict[str, list[tuple[float, float]]] = {}
+        points: dict[str, list[Array]] = {}
         for body in tool.primitives:
-            outline = points.setdefault(body.part, [])
-            if body.kind == "sphere":
-                angle = np.pi * np.arange(2 * BALL_PIECES + 1) / (2 * BALL_PIECES)
-                middle = 0.5 * (body.bottom + body.top)
-                outline += zip(body.radius * np.sin(angle), middle - body.radius * np.cos(angle), strict=True)
-            else:
-                outline += [(body.radius_bottom, body.bottom), (body.radius, body.top)]
-        return ToolParts(name=tool.name, outlines={part: np.array(rows) for part, rows in points.items()})
+            outline = outline_of(body.solid)
+            outline[:, 1] = -(outline[:, 1] + body.placed.X.p[2])
+            points.setdefault(body.part, []).append(outline)
+        return ToolParts(name=tool.name, outlines={part: np.concatenate(rows) for part, rows in points.items()})
+
+    def against(self, role: Role) -> ToolParts:
+        """The parts that may not enter a body of that role."""
+        parts = {part: rows for part, rows in self.outlines.items() if may_not_meet(role_of_part(part), role)}
+        return replace(self, outlines=parts)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -127,7 +90,7 @@ class Touch:
 
 
 def fixture_touches(
-    tool: ToolParts, fixtures: Iterable[FixtureBody], start: Array, end: Array, axis: Array
+    tool: ToolParts, fixtures: Iterable[Obstacle], start: Array, end: Array, axis: Array
 ) -> list[Touch]:
     """Every event in which `tool` enters a fixture while its tip goes from `start` to `end` (m, 3), piece by piece.
 
@@ -164,7 +127,7 @@ def fixture_touches(
 
 
 def _enter(
-    outline: Array, fixture: FixtureBody, start: Array, end: Array, axis: Array, depth: Array, share: Array
+    outline: Array, fixture: Obstacle, start: Array, end: Array, axis: Array, depth: Array, share: Array
 ) -> None:
     """Raise `depth` (m,) of each piece to that of `outline` in `fixture`; lower `share` (m,) to the first contact."""
     from gcodesim.checks.collision_kernels import touches

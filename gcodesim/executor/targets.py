@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.cell.placement import FIXTURE, bounds_of
-from gcodesim.executor.body_shapes import triangles_of
 from gcodesim.frames import Array, Pose
 from gcodesim.shop import BODIES, PlacedStock, Shop
+from gcodesim.solids import Solid, triangles_of
 
 if TYPE_CHECKING:
     from gcodesim.processes.materials import Material
@@ -189,18 +188,24 @@ def standing_bodies(shop: Shop) -> tuple[StandingBody, ...]:
     def stands_there(frame: str) -> bool:
         return shop.scene.standing_on(frame)[0] == carrier
 
-    for name, fixture in shop.cell.fixtures.items():
-        if not stands_there(f"{FIXTURE}/{name}"):
+    for body in shop.scene.bodies:
+        if body.role != "fixture" or not stands_there(body.name):
             continue
-        X = shop.placement.fixtures[name]
-        box = _box_around(X, *bounds_of(fixture.shape))
-        bodies.append(StandingBody(name, "fixture", box, partial(_moved, X, partial(triangles_of, fixture.shape))))
+        X = shop.placement.fixtures[body.label]
+        for solid in (own.solid for own in body.solids):
+            box = _box_around(X, *solid.bounds)
+            bodies.append(StandingBody(body.label, body.role, box, partial(_moved, X, partial(_skin, solid))))
     for name, placed in shop.stocks.items():
         if not stands_there(placed.frame):
             continue
         skin, X = SkinTarget(placed), placed.X_WS
         bodies.append(StandingBody(name, "stock", _box_around(X, *skin.room), partial(_moved, X, skin.triangles)))
     return tuple(bodies)
+
+
+def _skin(solid: Solid) -> tuple[Array, NDArray[np.int32]]:
+    skin = triangles_of(solid)
+    return skin.points, skin.faces
 
 
 def _moved(X: Pose, shape: Callable[[], tuple[Array, NDArray[np.int32]]]) -> tuple[Array, NDArray[np.int32]]:

@@ -15,10 +15,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.frames import Array
+from gcodesim.frames import Array, Pose
+from gcodesim.solids import Placed, Solid
 
 JointKind = Literal["revolute", "prismatic", "fixed"]
-ShapeKind = Literal["box", "cylinder", "sphere", "mesh"]
 Indices = NDArray[np.int64]
 
 BASE = "base"
@@ -30,18 +30,11 @@ GREY = (0.6, 0.6, 0.62, 1.0)
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Shape:
-    """A body of a link, posed in the link frame by `X` (4, 4).
+    """A solid of a link, posed in the link frame by `X` (4, 4)."""
 
-    `size` [m]: edge lengths of a box; radius and length of a cylinder (along
-    its Z, origin in the middle); radius of a sphere; factors [-] on a mesh,
-    whose file is `mesh`.
-    """
-
-    kind: ShapeKind
-    size: tuple[float, ...]
+    solid: Solid
     X: Array
     rgba: tuple[float, float, float, float] = GREY
-    mesh: Path | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -114,14 +107,11 @@ class Joints:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LinkShape:
-    """A body of a link as scene and collision checks want it: `link` indexes `link_names`, the rest as in `Shape`."""
+    """A solid of a link as scene and collision checks want it: `link` indexes `link_names`."""
 
     link: int
-    kind: ShapeKind
-    size: tuple[float, ...]
-    X: Array
+    placed: Placed
     rgba: tuple[float, float, float, float]
-    mesh: Path | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -228,5 +218,5 @@ class Chain:
         for index, link in enumerate(self.links):
             first, second = (link.visuals, link.collisions) if what == "visual" else (link.collisions, link.visuals)
             for s in first or second:
-                found.append(LinkShape(link=index, kind=s.kind, size=s.size, X=s.X, rgba=s.rgba, mesh=s.mesh))
+                found.append(LinkShape(link=index, placed=Placed(s.solid, Pose.from_matrix(s.X)), rgba=s.rgba))
         return tuple(found)

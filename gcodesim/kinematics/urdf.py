@@ -22,6 +22,7 @@ from gcodesim.diagnostics import Diagnostic, Severity, Span
 from gcodesim.frames import Array, Pose, rotation_from_rpy
 from gcodesim.kinematics.chain import GREY, Chain, Inertial, Joint, JointKind, Link, Shape
 from gcodesim.kinematics.xml_lines import LinedElement, XmlError, parse_xml
+from gcodesim.solids import Box, Cylinder, Mesh, MeshFile, Sphere
 
 FLANGE_NAMES: Final = ("tool0", "flange", "tcp")
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
@@ -152,21 +153,25 @@ class _Reader:
         r, g, b, a = self.colour(e) or GREY
         rgba = (r, g, b, a)
         if body.tag == "box":
-            return [Shape(kind="box", size=self.numbers(body, "size", 3, (0.0, 0.0, 0.0)), X=X, rgba=rgba)]
+            x, y, z = self.numbers(body, "size", 3, (0.0, 0.0, 0.0))
+            return [Shape(solid=Box.about_origin((x, y, z)), X=X, rgba=rgba)]
         if body.tag == "sphere":
-            return [Shape(kind="sphere", size=(self.number(body, "radius", 0.0),), X=X, rgba=rgba)]
+            return [Shape(solid=Sphere(radius=self.number(body, "radius", 0.0)), X=X, rgba=rgba)]
         if body.tag in ("cylinder", "capsule"):
             radius, length = self.number(body, "radius", 0.0), self.number(body, "length", 0.0)
-            parts = [Shape(kind="cylinder", size=(radius, length), X=X, rgba=rgba)]
+            rod = Cylinder(radius=radius, bottom=-0.5 * length, top=0.5 * length)
+            parts = [Shape(solid=rod, X=X, rgba=rgba)]
             if body.tag == "capsule":
                 for end in (-0.5 * length, 0.5 * length):
                     shift = Pose(np.array([0.0, 0.0, end]), np.eye(3)).matrix
-                    parts.append(Shape(kind="sphere", size=(radius,), X=X @ shift, rgba=rgba))
+                    parts.append(Shape(solid=Sphere(radius=radius), X=X @ shift, rgba=rgba))
             return parts
         if body.tag == "mesh":
             mesh = self.mesh(body)
-            scale = self.numbers(body, "scale", 3, (1.0, 1.0, 1.0))
-            return [] if mesh is None else [Shape(kind="mesh", size=scale, X=X, rgba=rgba, mesh=mesh)]
+            x, y, z = self.numbers(body, "scale", 3, (1.0, 1.0, 1.0))
+            if mesh is None:
+                return []
+            return [Shape(solid=Mesh(source=MeshFile(path=mesh, scale=(x, y, z))), X=X, rgba=rgba)]
         self.find("GS765", f"<{body.tag}> is no body that URDF knows", body, "box, cylinder, capsule, sphere or mesh")
         return []
 

@@ -1,9 +1,6 @@
-"""Closed meshes: read from a file, and turned into a stock."""
+"""Closed meshes turned into a stock."""
 
 from __future__ import annotations
-
-from io import BytesIO
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,25 +18,6 @@ class OpenMeshError(ValueError):
     def __init__(self, columns: int, of: int) -> None:
         super().__init__(f"the mesh is not closed: {columns} of {of} columns enter it and never leave it")
         self.columns = columns
-
-
-def read_mesh(path: Path, scale: float = 1.0) -> tuple[Array, Ints]:
-    """Vertices (v, 3) [m] and faces (f, 3) of an STL, OBJ, PLY … file whose unit is `scale` metres.
-
-    ValueError when the file cannot be read or holds no triangles; the text says why.
-    """
-    import trimesh
-
-    try:
-        # the bytes, not the path: the readers would open whatever else a file names, such as materials
-        mesh = trimesh.load(BytesIO(path.read_bytes()), file_type=path.suffix[1:].lower(), force="mesh", process=False)
-    except Exception as fault:  # each kind of file has a reader that fails in its own ways
-        raise ValueError(f"{path.name}: {fault or type(fault).__name__}") from fault
-    vertices = np.ascontiguousarray(mesh.vertices, dtype=np.float64) * scale
-    faces = np.ascontiguousarray(mesh.faces, dtype=np.int32)
-    if len(faces) == 0:
-        raise ValueError(f"{path.name} holds no triangles")
-    return vertices, faces
 
 
 def stock_of_mesh(vertices: Array, faces: Ints, resolution: float, material: str = "") -> Stock:

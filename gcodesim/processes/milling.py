@@ -85,7 +85,7 @@ class Milling(Process):
     def zone(self) -> Zone:
         """The whole tool above its tip: its shank and its holder are looked after as well."""
         bodies = self.cutter.primitives
-        widest = max([0.0, *(max(body.radius, body.radius_bottom) for body in bodies)])
+        widest = max([0.0, *(body.widest for body in bodies)])
         return Zone(radius=widest, above=self.cutter.true_length)
 
     @classmethod

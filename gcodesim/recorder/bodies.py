@@ -2,23 +2,15 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-import numpy as np
-
-from gcodesim.cell import placement
-from gcodesim.cell.stock import Box as BoxForm
-from gcodesim.cell.stock import Cylinder as CylinderForm
-from gcodesim.cell.stock import Mesh as MeshForm
-from gcodesim.cell.stock import Shape as Form
-from gcodesim.frames import Array, Pose
-from gcodesim.log import Box, Cone, Cylinder, Entity, Mesh, Shape, Sphere
+from gcodesim.log import Entity, Mesh, Shape
+from gcodesim.log import shapes as drawing
 from gcodesim.recorder.frames import Frames
+from gcodesim.solids import Box, Cone, Cylinder, Hulls, Placed, Sphere, triangles_of
 from gcodesim.tools.parts import body_part
 
 if TYPE_CHECKING:
-    from gcodesim.kinematics import LinkShape
     from gcodesim.material.surface import Tile
     from gcodesim.tools.tool import Tool
 
@@ -33,75 +25,54 @@ def cell_entities(frames: Frames) -> tuple[Entity, ...]:
     """Links of the robot or machine, each in its frame, and fixtures in the frame that carries them."""
     shop = frames.shop
     by_link: dict[int, list[Shape]] = {}
-    for shape in shop.kinematics.link_shapes:
-        by_link.setdefault(shape.link, []).extend(_link_shape(shape))
+    for own in shop.kinematics.link_shapes:
+        shape = drawn(own.placed, own.rgba)
+        by_link.setdefault(own.link, []).extend([] if shape is None else [shape])
     entities = [
         Entity(id=f"{shop.name}/{shop.kinematics.link_names[i]}", frame=frames.link_frame(i), shapes=tuple(shapes))
         for i, shapes in sorted(by_link.items())
         if shapes
     ]
-    for name, fixture in shop.cell.fixtures.items():
-        frame, X = frames.carrier(f"{placement.FIXTURE}/{name}")
-        drawn = _form(fixture.shape, X)
-        if drawn is not None:
-            entities.append(Entity(id=f"{placement.FIXTURE}/{name}", frame=frame, shapes=(drawn,)))
+    for body in shop.scene.bodies:
+        if body.role != "fixture":
+            continue
+        frame, X = frames.carrier(body.name)
+        shapes = [shape for placed in body.solids if (shape := drawn(placed.at(X), FIXTURE)) is not None]
+        if shapes:
+            entities.append(Entity(id=body.name, frame=frame, shapes=tuple(shapes)))
     return tuple(entities)
 
 
-def _link_shape(shape: LinkShape) -> list[Shape]:
-    X = Pose.from_matrix(shape.X)
-    if shape.kind == "box":
-        return [Box(size=(shape.size[0], shape.size[1], shape.size[2]), p=X.p, q=X.q, color=shape.rgba)]
-    if shape.kind == "cylinder":
-        return [Cylinder(radius=shape.size[0], length=shape.size[1], p=X.p, q=X.q, color=shape.rgba)]
-    if shape.kind == "sphere":
-        return [Sphere(radius=shape.size[0], p=X.p, q=X.q, color=shape.rgba)]
-    if shape.mesh is None:
-        return []
+def drawn(placed: Placed, color: Color) -> Shape | None:
+    """A solid as the log draws it; None for what cannot be drawn."""
+    X = placed.X
+    match placed.solid:
+        case Box(size=size):
+            X = placed.X_middle
+            return drawing.Box(size=size, p=X.p, q=X.q, color=color)
+        case Cylinder(radius=radius, length=length):
+            X = placed.X_middle
+            return drawing.Cylinder(radius=radius, length=length, p=X.p, q=X.q, color=color)
+        case Cone(bottom_radius=bottom, top_radius=top, length=length):
+            X = placed.X_middle
+            return drawing.Cone(bottom_radius=bottom, top_radius=top, length=length, p=X.p, q=X.q, color=color)
+        case Sphere(radius=radius):
+            return drawing.Sphere(radius=radius, p=X.p, q=X.q, color=color)
+        case Hulls():
+            return None
     try:
-        points, triangles = read_triangles(shape.mesh)
+        skin = triangles_of(placed.solid)
     except ValueError:  # said as GS770 when the shop was opened
-        return []
-    return [Mesh(points=points * np.array(shape.size), triangles=triangles, p=X.p, q=X.q, color=shape.rgba)]
-
-
-def read_triangles(path: Path, scale: float = 1.0) -> tuple[Array, np.ndarray[tuple[int, int], np.dtype[np.int32]]]:
-    """Points (v, 3) and triangles (t, 3) of a mesh file."""
-    from gcodesim.material.mesh import read_mesh
-
-    return read_mesh(path, scale)
-
-
-def _form(form: Form, X: Pose) -> Shape | None:
-    if isinstance(form, BoxForm):
-        middle = 0.5 * (np.array(form.lower) + np.array(form.upper))
-        return Box(size=form.size, p=X.apply(middle), q=X.q, color=FIXTURE)
-    if isinstance(form, CylinderForm):
-        middle = np.array([0.0, 0.0, 0.5 * (form.bottom + form.top)])
-        return Cylinder(radius=form.radius, length=form.top - form.bottom, p=X.apply(middle), q=X.q, color=FIXTURE)
-    if isinstance(form, MeshForm):
-        points, triangles = read_triangles(form.path, form.scale)
-        return Mesh(points=points, triangles=triangles, p=X.p, q=X.q, color=FIXTURE)
-    return None
+        return None
+    return drawing.Mesh(points=skin.points, triangles=skin.faces, p=X.p, q=X.q, color=color)
 
 
 def tool_shapes(tool: Tool | None) -> tuple[Shape, ...]:
     """The tool in the spindle, in frame `tool`: the tip at the origin, the body along −Z."""
     if tool is None:
         return ()
-    shapes: list[Shape] = []
-    for body in tool.primitives:
-        p = np.array([0.0, 0.0, -0.5 * (body.bottom + body.top)])
-        color, length = body_part(body.part).color, body.top - body.bottom
-        if body.kind == "sphere":
-            shapes.append(Sphere(radius=body.radius, p=p, color=color))
-        elif body.kind == "cone":
-            shapes.append(
-                Cone(bottom_radius=body.radius, top_radius=body.radius_bottom, length=length, p=p, color=color)
-            )
-        else:
-            shapes.append(Cylinder(radius=body.radius, length=length, p=p, color=color))
-    return tuple(shapes)
+    shapes = (drawn(body.placed, body_part(body.part).color) for body in tool.primitives)
+    return tuple(shape for shape in shapes if shape is not None)
 
 
 def tile_meshes(tile: Tile) -> tuple[Mesh, ...]:

@@ -1,6 +1,7 @@
 """Where everything is: bodies, what moves them, and the frames that they stand in. Knows no cell and no program."""
 
+from gcodesim.scene.body import Body, Role
 from gcodesim.scene.mover import WORK, Mover
 from gcodesim.scene.scene import WORLD, Hold, Scene, Stand
 
-__all__ = ["WORK", "WORLD", "Hold", "Mover", "Scene", "Stand"]
+__all__ = ["WORK", "WORLD", "Body", "Hold", "Mover", "Role", "Scene", "Stand"]

@@ -14,6 +14,7 @@ import numpy as np
 
 from gcodesim.frames import Array, Pose
 from gcodesim.kinematics.chain import BASE
+from gcodesim.scene.body import Body
 from gcodesim.scene.mover import Mover
 
 WORLD: Final = "world"
@@ -39,10 +40,11 @@ class Hold:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Scene:
-    """All frames by name, and the movers that they may depend on."""
+    """All frames by name, the movers that they may depend on, and the bodies that stand in them."""
 
     movers: Mapping[str, Mover]
     frames: Mapping[str, Stand] = field(default_factory=dict)
+    bodies: tuple[Body, ...] = ()
 
     def with_frames(self, frames: Mapping[str, Stand]) -> Scene:
         """The scene with more frames, or with others of the same names."""

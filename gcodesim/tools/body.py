@@ -4,51 +4,61 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from math import pi
-from typing import Final, Literal
+from typing import Final
+
+from gcodesim.frames import Pose
+from gcodesim.solids import Cone, Cylinder, Placed, Sphere, moments, widest
 
 STEEL_DENSITY: Final = 7850.0
 """Density of tool steel [kg/m³]; a solid carbide cutter weighs nearly twice that, `mass` says so."""
 
 
+Simple = Cylinder | Cone | Sphere
+
+
 @dataclass(frozen=True, slots=True)
 class Primitive:
-    """A simple body on the tool axis; `bottom` and `top` are heights above the tip, towards the holder [m].
+    """One part of a tool: a simple solid on its axis, placed in the tool frame T, so that the body lies below zero.
 
-    A sphere has its centre half-way between both. A cone runs from `radius_bottom` to `radius`; a cylinder has
-    both equal. `part` says what it is: `cutting`, `shank`, `holder`, `nozzle` or a name of its own; see `parts`.
+    `bottom` and `top` are heights above the tip, towards the holder [m]. `part` says what it is: `cutting`, `shank`,
+    `holder`, `nozzle` or a name of its own; see `parts`.
     """
 
-    kind: Literal["cylinder", "sphere", "cone"]
     part: str
-    radius: float
-    bottom: float
-    top: float
-    radius_bottom: float
+    placed: Placed
 
     @property
-    def volume(self) -> float:
-        """Volume [m³]."""
-        length = self.top - self.bottom
-        if self.kind == "sphere":
-            return pi * length**3 / 6.0
-        a, b = self.radius_bottom, self.radius
-        return pi * length * (a * a + a * b + b * b) / 3.0
+    def solid(self) -> Simple:
+        assert isinstance(self.placed.solid, Cylinder | Cone | Sphere)
+        return self.placed.solid
+
+    @property
+    def bottom(self) -> float:
+        return -(self.solid.bounds[1][2] + float(self.placed.X.p[2]))
+
+    @property
+    def top(self) -> float:
+        return -(self.solid.bounds[0][2] + float(self.placed.X.p[2]))
+
+    @property
+    def widest(self) -> float:
+        """The greatest radius [m]."""
+        return widest(self.solid)
 
 
 def cylinder(part: str, radius: float, bottom: float, top: float) -> Primitive:
     """A cylinder of `radius` between two heights [m]."""
-    return Primitive("cylinder", part, radius, bottom, top, radius)
+    return Primitive(part, Placed(Cylinder(radius=radius, bottom=-top, top=-bottom)))
 
 
 def sphere(part: str, radius: float, bottom: float) -> Primitive:
     """A ball of `radius` whose lowest point is at `bottom` [m]."""
-    return Primitive("sphere", part, radius, bottom, bottom + 2.0 * radius, radius)
+    return Primitive(part, Placed(Sphere(radius=radius), Pose.from_xyz_rpy((0.0, 0.0, -(bottom + radius)))))
 
 
 def cone(part: str, lower: float, upper: float, bottom: float, top: float) -> Primitive:
     """A cone from radius `lower` at `bottom` to radius `upper` at `top` [m]."""
-    return Primitive("cone", part, upper, bottom, top, lower)
+    return Primitive(part, Placed(Cone(bottom_radius=upper, top_radius=lower, bottom=-top, top=-bottom)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -72,15 +82,9 @@ def mass_properties(primitives: Iterable[Primitive], mass: float | None = None) 
     """
     rows: list[tuple[float, float, float, float]] = []
     for body in primitives:
-        m = STEEL_DENSITY * body.volume
-        length, middle = body.top - body.bottom, 0.5 * (body.top + body.bottom)
-        if body.kind == "sphere":
-            axial = transverse = 0.4 * m * body.radius**2
-        else:
-            square = (body.radius**2 + body.radius * body.radius_bottom + body.radius_bottom**2) / 3.0
-            axial = 0.5 * m * square
-            transverse = 0.25 * m * square + m * length**2 / 12.0
-        rows.append((m, middle, axial, transverse))
+        m = STEEL_DENSITY * body.solid.volume
+        transverse, _, axial = moments(body.solid, m)
+        rows.append((m, -float(body.placed.X_middle.p[2]), axial, transverse))
     total = sum(row[0] for row in rows)
     if total <= 0.0:
         return MassProperties(mass=mass or 0.0, center=0.0, axial=0.0, transverse=0.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from gcodesim.family import Family
-from gcodesim.world.body import Box, Cylinder, Mesh, RobotBody, Shape, Sphere, StaticBody, ToolBody, tool_body
+from gcodesim.world.body import RobotBody, StaticBody, ToolBody, tool_body
 from gcodesim.world.protocol import STANDARD_GRAVITY, Couple, World, WorldSteps, WorldUnavailable
 
 if TYPE_CHECKING:
@@ -49,13 +49,8 @@ def require_world(name: str) -> None:
 __all__ = [
     "STANDARD_GRAVITY",
     "WORLDS",
-    "Box",
     "Couple",
-    "Cylinder",
-    "Mesh",
     "RobotBody",
-    "Shape",
-    "Sphere",
     "StaticBody",
     "ToolBody",
     "World",

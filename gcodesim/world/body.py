@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gcodesim.frames import Array, Pose
+from gcodesim.solids import Box, Cylinder, Placed, Sphere, widest
 
 if TYPE_CHECKING:
     from gcodesim.kinematics.chain import Chain
-    from gcodesim.tools.body import Primitive
     from gcodesim.tools.tool import Tool
 
 Vector = tuple[float, float, float]
@@ -20,48 +20,11 @@ Inertia = tuple[float, float, float, float, float, float]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Box:
-    """A box of edge lengths `size` [m]; its middle stands at `X` of the body."""
-
-    size: Vector
-    X: Pose = field(default_factory=Pose.identity)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Cylinder:
-    """A cylinder along Z of `X`; its middle stands at `X` of the body [m]."""
-
-    radius: float
-    length: float
-    X: Pose = field(default_factory=Pose.identity)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Sphere:
-    """A sphere with its middle at `X` of the body [m]."""
-
-    radius: float
-    X: Pose = field(default_factory=Pose.identity)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Mesh:
-    """Triangles `faces` (k, 3) over `vertices` (m, 3) [m]; only for bodies that never move. It is a shell."""
-
-    vertices: Array
-    faces: Array
-    X: Pose = field(default_factory=Pose.identity)
-
-
-Shape = Box | Cylinder | Sphere | Mesh
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class StaticBody:
     """Something that stands in the cell and can be run into: a table, a fixture. `X_WS` places it in W."""
 
     name: str
-    shapes: tuple[Shape, ...]
+    solids: tuple[Placed, ...]
     X_WS: Pose = field(default_factory=Pose.identity)
 
 
@@ -71,7 +34,7 @@ class ToolBody:
 
     `length` [m] from the flange to the tip along Z, so X_FT has no turn;
     `mass` [kg]; `com` [m] centre of mass seen from F; `inertia` [kg·m²] about
-    it in axes of F; `shapes` in F, what can be run into something.
+    it in axes of F; `solids` in F, what can be run into something.
     """
 
     name: str
@@ -79,7 +42,7 @@ class ToolBody:
     mass: float = 0.0
     com: Vector = (0.0, 0.0, 0.0)
     inertia: Inertia = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    shapes: tuple[Box | Cylinder | Sphere, ...] = ()
+    solids: tuple[Placed, ...] = ()
 
     @property
     def X_FT(self) -> Pose:
@@ -124,14 +87,21 @@ def tool_body(tool: Tool) -> ToolBody:
         mass=inertia.mass,
         com=(0.0, 0.0, length - inertia.center),
         inertia=(inertia.transverse, inertia.transverse, inertia.axial, 0.0, 0.0, 0.0),
-        shapes=tuple(_solid(primitive, length) for primitive in tool.primitives),
+        solids=tuple(primitive.placed.at(tool.X_FT) for primitive in tool.primitives),
     )
 
 
-def _solid(primitive: Primitive, length: float) -> Cylinder | Sphere:
-    """A solid on the tool axis; a cone stands as the cylinder of its greater radius."""
-    X = Pose.from_xyz_rpy((0.0, 0.0, length - 0.5 * (primitive.bottom + primitive.top)))
-    if primitive.kind == "sphere":
-        return Sphere(radius=primitive.radius, X=X)
-    radius = max(primitive.radius, primitive.radius_bottom)
-    return Cylinder(radius=radius, length=primitive.top - primitive.bottom, X=X)
+Simple = Box | Cylinder | Sphere
+"""What the physics engine knows besides meshes."""
+
+
+def centred(placed: Placed) -> tuple[Simple, Pose]:
+    """A solid as one that the physics engine knows, and where its middle stands.
+
+    Another body of revolution stands as the cylinder of its greatest radius.
+    """
+    solid = placed.solid
+    if not isinstance(solid, Box | Cylinder | Sphere):
+        low, high = solid.bounds
+        solid = Cylinder(radius=widest(solid), bottom=low[2], top=high[2])
+    return solid, Placed(solid, placed.X).X_middle

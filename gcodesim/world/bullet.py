@@ -26,7 +26,8 @@ import numpy as np
 
 from gcodesim.frames import Array, Pose, rotation_from_quaternion
 from gcodesim.kinematics.dynamics import inverse_dynamics
-from gcodesim.world.body import Box, Cylinder, Mesh, RobotBody, Shape, Sphere, StaticBody, ToolBody
+from gcodesim.solids import Box, Cylinder, Mesh, Placed, Sphere
+from gcodesim.world.body import RobotBody, StaticBody, ToolBody, centred
 from gcodesim.world.model import BulletModel, joint_name, merged_model, payload_of
 from gcodesim.world.protocol import STANDARD_GRAVITY, Couple, WorldSteps, WorldUnavailable
 from gcodesim.world.reaction import tool_reaction
@@ -163,9 +164,9 @@ class BulletWorld(WorldBase):
 
     def _add_static(self, body: StaticBody) -> None:
         p, client = self._bullet, self._client
-        for shape in body.shapes:
-            X_WS = body.X_WS @ shape.X
-            number = p.createCollisionShape(**_collision(p, shape), physicsClientId=client)
+        for placed in body.solids:
+            arguments, X_WS = _collision(p, placed.at(body.X_WS))
+            number = p.createCollisionShape(**arguments, physicsClientId=client)
             p.createMultiBody(
                 baseMass=0.0,
                 baseCollisionShapeIndex=number,
@@ -200,8 +201,8 @@ class BulletWorld(WorldBase):
         """A tool in its pocket: a body that stands there and is seen, but cannot be run into."""
         p, client = self._bullet, self._client
         visual = -1
-        if tool.shapes:
-            solids = [_visual(p, shape) for shape in tool.shapes]
+        if tool.solids:
+            solids = [_visual(p, placed) for placed in tool.solids]
             columns = {key: [solid[key] for solid in solids] for key in solids[0]}
             visual = p.createVisualShapeArray(**columns, physicsClientId=client)
         number: int = p.createMultiBody(
@@ -368,30 +369,34 @@ def couple_row(couple: Couple, first: int, k: int, q: Array) -> Array:
     return row
 
 
-def _visual(p: Any, shape: Box | Cylinder | Sphere) -> dict[str, Any]:
+def _visual(p: Any, placed: Placed) -> dict[str, Any]:
     """One entry of createVisualShapeArray, which wants every key for every shape."""
+    shape, X = centred(placed)
     return {
         "shapeTypes": {Box: p.GEOM_BOX, Cylinder: p.GEOM_CYLINDER, Sphere: p.GEOM_SPHERE}[type(shape)],
         "halfExtents": [0.5 * edge for edge in shape.size] if isinstance(shape, Box) else [0.0, 0.0, 0.0],
         "radii": 0.0 if isinstance(shape, Box) else shape.radius,
         "lengths": shape.length if isinstance(shape, Cylinder) else 0.0,
-        "visualFramePositions": shape.X.p.tolist(),
-        "visualFrameOrientations": shape.X.q.tolist(),
+        "visualFramePositions": X.p.tolist(),
+        "visualFrameOrientations": X.q.tolist(),
     }
 
 
-def _collision(p: Any, shape: Shape) -> dict[str, Any]:
-    """Arguments of createCollisionShape; a mesh stays the triangles it is, never their hull."""
-    if isinstance(shape, Box):
-        return {"shapeType": p.GEOM_BOX, "halfExtents": [0.5 * edge for edge in shape.size]}
-    if isinstance(shape, Cylinder):
-        return {"shapeType": p.GEOM_CYLINDER, "radius": shape.radius, "height": shape.length}
-    if isinstance(shape, Sphere):
-        return {"shapeType": p.GEOM_SPHERE, "radius": shape.radius}
-    assert isinstance(shape, Mesh)
-    return {
-        "shapeType": p.GEOM_MESH,
-        "vertices": np.asarray(shape.vertices, dtype=float).tolist(),
-        "indices": np.asarray(shape.faces, dtype=int).ravel().tolist(),
-        "flags": p.GEOM_FORCE_CONCAVE_TRIMESH,
-    }
+def _collision(p: Any, placed: Placed) -> tuple[dict[str, Any], Pose]:
+    """Arguments of createCollisionShape, and its pose; a mesh stays the triangles it is, never their hull."""
+    if isinstance(placed.solid, Mesh):
+        triangles = placed.solid.triangles
+        return {
+            "shapeType": p.GEOM_MESH,
+            "vertices": triangles.points.tolist(),
+            "indices": triangles.faces.ravel().tolist(),
+            "flags": p.GEOM_FORCE_CONCAVE_TRIMESH,
+        }, placed.X
+    shape, X = centred(placed)
+    match shape:
+        case Box():
+            return {"shapeType": p.GEOM_BOX, "halfExtents": [0.5 * edge for edge in shape.size]}, X
+        case Cylinder():
+            return {"shapeType": p.GEOM_CYLINDER, "radius": shape.radius, "height": shape.length}, X
+        case Sphere():
+            return {"shapeType": p.GEOM_SPHERE, "radius": shape.radius}, X

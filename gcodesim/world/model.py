@@ -9,7 +9,7 @@ about their principal axes, because Bullet only keeps those.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 from xml.etree import ElementTree as ET
 
@@ -18,7 +18,8 @@ import numpy as np
 from gcodesim.frames import Array, Pose
 from gcodesim.kinematics.chain import Chain, Inertial
 from gcodesim.kinematics.dynamics import bodies
-from gcodesim.world.body import Box, Cylinder, Sphere, ToolBody
+from gcodesim.solids import Box, Cylinder, Mesh, Placed
+from gcodesim.world.body import ToolBody, centred
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -28,9 +29,6 @@ if TYPE_CHECKING:
 LEAST_MASS: Final = 1e-2
 LEAST_INERTIA: Final = 1e-5
 NOTHING: Final = Inertial(mass=0.0, com=np.zeros(3), inertia=np.zeros((3, 3)))
-
-Solid = Box | Cylinder | Sphere
-
 
 def payload_of(tool: ToolBody | None) -> Inertial | None:
     """Mass properties of a tool in axes of F; None without one or without mass."""
@@ -49,19 +47,14 @@ def principal(inertia: Array) -> tuple[Array, Array]:
     return moments, axes
 
 
-def carried_solids(chain: Chain) -> list[list[Solid]]:
+def carried_solids(chain: Chain) -> list[list[Placed]]:
     """Collision solids on each driven joint, at the end those of the base; mesh files are left out."""
     tree = chain.tree
-    solids: list[list[Solid]] = [[] for _ in range(len(chain.driven) + 1)]
+    solids: list[list[Placed]] = [[] for _ in range(len(chain.driven) + 1)]
     for link, carrier, offset in zip(chain.links, tree.carrier.tolist(), tree.offset, strict=True):
         for shape in link.collisions:
-            X = Pose.from_matrix(offset @ shape.X)
-            if shape.kind == "box":
-                solids[carrier].append(Box(size=(shape.size[0], shape.size[1], shape.size[2]), X=X))
-            elif shape.kind == "cylinder":
-                solids[carrier].append(Cylinder(radius=shape.size[0], length=shape.size[1], X=X))
-            elif shape.kind == "sphere":
-                solids[carrier].append(Sphere(radius=shape.size[0], X=X))
+            if not isinstance(shape.solid, Mesh):
+                solids[carrier].append(Placed(shape.solid, Pose.from_matrix(offset @ shape.X)))
     return solids
 
 
@@ -88,8 +81,7 @@ def merged_model(chain: Chain, tool: ToolBody | None, *, solids: bool) -> Bullet
     if tool is not None:
         X_LT = X_LF @ tool.X_FT.matrix
         if solids:
-            X = Pose.from_matrix(X_LF)
-            hulls[carrier] += [replace(solid, X=X @ solid.X) for solid in tool.shapes]
+            hulls[carrier] += [placed.at(Pose.from_matrix(X_LF)) for placed in tool.solids]
     root = ET.Element("robot", name="machine")
     # the base never moves, so its mass is nobody's business; Bullet's inverse dynamics is wrong when it has turned axes
     _add_link(root, "base", NOTHING, hulls[-1])
@@ -124,7 +116,7 @@ def _add_origin(parent: ET.Element, p: Array, R: Array) -> None:
     ET.SubElement(parent, "origin", xyz=_numbers(p), rpy=_numbers(_rpy(R)))
 
 
-def _add_link(root: ET.Element, name: str, body: Inertial, solids: list[Solid]) -> None:
+def _add_link(root: ET.Element, name: str, body: Inertial, solids: list[Placed]) -> None:
     link = ET.SubElement(root, "link", name=name)
     inertial = ET.SubElement(link, "inertial")
     if body.mass <= 0.0:
@@ -134,9 +126,10 @@ def _add_link(root: ET.Element, name: str, body: Inertial, solids: list[Solid]) 
     ET.SubElement(inertial, "mass", value=repr(float(body.mass)))
     xx, yy, zz = (repr(max(float(m), 0.0)) for m in moments)
     ET.SubElement(inertial, "inertia", ixx=xx, iyy=yy, izz=zz, ixy="0", ixz="0", iyz="0")
-    for solid in solids:
+    for placed in solids:
+        solid, X = centred(placed)
         collision = ET.SubElement(link, "collision")
-        _add_origin(collision, solid.X.p, solid.X.R)
+        _add_origin(collision, X.p, X.R)
         geometry = ET.SubElement(collision, "geometry")
         if isinstance(solid, Box):
             ET.SubElement(geometry, "box", size=_numbers(solid.size))

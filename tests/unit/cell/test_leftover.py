@@ -11,7 +11,7 @@ import pytest
 from gcodesim.cell import load_cell, place
 from gcodesim.cell.leftover import Leftover
 from gcodesim.cell.loader import LoadedCell
-from gcodesim.cell.stock import Mesh
+from gcodesim.cell.stock import MeshShape
 from gcodesim.frames import Pose
 from gcodesim.material.shape import flat
 from gcodesim.material.stock import Stock
@@ -130,7 +130,7 @@ def test_meshes_of_every_format_are_placed_alike(tmp_path: Path, suffix: str) ->
 
     assert cell is not None
     shape = cell.stocks["stock"].shape
-    assert isinstance(shape, Mesh)
+    assert isinstance(shape, MeshShape)
     assert shape.lower == pytest.approx((-0.04, -0.025, -0.01)) and shape.upper == pytest.approx((0.04, 0.025, 0.01))
     assert place(cell).work_offsets[1].p / MM == pytest.approx([600, 400, -110])
 

@@ -14,9 +14,10 @@ import pytest
 
 from gcodesim.cell import load_cell
 from gcodesim.cell.channel import MCode
-from gcodesim.cell.stock import Box, Cylinder, Mesh
+from gcodesim.cell.stock import MeshShape
 from gcodesim.declarations import files
 from gcodesim.diagnostics import Severity, SourceText
+from gcodesim.solids import Box, Cylinder
 from gcodesim.units import DEG, MM, RPM
 from tests.unit.cell.text import NOWHERE, codes, loaded, sound
 
@@ -71,7 +72,7 @@ def test_a_cell_with_everything() -> None:
     assert cell.suppress[0].block == "G1 X30" and str(cell.suppress[0].until) == "2027-03-01"
     assert cell.magazine.placed and cell.magazine.change_time == 6.0
     vise = cell.fixtures["vise"].shape
-    assert isinstance(vise, Mesh) and vise.upper == pytest.approx((0.15, 0.08, 0.04))
+    assert isinstance(vise, MeshShape) and vise.upper == pytest.approx((0.15, 0.08, 0.04))
 
 
 def test_every_file_read_is_hashed() -> None:
@@ -168,7 +169,7 @@ def test_stock_comes_in_many_shapes() -> None:
     assert shapes["a"] == Box(lower=(0.0, 0.0, -0.015), upper=(0.08, 0.05, 0.0))
     assert shapes["b"] == Cylinder(radius=0.04, bottom=-0.04, top=0.0)
     assert shapes["c"] == Cylinder(radius=0.04, bottom=0.0, top=0.04)
-    assert isinstance(shapes["d"], Mesh) and shapes["d"].upper == pytest.approx((0.15, 0.08, 0.04))
+    assert isinstance(shapes["d"], MeshShape) and shapes["d"].upper == pytest.approx((0.15, 0.08, 0.04))
     assert cell.span("stock", "a", "min").line == 5
 
 

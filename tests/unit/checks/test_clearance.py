@@ -8,14 +8,15 @@ import numpy as np
 import pytest
 
 from gcodesim.canon import Event, LinearFeed, Rapid, ToolChange, ToolOffset, WorkSystem
-from gcodesim.cell.stock import Box, Cylinder
-from gcodesim.checks.clearance import Standing, clearance_findings, fixture_body, place_in_system
+from gcodesim.checks.clearance import Standing, clearance_findings, place_in_system
+from gcodesim.checks.collisions import Obstacle
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.frames import Pose
 from gcodesim.kinematics import MODELS, Cartesian, kinematics_of, load_urdf
 from gcodesim.motion.build import build_tool_path
 from gcodesim.motion.tool_path import ToolState
 from gcodesim.planning import AxisPosing, plan_path
+from gcodesim.solids import Box, Cylinder, Placed
 from gcodesim.tools.flat_end_mill import FlatEndMill
 from gcodesim.tools.tool import Holder, Tool
 
@@ -54,8 +55,7 @@ def findings_of(
     posing = AxisPosing(independent_rapids=rapids == "independent")
     frames = {tool.number: tool.X_FT}
     plan = plan_path(path, kinematics_of(chain), posing, home=np.array(home), tool_frames=frames)
-    clamp = fixture_body("clamp", CLAMP, Pose(ZERO, np.eye(3)))
-    assert clamp is not None
+    clamp = Obstacle.of("clamp", [Placed(CLAMP, Pose(ZERO, np.eye(3)))])
     return clearance_findings(plan, {tool.number: tool}, [Standing((clamp,))])
 
 
@@ -120,9 +120,9 @@ def test_places_are_told_as_the_program_would_write_them() -> None:
 
 
 def test_a_round_fixture_is_a_body_too() -> None:
-    post = fixture_body("post", Cylinder(radius=0.01, bottom=0.0, top=0.05), Pose.from_xyz_rpy((0.1, 0.0, 0.0)))
+    pin = Cylinder(radius=0.01, bottom=0.0, top=0.05)
+    post = Obstacle.of("post", [Placed(pin, Pose.from_xyz_rpy((0.1, 0.0, 0.0)))])
 
-    assert post is not None
     corners = post.hulls[0].corners
     assert np.hypot(corners[:, 0] - 0.1, corners[:, 1]).min() >= 0.01
     assert (corners[:, 2].min(), corners[:, 2].max()) == (0.0, 0.05)
@@ -152,8 +152,7 @@ def test_fixtures_turn_with_the_table_they_stand_on() -> None:
     path = build_tool_path(events, start=start)
     home = np.array([0.05, 0.0, 0.02 + length, 0.0, 0.0])
     plan = plan_path(path, kinematics, AxisPosing(), home=home, tool_frames={2: T2.X_FT})
-    clamp = fixture_body("clamp", Box(lower=(-0.06, -0.005, 0.0), upper=(-0.04, 0.005, 0.02)), Pose.identity())
-    assert clamp is not None
+    clamp = Obstacle.of("clamp", [Placed(Box(lower=(-0.06, -0.005, 0.0), upper=(-0.04, 0.005, 0.02)))])
 
     still = Standing((clamp,))
     assert clearance_findings(plan, {2: T2}, [still]) == []  # if the clamp stood still, nothing would happen

@@ -8,15 +8,22 @@ import numpy as np
 import pytest
 
 from gcodesim.checks.collision_kernels import separation
-from gcodesim.checks.collisions import FixtureBody, ToolParts, Touch, collision_finding, fixture_touches
+from gcodesim.checks.collisions import Obstacle, ToolParts, Touch, collision_finding, fixture_touches
 from gcodesim.diagnostics import Span, code_of
 from gcodesim.frames import Pose, rotation_from_rpy
+from gcodesim.solids import Box, Cylinder, Mesh, Placed, Point
 from gcodesim.tools.ball_end_mill import BallEndMill
 from gcodesim.tools.flat_end_mill import FlatEndMill
 from gcodesim.tools.tool import Holder
 
 UP = np.array([[0.0, 0.0, 1.0]])
-CLAMP = FixtureBody.box("clamp", (0.020, 0.024, -0.015), (0.030, 0.032, 0.010))
+
+
+def box(name: str, lower: Point, upper: Point, X: Pose | None = None) -> Obstacle:
+    return Obstacle.of(name, [Placed(Box(lower=lower, upper=upper), X or Pose.identity())])
+
+
+CLAMP = box("clamp", (0.020, 0.024, -0.015), (0.030, 0.032, 0.010))
 
 
 def flat(diameter: float, length: float = 0.06) -> ToolParts:
@@ -24,7 +31,7 @@ def flat(diameter: float, length: float = 0.06) -> ToolParts:
 
 
 def touch(
-    tool: ToolParts, fixture: FixtureBody, *points: tuple[float, float, float], axis: np.ndarray = UP
+    tool: ToolParts, fixture: Obstacle, *points: tuple[float, float, float], axis: np.ndarray = UP
 ) -> list[Touch]:
     way = np.array(points, dtype=float)
     return fixture_touches(tool, [fixture], way[:-1], way[1:], np.repeat(axis, len(way) - 1, axis=0))
@@ -94,7 +101,7 @@ def test_the_holder_is_named_when_it_is_the_holder() -> None:
 
 def test_a_shank_above_short_flutes_is_named() -> None:
     tool = ToolParts.of(FlatEndMill(number=2, diameter=0.010, length=0.06, flute_length=0.02))
-    beam = FixtureBody.box("beam", (0.0, 0.0, 0.030), (0.1, 0.1, 0.035))
+    beam = box("beam", (0.0, 0.0, 0.030), (0.1, 0.1, 0.035))
 
     (found,) = touch(tool, beam, (-0.02, 0.05, 0.0), (0.02, 0.05, 0.0))
 
@@ -118,7 +125,7 @@ def test_everything_may_be_turned() -> None:
     """Turning tool, way and fixture together changes neither depth nor share, so no axis is special."""
     X = Pose(np.array([0.3, -0.1, 0.2]), rotation_from_rpy(0.5, -0.7, 1.1))
     straight = touch(flat(0.010), CLAMP, (0.0, 0.03, 0.0), (0.05, 0.03, 0.0))
-    turned_box = FixtureBody.box("clamp", (0.020, 0.024, -0.015), (0.030, 0.032, 0.010), X)
+    turned_box = box("clamp", (0.020, 0.024, -0.015), (0.030, 0.032, 0.010), X)
     ends = [tuple(X.apply(np.array(p))) for p in ((0.0, 0.03, 0.0), (0.05, 0.03, 0.0))]
 
     (a,), (b,) = straight, touch(flat(0.010), turned_box, *ends, axis=X.rotate(UP))
@@ -134,7 +141,7 @@ def test_touching_without_entering_is_nothing() -> None:
 
 def test_a_cylinder_and_a_mesh_stand_for_the_same_body() -> None:
     """A tool that goes straight at a round post meets it at the sum of the radii; a box of triangles like a box."""
-    post = FixtureBody.cylinder("post", 0.020, 0.0, 0.1)
+    post = Obstacle.of("post", [Placed(Cylinder(radius=0.020, bottom=0.0, top=0.1))])
     (found,) = touch(flat(0.010), post, (-0.1, 0.0, 0.05), (0.0, 0.0, 0.05))
     assert found.tip[0] == pytest.approx(-0.025, abs=3e-5)  # the prism of 64 sides holds the post
 
@@ -144,7 +151,7 @@ def test_a_cylinder_and_a_mesh_stand_for_the_same_body() -> None:
     faces = np.array([f for a, b, c, d in quads for f in ((a, b, c), (a, c, d))])
     way = ((0.0, 0.027, 0.0), (0.022, 0.027, 0.0))
     (solid,) = touch(flat(0.010), CLAMP, *way)
-    (shell,) = touch(flat(0.010), FixtureBody.mesh("clamp", corners, faces), *way)
+    (shell,) = touch(flat(0.010), Obstacle.of("clamp", [Placed(Mesh.of(corners, faces))]), *way)
     assert shell.share == pytest.approx(solid.share, abs=1e-6)
 
 

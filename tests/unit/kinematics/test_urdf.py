@@ -5,6 +5,7 @@ import pytest
 
 from gcodesim.diagnostics import Severity, code_of
 from gcodesim.kinematics import load_urdf
+from gcodesim.solids import Cylinder, Sphere
 
 LINKS = '<link name="a"/><link name="b"/>'
 LIMIT = '<limit lower="-1" upper="1" velocity="2" effort="3"/>'
@@ -58,10 +59,11 @@ def test_bodies_keep_their_pose_size_and_colour(tmp_path):
     colour = '<material name="blue"><color rgba="0 0 1 1"/></material>'
     chain, _ = read(tmp_path, robot(colour, '<link name="a"/>', body, JOINT))
     shapes = chain.shapes()
-    assert [(s.link, s.kind) for s in shapes] == [(1, "cylinder"), (1, "sphere"), (1, "sphere")]
-    assert shapes[0].size == (0.1, 0.6) and shapes[0].rgba == (0, 0, 1, 1)
-    assert sorted(s.X[2, 3] for s in shapes) == pytest.approx([0.2, 0.5, 0.8])
-    assert [(s.kind, s.size) for s in chain.shapes("collision")] == [("box", (1, 2, 3))]
+    ball, rod = Sphere(radius=0.1), Cylinder(radius=0.1, bottom=-0.3, top=0.3)
+    assert [(s.link, s.placed.solid) for s in shapes] == [(1, rod), (1, ball), (1, ball)]
+    assert shapes[0].rgba == (0, 0, 1, 1)
+    assert sorted(s.placed.X.p[2] for s in shapes) == pytest.approx([0.2, 0.5, 0.8])
+    assert [s.placed.solid.size for s in chain.shapes("collision")] == [(1, 2, 3)]
 
 
 def test_inertia_is_turned_into_link_axes(tmp_path):
@@ -219,9 +221,10 @@ def test_mesh_beside_the_urdf_and_in_a_package(tmp_path):
         chain, findings = read(tmp_path, robot(MESH.format(name), JOINT), packages={"arm": tmp_path / "meshes"})
         assert codes(findings, Severity.WARNING) == []
         (shape,) = chain.shapes()
-        assert shape.kind == "mesh" and shape.size == (0.001,) * 3
+        file = shape.placed.solid.source
+        assert file.scale == (0.001,) * 3
         assert (
-            [p.resolve() for p in chain.files] == [(tmp_path / "meshes" / "a.stl").resolve()] == [shape.mesh.resolve()]
+            [p.resolve() for p in chain.files] == [(tmp_path / "meshes" / "a.stl").resolve()] == [file.path.resolve()]
         )
 
 

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from gcodesim.material.mesh import OpenMeshError, read_mesh, stock_of_mesh
+from gcodesim.material.mesh import OpenMeshError, stock_of_mesh
+from gcodesim.solids import read_mesh
 
 MM = 1e-3
 

@@ -19,8 +19,8 @@ def test_cylinder():
 
 
 def test_sphere_and_cone_volumes():
-    assert sphere("cutting", 0.003, 0.0).volume == pytest.approx(4.0 / 3.0 * math.pi * 0.003**3)
-    assert cone("cutting", 0.0, 0.003, 0.0, 0.01).volume == pytest.approx(math.pi * 0.003**2 * 0.01 / 3.0)
+    assert sphere("cutting", 0.003, 0.0).solid.volume == pytest.approx(4.0 / 3.0 * math.pi * 0.003**3)
+    assert cone("cutting", 0.0, 0.003, 0.0, 0.01).solid.volume == pytest.approx(math.pi * 0.003**2 * 0.01 / 3.0)
 
 
 def test_two_halves_are_one_whole():

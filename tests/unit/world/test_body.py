@@ -7,9 +7,10 @@ import math
 import numpy as np
 import pytest
 
+from gcodesim.solids import Cylinder
 from gcodesim.tools.flat_end_mill import FlatEndMill
 from gcodesim.tools.tool import Holder
-from gcodesim.world import Cylinder, RobotBody, tool_body
+from gcodesim.world import RobotBody, tool_body
 from tests.unit.world import machines
 
 
@@ -22,9 +23,9 @@ def test_a_cutter_becomes_solids_that_reach_from_flange_to_tip() -> None:
     assert body.name == "T1"
     assert body.length == pytest.approx(0.11)
     ends = sorted(
-        (round(s.X.p[2] - s.length / 2, 9), round(s.X.p[2] + s.length / 2, 9))
-        for s in body.shapes
-        if isinstance(s, Cylinder)
+        (round(float(s.X.p[2]) + s.solid.bottom, 9), round(float(s.X.p[2]) + s.solid.top, 9))
+        for s in body.solids
+        if isinstance(s.solid, Cylinder)
     )
     assert ends == [(0.0, 0.05), (0.05, 0.08), (0.08, 0.11)]
 

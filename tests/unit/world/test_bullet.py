@@ -13,7 +13,8 @@ import pytest
 
 from gcodesim.frames import Pose
 from gcodesim.kinematics.machine import Machine
-from gcodesim.world import Box, Cylinder, Mesh, RobotBody, Sphere, StaticBody, ToolBody, WorldUnavailable, open_world
+from gcodesim.solids import Box, Cylinder, Mesh, Placed, Sphere
+from gcodesim.world import RobotBody, StaticBody, ToolBody, WorldUnavailable, open_world
 from gcodesim.world.bullet import BulletWorld, import_pybullet
 from tests.unit.world import machines
 
@@ -25,10 +26,10 @@ PEN = ToolBody(
     mass=1.0,
     com=(0.0, 0.0, 0.08),
     inertia=(2e-3, 2e-3, 4e-4, 0.0, 0.0, 0.0),
-    shapes=(
-        Cylinder(radius=0.01, length=0.1, X=Pose.from_xyz_rpy((0.0, 0.0, 0.08))),
-        Sphere(radius=0.01, X=Pose.from_xyz_rpy((0.0, 0.0, 0.14))),
-        Box(size=(0.05, 0.05, 0.02), X=Pose.from_xyz_rpy((0.0, 0.0, 0.01))),
+    solids=(
+        Placed(Cylinder(radius=0.01, bottom=0.03, top=0.13)),
+        Placed(Sphere(radius=0.01), Pose.from_xyz_rpy((0.0, 0.0, 0.14))),
+        Placed(Box.about_origin((0.05, 0.05, 0.02)), Pose.from_xyz_rpy((0.0, 0.0, 0.01))),
     ),
 )
 
@@ -58,11 +59,11 @@ def below(gap: float) -> Pose:
 
 def plate(kind: str, gap: float) -> StaticBody:
     if kind == "box":
-        return StaticBody(name="plate", shapes=(Box(size=(0.2, 0.2, 0.02)),), X_WS=below(gap))
+        return StaticBody(name="plate", solids=(Placed(Box.about_origin((0.2, 0.2, 0.02))),), X_WS=below(gap))
     x, z = 0.1, 0.01
     corners = np.array([[sx * x, sy * x, sz * z] for sx in (-1, 1) for sy in (-1, 1) for sz in (-1, 1)])
     faces = np.array([[1, 5, 7], [1, 7, 3], [0, 6, 4], [0, 2, 6], [0, 4, 5], [0, 5, 1], [2, 7, 6], [2, 3, 7]])
-    return StaticBody(name="plate", shapes=(Mesh(vertices=corners, faces=faces),), X_WS=below(gap))
+    return StaticBody(name="plate", solids=(Placed(Mesh.of(corners, faces)),), X_WS=below(gap))
 
 
 def press(world: BulletWorld, depth: float, n: int = 150) -> tuple[np.ndarray, object]:

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from gcodesim.frames import Pose
-from gcodesim.world.body import Box, ToolBody
+from gcodesim.solids import Box, Placed
+from gcodesim.world.body import ToolBody
 from gcodesim.world.model import LEAST_MASS, merged_model, payload_of, principal
 from tests.unit.world import machines
 
@@ -46,7 +47,10 @@ def test_a_link_without_mass_gets_the_least_that_can_move() -> None:
 def test_solids_of_the_tool_ride_on_the_flange() -> None:
     chain = machines.machine("kr10")
     tool = ToolBody(
-        name="block", length=0.1, mass=1.0, shapes=(Box(size=(0.1, 0.2, 0.3), X=Pose.from_xyz_rpy((0.0, 0.0, 0.05))),)
+        name="block",
+        length=0.1,
+        mass=1.0,
+        solids=(Placed(Box.about_origin((0.1, 0.2, 0.3)), Pose.from_xyz_rpy((0.0, 0.0, 0.05))),),
     )
     model = merged_model(chain, tool, solids=True)
     origin = ET.fromstring(model.text).find("link[@name='link5']/collision/origin")

@@ -1,0 +1,30 @@
+"""What stands in a scene: solids, and what they are there for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from gcodesim.solids import Placed
+
+Role = Literal["link", "tool", "holder", "fixture", "stock", "part", "obstacle"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Body:
+    """A rigid thing. `name` is that of its frame in the scene, in which its solids are placed; see `Scene.frames`.
+
+    `mass` [kg] and `friction` [-] are None where nobody needs them. Which bodies are checked against each other
+    follows from their roles.
+    """
+
+    name: str
+    solids: tuple[Placed, ...]
+    role: Role
+    mass: float | None = None
+    friction: float | None = None
+
+    @property
+    def label(self) -> str:
+        """Its name in messages: `vise` of `fixture/vise`."""
+        return self.name.rpartition("/")[2]

@@ -1,0 +1,34 @@
+"""One vocabulary of solids, for what stands in a cell, what a machine and a tool are made of, and what is drawn.
+
+Knows no cell, no machine and no tool; these say in one place each which solids they are.
+"""
+
+from gcodesim.solids.convex import hulls_of
+from gcodesim.solids.hull import Hull
+from gcodesim.solids.mass import moments
+from gcodesim.solids.mesh_file import MeshFile, Triangles, read_mesh
+from gcodesim.solids.outline import outline_of, widest
+from gcodesim.solids.solid import Box, Cone, Cylinder, Hulls, Mesh, Placed, Point, Revolution, Solid, Sphere
+from gcodesim.solids.triangles import triangles_of
+
+__all__ = [
+    "Box",
+    "Cone",
+    "Cylinder",
+    "Hull",
+    "Hulls",
+    "Mesh",
+    "MeshFile",
+    "Placed",
+    "Point",
+    "Revolution",
+    "Solid",
+    "Sphere",
+    "Triangles",
+    "hulls_of",
+    "moments",
+    "outline_of",
+    "read_mesh",
+    "triangles_of",
+    "widest",
+]

@@ -1,0 +1,69 @@
+"""Solids as convex bodies that hold them, which is what collision checks make of them."""
+
+from __future__ import annotations
+
+from itertools import pairwise, product
+from typing import Final
+
+import numpy as np
+
+from gcodesim.frames import Array
+from gcodesim.solids.hull import Hull
+from gcodesim.solids.outline import outline_of
+from gcodesim.solids.solid import Box, Cylinder, Hulls, Mesh, Placed
+
+SIDES: Final = 64
+"""Of the prism that holds a round body."""
+
+
+def hulls_of(placed: Placed, sides: int = SIDES) -> tuple[Hull, ...]:
+    """A solid as convex bodies that hold it, in the frame in which it is placed.
+
+    Round bodies become prisms of `sides`. Of a mesh every triangle is a body of its own: the mesh may be hollow, and
+    crossing it is found.
+    """
+    solid, X = placed.solid, placed.X
+    match solid:
+        case Box(lower=lower, upper=upper):
+            corners = np.array(list(product(*zip(lower, upper, strict=True))))
+            return (Hull(corners, np.eye(3)).at(X),)
+        case Cylinder(radius=radius, bottom=bottom, top=top):
+            return (_prism([(radius, bottom), (radius, top)], sides).at(X),)
+        case Mesh():
+            points = X.apply(solid.triangles.points)
+            found = (_triangle(corners) for corners in points[solid.triangles.faces])
+            return tuple(hull for hull in found if hull is not None)
+        case Hulls(hulls=hulls):
+            return tuple(hull.at(X) for hull in hulls)
+    outline = [(float(r), float(z)) for r, z in outline_of(solid)[::-1]]
+    return tuple(_prism(list(piece), sides).at(X) for piece in pairwise(outline))
+
+
+def _prism(ends: list[tuple[float, float]], sides: int) -> Hull:
+    """Hull of two circles (radius, height), the lower first, as polygons of `sides` that hold them."""
+    angle = 2.0 * np.pi * np.arange(sides) / sides
+    corners = []
+    for radius, height in ends:
+        outer = radius / np.cos(np.pi / sides)
+        ring = np.stack([outer * np.cos(angle), outer * np.sin(angle)], axis=1)
+        corners += [[x, y, height] for x, y in ring]
+    (lower, bottom), (upper, top) = ends
+    straight = lower == upper  # then opposite sides have one normal
+    middle = angle[: sides // 2 if straight else sides] + np.pi / sides
+    size = np.hypot(top - bottom, lower - upper)
+    across, along = ((top - bottom) / size, (lower - upper) / size) if size > 0.0 else (1.0, 0.0)
+    around = np.stack([np.cos(middle), np.sin(middle), 0.0 * middle], axis=1)
+    if not straight:
+        around = np.stack([across * np.cos(middle), across * np.sin(middle), along + 0.0 * middle], axis=1)
+    return Hull(np.array(corners), np.vstack([around, [[0.0, 0.0, 1.0]]]))
+
+
+def _triangle(corners: Array) -> Hull | None:
+    """A flat body of three corners (3, 3); None where they lie on a line."""
+    edges = np.roll(corners, -1, axis=0) - corners
+    normal = np.cross(edges[0], edges[1])
+    size = np.linalg.norm(normal)
+    if not size > 0.0:
+        return None
+    normal = normal / size
+    return Hull(corners, np.vstack([normal, np.cross(edges, normal)]))

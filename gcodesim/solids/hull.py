@@ -1,0 +1,19 @@
+"""A convex body, as collision checks want it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from gcodesim.frames import Array, Pose
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Hull:
+    """A convex body: hull of `corners` (k, 3) [m], with `normals` (m, 3) of its faces."""
+
+    corners: Array
+    normals: Array
+
+    def at(self, X: Pose) -> Hull:
+        """The same, its frame standing at `X`."""
+        return Hull(X.apply(self.corners), X.rotate(self.normals))

@@ -1,0 +1,54 @@
+"""Meshes as files: what is in them, read by one library in one place."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from io import BytesIO
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.frames import Array
+
+Faces = NDArray[np.int32]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Triangles:
+    """Triangles `faces` (t, 3), counter-clockwise seen from outside, over `points` (v, 3) [m]."""
+
+    points: Array
+    faces: Faces
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MeshFile:
+    """A mesh file, whose numbers times `scale` along x, y, z are metres."""
+
+    path: Path
+    scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
+
+    def read(self) -> Triangles:
+        """ValueError when the file cannot be read or holds no triangles; the text says why."""
+        points, faces = read_mesh(self.path)
+        return Triangles(points=points * np.array(self.scale), faces=faces)
+
+
+def read_mesh(path: Path, scale: float = 1.0) -> tuple[Array, Faces]:
+    """Vertices (v, 3) [m] and faces (f, 3) of an STL, OBJ, PLY … file whose unit is `scale` metres.
+
+    ValueError when the file cannot be read or holds no triangles; the text says why.
+    """
+    import trimesh
+
+    try:
+        # the bytes, not the path: the readers would open whatever else a file names, such as materials
+        mesh = trimesh.load(BytesIO(path.read_bytes()), file_type=path.suffix[1:].lower(), force="mesh", process=False)
+    except Exception as fault:  # each kind of file has a reader that fails in its own ways
+        raise ValueError(f"{path.name}: {fault or type(fault).__name__}") from fault
+    vertices = np.ascontiguousarray(mesh.vertices, dtype=np.float64) * scale
+    faces = np.ascontiguousarray(mesh.faces, dtype=np.int32)
+    if len(faces) == 0:
+        raise ValueError(f"{path.name} holds no triangles")
+    return vertices, faces

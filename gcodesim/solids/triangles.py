@@ -1,0 +1,54 @@
+"""Solids as triangles, for whoever wants the skin of a body."""
+
+from __future__ import annotations
+
+from itertools import product
+from typing import Final
+
+import numpy as np
+
+from gcodesim.frames import Array
+from gcodesim.solids.mesh_file import Faces, Triangles
+from gcodesim.solids.outline import outline_of
+from gcodesim.solids.solid import Box, Cylinder, Hulls, Mesh, Solid
+
+SIDES: Final = 64
+"""Of the prism that stands for a round body."""
+
+# corners of a box in the order of `product`: x slowest, z fastest
+_BOX: Final = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
+
+
+def triangles_of(solid: Solid) -> Triangles:
+    """The skin of a solid, outside counter-clockwise, in its own frame; ValueError where there is none to be had."""
+    match solid:
+        case Box(lower=lower, upper=upper):
+            return Triangles(points=np.array(list(product(*zip(lower, upper, strict=True)))), faces=_fans(_BOX))
+        case Mesh():
+            return solid.triangles
+        case Cylinder(radius=radius, bottom=bottom, top=top):
+            return _turned(np.array([(radius, bottom), (radius, top)]))
+        case Hulls():
+            raise ValueError("convex bodies have no one skin")
+    return _turned(outline_of(solid)[::-1])
+
+
+def _turned(outline: Array) -> Triangles:
+    """The skin of an outline (k, 2), the lowest point first, with a disc at either end."""
+    angle = 2.0 * np.pi * np.arange(SIDES) / SIDES
+    around = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    points = np.concatenate([np.column_stack([radius * around, np.full(SIDES, z)]) for radius, z in outline])
+    last = SIDES * (len(outline) - 1)
+    ends = [tuple(range(SIDES - 1, -1, -1)), tuple(range(last, last + SIDES))]
+    sides = [
+        (at + i, at + (i + 1) % SIDES, at + SIDES + (i + 1) % SIDES, at + SIDES + i)
+        for at in range(0, last, SIDES)
+        for i in range(SIDES)
+    ]
+    return Triangles(points=points, faces=_fans([*ends, *sides]))
+
+
+def _fans(polygons: list[tuple[int, ...]] | tuple[tuple[int, ...], ...]) -> Faces:
+    """Convex polygons as triangles (t, 3)."""
+    fans = [(face[0], face[i], face[i + 1]) for face in polygons for i in range(1, len(face) - 1)]
+    return np.array(fans, dtype=np.int32)
