@@ -33,8 +33,13 @@ class Inspector:
     """Looks at a run while it goes on, so that findings stand at their time in the log, and once more at its end."""
 
     def __init__(self, plan: Plan, shop: Shop, dt_ns: int) -> None:
-        self._plan, self._shop, self._dt = plan, shop, dt_ns * 1e-9
+        self._shop, self._dt = shop, dt_ns * 1e-9
         self._known: set[tuple[str, Span]] = set()
+        self.follow(plan)
+
+    def follow(self, plan: Plan) -> None:
+        """Look at the rows of `plan`, which is that of all legs so far."""
+        self._plan, shop = plan, self._shop
         self._starts = plan.trajectory.row_start if len(plan.path) else np.zeros(1)
         self._turns = _blind_turns(plan, shop)
         rows = RowColumns.of(plan.path)

@@ -6,11 +6,12 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import date
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, Protocol
 
 from gcodesim.canon import Event
 from gcodesim.cell import Cell, LoadedCell
 from gcodesim.diagnostics import Diagnostic, Findings, Severity, SourceText, Span
+from gcodesim.results import ProbeResult
 from gcodesim.rs274 import Run, Settings
 from gcodesim.shop import Shop
 from gcodesim.verdict import final_findings
@@ -39,6 +40,22 @@ class Options:
     force: bool = False
 
 
+class Onward(Protocol):
+    """How the plan of a job goes on, leg by leg."""
+
+    def onward(self) -> Plan | None:
+        """The plan of all legs so far and the next, which the job has from then on; None: there is no further one."""
+
+    def stock_up(self) -> bool:
+        """Bring in the stocks; False when a fault of one, which is told, keeps the job from running."""
+
+    def stop(self) -> None:
+        """Somebody stopped the run: what has been read until then is told."""
+
+    def tell_of_untouched_stock(self) -> None:
+        """Say that nothing was cut, where probes have met the stock all the same."""
+
+
 @dataclass(slots=True, kw_only=True, eq=False)
 class Job:
     """A program in a cell, as far as it has come. `plan` is None when the cell or the program gives nothing to move."""
@@ -50,7 +67,9 @@ class Job:
     shop: Shop | None = None
     reading: Run | None = None
     plan: Plan | None = None
+    legs: Onward | None = None  # how `plan` goes on where the program asks something of the run
     events: Sequence[Event] = ()  # without moves
+    probings: list[ProbeResult] = field(default_factory=list)
     sources: dict[str, SourceText] = field(default_factory=dict)
 
     @property

@@ -109,6 +109,7 @@ def results_of(job: Job, execution: Execution | None, *, failed: bool = False) -
         tools=tool_rows(path, names, row_time, length, totals, own),
         joints=_joints(plan, shop, execution),
         not_simulated=_not_simulated(job),
+        probings=[probing for probing in job.probings if probing.time * 1e9 <= _end_ns(job, plan, execution)],
         lines=line_rows(path, row_time, length, totals, stands, ran, shop.sheet.own(LINES)),
         columns=own,
     )

@@ -51,6 +51,29 @@ class StockResult:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ProbeResult:
+    """One probing move: at `time` [s] it tripped on `body`, or came to its end, with the tip there in the world [m]."""
+
+    span: Span
+    word: str
+    time: float
+    tripped: bool
+    body: str
+    tip: tuple[float, float, float]
+
+    def as_json(self) -> dict[str, Any]:
+        return {
+            "file": self.span.file,
+            "line": self.span.line,
+            "word": self.word,
+            "time_s": rounded(self.time),
+            "tripped": self.tripped,
+            "touched": self.body or None,
+            "tip_mm": [rounded(value / MM) for value in self.tip],
+        }
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Times:
     """Where the time goes [s]; total = feed + rapid + dwell + tool_change, engaged is a part of feed."""
 
@@ -90,6 +113,7 @@ class Results:
     tools: Sequence[Mapping[str, Any]] = ()
     joints: Sequence[Mapping[str, Any]] = ()
     not_simulated: Sequence[Mapping[str, Any]] = ()
+    probings: Sequence[ProbeResult] = ()
     lines: LineRows = field(default_factory=lambda: LineRows())
     columns: Sequence[Column] = ()
     """Columns of processes that stand in `tools` behind those that every run has."""
@@ -112,6 +136,8 @@ class Results:
             "joints": list(self.joints),
             "not_simulated": list(self.not_simulated),
         }
+        if self.probings:
+            value["probings"] = [probing.as_json() for probing in self.probings]
         cleaned: dict[str, Any] = clean(value)
         return cleaned
 

@@ -12,16 +12,11 @@ from gcodesim.cell import Cell, LoadedCell
 from gcodesim.cell.cell import MAIN
 from gcodesim.cell.reach import reach_findings
 from gcodesim.checks.coarse import coarse_findings
-from gcodesim.checks.empty_spindle import empty_spindle_findings
-from gcodesim.checks.ends import left_on
-from gcodesim.checks.idle import blind_axis_findings, idle_findings
+from gcodesim.checks.idle import idle_findings
 from gcodesim.checks.missing_length import cutting_without_length
-from gcodesim.checks.speed import speed_findings
 from gcodesim.diagnostics import Diagnostic, Findings, Severity, SourceText, Span
 from gcodesim.job import KINEMATIC, Job, Options
 from gcodesim.language import settings_of_cell
-from gcodesim.motion import ToolPath, build_tool_path
-from gcodesim.motion.timing import event_durations
 from gcodesim.outcome import first_error, results_of
 from gcodesim.output_folder import (
     RESULTS_NAME,
@@ -34,7 +29,7 @@ from gcodesim.output_folder import (
 )
 from gcodesim.results import Results
 from gcodesim.rs274 import Settings, interpret
-from gcodesim.shop import Shop, open_shop, with_stock
+from gcodesim.shop import Shop, open_shop
 from gcodesim.whole_file import write_whole
 
 if TYPE_CHECKING:
@@ -76,15 +71,12 @@ def prepare(program: SourceText, loaded: LoadedCell, options: Options | None = N
     job.findings.extend(idle_findings(cell, shop.channel))
     settings, problems = settings_of_cell(cell, shop.channel, shop.placement)
     job.findings.extend(problems)
-    settings = replace(options.settings(settings), start=_start(shop))
+    settings = replace(options.settings(settings), start=_start(shop), answered=True)
     job.reading = interpret(program, settings)
-    path = build_tool_path(job.reading.stream(), settings.start)
-    job.events = [noted.event for noted in path.events]
-    job.sources |= job.reading.sources
-    job.findings.extend(job.reading.findings)
-    job.findings.extend(left_on(job.events))
-    job.findings.extend(empty_spindle_findings(path, cell))
-    _plan(job, shop, path)
+    from gcodesim.legs import Legs
+
+    job.legs = Legs(job, settings.start)
+    job.legs.onward()
     return job
 
 
@@ -131,35 +123,15 @@ def _start(shop: Shop) -> Axes:
     return posing_of(shop).start(shop.kinematics, shop.home)
 
 
-def _plan(job: Job, shop: Shop, path: ToolPath) -> None:
-    from gcodesim.planning import plan_path, posing_of
-
-    planned = plan_path(
-        path,
-        shop.kinematics,
-        posing_of(shop),
-        home=shop.home,
-        duration_of=event_durations(shop.cell.magazine.change_time),
-        tool_frames={number: tool.X_FT for number, tool in shop.cell.tools.items()},
-    )
-    job.plan = planned
-    job.findings.extend(planned.findings)
-    job.findings.extend(blind_axis_findings(planned.path, shop.mover))
-    job.findings.extend(speed_findings(planned, shop.cell.limits.spindle_speed))
-    job.findings.extend(_clearance(shop, planned))
-
-
-def _clearance(shop: Shop, plan: Plan) -> list[Diagnostic]:
-    """Where the tool runs into a fixture."""
-    if not shop.cell.fixtures:
-        return []
-    from gcodesim.checks.clearance import clearance_findings, standing_bodies
-
-    return clearance_findings(plan, shop.cell.tools, standing_bodies(shop.scene, shop.name), X_BM=shop.X_BM)
-
-
 def check(job: Job) -> Results:
-    """Results without material: time, distance, travel of the joints, findings of reading, limits and reach."""
+    """Results without material: time, distance, travel of the joints, findings of reading, limits and reach.
+
+    A program that probes meets the stock as it comes into the cell, since nothing is cut.
+    """
+    if job.legs is not None:
+        while job.legs.onward() is not None:
+            pass
+        job.legs.tell_of_untouched_stock()
     return results_of(job, None)
 
 
@@ -213,11 +185,11 @@ def _run(
 
     if job.shop is None or job.plan is None or job.cell is None:
         return _not_run(job, out), None
-    job.shop, problems = with_stock(job.shop)
-    job.findings.extend(problems)
-    if any(problem.level >= Severity.ERROR for problem in problems):
+    assert job.legs is not None
+    if not job.legs.stock_up():
         return _not_run(job, out), None
-    job.findings.extend(coarse_findings(job.shop, job.plan))
+    coarse = list(coarse_findings(job.shop, job.plan))
+    job.findings.extend(coarse)
     recorder = None
     if out is not None:
         forget(out, _names(job.shop))
@@ -226,6 +198,18 @@ def _run(
         recorder = Recorder(job, out, live)
     execution = None
     inspector = Inspector(job.plan, job.shop, job.cell.simulation.step_ns)
+
+    def onward() -> Plan | None:
+        """The next leg, when the program has one; whoever looks at the run is told."""
+        assert job.legs is not None
+        known = set(job.findings)
+        plan = job.legs.onward()
+        if recorder is not None:
+            recorder.expect(job.shown(finding for finding in job.findings if finding not in known))
+        if plan is not None:
+            inspector.follow(plan)
+        return plan
+
     try:
         execution = execute(
             job.plan,
@@ -235,9 +219,14 @@ def _run(
             inspect=lambda record, rows, joints: job.shown(inspector.fresh(record, rows, joints)),
             watcher=recorder,
             progress=progress,
+            onward=onward,
         )
+        if execution.interrupted:
+            job.legs.stop()
         job.findings.extend(inspector.final(execution))
         job.findings.change(cutting_without_length(job.findings, job.plan, job.shop, execution.rows["removed"]))
+        if not coarse:
+            job.findings.extend(coarse_findings(job.shop, job.plan))
         results = results_of(job, execution)
         if recorder is not None:
             recorder.finish(results, execution)

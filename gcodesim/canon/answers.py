@@ -1,10 +1,10 @@
-"""What a run answers to a program that asks: where a probe stopped, what an input read."""
+"""What a run answers to a program that asks, and the events of its own that come of it. No program causes these."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from gcodesim.canon.events import Axes
+from gcodesim.canon.events import Axes, Dwell, Event, Point
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,3 +30,30 @@ class Heard:
 
 
 Answer = Touched | Heard
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Waited(Dwell):
+    """The time [s] that M66 took before its input answered."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pause(Dwell):
+    """The rest of a step in which the machine came to rest: the answer comes with the next."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Trip(Event):
+    """What a probing move came to.
+
+    The controlled point was at `point` [m, rad] in M when the probe changed, the tip of the tool at `tip` [m] in the
+    world; `body` is what was touched. Not `tripped`: they are the end of the move. The machine went on by `over` [m]
+    before it came to rest.
+    """
+
+    tripped: bool
+    point: Axes
+    tip: Point
+    over: float = 0.0
+    body: str = ""
+    word: str = ""

@@ -31,8 +31,15 @@ class Coupling:
         self._tasks = Tasks(shop)
         self._moved = np.zeros(3)
 
-    def stretch(self, steps: StepWindow, begin: int, end: int) -> Stretch:
-        """Make ready for steps `begin` to `end` of a window, all with the same tool."""
+    def follow(self, plan: Plan, rows: RowColumns) -> None:
+        """Go on with a plan that has further legs, and its rows."""
+        self._plan, self._rows = plan, rows
+
+    def stretch(self, steps: StepWindow, begin: int, end: int, *, cuts: bool = True) -> Stretch:
+        """Make ready for steps `begin` to `end` of a window, all with the same tool; it `cuts`, or is kept from it."""
+        if not cuts:
+            self._tasks.start_afresh()
+            return Stretch(self, self._plan, steps, begin, end, [])
 
         def jacobian() -> Array:
             return self._tip_jacobian(steps, begin, end)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
 import numpy as np
@@ -13,6 +14,7 @@ from gcodesim.executor.ahead import Cut, Cutter
 from gcodesim.executor.behind import Behind
 from gcodesim.executor.coupling import Coupling
 from gcodesim.executor.part import Part
+from gcodesim.executor.probe_guard import ProbeGuard
 from gcodesim.executor.record import StepRecord, record_of
 from gcodesim.executor.tasks import RowColumns
 from gcodesim.executor.totals import JointTotals, RowTotals
@@ -62,6 +64,9 @@ class Watcher(Protocol):
         The answer is work that needs these alone; it is done in order, in another thread, while the next window runs.
         """
 
+    def follow(self, plan: Plan) -> None:
+        """The run goes on by a leg: `plan` is that of all legs so far. Done in order with what `take` answers."""
+
     @property
     def interval_steps(self) -> int:
         """After so many steps the watcher wants to look at the stock."""
@@ -92,8 +97,12 @@ def execute(
     inspect: Inspect | None = None,
     watcher: Watcher | None = None,
     progress: Callable[[Progress], None] | None = None,
+    onward: Callable[[], Plan | None] | None = None,
 ) -> Execution:
     """Run the whole plan in a world; stock changes in place.
+
+    At its end `onward` may know how the program goes on: with the plan of all
+    legs so far and the next one, which begins with a whole step.
 
     KeyboardInterrupt ends the run after the windows in hand; what was done until
     then is in the result; it goes on to the caller when that is nothing. Raises
@@ -105,10 +114,10 @@ def execute(
     standing: dict[str, float] = {}
     q0 = plan.joints(plan.trajectory.sample(np.zeros(1)))[0]
     joints = JointTotals.start(q0)
-    planned = int(-(-plan.trajectory.duration_ns // dt_ns))
     world = open_world(world_name, RobotBody(chain=shop.kinematics.chain, X_WB=shop.X_WB), dt_ns)
     most = MOST_STEPS if watcher is None else max(1, min(MOST_STEPS, watcher.interval_steps))
-    cuts = _cuts(plan, shop, rows, planned, most, dt_ns)
+    coupling, guard = Coupling(plan, shop, rows), ProbeGuard(shop)
+    planned = 0
     done, interrupted, last_row = 0, False, 0
     cutter = Cutter(None if watcher is None else watcher.look, undoable=world.may_lag)
     behind = Behind()
@@ -122,29 +131,40 @@ def execute(
             watcher.start(world.run(q0[None]), still)
             world.reset(q0)
         follows = True
-        cut = next(cuts, None)
-        while cut is not None:
-            cutter.begin(cut)
-            following = next(cuts, None)
-            in_hand = [cut] if following is None else [cut, following]
-            cutter.wait(cut)
-            if following is not None and follows:
-                cutter.begin(following)
-            steps, follows = _move(world, shop, cutter, cut, following)
-            record = record_of(cut.window, steps, cut.parts, sheet, standing)
-            standing = record.standing
-            _add_volumes(volumes, cut.parts)
-            del in_hand[0]
-            totals.add(record)
-            joints.add(steps.q, steps.qd, steps.qdd, steps.effort, steps.saturated, record.window.row)
-            found = inspect(record, totals, joints) if inspect is not None else []
-            if watcher is not None:
-                behind.do(watcher.take(record, found, cut.seen))
-            done += len(record)
-            last_row = int(record.window.row[-1])
-            cut = following
-            if progress is not None:
-                progress(Progress(step=done, steps=planned, time=done * dt_ns * 1e-9, row=last_row))
+        leg: Plan | None = plan
+        while leg is not None:
+            first, planned = planned, int(-(-leg.trajectory.duration_ns // dt_ns))
+            if first:
+                rows = RowColumns.of(leg.path)
+                totals.grow(len(rows.tool))
+                coupling.follow(leg, rows)
+            cuts = _cuts(leg, coupling, guard, rows, range(first, planned, most), planned, dt_ns)
+            cut = next(cuts, None)
+            while cut is not None:
+                cutter.begin(cut)
+                following = next(cuts, None)
+                in_hand = [cut] if following is None else [cut, following]
+                cutter.wait(cut)
+                if following is not None and follows:
+                    cutter.begin(following)
+                steps, follows = _move(world, shop, cutter, cut, following)
+                record = record_of(cut.window, steps, cut.parts, sheet, standing)
+                standing = record.standing
+                _add_volumes(volumes, cut.parts)
+                del in_hand[0]
+                totals.add(record)
+                joints.add(steps.q, steps.qd, steps.qdd, steps.effort, steps.saturated, record.window.row)
+                found = inspect(record, totals, joints) if inspect is not None else []
+                if watcher is not None:
+                    behind.do(watcher.take(record, found, cut.seen))
+                done += len(record)
+                last_row = int(record.window.row[-1])
+                cut = following
+                if progress is not None:
+                    progress(Progress(step=done, steps=planned, time=done * dt_ns * 1e-9, row=last_row))
+            leg = onward() if onward is not None else None
+            if leg is not None and watcher is not None:
+                behind.do(partial(watcher.follow, leg))
     except KeyboardInterrupt:
         if not done:  # there is nothing yet that could be told
             raise
@@ -166,14 +186,22 @@ def execute(
     )
 
 
-def _cuts(plan: Plan, shop: Shop, rows: RowColumns, planned: int, most: int, dt_ns: int) -> Iterator[Cut]:
-    """All windows in order, sampled and divided where the tool changes; nothing is cut yet."""
-    carry, coupling = first_carry(plan, rows), Coupling(plan, shop, rows)
-    for first in range(0, planned, most):
-        window = window_of(plan, rows, first, min(most, planned - first), dt_ns, carry)
-        bounds = (np.flatnonzero(np.diff(window.tool)) + 1).tolist()
+def _cuts(
+    plan: Plan, coupling: Coupling, guard: ProbeGuard, rows: RowColumns, firsts: range, end: int, dt_ns: int
+) -> Iterator[Cut]:
+    """The windows that begin with steps `firsts`, the last before step `end`, sampled and divided where the tool
+
+    changes or begins or ceases to be kept from cutting; nothing is cut yet.
+    """
+    carry = first_carry(plan, rows, firsts.start * dt_ns)
+    for first in firsts:
+        window = window_of(plan, rows, first, min(firsts.step, end - first), dt_ns, carry)
+        kept = guard.kept(plan.path, rows, window)
+        changes = (np.diff(window.tool) != 0) | np.diff(kept)
+        bounds = (np.flatnonzero(changes) + 1).tolist()
         borders = zip([0, *bounds], [*bounds, len(window)], strict=True)
-        yield Cut(window=window, stretches=[coupling.stretch(window, begin, end) for begin, end in borders])
+        stretches = [coupling.stretch(window, begin, end, cuts=not kept[begin]) for begin, end in borders]
+        yield Cut(window=window, stretches=stretches)
 
 
 def _move(world: World, shop: Shop, cutter: Cutter, cut: Cut, following: Cut | None) -> tuple[WorldSteps, bool]:

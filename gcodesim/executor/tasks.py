@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     from gcodesim.tools.tool import Tool
 
 
+PROBING: Final = frozenset(("G31", "G38.2", "G38.3", "G38.4", "G38.5"))
+"""Motion words of moves that end where something is touched."""
+
+
 @dataclass(slots=True, kw_only=True, eq=False)
 class Task:
     """One process of a tool at one target. `state` is what the process carries from window to window."""
@@ -33,10 +37,11 @@ class Task:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RowColumns:
-    """What holds in each of the n path rows: tool number, rapid, and the signals (n,) by name."""
+    """What holds in each of the n path rows: tool number, rapid, probing, and the signals (n,) by name."""
 
     tool: NDArray[np.int64]
     rapid: NDArray[np.bool_]
+    probing: NDArray[np.bool_]
     signals: Mapping[str, NDArray[Any]]
 
     @staticmethod
@@ -45,10 +50,12 @@ class RowColumns:
         speeds = np.array([state.spindle for state in path.states], dtype=float)
         if not len(path):  # one resting row, so that a program without moves has a state too
             none = np.zeros(1, dtype=bool)
-            return RowColumns(tool=numbers[:1], rapid=none, signals={SPINDLE.name: speeds[:1], ACTIVE.name: none})
+            signals = {SPINDLE.name: speeds[:1], ACTIVE.name: none}
+            return RowColumns(tool=numbers[:1], rapid=none, probing=none, signals=signals)
         return RowColumns(
             tool=numbers[path.state],
             rapid=(path.kind == RAPID) | (path.kind == HOME),
+            probing=np.array([state.word in PROBING for state in path.states])[path.state],
             signals={SPINDLE.name: speeds[path.state], ACTIVE.name: path.active.astype(bool)},
         )
 
@@ -80,3 +87,7 @@ class Tasks:
             for target in targets_of(self.shop, variant.acts_on):
                 process = variant.of(tool, target.material)
                 yield Task(tool=tool, target=target, process=process, state=process.begin())
+
+    def start_afresh(self) -> None:
+        """The tool counts as just put in: where it stands in material, it cuts nothing until it has left it."""
+        self._current = None

@@ -38,6 +38,11 @@ class RowTotals:
         """A column (n,)."""
         return self.columns[column]
 
+    def grow(self, count: int) -> None:
+        """Further rows, up to `count` in all."""
+        for name, values in self.columns.items():
+            self.columns[name] = np.append(values, np.zeros(count - len(values)))
+
     def add(self, record: StepRecord) -> None:
         """Take in the steps of a record, in order."""
         rows = record.window.row

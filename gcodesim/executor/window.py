@@ -63,12 +63,12 @@ class StepWindow:
         return len(self.row)
 
 
-def first_carry(plan: Plan, rows: RowColumns) -> Carry:
-    """Before the first step: the machine stands at the start of the plan."""
-    samples = plan.trajectory.sample(np.zeros(1))
-    row = np.zeros(1, dtype=np.int64)
+def first_carry(plan: Plan, rows: RowColumns, t_ns: int = 0) -> Carry:
+    """Before the first step of a leg: the machine stands where the leg begins, with the tool of its first row."""
+    samples = plan.trajectory.sample(np.array([t_ns * 1e-9]))
+    row = np.zeros(1, dtype=np.int64) if t_ns == 0 else np.minimum(samples.row, len(rows.tool) - 1)
     tip = plan.tip(plan.joints(samples), row)[0]
-    return Carry(tool=int(rows.tool[0]), gap=tip[:3, 3] - samples.position[0, :3], tip=tip)
+    return Carry(tool=int(rows.tool[row[0]]), gap=tip[:3, 3] - samples.position[0, :3], tip=tip)
 
 
 def window_of(plan: Plan, rows: RowColumns, first: int, count: int, dt_ns: int, carry: Carry) -> StepWindow:

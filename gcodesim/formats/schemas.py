@@ -51,7 +51,7 @@ def finding() -> Json:
 def _results() -> Json:
     line = nullable(whole("line of the program", least=1))
     hashed = record("a file that was read", name=text("its name"), sha256=text("hash of its bytes"))
-    return record(
+    results = record(
         "a run or a check",
         schema=choice("name of this form", "gcodesim-results/1"),
         status=choice("`findings`: one at or above --fail-on; `failed`: stopped early", "ok", "findings", "failed"),
@@ -126,7 +126,22 @@ def _results() -> Json:
             "words that were read and have no effect here",
             record("a word", word=text("such as `M8`"), count=whole("how often", least=1), first_line=whole("where")),
         ),
+        probings=array(
+            "probing moves in order; only of a program that probes",
+            record(
+                "a move of G38.2 to G38.5 or G31",
+                file=text("of the program"),
+                line=whole("where"),
+                word=text("such as `G38.2`"),
+                time_s=number("when it tripped, or came to its end"),
+                tripped=truth("whether the probe changed"),
+                touched=nullable(text("the stock or fixture")),
+                tip_mm=array("where the tip was in the world", number("mm")),
+            ),
+        ),
     )
+    results["required"] = [name for name in results["required"] if name != "probings"]
+    return results
 
 
 def _comparison(definitions: dict[str, Json]) -> Json:

@@ -44,7 +44,7 @@ from gcodesim.log.messages import (
 from gcodesim.log.rows import RecordRows, RowBuilder
 from gcodesim.log.scene import entities_update, force_updates, path_update, polyline_update
 from gcodesim.log.schema import PROCESS, schema_data
-from gcodesim.log.shapes import Entity, Mesh, Shape
+from gcodesim.log.shapes import Entity, Mesh, Polylines, Shape
 from gcodesim.log.topics import PERIODIC, tile_topic, topic_table
 from gcodesim.version import __version__
 
@@ -110,6 +110,10 @@ class LogWriter:
         self._add_one("/scene/cell", 0, entities_update(0, d.cell))
         self._add_one("/scene/path", 0, path_update(0, d.path_frame, d.feed_path, d.rapid_path))
         self.event(0, "start", f"{d.run.get('program', 'program')} starts")
+
+    def path(self, t_ns: int, frame: str, feed: Polylines, rapid: Polylines) -> None:
+        """The planned path, when more of it is known than at the start."""
+        self._add_one("/scene/path", t_ns, path_update(t_ns, self._frame(frame), feed, rapid))
 
     # ---- every log period
 

@@ -74,19 +74,21 @@ def build_tool_path(
     system becomes p + R (q - p), as on an arm whose G54 is not upright. Moves
     in machine coordinates (G53, G28, G30) are not tilted.
     """
-    builder = _Builder(start, path_control, tilts or {})
+    builder = PathBuilder(start, path_control, tilts)
     for event in events:
         builder.add(event)
-    return builder.finish()
+    return builder.leg()
 
 
-class _Builder:
-    """Collects columns; one instance builds one path."""
+class PathBuilder:
+    """Builds a path event by event, or leg by leg: each leg goes on in the state in which the one before ended."""
 
-    def __init__(self, start: Axes, path_control: PathMode | None, tilts: Mapping[int, Pose]) -> None:
+    def __init__(
+        self, start: Axes = ZERO, path_control: PathMode | None = None, tilts: Mapping[int, Pose] | None = None
+    ) -> None:
         self.at: Axes = start
         self.first = start
-        self.tilts = tilts
+        self.tilts = tilts or {}
         self.tags = Tags(BLEND, 0.0, 0.0, False)
         if path_control is not None:
             self._path_mode(path_control)
@@ -96,6 +98,7 @@ class _Builder:
         self.state = -1  # -1: not yet in `states`
         self.events: list[PathEvent] = []
         self.rows = PathRows()
+        self.legs = 0
 
     def add(self, event: Event | MoveBatch) -> None:
         if type(event) is LinearFeed:
@@ -293,5 +296,17 @@ class _Builder:
             self.state = self.states.setdefault(self.current, len(self.states))
         return self.state
 
-    def finish(self) -> ToolPath:
-        return self.rows.path(self.first, tuple(self.states), tuple(self.events))
+    def leg(self) -> ToolPath:
+        """What has come since the last leg; it ends at rest."""
+        states = tuple(self.states)
+        if self.legs and not states:
+            states = (self.current,)
+        path = self.rows.path(self.first, states, tuple(self.events))
+        self.legs += 1
+        self.first, self.rows, self.events = self.at, PathRows(), []
+        self.states, self.state = {}, -1
+        return path
+
+    def stand_at(self, at: Axes) -> None:
+        """The last leg ended at `at` [m, rad], not where it was to end."""
+        self.at = self.first = at

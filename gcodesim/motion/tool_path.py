@@ -186,20 +186,31 @@ class ToolPath:
         """`self`, then `other`, each in its own coordinates; where they do not meet the first one ends at rest."""
         if not len(self) and not self.events:
             return other
+        moved = replace(other, stop=other.stop.copy(), block=other.block.copy())
+        if len(self) and len(other):
+            moved.block[:] += self.block[-1] + 1 - min(other.block[0], 0)
+        joined = self.then(moved)
+        if len(self) and len(other) and not np.array_equal(self.end[-1], other.start[0]):
+            joined.stop[len(self) - 1] = True
+        return joined
+
+    def then(self, leg: ToolPath) -> ToolPath:
+        """`self`, then `leg` of the same program: its blocks are counted on already, and it begins from rest."""
+        states = dict.fromkeys(self.states)
+        states |= dict.fromkeys(leg.states)
+        numbers = {state: number for number, state in enumerate(states)}
         columns: dict[str, Any] = {}
         for column in _columns():
-            columns[column] = np.concatenate([getattr(self, column), getattr(other, column)])
-        columns["state"][len(self) :] += len(self.states)
+            columns[column] = np.concatenate([getattr(self, column), getattr(leg, column)])
+        for path, rows in ((self, slice(0, len(self))), (leg, slice(len(self), None))):
+            own = np.array([numbers[state] for state in path.states], dtype=columns["state"].dtype)
+            columns["state"][rows] = own[path.state]
         columns["source"][len(self) :] += len(self.spans)
-        if len(self) and len(other):
-            columns["block"][len(self) :] += self.block[-1] + 1 - min(other.block[0], 0)
-            if not np.array_equal(self.end[-1], other.start[0]):
-                columns["stop"][len(self) - 1] = True
-        moved = tuple(PathEvent(e.row + len(self), e.event) for e in other.events)
+        moved = tuple(PathEvent(e.row + len(self), e.event) for e in leg.events)
         return ToolPath(
             **columns,
-            states=self.states + other.states,
-            spans=join([SpanTable.of(self.spans), SpanTable.of(other.spans)]),
+            states=tuple(states),
+            spans=join([SpanTable.of(self.spans), SpanTable.of(leg.spans)]),
             events=self.events + moved,
         )
 

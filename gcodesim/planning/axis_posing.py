@@ -18,7 +18,7 @@ from gcodesim.motion.pieces import AxisLimits, Pieces
 from gcodesim.motion.tool_path import Commanded, ToolPath
 from gcodesim.motion.trajectory import Samples
 from gcodesim.planning.feeds import report_fast_feeds
-from gcodesim.planning.plan import JointExtremes
+from gcodesim.planning.plan import JointExtremes, JointPath
 from gcodesim.planning.posing import Posed
 from gcodesim.planning.travel import axis_ranges, report_missing_axes, report_travel
 
@@ -115,3 +115,7 @@ class AxisPosing:
         report_fast_feeds(path, along_limits(Curves.of(path), limits)[0], findings)
         pieces = blend(path, limits, independent_rapids=self.independent_rapids)
         return Posed(pieces, AxisJoints(pieces, axes, np.array(axes_at(joints.names, home))))
+
+    def after(self, leg: JointPath, path: ToolPath, home: Array) -> AxisPosing:
+        """Axes choose nothing."""
+        return self

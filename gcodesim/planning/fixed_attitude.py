@@ -9,7 +9,7 @@ to it are run in joint space.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
@@ -23,7 +23,7 @@ from gcodesim.motion.blend import blend
 from gcodesim.motion.blend_kernels import NORMAL_SHARE
 from gcodesim.motion.pieces import OVERLAP, Pieces
 from gcodesim.motion.timing import Caps
-from gcodesim.motion.tool_path import Commanded, ToolPath
+from gcodesim.motion.tool_path import HOME, Commanded, ToolPath
 from gcodesim.motion.trajectory import Samples
 from gcodesim.planning import joint_moves
 from gcodesim.planning.arm_kernels import joint_caps, joint_rates
@@ -31,7 +31,7 @@ from gcodesim.planning.axis_posing import offsets
 from gcodesim.planning.flange_poses import flange_origins, flange_poses, spin_of
 from gcodesim.planning.joint_rows import with_joint_rows
 from gcodesim.planning.nodes import Nodes
-from gcodesim.planning.plan import JointExtremes
+from gcodesim.planning.plan import JointExtremes, JointPath
 from gcodesim.planning.posing import Posed
 from gcodesim.planning.reach import report_poses, report_slow_joints
 from gcodesim.planning.spin_choice import SampledPath, SpinChoice, choose_spin
@@ -147,6 +147,9 @@ class FixedAttitude:
     R_BO (3, 3) is `frames[system]` for the work system in force, else `upright`. `spin` [rad] None: free, one angle is
     chosen for the whole program. The flange stands at end + length offset, the offset in axes of O, so that Z pulls the
     flange back. `X_BM` is where the axes of the program stand in the base. `joint_rapids`: every G0 is a joint move.
+
+    Of a leg that goes on, `home` (j,) is where G28 goes, and `held` (3, 3) is the R_BO that the tool has already; else
+    home is where the arm stands first, and it goes from there to its attitude by joints.
     """
 
     frames: Mapping[int, Array] = field(default_factory=dict)
@@ -154,6 +157,8 @@ class FixedAttitude:
     spin: float | None = None
     X_BM: Pose = field(default_factory=Pose.identity)
     joint_rapids: bool = False
+    home: Array | None = None
+    held: Array | None = None
 
     @property
     def understands(self) -> frozenset[Commanded]:
@@ -170,7 +175,7 @@ class FixedAttitude:
         home = np.asarray(home, dtype=float)
         path = path.transform(self.X_BM)
         report_missing_axes(path, np.arange(3), findings)
-        rows = with_joint_rows(path, self.R_BO(path), joint_rapids=self.joint_rapids)
+        rows = with_joint_rows(path, self.R_BO(path), joint_rapids=self.joint_rapids, held=self.held)
         path = rows.path
         R_BO = self.R_BO(path)
         probe = SampledPath.of(rows, R_BO)
@@ -182,9 +187,16 @@ class FixedAttitude:
         nodes, q_nodes, status = _solve(kinematics, flange, Nodes.of(pieces, at_home), choice, home)
         report_poses(kinematics, flange, nodes, q_nodes, status, probe, choice, home, findings)
         bridged = _bridge(nodes, q_nodes, status)
-        moves = _joint_moves(kinematics, pieces, nodes, q_nodes, home)
+        moves = _joint_moves(kinematics, pieces, nodes, q_nodes, home, home if self.home is None else self.home)
         caps = _caps(kinematics, pieces, nodes, q_nodes, bridged, findings)
         return Posed(pieces, ArmJoints(kinematics, flange, nodes, q_nodes, bridged, home, moves), caps)
+
+    def after(self, leg: JointPath, path: ToolPath, home: Array) -> FixedAttitude:
+        """The spin stays, and the attitude is held but at home."""
+        if not isinstance(leg, ArmJoints) or not len(path):
+            return self
+        held = None if path.kind[-1] == HOME else self.R_BO(path)[-1]
+        return replace(self, spin=leg.flange.spin, home=home, held=held)
 
     def R_BO(self, path: ToolPath) -> Array:
         """Axes of O in B for every row of `path` (n, 3, 3)."""
@@ -228,15 +240,17 @@ def _bridge(nodes: Nodes, q: Array, status: NDArray[np.uint8]) -> NDArray[np.boo
 
 
 def _joint_moves(
-    kinematics: Kinematics, pieces: Pieces, nodes: Nodes, q_nodes: Array, home: Array
+    kinematics: Kinematics, pieces: Pieces, nodes: Nodes, q_nodes: Array, start: Array, home: Array
 ) -> dict[int, tuple[Array, Array]]:
-    """Joints at both ends of every joint move by piece; the time it takes is written into the pieces."""
+    """Joints at both ends of every joint move by piece; the time it takes is written into the pieces.
+
+    The first one begins at `start` (j,); those of G28 end at `home` (j,).
+    """
     moves: dict[int, tuple[Array, Array]] = {}
     ends = np.searchsorted(nodes.piece, np.arange(len(pieces)), side="right")  # behind the last node of each piece
-    at_home = home
     for piece in np.flatnonzero(pieces.fixed):
         own_node = int(ends[piece]) - 1
-        before = at_home
+        before = start
         if piece > 0 and ends[piece - 1] > 0 and nodes.piece[ends[piece - 1] - 1] == piece - 1:
             before = q_nodes[ends[piece - 1] - 1]
         elif piece > 0:

@@ -25,10 +25,11 @@ class JointRows:
     home: NDArray[np.bool_]
 
 
-def with_joint_rows(path: ToolPath, R_BO: Array, *, joint_rapids: bool) -> JointRows:
+def with_joint_rows(path: ToolPath, R_BO: Array, *, joint_rapids: bool, held: Array | None = None) -> JointRows:
     """Find the joint rows of `path`; where a feed would need one first, a move on the spot is put in.
 
-    R_BO (n, 3, 3) is the orientation of each row. `joint_rapids`: all of G0 in joint space.
+    R_BO (n, 3, 3) is the orientation of each row. `joint_rapids`: all of G0 in joint space. `held` (3, 3) is the
+    orientation that the tool has already, None when it has none yet.
     """
     home = path.kind == HOME
     turned = np.zeros(len(path), dtype=bool)
@@ -40,6 +41,8 @@ def with_joint_rows(path: ToolPath, R_BO: Array, *, joint_rapids: bool) -> Joint
     joint = home | (turned & rapid)
     if joint_rapids:
         joint |= rapid
+    elif len(path) and held is not None and np.all(np.abs(R_BO[0] - held) < 1e-12):
+        joint[0] = home[0]  # a move from the spot, as straight as any other
     before = np.flatnonzero(turned & ~joint)
     if not len(before):
         return JointRows(path, joint, home)

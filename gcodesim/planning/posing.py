@@ -50,6 +50,13 @@ class Posing(Protocol):
         """
         ...
 
+    def after(self, leg: JointPath, path: ToolPath, home: Array) -> Posing:
+        """The posing with which the next leg of the program goes on from where `leg` along `path` ended.
+
+        What was free and has been chosen stays. `home` (j,) is where the machine stood before the first leg.
+        """
+        ...
+
 
 def plan_path(
     path: ToolPath,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.canon import Action, Event, OptionalStop, Stop, ToolChange
+from gcodesim.canon import Action, Event, OptionalStop, Pause, Stop, ToolChange, Trip
 from gcodesim.canon import Output as OutputEvent
 from gcodesim.canon.systems import name_of_system
 from gcodesim.diagnostics.span_table import SpanTable
@@ -65,10 +65,9 @@ class Blocks:
         """Names of all outputs that the program sets."""
         return tuple(sorted({output.name for modal in self.columns.modals for output in modal.outputs}))
 
-    def between(self, first_ns: int, end_ns: int) -> tuple[int, int]:
-        """The first of the blocks that begin at `first_ns` or later, and the first of those at `end_ns` or later."""
-        first, end = np.searchsorted(self.columns.t_ns, [first_ns, end_ns]).tolist()
-        return first, end
+    def before(self, t_ns: int) -> int:
+        """How many blocks begin before then."""
+        return int(np.searchsorted(self.columns.t_ns, t_ns))
 
 
 def _rests(timed: TimedEvent) -> bool:
@@ -91,6 +90,8 @@ def _entries(plan: Plan) -> _Entries:
     rests: list[tuple[int, int, int, int, int]] = []
     last = (-1, "", -1)
     for i, timed in enumerate(trajectory.events):
+        if isinstance(timed.event, (Pause, Trip)):  # what the run says, no block
+            continue
         span, t_ns = timed.event.span, round(timed.time * 1e9)
         here = (t_ns, span.file, span.line)
         if here == last and _rests(timed):  # as T1 M6: the block is known, and stands still

@@ -38,6 +38,10 @@ class Instants:
         self._sums: dict[str, float] = {}  # since the start of the run
         self._clear()
 
+    def follow(self, plan: Plan) -> None:
+        """Windows of a further leg come; `plan` is that of all legs so far."""
+        self._plan = plan
+
     def _clear(self) -> None:
         self._columns: dict[str, list[Any]] = {}
         self._windows = 0

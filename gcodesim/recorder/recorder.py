@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -10,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gcodesim.canon import ToolChange
 from gcodesim.diagnostics import Diagnostic
@@ -40,6 +42,7 @@ if TYPE_CHECKING:
     from gcodesim.log.live import LiveView
     from gcodesim.material.stock import Stock
     from gcodesim.material.surface import Glimpse, Surface, Tile, Tiles
+    from gcodesim.planning import Plan
     from gcodesim.world import WorldSteps
 
 TILE_PERIOD_NS: Final = 500_000_000
@@ -50,6 +53,10 @@ DRAWN_COLUMNS: Final = 25_000
 
 MOST_TILE_LOOKS: Final = 120
 """Looks at the stock in a whole run: a long program is not watched more closely than a short one."""
+
+ALWAYS_DRAWN: Final = 1000
+WORTH_DRAWING: Final = 1.05
+"""The path is drawn anew with each leg while it has few rows, then when it has so many times more than last time."""
 
 FORCE_PERIOD_NS: Final = 100_000_000
 
@@ -69,8 +76,11 @@ class Recorder:
         self._frames = Frames.of(self._shop)
         self._systems = work_systems(self._shop, self._plan.path)
         self._speeds = np.array([state.spindle for state in self._plan.path.states])
-        ways = Ways.of(self._plan, self._shop)
+        self._ways = ways = Ways.of(self._plan, self._shop)
         self._blocks = Blocks.of(self._plan, self._shop, job.sources, ways, self._frames.path_frame)
+        self._begun = 0  # how many of the blocks are told
+        self._drawn = len(self._plan.path)  # rows
+        self._expected: deque[Sequence[Diagnostic]] = deque()
         self._tiles: list[Tiles] = [self._tiles_of(placed.stock) for placed in self._shop.stocks.values()]
         self._tile_ns = self._tile_period(self._plan.trajectory.duration_ns)
         self._limits = JointLimits.of(self._shop)
@@ -106,9 +116,9 @@ class Recorder:
         return max(1, self._tile_ns // self._step_ns)
 
     def _description(self, ways: Ways) -> LogDescription:
-        job, path = self._job, self._plan.path
+        job = self._job
         own = job.loaded.files[0]
-        rapid = (path.kind == RAPID) | (path.kind == HOME)
+        rapid = _is_rapid(self._plan)
         attachments = {"program.nc": job.program.raw, "cell.yaml": job.loaded.sources[own.name].raw}
         for name, source in sorted(job.sources.items()):
             if job.reading is not None and name in job.reading.sources and name != job.program.name:
@@ -166,7 +176,7 @@ class Recorder:
         for index, tiles in enumerate(self._tiles):
             self._draw(0, index, tiles.all())
         self._write(record_of(window, world, [], self._sheet), np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64))
-        self._writer.blocks(self._blocks.messages, *self._blocks.between(0, 1))
+        self._begin_blocks(0)
 
     def look(self, window: StepWindow) -> Sequence[Glimpse]:
         """Of each stock what has changed, as `window` leaves it, when it is time to look; drawn when written down."""
@@ -187,8 +197,7 @@ class Recorder:
         window = record.window
         ends = (window.first + 1 + np.arange(len(window), dtype=np.int64)) * self._step_ns
         logged = np.flatnonzero(ends % self._period_ns == 0)
-        begun = self._blocks.between(self._now_ns + 1, int(ends[-1]) + 1)
-        self._writer.blocks(self._blocks.messages, *begun)
+        self._begin_blocks(int(ends[-1]))
         self._reporter.until(int(ends[-1]), found, begin_ns=self._now_ns + 1)
         self._texts.until(int(ends[-1]))
         self._changes_of_tool(self._now_ns, int(ends[-1]), window)
@@ -196,6 +205,35 @@ class Recorder:
         self._now_ns = int(ends[-1])
         for index, glimpse in enumerate(seen):
             self._draw(self._now_ns, index, glimpse.draw())
+
+    def _begin_blocks(self, t_ns: int) -> None:
+        """The blocks that begin up to then."""
+        first, self._begun = self._begun, self._blocks.before(t_ns + 1)
+        self._writer.blocks(self._blocks.messages, first, self._begun)
+
+    # ---- between legs
+
+    def expect(self, found: Sequence[Diagnostic]) -> None:
+        """What was found while the next leg was read and planned."""
+        self._expected.append(found)
+
+    def follow(self, plan: Plan) -> None:
+        """The run goes on by a leg; `plan` is that of all legs so far."""
+        rows, events = len(self._plan.path), len(self._plan.trajectory.events)
+        self._plan = plan
+        self._systems = work_systems(self._shop, plan.path)
+        self._speeds = np.array([state.spindle for state in plan.path.states])
+        self._ways = self._ways.followed_by(Ways.of(plan, self._shop, rows))
+        frame = self._frames.path_frame
+        self._blocks = Blocks.of(plan, self._shop, self._job.sources, self._ways, frame)
+        self._texts.expect(plan.trajectory.events[events:])
+        self._instants.follow(plan)
+        while self._expected:
+            self._reporter.expect(self._expected.popleft(), self._now_ns)
+        if len(plan.path) > WORTH_DRAWING * self._drawn or len(plan.path) < ALWAYS_DRAWN:
+            self._drawn = len(plan.path)
+            rapid = _is_rapid(plan)
+            self._writer.path(self._now_ns, frame, self._ways.polylines(~rapid), self._ways.polylines(rapid))
 
     def _draw(self, t_ns: int, index: int, tiles: Sequence[Tile]) -> None:
         first = sum(len(before) for before in self._tiles[:index])
@@ -365,6 +403,12 @@ class Recorder:
         with suppress(Exception):  # the fault itself may be among what waits to be written
             self._write_instants()
         self._writer.abandon()
+
+
+def _is_rapid(plan: Plan) -> NDArray[np.bool_]:
+    """Rows (n,) of G0 and G28."""
+    rapid: NDArray[np.bool_] = np.isin(plan.path.kind, (RAPID, HOME))
+    return rapid
 
 
 def _in_world(R_WB: Array, wrench: Array) -> Array:

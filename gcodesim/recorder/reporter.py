@@ -33,6 +33,11 @@ class Reporter:
         self._waiting = deque(sorted(known, key=_time_ns))
         self._said: dict[tuple[str, str, int], list[str]] = {}
 
+    def expect(self, found: Sequence[Diagnostic], now_ns: int) -> None:
+        """What the plan of a further leg has found waits, too; what should have been said before is said now."""
+        later = (replace(finding, time=max(_time_ns(finding), now_ns) * 1e-9) for finding in found)
+        self._waiting = deque(sorted([*self._waiting, *later], key=_time_ns))
+
     def until(self, end_ns: int, fresh: Sequence[Diagnostic] = (), *, begin_ns: int = 0) -> None:
         """Say what waits for a time up to `end_ns`, and the findings that came up between `begin_ns` and then."""
         while self._waiting and _time_ns(self._waiting[0]) <= end_ns:

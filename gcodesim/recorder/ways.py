@@ -32,22 +32,30 @@ class Ways:
     starts: NDArray[np.int64]
 
     @staticmethod
-    def of(plan: Plan, shop: Shop) -> Ways:
+    def of(plan: Plan, shop: Shop, first: int = 0) -> Ways:
+        """Those of all rows, or of the rows from `first` on."""
         path = plan.path
-        count = len(path)
+        start, end, sweep = path.start[first:], path.end[first:], path.sweep[first:]
+        count = len(start)
         if not count:
             return Ways(np.zeros((0, 3)), np.zeros(1, dtype=np.int64))
-        arc = path.kind == ARC
+        arc = path.kind[first:] == ARC
         points_of = np.full(count, 2, dtype=np.int64)
-        points_of[arc] = np.clip(np.ceil(np.abs(path.sweep[arc]) / _ARC_STEP) + 1, 3, _MOST_ARC_POINTS)
+        points_of[arc] = np.clip(np.ceil(np.abs(sweep[arc]) / _ARC_STEP) + 1, 3, _MOST_ARC_POINTS)
         starts = np.concatenate([[0], np.cumsum(points_of)])
         row = np.repeat(np.arange(count), points_of)
         u = (np.arange(starts[-1]) - starts[row]) / (points_of[row] - 1)
-        points = path.start[row, :3] + u[:, None] * (path.end[row, :3] - path.start[row, :3])
+        points = start[row, :3] + u[:, None] * (end[row, :3] - start[row, :3])
         bent = arc[row]
         if bent.any():
-            points[bent] = _on_arcs(path.start, path.end, path.center, path.normal, path.sweep, row[bent], u[bent])
-        return Ways(shop.X_WB.apply(points + _shifts(plan, shop)[row]), starts)
+            center, normal = path.center[first:], path.normal[first:]
+            points[bent] = _on_arcs(start, end, center, normal, sweep, row[bent], u[bent])
+        return Ways(shop.X_WB.apply(points + _shifts(plan, shop, first)[row]), starts)
+
+    def followed_by(self, other: Ways) -> Ways:
+        """These ways, then those of further rows."""
+        starts = np.concatenate([self.starts, self.starts[-1] + other.starts[1:]])
+        return Ways(np.concatenate([self.points, other.points]), starts)
 
     def polylines(self, rows: NDArray[np.bool_]) -> Polylines:
         """The ways of the rows (n,) that are true, each a line of its own."""
@@ -77,15 +85,17 @@ def _on_arcs(start: Array, end: Array, center: Array, normal: Array, sweep: Arra
     return points
 
 
-def _shifts(plan: Plan, shop: Shop) -> Array:
-    """From the controlled point to the tip (n, 3) in B, in the middle of every row: tool length believed and true.
+def _shifts(plan: Plan, shop: Shop, first: int) -> Array:
+    """From the controlled point to the tip (n, 3) in B, in the middle of every row from `first` on: tool length
+
+    believed and true.
 
     Where a linear axis carries the table, the tip as the table at zero would see it.
     """
     trajectory = plan.trajectory
-    middle: Array = 0.5 * (trajectory.row_start + trajectory.row_end)
+    middle: Array = 0.5 * (trajectory.row_start[first:] + trajectory.row_end[first:])
     samples = trajectory.sample(middle)
-    rows = np.arange(len(middle))
+    rows = np.arange(first, first + len(middle))
     q = plan.joints(samples)
     shift: Array = plan.tip(q, rows)[:, :3, 3] - samples.position[:, :3]
     if shop.mover.shifts_work:

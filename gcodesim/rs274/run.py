@@ -188,6 +188,7 @@ class Executor:
                     for event in out:
                         if type(event) is canon.Probe or type(event) is canon.Input:
                             asked = time.monotonic()
+                            self._show_sources()
                             reply = yield event
                             self._forgive(time.monotonic() - asked)
                             if not self._hear(event, reply, index):
@@ -508,8 +509,12 @@ class Executor:
             run.findings.add(Diagnostic(code=code, message=message, span=first, hint=hint, count=count))
         run.parameters = {n: v for n, v in sorted(control.parameters.numbers.items()) if v}
         run.kept = tuple(sorted({*control.parameters.kept(), *self.settings.parameters}))
-        run.sources.update({name: file.source for name, file in self.flow.files.items()})
+        self._show_sources()
         run.blocks = self.blocks
+
+    def _show_sources(self) -> None:
+        """The files that have been read so far."""
+        self.run.sources.update({name: file.source for name, file in self.flow.files.items()})
 
     def _initial_path_control(self) -> None:
         """The path mode that is in force before the program's own."""

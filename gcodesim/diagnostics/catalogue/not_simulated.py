@@ -161,6 +161,14 @@ CODES += (
         remedy="Look at paths and times of such a program only; leave out the stock.",
     ),
     Code(
+        code="GS919",
+        severity=Severity.NOTE,
+        title="Probes of uncut stock",
+        what="`gcodesim check` lets the program's probes meet the stock as it comes into the cell, and cuts nothing.",
+        why="Where the program probes what it has cut itself, `run` comes to other places, and perhaps to other lines.",
+        remedy="Use `gcodesim run` for such a program.",
+    ),
+    Code(
         code="GS914",
         severity=Severity.NOTE,
         title="Lines left out by block delete",

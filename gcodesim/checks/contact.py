@@ -1,0 +1,253 @@
+"""Where a probing move touches: the tip of the tool swept along the planned way, against stocks and fixtures.
+
+Nothing is removed and nothing is pushed: what the tip meets first, and when, follows from geometry alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.checks.clearance import Standing
+from gcodesim.checks.collisions import ToolParts, fixture_touches
+from gcodesim.frames import Array
+from gcodesim.material.contact import in_material
+
+if TYPE_CHECKING:
+    from gcodesim.material.stock import Stock
+    from gcodesim.planning.plan import Plan
+    from gcodesim.tools.tool import Tool
+
+TIPS: Final = ("tip", "cutting", "nozzle")
+"""Parts of a tool that may touch, the first one that it has; else all of it."""
+
+FACETS: Final = 16  # points along a radius of the tip: a ball is within 0.05 % of its radius, and exact along the axes
+_MOST_POSES: Final = 20_000  # of one move
+_FEWEST_POSES: Final = 64
+_HALVINGS: Final = 40
+_AT_ONCE: Final = 256  # poses
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Contact:
+    """`time` [s] in the plan at which the tip comes to touch `body`, or stops to touch anything."""
+
+    time: float
+    body: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class TargetStock:
+    """A stock that can be touched; `pose` gives X_BS (n, 4, 4) at joints (n, j)."""
+
+    name: str
+    stock: Stock
+    pose: Callable[[Array], Array]
+
+    @property
+    def cell(self) -> float:
+        """Width [m] of the finer side of a column."""
+        return float(min(self.stock.spacing))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Way:
+    """Some times (n,) of the plan: joints and tip X_BT there."""
+
+    times: Array
+    q: Array
+    X_BT: Array
+
+    def seen_from(self, pose: Callable[[Array], Array] | None) -> Array:
+        """The tip (n, 4, 4) as a frame at `pose` sees it; None: as B does."""
+        X: Array = self.X_BT if pose is None else np.linalg.inv(pose(self.q)) @ self.X_BT
+        return X
+
+
+@dataclass(frozen=True, eq=False)
+class Touching:
+    """The last move of `plan` with `tool` in the spindle, against all that stands around."""
+
+    plan: Plan
+    tool: Tool
+    stocks: Sequence[TargetStock]
+    standing: Sequence[Standing]
+
+    def first(self, *, begin: float, towards: bool) -> Contact | None:
+        """The first contact from `begin` [s] to the end of the plan, or the first loss of it; None: there is none.
+
+        At `begin` itself it is told when the tip touches already, or touches nothing where contact is to be lost.
+        """
+        way = self._way_from(begin)
+        if towards:
+            met = [*self._stock_contacts(way), *self._fixture_contacts(way)]
+            return min(met, key=lambda contact: (contact.time, contact.body), default=None)
+        touched = self._bodies(way)
+        free = np.flatnonzero([not bodies for bodies in touched])
+        if not len(free):
+            return None
+        index = int(free[0])
+        if index == 0:
+            return Contact(time=begin, body="")
+        low, high = float(way.times[index - 1]), float(way.times[index])
+        time = self._turn(low, high, lambda here: bool(self._bodies(here)[0]))
+        return Contact(time=time, body=touched[index - 1][0])
+
+    # -- where the tip is
+
+    def _way(self, times: Array) -> _Way:
+        samples = self.plan.trajectory.sample(times)
+        q = self.plan.joints(samples)
+        return _Way(times, q, self.plan.tip(q, samples.row))
+
+    def _way_from(self, begin: float) -> _Way:
+        """Times so close that the tip goes less than half of the finest cell, or of its own radius, between two."""
+        end = self.plan.trajectory.duration
+        coarse = self._way(np.linspace(begin, end, _FEWEST_POSES + 1))
+        frames = [target.pose for target in self.stocks] + [some.carrier for some in self.standing]
+        ways = [np.diff(coarse.seen_from(pose)[:, :3, 3], axis=0) for pose in frames]
+        longest = max((float(np.linalg.norm(way, axis=1).max()) for way in ways), default=0.0)
+        finest = 0.5 * min([self._radius, *(target.cell for target in self.stocks)])
+        wanted = int(np.ceil(_FEWEST_POSES * longest / max(finest, 1e-6)))
+        return self._way(np.linspace(begin, end, min(max(wanted, _FEWEST_POSES), _MOST_POSES) + 1))
+
+    @cached_property
+    def _parts(self) -> ToolParts:
+        """What of the tool may touch."""
+        outlines = ToolParts.of(self.tool).outlines
+        part = next((name for name in TIPS if name in outlines), None)
+        return ToolParts(name=self.tool.name, outlines=outlines if part is None else {part: outlines[part]})
+
+    @cached_property
+    def _radius(self) -> float:
+        return max((float(outline[:, 0].max()) for outline in self._parts.outlines.values()), default=1e-3)
+
+    @cached_property
+    def _skin(self) -> Array:
+        """Points (n, 3) of the surface of the tip in T."""
+        step = max([self._radius / FACETS, *(0.25 * target.cell for target in self.stocks)])
+        outlines = self._parts.outlines.values()
+        return np.concatenate([np.zeros((1, 3)), *(surface_points(outline, step) for outline in outlines)])
+
+    # -- stocks
+
+    def _stock_contacts(self, way: _Way) -> list[Contact]:
+        found = []
+        for target in self.stocks:
+            touched = self._in_stock(target, way, first_only=True)
+            if not touched.any():
+                continue
+            index = int(np.argmax(touched))
+            time = float(way.times[index])
+            if index > 0:
+                time = self._turn(float(way.times[index - 1]), time, partial(self._is_in, target))
+            found.append(Contact(time=time, body=target.name))
+        return found
+
+    def _is_in(self, target: TargetStock, here: _Way) -> bool:
+        return bool(self._in_stock(target, here)[0])
+
+    def _in_stock(self, target: TargetStock, way: _Way, *, first_only: bool = False) -> NDArray[np.bool_]:
+        """Whether the tip is in material at n times; with `first_only` those behind the first are not looked at."""
+        X_ST = way.seen_from(target.pose)
+        touched = np.zeros(len(X_ST), dtype=bool)
+        low, high = target.stock.bounds
+        reach = float(np.linalg.norm(self._skin, axis=1).max())
+        p = X_ST[:, :3, 3]
+        near = np.flatnonzero(np.all((p > low - reach) & (p < high + reach), axis=1))
+        for first in range(0, len(near), _AT_ONCE):
+            some = near[first : first + _AT_ONCE]
+            points = np.einsum("nij,kj->nki", X_ST[some, :3, :3], self._skin) + X_ST[some, None, :3, 3]
+            flat = points.reshape(-1, 3)
+            inside = np.flatnonzero(np.all((flat > low) & (flat < high), axis=1))
+            hit = np.zeros(len(flat), dtype=bool)
+            hit[inside] = in_material(target.stock, flat[inside])
+            touched[some] = hit.reshape(len(some), -1).any(axis=1)
+            if first_only and touched[some].any():
+                break
+        return touched
+
+    # -- fixtures
+
+    def _fixture_contacts(self, way: _Way) -> list[Contact]:
+        found = []
+        for some in self.standing:
+            X = way.seen_from(some.carrier)
+            axis = -(X[:-1, :3, 2] + X[1:, :3, 2])
+            axis /= np.linalg.norm(axis, axis=1, keepdims=True)
+            for touch in fixture_touches(self._parts, some.bodies, X[:-1, :3, 3], X[1:, :3, 3], axis):
+                before, after = way.times[touch.piece], way.times[touch.piece + 1]
+                found.append(Contact(time=float(before + touch.share * (after - before)), body=touch.fixture))
+        return found
+
+    def _bodies(self, way: _Way) -> list[list[str]]:
+        """What the tip touches at each of n times."""
+        touched: list[list[str]] = [[] for _ in way.times]
+        for target in self.stocks:
+            for index in np.flatnonzero(self._in_stock(target, way)).tolist():
+                touched[index].append(target.name)
+        for some in self.standing:
+            X = way.seen_from(some.carrier)
+            p, axis = X[:, :3, 3], -X[:, :3, 2]
+            for touch in fixture_touches(self._parts, some.bodies, p, p, axis):
+                for index in range(touch.piece, touch.piece + touch.pieces):
+                    touched[index].append(touch.fixture)
+        return touched
+
+    def _turn(self, before: float, after: float, state: Callable[[_Way], bool]) -> float:
+        """When the answer of `state` changes between two times [s]: the later end of what is left."""
+        low, high = before, after
+        last = state(self._way(np.array([high])))
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (low + high)
+            if state(self._way(np.array([middle]))) == last:
+                high = middle
+            else:
+                low = middle
+        return high
+
+
+def surface_points(outline: Array, step: float) -> Array:
+    """Points (n, 3) in T on the body of revolution that `outline` (k, 2), radius and height [m], is the hull of.
+
+    Neighbours are about `step` [m] apart, on straight walls along the axis up to a 16th of their height.
+    """
+    hull = _profile(outline)
+    rings: list[tuple[float, float]] = [(float(hull[0, 0]), float(hull[0, 1]))]
+    for (r0, h0), (r1, h1) in zip(hull[:-1].tolist(), hull[1:].tolist(), strict=True):
+        length = float(np.hypot(r1 - r0, h1 - h0))
+        own = max(step, length / FACETS) if abs(r1 - r0) < 1e-12 else step
+        count = max(1, int(np.ceil(length / own)))
+        rings += [(r0 + (r1 - r0) * k / count, h0 + (h1 - h0) * k / count) for k in range(1, count + 1)]
+    points = []
+    for radius, height in rings:
+        count = max(1, 4 * int(np.ceil(0.5 * np.pi * radius / step)))  # with one towards each axis
+        angle = 2.0 * np.pi * np.arange(count) / count
+        ring = np.stack([radius * np.cos(angle), radius * np.sin(angle), np.full(count, -height)], axis=1)
+        points.append(ring)
+    return np.concatenate(points)
+
+
+def _profile(outline: Array) -> Array:
+    """The outer side of the hull of points (k, 2), radius and height, from the axis below to the axis above."""
+    low, high = float(outline[:, 1].min()), float(outline[:, 1].max())
+    points = sorted({(float(h), float(r)) for r, h in outline} | {(low, 0.0), (high, 0.0)})
+    upper: list[tuple[float, float]] = []
+    for h, r in points:  # monotone chain along the axis, keeping the greatest radii
+        while len(upper) >= 2 and _turns_in(upper[-2], upper[-1], (h, r)):
+            upper.pop()
+        upper.append((h, r))
+    profile = np.array([(r, h) for h, r in upper])
+    ends = [(0.0, low)] if profile[0, 0] > 0.0 else []
+    tops = [(0.0, high)] if profile[-1, 0] > 0.0 else []
+    return np.concatenate([np.array(ends).reshape(-1, 2), profile, np.array(tops).reshape(-1, 2)])
+
+
+def _turns_in(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> bool:
+    """Whether b lies on the inner side of a to c, so that a hull leaves it out."""
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) >= 0.0

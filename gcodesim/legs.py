@@ -1,0 +1,327 @@
+"""The program of a job, read and planned leg by leg.
+
+A leg goes from rest to rest and needs no answer. It ends where the program asks something of the run: where a probe
+touches, what an input reads. Most programs are one leg, read and planned before anything moves. A probing move is a
+leg of its own, planned when the stock is as the legs before have left it. Legs begin with a whole step of the run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from gcodesim import canon
+from gcodesim.canon import Axes
+from gcodesim.canon.batch import MoveBatch
+from gcodesim.checks.clearance import clearance_findings, standing_bodies
+from gcodesim.checks.contact import Contact, TargetStock, Touching
+from gcodesim.checks.empty_spindle import empty_spindle_findings
+from gcodesim.checks.ends import left_on
+from gcodesim.checks.idle import blind_axis_findings
+from gcodesim.checks.speed import speed_findings
+from gcodesim.diagnostics import Diagnostic, Severity
+from gcodesim.frames import Array
+from gcodesim.motion.build import PathBuilder
+from gcodesim.motion.joining import standing_until, with_instant
+from gcodesim.motion.timing import event_durations
+from gcodesim.motion.tool_path import ToolPath
+from gcodesim.planning import Plan, plan_path, posing_of
+from gcodesim.planning.legs import followed_by
+from gcodesim.results import ProbeResult
+from gcodesim.shop import Shop, with_stock
+from gcodesim.units import MM
+
+if TYPE_CHECKING:
+    from gcodesim.job import Job
+
+_QUESTIONS: Final = (canon.Probe, canon.Input)
+_OF_TIPS: Final = ("GS301", "GS304")
+_LEAVING: Final = 0.02  # [s] after a trip within which the tool begins to leave what it has touched
+_GRAZE: Final = 1e-5  # [m] by which it may go deeper for a moment, as it does along a slope
+_HALVINGS: Final = 50
+
+
+class Legs:
+    """Reads and plans `job` leg by leg: the first one by `prepare`, further ones while it is run or checked."""
+
+    def __init__(self, job: Job, start: Axes) -> None:
+        assert job.shop is not None and job.reading is not None and job.cell is not None
+        self._job, self._reading = job, job.reading
+        self._stream = job.reading.stream()
+        self._builder = PathBuilder(start)
+        self._question: canon.Probe | canon.Input | None = None
+        self._reply: canon.Answer | None = None
+        self._read = self._ended = False
+        self._posing = posing_of(job.shop)
+        self._at: Array = job.shop.home
+        self._step_ns = job.cell.simulation.step_ns
+        self._steps = 0  # of all legs so far
+        self._stocked: bool | None = None
+        self._duration_of = event_durations(job.cell.magazine.change_time)
+        self._touched: tuple[str, float] | None = None  # what the last leg touched, and how deep it then went in
+
+    @property
+    def shop(self) -> Shop:
+        assert self._job.shop is not None
+        return self._job.shop
+
+    # ---- what others ask
+
+    def onward(self) -> Plan | None:
+        """The plan of all legs so far and the next; None when the program has no further one.
+
+        What is found on the way is added to the job. All legs before have been run, so that the stock is as they left
+        it; or nothing is run at all.
+        """
+        while not self._ended:
+            if self._question is None and not self._read:
+                self._read_on()
+            question = self._question
+            if question is None or len(self._builder.rows):
+                plan = self._plain_leg()
+                if plan is not None or self._ended:
+                    return plan
+            elif isinstance(question, canon.Probe):
+                return self._probe(question)
+            else:
+                self._hear(question)
+        return None
+
+    def stock_up(self) -> bool:
+        """Bring in the stocks; False when a fault of one keeps the job from running, which is told."""
+        if self._stocked is None:
+            self._job.shop, problems = with_stock(self.shop)
+            self._job.findings.extend(problems)
+            self._stocked = not any(problem.level >= Severity.ERROR for problem in problems)
+        return self._stocked
+
+    def stop(self) -> None:
+        """Somebody stopped the run: what has been read until then is told."""
+        if not self._read:
+            self._end_of_reading()
+            self._ended = True
+
+    def tell_of_untouched_stock(self) -> None:
+        """GS919 where probes have met a stock in which nothing is cut."""
+        job = self._job
+        if job.probings and self.shop.stocks:
+            job.findings.add(
+                Diagnostic(
+                    code="GS919",
+                    span=job.probings[0].span,
+                    message="probes meet the stock as it comes into the cell: a check cuts nothing",
+                    hint="`gcodesim run` probes what the program has cut by then",
+                    count=len(job.probings),
+                )
+            )
+
+    # ---- reading
+
+    def _read_on(self) -> None:
+        """Up to the next question, or to the end."""
+        reply, self._reply = self._reply, None
+        if reply is not None:
+            try:
+                self._take(self._stream.send(reply))
+            except StopIteration:
+                self._end_of_reading()
+                return
+        if self._question is None:
+            add = self._builder.add
+            for item in self._stream:
+                if isinstance(item, _QUESTIONS):
+                    self._question = item
+                    break
+                add(item)
+            else:
+                self._end_of_reading()
+        self._job.sources |= self._reading.sources
+
+    def _take(self, item: canon.Event | MoveBatch) -> None:
+        if isinstance(item, _QUESTIONS):
+            self._question = item
+        else:
+            self._builder.add(item)
+
+    def _end_of_reading(self) -> None:
+        self._read = True
+        self._stream.close()
+        self._job.sources |= self._reading.sources
+        self._job.findings.extend(self._reading.findings)
+
+    # ---- plain legs
+
+    def _plain_leg(self) -> Plan | None:
+        """All moves that have been read; None when nothing is left to be done."""
+        path = self._builder.leg()
+        before = self._job.plan
+        self._job.events = [*self._job.events, *(noted.event for noted in path.events)]
+        if self._read:
+            self._ended = True
+            self._job.findings.extend(left_on(self._job.events))
+            whole = path if before is None else before.path.then(path)
+            self._job.findings.extend(empty_spindle_findings(whole, self.shop.cell))
+            lasting = any(self._duration_of(noted.event) > 0.0 for noted in path.events)
+            if before is not None and not len(path) and not lasting:
+                return None
+        plan = self._planned(path)
+        return self._followed(plan, path, self._found(plan))
+
+    def _planned(self, path: ToolPath) -> Plan:
+        shop = self.shop
+        return plan_path(
+            path,
+            shop.kinematics,
+            self._posing,
+            home=self._at,
+            duration_of=self._duration_of,
+            tool_frames={number: tool.X_FT for number, tool in shop.cell.tools.items()},
+        )
+
+    def _found(self, plan: Plan) -> Iterator[Diagnostic]:
+        """What is to be said about the plan of one leg."""
+        shop = self.shop
+        yield from plan.findings
+        yield from blind_axis_findings(plan.path, shop.mover)
+        yield from speed_findings(plan, shop.cell.limits.spindle_speed)
+        if shop.cell.fixtures:
+            hits = clearance_findings(plan, shop.cell.tools, standing_bodies(shop.scene, shop.name), X_BM=shop.X_BM)
+            yield from (hit for hit in hits if not self._backs_off(hit))
+
+    def _backs_off(self, hit: Diagnostic) -> bool:
+        """Whether a tool is only on its way out of what it has probed."""
+        if self._touched is None or hit.code not in _OF_TIPS or self._touched[0] not in hit.bodies:
+            return False
+        return (hit.time or 0.0) <= _LEAVING and (hit.value or 0.0) * MM <= self._touched[1] + _GRAZE
+
+    def _followed(self, leg: Plan, path: ToolPath, found: Iterator[Diagnostic]) -> Plan:
+        """The plan of all legs when `leg`, planned of `path`, is the next one; `found` has its own times."""
+        job, before = self._job, self._job.plan
+        begin = self._steps * self._step_ns * 1e-9
+        for finding in found:
+            if before is None:
+                job.findings.add(finding)
+            else:
+                later = replace(finding, time=None if finding.time is None else finding.time + begin)
+                job.findings.add(later, key=(later.code, later.span, "of a later leg"))
+        if not self._ended:
+            leg = self._padded(leg)
+            self._posing = self._posing.after(leg.joint_path, leg.path, self.shop.home)
+            self._at = leg.joints(leg.trajectory.sample(np.array([leg.trajectory.duration])))[0]
+        job.plan = leg if before is None else followed_by(before, leg)
+        return job.plan
+
+    def _padded(self, leg: Plan) -> Plan:
+        """`leg` and the rest of the step in which it comes to rest."""
+        assert self._question is not None
+        steps = -(-leg.trajectory.duration_ns // self._step_ns)
+        self._steps += int(steps)
+        end = int(steps) * self._step_ns * 1e-9
+        rest = end - leg.trajectory.duration
+        if rest <= 1e-12:
+            return leg
+        pause = canon.Pause(span=self._question.span, seconds=rest)
+        return replace(leg, trajectory=standing_until(leg.trajectory, end, pause))
+
+    # ---- probing
+
+    def _probe(self, question: canon.Probe) -> Plan | None:
+        """The move of a probe as far as it gets."""
+        self._builder.add(question)
+        path = self._builder.leg()
+        self._job.events = [*self._job.events, *(noted.event for noted in path.events)]
+        if not self.stock_up():
+            self._ended = True
+            return None
+        whole = self._planned(path)
+        begin = float(whole.trajectory.row_start[-1])
+        contact = self._contact(whole, begin, towards=question.towards)
+        refused = contact is not None and contact.time <= begin
+        tripped = contact is not None and (not refused or question.word == "G31")
+        trip, stop = _shares(whole, begin if contact is None else contact.time) if tripped else (1.0, 1.0)
+        if refused:
+            trip = stop = 0.0
+        point, rest = _along(path, trip), _along(path, stop)
+        path = replace(path, end=np.concatenate([path.end[:-1], [rest]]))
+        self._builder.stand_at(rest)
+        self._reply = canon.Touched(point=point, stop=rest, tripped=tripped, refused=refused and not tripped)
+        leg = self._planned(path)
+        time = _time_at(leg, trip / stop if stop > 0.0 else 1.0)
+        body = "" if contact is None or not tripped else contact.body
+        over = float(np.linalg.norm(np.subtract(rest, point)[:3]))
+        event = self._trip_event(question, leg, time, point=point, body=body, tripped=tripped, over=over)
+        leg = replace(leg, trajectory=with_instant(leg.trajectory, time, event))
+        at = self._steps * self._step_ns * 1e-9 + time
+        self._job.probings.append(
+            ProbeResult(span=question.span, word=question.word, time=at, tripped=tripped, body=body, tip=event.tip)
+        )
+        found = [finding for finding in self._found(leg) if finding.code not in _OF_TIPS]
+        plan = self._followed(leg, path, iter(found))
+        self._touched = (body, over) if body and question.towards else None
+        self._question = None
+        return plan
+
+    def _contact(self, plan: Plan, begin: float, *, towards: bool) -> Contact | None:
+        """What the tool in the spindle touches first, or leaves, on the last move of `plan`."""
+        shop = self.shop
+        tool = shop.tool(plan.path.state_of(len(plan.path) - 1).tool)
+        if tool is None:
+            return None
+        stocks = [
+            TargetStock(
+                name=name,
+                stock=placed.stock,
+                pose=lambda q, frame=placed.frame: shop.scene.seen_from(shop.name, frame, {shop.name: q}),  # type: ignore[misc]
+            )
+            for name, placed in shop.stocks.items()
+        ]
+        return Touching(plan, tool, stocks, standing_bodies(shop.scene, shop.name)).first(begin=begin, towards=towards)
+
+    def _trip_event(self, question: canon.Probe, leg: Plan, time: float, **known: Any) -> canon.Trip:
+        """What the log tells of a probe that trips at `time` [s] of its leg."""
+        samples = leg.trajectory.sample(np.array([time]))
+        tip = leg.tip(leg.joints(samples), np.array([len(leg.path) - 1]))[0, :3, 3]
+        x, y, z = (float(value) for value in self.shop.X_WB.apply(tip))
+        return canon.Trip(span=question.span, word=question.word, tip=(x, y, z), **known)
+
+    # ---- inputs
+
+    def _hear(self, question: canon.Input) -> None:
+        """What an input reads when the machine has come to rest: nothing sets it, so it is 0 and stays so."""
+        self._question = None
+        self._reply = canon.Heard(value=0.0)
+
+
+def _shares(plan: Plan, time: float) -> tuple[float, float]:
+    """How much of the last move is done at `time` [s], and how much when the machine has braked from there to rest."""
+    trajectory = plan.trajectory
+    samples = trajectory.sample(np.array([time]))
+    s, v = float(samples.s[0]), float(samples.speed[0])
+    length = float(trajectory.pieces.length[samples.piece[0]])
+    phases = trajectory.phases
+    brakes = -phases.acceleration[(phases.piece == samples.piece[0]) & (phases.acceleration < 0.0)]
+    stop = length if not len(brakes) else min(s + v * v / (2.0 * float(brakes.min())), length)
+    return s / length, stop / length
+
+
+def _along(path: ToolPath, share: float) -> Axes:
+    """The controlled point at a share of the last move."""
+    x, y, z, a, b, c = (path.start[-1] + share * (path.end[-1] - path.start[-1])).tolist()
+    return (x, y, z, a, b, c)
+
+
+def _time_at(plan: Plan, share: float) -> float:
+    """When `share` of the last move is done [s]."""
+    low, high = float(plan.trajectory.row_start[-1]), float(plan.trajectory.row_end[-1])
+    if share >= 1.0:
+        return high
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        if float(plan.trajectory.sample(np.array([middle])).fraction[0]) < share:
+            low = middle
+        else:
+            high = middle
+    return high

@@ -1,0 +1,61 @@
+"""The plans of the legs of one program as one plan."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from gcodesim.diagnostics import Findings
+from gcodesim.frames import Array
+from gcodesim.motion.joining import joined
+from gcodesim.motion.trajectory import Samples
+from gcodesim.planning.plan import JointExtremes, JointPath, Plan
+
+
+@dataclass(frozen=True, eq=False)
+class LegJoints:
+    """Joints along several legs: each asks its own plan. Leg i begins at `begins[i]` [s] with row `rows[i]`."""
+
+    legs: tuple[Plan, ...]
+    begins: tuple[float, ...]
+    rows: tuple[int, ...]
+
+    @staticmethod
+    def of(plan: Plan) -> LegJoints:
+        """Those of a plan that may be of several legs already."""
+        return plan.joint_path if isinstance(plan.joint_path, LegJoints) else LegJoints((plan,), (0.0,), (0,))
+
+    def joints(self, samples: Samples) -> Array:
+        """Joint values (n, j) [m, rad] at samples in order of time."""
+        time = samples.time
+        leg = np.maximum(np.searchsorted(self.begins, time, side="right") - 1, 0)
+        parts = [np.zeros((0, len(self.legs[0].kinematics.joints)))]
+        for index in np.unique(leg).tolist():
+            plan = self.legs[index]
+            parts.append(plan.joints(plan.trajectory.sample(time[leg == index] - self.begins[index])))
+        return np.concatenate(parts)
+
+    def extremes(self) -> JointExtremes:
+        """How far each joint goes in any leg, with rows of the whole."""
+        each = [plan.extremes() for plan in self.legs]
+        least, most = np.array([e.least for e in each]), np.array([e.most for e in each])
+        low, high = least.argmin(axis=0), most.argmax(axis=0)
+        at = np.arange(least.shape[1])
+        rows = np.array(self.rows)
+        row_of_least = np.array([e.row_of_least for e in each])[low, at] + rows[low]
+        row_of_most = np.array([e.row_of_most for e in each])[high, at] + rows[high]
+        return JointExtremes(least[low, at], most[high, at], row_of_least, row_of_most)
+
+
+def followed_by(before: Plan, leg: Plan) -> Plan:
+    """`before`, then `leg`, which begins where and when it ends; findings have the times of the whole."""
+    path = before.path.then(leg.path)
+    begin = before.trajectory.duration
+    own = LegJoints.of(before)
+    joints: JointPath = LegJoints((*own.legs, leg), (*own.begins, begin), (*own.rows, len(before.path)))
+    findings = Findings()
+    findings.extend(before.findings)
+    findings.extend(replace(f, time=None if f.time is None else f.time + begin) for f in leg.findings)
+    trajectory = joined(before.trajectory, leg.trajectory, path)
+    return Plan(trajectory, findings, before.kinematics, joints, before.tool_frames)
