@@ -46,7 +46,12 @@ MAIN: Final = "main"
 MACHINE: Final = "machine"
 
 _ANY_NAME: Final = Name(what="name", pattern=".+", canonical=lambda text: text.strip() or None)
-_CHANNELS: Final = MapOf(names_of("channel"), Record(Channel, "the channel"), "channels by name", lenient=True)
+_CHANNELS: Final = MapOf(
+    names_of("channel"),
+    Record(Channel, "the channel"),
+    "channels by name, such as `main: {robot: arm, work_offsets: {G54: {in: table}}}`",
+    lenient=True,
+)
 _FRAMES: Final = MapOf(
     names_of("frame"),
     Record(Place, "the frame"),
@@ -59,8 +64,10 @@ _ROBOTS: Final = MapOf(
 _TOOLS: Final = MapOf(
     TOOL_NUMBERS, TOOL, "tools by number, such as `1: {type: flat_end_mill, diameter: 10 mm}`", lenient=True
 )
-_MATERIALS: Final = MapOf(_ANY_NAME, MaterialKind(), "materials by name", lenient=True)
-_PACKAGES: Final = MapOf(_ANY_NAME, PackageFolder(), "folders by package name")
+_MATERIALS: Final = MapOf(
+    _ANY_NAME, MaterialKind(), "materials by name, such as `beech: {kc11: 26 N/mm^2, mc: 0.3}`", lenient=True
+)
+_PACKAGES: Final = MapOf(_ANY_NAME, PackageFolder(), "folders by package name, such as `my_robot: ../my_robot`")
 _CHECKS: Final = MapOf(CODE_PATTERNS, SeverityKind(), "severities by code, such as `GS9xx: error`")
 _MAGAZINE: Final = Record(Magazine, "the magazine")
 _SIMULATION: Final = Record(Simulation, "`simulation`")
@@ -83,7 +90,9 @@ class Cell:
     )
     machine: MachineTool | None = key(MachineKind(), "a machine tool", default=None)
     robots: Mapping[str, Robot] = key(_ROBOTS, "robots", default={}, quiet=True)
-    channels: Mapping[str, Channel] = key(_CHANNELS, "one program each", default={}, quiet=True)
+    channels: Mapping[str, Channel] = key(
+        _CHANNELS, "one program each; a run takes `main`, or else the first", default={}, quiet=True
+    )
     only_channel: Channel | None = inline(Channel, always=False)
     tools: Mapping[int, Tool] = key(_TOOLS, "tools by number", default={}, quiet=True)
     magazine: Magazine = key(
@@ -91,7 +100,11 @@ class Cell:
     )
     stocks: Mapping[str, StockSpec] = key(StockKind(), "material to work on", name="stock", default={}, quiet=True)
     materials: Mapping[str, Material] = key(_MATERIALS, "materials of one's own", default={}, quiet=True)
-    target: Target | None = key(Record(Target, "the target"), "the part as it should become", default=None)
+    target: Target | None = key(
+        Record(Target, "the target"),
+        "the part as it should become; this version reads and places it, and compares nothing with it",
+        default=None,
+    )
     fixtures: Mapping[str, Fixture] = key(FixtureKind(), "bodies that must not be touched", default={}, quiet=True)
     limits: Limits = key(Record(Limits, "`limits`"), "what may be asked at most", default=Limits(), quiet=True)
     checks: Mapping[str, Severity] = key(_CHECKS, "severities changed for this cell", default={}, quiet=True)

@@ -239,7 +239,11 @@ class Channel:
     robot: str | None = key(Text(form="the name of a robot, or `machine`"), "who runs the program", default=None)
     dialect: str = key(_DialectKind(), "which control's language", default="linuxcnc")
     work_offsets: Mapping[str, Place] = key(
-        MapOf(SYSTEM_NAMES, Record(Place, "a work offset"), "work systems and where they are"),
+        MapOf(
+            SYSTEM_NAMES,
+            Record(Place, "a work offset"),
+            "work systems and where they are, such as `G54: {in: table, xyz: [100, 50, 20]}`",
+        ),
         "where G54 to G59.3 are; for `fanuc` also `G54.1 P1` to `G54.1 P300`",
         default={},
         quiet=True,
@@ -268,7 +272,10 @@ class Channel:
     block_delete: bool = key(Switch(), "blocks that begin with `/` are skipped", default=False)
     optional_stop: bool = key(Switch(), "M1 stops; without effect, as nobody would go on", default=False)
     m_codes: Mapping[str, MCode] = key(
-        MapOf(M_CODES, _ActionKind(), "M-codes and what they do"), "M-codes of this cell", default={}, quiet=True
+        MapOf(M_CODES, _ActionKind(), "M-codes and what they do, such as `M10: {tool: activate}`"),
+        "M-codes of this cell",
+        default={},
+        quiet=True,
     )
     tool_length: Literal["auto", "strict"] = key(
         Choice(("auto", "strict")), "`auto`: in a program without G43 and G49, M6 acts like M6 G43", default="auto"

@@ -38,7 +38,7 @@ class JointList(Kind):
 
     @property
     def expected(self) -> str:
-        return f"one value a joint, such as `{self.example}`"
+        return f"one value {'an axis' if self.letters else 'a joint'}, such as `{self.example}`"
 
     def read(self, node: Node, to: Reading, path: Path) -> Any:
         if self.letters and isinstance(node, Mapping):

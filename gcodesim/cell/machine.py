@@ -45,13 +45,15 @@ class LinearAxis:
     """An axis X, Y or Z as the cell writes it."""
 
     travel: tuple[float, float] | None = key(
-        Vector(Quantity("length", WITHIN_REACH), 2), "least and greatest position", default=None
+        Vector(Quantity("length", WITHIN_REACH), 2, "[0, 600 mm]"), "least and greatest position", default=None
     )
     speed: float | None = key(Quantity("speed", POSITIVE), "greatest speed", default=None)
     acceleration: float | None = key(
         Quantity("acceleration", POSITIVE), "acceleration (assumed: full speed in 0.25 s)", default=None
     )
-    home: float | None = key(Quantity("length"), "position at the start (default 0, else the nearer end)", default=None)
+    home: float | None = key(
+        Quantity("length"), "position at the start (default 0, else the nearer end)", default=None, example="0 mm"
+    )
     side: Side | None = key(Choice(("tool", "table")), "what the axis moves", default=None)
     moving_mass: float | None = key(Quantity("mass", POSITIVE), "mass that the axis moves", default=None)
     effort: float | None = key(
@@ -64,7 +66,7 @@ class RotaryAxis:
     """An axis A, B or C as the cell writes it."""
 
     travel: tuple[float, float] | None = key(
-        Either((("unlimited", UNLIMITED),), Vector(Quantity("angle"), 2)),
+        Either((("unlimited", UNLIMITED),), Vector(Quantity("angle"), 2, "[-120, 120 deg]")),
         "least and greatest position, or `unlimited`",
         default=None,
     )
@@ -72,10 +74,12 @@ class RotaryAxis:
     acceleration: float | None = key(
         Quantity("angular acceleration", POSITIVE), "acceleration (assumed: full speed in 0.25 s)", default=None
     )
-    home: float | None = key(Quantity("angle"), "position at the start (default 0, else the nearer end)", default=None)
+    home: float | None = key(
+        Quantity("angle"), "position at the start (default 0, else the nearer end)", default=None, example="0 deg"
+    )
     side: Side | None = key(Choice(("tool", "table")), "what the axis moves", default=None)
     at: tuple[float, float, float] | None = key(
-        POINT, "a point on the axis; without it the axis gives time only", default=None
+        POINT, "a point on the axis; without it the axis gives time only", default=None, example="[300, 200, -350 mm]"
     )
     moving_mass: float | None = key(Quantity("mass", POSITIVE), "mass that the axis moves", default=None)
     effort: float | None = key(
@@ -178,7 +182,7 @@ class MachineForm:
     rapids: Literal["linear", "independent"] = key(
         Choice(("linear", "independent")), "G0 in a straight line, or each axis for itself", default="linear"
     )
-    home: Any = key(JointList(letters=True), "axes at the start", default=None)
+    home: Any = key(JointList(letters=True, example="[0, 0, 0]"), "axes at the start", default=None)
     base: Place = key(Record(Place, "a place"), "where machine zero is", default=Place(), quiet=True)
 
     def checked(self, to: Reading, path: Path) -> MachineTool | Fault:

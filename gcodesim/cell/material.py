@@ -29,15 +29,15 @@ class MaterialForm:
     kc11: float | None = key(
         Quantity("pressure", POSITIVE), "specific cutting force at 1 mm chip thickness", default=None
     )
-    mc: float | None = key(Quantity("ratio", Range(least=0.0, below=1.0)), "its exponent", default=None)
+    mc: float | None = key(Quantity("ratio", Range(least=0.0, below=1.0)), "its exponent", default=None, example="0.25")
     normal_ratio: float | None = key(_RATIO, "normal over tangential force", default=None)
-    axial_ratio: float | None = key(_RATIO, "axial over tangential force", default=None)
-    Ktc: float | None = key(_CUTTING, "tangential cutting coefficient", default=None)
+    axial_ratio: float | None = key(_RATIO, "axial over tangential force", default=None, example="0.2")
+    Ktc: float | None = key(_CUTTING, "tangential cutting coefficient", default=None, example="630 N/mm^2")
     Kte: float | None = key(_EDGE, "tangential edge coefficient", default=None)
-    Krc: float | None = key(_CUTTING, "radial cutting coefficient", default=None)
-    Kre: float | None = key(_EDGE, "radial edge coefficient", default=None)
-    Kac: float | None = key(_CUTTING, "axial cutting coefficient", default=None)
-    Kae: float | None = key(_EDGE, "axial edge coefficient", default=None)
+    Krc: float | None = key(_CUTTING, "radial cutting coefficient", default=None, example="100 N/mm^2")
+    Kre: float | None = key(_EDGE, "radial edge coefficient", default=None, example="10 N/mm")
+    Kac: float | None = key(_CUTTING, "axial cutting coefficient", default=None, example="50 N/mm^2")
+    Kae: float | None = key(_EDGE, "axial edge coefficient", default=None, example="2 N/mm")
     source: str = key(Text(), "where the constants are from", default="", quiet=True)
 
     def checked(self, to: Reading, path: Path) -> Material | Fault:

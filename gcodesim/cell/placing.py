@@ -61,7 +61,7 @@ class _FrameName(Kind):
 
 FRAME = _FrameName()
 POINT = Vector(Quantity("length", WITHIN_REACH), 3)
-_ANGLES = Vector(Quantity("angle"), 3)
+_ANGLES = Vector(Quantity("angle"), 3, "[0, 0, 90 deg]")
 _ZERO = (0.0, 0.0, 0.0)
 
 
@@ -73,7 +73,9 @@ class Place:
     """
 
     frame: str | None = key(FRAME, "what it stands in", name="in", default=None)
-    xyz: tuple[float, float, float] = key(POINT, "position in that frame", default=_ZERO, quiet=True)
+    xyz: tuple[float, float, float] = key(
+        POINT, "position in that frame", default=_ZERO, quiet=True, example="[650, 0, 400 mm]"
+    )
     rpy: tuple[float, float, float] = key(_ANGLES, "roll, pitch, yaw about the fixed axes", default=_ZERO, quiet=True)
 
     @property

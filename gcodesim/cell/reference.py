@@ -1,6 +1,7 @@
 """All keys of the cell file as Markdown, from the classes that read them; `docs/cell.md` carries it.
 
-`python -m gcodesim.cell.reference docs/cell.md` rewrites the part of that page between its two markers.
+`python -m gcodesim.cell.reference docs/cell.md` rewrites the part of that page between its two markers. With types of
+tools behind the page (`… my_page.md chamfer_mill`) it writes their tables alone, for the page of another package.
 """
 
 from __future__ import annotations
@@ -15,20 +16,20 @@ from gcodesim.cell.machine import LinearAxis, MachineForm, RotaryAxis
 from gcodesim.cell.material import MaterialForm
 from gcodesim.cell.placing import Place
 from gcodesim.cell.robot import RobotForm
-from gcodesim.cell.schema import units_as_text
 from gcodesim.cell.settings import Limits, LogSettings, Magazine, Simulation, Suppression
 from gcodesim.cell.stock import Body, StockSpec, Target
-from gcodesim.declarations.keys import Key, all_keys, keys
-from gcodesim.key_page import escaped, rewrite
+from gcodesim.declarations.keys import all_keys, keys
+from gcodesim.declarations.tables import key_table, units_as_text
+from gcodesim.key_page import rewrite
 from gcodesim.tools import TOOLS
 
-_SECTIONS: Final[tuple[tuple[str, type], ...]] = (
+SECTIONS: Final[tuple[tuple[str, type], ...]] = (
     ("A place (`frames`, `base`, and among the keys of whatever stands somewhere)", Place),
     ("`machine`", MachineForm),
     ("Axes X, Y, Z", LinearAxis),
     ("Axes A, B, C", RotaryAxis),
     ("`robots`", RobotForm),
-    ("`channels`; with one robot or machine these keys stand at top level", Channel),
+    ("A channel (`channels`); where there is but one, its keys stand at top level", Channel),
     ("`orientation`", Orientation),
     ("Shapes of stock and fixtures", Body),
     ("`stock`, besides its shape and place", StockSpec),
@@ -44,23 +45,22 @@ _SECTIONS: Final[tuple[tuple[str, type], ...]] = (
 
 def reference() -> str:
     """The reference: a table for each class, one for each tool type, and the units."""
-    parts = ["### Top level", "", *_table(list(keys(Cell).values()))]
-    shared = set(all_keys(Body))
-    for title, cls in _SECTIONS:
-        own = [key for key in keys(cls).values() if cls is Body or key.name not in shared]
-        parts += ["", f"### {title}", "", *_table(own)]
-    for name in TOOLS:
-        parts += ["", f"### Tool type `{name}`", "", *_table(list(all_keys(TOOLS[name]).values()))]
+    parts = ["### Top level", "", *key_table(list(keys(Cell).values()))]
+    shape = set(all_keys(Body))
+    for title, cls in SECTIONS:
+        inherited = shape if issubclass(cls, Body) and cls is not Body else set()
+        parts += ["", f"### {title}", "", *key_table([key for key in keys(cls).values() if key.name not in inherited])]
+    parts += ["", tool_reference(list(TOOLS))]
     return "\n".join([*parts, "", "### Units", "", "```text", units_as_text(), "```"])
 
 
-def _table(rows: list[Key]) -> list[str]:
-    head = ["| key | expects | meaning |", "|---|---|---|"]
-    return head + [
-        f"| `{key.name}`{' (required)' if key.required else ''} | {escaped(key.kind.expected)} | {escaped(key.doc)} |"
-        for key in rows
-    ]
+def tool_reference(names: list[str]) -> str:
+    """A table for each of these types of tools."""
+    return "\n\n".join(
+        "\n".join([f"### Tool type `{name}`", "", *key_table(list(all_keys(TOOLS[name]).values()))]) for name in names
+    )
 
 
 if __name__ == "__main__":
-    rewrite(Path(sys.argv[1]), reference())
+    page, *types = sys.argv[1:]
+    rewrite(Path(page), tool_reference(types) if types else reference())

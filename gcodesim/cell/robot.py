@@ -34,9 +34,15 @@ _STIFFNESS_OF: Final[dict[Measure, str]] = {"angle": "torsional stiffness", "len
 class Payload:
     """A mass at the flange besides the tool, such as a spindle; `xyz` is its centre of mass in F."""
 
-    mass: float = key(Quantity("mass", NOT_NEGATIVE), "mass of what hangs at the flange besides the tool")
+    mass: float = key(
+        Quantity("mass", NOT_NEGATIVE), "mass of what hangs at the flange besides the tool", example="6 kg"
+    )
     xyz: tuple[float, float, float] = key(
-        POINT, "its centre of mass, seen from the flange", default=(0.0, 0.0, 0.0), quiet=True
+        POINT,
+        "its centre of mass, seen from the flange",
+        default=(0.0, 0.0, 0.0),
+        quiet=True,
+        example="[0, 0, 80 mm]",
     )
 
 

@@ -191,6 +191,7 @@ class LogSettings:
         Quantity("time", Range(above=0.0, most=_LONGEST_PERIOD)),
         "time between two records",
         default=DEFAULT_PERIOD_NS / NS,
+        example="20 ms",
     )
     period_ns: int = field(default=DEFAULT_PERIOD_NS)
 
@@ -238,7 +239,7 @@ class Magazine:
     """Where tools wait, and how long a change takes. `place.frame` None and no `xyz`: no place was given."""
 
     place: Place = inline(Place)
-    pitch: float = key(Quantity("length", POSITIVE), "distance of two pockets along X", default=0.12)
+    pitch: float = key(Quantity("length", POSITIVE), "distance of two pockets along X", default=0.12, example="120 mm")
     change_time: float = key(Quantity("time", NOT_NEGATIVE), "time of one tool change", default=0.0)
     placed: bool = False
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 from typing import Any, Final
 
@@ -14,16 +13,13 @@ from gcodesim.cell.loader import ROOT
 from gcodesim.cell.placement import Placement, place
 from gcodesim.declarations.kind import Json
 from gcodesim.declarations.reading import Path, dotted
+from gcodesim.declarations.tables import inline_text
 from gcodesim.diagnostics.plain import one_line
 from gcodesim.frames import Pose
 from gcodesim.units import MM
 
 SCHEMA: Final = "gcodesim-cell/1"
 _DEFAULT: Final = "default"
-# a sign that means something in YAML, but not the minus of a number
-_NEEDS_QUOTES: Final = re.compile(r"[\[\]{}#&*!|>'\"%@`]|-(?![0-9.])")
-
-_QUOTED: Final = re.compile(r": | #|:$|^[\s:]|\s$|##")  # what may not stand in a text without quotes
 
 
 def cell_as_text(cell: Cell) -> str:
@@ -77,25 +73,10 @@ def _tree(value: Json, path: Path, indent: str, marks: dict[Path, str], lines: l
         at = (*path, name)
         mark = f"  # {one_line(marks[at])}" if at in marks else ""
         if isinstance(content, dict) and content:
-            lines.append(f"{indent}{_inline(name)}:{mark}")
+            lines.append(f"{indent}{inline_text(name)}:{mark}")
             _tree(content, at, indent + "  ", marks, lines)
         else:
-            lines.append(f"{indent}{_inline(name)}: {_inline(content)}{mark}")
-
-
-def _inline(value: Any) -> str:
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, (list, tuple)):
-        return f"[{', '.join(_inline(entry) for entry in value)}]"
-    if isinstance(value, dict):
-        return "{" + ", ".join(f"{_inline(name)}: {_inline(entry)}" for name, entry in value.items()) + "}"
-    text = str(value)
-    if text and not _NEEDS_QUOTES.match(text) and not _QUOTED.search(text) and text.isprintable():
-        return text
-    # only what is escaped has a meaning within these quotes; JSON's escapes are those of YAML
-    quoted = text.replace("\\", "\\\\").replace('"', '\\"')
-    return f'"{one_line(quoted)}"'
+            lines.append(f"{indent}{inline_text(name)}: {inline_text(content)}{mark}")
 
 
 def _rounded(values: Any) -> list[float]:

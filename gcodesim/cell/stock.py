@@ -129,8 +129,8 @@ CORNERS: Final = (
 class CylinderSize:
     """A cylinder whose axis is Z."""
 
-    diameter: float = key(Quantity("length", _SIDE), "diameter")
-    height: float = key(Quantity("length", _SIDE), "height")
+    diameter: float = key(Quantity("length", _SIDE), "diameter", example="80 mm")
+    height: float = key(Quantity("length", _SIDE), "height", example="40 mm")
 
 
 @dataclass(frozen=True, slots=True)
@@ -190,10 +190,12 @@ class Body:
     `zero` is the point of a box (or of a cylinder) that stands at `xyz`.
     """
 
-    box: Point | None = key(Vector(Quantity("length", _SIDE), 3), "edge lengths", default=None)
+    box: Point | None = key(
+        Vector(Quantity("length", _SIDE), 3), "edge lengths", default=None, example="[100, 60, 20 mm]"
+    )
     zero: str | None = key(_Corner(), "the point that stands at `xyz` (default bottom-front-left)", default=None)
-    min: Point | None = key(POINT, "least corner of a box", default=None)
-    max: Point | None = key(POINT, "greatest corner of a box", default=None)
+    min: Point | None = key(POINT, "least corner of a box", default=None, example="[0, 0, -20 mm]")
+    max: Point | None = key(POINT, "greatest corner of a box", default=None, example="[100, 60, 0 mm]")
     cylinder: CylinderSize | None = key(_CylinderKind(), "a cylinder about Z", default=None)
     mesh: FileValue | None = key(File("a mesh file"), "a triangle mesh", default=None)
     unit: str | None = key(LENGTH_UNIT, "unit of the mesh file", default=None)
@@ -354,7 +356,7 @@ class StockSpec(Body):
     material: str | None = key(
         _MaterialName(), "id or alias of a material; without one it is cut without force", default=None
     )
-    resolution: float | None = key(Quantity("length", _GRID), "grid of the stock", default=None)
+    resolution: float | None = key(Quantity("length", _GRID), "grid of the stock", default=None, example="0.2 mm")
     shape: Shape = field(default=Box(lower=(0.0, 0.0, 0.0), upper=(0.0, 0.0, 0.0)))
 
     def checked(self, to: Reading, path: Path) -> StockSpec | Fault:
@@ -396,7 +398,9 @@ class Target:
     mesh: FileValue = key(File("a mesh file"), "the finished part")
     unit: str | None = key(LENGTH_UNIT, "unit of the mesh file", default=None)
     place: Place = inline(Place)
-    tolerance: float = key(Quantity("length", _SIDE), "largest deviation that is no finding", default=1e-4)
+    tolerance: float = key(
+        Quantity("length", _SIDE), "largest deviation that is allowed; not compared yet", default=1e-4, example="0.1 mm"
+    )
     shape: MeshShape | None = None
 
     def checked(self, to: Reading, path: Path) -> Target | Fault:

@@ -7,14 +7,14 @@ each has every unit, a place in the schema, in `cell show` and in the docs.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass
+from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass, replace
 from functools import cache
 from typing import Any, Final
 
 from gcodesim.declarations.kind import Kind, Range
 from gcodesim.declarations.nodes import Node
 from gcodesim.declarations.plain_kinds import Switch, Text, Whole
-from gcodesim.declarations.quantity import Quantity
+from gcodesim.declarations.quantity import Quantity, Vector
 from gcodesim.declarations.reading import Path, Reading, suggestion
 from gcodesim.declarations.units import DIMENSIONS
 
@@ -23,6 +23,7 @@ _META: Final = "gcodesim.key"
 # what a kind given as a word means besides the dimensions of `units`; the bounds keep squares and cubes finite
 _NAMED: Final[dict[str, Kind]] = {
     "length": Quantity("length", Range(least=-1e2, most=1e2)),  # m
+    "flow": Quantity("volume flow"),
     "count": Whole(Range(least=1.0, most=1000.0)),
     "text": Text(),
     "switch": Switch(),
@@ -74,6 +75,7 @@ def key(
     default: Any = MISSING,
     rule: str = "",
     derive: Callable[[Any], Any] | None = None,
+    example: str = "",
     quiet: bool = False,
 ) -> Any:
     """A dataclass field that is a key of the file, `name` or the field's own; `doc` is one line for people.
@@ -82,10 +84,11 @@ def key(
     keys, which makes a group; or any other `Kind`. Values are SI.
 
     The key is required without `default` and `derive`. `derive` computes the value from the finished instance when the
-    key is absent, and `rule` says the same in words. `quiet` defaults are not listed by `cell show`.
+    key is absent, and `rule` says the same in words. `example` is a value of a quantity for messages and docs, `4 mm`.
+    `quiet` defaults are not listed by `cell show`.
     """
     start = None if derive is not None else default
-    declared = _Declared(kind=_kind(kind), doc=doc, name=name, quiet=quiet, rule=rule, derive=derive)
+    declared = _Declared(kind=_kind(kind, example), doc=doc, name=name, quiet=quiet, rule=rule, derive=derive)
     if isinstance(start, (dict, list)):
         return field(default_factory=lambda: type(start)(start), metadata={_META: declared})
     return field(default=start, metadata={_META: declared})
@@ -96,14 +99,12 @@ def inline(cls: type, *, always: bool = True) -> Any:
     return field(default=None, metadata={_META: _Declared(inline=cls, always=always)})
 
 
-def _kind(kind: Kind | str | type) -> Kind | type:
-    if not isinstance(kind, str):
-        return kind
-    if kind in _NAMED:
-        return _NAMED[kind]
-    if kind not in DIMENSIONS:
-        raise ValueError(f"`{kind}` is no kind of value; {suggestion(kind, [*_NAMED, *DIMENSIONS])}")
-    return Quantity(kind)
+def _kind(kind: Kind | str | type, example: str) -> Kind | type:
+    if isinstance(kind, str):
+        if kind not in _NAMED and kind not in DIMENSIONS:
+            raise ValueError(f"`{kind}` is no kind of value; {suggestion(kind, [*_NAMED, *DIMENSIONS])}")
+        kind = _NAMED.get(kind) or Quantity(kind)
+    return replace(kind, example=example) if example and isinstance(kind, (Quantity, Vector)) else kind
 
 
 def _default(item: Field[Any]) -> Any:

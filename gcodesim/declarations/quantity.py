@@ -20,15 +20,16 @@ _UNIT_PATTERN = r"[^0-9.eE+\-\s].*"
 
 @dataclass(frozen=True, slots=True)
 class Quantity(Kind):
-    """A number with a unit of `dimension`; in SI."""
+    """A number with a unit of `dimension`; in SI. `example` is a value that makes sense for the key."""
 
     dimension: str
     range: Range = ANY
+    example: str = ""
 
     @property
     def expected(self) -> str:
         d = DIMENSIONS[self.dimension]
-        return f"{d} such as `{d.example}`"
+        return f"{d} such as `{self.example or d.example}`"
 
     def read(self, node: Node, to: Reading, path: Path) -> float | Fault:
         text = scalar(self, node, to, path)
@@ -52,12 +53,13 @@ class Quantity(Kind):
         unit = self._unit(number, inherited, node, to, path)
         if isinstance(unit, Fault):
             return FAULT
-        value = number.value * unit.factor if unit is not None else number.value
+        value = number.value * unit.factor + unit.offset if unit is not None else number.value
         if not math.isfinite(value):
             return to.fault("GS707", node.span, f"`{key_name(path)}` is `{short(node.text)}`, too large a number")
         broken = self.range.broken(value)
         if broken is not None:
-            bound = f"{broken[0]} {shown(broken[1], self.dimension) if broken[1] else 0}"
+            has_unit = broken[1] or not DIMENSIONS[self.dimension].zero
+            bound = f"{broken[0]} {shown(broken[1], self.dimension) if has_unit else 0}"
             return to.fault("GS710", node.span, f"`{key_name(path)}` is {node.text.strip()}; it must be {bound}")
         return value + 0.0
 
@@ -69,7 +71,7 @@ class Quantity(Kind):
             unit = find(number.unit, self.dimension)
             return unit if unit is not None else self._wrong_unit(number, node, to, path)
         unit = inherited or to.plain.of(self.dimension)
-        if unit is not None or d.plain or number.value == 0.0:
+        if unit is not None or d.plain or (d.zero and number.value == 0.0):
             return unit
         return self.without_unit(node, to, path)
 
@@ -114,7 +116,8 @@ class Quantity(Kind):
             "description": f"{d} with its unit: {', '.join(names(self.dimension))}",
             "examples": [d.example],
         }
-        definitions.setdefault(name, {"anyOf": [{"type": "number"} if d.plain else {"const": 0}, text]})
+        alone = [{"type": "number"}] if d.plain else [{"const": 0}] if d.zero else []
+        definitions.setdefault(name, {"anyOf": [*alone, text]})
         return {"$ref": f"#/$defs/{name}"}
 
     def show(self, value: Any) -> Any:
@@ -135,11 +138,13 @@ class Vector(Kind):
 
     of: Quantity
     count: int | None = None
+    example: str = ""
 
     @property
     def expected(self) -> str:
         d = DIMENSIONS[self.of.dimension]
-        return f"a list of {f'{self.count} ' if self.count else ''}{d.name}s such as `[{self._example()}]`"
+        example = self.example or f"[{self._example()}]"
+        return f"a list of {f'{self.count} ' if self.count else ''}{d.name}s such as `{example}`"
 
     def _example(self) -> str:
         number, _, unit = DIMENSIONS[self.of.dimension].example.partition(" ")

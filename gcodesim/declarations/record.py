@@ -36,7 +36,8 @@ class Record(Kind):
     def expected(self) -> str:
         names = list(all_keys(self.cls))
         listed = ", ".join(f"`{name}`" for name in names[:3]) + (" …" if len(names) > 3 else "")
-        return f"{'a name or ' if self.shorthand else ''}a mapping with {listed}"
+        alone = f"{all_keys(self.cls)[self.shorthand].kind.expected} or " if self.shorthand else ""
+        return f"{alone}a mapping with {listed}"
 
     def read(self, node: Node, to: Reading, path: Path) -> Any:
         entries = self._entries(node, to, path)

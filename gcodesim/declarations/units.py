@@ -1,4 +1,4 @@
-"""The units that a cell may write, in one table, and what a plain number means.
+"""The units that a file may write, in one table, and what a plain number means.
 
 A unit belongs to a dimension. `N/mm` is both a stiffness and a force per
 length of edge, so the key decides which dimension is meant and only its rows
@@ -17,13 +17,15 @@ from gcodesim import units as si
 
 INCH_POUND: Final = 0.45359237  # kg
 STANDARD_GRAVITY: Final = 9.80665
+ICE: Final = 273.15  # K
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Dimension:
     """What is measured. `shown` is the unit of listings, `suffix` how it is written in names of JSON keys.
 
-    `plain` says that a number without unit is allowed (lengths, angles, ratios); all others carry their unit.
+    `plain` says that a number without unit is allowed (lengths, angles, ratios); all others carry their unit, but for
+    0, which is the same in all of them where they share their `zero`.
     """
 
     name: str
@@ -32,6 +34,7 @@ class Dimension:
     suffix: str
     example: str
     plain: bool = False
+    zero: bool = True
 
     def __str__(self) -> str:
         return f"{self.article} {self.name}"
@@ -39,17 +42,20 @@ class Dimension:
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """A unit: `factor` turns it into SI; `aliases` are other spellings."""
+    """A unit: times `factor` plus `offset` a number in it is SI; `aliases` are other spellings."""
 
     name: str
     dimension: str
     factor: float
     aliases: tuple[str, ...] = ()
+    offset: float = 0.0
 
 
-def _dimension(name: str, shown: str, suffix: str, example: str, *, plain: bool = False) -> Dimension:
+def _dimension(
+    name: str, shown: str, suffix: str, example: str, *, plain: bool = False, zero: bool = True
+) -> Dimension:
     article = "an" if name[0] in "aeiou" else "a"
-    return Dimension(name=name, article=article, shown=shown, suffix=suffix, example=example, plain=plain)
+    return Dimension(name=name, article=article, shown=shown, suffix=suffix, example=example, plain=plain, zero=zero)
 
 
 DIMENSIONS: Final[dict[str, Dimension]] = {
@@ -75,7 +81,9 @@ DIMENSIONS: Final[dict[str, Dimension]] = {
         _dimension("torsional stiffness", "N·m/rad", "Nm_rad", "1.5e5 N·m/rad"),
         _dimension("volume", "mm^3", "mm3", "5 mm^3"),
         _dimension("volume flow", "mm^3/s", "mm3_s", "12 mm^3/s"),
+        _dimension("mass flow", "g/min", "g_min", "15 g/min"),
         _dimension("density", "kg/m^3", "kg_m3", "2700 kg/m^3"),
+        _dimension("temperature", "degC", "degC", "200 degC", zero=False),
     )
 }
 
@@ -143,11 +151,19 @@ UNITS: Final[tuple[Unit, ...]] = (
     Unit("mm^3", "volume", si.MM3),
     Unit("cm^3", "volume", 1e-6, ("ml",)),
     Unit("mm^3/s", "volume flow", si.MM3),
-    Unit("cm^3/min", "volume flow", 1e-6 / si.MINUTE),
+    Unit("cm^3/s", "volume flow", 1e-6, ("ml/s",)),
+    Unit("cm^3/min", "volume flow", 1e-6 / si.MINUTE, ("ml/min",)),
     Unit("l/min", "volume flow", 1e-3 / si.MINUTE),
     Unit("m^3/s", "volume flow", 1.0),
+    Unit("g/min", "mass flow", 1e-3 / si.MINUTE),
+    Unit("g/s", "mass flow", 1e-3),
+    Unit("kg/h", "mass flow", 1.0 / 3600.0),
+    Unit("kg/s", "mass flow", 1.0),
     Unit("kg/m^3", "density", 1.0),
     Unit("g/cm^3", "density", 1e3),
+    Unit("degC", "temperature", 1.0, ("celsius",), offset=ICE),
+    Unit("K", "temperature", 1.0),
+    Unit("degF", "temperature", 5.0 / 9.0, ("fahrenheit",), offset=ICE - 160.0 / 9.0),
 )
 
 # one way of writing for every sign that keyboards and documents offer
@@ -196,7 +212,7 @@ def nearest(text: str, dimension: str) -> str | None:
 
 def in_unit(value: float, unit: Unit) -> float:
     """An SI value in `unit`, without the last-digit noise of the division."""
-    return float(f"{value / unit.factor:.12g}") + 0.0
+    return float(f"{(value - unit.offset) / unit.factor:.12g}") + 0.0
 
 
 def table() -> dict[str, dict[str, tuple[str, ...]]]:

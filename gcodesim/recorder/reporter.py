@@ -11,12 +11,17 @@ from gcodesim.declarations.units import UNITS
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.diagnostics.catalogue import code_of
 from gcodesim.log.event import BEGINS
-from gcodesim.units import MM3
 
 if TYPE_CHECKING:
     from gcodesim.log import LogWriter
 
-_FACTORS: Final = {unit.name: unit.factor for unit in reversed(UNITS)} | {"mm^3": MM3}
+_UNITS: Final = {unit.name: unit for unit in reversed(UNITS)}
+
+
+def _si(value: float, name: str) -> float:
+    """The value in SI; of a unit that is in no table, as it is."""
+    unit = _UNITS.get(name)
+    return value if unit is None else value * unit.factor + unit.offset
 
 
 class Reporter:
@@ -67,7 +72,7 @@ class Reporter:
             file=span.file,
             line=span.line,
             bodies=finding.bodies,
-            value=(finding.value or 0.0) * _FACTORS.get(finding.unit or "", 1.0),
+            value=_si(finding.value or 0.0, finding.unit or ""),
         )
 
 

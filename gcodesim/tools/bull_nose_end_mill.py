@@ -21,7 +21,7 @@ class BullNoseEndMill(Cutter):
 
     kind: ClassVar[str] = "bull_nose_end_mill"
 
-    corner_radius: float = key("length", "radius of the rounded corner")
+    corner_radius: float = key("length", "radius of the rounded corner", example="1 mm")
 
     def _edge_pieces(self) -> list[tuple[float, ...]]:
         R, rho = self.radius, self.corner_radius

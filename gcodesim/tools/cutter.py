@@ -52,9 +52,14 @@ class Cutter(Tool):
         "from the tip to the holder",
         derive=lambda cutter: usual_length(cutter.diameter),
         rule="4 times the diameter, at least 40 mm",
+        example="60 mm",
     )
     flute_length: float = key(
-        "length", "length of the cutting edges from the tip", derive=lambda cutter: cutter.length, rule="as `length`"
+        "length",
+        "length of the cutting edges from the tip",
+        derive=lambda cutter: cutter.length,
+        rule="as `length`",
+        example="25 mm",
     )
 
     @property

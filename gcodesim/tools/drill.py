@@ -24,7 +24,9 @@ class Drill(Cutter):
 
     kind: ClassVar[str] = "drill"
 
-    point_angle: float = key("angle", "angle of the point, lip to lip", default=118.0 * DEG, rule="118 deg")
+    point_angle: float = key(
+        "angle", "angle of the point, lip to lip", default=118.0 * DEG, rule="118 deg", example="140 deg"
+    )
 
     def _edge_pieces(self) -> list[tuple[float, ...]]:
         return [line_piece(0.0, 0.0, self.radius, self.tip_height)]

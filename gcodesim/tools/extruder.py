@@ -19,9 +19,11 @@ class Extruder(Tool):
     kind: ClassVar[str] = "extruder"
     process: ClassVar[str] = "extrusion"
 
-    bead_width: float = key("length", "width of a laid bead")
-    bead_height: float = key("length", "height of a laid bead, from the layer below to the nozzle")
-    filament_diameter: float | None = key("length", "diameter of filament, where E words count it", default=None)
+    bead_width: float = key("length", "width of a laid bead", example="4 mm")
+    bead_height: float = key("length", "height of a laid bead, from the layer below to the nozzle", example="2 mm")
+    filament_diameter: float | None = key(
+        "length", "diameter of filament, where E words count it", default=None, example="1.75 mm"
+    )
 
     @property
     def bead_area(self) -> float:

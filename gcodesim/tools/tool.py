@@ -17,8 +17,8 @@ from gcodesim.units import MM
 class Holder:
     """The cylinder that grips a tool; lengths [m]."""
 
-    diameter: float = key("length", "diameter of the holder")
-    length: float = key("length", "height of the holder, from the spindle nose or flange to the tool")
+    diameter: float = key("length", "diameter of the holder", example="32 mm")
+    length: float = key("length", "height of the holder, from the spindle nose or flange to the tool", example="60 mm")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,9 +39,15 @@ class Tool:
     name: str = key(
         "text", "name in messages", derive=lambda tool: f"T{tool.number}", rule="T and the number", quiet=True
     )
-    length: float = key("length", "from the tip to the holder", default=100.0 * MM)
+    length: float = key("length", "from the tip to the holder", default=100.0 * MM, example="100 mm")
     holder: Holder | None = key(Holder, "the holder; none: only the tool itself", default=None)
-    mass: float | None = key("mass", "mass of tool and holder", default=None, rule="that of steel bodies of this size")
+    mass: float | None = key(
+        "mass",
+        "mass of tool and holder",
+        default=None,
+        rule="that of steel bodies of this size",
+        example="0.8 kg",
+    )
 
     def __init_subclass__(cls) -> None:
         if "process" in vars(cls) and "processes" not in vars(cls):

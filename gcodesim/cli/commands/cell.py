@@ -89,7 +89,7 @@ def _show(arguments: argparse.Namespace) -> int:
 
 def _schema(arguments: argparse.Namespace) -> int:
     if arguments.units:
-        from gcodesim.cell.schema import units_as_text
+        from gcodesim.declarations.tables import units_as_text
 
         print(units_as_text())
     elif arguments.tests:

@@ -10,7 +10,7 @@ import pytest
 from jsonschema import Draft202012Validator
 from ruamel.yaml import YAML
 
-from gcodesim.cell.schema import cell_schema, unit_table, units_as_text
+from gcodesim.cell.schema import cell_schema
 
 TESTS = Path(__file__).parents[2]
 SOUND = sorted([*(TESTS / "data" / "cells" / "sound").glob("*.yaml"), *(TESTS.parent / "cells").glob("*.yaml")])
@@ -68,8 +68,3 @@ def test_every_key_is_described(validator: Draft202012Validator) -> None:
     assert {"machine", "robots", "stock", "tools", "work_offsets", "simulation"} <= cell.keys()
     assert all("description" in entry for entry in cell.values())
     assert json.dumps(schema, sort_keys=True) == json.dumps(cell_schema(), sort_keys=True)
-
-
-def test_units_are_printed() -> None:
-    assert unit_table()["length"]["plain"] and "in" in unit_table()["length"]["units"]
-    assert "N·m/rad" in units_as_text() and "24000" not in units_as_text()

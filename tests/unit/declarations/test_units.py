@@ -6,7 +6,7 @@ from math import pi
 
 import pytest
 
-from gcodesim.declarations.units import DIMENSIONS, UNITS, find, measures, names, nearest, normal, shown
+from gcodesim.declarations.units import DIMENSIONS, UNITS, find, in_unit, measures, names, nearest, normal, shown
 
 
 @pytest.mark.parametrize(
@@ -67,9 +67,17 @@ def test_every_dimension_shows_in_a_unit_of_its_own(dimension: str) -> None:
     assert names(dimension)
     assert not d.shown or find(d.shown, dimension) is not None
     assert d.plain or d.example.split(" ", 1)[1] in names(dimension)
-    assert shown(0.0, dimension).startswith("0")
+    assert shown(0.0, dimension).startswith("0") or not d.zero
 
 
 def test_values_are_shown_without_noise() -> None:
     assert shown(0.1 + 0.2, "length") == "300 mm"
     assert shown(24000 * 2 * pi / 60, "rotational speed") == "24000 rpm"
+
+
+@pytest.mark.parametrize(("unit", "value"), [("degC", 26.85), ("K", 300.0), ("degF", 80.33)])
+def test_temperatures_count_from_zeros_of_their_own(unit: str, value: float) -> None:
+    found = find(unit, "temperature")
+
+    assert found is not None and in_unit(300.0, found) == pytest.approx(value, abs=1e-9)
+    assert shown(300.0, "temperature") == "26.85 degC" and find("°C", "temperature") == find("degC", "temperature")
