@@ -8,13 +8,14 @@ import os
 import sys
 from argparse import Namespace
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from typing import Final
 
 from gcodesim.cli.exits import INTERNAL, INTERRUPTED, OK, USAGE, UsageError
 from gcodesim.cli.interrupts import Interrupted, handled, interrupted_by
 from gcodesim.cli.overwriting import refuse_own_inputs
 from gcodesim.cli.parser import build_parser
+from gcodesim.cli.streams import drop_output
 from gcodesim.diagnostics.plain import PlainStream, raw
 
 # Imports make many objects that all stay: to look for garbage among them every 700 takes a tenth of a short command.
@@ -61,14 +62,14 @@ def _run(argv: Sequence[str] | None) -> int:
         return interrupted_by(error.number) if isinstance(error, Interrupted) else INTERRUPTED
     except BrokenPipeError:
         # the reader of our output went away (`| head`); nothing may be written, but a verdict stays what it is
-        _drop_output()
+        drop_output()
         return int(getattr(arguments, "status", OK))
     except OSError as error:
         # the system refused something: a full disk, a name that is too long, a folder without permission
         what = "the output" if error.filename is None else str(error.filename)
         reason = error.strerror or str(error)
         if error.filename is None:
-            _drop_output()
+            drop_output()
         return _refused(f"{what}: {reason}")
     except Exception as error:
         _report_fault(error, sys.argv[1:] if argv is None else argv)
@@ -91,12 +92,6 @@ def _streams_are_open() -> bool:
 def _refused(reason: str) -> int:
     print(f"gcodesim: {reason}", file=sys.stderr)
     return USAGE
-
-
-def _drop_output() -> None:
-    """What is still in the buffer of stdout goes nowhere, also when the interpreter flushes it at its end."""
-    with suppress(OSError, ValueError):
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _report_fault(error: Exception, argv: Sequence[str]) -> None:

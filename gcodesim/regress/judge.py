@@ -120,8 +120,16 @@ def judge(case: Case, how: Judging) -> tuple[CaseVerdict, Outcome]:
 
 
 def run_case(case: Case, how: Judging) -> Outcome:
-    """Run, check or lint the program of a case. OSError when program or cell cannot be read."""
-    program = case.read(case.program)
+    """Run, check or lint the program of a case."""
+    alone = case.options.mode == "lint"
+    try:
+        program = case.read(case.program)
+        cell = None if alone or case.cell is None else case.read(case.cell)
+    except OSError as error:
+        name = shown_path(Path(error.filename or case.program), how.root)
+        message = f"{name} cannot be read: {error.strerror or error}"
+        fault = Diagnostic(code="GS612", span=Span(case.file), message=message, hint="look at its name and its rights")
+        return _nothing_ran(case, SourceText(case.program.name, b""), fault)
     if case.options.dialect is not None and case.options.dialect not in DIALECTS:
         hint = suggestion(case.options.dialect, list(DIALECTS))
         span = case.spans.get(("options", "dialect"), Span(case.file))
@@ -129,8 +137,8 @@ def run_case(case: Case, how: Judging) -> Outcome:
         return _nothing_ran(case, program, fault)
     if case.options.mode == "lint":
         return _lint(case, program)
-    assert case.cell is not None
-    return _simulate(case, program, read_cell(case.read(case.cell), case.cell, how.allowed(case)), how)
+    assert case.cell is not None and cell is not None
+    return _simulate(case, program, read_cell(cell, case.cell, how.allowed(case)), how)
 
 
 def _settings(case: Case, settings: Settings) -> Settings:

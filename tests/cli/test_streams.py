@@ -6,6 +6,7 @@ import errno
 import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -103,3 +104,28 @@ def test_what_failed_is_told_by_its_name(cli, monkeypatch: pytest.MonkeyPatch, t
         "gcodesim: out/stock.stl cannot be written: No space left on device; out/run.mcap is complete, files beside it "
         "are missing\n"
     )
+
+
+def test_accept_accepts_also_when_nobody_reads_what(cli, tmp_path: Path) -> None:
+    done = _gcodesim("accept", "slot.nc", "--cell", "cell.yaml", cwd=tmp_path, redirected="| true")
+    assert "Traceback" not in done.stderr
+    begin = time.monotonic()
+    while not list(tmp_path.glob("**/*.golden.json")) and time.monotonic() - begin < 60:
+        time.sleep(0.02)  # the shell waits for the reader only
+    assert list(tmp_path.glob("**/*.golden.json"))
+
+
+def test_a_program_that_cannot_be_read_is_no_fault_of_ours(cli, tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.nc")
+    done = cli("test", "pipe.nc", "slot.nc", "--cell", "cell.yaml")
+    assert done.status == 1 and "Traceback" not in done.err
+    assert "GS612" in done.out and "pipe.nc cannot be read: it is no regular file" in done.out
+
+
+@pytest.mark.parametrize("option", ["--junit", "--sarif"])
+def test_a_device_may_be_named_for_writing(cli, tmp_path: Path, option: str) -> None:
+    done = _gcodesim(
+        "check", "slot.nc", "--cell", "cell.yaml", option, "/dev/stdout", cwd=tmp_path, redirected="| cat > got"
+    )
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "got").read_text()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -46,3 +47,18 @@ def test_nothing_is_written_through_a_link(tmp_path: Path) -> None:
     write_whole(out / "a.bin", b"new")
     assert victim.read_bytes() == b"mine" and (out / "a.bin").read_bytes() == b"new"
     assert not (out / "a.bin").is_symlink() and [path.name for path in out.iterdir()] == ["a.bin"]
+
+
+def test_a_device_stays_one(tmp_path: Path) -> None:
+    """As root a null device was replaced by a file, and with it everybody's."""
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    write_whole(pipe, b"told")
+    assert os.read(reader, 100) == b"told" and pipe.is_fifo()
+    (tmp_path / "link").symlink_to(pipe)  # that somebody planted
+    write_whole(tmp_path / "link", b"mine")
+    assert not (tmp_path / "link").is_symlink() and (tmp_path / "link").read_bytes() == b"mine"
+    os.close(reader)
+    write_whole(Path(os.devnull), b"gone")
+    assert not Path(os.devnull).is_file()

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from gcodesim.cli.exits import FINDINGS, OK, UsageError
 from gcodesim.cli.options import add_format
+from gcodesim.cli.streams import drop_output
 from gcodesim.cli.suite import Bar, add_selection, jobs_of, selected, workers_are_safe
 
 if TYPE_CHECKING:
@@ -41,25 +45,38 @@ def run(arguments: argparse.Namespace) -> int:
         for proposal in in_parallel(propose, collected.cases, how, jobs_of(arguments)):
             step(proposal.name)
             proposals.append(proposal)
-    if arguments.format == "json":
-        print_json(
-            {
-                "dry_run": arguments.dry_run,
-                "cases": [_as_json(proposal) for proposal in proposals],
-                "findings": findings_as_json(one.finding for one in collected.found),
-            }
-        )
-    else:
-        _print(proposals, arguments.dry_run)
-        for one in collected.found:
-            print(as_text(one.finding, Sources(how.root)))
+    refused = collected.found or any(proposal.against for proposal in proposals)
+    arguments.status = FINDINGS if refused else OK
+    with _readers_may_go():
+        if arguments.format == "json":
+            print_json(
+                {
+                    "dry_run": arguments.dry_run,
+                    "cases": [_as_json(proposal) for proposal in proposals],
+                    "findings": findings_as_json(one.finding for one in collected.found),
+                }
+            )
+        else:
+            _print(proposals, arguments.dry_run)
+            for one in collected.found:
+                print(as_text(one.finding, Sources(how.root)))
+        sys.stdout.flush()
     if not arguments.dry_run:
         for proposal in proposals:
             try:
                 take(proposal)
             except OSError as error:
                 raise UsageError(f"{proposal.shown} cannot be written: {error.strerror}") from None
-    return FINDINGS if collected.found or any(proposal.against for proposal in proposals) else OK
+    return int(arguments.status)
+
+
+@contextmanager
+def _readers_may_go() -> Iterator[None]:
+    """Go on when the reader of the output goes away (`| head`): what is asked for is to accept."""
+    try:
+        yield
+    except BrokenPipeError:
+        drop_output()
 
 
 def _print(proposals: list[Proposal], is_dry: bool) -> None:
