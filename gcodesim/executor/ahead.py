@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final
 
 from gcodesim.executor.coupling import Stretch
-from gcodesim.executor.part import Part
+from gcodesim.executor.stint import Stint
 from gcodesim.executor.window import StepWindow
 from gcodesim.frames import Array
 
@@ -23,7 +23,7 @@ Look = Callable[[StepWindow], Any]
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
-class Cut:
+class WindowCut:
     """One window with its stretches, each of one tool; `wrenches` are what these feel, `seen` is what `Look` saw."""
 
     window: StepWindow
@@ -34,12 +34,12 @@ class Cut:
     work: Future[None] | None = None
 
     @property
-    def parts(self) -> list[Part]:
+    def stints(self) -> list[Stint]:
         """All that tools did, in order."""
-        return [part for stretch in self.stretches for part in stretch.parts]
+        return [stint for stretch in self.stretches for stint in stretch.stints]
 
 
-class Cutter:
+class CutThread:
     """A thread that cuts window after window, in order; kernels leave the interpreter to the others.
 
     `undoable` keeps each stock as it was, so that `take_back` works. What fails in the thread is raised by `wait`.
@@ -51,12 +51,12 @@ class Cutter:
         self._thread: Final = ThreadPoolExecutor(1)
         self._look, self._undoable = look, undoable
 
-    def begin(self, cut: Cut) -> None:
+    def begin(self, cut: WindowCut) -> None:
         """Cut this window as soon as the one before is done; nothing happens when that was said before."""
         if cut.work is None:
             cut.work = self._thread.submit(self.cut, cut)
 
-    def cut(self, cut: Cut) -> None:
+    def cut(self, cut: WindowCut) -> None:
         """Cut what is left of a window, here and now, and look at the stocks."""
         for stretch in cut.stretches[len(cut.wrenches) :]:
             if self._undoable:
@@ -64,17 +64,17 @@ class Cutter:
             cut.wrenches.append(stretch.whole())
         self.see(cut)
 
-    def see(self, cut: Cut) -> None:
+    def see(self, cut: WindowCut) -> None:
         """Look at the stocks as this window leaves them."""
         cut.seen = None if self._look is None else self._look(cut.window)
 
     @staticmethod
-    def wait(cut: Cut) -> None:
+    def wait(cut: WindowCut) -> None:
         """Until the window is cut."""
         if cut.work is not None:
             cut.work.result()
 
-    def take_back(self, cut: Cut, first: int = 0) -> None:
+    def take_back(self, cut: WindowCut, first: int = 0) -> None:
         """Undo the stretches from `first` on."""
         self.wait(cut)
         while len(cut.wrenches) > first:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gcodesim.executor.part import Part, part_of
+from gcodesim.executor.stint import Stint, stint_of
 from gcodesim.executor.tasks import RowColumns, Tasks
 from gcodesim.executor.window import StepWindow
 from gcodesim.frames import Array
@@ -45,10 +45,10 @@ class Coupling:
             return self._tip_jacobian(steps, begin, end)
 
         made = [
-            part_of(self._shop, self._rows, task, steps, begin, end, jacobian)
+            stint_of(self._shop, self._rows, task, steps, begin, end, jacobian)
             for task in self._tasks.of(int(steps.tool[begin]))
         ]
-        return Stretch(self, self._plan, steps, begin, end, [part for part in made if part is not None])
+        return Stretch(self, self._plan, steps, begin, end, [stint for stint in made if stint is not None])
 
     def _tip_jacobian(self, steps: StepWindow, begin: int, end: int) -> Array:
         """Jacobians (n, 6, j) of the tip in base axes."""
@@ -67,35 +67,35 @@ class Stretch:
     """Consecutive steps with one tool; itself the function that a world calls."""
 
     def __init__(
-        self, coupling: Coupling, plan: Plan, steps: StepWindow, begin: int, end: int, parts: list[Part]
+        self, coupling: Coupling, plan: Plan, steps: StepWindow, begin: int, end: int, stints: list[Stint]
     ) -> None:
         self._coupling, self._plan, self._steps = coupling, plan, steps
-        self.begin, self.end, self.parts = begin, end, parts
+        self.begin, self.end, self.stints = begin, end, stints
 
     @property
     def pushes(self) -> bool:
         """Whether a world would feel what the tool does."""
-        return any(part.task.process.pushes for part in self.parts)
+        return any(stint.task.process.pushes for stint in self.stints)
 
     def __call__(self, first: int, q: Array) -> Array:
         """What the tool feels in steps `first` … of the stretch, joints being at `q` (m, j) after each; (m, 6)."""
         commanded = self._steps.q[self.begin + first : self.begin + first + len(q)]
         wrench = np.zeros((len(q), 6))
-        if not self.parts:
+        if not self.stints:
             return wrench
         if len(q) == self.end - self.begin and np.array_equal(q, commanded):
-            for part in self.parts:
-                part.run()
-                if part.wrench is not None:
-                    wrench += part.wrench
+            for stint in self.stints:
+                stint.run()
+                if stint.wrench is not None:
+                    wrench += stint.wrench
             return wrench
         for i in range(len(q)):
             k = self.begin + first + i
             moved = self._plan.tip(q[i : i + 1], self._steps.row[k : k + 1])[0, :3, 3] - self._steps.tip[k, :3, 3]
             before = self._coupling.moved_from(moved)
-            for part in self.parts:
-                if part.task.process.pushes:
-                    wrench[i] += part.step(first + i, before, moved)
+            for stint in self.stints:
+                if stint.task.process.pushes:
+                    wrench[i] += stint.step(first + i, before, moved)
         return wrench
 
     def whole(self) -> Array:
@@ -104,17 +104,17 @@ class Stretch:
 
     def save(self) -> Callable[[], None]:
         """Remember targets and processes; the answer puts them back."""
-        kept = [(part, part.task.state.values.copy(), part.task.target.memento()) for part in self.parts]
+        kept = [(stint, stint.task.state.values.copy(), stint.task.target.memento()) for stint in self.stints]
 
         def restore() -> None:
-            for part, values, back in kept:
-                part.task.state.values[:] = values
-                part.forget()
+            for stint, values, back in kept:
+                stint.task.state.values[:] = values
+                stint.forget()
                 back()
 
         return restore
 
     def finish(self) -> None:
         """After the world has moved step by step: all answers are in."""
-        for part in self.parts:
-            part.finish()
+        for stint in self.stints:
+            stint.finish()

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any, Final, Protocol
 import numpy as np
 
 from gcodesim.diagnostics import Diagnostic
-from gcodesim.executor.ahead import Cut, Cutter
+from gcodesim.executor.ahead import CutThread, WindowCut
 from gcodesim.executor.behind import Behind
 from gcodesim.executor.coupling import Coupling
-from gcodesim.executor.part import Part
 from gcodesim.executor.probe_guard import ProbeGuard
 from gcodesim.executor.record import StepRecord, record_of
+from gcodesim.executor.stint import Stint
 from gcodesim.executor.tasks import RowColumns
 from gcodesim.executor.totals import JointTotals, RowTotals
 from gcodesim.executor.window import StepWindow, first_carry, window_of
@@ -119,10 +119,10 @@ def execute(
     coupling, guard = Coupling(plan, shop, rows), ProbeGuard(shop)
     planned = 0
     done, interrupted, last_row = 0, False, 0
-    cutter = Cutter(None if watcher is None else watcher.look, undoable=world.may_lag)
+    cutter = CutThread(None if watcher is None else watcher.look, undoable=world.may_lag)
     behind = Behind()
     volumes: dict[str, tuple[float, float]] = {}
-    in_hand: list[Cut] = []
+    in_hand: list[WindowCut] = []
     try:
         _attach(world, shop, int(rows.tool[0]))
         world.reset(q0)
@@ -148,9 +148,9 @@ def execute(
                 if following is not None and follows:
                     cutter.begin(following)
                 steps, follows = _move(world, shop, cutter, cut, following)
-                record = record_of(cut.window, steps, cut.parts, sheet, standing)
+                record = record_of(cut.window, steps, cut.stints, sheet, standing)
                 standing = record.standing
-                _add_volumes(volumes, cut.parts)
+                _add_volumes(volumes, cut.stints)
                 del in_hand[0]
                 totals.add(record)
                 joints.add(steps.q, steps.qd, steps.qdd, steps.effort, steps.saturated, record.window.row)
@@ -174,7 +174,7 @@ def execute(
         cutter.close()
         behind.close()
     for cut in in_hand:  # what an interrupted run has cut ahead of its motion
-        _add_volumes(volumes, cut.parts)
+        _add_volumes(volumes, cut.stints)
     return Execution(
         rows=totals,
         joints=joints,
@@ -188,7 +188,7 @@ def execute(
 
 def _cuts(
     plan: Plan, coupling: Coupling, guard: ProbeGuard, rows: RowColumns, firsts: range, end: int, dt_ns: int
-) -> Iterator[Cut]:
+) -> Iterator[WindowCut]:
     """The windows that begin with steps `firsts`, the last before step `end`, sampled and divided where the tool
 
     changes or begins or ceases to be kept from cutting; nothing is cut yet.
@@ -201,10 +201,12 @@ def _cuts(
         bounds = (np.flatnonzero(changes) + 1).tolist()
         borders = zip([0, *bounds], [*bounds, len(window)], strict=True)
         stretches = [coupling.stretch(window, begin, end, cuts=not kept[begin]) for begin, end in borders]
-        yield Cut(window=window, stretches=stretches)
+        yield WindowCut(window=window, stretches=stretches)
 
 
-def _move(world: World, shop: Shop, cutter: Cutter, cut: Cut, following: Cut | None) -> tuple[WorldSteps, bool]:
+def _move(
+    world: World, shop: Shop, cutter: CutThread, cut: WindowCut, following: WindowCut | None
+) -> tuple[WorldSteps, bool]:
     """Move through a window, tool by tool; also whether the motors kept up.
 
     Where they do, the cut is known already; else it is taken back, and world and process go step by step.
@@ -230,13 +232,13 @@ def _move(world: World, shop: Shop, cutter: Cutter, cut: Cut, following: Cut | N
     return moved[0] if len(moved) == 1 else _joined(moved), follows
 
 
-def _add_volumes(volumes: dict[str, tuple[float, float]], parts: Sequence[Part]) -> None:
-    for part in parts:
-        answer = part.answer
+def _add_volumes(volumes: dict[str, tuple[float, float]], stints: Sequence[Stint]) -> None:
+    for stint in stints:
+        answer = stint.answer
         if answer is None or not (REMOVED.name in answer.columns or ADDED.name in answer.columns):
             continue
-        gone, come = volumes.get(part.task.target.name, (0.0, 0.0))
-        volumes[part.task.target.name] = (
+        gone, come = volumes.get(stint.task.target.name, (0.0, 0.0))
+        volumes[stint.task.target.name] = (
             gone + float(answer[REMOVED.name].sum()),
             come + float(answer[ADDED.name].sum()),
         )

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.executor.part import Part, deflection_of
+from gcodesim.executor.stint import Stint, deflection_of
 from gcodesim.executor.window import StepWindow
 from gcodesim.frames import Array
 from gcodesim.processes.column import FORCE, Column
@@ -58,26 +58,26 @@ class StepRecord:
 def record_of(
     window: StepWindow,
     world: WorldSteps,
-    parts: Sequence[Part],
+    stints: Sequence[Stint],
     sheet: Sheet,
     standing: Mapping[str, float] | None = None,
 ) -> StepRecord:
-    """Put together the parts of a window; `standing` are the values that stood at the end of the window before."""
+    """Put together the stints of a window; `standing` are the values that stood at the end of the window before."""
     n = len(window)
     wrench, deflection = np.zeros((n, 6)), np.zeros((n, 6))
     kind = np.zeros(n, dtype=np.int64)
     columns = {column.name: _blank(column, n, standing or {}) for column in sheet.columns}
-    for part in parts:
-        answer = part.answer
-        if answer is None or part.wrench is None:
+    for stint in stints:
+        answer = stint.answer
+        if answer is None or stint.wrench is None:
             continue
-        here = slice(part.begin, part.end)
-        wrench[here] += part.wrench
-        deflection[here] += deflection_of(part)
+        here = slice(stint.begin, stint.end)
+        wrench[here] += stint.wrench
+        deflection[here] += deflection_of(stint)
         for column in sheet.columns:
             if column.name in answer.columns:
                 _put_in(columns[column.name], column, answer, here)
-        kind[here] = np.where(answer["engaged"], sheet.kinds.index(part.task.process.kind), kind[here])
+        kind[here] = np.where(answer["engaged"], sheet.kinds.index(stint.task.process.kind), kind[here])
     columns[FORCE.name] = np.linalg.norm(wrench[:, :3], axis=1)
     return StepRecord(
         window=window, world=world, sheet=sheet, wrench=wrench, deflection=deflection, kind=kind, columns=columns

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gcodesim.executor.part import Part
 from gcodesim.executor.record import StepRecord, record_of
+from gcodesim.executor.stint import Stint
 from gcodesim.executor.totals import RowTotals
 from gcodesim.frames import Pose, rotation_about
 from gcodesim.processes.column import HOUSE, Column
@@ -30,7 +30,7 @@ def window(rows: list[int]) -> Any:
     return Steps(row=np.array(rows), dt=0.5)
 
 
-def part(begin: int, kind: str = "one", wrench: Any = None, R: Any = None, **columns: Any) -> Part:
+def stint(begin: int, kind: str = "one", wrench: Any = None, R: Any = None, **columns: Any) -> Stint:
     """An answer to the steps from `begin` on, as long as its columns."""
     n = len(next(iter(columns.values())))
     X = np.tile(np.eye(4), (n, 1, 1))
@@ -41,7 +41,7 @@ def part(begin: int, kind: str = "one", wrench: Any = None, R: Any = None, **col
         deflection=np.zeros((n, 3)),
         columns={name: np.array(values) for name, values in columns.items()},
     )
-    made = Part(
+    made = Stint(
         task=SimpleNamespace(process=SimpleNamespace(kind=kind)),  # type: ignore[arg-type]
         begin=begin,
         end=begin + n,
@@ -53,8 +53,8 @@ def part(begin: int, kind: str = "one", wrench: Any = None, R: Any = None, **col
     return made
 
 
-def record(rows: list[int], *parts: Part, standing: dict[str, float] | None = None) -> StepRecord:
-    return record_of(window(rows), SimpleNamespace(), list(parts), SHEET, standing)  # type: ignore[arg-type]
+def record(rows: list[int], *stints: Stint, standing: dict[str, float] | None = None) -> StepRecord:
+    return record_of(window(rows), SimpleNamespace(), list(stints), SHEET, standing)  # type: ignore[arg-type]
 
 
 def test_nobody_near_is_nothing_everywhere() -> None:
@@ -65,8 +65,8 @@ def test_nobody_near_is_nothing_everywhere() -> None:
 
 
 def test_columns_of_one_step_become_one_as_they_declare() -> None:
-    one = part(1, dust=[1.0, 2.0], depth=[3.0, 1.0], hot=[True, False], torque_like=[1.0, 1.0])
-    two = part(2, "two", dust=[5.0, 6.0], depth=[2.0, 2.0], hot=[False, True], torque_like=[1.0, 4.0])
+    one = stint(1, dust=[1.0, 2.0], depth=[3.0, 1.0], hot=[True, False], torque_like=[1.0, 1.0])
+    two = stint(2, "two", dust=[5.0, 6.0], depth=[2.0, 2.0], hot=[False, True], torque_like=[1.0, 4.0])
     both = record([0, 0, 0, 0], one, two)
 
     assert both["dust"].tolist() == [0.0, 1.0, 7.0, 6.0]
@@ -76,7 +76,7 @@ def test_columns_of_one_step_become_one_as_they_declare() -> None:
 
 
 def test_the_last_value_stands_until_another_one_is_said() -> None:
-    first = record([0, 0, 0, 0, 0], part(1, film=[2.0, 3.0]), part(4, film=[7.0]))
+    first = record([0, 0, 0, 0, 0], stint(1, film=[2.0, 3.0]), stint(4, film=[7.0]))
 
     assert first["film"].tolist() == [0.0, 2.0, 3.0, 3.0, 7.0]
     assert first.standing == {"film": 7.0}
@@ -84,7 +84,7 @@ def test_the_last_value_stands_until_another_one_is_said() -> None:
 
 
 def test_the_kind_is_that_of_the_process_at_work() -> None:
-    told = record([0] * 4, part(0, engaged=[True, True, False]), part(1, "two", engaged=[False, True, True]))
+    told = record([0] * 4, stint(0, engaged=[True, True, False]), stint(1, "two", engaged=[False, True, True]))
 
     assert told.kind.tolist() == [1, 1, 2, 2]
     assert told["engaged"].all()
@@ -92,8 +92,8 @@ def test_the_kind_is_that_of_the_process_at_work() -> None:
 
 def test_wrenches_are_added_in_base_axes_and_give_the_force() -> None:
     R = rotation_about(np.array([0.0, 0.0, 1.0]), np.pi / 2)
-    pushed = record([0, 0], part(0, dust=[0.0, 0.0], wrench=[3.0, 0, 0, 0, 0, 0]),
-                    part(0, dust=[0.0, 0.0], wrench=[4.0, 0, 0, 1.0, 0, 0], R=R))  # fmt: skip
+    pushed = record([0, 0], stint(0, dust=[0.0, 0.0], wrench=[3.0, 0, 0, 0, 0, 0]),
+                    stint(0, dust=[0.0, 0.0], wrench=[4.0, 0, 0, 1.0, 0, 0], R=R))  # fmt: skip
 
     assert pushed.wrench[0] == pytest.approx([3.0, 4.0, 0.0, 0.0, 1.0, 0.0])
     assert pushed["force"] == pytest.approx([5.0, 5.0])
@@ -102,10 +102,10 @@ def test_wrenches_are_added_in_base_axes_and_give_the_force() -> None:
 
 def test_rows_sum_up_as_columns_declare() -> None:
     totals = RowTotals.zeros(3, SHEET)
-    told = part(0, dust=[1.0, 2.0, 4.0], depth=[-3.0, 1.0, 1.0], hot=[True, True, True], film=[1, 2, 3])
+    told = stint(0, dust=[1.0, 2.0, 4.0], depth=[-3.0, 1.0, 1.0], hot=[True, True, True], film=[1, 2, 3])
     first = record([0, 0, 1], told)
     totals.add(first)
-    totals.add(record([1, 2], part(0, dust=[8.0], depth=[2.0], hot=[False], film=[4.0]), standing=first.standing))
+    totals.add(record([1, 2], stint(0, dust=[8.0], depth=[2.0], hot=[False], film=[4.0]), standing=first.standing))
 
     assert totals["dust"].tolist() == [3.0, 12.0, 0.0]
     assert totals["depth"].tolist() == [3.0, 2.0, 0.0]  # in size
@@ -118,11 +118,11 @@ def test_where_windows_begin_does_not_show() -> None:
     dust, film = rng.uniform(size=(2, 40)).tolist()
     rows = np.sort(rng.integers(0, 7, 40)).tolist()
     whole, cut = RowTotals.zeros(7, SHEET), RowTotals.zeros(7, SHEET)
-    whole.add(record(rows, part(0, dust=dust, film=film)))
+    whole.add(record(rows, stint(0, dust=dust, film=film)))
     standing: dict[str, float] = {}
     for at in range(0, 40, 7):
         here = slice(at, at + 7)
-        piece = record(rows[here], part(0, dust=dust[here], film=film[here]), standing=standing)
+        piece = record(rows[here], stint(0, dust=dust[here], film=film[here]), standing=standing)
         standing = piece.standing
         cut.add(piece)
 
@@ -131,7 +131,7 @@ def test_where_windows_begin_does_not_show() -> None:
 
 
 def test_what_a_stock_lost_and_gained_is_one_net_volume() -> None:
-    both = record([0, 0], part(0, removed=[3.0, 0.0]), part(0, added=[1.0, 2.0]))
+    both = record([0, 0], stint(0, removed=[3.0, 0.0]), stint(0, added=[1.0, 2.0]))
 
     assert both.net_removed.tolist() == [2.0, -2.0]
 

@@ -21,7 +21,7 @@ NEAR = 1e-3
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
-class Part:
+class Stint:
     """Steps `begin` to `end` of a window. `window` is their commanded motion in S, `X_BS` (n, 4, 4) where S is.
 
     `share` (c, 2) tells where in its step each piece begins and ends. `answer`
@@ -46,7 +46,7 @@ class Part:
             self._keep(task.process.run(task.target.given, window, task.state))
 
     def step(self, k: int, moved_before: Array, moved: Array) -> Array:
-        """Step `k` of this part, its tip off the command by `moved_before` … `moved` (3,) [m]; wrench (6,); in B."""
+        """Step `k` of this stint, its tip off the command by `moved_before` … `moved` (3,) [m]; wrench (6,); in B."""
         if self._loop is None:
             self._loop = self.task.process.loop(self.task.target.given, self.window, self.task.state)
         R = self.X_BS[k, :3, :3]
@@ -69,9 +69,9 @@ class Part:
         self.answer, self.wrench = answer, in_base(answer.wrench, self.X_BS)
 
 
-def part_of(
+def stint_of(
     shop: Shop, rows: RowColumns, task: Task, steps: StepWindow, begin: int, end: int, jacobian: Callable[[], Array]
-) -> Part | None:
+) -> Stint | None:
     """The question for steps `begin` to `end`, all with the task's tool; None when it stays away from the target.
 
     `jacobian` gives those of the tip (n, 6, j) in base axes; a rigid machine does not ask for them.
@@ -116,7 +116,7 @@ def part_of(
         if task.process.pushes and shop.stiffness is not None
         else None,
     )
-    return Part(task=task, begin=begin, end=end, window=window, X_BS=X_BS, share=share)
+    return Stint(task=task, begin=begin, end=end, window=window, X_BS=X_BS, share=share)
 
 
 def _into(X: Array, points: Array) -> Array:
@@ -146,10 +146,10 @@ def in_base(wrench: Array, X_BS: Array) -> Array:
     )
 
 
-def deflection_of(part: Part) -> Array:
+def deflection_of(stint: Stint) -> Array:
     """How far (n, 6) the tip gives way in B: translation [m] as the process solved it, rotation vector [rad]."""
-    assert part.answer is not None
-    turn = np.zeros((len(part.answer.wrench), 3))
-    if part.window.compliance is not None:
-        turn = np.einsum("nij,nj->ni", part.window.compliance[:, 3:], part.answer.wrench)
-    return in_base(np.concatenate([part.answer.deflection, turn], axis=1), part.X_BS)
+    assert stint.answer is not None
+    turn = np.zeros((len(stint.answer.wrench), 3))
+    if stint.window.compliance is not None:
+        turn = np.einsum("nij,nj->ni", stint.window.compliance[:, 3:], stint.answer.wrench)
+    return in_base(np.concatenate([stint.answer.deflection, turn], axis=1), stint.X_BS)
