@@ -49,6 +49,9 @@ def _rows(schema: dict[str, Any], whole: dict[str, Any], prefix: str) -> Iterato
             is_one = bool(finding) and finding.keys() <= inner["properties"].keys()
             own = {key: one for key, one in inner["properties"].items() if not is_one or key not in finding}
             yield from _rows({"properties": own}, whole, f"{prefix}{name}{suffix}.")
+            more = inner.get("additionalProperties")
+            if isinstance(more, dict):
+                yield f"| `{prefix}{name}{suffix}.NAME` | {_kind(more, more)} | {escaped(more['description'])} |"
             if is_one:
                 yield f"| `{prefix}{name}{suffix}.…` | | the keys of a finding |"
 
