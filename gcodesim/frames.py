@@ -8,11 +8,15 @@ is not zero is positive).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+
+WORLD: Final = "world"
+"""The root of all frames."""
 
 
 def rotation_from_rpy(roll: float, pitch: float, yaw: float) -> Array:

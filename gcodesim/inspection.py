@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gcodesim.canon import ToolChange
-from gcodesim.cell.machine import LETTERS
+from gcodesim.canon import AXIS_LETTERS, ToolChange
 from gcodesim.checks.saturation import saturation_findings
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.diagnostics.events import Flags
@@ -192,6 +191,6 @@ def _above(values: Array, limit: float | None) -> bool:
 def _blind_turns(plan: Plan, shop: Shop) -> dict[str, Flags]:
     """Rows (n,) in which a rotary axis turns whose place the cell does not tell, by its letter; only those that do."""
     start, end = plan.path.start, plan.path.end
-    columns = {letter: LETTERS.index(letter) for letter in shop.mover.timed_only} if len(plan.path) else {}
+    columns = {letter: AXIS_LETTERS.index(letter) for letter in shop.mover.timed_only} if len(plan.path) else {}
     turns = {letter: start[:, column] != end[:, column] for letter, column in columns.items()}
     return {letter: rows for letter, rows in turns.items() if rows.any()}

@@ -9,18 +9,19 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from gcodesim.cell import Cell, Placement, place
-from gcodesim.cell.cell import MACHINE, MAIN
+from gcodesim.cell.cell import MAIN
 from gcodesim.cell.leftover import NOTHING_LEFT, Leftover, no_stock
 from gcodesim.cell.machine import MachineTool
 from gcodesim.cell.placement import FIXTURE, STOCK, bounds_of
+from gcodesim.cell.placing import MACHINE
 from gcodesim.cell.robot import Payload, Robot
 from gcodesim.cell.stock import StockSpec, solid_of
 from gcodesim.diagnostics import Diagnostic
-from gcodesim.frames import Array, Pose
+from gcodesim.frames import WORLD, Array, Pose
 from gcodesim.kinematics import Cartesian, Chain, Inertial, Kinematics, Link, kinematics_of, model_path
 from gcodesim.kinematics.chain import BASE
 from gcodesim.processes.sheet import Sheet
-from gcodesim.scene import WORK, WORLD, Body, Mover, Scene, Stand
+from gcodesim.scene import WORK, Body, Mover, Scene, Stand
 from gcodesim.solids import Box, Cylinder, Mesh, MeshFile, Placed, read_mesh
 from gcodesim.units import MM
 

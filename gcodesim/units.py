@@ -20,3 +20,6 @@ N_PER_MM2: Final = 1e6
 N_PER_MM: Final = 1e3
 KW: Final = 1e3
 MM3: Final = 1e-9
+
+NS_PER_SECOND: Final = 1_000_000_000
+"""Times are counted in whole nanoseconds."""

@@ -10,11 +10,12 @@ Acts happen in time; states hold from where they stand until changed.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Final, Literal
 
 from gcodesim.diagnostics import Span
 
 __all__ = [
+    "AXIS_LETTERS",
     "Action",
     "ArcFeed",
     "Axes",
@@ -51,6 +52,8 @@ __all__ = [
 ]
 
 Axes = tuple[float, float, float, float, float, float]
+AXIS_LETTERS: Final = ("X", "Y", "Z", "A", "B", "C")
+"""What the six are called, in their order."""
 Point = tuple[float, float, float]
 
 # speed of the XYZ path [m/s] or [m/rev]; of the rotary axes [rad/s] or [rad/rev] when only those move

@@ -11,7 +11,7 @@ from gcodesim.cell.channel import Channel
 from gcodesim.cell.machine import MachineKind, MachineTool
 from gcodesim.cell.material import MaterialKind
 from gcodesim.cell.packages import PackageFolder
-from gcodesim.cell.placing import Carried, Place, names_of
+from gcodesim.cell.placing import MACHINE, Carried, Place, names_of
 from gcodesim.cell.robot import Robot, RobotKind
 from gcodesim.cell.settings import (
     CODE_PATTERNS,
@@ -43,7 +43,6 @@ if TYPE_CHECKING:
 
 FORMAT: Final = 1
 MAIN: Final = "main"
-MACHINE: Final = "machine"
 
 _ANY_NAME: Final = Name(what="name", pattern=".+", canonical=lambda text: text.strip() or None)
 _CHANNELS: Final = MapOf(

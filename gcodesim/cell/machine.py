@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 
+from gcodesim.canon import AXIS_LETTERS
 from gcodesim.cell.joints import JointList, JointValue, Measure, check_within, in_si, unknown_letter
 from gcodesim.cell.models import shipped, shipped_chain
 from gcodesim.cell.placing import POINT, Place
@@ -33,7 +34,6 @@ if TYPE_CHECKING:
 
 LINEAR: Final = ("X", "Y", "Z")
 ROTARY: Final = ("A", "B", "C")
-LETTERS: Final = LINEAR + ROTARY
 SPIN_UP: Final = 0.25  # s to full speed, where nobody names an acceleration
 UNLIMITED: Final = (-math.inf, math.inf)
 
@@ -121,14 +121,14 @@ class MachineAxis:
 
 
 def _letter(text: str) -> str | None:
-    return text.upper() if text.upper() in LETTERS else None
+    return text.upper() if text.upper() in AXIS_LETTERS else None
 
 
 _AXIS_NAMES: Final = Name(
-    what=f"axis ({', '.join(LETTERS)})", pattern="[XYZABCxyzabc]", canonical=_letter, known=LETTERS
+    what=f"axis ({', '.join(AXIS_LETTERS)})", pattern="[XYZABCxyzabc]", canonical=_letter, known=AXIS_LETTERS
 )
 _RECORDS: Final = {
-    letter: Record(LinearAxis if letter in LINEAR else RotaryAxis, f"axis {letter}") for letter in LETTERS
+    letter: Record(LinearAxis if letter in LINEAR else RotaryAxis, f"axis {letter}") for letter in AXIS_LETTERS
 }
 
 

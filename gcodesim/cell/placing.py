@@ -14,9 +14,8 @@ from gcodesim.declarations.map_of import Name
 from gcodesim.declarations.nodes import Node
 from gcodesim.declarations.quantity import Quantity, Vector
 from gcodesim.declarations.reading import FAULT, Fault, Path, Reading, Reference
-from gcodesim.frames import Pose
+from gcodesim.frames import WORLD, Pose
 
-WORLD: Final = "world"
 MACHINE: Final = "machine"
 RESERVED: Final = (WORLD, MACHINE, "tool", "tcp", "part", "camera", "flange", "base")
 

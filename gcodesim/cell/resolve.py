@@ -7,15 +7,16 @@ from importlib.util import find_spec
 from typing import Final
 
 from gcodesim.canon.systems import SYSTEMS, system_name
-from gcodesim.cell.cell import FORMAT, MACHINE, MAIN, Cell
+from gcodesim.cell.cell import FORMAT, MAIN, Cell
 from gcodesim.cell.channel import Channel
-from gcodesim.cell.placing import WORLD, FrameTree, Place
+from gcodesim.cell.placing import MACHINE, FrameTree, Place
 from gcodesim.cell.settings import matches, with_step
 from gcodesim.cell.stock import MeshShape, Shape
 from gcodesim.declarations.keys import keys
 from gcodesim.declarations.reading import Path, Reading, suggestion
 from gcodesim.declarations.record import list_default
 from gcodesim.diagnostics import Diagnostic, Severity, Span, codes
+from gcodesim.frames import WORLD
 from gcodesim.solids import Box
 from gcodesim.units import MM
 

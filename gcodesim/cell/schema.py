@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from gcodesim.cell.loader import ROOT
-from gcodesim.declarations.kind import Json
-
-DIALECT = "https://json-schema.org/draft/2020-12/schema"
+from gcodesim.declarations.kind import SCHEMA_DIALECT, Json
 
 
 def cell_schema() -> Json:
@@ -13,7 +11,7 @@ def cell_schema() -> Json:
     definitions: dict[str, Json] = {}
     root = ROOT.schema(definitions)
     return {
-        "$schema": DIALECT,
+        "$schema": SCHEMA_DIALECT,
         "title": "gcodesim cell",
         **root,
         "anyOf": [{"required": ["machine"]}, {"required": ["robots"]}],

@@ -14,9 +14,9 @@ from gcodesim.canon.systems import name_of_system
 from gcodesim.checks.collisions import Obstacle, ToolParts, collision_finding, fixture_touches
 from gcodesim.checks.pairs import may_not_meet
 from gcodesim.diagnostics import Diagnostic
-from gcodesim.frames import Array, Pose, rotation_about
+from gcodesim.frames import WORLD, Array, Pose, rotation_about
 from gcodesim.motion.tool_path import ToolState
-from gcodesim.scene import WORLD, Role, Scene
+from gcodesim.scene import Role, Scene
 
 if TYPE_CHECKING:
     from gcodesim.planning.plan import Plan

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from gcodesim.cell import Cell
-from gcodesim.cell.cell import MACHINE
+from gcodesim.cell.placing import MACHINE
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.motion.tool_path import ToolPath
 from gcodesim.scene import Mover

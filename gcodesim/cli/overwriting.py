@@ -9,11 +9,12 @@ from pathlib import Path
 from typing import Final
 
 from gcodesim.cli.exits import UsageError
+from gcodesim.output_folder import names_of
 
 # --write-parameters and --write-baseline may name what --parameters and --baseline read: they bring it up to date
 _READ: Final = ("program", "programs", "paths", "cell", "old_cell", "tools", "log", "other", "old", "new")
 _WRITTEN: Final = ("out", "junit", "sarif", "gitlab", "html", "write_parameters", "write_baseline")
-_OF_RUNS: Final = ("run.mcap", "results.json", "lines.csv", "*.stock", "*.stl")
+_OF_RUNS: Final = names_of(("*",))
 _HEAD: Final = 1 << 16
 
 

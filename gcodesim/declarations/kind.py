@@ -9,12 +9,15 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 from gcodesim.declarations.nodes import Listing, Mapping, Node, Scalar
 from gcodesim.declarations.reading import Fault, Path, Reading
 
 Json = dict[str, Any]
+
+SCHEMA_DIALECT: Final = "https://json-schema.org/draft/2020-12/schema"
+"""Which JSON Schema our schemas are written in."""
 
 
 class Kind(ABC):

@@ -11,10 +11,10 @@ import numpy as np
 from gcodesim.export.select import TimeRange
 from gcodesim.export.table import NoTableError
 from gcodesim.playback.recording import Recording
+from gcodesim.units import NS_PER_SECOND
 
 TOPICS: Final = ("/tf_static", "/tf", "/joint_states", "/target", "/tcp", "/motion", "/process", "/wrench", "/log")
 _LEVELS: Final = {"note": 20, "warning": 30, "error": 40}  # rcl_interfaces/msg/Log
-_NS: Final = 1_000_000_000
 _NO_FRAME = "world"
 
 Message = tuple[int, str, str, Any]  # time [ns], topic, type, content
@@ -105,7 +105,7 @@ class _Types:
         self.types = types
 
     def stamp(self, t_ns: int) -> Any:
-        return self.types["builtin_interfaces/msg/Time"](sec=t_ns // _NS, nanosec=t_ns % _NS)
+        return self.types["builtin_interfaces/msg/Time"](sec=t_ns // NS_PER_SECOND, nanosec=t_ns % NS_PER_SECOND)
 
     def header(self, t_ns: int, frame: str) -> Any:
         return self.types["std_msgs/msg/Header"](stamp=self.stamp(t_ns), frame_id=frame)

@@ -16,10 +16,10 @@ from gcodesim.log.reader import decoder_of
 from gcodesim.numbers import rounded
 from gcodesim.playback.columns import Units, column_of, joint_kinds
 from gcodesim.playback.recording import PERIODIC_TOPICS, Recording
+from gcodesim.units import NS_PER_SECOND
 
 USUAL_TOPICS: Final = ("/motion", "/process", "/wrench", "/tcp", "/joint_states")
 _DIGITS: Final = 9  # of numbers that were converted
-_NS: Final = 1_000_000_000
 
 
 class NoTableError(ValueError):
@@ -28,7 +28,7 @@ class NoTableError(ValueError):
 
 def seconds_text(t_ns: int) -> str:
     """A time [ns] in seconds with all its digits."""
-    return f"{t_ns // _NS}.{t_ns % _NS:09d}"
+    return f"{t_ns // NS_PER_SECOND}.{t_ns % NS_PER_SECOND:09d}"
 
 
 def write_table(

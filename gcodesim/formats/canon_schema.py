@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from gcodesim.formats.json_schema import Json, array, choice, nullable, number, record, text, truth, whole
+from gcodesim.declarations.kind import Json
+from gcodesim.formats.json_schema import array, choice, nullable, number, record, text, truth, whole
 
 _AXES: Final = array("X Y Z [mm], A B C [deg], machine coordinates", {"type": "number"}) | {
     "minItems": 6,

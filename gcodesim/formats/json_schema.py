@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from typing import Any, Final, Literal, Union, get_args, get_origin, get_type_hints
 
-Json = dict[str, Any]
-DIALECT: Final = "https://json-schema.org/draft/2020-12/schema"
+from gcodesim.declarations.kind import SCHEMA_DIALECT, Json
+
 _PLAIN: Final = {str: "string", float: "number", int: "integer", bool: "boolean", type(None): "null"}
 
 
@@ -100,5 +100,5 @@ def of_type(hint: Any, definitions: dict[str, Json]) -> Json:
 
 def document(title: str, root: Json, definitions: Mapping[str, Json] | None = None) -> Json:
     """A whole schema."""
-    whole_one = {"$schema": DIALECT, "title": title, **root}
+    whole_one = {"$schema": SCHEMA_DIALECT, "title": title, **root}
     return whole_one | ({"$defs": {name: definitions[name] for name in sorted(definitions)}} if definitions else {})

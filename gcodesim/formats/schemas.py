@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Final, get_args
 
+from gcodesim.declarations.kind import Json
 from gcodesim.formats.canon_schema import canon
 from gcodesim.formats.json_schema import (
-    Json,
     array,
     choice,
     document,

@@ -9,6 +9,7 @@ from typing import Final, Literal
 
 import numpy as np
 
+from gcodesim.canon import AXIS_LETTERS
 from gcodesim.frames import Array, Pose, rotation_from_rpy
 from gcodesim.kinematics.chain import Chain, Inertial, Joint, Link
 from gcodesim.kinematics.machine import Machine, poses
@@ -16,9 +17,8 @@ from gcodesim.kinematics.protocol import Reason, Status, Statuses
 from gcodesim.kinematics.reasons import limit_reason
 from gcodesim.kinematics.serial import SerialArm
 
-LETTERS: Final = "XYZABC"
 _REACHED: Final = 1e-9  # [m], [rad] between the pose asked for and the pose of the axes found
-_VECTORS: Final = dict(zip(LETTERS, np.vstack([np.eye(3), np.eye(3)]), strict=True))
+_VECTORS: Final = dict(zip(AXIS_LETTERS, np.vstack([np.eye(3), np.eye(3)]), strict=True))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,7 +52,7 @@ def chain_of_axes(axes: Sequence[Axis], name: str = "machine") -> Chain:
     At machine zero the spindle nose F is at the origin of M with its Z along −Z.
     """
     letters = [axis.letter for axis in axes]
-    if len(set(letters)) < len(letters) or any(letter not in LETTERS for letter in letters):
+    if len(set(letters)) < len(letters) or any(letter not in AXIS_LETTERS for letter in letters):
         raise ValueError(f"axes {letters}: each of X, Y, Z, A, B, C at most once")
     nose = Pose(np.zeros(3), rotation_from_rpy(np.pi, 0.0, 0.0)).matrix
     links = [Link(name="base")]
@@ -110,7 +110,7 @@ class Cartesian(Machine):
     def of(chain: Chain) -> Cartesian | None:
         """The machine tool that `chain` is, or None: its joints are named by axis letters, X, Y, Z are linear."""
         joints = chain.driven_joints
-        named = all(name in LETTERS for name in joints.names)
+        named = all(name in AXIS_LETTERS for name in joints.names)
         linear = all(
             (kind == "prismatic") == (name in "XYZ") for name, kind in zip(joints.names, joints.kinds, strict=True)
         )
@@ -124,7 +124,7 @@ class Cartesian(Machine):
     @cached_property
     def columns(self) -> tuple[int, ...]:
         """For each joint its column in an array of program axes X Y Z A B C."""
-        return tuple(LETTERS.index(name) for name in self.joints.names)
+        return tuple(AXIS_LETTERS.index(name) for name in self.joints.names)
 
     def joints_of(self, axes: Array) -> Array:
         """Joint values (n, j) of program axes (n, 6), x y z a b c [m], [rad]; axes that the machine lacks drop out."""

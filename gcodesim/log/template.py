@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 
 from gcodesim.log.row_kernels import fill_rows
 from gcodesim.log.wire import BYTES, FIXED64, VARINT, tag, text, varint
+from gcodesim.units import NS_PER_SECOND
 
 STAMP_WIDTH: Final = 12
-_NS: Final = 1_000_000_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +84,7 @@ def padded_varints(number: int, values: NDArray[np.integer]) -> NDArray[np.uint8
 
 def padded_stamps(t_ns: NDArray[np.int64]) -> NDArray[np.uint8]:
     """Contents of Timestamp messages (n, 12) for times (n,) [ns]."""
-    return np.concatenate([padded_varints(1, t_ns // _NS), padded_varints(2, t_ns % _NS)], axis=1)
+    return np.concatenate([padded_varints(1, t_ns // NS_PER_SECOND), padded_varints(2, t_ns % NS_PER_SECOND)], axis=1)
 
 
 class Template:

@@ -9,11 +9,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.units import NS_PER_SECOND
+
 Part = bytes | memoryview
 """A part of a message; a memoryview is of bytes."""
 
 VARINT, FIXED64, BYTES, FIXED32 = 0, 1, 2, 5
-_NS: Final = 1_000_000_000
 _F8: Final = struct.Struct("<d")
 
 
@@ -65,7 +66,7 @@ def double(number: int, value: float) -> bytes:
 
 def stamp(number: int, t_ns: int) -> bytes:
     """A Timestamp field of a time [ns]."""
-    seconds, nanos = divmod(t_ns, _NS)
+    seconds, nanos = divmod(t_ns, NS_PER_SECOND)
     return chunk(number, unsigned(1, seconds) + unsigned(2, nanos))
 
 

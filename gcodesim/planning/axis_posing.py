@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.canon import Axes
+from gcodesim.canon import AXIS_LETTERS, Axes
 from gcodesim.diagnostics import Findings
 from gcodesim.frames import Array
 from gcodesim.motion.blend import along_limits, blend
@@ -26,12 +26,11 @@ if TYPE_CHECKING:
     from gcodesim.kinematics.chain import Joints
     from gcodesim.kinematics.protocol import Kinematics
 
-LETTERS: Final = "XYZABC"
 
 
 def axes_of_joints(names: Sequence[str]) -> NDArray[np.intp]:
     """Which axis of x y z a b c each joint is, by the last letter of its name; ValueError when it is none."""
-    return np.array([LETTERS.index(name[-1].upper()) for name in names], dtype=np.intp)
+    return np.array([AXIS_LETTERS.index(name[-1].upper()) for name in names], dtype=np.intp)
 
 
 def axes_at(names: Sequence[str], q: Array) -> Axes:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.canon import AXIS_LETTERS
 from gcodesim.canon.systems import name_of_system
 from gcodesim.diagnostics import Diagnostic, Findings
 from gcodesim.frames import Array
@@ -17,7 +18,6 @@ from gcodesim.units import DEG, MM
 if TYPE_CHECKING:
     from gcodesim.kinematics.chain import Joints
 
-LETTERS: Final = "XYZABC"
 _SLACK: Final = 1e-9  # [m, rad] rounding of inches and decimals
 
 
@@ -62,9 +62,9 @@ def report_missing_axes(path: ToolPath, axes: NDArray[np.intp], findings: Findin
         findings.add(
             Diagnostic(
                 code="GS207",
-                message=f"the program moves {LETTERS[axis]}, which this machine does not have",
+                message=f"the program moves {AXIS_LETTERS[axis]}, which this machine does not have",
                 span=path.span(int(rows[0])),
-                hint="its axes are " + ", ".join(LETTERS[a] for a in sorted(axes)),
+                hint="its axes are " + ", ".join(AXIS_LETTERS[a] for a in sorted(axes)),
                 count=len(np.unique(path.block[rows])),
             )
         )
@@ -94,7 +94,7 @@ def _report_axis(
     joints: Joints,
     findings: Findings,
 ) -> None:
-    letter = LETTERS[axis]
+    letter = AXIS_LETTERS[axis]
     unit, factor = ("mm", MM) if axis < 3 else ("deg", DEG)
     first = int(rows[0])
     worst = int(rows[np.argmax(np.abs(values[rows] - limit))])

@@ -13,7 +13,6 @@ from gcodesim.log.series import Series
 
 Array = NDArray[np.float64]
 
-WORLD = "world"
 _PREFIX = "transforms["
 
 

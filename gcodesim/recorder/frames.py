@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gcodesim.frames import Array, Pose
+from gcodesim.frames import WORLD, Array, Pose
 from gcodesim.log import StaticFrame
 from gcodesim.recorder.pose_kernels import write_poses
-from gcodesim.scene import WORK, WORLD
+from gcodesim.scene import WORK
 from gcodesim.shop import WORK_FRAME, Shop
 
 if TYPE_CHECKING:

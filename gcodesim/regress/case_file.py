@@ -11,7 +11,7 @@ from gcodesim.cell.settings import CODE_PATTERNS, code_pattern
 from gcodesim.declarations.composed import ListOf
 from gcodesim.declarations.files import Shelf
 from gcodesim.declarations.keys import key
-from gcodesim.declarations.kind import POSITIVE, Json, Kind, Range, short
+from gcodesim.declarations.kind import POSITIVE, SCHEMA_DIALECT, Json, Kind, Range, short
 from gcodesim.declarations.nodes import Mapping as MappingNode
 from gcodesim.declarations.nodes import Node, Scalar, compose
 from gcodesim.declarations.plain_kinds import Choice, Switch, Text, Whole
@@ -208,7 +208,7 @@ def case_schema() -> Json:
     definitions: dict[str, Json] = {}
     root = _ROOT.schema(definitions)
     return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "$schema": SCHEMA_DIALECT,
         "title": "gcodesim test file",
         **root,
         "$defs": {name: definitions[name] for name in sorted(definitions)},

@@ -13,13 +13,13 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, Final
 
+from gcodesim.canon import AXIS_LETTERS
 from gcodesim.canon import events as ev
 from gcodesim.canon.listing import as_json
 
 Point = tuple[float, float, float]
 Axes = tuple[float, float, float, float, float, float]
 
-LETTERS: Final = "XYZABC"
 MOVES: Final = ("rapid", "line", "arc", "spline", "probe", "tap")
 NO_AXES: Final[Axes] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
@@ -221,7 +221,7 @@ class _Reducer:
 def _flat(fields: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
     for name, value in fields.items():
         if isinstance(value, list):
-            yield from zip(LETTERS, value, strict=False)
+            yield from zip(AXIS_LETTERS, value, strict=False)
         else:
             yield name, value
 

@@ -7,9 +7,10 @@ from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, TypeVar
 
+from gcodesim.canon import AXIS_LETTERS
 from gcodesim.regress.align import GAP, Pair, align
 from gcodesim.regress.changes import ChangedLine, FieldChange, MoveChange
-from gcodesim.regress.motion import LETTERS, MOVES, Step
+from gcodesim.regress.motion import MOVES, Step
 from gcodesim.regress.tolerance import DEFAULTS, QUANTITIES, Tolerances
 
 LineText = Callable[[str, int], str]
@@ -178,7 +179,7 @@ def _ends(a: Step, b: Step, tolerances: Tolerances) -> list[FieldChange]:
     own_a, own_b = a.system.to_program(a.end), b.system.to_program(b.end)
     own = [i for i in range(6) if not tolerances["position" if i < 3 else "angle"].allows(own_a[i], own_b[i])]
     from_a, from_b, prefix = (own_a, own_b, "") if own else (a.end, b.end, "machine ")
-    return [_axis(prefix + LETTERS[i], i, from_a[i], from_b[i], tolerances) for i in own or off]
+    return [_axis(prefix + AXIS_LETTERS[i], i, from_a[i], from_b[i], tolerances) for i in own or off]
 
 
 def _axis(name: str, axis: int, old: float, new: float, tolerances: Tolerances) -> FieldChange:
@@ -222,7 +223,7 @@ def _name(kind: str, field: str) -> tuple[str, str]:
         return _NAMES[kind, field]
     if ("", field) in _NAMES:
         return _NAMES["", field]
-    if field in LETTERS:
+    if field in AXIS_LETTERS:
         return f"{_called(kind)} {field}", "position" if field in "XYZ" else "angle"
     return f"{_called(kind)} {field}".replace("_", " "), "word"
 
@@ -302,7 +303,7 @@ def _detail(step: Step) -> str:
         if word not in ("none", "no") and field != "unit":
             told.append(field if word == "yes" else f"{field} {word}" if word.isdecimal() else word)
     for field, value in step.numbers:
-        if value or field not in LETTERS:
+        if value or field not in AXIS_LETTERS:
             unit = _unit(step, field, _name(step.kind, field)[1])
             name = "" if field in ("speed", "seconds") else f"{field} "
             told.append(f"{name}{value:g} {unit}".strip())

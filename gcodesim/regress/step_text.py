@@ -14,7 +14,8 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Final
 
-from gcodesim.regress.motion import LETTERS, MOVES, NO_AXES, ArcMove, Axes, Point, Step, System, arc_point
+from gcodesim.canon import AXIS_LETTERS
+from gcodesim.regress.motion import MOVES, NO_AXES, ArcMove, Axes, Point, Step, System, arc_point
 
 _PLACES: Final = 6
 _FED: Final = ("line", "arc", "spline", "probe")
@@ -58,7 +59,7 @@ def lines_of(steps: Iterable[Step]) -> list[str]:
         if step.system != system:
             system = step.system
             lines.append(_system_text(system))
-            last = {name: text for name, text in last.items() if name not in LETTERS}
+            last = {name: text for name, text in last.items() if name not in AXIS_LETTERS}
         down = step.line - line
         place = f"@{step.file}:{step.line} " if step.file != file else "" if down == 1 else f"+{down} "
         file, line = step.file, step.line
@@ -69,7 +70,7 @@ def lines_of(steps: Iterable[Step]) -> list[str]:
 def _parts(step: Step, last: dict[str, str]) -> Iterator[str]:
     words, numbers = dict(step.words), dict(step.numbers)
     if step.end is not None:
-        texts = dict(zip(LETTERS, map(_number, step.system.to_program(step.end)), strict=True))
+        texts = dict(zip(AXIS_LETTERS, map(_number, step.system.to_program(step.end)), strict=True))
         if "feed" in numbers:
             texts["F"] = _number(numbers.pop("feed"))
         if "feed_unit" in words:
@@ -129,7 +130,7 @@ class _Reader:
         fields = dict(map(_named, parts))
         rotation = fields.get("rotation", (0.0,))[0]
         self.system = System(offset=_six(fields["offset"]), g92=_six(fields.get("g92", NO_AXES)), rotation=rotation)
-        self.own = {name: value for name, value in self.own.items() if name not in LETTERS}
+        self.own = {name: value for name, value in self.own.items() if name not in AXIS_LETTERS}
 
     def _step(self, kind: str, parts: Sequence[str]) -> Step:
         words: list[tuple[str, str]] = []
@@ -164,7 +165,7 @@ class _Reader:
         ccw: bool | None,
     ) -> Step:
         start = self.position
-        self.position = end = _six(self.system.to_machine([self.own[letter] for letter in LETTERS]))
+        self.position = end = _six(self.system.to_machine([self.own[letter] for letter in AXIS_LETTERS]))
         self.unit = words.pop("feed_unit", self.unit)
         if kind in _FED and "pitch" not in numbers:
             numbers = {"feed": self.own["F"], **numbers}

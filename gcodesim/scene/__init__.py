@@ -2,6 +2,6 @@
 
 from gcodesim.scene.body import Body, Role
 from gcodesim.scene.mover import WORK, Mover
-from gcodesim.scene.scene import WORLD, Hold, Scene, Stand
+from gcodesim.scene.scene import Hold, Scene, Stand
 
-__all__ = ["WORK", "WORLD", "Body", "Hold", "Mover", "Role", "Scene", "Stand"]
+__all__ = ["WORK", "Body", "Hold", "Mover", "Role", "Scene", "Stand"]

@@ -8,16 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Final
 
 import numpy as np
 
-from gcodesim.frames import Array, Pose
+from gcodesim.frames import WORLD, Array, Pose
 from gcodesim.kinematics.chain import BASE
 from gcodesim.scene.body import Body
 from gcodesim.scene.mover import Mover
-
-WORLD: Final = "world"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from gcodesim.checks.clearance import standing_bodies
 from gcodesim.checks.collisions import ToolParts
 from gcodesim.checks.pairs import may_not_meet, role_of_part
-from gcodesim.frames import Pose
-from gcodesim.scene import WORLD, Body, Scene, Stand
+from gcodesim.frames import WORLD, Pose
+from gcodesim.scene import Body, Scene, Stand
 from gcodesim.solids import Box, Placed
 from gcodesim.tools.flat_end_mill import FlatEndMill
 from gcodesim.tools.tool import Holder

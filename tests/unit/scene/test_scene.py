@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gcodesim.frames import Pose
+from gcodesim.frames import WORLD, Pose
 from gcodesim.kinematics import MODELS, Axis, Cartesian, kinematics_of, load_urdf
-from gcodesim.scene import WORK, WORLD, Hold, Mover, Scene, Stand
+from gcodesim.scene import WORK, Hold, Mover, Scene, Stand
 
 X_WB = Pose.from_xyz_rpy((1.0, 2.0, 0.5), (0.0, 0.0, 0.4))
 X_PF = Pose.from_xyz_rpy((0.1, -0.2, 0.3), (0.3, 0.2, 0.1))
