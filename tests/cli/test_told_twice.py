@@ -140,3 +140,11 @@ def test_info_fails_on_a_log_that_is_not_whole(cli, results, monkeypatch, tmp_pa
         asked = cli("info", "out", "--format", form, "--fail-on", "incomplete")
         assert asked.status == (0 if damage == "whole" else 1)
         assert asked.out
+
+        def gone(*_: object) -> None:
+            raise BrokenPipeError
+
+        with monkeypatch.context() as reader:
+            reader.setattr("gcodesim.cli.commands.info._print", gone)
+            reader.setattr("gcodesim.cli.output.print_json", gone)
+            assert cli("info", "out", "--format", form, "--fail-on", "incomplete").status == asked.status

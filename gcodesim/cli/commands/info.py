@@ -86,13 +86,15 @@ def run(arguments: argparse.Namespace) -> int:
         raise UsageError(f"log {arguments.log} is not there") from None
     except (LogReadError, OSError) as error:
         raise UsageError(f"log {arguments.log} cannot be read: {error}") from None
+    # also for when nobody reads the output to its end
+    arguments.status = FINDINGS if arguments.fail_on == "incomplete" and not facts.complete else OK
     if arguments.format == "json":
         print_json(_as_json(facts))
     else:
         _print(facts)
     if arguments.extract is not None:
         _extract(arguments.log, arguments.extract, said=arguments.format != "json")
-    return FINDINGS if arguments.fail_on == "incomplete" and not facts.complete else OK
+    return int(arguments.status)
 
 
 def _print(facts: LogSummary) -> None:
