@@ -28,9 +28,9 @@ from gcodesim.log import (
     BlockColumns,
     BlockMessages,
     ByteStrings,
+    DrawnMesh,
     LogDescription,
     LogWriter,
-    Mesh,
     MotionColumns,
     ProcessColumns,
     ProgramShown,
@@ -184,7 +184,7 @@ def tiles(path: Path, count: int, side: int = 100) -> tuple[float, int]:
     points = np.stack([u, v, 0.001 * np.sin(90 * u) * np.cos(70 * v)], axis=-1).reshape(-1, 3)
     i = (np.arange(side - 1)[:, None] * side + np.arange(side - 1)).reshape(-1)
     triangles = np.concatenate([np.stack([i, i + side, i + 1], 1), np.stack([i + 1, i + side, i + side + 1], 1)])
-    mesh = Mesh(points=points, triangles=triangles)
+    mesh = DrawnMesh(points=points, triangles=triangles)
     d = description()
     frames = (*d.moving_frames, ("world", "stock"))
     log = LogWriter(path, LogDescription(run=d.run, static_frames=(), moving_frames=frames, joint_names=d.joint_names))

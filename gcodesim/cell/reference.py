@@ -17,7 +17,7 @@ from gcodesim.cell.material import MaterialForm
 from gcodesim.cell.placing import Place
 from gcodesim.cell.robot import RobotForm
 from gcodesim.cell.settings import Limits, LogSettings, Magazine, Simulation, Suppression
-from gcodesim.cell.stock import Body, StockSpec, Target
+from gcodesim.cell.stock import ShapeKeys, StockSpec, Target
 from gcodesim.declarations.keys import all_keys, keys
 from gcodesim.declarations.tables import key_table, units_as_text
 from gcodesim.key_page import rewrite
@@ -31,7 +31,7 @@ SECTIONS: Final[tuple[tuple[str, type], ...]] = (
     ("`robots`", RobotForm),
     ("A channel (`channels`); where there is but one, its keys stand at top level", Channel),
     ("`orientation`", Orientation),
-    ("Shapes of stock and fixtures", Body),
+    ("Shapes of stock and fixtures", ShapeKeys),
     ("`stock`, besides its shape and place", StockSpec),
     ("`materials`", MaterialForm),
     ("`target`, besides its place", Target),
@@ -46,9 +46,9 @@ SECTIONS: Final[tuple[tuple[str, type], ...]] = (
 def reference() -> str:
     """The reference: a table for each class, one for each tool type, and the units."""
     parts = ["### Top level", "", *key_table(list(keys(Cell).values()))]
-    shape = set(all_keys(Body))
+    shape = set(all_keys(ShapeKeys))
     for title, cls in SECTIONS:
-        inherited = shape if issubclass(cls, Body) and cls is not Body else set()
+        inherited = shape if issubclass(cls, ShapeKeys) and cls is not ShapeKeys else set()
         parts += ["", f"### {title}", "", *key_table([key for key in keys(cls).values() if key.name not in inherited])]
     parts += ["", tool_reference(list(TOOLS))]
     return "\n".join([*parts, "", "### Units", "", "```text", units_as_text(), "```"])

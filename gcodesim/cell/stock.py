@@ -184,7 +184,7 @@ LENGTH_UNIT = _LengthUnit()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Body:
+class ShapeKeys:
     """A shape by one of `box`, `min` with `max`, `cylinder`, `mesh`; the derived `shape` is in the body's own frame.
 
     `zero` is the point of a box (or of a cylinder) that stands at `xyz`.
@@ -201,7 +201,7 @@ class Body:
     unit: str | None = key(LENGTH_UNIT, "unit of the mesh file", default=None)
 
 
-def _shape_of(body: Body, what: str, extra: tuple[str, ...], to: Reading, path: Path) -> Shape | Fault | None:
+def _shape_of(body: ShapeKeys, what: str, extra: tuple[str, ...], to: Reading, path: Path) -> Shape | Fault | None:
     """The one shape that a body names; None when it is one of `extra`."""
     corner = ("min", "max")
     given = [name for name in ("box", "cylinder", "mesh", *corner) if getattr(body, name) is not None] + list(extra)
@@ -235,7 +235,7 @@ def _shape_of(body: Body, what: str, extra: tuple[str, ...], to: Reading, path: 
     return _single_shape(body, to, path)
 
 
-def _single_shape(body: Body, to: Reading, path: Path) -> Shape | Fault:
+def _single_shape(body: ShapeKeys, to: Reading, path: Path) -> Shape | Fault:
     default_zero = "bottom-front-left" if body.box is not None else "bottom-center"
     if body.zero is None and (body.box is not None or body.cylinder is not None):
         to.default((*path, "zero"), default_zero)
@@ -276,7 +276,7 @@ def _sound_box(box: Box, name: str, to: Reading, path: Path) -> Box | Fault:
     )
 
 
-def _box_between(body: Body, to: Reading, path: Path) -> Shape | Fault:
+def _box_between(body: ShapeKeys, to: Reading, path: Path) -> Shape | Fault:
     for name, other in (("min", "max"), ("max", "min")):
         if getattr(body, name) is None:
             return to.fault(
@@ -345,7 +345,7 @@ class _MaterialName(Kind):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class StockSpec(Body):
+class StockSpec(ShapeKeys):
     """Material to work on. `place.frame` None: placed by the rules of `placement.py`."""
 
     name: str = "stock"
@@ -375,7 +375,7 @@ class StockSpec(Body):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Fixture(Body):
+class Fixture(ShapeKeys):
     """A body that must not be touched: vise, clamp, table."""
 
     name: str = ""

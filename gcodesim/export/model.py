@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from gcodesim.playback.frames import RecordedFrames
 from gcodesim.playback.recording import Recording
 from gcodesim.playback.scenes import Drawing
-from gcodesim.playback.solids import solid_of
+from gcodesim.playback.skins import skin_of
 
 _Z_UP: Final = [-(0.5**0.5), 0.0, 0.0, 0.5**0.5]  # glTF holds Y up: a quarter turn about X
 _FLOAT, _UINT = 5126, 5125
@@ -45,7 +45,7 @@ def glb_of(drawings: Sequence[Drawing], frames: RecordedFrames, t_ns: int) -> by
     for drawing in drawings:
         primitives = []
         for shape in drawing.shapes:
-            solid = solid_of(shape)
+            solid = skin_of(shape)
             if len(solid.triangles):
                 primitives.append(file.primitive(_TRIANGLES, solid.points, solid.triangles, solid.color))
         for lines in drawing.lines:

@@ -11,7 +11,7 @@ from gcodesim.material.stl import write_stl
 from gcodesim.material.surface import Surface
 from gcodesim.playback.recording import Recording
 from gcodesim.playback.scenes import Drawing
-from gcodesim.playback.solids import merged, solid_of
+from gcodesim.playback.skins import merged, skin_of
 
 
 class NoPartError(ValueError):
@@ -86,7 +86,7 @@ def _computed(recording: Recording, stock: str | None) -> Surface | None:
 
 def _drawn(drawings: list[Drawing]) -> Surface:
     """All tiles as one: points that neighbours share become one, so that the surface is closed where the tiles are."""
-    points, triangles = merged([solid_of(shape) for drawing in drawings for shape in drawing.shapes])
+    points, triangles = merged([skin_of(shape) for drawing in drawings for shape in drawing.shapes])
     if not len(points):
         return _surface(points, triangles)
     unique, number = np.unique(points, axis=0, return_inverse=True)

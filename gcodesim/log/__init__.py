@@ -6,23 +6,20 @@ from gcodesim.log.container import LogWriteError
 from gcodesim.log.description import LogDescription, MotionColumns, ProcessColumns, ProcessField, StaticFrame
 from gcodesim.log.layout import Camera, View, layout
 from gcodesim.log.messages import OutputState, ProgramShown
-from gcodesim.log.shapes import Box, Capsule, Cone, Cylinder, Entity, Mesh, Polylines, Shape, Sphere
+from gcodesim.log.shapes import DrawnMesh, DrawnSolid, Entity, Polylines, Shape
 from gcodesim.log.writer import LogWriter
 
 __all__ = [
     "BlockColumns",
     "BlockMessages",
-    "Box",
     "ByteStrings",
     "Camera",
-    "Capsule",
-    "Cone",
-    "Cylinder",
+    "DrawnMesh",
+    "DrawnSolid",
     "Entity",
     "LogDescription",
     "LogWriteError",
     "LogWriter",
-    "Mesh",
     "MotionColumns",
     "OutputState",
     "Polylines",
@@ -30,7 +27,6 @@ __all__ = [
     "ProcessField",
     "ProgramShown",
     "Shape",
-    "Sphere",
     "StaticFrame",
     "View",
     "layout",

@@ -18,9 +18,10 @@ from numpy.typing import NDArray
 
 from gcodesim.log.byte_strings import ByteStrings
 from gcodesim.log.mesh_kernels import put_points, round_points
-from gcodesim.log.shapes import Array, Box, Capsule, Color, Cone, Cylinder, Entity, Mesh, Polylines, Shape, Sphere
+from gcodesim.log.shapes import Array, Color, DrawnMesh, Entity, Polylines, Shape
 from gcodesim.log.template import Piece, Template, double_slot, nested, stamp_slot
 from gcodesim.log.wire import BYTES, Part, chunk, double, packed_fixed32, stamp, tag, text, unsigned, wrap
+from gcodesim.solids import Box, Cone, Cylinder, Sphere
 
 GRID: Final = 2.0**-20
 POINT_BYTES: Final = 29  # of a point in a repeated field
@@ -82,7 +83,10 @@ _IDENTITY: Final = _pose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
 def _shape(shape: Shape) -> list[Part]:
     """The primitive fields of a SceneEntity that draw `shape`, in parts: a mesh is copied no more than it has to be."""
     pose = _pose(shape.p, shape.q)
-    match shape:
+    if isinstance(shape, DrawnMesh):
+        indices = packed_fixed32(5, shape.triangles.reshape(-1))
+        return wrap(_TRIANGLES, [pose, _points(2, shape.points), _color(3, shape.color), *indices])
+    match shape.solid:
         case Box(size=size):
             return [chunk(_CUBES, pose + _numbers(2, size) + _color(3, shape.color))]
         case Sphere(radius=radius):
@@ -91,15 +95,6 @@ def _shape(shape: Shape) -> list[Part]:
             return [_frustum(pose, radius, radius, length, shape.color)]
         case Cone(bottom_radius=bottom, top_radius=top, length=length):
             return [_frustum(pose, bottom, top, length, shape.color)]
-        case Capsule(radius=radius, length=length):
-            x, y, z, w = (float(c) for c in shape.q)
-            half = np.array([2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)]) * (length / 2)
-            balls = (_sphere(_pose(shape.p + side * half, shape.q), radius, shape.color) for side in (-1.0, 1.0))
-            return [_frustum(pose, radius, radius, length, shape.color), *balls]
-        case Mesh(points=points, triangles=triangles):
-            indices = packed_fixed32(5, triangles.reshape(-1))
-            return wrap(_TRIANGLES, [pose, _points(2, points), _color(3, shape.color), *indices])
-    raise TypeError(f"no such shape: {type(shape).__name__}")
 
 
 def _sphere(pose: bytes, radius: float, color: Color) -> bytes:
@@ -145,16 +140,16 @@ def entities_update(t_ns: int, entities: Sequence[Entity]) -> bytes:
 
 
 def _compact(shape: Shape) -> Shape:
-    return shape.compact() if isinstance(shape, Mesh) else shape
+    return shape.compact() if isinstance(shape, DrawnMesh) else shape
 
 
 def _coarser(shape: Shape, size: float) -> Shape:
-    return shape.coarser(size) if isinstance(shape, Mesh) and len(shape.points) else shape
+    return shape.coarser(size) if isinstance(shape, DrawnMesh) and len(shape.points) else shape
 
 
 def _extent(shape: Shape) -> float:
     """The longest side of a mesh [m]."""
-    return float(np.ptp(shape.points, axis=0).max()) if isinstance(shape, Mesh) and len(shape.points) else 0.0
+    return float(np.ptp(shape.points, axis=0).max()) if isinstance(shape, DrawnMesh) and len(shape.points) else 0.0
 
 
 def _entities(t_ns: int, entities: Sequence[Entity]) -> bytes:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.log.mesh_kernels import number_used, take_used
+from gcodesim.solids import Box, Cone, Cylinder, Sphere
 
 Array = NDArray[np.float64]
 Color = tuple[float, float, float, float]
@@ -25,56 +26,18 @@ def _upright() -> Array:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Shape:
-    """A solid at position `p` (3,) [m] with quaternion `q` (4,) x y z w in the frame of its entity."""
+class DrawnSolid:
+    """A simple solid, its middle at `p` (3,) [m] with quaternion `q` (4,) x y z w in the frame of its entity."""
 
+    solid: Box | Cylinder | Cone | Sphere
     p: Array = field(default_factory=_origin)
     q: Array = field(default_factory=_upright)
     color: Color = STEEL
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Box(Shape):
-    """Edge lengths along x, y, z [m], centred."""
-
-    size: tuple[float, float, float]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Cylinder(Shape):
-    """Along z, centred; lengths [m]."""
-
-    radius: float
-    length: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Cone(Shape):
-    """A frustum along z, centred, with the radius at its lower and upper end; lengths [m]."""
-
-    bottom_radius: float
-    top_radius: float
-    length: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Capsule(Shape):
-    """A cylinder along z of `length` between the centres of two half balls; lengths [m]."""
-
-    radius: float
-    length: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Sphere(Shape):
-    """Centred; radius [m]."""
-
-    radius: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Mesh(Shape):
-    """Points (n, 3) [m] and triangles (m, 3) of point indices, counter-clockwise seen from outside.
+class DrawnMesh:
+    """Points (n, 3) [m] and triangles (m, 3) of point indices, counter-clockwise seen from outside, placed likewise.
 
     A `tight` mesh is known to have no point that no triangle uses, and no triangle that points outside.
     """
@@ -82,8 +45,11 @@ class Mesh(Shape):
     points: Array
     triangles: NDArray[np.integer]
     tight: bool = False
+    p: Array = field(default_factory=_origin)
+    q: Array = field(default_factory=_upright)
+    color: Color = STEEL
 
-    def compact(self) -> Mesh:
+    def compact(self) -> DrawnMesh:
         """The same without points that no triangle uses, such as those of a tile's other mesh, if they are many.
 
         ValueError when a triangle points outside.
@@ -101,7 +67,7 @@ class Mesh(Shape):
         take_used(np.require(self.points, np.float64, ["C", "W"]), triangles, number, kept, renumbered)
         return replace(self, points=kept, triangles=renumbered)
 
-    def coarser(self, size: float) -> Mesh:
+    def coarser(self, size: float) -> DrawnMesh:
         """Points in one cube of edge `size` [m] become one, and triangles that vanish by this are left out."""
         cell = np.floor((self.points - self.points.min(axis=0)) / size).astype(np.int64)
         sides = cell.max(axis=0) + 1
@@ -111,6 +77,9 @@ class Mesh(Shape):
         a, b, c = triangles.T
         triangles = triangles[(a != b) & (b != c) & (c != a)]
         return replace(self, points=self.points[first], triangles=triangles, tight=False).compact()
+
+
+Shape = DrawnSolid | DrawnMesh
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -44,7 +44,7 @@ from gcodesim.log.messages import (
 from gcodesim.log.rows import RecordRows, RowBuilder
 from gcodesim.log.scene import entities_update, force_updates, path_update, polyline_update
 from gcodesim.log.schema import PROCESS, schema_data
-from gcodesim.log.shapes import Entity, Mesh, Polylines, Shape
+from gcodesim.log.shapes import DrawnMesh, Entity, Polylines, Shape
 from gcodesim.log.topics import PERIODIC, tile_topic, topic_table
 from gcodesim.version import __version__
 
@@ -248,15 +248,15 @@ class LogWriter:
             times = np.asarray(t_ns, dtype=np.int64)
             self._add("/scene/force", times, force_updates(times, self._frame(frame), tip, force))
 
-    def stock_tile(self, t_ns: int, index: int, meshes: Sequence[Mesh], frame: str = "stock") -> None:
+    def stock_tile(self, t_ns: int, index: int, meshes: Sequence[DrawnMesh], frame: str = "stock") -> None:
         """All of one tile of the part: original and cut surface as meshes of one colour each."""
         self._tile("stock", t_ns, index, meshes, frame)
 
-    def added_tile(self, t_ns: int, index: int, meshes: Sequence[Mesh], frame: str = "stock") -> None:
+    def added_tile(self, t_ns: int, index: int, meshes: Sequence[DrawnMesh], frame: str = "stock") -> None:
         """All added material of one tile."""
         self._tile("added", t_ns, index, meshes, frame)
 
-    def _tile(self, family: str, t_ns: int, index: int, meshes: Sequence[Mesh], frame: str) -> None:
+    def _tile(self, family: str, t_ns: int, index: int, meshes: Sequence[DrawnMesh], frame: str) -> None:
         shown = tuple(mesh for mesh in meshes if len(mesh.triangles))
         entity = Entity(id=f"{family}/{index:02d}", frame=self._frame(frame), shapes=shown)
         self._add_one(tile_topic(family, index), t_ns, entities_update(t_ns, [entity] if shown else []))

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.log import Box, Cone, Cylinder, Mesh, Shape, Sphere
+from gcodesim.log import DrawnMesh, DrawnSolid, Shape
 from gcodesim.log.shapes import STEEL, Color
+from gcodesim.solids import Box, Cone, Cylinder, Sphere
 
 Array = NDArray[np.float64]
 
@@ -53,19 +54,22 @@ def drawing_of(update: Any) -> tuple[Drawing, ...]:
 
 def _shapes(entity: Any) -> Iterator[Shape]:
     for cube in entity.cubes:
-        yield Box(size=(cube.size.x, cube.size.y, cube.size.z), **_place(cube))
+        size = (cube.size.x, cube.size.y, cube.size.z)
+        yield DrawnSolid(solid=Box.about_origin(size), **_place(cube))
     for ball in entity.spheres:
-        yield Sphere(radius=0.5 * ball.size.x, **_place(ball))
+        yield DrawnSolid(solid=Sphere(radius=0.5 * ball.size.x), **_place(ball))
     for c in entity.cylinders:
         bottom, top = 0.5 * c.size.x * c.bottom_scale, 0.5 * c.size.x * c.top_scale
         if bottom == top:
-            yield Cylinder(radius=bottom, length=c.size.z, **_place(c))
+            yield DrawnSolid(solid=Cylinder.about_origin(bottom, c.size.z), **_place(c))
         else:
-            yield Cone(bottom_radius=bottom, top_radius=top, length=c.size.z, **_place(c))
+            half = 0.5 * c.size.z
+            cone = Cone(bottom_radius=bottom, top_radius=top, bottom=-half, top=half)
+            yield DrawnSolid(solid=cone, **_place(c))
     for triangles in entity.triangles:
         if len(triangles.indices):
             indices = np.array(triangles.indices, dtype=np.int64).reshape(-1, 3)
-            yield Mesh(points=_points(triangles, "points"), triangles=indices, **_place(triangles))
+            yield DrawnMesh(points=_points(triangles, "points"), triangles=indices, **_place(triangles))
     for model in entity.models:
         yield from _model(model)
 
@@ -88,7 +92,7 @@ def _model(model: Any) -> Iterator[Shape]:
             own = mesh.visual.material.main_color if own is None and hasattr(mesh.visual, "material") else own
             color = STEEL if own is None else tuple(float(c) / 255.0 for c in own)
         points = np.asarray(mesh.vertices, dtype=float) * np.where(scale == 0.0, 1.0, scale)
-        yield Mesh(points=points, triangles=np.asarray(mesh.faces), p=place["p"], q=place["q"], color=color)
+        yield DrawnMesh(points=points, triangles=np.asarray(mesh.faces), p=place["p"], q=place["q"], color=color)
 
 
 def _lines(line: Any) -> Lines:

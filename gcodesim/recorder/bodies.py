@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from gcodesim.log import Entity, Mesh, Shape
-from gcodesim.log import shapes as drawing
+from gcodesim.log import DrawnMesh, DrawnSolid, Entity, Shape
 from gcodesim.recorder.frames import Frames
 from gcodesim.solids import Box, Cone, Cylinder, Hulls, Placed, Sphere, triangles_of
 from gcodesim.tools.parts import body_part
@@ -45,26 +44,17 @@ def cell_entities(frames: Frames) -> tuple[Entity, ...]:
 
 def drawn(placed: Placed, color: Color) -> Shape | None:
     """A solid as the log draws it; None for what cannot be drawn."""
-    X = placed.X
-    match placed.solid:
-        case Box(size=size):
-            X = placed.X_middle
-            return drawing.Box(size=size, p=X.p, q=X.q, color=color)
-        case Cylinder(radius=radius, length=length):
-            X = placed.X_middle
-            return drawing.Cylinder(radius=radius, length=length, p=X.p, q=X.q, color=color)
-        case Cone(bottom_radius=bottom, top_radius=top, length=length):
-            X = placed.X_middle
-            return drawing.Cone(bottom_radius=bottom, top_radius=top, length=length, p=X.p, q=X.q, color=color)
-        case Sphere(radius=radius):
-            return drawing.Sphere(radius=radius, p=X.p, q=X.q, color=color)
-        case Hulls():
-            return None
+    solid = placed.solid
+    if isinstance(solid, Box | Cylinder | Cone | Sphere):
+        X = placed.X_middle
+        return DrawnSolid(solid=solid, p=X.p, q=X.q, color=color)
+    if isinstance(solid, Hulls):
+        return None
     try:
-        skin = triangles_of(placed.solid)
+        skin = triangles_of(solid)
     except ValueError:  # said as GS770 when the shop was opened
         return None
-    return drawing.Mesh(points=skin.points, triangles=skin.faces, p=X.p, q=X.q, color=color)
+    return DrawnMesh(points=skin.points, triangles=skin.faces, p=placed.X.p, q=placed.X.q, color=color)
 
 
 def tool_shapes(tool: Tool | None) -> tuple[Shape, ...]:
@@ -75,7 +65,7 @@ def tool_shapes(tool: Tool | None) -> tuple[Shape, ...]:
     return tuple(shape for shape in shapes if shape is not None)
 
 
-def tile_meshes(tile: Tile) -> tuple[Mesh, ...]:
+def tile_meshes(tile: Tile) -> tuple[DrawnMesh, ...]:
     """One tile of stock: what is as it came, and what was changed."""
     facets = ((tile.original, RAW), (tile.changed, CUT))
-    return tuple(Mesh(points=part.points, triangles=part.triangles, tight=True, color=color) for part, color in facets)
+    return tuple(DrawnMesh(points=p.points, triangles=p.triangles, tight=True, color=color) for p, color in facets)

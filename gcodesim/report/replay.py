@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.frames import quaternion_from_rotation
-from gcodesim.log import Box, Cone, Cylinder, Mesh, Shape, Sphere
+from gcodesim.log import DrawnMesh, Shape
 from gcodesim.playback import Drawing, RecordedFrames, Recording
 from gcodesim.report.motion import key_moments
 from gcodesim.report.pack import Pack
+from gcodesim.solids import Box, Cone, Cylinder, Sphere
 from gcodesim.units import DEG, UM
 
 Array = NDArray[np.float64]
@@ -164,30 +165,18 @@ def _entity(drawing: Drawing, pack: Pack) -> dict[str, Any]:
 
 def _shape(shape: Shape, pack: Pack) -> dict[str, Any]:
     place = {"p": shape.p.tolist(), "q": shape.q.tolist(), "color": list(shape.color)}
-    match shape:
-        case Box():
-            return {"kind": "box", "size": list(shape.size), **place}
-        case Cylinder():
-            return {"kind": "cone", "top": shape.radius, "bottom": shape.radius, "length": shape.length, **place}
-        case Cone():
-            return {
-                "kind": "cone",
-                "top": shape.top_radius,
-                "bottom": shape.bottom_radius,
-                "length": shape.length,
-                **place,
-            }
-        case Sphere():
-            return {"kind": "sphere", "radius": shape.radius, **place}
-        case Mesh():
-            return {
-                "kind": "mesh",
-                "points": pack.numbers(shape.points),
-                "triangles": pack.integers(shape.triangles),
-                **place,
-            }
-        case _:
-            raise TypeError(f"a page does not draw {type(shape).__name__}")
+    if isinstance(shape, DrawnMesh):
+        points, triangles = pack.numbers(shape.points), pack.integers(shape.triangles)
+        return {"kind": "mesh", "points": points, "triangles": triangles, **place}
+    match shape.solid:
+        case Box(size=size):
+            return {"kind": "box", "size": list(size), **place}
+        case Cylinder(radius=radius, length=length):
+            return {"kind": "cone", "top": radius, "bottom": radius, "length": length, **place}
+        case Cone(bottom_radius=bottom, top_radius=top, length=length):
+            return {"kind": "cone", "top": top, "bottom": bottom, "length": length, **place}
+        case Sphere(radius=radius):
+            return {"kind": "sphere", "radius": radius, **place}
 
 
 # ---- stock
@@ -205,7 +194,7 @@ def _stock(recording: Recording, pack: Pack) -> dict[str, Any]:
         parts = []
         for drawing in content:
             for shape in drawing.shapes:
-                if isinstance(shape, Mesh) and len(shape.triangles):
+                if isinstance(shape, DrawnMesh) and len(shape.triangles):
                     corners[0] = np.minimum(corners[0], shape.points.min(axis=0))
                     corners[1] = np.maximum(corners[1], shape.points.max(axis=0))
                     parts.append({"frame": drawing.frame, **_tile(shape, pack)})
@@ -217,7 +206,7 @@ def _stock(recording: Recording, pack: Pack) -> dict[str, Any]:
     return {"corners": corners.tolist() if found else None, "tiles": [states for states in tiles.values() if states]}
 
 
-def _tile(mesh: Mesh, pack: Pack) -> dict[str, Any]:
+def _tile(mesh: DrawnMesh, pack: Pack) -> dict[str, Any]:
     used = np.zeros(len(mesh.points), dtype=bool)
     used[mesh.triangles] = True
     points, triangles = mesh.points[used], (np.cumsum(used) - 1)[mesh.triangles]

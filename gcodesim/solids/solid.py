@@ -59,6 +59,11 @@ class Cylinder:
     bottom: float
     top: float
 
+    @staticmethod
+    def about_origin(radius: float, length: float) -> Cylinder:
+        """A cylinder with its middle at the origin."""
+        return Cylinder(radius=radius, bottom=-0.5 * length, top=0.5 * length)
+
     @property
     def length(self) -> float:
         return self.top - self.bottom

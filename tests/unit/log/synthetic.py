@@ -9,22 +9,23 @@ from pathlib import Path
 import numpy as np
 
 from gcodesim.log import (
-    Box,
-    Capsule,
-    Cone,
-    Cylinder,
+    DrawnMesh,
+    DrawnSolid,
     Entity,
     LogDescription,
     LogWriter,
-    Mesh,
     MotionColumns,
     Polylines,
     ProcessColumns,
-    Sphere,
     StaticFrame,
 )
+from gcodesim.solids import Box, Cone, Cylinder, Sphere
 
 MS = 1_000_000
+ROD = DrawnSolid(solid=Cylinder.about_origin(0.05, 0.2))
+PLATE = DrawnSolid(solid=Box.about_origin((1.0, 1.0, 0.05)))
+SHANK = Cylinder.about_origin(3e-3, 0.05)
+POINT = Cone(bottom_radius=0.0, top_radius=3e-3, bottom=-1e-3, top=1e-3)
 PROGRAM = b"G21 G90\nT1 M6\nG0 X0 Y0 Z5\nG1 Z-1 F200\nG1 X30\nM2\n"
 CELL = b"robot: arm\n"
 LINKS = [f"arm/link_{i}" for i in range(1, 7)]
@@ -53,8 +54,8 @@ def description(**changes):
             "moving_frames": MOVING,
             "joint_names": tuple(f"arm/joint_{i}" for i in range(1, 7)),
             "cell": (
-                *(Entity(id=link, frame=link, shapes=(Capsule(radius=0.05, length=0.2),)) for link in LINKS),
-                Entity(id="table", frame="world", shapes=(Box(size=(1.0, 1.0, 0.05)), Sphere(radius=0.02))),
+                *(Entity(id=link, frame=link, shapes=(ROD,)) for link in LINKS),
+                Entity(id="table", frame="world", shapes=(PLATE, DrawnSolid(solid=Sphere(radius=0.02)))),
             ),
             "feed_path": Polylines(np.array([[0.5, 0, 0.1], [0.5, 0, 0.09], [0.53, 0, 0.09]]), np.array([0])),
             "rapid_path": Polylines(np.array([[0.4, 0, 0.2], [0.5, 0, 0.1]]), np.array([0])),
@@ -121,8 +122,8 @@ def tile(x, depth, n=9):
     triangles = np.concatenate([np.stack([i, i + n, i + 1], 1), np.stack([i + 1, i + n, i + n + 1], 1)])
     half = len(triangles) // 2
     return [
-        Mesh(points=points, triangles=triangles[:half], color=(0.7, 0.7, 0.7, 1.0)),
-        Mesh(points=points, triangles=triangles[half:], color=(0.9, 0.8, 0.3, 1.0)),
+        DrawnMesh(points=points, triangles=triangles[:half], color=(0.7, 0.7, 0.7, 1.0)),
+        DrawnMesh(points=points, triangles=triangles[half:], color=(0.9, 0.8, 0.3, 1.0)),
     ]
 
 
@@ -133,7 +134,7 @@ def change_messages(log, until_ns):
         log.added_tile(0, index, tile(0.02 * index, 0.0))
     log.event(750 * MS, "GS602", "rapid through material", severity="error", file="part.nc", line=3, value=0.003)
     log.event(500 * MS, "toolchange", "T1 in the spindle", file="part.nc", line=2)
-    log.tool(500 * MS, [Cylinder(radius=3e-3, length=0.05), Cone(bottom_radius=0.0, top_radius=3e-3, length=2e-3)])
+    log.tool(500 * MS, [DrawnSolid(solid=SHANK), DrawnSolid(solid=POINT)])
     for number, text in enumerate(lines, start=1):
         at = (number - 1) * 333 * MS
         if at > until_ns:

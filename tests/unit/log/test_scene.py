@@ -7,8 +7,9 @@ from foxglove_schemas_protobuf.SceneEntityDeletion_pb2 import SceneEntityDeletio
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 
 from gcodesim.frames import rotation_from_quaternion
-from gcodesim.log import Box, Capsule, Cone, Cylinder, Entity, Mesh, Polylines, Sphere
+from gcodesim.log import DrawnMesh, DrawnSolid, Entity, Polylines
 from gcodesim.log.scene import GRID, entities_update, force_updates, path_update, polyline_update, rounded
+from gcodesim.solids import Box, Cone, Cylinder, Sphere
 
 T = 3_000_000_007
 Q = np.array([0.5, -0.5, 0.5, 0.5])
@@ -29,7 +30,7 @@ def only(shape):
 
 
 def test_an_update_replaces_all_that_was_there():
-    update = read(entities_update(T, [Entity(id="a", frame="tool", shapes=(Sphere(radius=1.0),))]))
+    update = read(entities_update(T, [Entity(id="a", frame="tool", shapes=(DrawnSolid(solid=Sphere(radius=1.0)),))]))
 
     assert [d.type for d in update.deletions] == [SceneEntityDeletion.ALL]
     (entity,) = update.entities
@@ -39,7 +40,7 @@ def test_an_update_replaces_all_that_was_there():
 
 
 def test_a_box_has_its_pose_size_and_colour():
-    (cube,) = only(Box(size=(1.0, 2.0, 3.0), p=P, q=Q, color=(0.1, 0.2, 0.3, 0.4))).cubes
+    (cube,) = only(DrawnSolid(solid=Box.about_origin((1.0, 2.0, 3.0)), p=P, q=Q, color=(0.1, 0.2, 0.3, 0.4))).cubes
 
     assert xyz(cube.size) == [1.0, 2.0, 3.0] and xyz(cube.pose.position) == [0.1, 0.2, 0.3]
     q = cube.pose.orientation
@@ -48,22 +49,13 @@ def test_a_box_has_its_pose_size_and_colour():
 
 
 def test_cylinder_and_cone_are_frusta_of_the_widest_radius():
-    (cylinder,) = only(Cylinder(radius=0.5, length=2.0)).cylinders
-    (cone,) = only(Cone(bottom_radius=0.25, top_radius=1.0, length=2.0)).cylinders
+    (cylinder,) = only(DrawnSolid(solid=Cylinder.about_origin(0.5, 2.0))).cylinders
+    frustum = Cone(bottom_radius=0.25, top_radius=1.0, bottom=-1.0, top=1.0)
+    (cone,) = only(DrawnSolid(solid=frustum)).cylinders
 
     assert (xyz(cylinder.size), cylinder.bottom_scale, cylinder.top_scale) == ([1.0, 1.0, 2.0], 1.0, 1.0)
     assert (xyz(cone.size), cone.bottom_scale, cone.top_scale) == ([2.0, 2.0, 2.0], 0.25, 1.0)
     assert cylinder.pose.HasField("position") and cylinder.pose.orientation.w == 1.0
-
-
-def test_a_capsule_ends_in_balls_on_its_own_axis():
-    entity = only(Capsule(radius=0.5, length=2.0, p=P, q=Q))
-    axis = rotation_from_quaternion(Q)[:, 2]
-
-    ends = [xyz(ball.pose.position) for ball in entity.spheres]
-    assert np.allclose(ends, [P - axis, P + axis], atol=1e-15)
-    assert all(xyz(ball.size) == [1.0, 1.0, 1.0] for ball in entity.spheres)
-    assert xyz(entity.cylinders[0].size) == [1.0, 1.0, 2.0]
 
 
 def corners(mesh):
@@ -75,7 +67,7 @@ def corners(mesh):
 def test_a_mesh_keeps_its_triangles_within_half_a_grid_step():
     points = np.random.default_rng(5).normal(size=(20, 3))
     triangles = np.random.default_rng(6).integers(0, 20, (30, 3))
-    (mesh,) = only(Mesh(points=points, triangles=triangles)).triangles
+    (mesh,) = only(DrawnMesh(points=points, triangles=triangles)).triangles
 
     drawn = corners(mesh)
     assert np.abs(drawn - points[triangles]).max() <= GRID / 2
@@ -85,7 +77,7 @@ def test_a_mesh_keeps_its_triangles_within_half_a_grid_step():
 def test_points_that_no_triangle_uses_are_not_sent():
     points = np.random.default_rng(5).normal(size=(100, 3))
     triangles = np.array([[5, 90, 17], [17, 90, 3]])
-    (mesh,) = only(Mesh(points=points, triangles=triangles)).triangles
+    (mesh,) = only(DrawnMesh(points=points, triangles=triangles)).triangles
 
     assert len(mesh.points) == 4
     assert np.abs(corners(mesh) - points[triangles]).max() <= GRID / 2
@@ -98,8 +90,9 @@ def test_a_mesh_too_large_for_a_message_is_drawn_coarser():
     points = np.stack([np.sin(u) * np.cos(v), np.sin(u) * np.sin(v), np.cos(u)], axis=-1).reshape(-1, 3)
     i = (np.arange(n - 1)[:, None] * n + np.arange(n - 1)).reshape(-1)
     triangles = np.concatenate([np.stack([i, i + n, i + 1], 1), np.stack([i + 1, i + n, i + n + 1], 1)])
-    box = Box(size=(1.0, 1.0, 1.0))
-    data = entities_update(T, [Entity(id="a", frame="tool", shapes=(Mesh(points=points, triangles=triangles), box))])
+    box = DrawnSolid(solid=Box.about_origin((1.0, 1.0, 1.0)))
+    ball = DrawnMesh(points=points, triangles=triangles)
+    data = entities_update(T, [Entity(id="a", frame="tool", shapes=(ball, box))])
 
     assert 1 << 19 < len(data) < 4 << 20
     (entity,) = read(data).entities
@@ -112,7 +105,7 @@ def test_a_mesh_too_large_for_a_message_is_drawn_coarser():
 
 def test_what_cannot_be_drawn_is_refused():
     with pytest.raises(ValueError, match="outside its mesh"):
-        only(Mesh(points=np.zeros((2, 3)), triangles=np.array([[0, 1, 2]])))
+        only(DrawnMesh(points=np.zeros((2, 3)), triangles=np.array([[0, 1, 2]])))
     with pytest.raises(ValueError, match="not finite"):
         rounded(np.array([[0.0, np.nan, 0.0]]))
     twice = [Entity(id="a", frame="tool", shapes=())] * 2

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from gcodesim.log import Mesh, Polylines
+from gcodesim.log import DrawnMesh, Polylines
 
 
 def test_lines_from_segments_join_where_segments_touch():
@@ -50,7 +50,7 @@ def test_a_mesh_without_its_unused_points_is_the_same():
     rng = np.random.default_rng(6)
     points = rng.normal(size=(500, 3))
     triangles = rng.choice(np.arange(0, 500, 3), (200, 3))
-    mesh = Mesh(points=points, triangles=triangles)
+    mesh = DrawnMesh(points=points, triangles=triangles)
     small = mesh.compact()
     assert (small.points[small.triangles] == points[triangles]).all()
     assert len(small.points) == len(np.unique(triangles))
@@ -60,4 +60,4 @@ def test_a_mesh_without_its_unused_points_is_the_same():
 @pytest.mark.parametrize("wrong", [-1, 3])
 def test_a_triangle_outside_its_mesh_is_refused(wrong):
     with pytest.raises(ValueError, match="outside its mesh"):
-        Mesh(points=np.zeros((3, 3)), triangles=np.array([[0, 1, 2], [0, wrong, 1]])).compact()
+        DrawnMesh(points=np.zeros((3, 3)), triangles=np.array([[0, 1, 2], [0, wrong, 1]])).compact()

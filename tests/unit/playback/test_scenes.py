@@ -3,21 +3,22 @@
 import numpy as np
 import pytest
 
-from gcodesim.log import Box, Cone, Cylinder, Entity, Mesh, Polylines, Sphere
+from gcodesim.log import DrawnMesh, DrawnSolid, Entity, Polylines
 from gcodesim.log.scene import entities_update, path_update, polyline_update
 from gcodesim.log.schema import message_class
 from gcodesim.playback import drawing_of
-from gcodesim.playback.solids import merged, solid_of
+from gcodesim.playback.skins import merged, skin_of
+from gcodesim.solids import Box, Cone, Cylinder, Sphere
 
 TURNED = np.array([0.0, 0.0, np.sqrt(0.5), np.sqrt(0.5)])
 PLACE = {"p": np.array([0.5, -0.25, 1.0]), "q": TURNED, "color": (0.25, 0.5, 0.75, 1.0)}
 SHAPES = (
-    Box(size=(0.5, 0.25, 0.125), **PLACE),
-    Cylinder(radius=0.125, length=0.5, **PLACE),
-    Cone(bottom_radius=0.25, top_radius=0.125, length=0.5, **PLACE),
-    Sphere(radius=0.25, **PLACE),
+    DrawnSolid(solid=Box.about_origin((0.5, 0.25, 0.125)), **PLACE),
+    DrawnSolid(solid=Cylinder.about_origin(0.125, 0.5), **PLACE),
+    DrawnSolid(solid=Cone(bottom_radius=0.25, top_radius=0.125, bottom=-0.25, top=0.25), **PLACE),
+    DrawnSolid(solid=Sphere(radius=0.25), **PLACE),
 )
-TRIANGLE = Mesh(
+TRIANGLE = DrawnMesh(
     points=np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]), triangles=np.array([[0, 1, 2]]), **PLACE
 )
 
@@ -32,7 +33,8 @@ def test_a_shape_comes_back(shape):
     (back,) = drawing.shapes
 
     assert (drawing.id, drawing.frame, type(back)) == ("e", "arm/link", type(shape))
-    for field in type(shape).__dataclass_fields__:
+    assert getattr(back, "solid", None) == getattr(shape, "solid", None)
+    for field in set(type(shape).__dataclass_fields__) - {"solid"}:
         assert np.allclose(getattr(back, field), getattr(shape, field), atol=1e-6), field
 
 
@@ -49,7 +51,7 @@ def test_a_shape_comes_back(shape):
 def test_solids_are_closed_face_outwards_and_have_the_right_size(shape, volume):
     import trimesh
 
-    solid = solid_of(shape)
+    solid = skin_of(shape)
     mesh = trimesh.Trimesh(solid.points, solid.triangles)
 
     assert mesh.is_watertight and 0.98 * volume < mesh.volume <= volume * (1 + 1e-9)
@@ -57,13 +59,13 @@ def test_solids_are_closed_face_outwards_and_have_the_right_size(shape, volume):
 
 
 def test_a_solid_is_turned_with_its_pose():
-    solid = solid_of(SHAPES[0])
+    solid = skin_of(SHAPES[0])
 
     assert np.allclose(np.ptp(solid.points, axis=0), [0.25, 0.5, 0.125])  # x and y have changed places
 
 
 def test_merged_solids_keep_their_triangles():
-    points, triangles = merged([solid_of(TRIANGLE), solid_of(SHAPES[0])])
+    points, triangles = merged([skin_of(TRIANGLE), skin_of(SHAPES[0])])
 
     assert len(points) == 3 + 8 and triangles[0].tolist() == [0, 1, 2] and triangles[1:].min() == 3
     assert [len(part) for part in merged([])] == [0, 0]

@@ -8,15 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.frames import rotation_from_quaternion
-from gcodesim.log import Box, Cone, Cylinder, Mesh, Shape, Sphere
+from gcodesim.log import DrawnMesh, Shape
 from gcodesim.log.shapes import Color
+from gcodesim.solids import Box, Cone, Cylinder, Sphere
 
 Array = NDArray[np.float64]
 
 ROUND = 32  # flat sides of a round body
 
 
-class Solid(NamedTuple):
+class Skin(NamedTuple):
     """Points (n, 3) [m] and triangles (m, 3) of point indices, in the frame of the entity."""
 
     points: Array
@@ -24,29 +25,27 @@ class Solid(NamedTuple):
     color: Color
 
 
-def solid_of(shape: Shape) -> Solid:
+def skin_of(shape: Shape) -> Skin:
     """The triangles of a shape, in the frame of its entity."""
     points, triangles = _own(shape)
     moved = points @ rotation_from_quaternion(shape.q).T + shape.p
-    return Solid(moved, np.asarray(triangles, dtype=np.int64), shape.color)
+    return Skin(moved, np.asarray(triangles, dtype=np.int64), shape.color)
 
 
 def _own(shape: Shape) -> tuple[Array, NDArray[np.integer]]:
     from trimesh import creation
 
-    match shape:
-        case Mesh():
-            return shape.points, shape.triangles
-        case Box():
-            mesh = creation.box(extents=shape.size)
-        case Sphere():
-            mesh = creation.icosphere(subdivisions=3, radius=shape.radius)
-        case Cylinder():
-            return _frustum(shape.radius, shape.radius, shape.length)
-        case Cone():
-            return _frustum(shape.bottom_radius, shape.top_radius, shape.length)
-        case _:
-            raise TypeError(f"no triangles for {type(shape).__name__}")
+    if isinstance(shape, DrawnMesh):
+        return shape.points, shape.triangles
+    match shape.solid:
+        case Box(size=size):
+            mesh = creation.box(extents=size)
+        case Sphere(radius=radius):
+            mesh = creation.icosphere(subdivisions=3, radius=radius)
+        case Cylinder(radius=radius, length=length):
+            return _frustum(radius, radius, length)
+        case Cone(bottom_radius=bottom, top_radius=top, length=length):
+            return _frustum(bottom, top, length)
     return np.asarray(mesh.vertices, dtype=float), np.asarray(mesh.faces)
 
 
@@ -64,11 +63,11 @@ def _frustum(bottom: float, top: float, length: float) -> tuple[Array, NDArray[n
     return points, np.concatenate([sides, lower, upper])
 
 
-def merged(solids: list[Solid]) -> tuple[Array, NDArray[np.int64]]:
-    """All triangles of several solids as one: points (n, 3), triangles (m, 3)."""
-    if not solids:
+def merged(skins: list[Skin]) -> tuple[Array, NDArray[np.int64]]:
+    """All triangles of several skins as one: points (n, 3), triangles (m, 3)."""
+    if not skins:
         return np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64)
-    counts = np.array([len(solid.points) for solid in solids])
+    counts = np.array([len(skin.points) for skin in skins])
     first = np.cumsum(counts) - counts
-    triangles = [solid.triangles + start for solid, start in zip(solids, first, strict=True)]
-    return np.concatenate([solid.points for solid in solids]), np.concatenate(triangles)
+    triangles = [skin.triangles + start for skin, start in zip(skins, first, strict=True)]
+    return np.concatenate([skin.points for skin in skins]), np.concatenate(triangles)
