@@ -67,7 +67,7 @@ def columns(n: int) -> dict[str, Any]:
     names = ("feed", "feed_command", "position_error", "orientation_error", "block_fraction")
     names += ("travel_used", "speed_used", "effort_used")
     motion = MotionColumns(**{name: np.sin(t) for name in names}, position=tf[:, 0, :3], limit=t < 0)
-    names = ("spindle", "force", "torque", "power", "removal", "removed")
+    names = ("spindle", "force", "torque", "power", "removal", "removed", "max_force", "max_torque", "max_power")
     process = ProcessColumns(kind=np.ones(n, dtype=int), engaged=t > 0, **{name: np.cos(t) for name in names})
     poses = {"target": tf[:, 0], "tcp": tf[:, 1]}
     joints = {"joint_position": q, "joint_velocity": -q, "joint_effort": 10 * q}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, Final
 
@@ -26,7 +26,10 @@ class StaticFrame:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProcessField:
-    """A field of `/process` that only this log has, a number or a `flag`; its name ends in the unit."""
+    """A field of `/process` that only this log has, a number or a `flag`; its name ends in the unit.
+
+    One that begins with `max_` holds the greatest of the field with the rest of its name since the instant before.
+    """
 
     name: str
     flag: bool = False
@@ -92,7 +95,8 @@ class ProcessColumns:
 
     `kind` points into `LogDescription.process_kinds`; spindle [rad/s, + = M3],
     force [N], torque about the tool axis [N·m], power [W], removal rate [m³/s]
-    and net removed volume since the start [m³], negative for added material.
+    and net removed volume since the start [m³], negative for added material. The three `max_…` are the greatest of
+    any step since the instant before, where the others are those of the last step.
     `fields` (n,) by name are those of `LogDescription.process_fields`.
     """
 
@@ -104,11 +108,30 @@ class ProcessColumns:
     power: Array
     removal: Array
     removed: Array
+    max_force: Array
+    max_torque: Array
+    max_power: Array
     fields: Mapping[str, NDArray[Any]] = field(default_factory=dict)
 
 
 PROCESS_COLUMNS: Final = tuple(item.name for item in fields(ProcessColumns) if item.name != "fields")
 """Those that every log has."""
+
+
+PEAK: Final = "max_"
+"""What the names of peaks begin with."""
+
+
+PEAK_ARRAYS: Final = {"max_force_n": "max_force", "max_torque_nm": "max_torque", "max_power_w": "max_power"}
+"""The columns of those that every log has, by their fields."""
+
+
+def with_peaks(names: Iterable[str]) -> dict[str, str]:
+    """Which field tells most of each figure: its peak between the samples where there is one, else itself."""
+    known = list(names)
+    peaks = {name.removeprefix(PEAK) for name in known if name.startswith(PEAK)}.intersection(known)
+    shown = (name for name in known if not (name.startswith(PEAK) and name.removeprefix(PEAK) in peaks))
+    return {name: PEAK + name if name in peaks else name for name in shown}
 
 
 def array_of(name: str) -> str:

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from gcodesim.log.description import ProcessField
+from gcodesim.log.description import ProcessField, with_peaks
 from gcodesim.log.topics import MOST_TILES, topic_table
 
 KINDS: Final = ("milling", "robot", "process")
@@ -63,7 +63,8 @@ def layout(
     """
     view = view or View()
     panels, right = {"milling": _milling, "robot": _robot, "process": _process}[kind](joints)
-    numbers = {field.name: f"/process.{field.name}" for field in fields if not field.flag}
+    drawn = with_peaks(field.name for field in fields if not field.flag)
+    numbers = {name: f"/process.{field}" for name, field in drawn.items()}
     if numbers:
         panels[_OWN] = _plot("of the process [SI]", numbers)
         right = {"direction": "column", "splitPercentage": 80, "first": right, "second": _OWN}
@@ -110,10 +111,10 @@ def _cameras(view: View) -> dict[str, Camera]:
 
 def _milling(joints: Sequence[str]) -> tuple[Json, Node]:
     panels = {
-        "Plot!force": _plot("force [N], power [W]", {"force": "/process.force_n", "power": "/process.power_w"}),
+        "Plot!force": _plot("force [N], power [W]", _LOAD),
         "Plot!feed": _plot("feed [m/s]", _FEED),
         "Plot!spindle": _plot(
-            "spindle [rad/s], torque [N m]", {"spindle": "/process.spindle_rad_s", "torque": "/process.torque_nm"}
+            "spindle [rad/s], torque [N m]", {"spindle": "/process.spindle_rad_s", "torque": "/process.max_torque_nm"}
         ),
         _VOLUME: _plot("removed [m3]", {"removed": "/process.removed_m3"}),
         "Plot!axes": _plot("axes [m, rad]", _of_joints(joints, "position")),
@@ -133,7 +134,7 @@ def _robot(joints: Sequence[str]) -> tuple[Json, Node]:
             "following error [m], [rad]",
             {"position": "/motion.position_error_m", "orientation": "/motion.orientation_error_rad"},
         ),
-        "Plot!force": _plot("force [N], power [W]", {"force": "/process.force_n", "power": "/process.power_w"}),
+        "Plot!force": _plot("force [N], power [W]", _LOAD),
         "Plot!feed": _plot("feed [m/s]", _FEED),
     }
     right = _column(
@@ -162,6 +163,7 @@ def _process(joints: Sequence[str]) -> tuple[Json, Node]:
     return panels, right
 
 
+_LOAD: Final = {"force": "/process.max_force_n", "power": "/process.max_power_w"}
 _FEED: Final = {"tip": "/motion.feed_m_s", "command": "/motion.feed_command_m_s"}
 _LIMITS: Final = {name: f"/motion.{name}_used" for name in ("travel", "speed", "effort")}
 

@@ -63,7 +63,8 @@ def _messages(description: LogDescription, kind: str) -> tuple[Piece, ...]:
     for number, array in enumerate(("travel_used", "speed_used", "effort_used"), start=11):
         motion += double_slot(number, array)
     process = stamp_slot(1) + text_piece(2, kind) + bool_slot(3, "engaged")
-    for number, array in enumerate(("spindle", "force", "torque", "power", "removal", "removed"), start=4):
+    arrays = ("spindle", "force", "torque", "power", "removal", "removed", "max_force", "max_torque", "max_power")
+    for number, array in enumerate(arrays, start=4):
         process += double_slot(number, array)
     for number, field in enumerate(description.process_fields, start=FIRST_MORE):
         slot = bool_slot if field.flag else double_slot

@@ -24,6 +24,7 @@ from gcodesim.log.blocks import BlockMessages
 from gcodesim.log.columns import ColumnBatch
 from gcodesim.log.container import Container, Sink
 from gcodesim.log.description import (
+    PEAK_ARRAYS,
     PROCESS_COLUMNS,
     Array,
     LogDescription,
@@ -283,11 +284,12 @@ class LogWriter:
         state: str,
         result: Mapping[str, str] | None = None,
         attachments: Mapping[str, bytes] | None = None,
+        peaks: Mapping[str, float] | None = None,
     ) -> None:
         """Finish the log at `end_ns` with `state` finished or failed, and give it its final name.
 
-        The last state is repeated at `end_ns` when that is no log instant, and
-        the last program line with the final state. `result` becomes the result
+        The last state is repeated at `end_ns` when that is no log instant, with the `peaks` since the last instant by
+        their fields of `/process`, and the last program line with the final state. `result` becomes the result
         record; state, duration, blocks and removed volume are added where they
         are missing. `attachments` are outputs such as results.json.
         """
@@ -296,6 +298,8 @@ class LogWriter:
         if end_ns < self._last_ns:
             raise ValueError(f"the run ends at {end_ns} ns, but {self._last_ns} ns is logged")
         newest = self._batch.newest
+        for name, value in (peaks or {}).items():
+            newest[PEAK_ARRAYS.get(name) or array_of(name)][:] = value
         for t_ns in (0, end_ns):
             if t_ns > self._last_ns:
                 self._take(np.array([t_ns], dtype=np.int64), newest)

@@ -6,6 +6,8 @@ import re
 from collections.abc import Mapping
 from typing import Final, Literal, NamedTuple
 
+from gcodesim.log.description import with_peaks
+from gcodesim.log.series import Series
 from gcodesim.playback.recording import Recording
 from gcodesim.units import DEG, MM, MM3, MM_PER_MINUTE, RPM
 
@@ -18,7 +20,10 @@ _VECTOR: Final = re.compile(r"(force|torque)\.([xyz])")
 _SPELLING: Final = {"_n": "_N", "_nm": "_Nm", "_w": "_W"}  # field names of a log are in lower case
 
 HOUSE_FIELDS: Final = frozenset(
-    ("kind", "engaged", "spindle_rad_s", "force_n", "torque_nm", "power_w", "removal_m3_s", "removed_m3")
+    (
+        *("kind", "engaged", "spindle_rad_s", "force_n", "torque_nm", "power_w", "removal_m3_s", "removed_m3"),
+        *("max_force_n", "max_torque_nm", "max_power_w"),
+    )
 )
 """The fields of `/process` that every log has; others are of the processes of one run."""
 
@@ -77,8 +82,13 @@ def column_of(topic: str, field: str, kinds: Mapping[str, str], units: Units = "
 
 
 def own_fields(recording: Recording) -> list[str]:
-    """The numbers of `/process` that only this run's processes have, as the log calls them."""
-    return [name for name in recording.series("/process").names if name not in HOUSE_FIELDS]
+    """The numbers of `/process` that only this run's processes have, as the log calls them; without their peaks."""
+    return [name for name in with_peaks(recording.series("/process").names) if name not in HOUSE_FIELDS]
+
+
+def peak_of(series: Series, field: str) -> str:
+    """The field that tells the greatest between the samples, else `field` itself, as older logs have nothing else."""
+    return with_peaks(series.names).get(field, field)
 
 
 def shown_as(field: str) -> tuple[str, str, float]:

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.playback.columns import joint_kinds, own_fields, shown_as
+from gcodesim.playback.columns import joint_kinds, own_fields, peak_of, shown_as
 from gcodesim.playback.recording import Recording
 from gcodesim.units import DEG, MM, MM3, MM_PER_MINUTE, RPM, UM
 
@@ -55,7 +55,8 @@ def _field(
         series = recording.series(topic)
         if field not in series.names:
             return []
-        curve = Curve(label=title.lower(), t_ns=series.t_ns, values=series.column(field) / divisor)
+        values = series.column(peak_of(series, field)) / divisor
+        curve = Curve(label=title.lower(), t_ns=series.t_ns, values=values)
         return [Chart(what=what, title=title, unit=unit, curves=(curve,), negligible=negligible)]
 
     return charts

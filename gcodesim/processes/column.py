@@ -68,7 +68,8 @@ class Column:
     `unit` is the SI unit of the values. `of` says what becomes of many steps, such as those of a line or of a tool:
 
     - `sum` adds them up (a volume); the log shows the sum since the start of the run;
-    - `greatest` keeps the greatest in size (a depth); the log shows the value of the step;
+    - `greatest` keeps the greatest in size (a depth); the log shows the value of the step, and as `max_…` the greatest
+      size since the sample before, so that no peak between two samples is lost;
     - `any` is a flag; many steps give the time [s] during which it was set, the log shows the flag;
     - `last` stands until the process says another value (a thickness, a count).
 
@@ -115,6 +116,11 @@ class Column:
     def field(self) -> str:
         """The name in the log, in SI and lower case, such as `film_thickness_m`; a flag has its bare name."""
         return self.name if self.of == "any" else _joined(self.name, self._spelling.log)
+
+    @property
+    def peak_field(self) -> str:
+        """The name in the log of the greatest since the sample before, for what is `of="greatest"`."""
+        return f"max_{self.field}"
 
     @property
     def adds(self) -> bool:

@@ -29,13 +29,16 @@ class Instants:
 
     `ends` are the steps of which the log needs the place of the tip, p in all: those of the instants, those before
     them, and the last of each window. As the tip is where the motors and the bend of the gears bring it, their columns
-    are joints `q` (p, j), tip `X_BT` (p, 4, 4) without bend and `deflection` (p, 6).
+    are joints `q` (p, j), tip `X_BT` (p, 4, 4) without bend and `deflection` (p, 6). `peaks` are the greatest sizes
+    since the last instant, by fields of the log.
     """
 
     def __init__(self, plan: Plan, sheet: Sheet) -> None:
         self._plan = plan
         self._own = sheet.own(LOG)
+        self._peaked = [column for column in sheet.shown_in(LOG) if column.of == "greatest"]
         self._sums: dict[str, float] = {}  # since the start of the run
+        self.peaks = dict.fromkeys((column.peak_field for column in self._peaked), 0.0)  # since the last instant
         self._clear()
 
     def follow(self, plan: Plan) -> None:
@@ -88,6 +91,7 @@ class Instants:
                 c.field: (self._since_start(c.name, record[c.name]) if c.of == "sum" else record[c.name])[at]
                 for c in self._own
             },
+            **{c.peak_field: self._peaks_of(c.peak_field, record[c.name], at) for c in self._peaked},
         )
         self._windows += 1
         self._ends += len(ends)
@@ -98,6 +102,18 @@ class Instants:
         sums: Array = self._sums.get(name, 0.0) + np.cumsum(values)
         self._sums[name] = float(sums[-1])
         return sums
+
+    def _peaks_of(self, name: str, values: Array, at: Ints) -> Array:
+        """The greatest size (m,) of `values` (n,) since the instant before each of `at` (m,)."""
+        size = np.abs(values)
+        if not len(at):
+            self.peaks[name] = max(self.peaks[name], float(size.max(initial=0.0)))
+            return np.zeros(0)
+        end = int(at[-1]) + 1
+        most: Array = np.maximum.reduceat(size[:end], np.concatenate([[0], at[:-1] + 1]))
+        most[0] = max(float(most[0]), self.peaks[name])
+        self.peaks[name] = float(size[end:].max(initial=0.0))
+        return most
 
     def _extend(self, **columns: Array | NDArray[Any]) -> None:
         for name, column in columns.items():

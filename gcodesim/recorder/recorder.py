@@ -21,7 +21,7 @@ from gcodesim.job import BULLET
 from gcodesim.log import LogDescription, LogWriter, MotionColumns, ProcessColumns, ProcessField, layout
 from gcodesim.motion.tool_path import HOME, RAPID
 from gcodesim.output_folder import LINES_NAME, LOG_NAME, RESULTS_NAME
-from gcodesim.processes.column import LOG
+from gcodesim.processes.column import FORCE, LOG, POWER, RESULTS, TORQUE
 from gcodesim.recorder.blocks import Blocks
 from gcodesim.recorder.bodies import cell_entities, tile_meshes, tool_shapes
 from gcodesim.recorder.frames import Frames, seven, stock_frame, work_systems
@@ -127,7 +127,15 @@ class Recorder:
         if urdf is not None:
             attachments[f"{self._shop.name}.urdf"] = urdf
         view = view_of(self._shop, self._plan, ways, rapid)
-        fields = tuple(ProcessField(name=column.field, flag=column.of == "any") for column in self._sheet.own(LOG))
+        fields = tuple(
+            field
+            for column in self._sheet.own(LOG)
+            for field in (
+                ProcessField(name=column.field, flag=column.of == "any"),
+                *([ProcessField(name=column.peak_field)] if column.of == "greatest" else []),
+            )
+        )
+        self._own = [field.name for field in fields]
         kind = layout_kind(self._shop)
         attachments["layout.json"] = layout(kind, self._shop.joint_names, self._blocks.outputs, view, fields)
         run = {
@@ -314,7 +322,10 @@ class Recorder:
                 power=came["power"],
                 removal=came["removal"],
                 removed=came["removed"],
-                fields={column.field: came[column.field] for column in self._sheet.own(LOG)},
+                max_force=came[FORCE.peak_field],
+                max_torque=came[TORQUE.peak_field],
+                max_power=came[POWER.peak_field],
+                fields={name: came[name] for name in self._own},
             ),
             wrench=wrench,
         )
@@ -384,7 +395,12 @@ class Recorder:
         state = "failed" if results.status == "failed" else "finished"
         text = results.text().encode()
         removed = sum(stock.removed - stock.deposited for stock in results.stocks.values())
-        self._writer.close(self._now_ns, state, {"removed_m3": repr(removed)}, {RESULTS_NAME: text})
+        record = {"removed_m3": repr(removed)} | {
+            column.peak_field: repr(float(execution.rows[column.name].max(initial=0.0)))
+            for column in self._sheet.shown_in(RESULTS)
+            if column.of == "greatest"
+        }
+        self._writer.close(self._now_ns, state, record, {RESULTS_NAME: text}, self._instants.peaks)
         write_whole(self._out / RESULTS_NAME, text)
         write_whole(self._out / LINES_NAME, results.lines_csv().encode())
         self._write_stocks()

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.playback.columns import peak_of
 from gcodesim.playback.recording import Recording
 
 Array = NDArray[np.float64]
@@ -133,13 +135,17 @@ def time_report(recording: Recording) -> TimeReport:
 
 
 class _Process:
-    """The columns of `/process`, zeros where a log has none; each sample stands for the time since the one before."""
+    """The columns of `/process`, zeros where a log has none; each sample stands for the time since the one before.
+
+    `force` and `power` are the greatest in that time, `last_force` is that of its last step.
+    """
 
     def __init__(self, recording: Recording) -> None:
         series = recording.series("/process")
         self.t_ns = series.t_ns
-        columns = series.columns("engaged", "force_n", "power_w", "removed_m3")
-        self.engaged, self.force, self.power, removed = columns.T if len(columns) else np.zeros((4, 0))
+        force, power = peak_of(series, "force_n"), peak_of(series, "power_w")
+        columns = series.columns("engaged", force, power, "force_n", "removed_m3")
+        self.engaged, self.force, self.power, self.last_force, removed = columns.T if len(columns) else np.zeros((5, 0))
         self.removed = np.diff(removed, prepend=0.0)
         self.seconds = np.diff(self.t_ns, prepend=0) * 1e-9
 
@@ -177,7 +183,9 @@ def _lines(
     seconds = np.bincount(group, weights=durations, minlength=len(known))
     seconds[group[0]] += starts[0] * 1e-9  # nothing runs before the first line
     counts = np.bincount(group[np.diff(timeline.block, prepend=-1) != 0], minlength=len(known))
-    _, removed, force, _ = _sums(np.where(block >= 0, group[block], -1), len(known), process)
+    index = np.where(block >= 0, group[block], -1)
+    _, removed, _, _ = _sums(index, len(known), process)
+    force = _force_of_lines(recording, known, process, block, index)
     texts = dict(zip(group.tolist(), timeline.text, strict=True))
     return tuple(
         LineTime(
@@ -191,6 +199,27 @@ def _lines(
         )
         for i, (file, line) in enumerate(known)
     )
+
+
+def _force_of_lines(
+    recording: Recording, known: Mapping[tuple[str, int], int], process: _Process, block: Ints, index: Ints
+) -> Array:
+    """The greatest force on each of the `known` lines: that of `lines.csv`, which has seen every step.
+
+    A log alone knows no more than the last step of the time between two samples in which a block began; where the run
+    ends between two, not even that, as the state of the last sample is repeated.
+    """
+    force = np.zeros(len(known))
+    begun = recording.timeline.at(np.append(0, process.t_ns[:-1]))
+    last = np.where(process.t_ns % max(recording.period_ns, 1) == 0, process.last_force, 0.0)
+    told = np.where(begun == block, process.force, last)
+    np.maximum.at(force, index[index >= 0], told[index >= 0])
+    rows = recording.line_rows or []
+    with suppress(KeyError, TypeError, ValueError):  # a table of others; what the log says stays
+        seen = {(row["file"], int(row["line"])): float(row["max_force_N"]) for row in rows}
+        if seen:
+            force[:] = [seen.get(place, 0.0) for place in known]
+    return force
 
 
 def _tools(
@@ -207,7 +236,7 @@ def _tools(
     seconds[group[0]] += starts[0] * 1e-9
     engaged, removed, force, power = _sums(np.where(block >= 0, group[block], -1), len(numbers), process)
     names = {modal.tool: modal.tool_name for modal in timeline.modals}
-    # a log has samples; the results have seen every step
+    # a sample at a change belongs to both tools; the results have seen every step
     seen = {tool["number"]: tool for tool in recording.results.get("tools", ())}
     return tuple(
         ToolTime(
@@ -216,8 +245,8 @@ def _tools(
             seconds=float(seconds[i]),
             engaged=float(engaged[i]),
             removed=float(removed[i]),
-            force=max(float(force[i]), float(seen.get(number, {}).get("max_force_N", 0.0))),
-            power=max(float(power[i]), float(seen.get(number, {}).get("max_power_W", 0.0))),
+            force=float(seen.get(number, {}).get("max_force_N", force[i])),
+            power=float(seen.get(number, {}).get("max_power_W", power[i])),
         )
         for i, number in enumerate(numbers)
     )

@@ -114,6 +114,7 @@ def test_own_columns_are_in_every_file(tmp_path: Path) -> None:
     assert logged[-1, 0] == pytest.approx(heat)  # a sum counts since the start
     assert (np.diff(logged[:, 0]) >= 0.0).all()
     assert logged[:, 1].max() > 0.0 and logged[-1, 1] == 0.0  # others are of the step
+    assert (ran.column("/process", "max_dose_j_m2")[:, 0] >= logged[:, 1]).all()  # or the greatest since the one before
     assert set(logged[:, 2]) == {0.0, 1.0}
     assert ["T1: heat", f"{heat:.4g} J", "energy that went into the material"] in summary_rows(ran.results)
 
@@ -126,7 +127,7 @@ def test_own_columns_can_be_drawn(tmp_path: Path) -> None:
     assert {"force", "heat_j", "dose_j_m2", "hot"} <= set(quantities_of(recording))
     assert chart.speaks and chart.curves[0].values.max() > 0.0
     panels = json.loads(recording.log.attachment("layout.json"))["configById"]
-    assert [path["value"] for path in panels["Plot!own"]["paths"]] == ["/process.heat_j", "/process.dose_j_m2"]
+    assert [path["value"] for path in panels["Plot!own"]["paths"]] == ["/process.heat_j", "/process.max_dose_j_m2"]
     assert "/process.hot" in [path["value"] for path in panels["StateTransitions!program"]["paths"]]
     page = run_data(recording, "burnt", Pack())
     assert {"Heat j", "Hot"} <= {chart["title"] for chart in page["charts"]}

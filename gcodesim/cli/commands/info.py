@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import groupby
 from math import isfinite
@@ -117,6 +117,7 @@ def _print(facts: LogSummary) -> None:
     removed = _number(facts.result.get("removed_m3"))
     if removed is not None:
         rows += [("added" if removed < 0.0 else "removed", f"{abs(removed / MM3):.1f} mm³")]
+    rows += _peaks(facts.result)
     rows += [("file", f"{_bytes(facts.size)} in {facts.chunks} chunk{'' if facts.chunks == 1 else 's'}")]
     rows += [("attached", ", ".join(f"{name} ({_bytes(size)})" for name, size in facts.attachments.items()) or "none")]
     rows += [("missing", text) for text in facts.missing]
@@ -143,6 +144,17 @@ def _print(facts: LogSummary) -> None:
         ],
         names=2,
     )
+
+
+def _peaks(result: Mapping[str, str]) -> Iterator[tuple[str, str]]:
+    """The greatest force, torque, power … of the run, as its results have them."""
+    from gcodesim.playback.columns import shown_as
+
+    for name, text in result.items():
+        value = _number(text)
+        if name.startswith("max_") and value:
+            title, unit, divisor = shown_as(name.removeprefix("max_"))
+            yield f"greatest {title}", f"{value / divisor:.4g} {unit}".strip()
 
 
 def _number(text: str | None) -> float | None:

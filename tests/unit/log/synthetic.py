@@ -110,6 +110,9 @@ def columns(t_ns, joints=6, kind=1):
             power=800.0 * wrench[:, 5],
             removal=np.full(n, 1e-7),
             removed=1e-7 * t,
+            max_force=2.0 * np.linalg.norm(wrench[:, :3], axis=1),
+            max_torque=2.0 * np.abs(wrench[:, 5]),
+            max_power=1600.0 * np.abs(wrench[:, 5]),
         ),
     }
 

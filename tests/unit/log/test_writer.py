@@ -93,6 +93,7 @@ def test_columns_come_back_as_they_went_in(run, tmp_path):
 
     names = {"spindle_rad_s": "spindle", "torque_nm": "torque", "removal_m3_s": "removal", "removed_m3": "removed"}
     names |= {"engaged": "engaged", "force_n": "force", "power_w": "power"}
+    names |= {"max_force_n": "max_force", "max_torque_nm": "max_torque", "max_power_w": "max_power"}
     process = read_columns(path, "/process", list(names))
     for stored, name in names.items():
         assert np.array_equal(process[stored], getattr(given["process"], name)), name

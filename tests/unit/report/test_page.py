@@ -62,13 +62,13 @@ def test_the_page_is_the_same_again(page, slot):
 
 def test_curves_are_those_of_the_log(index, get, slot):
     (force,) = [chart for chart in index["runs"][0]["charts"] if chart["what"] == "force"]
-    truth = read_columns(slot.log.path, "/process", ["force_n"])
+    truth = read_columns(slot.log.path, "/process", ["max_force_n"])
     t, values = get(force["t"])[:, 0] * index["tick_s"], get(force["values"])[:, 0]
 
     assert np.allclose(
-        values, np.interp(t, truth["t_ns"] * 1e-9, truth["force_n"]), atol=truth["force_n"].max() / 60_000
+        values, np.interp(t, truth["t_ns"] * 1e-9, truth["max_force_n"]), atol=truth["max_force_n"].max() / 60_000
     )
-    assert values.max() == pytest.approx(truth["force_n"].max(), rel=1e-9)
+    assert values.max() == pytest.approx(truth["max_force_n"].max(), rel=1e-9)
 
 
 def test_the_tip_moves_as_in_the_log(index, get, slot):
