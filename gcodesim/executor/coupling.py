@@ -37,17 +37,13 @@ class Coupling:
 
     def stretch(self, steps: StepWindow, begin: int, end: int, *, cuts: bool = True) -> Stretch:
         """Make ready for steps `begin` to `end` of a window, all with the same tool; it `cuts`, or is kept from it."""
-        if not cuts:
-            self._tasks.start_afresh()
-            return Stretch(self, self._plan, steps, begin, end, [])
+        number = int(steps.tool[begin])
+        tasks = self._tasks.of(number) if cuts else self._tasks.kept(number)
 
         def jacobian() -> Array:
             return self._tip_jacobian(steps, begin, end)
 
-        made = [
-            stint_of(self._shop, self._rows, task, steps, begin, end, jacobian)
-            for task in self._tasks.of(int(steps.tool[begin]))
-        ]
+        made = [stint_of(self._shop, self._rows, task, steps, begin, end, jacobian) for task in tasks]
         return Stretch(self, self._plan, steps, begin, end, [stint for stint in made if stint is not None])
 
     def _tip_jacobian(self, steps: StepWindow, begin: int, end: int) -> Array:

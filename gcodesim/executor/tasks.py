@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -88,6 +88,12 @@ class Tasks:
                 process = variant.of(tool, target.material)
                 yield Task(tool=tool, target=target, process=process, state=process.begin())
 
-    def start_afresh(self) -> None:
-        """The tool counts as just put in: where it stands in material, it cuts nothing until it has left it."""
-        self._current = None
+    def kept(self, number: int) -> list[Task]:
+        """The tasks of a tool that is kept from taking material: those that take none.
+
+        The others count as just put in when they come again: inside material they cut nothing until they have left it.
+        """
+        self._tasks = [
+            replace(task, state=task.process.begin()) if task.process.takes else task for task in self.of(number)
+        ]
+        return [task for task in self._tasks if not task.process.takes]

@@ -180,6 +180,15 @@ def test_a_process_on_nothing_sees_every_step(tmp_path: Path) -> None:
     assert tool["way_mm"] > 80.0
 
 
+def test_a_camera_goes_on_while_its_tool_is_kept_from_cutting(tmp_path: Path) -> None:
+    """A probing move takes nothing; what has nothing to take sees it all the same."""
+    program = ACROSS.replace("M10\n", "").replace("M11\n", "").replace("G1 X70 F3000", "G0 X30\nG38.2 Z-5 F300")
+    ran = go("{type: watched_mill, diameter: 10, length: 60}", 5, tmp_path, program=program)
+
+    assert ran.stock.removed == 0.0
+    assert written(tmp_path)[0]["pictures"] == pytest.approx(np.floor(ran.results.times.total / 0.1), abs=1.0)
+
+
 def test_two_processes_do_what_each_does_alone(tmp_path: Path) -> None:
     program = ACROSS.replace("M10\n", "S8000 M3\n").replace("M11\n", "M5\n").replace("F3000", "F600")
     alone = go("{type: flat_end_mill, diameter: 10, length: 60}", -1, tmp_path / "alone", program=program)

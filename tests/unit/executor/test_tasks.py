@@ -58,6 +58,19 @@ def test_a_tool_starts_afresh_when_it_comes_again(shop: Shop) -> None:
     assert tasks.of(1)[0].state is not first[0].state
 
 
+def test_a_tool_that_is_kept_from_cutting_goes_on_with_what_takes_nothing(shop: Shop) -> None:
+    tasks = Tasks(shop)
+    mill, nozzle = tasks.of(1), Tasks(shop)
+    mill[0].state.values[:] = 1.0
+    nozzle.of(2)
+
+    assert tasks.kept(1) == []
+    again = tasks.of(1)
+    assert not again[0].state.values.any() and mill[0].state.values.all()  # who is still at work keeps its own
+    before = nozzle.of(2)
+    assert all(a is b for a, b in zip(nozzle.kept(2), before, strict=True))
+
+
 def test_targets_of_each_sort(shop: Shop) -> None:
     plate, block = targets_of(shop, "stock")
     assert plate.given is shop.stocks["plate"].stock
