@@ -31,8 +31,8 @@ STAGES = {
     "sums + findings": (
         "gcodesim.executor.loop:record_of",
         "gcodesim.executor.totals:RowTotals.add",
-        "gcodesim.inspection:Inspector.fresh",
-        "gcodesim.inspection:Inspector.final",
+        "gcodesim.jobs.inspection:Inspector.fresh",
+        "gcodesim.jobs.inspection:Inspector.final",
     ),
     "log: columns": (
         "gcodesim.recorder.recorder:Recorder.__init__",

@@ -17,6 +17,7 @@ from gcodesim.version import __version__
 if TYPE_CHECKING:
     from gcodesim.api import InputError, load_cell, read, simulate
     from gcodesim.cell import Cell
+    from gcodesim.jobs.results import Results
     from gcodesim.motion import (
         ToolPath,
         build_box_path,
@@ -24,12 +25,11 @@ if TYPE_CHECKING:
         linear_interpolation,
         spline_interpolation,
     )
-    from gcodesim.results import Results
 
 _PLACES = {
     "Cell": "gcodesim.cell",
     "InputError": "gcodesim.api",
-    "Results": "gcodesim.results",
+    "Results": "gcodesim.jobs.results",
     "ToolPath": "gcodesim.motion",
     "build_box_path": "gcodesim.motion",
     "circular_interpolation": "gcodesim.motion",

@@ -12,10 +12,10 @@ from gcodesim.cell.show import cell_as_text
 from gcodesim.declarations.files import InputFile
 from gcodesim.diagnostics import Diagnostic, Findings, Severity, SourceText
 from gcodesim.diagnostics.show import as_text
-from gcodesim.job import Options
+from gcodesim.jobs.job import Options
+from gcodesim.jobs.results import Results
 from gcodesim.motion import ToolPath, build_tool_path
 from gcodesim.motion.tool_path import ZERO
-from gcodesim.results import Results
 from gcodesim.rs274 import Settings, interpret
 from gcodesim.rs274.assumed import assumed_tools
 

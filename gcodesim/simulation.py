@@ -10,15 +10,13 @@ from typing import TYPE_CHECKING
 from gcodesim.canon import Axes
 from gcodesim.cell import Cell, LoadedCell
 from gcodesim.cell.cell import MAIN
+from gcodesim.cell.language import settings_of_cell
 from gcodesim.cell.reach import reach_findings
 from gcodesim.checks.coarse import coarse_findings
 from gcodesim.checks.idle import idle_findings
 from gcodesim.checks.missing_length import cutting_without_length
 from gcodesim.diagnostics import Diagnostic, Findings, Severity, SourceText, Span
-from gcodesim.job import KINEMATIC, Job, Options
-from gcodesim.language import settings_of_cell
-from gcodesim.outcome import first_error, results_of
-from gcodesim.output_folder import (
+from gcodesim.files.output_folder import (
     RESULTS_NAME,
     FolderInUseError,
     claimed,
@@ -27,10 +25,12 @@ from gcodesim.output_folder import (
     names_of,
     overwriting,
 )
-from gcodesim.results import Results
+from gcodesim.files.whole_file import write_whole
+from gcodesim.jobs.job import KINEMATIC, Job, Options
+from gcodesim.jobs.outcome import first_error, results_of
+from gcodesim.jobs.results import Results
 from gcodesim.rs274 import Settings, interpret
 from gcodesim.shop import Shop, open_shop
-from gcodesim.whole_file import write_whole
 
 if TYPE_CHECKING:
     from gcodesim.executor import Execution, Progress
@@ -73,7 +73,7 @@ def prepare(program: SourceText, loaded: LoadedCell, options: Options | None = N
     job.findings.extend(problems)
     settings = replace(options.settings(settings), start=_start(shop), answered=True)
     job.reading = interpret(program, settings)
-    from gcodesim.legs import Legs
+    from gcodesim.jobs.legs import Legs
 
     job.legs = Legs(job, settings.start)
     job.legs.onward()
@@ -181,7 +181,7 @@ def _run(
     live: LiveView | None,
 ) -> tuple[Results, Execution | None]:
     from gcodesim.executor import execute
-    from gcodesim.inspection import Inspector
+    from gcodesim.jobs.inspection import Inspector
 
     if job.shop is None or job.plan is None or job.cell is None:
         return _not_run(job, out), None

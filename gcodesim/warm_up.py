@@ -10,7 +10,7 @@ from typing import Final
 
 from gcodesim.cell.loader import read_cell
 from gcodesim.diagnostics import SourceText
-from gcodesim.job import Options
+from gcodesim.jobs.job import Options
 from gcodesim.rs274 import Settings, interpret
 from gcodesim.simulation import prepare, run
 

@@ -49,8 +49,8 @@ def write_formats(verdict: SuiteVerdict | None, arguments: argparse.Namespace) -
     """
     if verdict is None or not wants_formats(arguments):
         return
+    from gcodesim.files.whole_file import write_whole
     from gcodesim.formats import FilePlaces, writer_of
-    from gcodesim.whole_file import write_whole
 
     places = FilePlaces.of(Path.cwd())
     for name, path in _files(arguments):

@@ -60,7 +60,7 @@ def read_baseline(arguments: argparse.Namespace) -> Baseline | None:
 def write_baseline(path: Path, text: str) -> None:
     """Write a baseline file and say so; UsageError when that fails."""
     from gcodesim.cli.output import note
-    from gcodesim.whole_file import write_whole
+    from gcodesim.files.whole_file import write_whole
 
     try:
         write_whole(path, text.encode())

@@ -90,7 +90,7 @@ class ProgramReading:
         """All findings, with the severities of the cell and without those that it suppresses on the day `today`."""
         if self.cell is None:
             return self._all()
-        from gcodesim.verdict import final_findings
+        from gcodesim.cell.verdict import final_findings
 
         return final_findings(self._all(), self.cell, self.program, today)
 
@@ -103,7 +103,7 @@ class ProgramReading:
         """The findings that the cell suppresses on the day `today`, with its reasons."""
         if self.cell is None:
             return []
-        from gcodesim.verdict import suppressed_findings
+        from gcodesim.cell.verdict import suppressed_findings
 
         pairs = suppressed_findings(self._all(), self.cell, self.program, today)
         return [(finding, entry.reason) for finding, entry in pairs]
@@ -126,8 +126,8 @@ def files_of(
 def write_parameters(run: Run | None, arguments: argparse.Namespace) -> None:
     """The parameter file that the command line asks for; none when the program did not come to its end."""
     from gcodesim.cli.output import note
+    from gcodesim.files.whole_file import write_whole
     from gcodesim.rs274 import parameter_text
-    from gcodesim.whole_file import write_whole
 
     path: Path | None = arguments.write_parameters
     if path is None:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Final
 
 from gcodesim.cli.exits import UsageError
-from gcodesim.output_folder import names_of
+from gcodesim.files.output_folder import names_of
 
 # --write-parameters and --write-baseline may name what --parameters and --baseline read: they bring it up to date
 _READ: Final = ("program", "programs", "paths", "cell", "old_cell", "tools", "log", "other", "old", "new")

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from gcodesim import compiled
 from gcodesim.cell import load_cell
+from gcodesim.cell.verdict import suppressed_findings
 from gcodesim.cli.exits import UsageError
 from gcodesim.cli.formats import write_formats
 from gcodesim.cli.interrupts import Interrupted, handled, interrupted_by
@@ -24,12 +25,11 @@ from gcodesim.cli.options import read_source
 from gcodesim.cli.output import note, print_findings, print_json, print_table, verdict
 from gcodesim.diagnostics import Severity
 from gcodesim.diagnostics.plain import raw
-from gcodesim.job import Job, Options
-from gcodesim.output_folder import IN_USE, LOG_NAME, OVERWRITES, names_of
+from gcodesim.files.output_folder import IN_USE, LOG_NAME, OVERWRITES, names_of
+from gcodesim.jobs.job import Job, Options
+from gcodesim.jobs.results import Results
 from gcodesim.report import summary_rows
-from gcodesim.results import Results
 from gcodesim.simulation import RunInterrupted, check, prepare, run
-from gcodesim.verdict import suppressed_findings
 
 if TYPE_CHECKING:
     from gcodesim.cell import LoadedCell

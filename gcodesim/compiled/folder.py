@@ -17,8 +17,8 @@ from pathlib import Path
 from types import CodeType
 from typing import Final
 
-from gcodesim.own_folder import OwnFolder
-from gcodesim.user_cache import kept_folders, refusals, user_cache
+from gcodesim.files.own_folder import OwnFolder
+from gcodesim.files.user_cache import kept_folders, refusals, user_cache
 
 _COMPILERS: Final = {"numba": "_version.py", "llvmlite": "_version.py", "numpy": "version.py"}
 """Packages that make machine code or tell how arrays lie in memory, and their files that say which version it is."""

@@ -28,7 +28,7 @@ import numpy as np
 from gcodesim.compiled import Kernel, is_compiler_off
 from gcodesim.compiled.arguments import ARRAY, NUMBER, OBJECTS, ORDER, TYPE, Arguments, as_text, class_of, is_named
 from gcodesim.compiled.folder import folders, package, source_beside, writable_folder
-from gcodesim.own_folder import OwnFolder
+from gcodesim.files.own_folder import OwnFolder
 
 
 class ObjectCode(NamedTuple):

@@ -35,13 +35,13 @@ from mcap.records import (
 )
 from numpy.typing import NDArray
 
+from gcodesim.files.whole_file import new_file
 from gcodesim.log.backlog import Messages
 from gcodesim.log.checksum import crc32
 from gcodesim.log.chunk import ChunkBuilder, PackedChunk, pack
 from gcodesim.log.order import Ordered
 from gcodesim.log.rows import RecordRows
 from gcodesim.log.topics import Topic
-from gcodesim.whole_file import new_file
 
 MAGIC: Final = b"\x89MCAP0\r\n"
 CHUNK_SIZE: Final = 1 << 20

@@ -15,9 +15,9 @@ from typing import Any, Final
 
 import numpy as np
 
+from gcodesim.files.whole_file import write_whole
 from gcodesim.material.field_kernels import Columns, Grid
 from gcodesim.material.stock import WALL_PLANES, Stock
-from gcodesim.whole_file import write_whole
 
 SUFFIX = ".stock"
 _MAGIC = b"gcodesim-stock/2\n"

@@ -15,12 +15,12 @@ import numpy as np
 
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText, Span
 from gcodesim.diagnostics.plain import text_of_table
+from gcodesim.files.output_folder import LOG_NAME, RESULTS_NAME
 from gcodesim.log.event import LogEvent
 from gcodesim.log.logfile import LogFile, LogReadError, RawMessage
 from gcodesim.log.reader import decoder_of
 from gcodesim.log.series import Series, read_series
 from gcodesim.log.topics import PERIODIC
-from gcodesim.output_folder import LOG_NAME, RESULTS_NAME
 from gcodesim.playback.frames import RecordedFrames
 from gcodesim.playback.scenes import Drawing, drawing_of
 from gcodesim.playback.stored_results import NoResultsError, results_from

@@ -6,9 +6,9 @@ import json
 from collections.abc import Mapping
 from typing import Any, Final
 
+from gcodesim.files.output_folder import RESULTS_NAME
 from gcodesim.log.event import LogEvent
 from gcodesim.log.logfile import LogFile
-from gcodesim.output_folder import RESULTS_NAME
 
 _NUMBER: Final = (int, float)
 _TEXT: Final = (str,)

@@ -16,11 +16,13 @@ from numpy.typing import NDArray
 from gcodesim.canon import ToolChange
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.executor.record import StepRecord
+from gcodesim.files.output_folder import LINES_NAME, LOG_NAME, RESULTS_NAME
+from gcodesim.files.whole_file import whole_file, write_whole
 from gcodesim.frames import Array
-from gcodesim.job import BULLET
+from gcodesim.jobs.job import BULLET
+from gcodesim.jobs.results import Results
 from gcodesim.log import LogDescription, LogWriter, MotionColumns, ProcessColumns, ProcessField, layout
 from gcodesim.motion.tool_path import HOME, RAPID
-from gcodesim.output_folder import LINES_NAME, LOG_NAME, RESULTS_NAME
 from gcodesim.processes.column import FORCE, LOG, POWER, RESULTS, TORQUE
 from gcodesim.recorder.blocks import Blocks
 from gcodesim.recorder.bodies import cell_entities, tile_meshes, tool_shapes
@@ -32,13 +34,11 @@ from gcodesim.recorder.pose_kernels import bend, compare
 from gcodesim.recorder.reporter import Reporter
 from gcodesim.recorder.texts import Texts
 from gcodesim.recorder.ways import Ways
-from gcodesim.results import Results
-from gcodesim.whole_file import whole_file, write_whole
 
 if TYPE_CHECKING:
     from gcodesim.executor import Execution
     from gcodesim.executor.window import StepWindow
-    from gcodesim.job import Job
+    from gcodesim.jobs.job import Job
     from gcodesim.log.live import LiveView
     from gcodesim.material.stock import Stock
     from gcodesim.material.surface import Glimpse, Surface, Tile, Tiles

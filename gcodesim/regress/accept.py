@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any, Final
 
 from gcodesim.diagnostics import Diagnostic, Severity
+from gcodesim.files.whole_file import write_whole
 from gcodesim.regress.case import Case, shown_path
 from gcodesim.regress.changes import Comparison
 from gcodesim.regress.golden import golden_text
 from gcodesim.regress.judge import Judging, judge
-from gcodesim.whole_file import write_whole
 
 # what nobody can accept: it is written by hand, or there is no result
 _NOT_TO_ACCEPT: Final = ("GS601", "GS602", "GS608", "GS610", "GS611", "GS612")

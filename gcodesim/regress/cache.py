@@ -18,11 +18,11 @@ from typing import Any, Final
 
 from gcodesim.diagnostics import Caller, Diagnostic, Severity, Span
 from gcodesim.diagnostics.show import as_json
-from gcodesim.own_folder import NotOwn, OwnFolder, open_own_folder
+from gcodesim.files.own_folder import NotOwn, OwnFolder, open_own_folder
+from gcodesim.files.user_cache import user_cache
 from gcodesim.regress.case import Case, shown_path
 from gcodesim.regress.changes import SAME
 from gcodesim.regress.verdicts import CaseVerdict, Found
-from gcodesim.user_cache import user_cache
 
 VARIABLE: Final = "GCODESIM_TEST_CACHE"
 _LIBRARIES: Final = ("numpy", "scipy", "numba", "pybullet", "trimesh")

@@ -17,9 +17,9 @@ from gcodesim.regress.tolerance import DEFAULTS, Tolerances
 from gcodesim.rs274 import interpret
 
 if TYPE_CHECKING:
-    from gcodesim.job import Job
+    from gcodesim.jobs.job import Job
+    from gcodesim.jobs.results import Results
     from gcodesim.material.stock import Stock
-    from gcodesim.results import Results
 
 _TOTALS: Final = ("time.total_s", "distance.feed_mm")
 _OF_STOCK: Final = ("removed_mm3", "deposited_mm3")

@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Any, Final
 
 from gcodesim.cell.loader import read_cell
 from gcodesim.cell.settings import matches
+from gcodesim.cell.verdict import suppressed_findings
 from gcodesim.declarations.files import folders_of_the_user
 from gcodesim.declarations.reading import suggestion
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText, Span
 from gcodesim.diagnostics.show import as_json
-from gcodesim.job import Job, Options
+from gcodesim.jobs.job import Job, Options
 from gcodesim.regress import show
 from gcodesim.regress.case import Case, shown_path
 from gcodesim.regress.case_file import ExpectedValue
@@ -33,7 +34,6 @@ from gcodesim.rs274.assumed import assumed_tools
 from gcodesim.rs274.dialects import DIALECTS
 from gcodesim.simulation import check, prepare, run
 from gcodesim.units import MM
-from gcodesim.verdict import suppressed_findings
 
 if TYPE_CHECKING:
     from gcodesim.cell import LoadedCell

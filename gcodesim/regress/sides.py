@@ -9,12 +9,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from gcodesim.cell import load_cell
+from gcodesim.cell.language import settings_of_cell
 from gcodesim.diagnostics import SourceText
 from gcodesim.diagnostics.show import as_json
-from gcodesim.language import settings_of_cell
+from gcodesim.files.output_folder import LOG_NAME, RESULTS_NAME
+from gcodesim.jobs.outcome import INTERRUPTED
+from gcodesim.jobs.results import SCHEMA as RESULTS
 from gcodesim.numbers import read_json
-from gcodesim.outcome import INTERRUPTED
-from gcodesim.output_folder import LOG_NAME, RESULTS_NAME
 from gcodesim.regress.changes import Comparison
 from gcodesim.regress.compare import INCOMPLETE
 from gcodesim.regress.facts import Facts, compare, facts_of_run
@@ -23,7 +24,6 @@ from gcodesim.regress.golden import GoldenError, read_golden
 from gcodesim.regress.motion import steps_of
 from gcodesim.regress.programs import programs_in
 from gcodesim.regress.tolerance import Tolerances
-from gcodesim.results import SCHEMA as RESULTS
 from gcodesim.rs274 import Settings, interpret
 from gcodesim.rs274.assumed import assumed_tools
 from gcodesim.simulation import prepare, run

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from gcodesim.results import Results
+from gcodesim.jobs.results import Results
 
 
 def summary_rows(results: Results) -> list[list[str]]:

@@ -17,8 +17,8 @@ from lark import Lark, Token, Transformer, UnexpectedCharacters, UnexpectedInput
 from lark.grammar import Rule
 from lark.lexer import TerminalDef
 
+from gcodesim.files.user_cache import user_cache
 from gcodesim.rs274.block import Binary, Exists, Function, Name, Node, Parameter, Signed, Word
-from gcodesim.user_cache import user_cache
 
 
 class Parsed(NamedTuple):

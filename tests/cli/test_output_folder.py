@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 import gcodesim
-from gcodesim.output_folder import FolderInUseError, claimed
+from gcodesim.files.output_folder import FolderInUseError, claimed
 
 MESH = Path(__file__).parents[2] / "gcodesim" / "data" / "examples" / "wedge.stl"
 CELL = """gcodesim: 1
@@ -107,7 +107,7 @@ def test_a_second_run_into_a_folder_is_refused_while_the_first_lives(cli, tmp_pa
 
 def test_a_claim_ends_with_the_process_that_is_killed(cli, tmp_path: Path) -> None:
     script = (
-        "import pathlib, time\nfrom gcodesim.output_folder import claimed\n"
+        "import pathlib, time\nfrom gcodesim.files.output_folder import claimed\n"
         "with claimed(pathlib.Path('out')):\n    print('held', flush=True)\n    time.sleep(600)\n"
     )
     with subprocess.Popen([sys.executable, "-c", script], cwd=tmp_path, stdout=subprocess.PIPE, text=True) as holder:

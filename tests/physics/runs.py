@@ -10,8 +10,8 @@ import numpy as np
 from gcodesim.cell.loader import read_cell
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText
 from gcodesim.executor import Execution
+from gcodesim.jobs.results import Results, StockResult
 from gcodesim.log.reader import read_columns
-from gcodesim.results import Results, StockResult
 from gcodesim.shop import Shop
 from gcodesim.simulation import Job, Options, prepare, run
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from gcodesim.cell import LoadedCell, load_cell
+from gcodesim.cell.language import settings_of_cell
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText
 from gcodesim.diagnostics.show import as_text
-from gcodesim.language import settings_of_cell
 from gcodesim.rs274 import interpret, lint
 from gcodesim.simulation import Options, check, prepare
 from tests.effort import growth

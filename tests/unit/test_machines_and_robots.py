@@ -10,8 +10,8 @@ import pytest
 
 from gcodesim.cell import load_cell
 from gcodesim.diagnostics import SourceText
-from gcodesim.job import Job, Options
-from gcodesim.results import Results
+from gcodesim.jobs.job import Job, Options
+from gcodesim.jobs.results import Results
 from gcodesim.simulation import check, prepare, run
 
 SLOT = """G21 G90 G54

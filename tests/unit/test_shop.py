@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import gcodesim
+from gcodesim.jobs.results import Results
 from gcodesim.playback import Recording
-from gcodesim.results import Results
 from gcodesim.shop import open_shop
 
 MILL = """gcodesim: 1

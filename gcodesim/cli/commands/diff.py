@@ -88,11 +88,11 @@ def _compared(
 def _write_page(comparison: Comparison, arguments: argparse.Namespace, outs: tuple[Path, Path]) -> None:
     from gcodesim.cli.moments import open_recording
     from gcodesim.cli.output import note
+    from gcodesim.files.whole_file import write_whole
     from gcodesim.regress import show
     from gcodesim.regress.sides import log_of
     from gcodesim.report.libraries import LibraryMissingError
     from gcodesim.report.page import Difference, write_page
-    from gcodesim.whole_file import write_whole
 
     recordings = []
     for side, out in zip((arguments.old, arguments.new), outs, strict=True):

@@ -172,7 +172,7 @@ def _target(arguments: argparse.Namespace, recording: Recording) -> Path:
 
 
 def _write(path: Path, data: bytes) -> None:
-    from gcodesim.whole_file import write_whole
+    from gcodesim.files.whole_file import write_whole
 
     try:
         write_whole(path, data)

@@ -67,9 +67,9 @@ def add_parser(commands: Any) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     from gcodesim.cli.output import print_json
+    from gcodesim.files.output_folder import LOG_NAME
     from gcodesim.log.logfile import LogFile, LogReadError
     from gcodesim.log.summary import summary
-    from gcodesim.output_folder import LOG_NAME
     from gcodesim.playback.stored_results import final_findings
 
     if arguments.log.is_dir():
@@ -275,8 +275,8 @@ def _layout(path: Path, kind: str) -> str:
 def _extract(log: Path, folder: Path, *, said: bool) -> None:
     """Write every attachment of `log` into `folder`; a file that is there already stays, and is an error."""
     from gcodesim.cli.output import note
+    from gcodesim.files.whole_file import write_whole
     from gcodesim.log.logfile import LogFile
-    from gcodesim.whole_file import write_whole
 
     opened = LogFile.open(log, lenient=True)
     # a name may come from anywhere: only its last part counts

@@ -29,9 +29,9 @@ def add_parser(commands: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
+    from gcodesim.files.whole_file import write_whole
     from gcodesim.starter.example import CELL, start_files
     from gcodesim.starter.first_cell import NoCellError, cell_for
-    from gcodesim.whole_file import write_whole
 
     folder = arguments.folder
     program = None if arguments.program is None else read_source(arguments.program, "program")

@@ -33,10 +33,10 @@ def add_parser(commands: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
+    from gcodesim.files.whole_file import write_whole
     from gcodesim.playback.columns import own_fields
     from gcodesim.playback.quantities import charts_of, quantities_of
     from gcodesim.report.plot import FORMATS, NoPlotError, draw
-    from gcodesim.whole_file import write_whole
 
     recording = open_recording(arguments.log)
     what = [name.strip() for name in (arguments.what or "").split(",") if name.strip()]

@@ -51,9 +51,9 @@ def run(arguments: argparse.Namespace) -> int:
         return status_of_reading(*recordings)
     if arguments.format == "json":
         raise UsageError("--format json means nothing for a page; --times has numbers")
+    from gcodesim.files.whole_file import write_whole
     from gcodesim.report.libraries import LibraryMissingError
     from gcodesim.report.page import write_page
-    from gcodesim.whole_file import write_whole
 
     out = arguments.out
     if out is None:

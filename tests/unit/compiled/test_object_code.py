@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from gcodesim import user_cache
 from gcodesim.compiled import Kernel, compiling, folder, kernel, object_code
 from gcodesim.compiled.arguments import ITEMS, argument_of
+from gcodesim.files import user_cache
 from gcodesim.rs274.plain.scan_kernels import byte_at
 
 BYTE_AT = "from gcodesim.rs274.plain.scan_kernels import byte_at; import numpy as np, sys\n"

@@ -17,7 +17,7 @@ import pytest
 
 from gcodesim.cell import load_cell
 from gcodesim.diagnostics import SourceText
-from gcodesim.job import Options
+from gcodesim.jobs.job import Options
 from gcodesim.material.stock import Stock
 from gcodesim.regress import CaseVerdict
 from gcodesim.regress.case import collect

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from gcodesim import user_cache
+from gcodesim.files import user_cache
 from gcodesim.rs274 import grammar
 from gcodesim.rs274.grammar import parser_of
 

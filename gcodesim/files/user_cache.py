@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from gcodesim.own_folder import NotOwn, OwnFolder, open_own_folder
+from gcodesim.files.own_folder import NotOwn, OwnFolder, open_own_folder
 
 
 def kept_folders(name: str) -> Iterator[OwnFolder]:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from gcodesim.whole_file import whole_file, write_whole
+from gcodesim.files.whole_file import whole_file, write_whole
 
 
 def test_a_file_gets_its_name_at_the_end(tmp_path: Path) -> None:

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from gcodesim.diagnostics import Span
+from gcodesim.jobs.results import LineRows, line_rows
 from gcodesim.motion.tool_path import ToolPath
 from gcodesim.numbers import clean, rounded
-from gcodesim.results import LineRows, line_rows
 
 
 def test_numbers_are_written_as_everywhere():

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from gcodesim.cell.verdict import idle_suppressions
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText, Span
 from gcodesim.frames import Array
-from gcodesim.job import Job
+from gcodesim.jobs.job import Job
+from gcodesim.jobs.results import Results, StockResult, Times, joint_rows, line_rows, tool_rows
 from gcodesim.motion.tool_path import HOME, RAPID
 from gcodesim.processes.column import LINES, RESULTS
-from gcodesim.results import Results, StockResult, Times, joint_rows, line_rows, tool_rows
 from gcodesim.shop import Shop
-from gcodesim.verdict import idle_suppressions
 from gcodesim.version import __version__
 
 if TYPE_CHECKING:

@@ -24,18 +24,18 @@ from gcodesim.checks.idle import blind_axis_findings
 from gcodesim.checks.speed import speed_findings
 from gcodesim.diagnostics import Diagnostic, Severity
 from gcodesim.frames import Array
+from gcodesim.jobs.results import ProbeResult
 from gcodesim.motion.build import PathBuilder
 from gcodesim.motion.joining import standing_until, with_instant
 from gcodesim.motion.timing import event_durations
 from gcodesim.motion.tool_path import ToolPath
 from gcodesim.planning import Plan, plan_path, posing_of
 from gcodesim.planning.legs import followed_by
-from gcodesim.results import ProbeResult
 from gcodesim.shop import Shop, with_stock
 from gcodesim.units import MM
 
 if TYPE_CHECKING:
-    from gcodesim.job import Job
+    from gcodesim.jobs.job import Job
 
 _QUESTIONS: Final = (canon.Probe, canon.Input)
 _OF_TIPS: Final = ("GS301", "GS304")

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Final, Protocol
 
 from gcodesim.canon import Event
 from gcodesim.cell import Cell, LoadedCell
+from gcodesim.cell.verdict import final_findings
 from gcodesim.diagnostics import Diagnostic, Findings, Severity, SourceText, Span
-from gcodesim.results import ProbeResult
+from gcodesim.jobs.results import ProbeResult
 from gcodesim.rs274 import Run, Settings
 from gcodesim.shop import Shop
-from gcodesim.verdict import final_findings
 
 if TYPE_CHECKING:
     from gcodesim.planning import Plan

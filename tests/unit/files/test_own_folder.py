@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from gcodesim import user_cache as module
-from gcodesim.own_folder import NotOwn, OwnFolder, open_own_folder
-from gcodesim.user_cache import kept_folders, refusals, user_cache
+from gcodesim.files import user_cache as module
+from gcodesim.files.own_folder import NotOwn, OwnFolder, open_own_folder
+from gcodesim.files.user_cache import kept_folders, refusals, user_cache
 
 AS_ROOT = pytest.mark.skipif(os.getuid() != 0, reason="only root can give files away")
 OTHER = 12345

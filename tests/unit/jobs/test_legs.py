@@ -10,9 +10,9 @@ import pytest
 from gcodesim.cell.loader import read_cell
 from gcodesim.diagnostics import SourceText
 from gcodesim.executor import Progress
-from gcodesim.job import Job
+from gcodesim.jobs.job import Job
+from gcodesim.jobs.results import Results
 from gcodesim.log.reader import read_columns
-from gcodesim.results import Results
 from gcodesim.simulation import RunInterrupted, check, prepare, run
 
 CELL = """gcodesim: 1
