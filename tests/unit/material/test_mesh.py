@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-import os
 
 import numpy as np
 import pytest
 import trimesh
 
 from gcodesim.material.mesh import OpenMeshError, stock_of_mesh
-from gcodesim.solids import read_mesh
 
 MM = 1e-3
 
@@ -67,19 +65,3 @@ def test_inside_out_is_turned_and_open_is_refused():
     keep = np.abs(mesh.face_normals[:, 2] - 1) > 1e-6
     with pytest.raises(OpenMeshError, match="not closed: 400 of 400"):
         stock_of_mesh(np.asarray(mesh.vertices) * MM, mesh.faces[keep], 0.5 * MM)
-
-
-def test_reading_a_file(tmp_path):
-    trimesh.creation.box((30, 20, 10)).export(tmp_path / "block.stl")
-    vertices, faces = read_mesh(tmp_path / "block.stl", MM)
-    assert stock_of_mesh(vertices, faces, 1 * MM).volume == pytest.approx(6000 * MM**3, rel=1e-6)
-
-
-def test_a_mesh_opens_no_other_file(tmp_path) -> None:
-    """Not the file of materials that an OBJ names, which may lie anywhere and be a pipe that never ends."""
-    os.mkfifo(tmp_path / "pipe")
-    (tmp_path / "m.obj").write_text(
-        "mtllib pipe\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl a\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
-    )
-    vertices, faces = read_mesh(tmp_path / "m.obj")
-    assert len(vertices) == len(faces) == 4

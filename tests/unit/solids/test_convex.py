@@ -18,7 +18,6 @@ from gcodesim.solids import (
     Solid,
     Sphere,
     hulls_of,
-    outline_of,
     triangles_of,
 )
 
@@ -78,13 +77,3 @@ def test_convex_bodies_stay_what_they_are() -> None:
     (again,) = hulls_of(Placed(Hulls(hulls=(box,)), X))
 
     assert again.corners == pytest.approx(X.apply(box.corners))
-
-
-def test_outlines_run_from_the_top_down() -> None:
-    ball = outline_of(Sphere(radius=0.01))
-
-    assert np.all(np.diff(ball[:, 1]) < 0.0)
-    assert np.hypot(*ball.T) == pytest.approx(0.01)
-    assert outline_of(Cylinder(radius=1.0, bottom=2.0, top=3.0)).tolist() == [[1.0, 3.0], [1.0, 2.0]]
-    with pytest.raises(ValueError, match="revolution"):
-        outline_of(BOX)

@@ -1,0 +1,43 @@
+"""Meshes out of files, which are read when somebody asks for them, and no other file with them."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+import trimesh
+
+from gcodesim.solids import Mesh, MeshFile, read_mesh
+
+MM = 1e-3
+
+
+def test_reading_a_file(tmp_path: Path) -> None:
+    trimesh.creation.box((30, 20, 10)).export(tmp_path / "block.stl")
+    vertices, faces = read_mesh(tmp_path / "block.stl", MM)
+    assert Mesh.of(vertices, faces).volume == pytest.approx(6000 * MM**3, rel=1e-6)
+
+
+def test_a_mesh_opens_no_other_file(tmp_path: Path) -> None:
+    """Not the file of materials that an OBJ names, which may lie anywhere and be a pipe that never ends."""
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "m.obj").write_text(
+        "mtllib pipe\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl a\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
+    )
+    vertices, faces = read_mesh(tmp_path / "m.obj")
+    assert len(vertices) == len(faces) == 4
+
+
+def test_a_file_is_read_when_somebody_asks_and_scaled_along_each_axis(tmp_path: Path) -> None:
+    mesh = Mesh(source=MeshFile(path=tmp_path / "block.stl", scale=(MM, 2.0 * MM, MM)))
+    trimesh.creation.box((30, 20, 10)).export(tmp_path / "block.stl")
+
+    assert mesh.bounds == ((-0.015, -0.02, -0.005), (0.015, 0.02, 0.005))
+
+
+def test_a_file_without_triangles_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "empty.obj").write_text("v 0 0 0\n")
+
+    with pytest.raises(ValueError, match=r"empty\.obj"):
+        read_mesh(tmp_path / "empty.obj")
