@@ -65,11 +65,11 @@ class ProbeResult:
         return {
             "file": self.span.file,
             "line": self.span.line,
-            "word": self.word,
+            "move": self.word,
             "time_s": rounded(self.time),
             "tripped": self.tripped,
             "touched": self.body or None,
-            "tip_mm": [rounded(value / MM) for value in self.tip],
+            **{f"{axis}_mm": rounded(value / MM) for axis, value in zip("xyz", self.tip, strict=True)},
         }
 
 

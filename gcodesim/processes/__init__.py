@@ -6,6 +6,7 @@ PROCESSES = Family(
     "processes",
     milling="gcodesim.processes.milling:Milling",
     extrusion="gcodesim.processes.extrusion:Extrusion",
+    sensing="gcodesim.processes.sensing:Sensing",
 )
 
 __all__ = ["PROCESSES"]

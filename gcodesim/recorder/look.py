@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from gcodesim.frames import Array
 from gcodesim.log import Camera, View
 from gcodesim.processes import PROCESSES
+from gcodesim.processes.column import LOG
 from gcodesim.recorder.ways import Ways
 
 if TYPE_CHECKING:
@@ -32,8 +33,12 @@ CLOSEST: Final = 0.15
 
 
 def layout_kind(shop: Shop) -> str:
-    """`process` when a tool does something that has no force, else `robot` or `milling` after what moves."""
-    if not all(PROCESSES[kind].pushes for kind in shop.sheet.kinds[1:]):
+    """`process` when a tool does something that the log shows and that has no force, else after what moves: `robot`
+
+    or `milling`.
+    """
+    kinds = (PROCESSES[kind] for kind in shop.sheet.kinds[1:])
+    if any(not kind.pushes and any(column.shown_in & LOG for column in kind.writes) for kind in kinds):
         return "process"
     return "robot" if shop.mover.seen_whole else "milling"
 

@@ -13,6 +13,7 @@ _NOT_COMPARED: Final = frozenset(
     {
         *("inputs", "schema", "findings", "stopped_at"),
         *("line_of_max_force", "line_of_margin", "first_line", "error_bound_mm3"),
+        *("file", "line"),  # of a probing move
     }
 )
 INCOMPLETE: Final = "incomplete"

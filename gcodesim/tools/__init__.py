@@ -9,6 +9,7 @@ TOOLS = Family(
     bull_nose_end_mill="gcodesim.tools.bull_nose_end_mill:BullNoseEndMill",
     drill="gcodesim.tools.drill:Drill",
     extruder="gcodesim.tools.extruder:Extruder",
+    probe="gcodesim.tools.probe:Probe",
 )
 
 __all__ = ["TOOLS"]

@@ -33,6 +33,11 @@ SHANK: Final = BodyPart(
 HOLDER: Final = BodyPart(
     words="the holder", color=(0.3, 0.32, 0.36, 1.0), code="GS303", hint="use a longer tool or a slimmer holder"
 )
+TIP: Final = BodyPart(
+    words="the ball",
+    color=(0.8, 0.1, 0.15, 1.0),
+    hint="go there with G38.3, which stops where it touches, or keep more distance",
+)
 NOZZLE: Final = BodyPart(words="the nozzle", color=(0.75, 0.55, 0.3, 1.0), hint="lift the tool before it passes")
 
 PARTS = Family(
@@ -41,6 +46,7 @@ PARTS = Family(
     shank="gcodesim.tools.parts:SHANK",
     holder="gcodesim.tools.parts:HOLDER",
     nozzle="gcodesim.tools.parts:NOZZLE",
+    tip="gcodesim.tools.parts:TIP",
 )
 
 

@@ -73,7 +73,7 @@ def test_volumes_are_what_the_stock_lost_and_gained(maker):
     found = process.run(stock, window(z), process.begin())
 
     change = found["removed"] - found["added"]
-    assert change.any()
+    assert change.any() or not {"removed", "added"} & {column.name for column in process.writes}
     assert change.sum() == pytest.approx(before - stock.volume, rel=1e-6)
     assert found["engaged"][change != 0.0].all()
     assert process.takes == found["removed"].any()

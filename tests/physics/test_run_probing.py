@@ -21,7 +21,7 @@ machine: gantry_xyz
 stock: {box: [60, 40, 20], zero: top-front-left, material: al6082_t6, resolution: 0.5}
 tools:
   1: {type: flat_end_mill, diameter: 6, flutes: 3, length: 60 mm}
-  2: {type: ball_end_mill, diameter: 4, length: 60 mm}
+  2: {type: probe, diameter: 4, length: 60 mm}
 """
 POCKET = """G21 G90 G94 G17
 T1 M6
@@ -156,7 +156,7 @@ def test_a_rapid_into_the_fixture_is_a_collision_all_the_same() -> None:
     cell = MILL + "fixtures:\n  stop: {min: [70, 0, -20], max: [80, 40, 8], in: G54}\n"
     program = "G21 G90 G94\nT2 M6\nG43 H2\nG0 X65 Y20\nZ4\nF200\nG38.2 X75\nG0 X85\nZ20\nM2\n"
     ran = run_texts(program, cell)
-    assert ("GS301", 8) in ran.misuse
+    assert ("GS304", 8) in ran.misuse
 
 
 def test_a_table_that_moves_brings_the_work_to_the_probe() -> None:
@@ -205,3 +205,25 @@ M2
     t = np.arange(0.0, plan.trajectory.duration, 4e-3)
     q = plan.joints(plan.trajectory.sample(t))
     assert np.all(np.abs(np.diff(q, axis=0)) / 4e-3 <= 1.02 * plan.kinematics.joints.speed), "no joint jumps"
+
+
+def test_a_ball_end_mill_that_touches_off_takes_nothing_either() -> None:
+    cell = MILL.replace("type: probe", "type: ball_end_mill")
+    cutting = POCKET.partition("T2 M6")[0]
+    cut = run_texts(cutting + "M2\n", cell)
+    probed = run_texts(POCKET, cell)
+    assert probed.misuse == [] and probed.stock.removed == cut.stock.removed
+
+
+@pytest.mark.parametrize("move", ["G0 Z-2", "G1 Z-2 F100"])
+def test_a_probe_that_runs_into_the_stock_is_told(move: str) -> None:
+    ran = run_texts(f"G21 G90 G94\nT2 M6\nG43 H2\nG0 X30 Y20\nZ5\n{move}\nG0 Z5\nM2\n", MILL)
+    assert ran.misuse == [("GS408", 6)]
+    assert ran.stock.removed == 0.0
+
+
+def test_a_stem_that_touches_is_told() -> None:
+    """The ball is below the block, beside which only the stem is."""
+    cell = MILL.replace("2: {type: probe, diameter: 4,", "2: {type: probe, diameter: 4, stem_diameter: 4,")
+    ran = run_texts("G21 G90 G61\nT2 M6\nG43 H2\nG0 X-10 Y20\nZ-30\nG0 X-1\nX-10\nZ20\nM2\n", cell)
+    assert ran.misuse == [("GS408", 6)]

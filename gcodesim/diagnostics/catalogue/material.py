@@ -67,6 +67,14 @@ CODES: tuple[Code, ...] = (
         remedy="Give the axis `at: [x, y, z]`, a point on its axis in machine coordinates, and `side`.",
     ),
     Code(
+        code="GS408",
+        severity=Severity.ERROR,
+        title="Probe runs into stock",
+        what="A probe enters the stock by a rapid or a feed that does not probe.",
+        why="Nothing stops the machine there: the stylus breaks, and what it measures afterwards is wrong.",
+        remedy="Go there with G38.3 (Fanuc: G31), which stops where it touches, or keep more distance.",
+    ),
+    Code(
         code="GS410",
         severity=Severity.ERROR,
         title="No stock of an earlier run",
