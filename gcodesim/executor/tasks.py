@@ -89,11 +89,11 @@ class Tasks:
                 yield Task(tool=tool, target=target, process=process, state=process.begin())
 
     def kept(self, number: int) -> list[Task]:
-        """The tasks of a tool that is kept from taking material: those that take none.
+        """The tasks of a tool that is kept from taking material: those that take none and are not about contact.
 
         The others count as just put in when they come again: inside material they cut nothing until they have left it.
         """
         self._tasks = [
             replace(task, state=task.process.begin()) if task.process.takes else task for task in self.of(number)
         ]
-        return [task for task in self._tasks if not task.process.takes]
+        return [task for task in self._tasks if not (task.process.takes or task.process.touches)]

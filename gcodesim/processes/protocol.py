@@ -87,6 +87,7 @@ class Process:
 
     A kind of process is a frozen dataclass below this. `kind` is its name in the table `PROCESSES`; `acts_on` its sort
     of target; `takes` says that it takes material away, `pushes` that it has a force, so that a machine may give way;
+    `touches` says that it is about the tool in contact, so that it is not asked where a probe touches on purpose;
     `reads` the signals that `Window.signals` holds for it, `writes` the columns that it gives values for.
     """
 
@@ -94,6 +95,7 @@ class Process:
     acts_on: ClassVar[ActsOn] = "stock"
     takes: ClassVar[bool] = False
     pushes: ClassVar[bool] = False
+    touches: ClassVar[bool] = False
     reads: ClassVar[tuple[Signal, ...]] = ()
     writes: ClassVar[tuple[Column, ...]] = ()
 

@@ -36,6 +36,7 @@ class Sensing(Process):
     """What a probe does besides probing: it may run into a stock."""
 
     kind: ClassVar[str] = "sensing"
+    touches: ClassVar[bool] = True
     writes: ClassVar[tuple[Column, ...]] = (
         Column("probe_depth", "m", "greatest", FINDINGS, "depth of the probe in stock, by a move that does not probe"),
     )
