@@ -39,12 +39,18 @@ class Kernel:
     of small hot kernels, and its loops may work on several elements at a time.
     The compiler refuses one that makes an array; that arguments are apart is on
     who calls it.
+
+    An `inlined` kernel becomes a part of each kernel that calls it: a section of a long one that has a name of its own
+    for the reader. Where many arrays would have to be handed on, a call costs more than the work of a short kernel.
     """
 
-    def __init__(self, function: Callable[..., Any], *, short: bool = False, lean: bool = False) -> None:
+    def __init__(
+        self, function: Callable[..., Any], *, short: bool = False, lean: bool = False, inlined: bool = False
+    ) -> None:
         self.py_func = function
         self.short = short
         self.lean = lean
+        self.inlined = inlined
         self.__doc__ = function.__doc__
         self.__wrapped__ = function
         self._entries: list[Callable[..., Any]] = []
@@ -116,12 +122,14 @@ def is_compiler_off() -> bool:
 @overload
 def kernel(function: F) -> F: ...
 @overload
-def kernel(*, short: bool = False, lean: bool = False) -> Callable[[F], F]: ...
-def kernel(function: F | None = None, *, short: bool = False, lean: bool = False) -> F | Callable[[F], F]:
-    """Declare a kernel; `short`, `lean`: see `Kernel`."""
+def kernel(*, short: bool = False, lean: bool = False, inlined: bool = False) -> Callable[[F], F]: ...
+def kernel(
+    function: F | None = None, *, short: bool = False, lean: bool = False, inlined: bool = False
+) -> F | Callable[[F], F]:
+    """Declare a kernel; `short`, `lean`, `inlined`: see `Kernel`."""
     if function is None:
-        return lambda function: cast(F, Kernel(function, short=short, lean=lean))
-    return cast(F, Kernel(function, short=short, lean=lean))
+        return lambda function: cast(F, Kernel(function, short=short, lean=lean, inlined=inlined))
+    return cast(F, Kernel(function, short=short, lean=lean, inlined=inlined))
 
 
 def _no_entry(*arguments: Any) -> Any:

@@ -78,7 +78,7 @@ def part_of(kernel: Kernel) -> Any:
 @cache
 def _part_of(kernel: Kernel) -> Any:
     """The kernel as others call it, which Python cannot call."""
-    return _jit(kernel, "part", no_cpython_wrapper=True, no_cfunc_wrapper=True)
+    return _jit(kernel, "part", no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=kernel.inlined)
 
 
 def _jit(kernel: Kernel, kind: str, **options: bool) -> Any:

@@ -56,20 +56,20 @@ class Field(NamedTuple):
     tops: Array
 
 
-@kernel(lean=True)
+@kernel(lean=True, inlined=True)
 def coarsest(field: Field) -> float:
     """The longer side of a cell [m]."""
     return max(field.grid.dx, field.grid.dy)
 
 
-@kernel(lean=True)
+@kernel(lean=True, inlined=True)
 def diagonal(field: Field) -> float:
     """The diagonal of a cell [m]."""
     grid = field.grid
     return float(np.sqrt(grid.dx * grid.dx + grid.dy * grid.dy))
 
 
-@kernel(lean=True)
+@kernel(lean=True, inlined=True)
 def breadth_along(field: Field, ux: float, uy: float) -> float:
     """How broad [m] a cell is for somebody who looks along (ux, uy), a unit vector."""
     return float(field.grid.dx * abs(uy) + field.grid.dy * abs(ux))
@@ -82,7 +82,7 @@ def patch_at(field: Field, x: float, y: float) -> tuple[int, int]:
     return int(np.floor((x - grid.x) / (grid.dx * PATCH))), int(np.floor((y - grid.y) / (grid.dy * PATCH)))
 
 
-@kernel(lean=True)
+@kernel(lean=True, inlined=True)
 def patch_top(columns: Columns, pi: int, pj: int) -> float:
     """Height [m] of the highest material in patch (pi, pj); -inf when it is empty."""
     _, hi, count = columns

@@ -21,7 +21,10 @@ ELSEWHERE = -1.0  # no share: the place has to be asked on its own
 
 
 class ToColumns(NamedTuple):
-    """From u, l [m] about a point to places in columns: (i0 + i_u u + i_l l, j0 + j_u u + j_l l)."""
+    """From u, l [m] about a point to places in columns: (i0 + i_u u + i_l l, j0 + j_u u + j_l l).
+
+    And the columns (nx, ny): the ends of all intervals in one row.
+    """
 
     i0: float
     j0: float
@@ -29,6 +32,10 @@ class ToColumns(NamedTuple):
     i_l: float
     j_u: float
     j_l: float
+    lo: Array
+    hi: Array
+    nx: int
+    ny: int
 
 
 class Places(NamedTuple):
@@ -39,17 +46,18 @@ class Places(NamedTuple):
     ups: Array
 
 
-@kernel(lean=True)
+@kernel(lean=True, inlined=True)
 def to_columns(field: Field, point: Array, ux: float, uy: float) -> ToColumns:
     """u points along the unit vector (ux, uy), l to its left; both begin above `point`."""
-    grid = field.grid
+    (lo, hi, count), grid = field.columns, field.grid
     to_x, to_y = 1.0 / grid.dx, 1.0 / grid.dy
     return ToColumns(
-        (point[0] - grid.x) * to_x - 0.5, (point[1] - grid.y) * to_y - 0.5, ux * to_x, -uy * to_x, uy * to_y, ux * to_y
+        (point[0] - grid.x) * to_x - 0.5, (point[1] - grid.y) * to_y - 0.5, ux * to_x, -uy * to_x, uy * to_y, ux * to_y,
+        lo.reshape(lo.size), hi.reshape(hi.size), count.shape[0], count.shape[1],
     )  # fmt: skip
 
 
-@kernel(lean=True)
+@kernel(lean=True, inlined=True)
 def share_between(field: Field, x: float, y: float, z0: float, z1: float) -> float:
     """`occupancy`, quicker where each of the columns around (x, y) has one interval, as is common."""
     i, j, wx, wy = surrounding(field.grid, x, y)
@@ -69,7 +77,7 @@ def share_between(field: Field, x: float, y: float, z0: float, z1: float) -> flo
 def read_single(
     lo: Array, hi: Array, nx: int, ny: int, places: Places, bottom: float, top: float, share: Array
 ) -> None:
-    """`ask_places` for columns with one interval each; lo, hi: their ends in one row."""
+    """`ask_places` for columns with one interval each."""
     us, vs, ups = places
     last_i, last_j, row = np.float64(nx - 2), np.float64(ny - 2), np.uint64(ny)
     scale = 1.0 / (top - bottom)
@@ -91,16 +99,15 @@ def read_single(
         share[k] = full if u == us[k] and v == vs[k] else ELSEWHERE
 
 
-@kernel(lean=True)
-def ask_places(field: Field, places: Places, bottom: float, top: float, share: Array) -> None:
+@kernel(lean=True, inlined=True)
+def ask_places(columns: ToColumns, places: Places, bottom: float, top: float, share: Array) -> None:
     """Share (n,) of bottom..top [m], raised by `ups`, that is material at places between column centres.
 
     ELSEWHERE at places that have no four columns around them, and everywhere when columns have more than one interval
     or the stock is a single row.
     """
-    lo, hi, count = field.columns
-    nx, ny = count.shape
-    if lo.size == nx * ny and nx > 1 and ny > 1:  # nearly always
-        read_single(lo.reshape(lo.size), hi.reshape(hi.size), nx, ny, places, bottom, top, share)
+    nx, ny = columns.nx, columns.ny
+    if columns.lo.size == nx * ny and nx > 1 and ny > 1:  # nearly always
+        read_single(columns.lo, columns.hi, nx, ny, places, bottom, top, share)
     else:
         share[:] = ELSEWHERE

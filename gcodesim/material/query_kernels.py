@@ -25,14 +25,20 @@ def surrounding(grid: Grid, x: float, y: float) -> tuple[int, int, float, float]
     return int(i), int(j), u - i, v - j
 
 
-@kernel(lean=True)
+@kernel(lean=True, inlined=True)
 def occupancy(field: Field, x: float, y: float, z0: float, z1: float) -> float:
+    """Share [-] of the height z0..z1 (z0 < z1) [m] that is material at (x, y): bilinear between column centres."""
+    return occupancy_of(field.columns, field.grid, x, y, z0, z1)
+
+
+@kernel(lean=True)
+def occupancy_of(columns: Columns, grid: Grid, x: float, y: float, z0: float, z1: float) -> float:
     """Share [-] of the height z0..z1 (z0 < z1) [m] that is material at (x, y): bilinear between column centres.
 
     It changes continuously with x, y, z0 and z1, so that forces and deflections can be solved together.
     """
-    nx, ny = field.columns.number.shape
-    i, j, wx, wy = surrounding(field.grid, x, y)
+    nx, ny = columns.number.shape
+    i, j, wx, wy = surrounding(grid, x, y)
     total = 0.0
     for di in range(2):
         if not (0 <= i + di < nx):
@@ -43,22 +49,28 @@ def occupancy(field: Field, x: float, y: float, z0: float, z1: float) -> float:
                 continue
             weight = weight_x * (wy if dj == 1 else 1.0 - wy)
             if weight > 0.0:
-                total += weight * overlap(field.columns, i + di, j + dj, z0, z1)
+                total += weight * overlap(columns, i + di, j + dj, z0, z1)
     return total / (z1 - z0)
 
 
-@kernel(lean=True)
+@kernel(lean=True, inlined=True)
 def fill_slices(field: Field, x: float, y: float, z0: float, dz: float, out: Array) -> float:
+    """`occupancy` of slices of height dz [m] above each other, the first from z0, into `out`; their sum."""
+    return slices_of(field.columns, field.grid, x, y, z0, dz, out)
+
+
+@kernel(lean=True)
+def slices_of(columns: Columns, grid: Grid, x: float, y: float, z0: float, dz: float, out: Array) -> float:
     """The same for `out.size` slices of height dz [m] above each other, the first from z0: their shares [-] into `out`.
 
     One look at the four columns serves all slices. Returns the sum of the shares (0: no material here).
     """
-    lo, hi, count = field.columns
+    lo, hi, count = columns
     nx, ny = count.shape
     slices = out.shape[0]
     for s in range(slices):
         out[s] = 0.0
-    i, j, wx, wy = surrounding(field.grid, x, y)
+    i, j, wx, wy = surrounding(grid, x, y)
     z_end = z0 + dz * slices
     total = 0.0
     for di in range(2):

@@ -189,25 +189,25 @@ def row_range(origin: float, step: float, nudge: float, count: int, least: float
     return max(first, 0), min(last, count)
 
 
-@kernel(lean=True)
+@kernel(lean=True, inlined=True)
 def columns_across_x(grid: Grid, nx: int, least: float, most: float) -> tuple[int, int]:
     """First and last + 1 index i of the columns that may lie in least..most [m] along x."""
     return row_range(grid.x, grid.dx, NUDGE_X, nx, least, most)
 
 
-@kernel(lean=True)
+@kernel(lean=True, inlined=True)
 def columns_across_y(grid: Grid, ny: int, least: float, most: float) -> tuple[int, int]:
     """The same along y, index j."""
     return row_range(grid.y, grid.dy, NUDGE_Y, ny, least, most)
 
 
-@kernel(lean=True)
+@kernel(lean=True, inlined=True)
 def x_of(grid: Grid, i: int) -> float:
     """Where columns i are asked [m]."""
     return grid.x + (i + 0.5 + NUDGE_X) * grid.dx
 
 
-@kernel(lean=True)
+@kernel(lean=True, inlined=True)
 def y_of(grid: Grid, j: int) -> float:
     """Where columns j are asked [m]."""
     return grid.y + (j + 0.5 + NUDGE_Y) * grid.dy

@@ -138,7 +138,7 @@ def lay_rows(pieces: Array, piece: int, height: float, cell: float, rows: Array)
     return number
 
 
-@kernel(lean=True)
+@kernel(lean=True, inlined=True)
 def clearances(field: Field, heading: Heading) -> tuple[float, float]:
     """How far [m] ahead of the cutter, and inside its width, to ask: no column around such a place is under it.
 
@@ -217,21 +217,21 @@ class Ring(NamedTuple):
     least_way: float  # the shortest way along the feed
 
 
-@kernel(lean=True)
+@kernel(lean=True, inlined=True)
 def part_of(circle: Circle, begin: int, end: int) -> Circle:
     """Some of the angles."""
     return Circle(circle.sines[begin:end], circle.cosines[begin:end])
 
 
-@kernel(lean=True)
+@kernel(lean=True, inlined=True)
 def places_at(room: Room, begin: int, end: int) -> Places:
     """Room for the places of some angles."""
     us, vs, ups = room.places
     return Places(us[begin:end], vs[begin:end], ups[begin:end])
 
 
-@kernel(lean=True)
-def lay_places(circle: Circle, ring: Ring, heading: Heading, to_columns: ToColumns, places: Places) -> None:
+@kernel(lean=True, inlined=True)
+def lay_places(circle: Circle, ring: Ring, heading: Heading, columns: ToColumns, places: Places) -> None:
     """Where to ask for material at many angles at once, as `probe` does for one.
 
     No branches, no dependence between turns.
@@ -239,7 +239,7 @@ def lay_places(circle: Circle, ring: Ring, heading: Heading, to_columns: ToColum
     sines, cosines = circle
     radius, outer, ahead, inside, least_way = ring
     _, _, level, climb = heading
-    i0, j0, i_u, i_l, j_u, j_l = to_columns
+    i0, j0, i_u, i_l, j_u, j_l, _, _, _, _ = columns
     us, vs, ups = places
     for k in range(us.shape[0]):
         px, py = radius * sines[k], radius * cosines[k]
@@ -347,7 +347,7 @@ def contact_of_rows(
         for begin, end in ((0, front_end), (back_begin, last)):
             places = places_at(room, begin, end)
             lay_places(part_of(circle, begin, end), ring, heading, columns, places)
-            ask_places(field, places, bottom, top, line[begin:end])
+            ask_places(columns, places, bottom, top, line[begin:end])
         if leave_advancing(sines, level, sin_kappa, fall, line):
             for k in range(last):
                 if line[k] == ELSEWHERE:
@@ -358,7 +358,7 @@ def contact_of_rows(
     return found
 
 
-@kernel(lean=True)
+@kernel(lean=True, inlined=True)
 def share_out_steps(
     field: Field, circle: Circle, tip: Array, heading: Heading, room: Room, i: int, last: int
 ) -> tuple[int, int]:
@@ -401,8 +401,9 @@ def contact_of_cylinder(
     bottom, top = tip[2] + rows[first, LOW], tip[2] + rows[first + number - 1, HIGH]
     height = (top - bottom) / number
     ring, places = Ring(radius, widest + ahead, ahead, max(radius - aside, 0.0), 0.0), places_at(room, 0, half)
-    lay_places(part_of(circle, 0, half), ring, heading, to_columns(field, tip, ux, uy), places)
-    ask_places(field, places, bottom, top, share)
+    columns = to_columns(field, tip, ux, uy)
+    lay_places(part_of(circle, 0, half), ring, heading, columns, places)
+    ask_places(columns, places, bottom, top, share)
     earlier = -1.0
     begin, end = half, 0
     for k in range(half):

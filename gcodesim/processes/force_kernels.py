@@ -100,7 +100,7 @@ class Scale(NamedTuple):
     axial: float
 
 
-@kernel(lean=True)
+@kernel(lean=True, inlined=True)
 def scale_of(law: ForceLaw, component: int, chip: float) -> float:
     """One component of `Scale`."""
     return float(law.factor[component] * chip ** law.exponent[component]) if chip > 0.0 else 0.0
@@ -238,7 +238,7 @@ def cutting_force(
     return used if result[CONTACT] > 0.0 else 0
 
 
-@kernel(lean=True)
+@kernel(lean=True, inlined=True)
 def add_rows(teeth: Teeth, heading: Heading, scale: Scale, room: Room, first: int, number: int, straight: bool) -> None:
     """Forces of the rows first..first + number, which are those of one piece."""
     rows = room.rows
@@ -257,7 +257,7 @@ def add_rows(teeth: Teeth, heading: Heading, scale: Scale, room: Room, first: in
         add_row(rows[i], teeth.circle, room.unit, room.weights[i], on_tooth, room.sums)
 
 
-@kernel(lean=True)
+@kernel(lean=True, inlined=True)
 def sum_up(
     teeth: Teeth, heading: Heading, chip: float, steepest: float, last: int, room: Room, used: int, result: Array
 ) -> None:

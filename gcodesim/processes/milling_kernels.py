@@ -219,7 +219,7 @@ def along(vector: Array, ux: float, uy: float, level: float, climb: float) -> fl
     return float(level * (ux * vector[0] + uy * vector[1]) + climb * vector[2])
 
 
-@kernel(lean=True)
+@kernel(lean=True, inlined=True)
 def look(
     field: Field, teeth: Teeth, step: Step, travel: Travel, wrenches: Wrenches, place: Array, asked: float, room: Room,
     result: Array,
@@ -250,7 +250,7 @@ def next_relaxation(relaxation: float, residual: Array, earlier: Array) -> float
     return relaxation
 
 
-@kernel(lean=True)
+@kernel(lean=True, inlined=True)
 def solve_step(
     field: Field, teeth: Teeth, compliance: Array, step: Step, room: Room, trial: Trial, state: State, result: Array
 ) -> tuple[int, float]:
@@ -322,7 +322,7 @@ def solve_step(
     return used, ratio
 
 
-@kernel(lean=True)
+@kernel(lean=True, inlined=True)
 def find_way(motion: Motion, k: int, state: State, way: Way) -> bool:
     """Where the commanded tip begins and ends in step k; whether that is known: a dwell needs a step before it."""
     pieces_from, pieces_to = motion.first_piece[k], motion.first_piece[k + 1]
@@ -340,13 +340,13 @@ def find_way(motion: Motion, k: int, state: State, way: Way) -> bool:
     return True
 
 
-@kernel(lean=True)
+@kernel(lean=True, inlined=True)
 def depth_of(field: Field, start: Array, end: Array, shape: Shape) -> float:
     """How deep [m] a part of the tool is in material from `start` to `end`; 0 of one that is missing."""
     return touch_piece(field, start, end, shape)[1] if shape.radius > 0.0 else 0.0
 
 
-@kernel(lean=True)
+@kernel(lean=True, inlined=True)
 def point_feed(motion: Motion, k: int, state: State) -> tuple[float, float, float]:
     """Renew `state.feed` for step k; speed [m/s], and the horizontal and vertical share of its direction."""
     vx, vy, vz = motion.velocity[k, 0], motion.velocity[k, 1], motion.velocity[k, 2]
@@ -364,7 +364,7 @@ def point_feed(motion: Motion, k: int, state: State) -> tuple[float, float, floa
     return speed, level, climb
 
 
-@kernel(lean=True)
+@kernel(lean=True, inlined=True)
 def may_feel(field: Field, cutter: Shape, way: Way, state: State) -> bool:
     """Whether a tool that is fed may feel material: it cuts, leans on it, or runs through some in this step."""
     cell = coarsest(field)
@@ -380,7 +380,7 @@ def may_feel(field: Field, cutter: Shape, way: Way, state: State) -> bool:
     return False
 
 
-@kernel(lean=True)
+@kernel(lean=True, inlined=True)
 def feel(
     field: Field, tool: MillingTool, motion: Motion, k: int, way: Way, top: float, room: Room, trial: Trial,
     state: State, result: Array, out: Array,
@@ -434,7 +434,7 @@ def feel(
         out[DEFLECTION + axis] = state.delta[axis]
 
 
-@kernel(lean=True)
+@kernel(lean=True, inlined=True)
 def cut(
     field: Field, tool: MillingTool, motion: Motion, k: int, first: int, way: Way, top: float, spare: Array,
     state: State, out: Array,
@@ -462,7 +462,7 @@ def cut(
     return True
 
 
-@kernel(lean=True)
+@kernel(lean=True, inlined=True)
 def settle(field: Field, motion: Motion, k: int, way: Way, state: State, out: Array) -> None:
     """What the volume that step k has removed means for the next ones, and for misuse."""
     cell = coarsest(field)
@@ -480,14 +480,14 @@ def settle(field: Field, motion: Motion, k: int, way: Way, state: State, out: Ar
                 out[REVERSED] = 1.0
 
 
-@kernel(lean=True)
+@kernel(lean=True, inlined=True)
 def is_tilted(motion: Motion, k: int) -> bool:
     """Whether the tool is not upright in step k."""
     x, y, z = motion.axis[k, 0], motion.axis[k, 1], motion.axis[k, 2]
     return bool(x**2 + y**2 > LARGEST_TILT * LARGEST_TILT or z <= 0.0)
 
 
-@kernel(lean=True)
+@kernel(lean=True, inlined=True)
 def is_free(field: Field, tool: MillingTool, tip: Array) -> bool:
     """Whether no part stands in material: a long tool may stand through the stock with its edges below it."""
     deepest = max(depth_of(field, tip, tip, tool.cutter), 0.0)

@@ -209,7 +209,7 @@ def solve_travel(step: Travel, wrenches: Wrenches, asked: float) -> float:
     return float(a)
 
 
-@kernel(lean=True)
+@kernel(lean=True, inlined=True)
 def follow_travel(step: Travel, wrenches: Wrenches, asked: float, result: Array) -> tuple[float, float]:
     """Change the wrench `result` (>= 7,), asked for the travel at the advance `asked`, to that of the travel it leaves.
 
