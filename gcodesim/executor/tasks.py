@@ -37,12 +37,18 @@ class Task:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RowColumns:
-    """What holds in each of the n path rows: tool number, rapid, probing, and the signals (n,) by name."""
+    """What holds in each of the n path rows: tool number, rapid, probing, and the signals (n,) by name.
+
+    `shift` (n, 3) [m] is how far the control point has jumped up to each row because other lengths of tools came into
+    force. Nothing moves then: the same place gets another name. Seen from one row, a point of another row is less by
+    the difference of both.
+    """
 
     tool: NDArray[np.int64]
     rapid: NDArray[np.bool_]
     probing: NDArray[np.bool_]
     signals: Mapping[str, NDArray[Any]]
+    shift: NDArray[np.float64]
 
     @staticmethod
     def of(path: ToolPath) -> RowColumns:
@@ -51,18 +57,29 @@ class RowColumns:
         if not len(path):  # one resting row, so that a program without moves has a state too
             none = np.zeros(1, dtype=bool)
             signals = {SPINDLE.name: speeds[:1], ACTIVE.name: none}
-            return RowColumns(tool=numbers[:1], rapid=none, probing=none, signals=signals)
+            return RowColumns(tool=numbers[:1], rapid=none, probing=none, signals=signals, shift=np.zeros((1, 3)))
         return RowColumns(
             tool=numbers[path.state],
             rapid=(path.kind == RAPID) | (path.kind == HOME),
             probing=np.array([state.word in PROBING for state in path.states])[path.state],
             signals={SPINDLE.name: speeds[path.state], ACTIVE.name: path.active.astype(bool)},
+            shift=_shifts(path),
         )
 
     def signal(self, signal: Signal, row: NDArray[np.int64]) -> NDArray[Any]:
         """The values of a signal in rows `row` (n,); its default where the program knows no such signal."""
         values = self.signals.get(signal.name)
         return np.full(len(row), signal.default) if values is None else values[row]
+
+
+def _shifts(path: ToolPath) -> NDArray[np.float64]:
+    """`RowColumns.shift` of a path with rows."""
+    shifts = np.zeros((len(path), 3))
+    lengths = np.array([state.offset[:3] for state in path.states], dtype=float)[path.state]
+    at = np.flatnonzero((np.diff(lengths, axis=0) != 0.0).any(axis=1)) + 1
+    shifts[at] = path.start[at, :3] - path.end[at - 1, :3]
+    total: NDArray[np.float64] = np.cumsum(shifts, axis=0)
+    return total
 
 
 @dataclass(slots=True, eq=False)

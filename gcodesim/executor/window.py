@@ -25,9 +25,13 @@ MOST_PARTS: Final = 64  # of one step
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Carry:
-    """What a window takes over from the one before: tool, tip from control point (3,) [m] in B, tip pose (4, 4)."""
+    """What a window takes over from the one before: tool, tip from control point (3,) [m] in B, tip pose (4, 4).
+
+    `shift` (3,) [m] is that of the row in whose coordinates the control point is meant; see `RowColumns`.
+    """
 
     tool: int
+    shift: Array
     gap: Array
     tip: Array
 
@@ -68,7 +72,8 @@ def first_carry(plan: Plan, rows: RowColumns, t_ns: int = 0) -> Carry:
     samples = plan.trajectory.sample(np.array([t_ns * 1e-9]))
     row = np.zeros(1, dtype=np.int64) if t_ns == 0 else np.minimum(samples.row, len(rows.tool) - 1)
     tip = plan.tip(plan.joints(samples), row)[0]
-    return Carry(tool=int(rows.tool[row[0]]), gap=tip[:3, 3] - samples.position[0, :3], tip=tip)
+    shift = rows.shift[_named_by(samples, len(rows.tool) - 1)][0]
+    return Carry(tool=int(rows.tool[row[0]]), shift=shift, gap=tip[:3, 3] - samples.position[0, :3], tip=tip)
 
 
 def window_of(plan: Plan, rows: RowColumns, first: int, count: int, dt_ns: int, carry: Carry) -> StepWindow:
@@ -89,9 +94,10 @@ def window_of(plan: Plan, rows: RowColumns, first: int, count: int, dt_ns: int, 
     tip = plan.tip(q, row)
 
     # tip from control point at both ends of every step; a fresh tool has no past
-    gap = tip[:, :3, 3] - samples.position[:, :3]
+    shift = rows.shift[_named_by(middle, last)]  # of each step
+    gap = tip[:, :3, 3] - (samples.position[:, :3] - (rows.shift[_named_by(samples, last)] - shift))
     changed = np.diff(tool, prepend=carry.tool) != 0
-    gap_before = np.vstack([carry.gap[None], gap[:-1]])
+    gap_before = np.vstack([carry.gap[None], gap[:-1]]) - (shift - np.vstack([carry.shift[None], shift[:-1]]))
     gap_before[changed] = gap[changed]
     tip_before = np.concatenate([carry.tip[None], tip[:-1]])
     tip_before[changed] = tip[changed]
@@ -100,11 +106,13 @@ def window_of(plan: Plan, rows: RowColumns, first: int, count: int, dt_ns: int, 
     speed = np.where(rows.rapid[row], 0.0, np.abs(middle.speed))
     parts = np.clip(np.ceil(speed * dt / LONGEST_CHORD), 1, MOST_PARTS).astype(np.int64)
     knot_time = np.unique(np.concatenate([_refined(times, parts), trajectory.boundaries(times[0], times[-1])]))
-    knots = trajectory.sample(knot_time).position[:, :3]
+    at_knots = trajectory.sample(knot_time)
+    knots, knot_shift = at_knots.position[:, :3], rows.shift[_named_by(at_knots, last)]
     centre = 0.5 * (knot_time[:-1] + knot_time[1:])
     step = np.clip(np.searchsorted(times, centre, side="right") - 1, 0, count - 1)
     share = np.clip(np.column_stack([knot_time[:-1] - times[step], knot_time[1:] - times[step]]) / dt, 0.0, 1.0)
     bend = gap[step] - gap_before[step]
+    begin, end = knots[:-1] - (knot_shift[:-1] - shift[step]), knots[1:] - (knot_shift[1:] - shift[step])
     window = StepWindow(
         first=first,
         dt=dt,
@@ -114,14 +122,20 @@ def window_of(plan: Plan, rows: RowColumns, first: int, count: int, dt_ns: int, 
         q=q,
         tip=tip,
         tip_before=tip_before,
-        piece_start=knots[:-1] + gap_before[step] + share[:, :1] * bend,
-        piece_end=knots[1:] + gap_before[step] + share[:, 1:] * bend,
+        piece_start=begin + gap_before[step] + share[:, :1] * bend,
+        piece_end=end + gap_before[step] + share[:, 1:] * bend,
         piece_step=step,
         piece_share=share,
         piece_row=np.clip(trajectory.sample(centre).row, 0, last),
     )
-    carry.tool, carry.gap, carry.tip = int(tool[-1]), gap[-1], tip[-1]
+    carry.tool, carry.shift, carry.gap, carry.tip = int(tool[-1]), shift[-1], gap[-1], tip[-1]
     return window
+
+
+def _named_by(samples: Samples, last: int) -> Ints:
+    """The rows (n,) in whose coordinates samples are: while the machine waits for a row, the one before."""
+    rows: Ints = np.clip(samples.row - (samples.event >= 0), 0, last)
+    return rows
 
 
 def _refined(times: Array, parts: Ints) -> Array:

@@ -136,3 +136,22 @@ def test_a_rapid_back_into_a_hole_that_a_soft_arm_pecks_is_no_cut() -> None:
     program = "G21 G90 G17 G94\nT2 M6\nG43 H2\nS3000 M3\nG0 X7.3 Y12.1 Z5\nG98 G83 Z-18 R1 Q3 F300\nG80\n" + TAIL
     fine = ARM.replace("resolution: 0.5", "resolution: 0.25") + "simulation: {rate: 2 kHz}\n"
     assert misuse(program, fine).bad == []
+
+
+CHANGES = {
+    "at once": "T3 M6\nG43 H3\n",
+    "late": "T3 M6\nG4 P0.1\nG43 H3\n",
+    "twice": "T2 M6\nG43 H2\nT3 M6\nG43 H3\n",
+}
+
+
+@pytest.mark.parametrize("change", CHANGES)
+@pytest.mark.parametrize("instant", [False, True])
+@pytest.mark.parametrize(("height", "stands"), [(10, True), (20, False)])
+def test_a_longer_tool_stands_where_it_is_put_in(change: str, instant: bool, height: int, stands: bool) -> None:
+    """T3 is 15 mm longer than T1 with its holder; what comes into force then is a name of the place, no way to it."""
+    tools = TOOLS.replace(", change_time: 1 s", "") if instant else TOOLS
+    ran = run_texts(HEAD + f"G0 X25 Y20 Z{height}\n" + CHANGES[change] + "G0 Z40\n" + TAIL, GANTRY + tools)
+
+    assert ran.stock.removed == 0.0
+    assert ran.misuse == ([("GS403", 6 + 2 * (change == "twice"))] if stands else [])
