@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Final, Literal
 
 from gcodesim.canon.systems import system_name
+from gcodesim.cell.inputs import INPUTS, InputKind, InputSource
 from gcodesim.cell.placing import SYSTEM_NAMES, Place
 from gcodesim.declarations.composed import ListOf
 from gcodesim.declarations.file_kind import File, FileValue
@@ -274,6 +275,12 @@ class Channel:
     m_codes: Mapping[str, MCode] = key(
         MapOf(M_CODES, _ActionKind(), "M-codes and what they do, such as `M10: {tool: activate}`"),
         "M-codes of this cell",
+        default={},
+        quiet=True,
+    )
+    inputs: Mapping[str, InputSource] = key(
+        MapOf(INPUTS, InputKind(), "inputs and what they read"),
+        "what M66 reads; inputs that are not named read 0",
         default={},
         quiet=True,
     )

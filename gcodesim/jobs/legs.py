@@ -7,7 +7,7 @@ leg of its own, planned when the stock is as the legs before have left it. Legs 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
@@ -16,13 +16,14 @@ import numpy as np
 from gcodesim import canon
 from gcodesim.canon import Axes
 from gcodesim.canon.batch import MoveBatch
+from gcodesim.cell.inputs import InputSource
 from gcodesim.checks.clearance import clearance_findings, standing_bodies
 from gcodesim.checks.contact import Contact, TargetStock, Touching
 from gcodesim.checks.empty_spindle import empty_spindle_findings
 from gcodesim.checks.ends import left_on
 from gcodesim.checks.idle import blind_axis_findings
 from gcodesim.checks.speed import speed_findings
-from gcodesim.diagnostics import Diagnostic, Severity
+from gcodesim.diagnostics import Diagnostic, Severity, Span
 from gcodesim.frames import Array
 from gcodesim.jobs.results import ProbeResult
 from gcodesim.motion.build import PathBuilder
@@ -61,6 +62,8 @@ class Legs:
         self._steps = 0  # of all legs so far
         self._stocked: bool | None = None
         self._duration_of = event_durations(job.cell.magazine.change_time)
+        self._outputs: dict[str, float] = {}  # digital P0 …, analog E0 …
+        self._unheard: dict[str, tuple[int, Span]] = {}
         self._touched: tuple[str, float] | None = None  # what the last leg touched, and how deep it then went in
 
     @property
@@ -151,6 +154,7 @@ class Legs:
         self._stream.close()
         self._job.sources |= self._reading.sources
         self._job.findings.extend(self._reading.findings)
+        self._tell_of_unheard()
 
     # ---- plain legs
 
@@ -211,6 +215,7 @@ class Legs:
             leg = self._padded(leg)
             self._posing = self._posing.after(leg.joint_path, leg.path, self.shop.home)
             self._at = leg.joints(leg.trajectory.sample(np.array([leg.trajectory.duration])))[0]
+        _set_outputs(self._outputs, (noted.event for noted in leg.path.events), moved=True)
         job.plan = leg if before is None else followed_by(before, leg)
         return job.plan
 
@@ -290,9 +295,45 @@ class Legs:
     # ---- inputs
 
     def _hear(self, question: canon.Input) -> None:
-        """What an input reads when the machine has come to rest: nothing sets it, so it is 0 and stays so."""
+        """What an input reads, as the cell has it; the machine has come to rest, and stands while it waits."""
+        pending = self._builder.events
+        begin = self._steps * self._step_ns * 1e-9 + sum(self._duration_of(noted.event) for noted in pending)
+        outputs = dict(self._outputs)
+        _set_outputs(outputs, (noted.event for noted in pending), moved=False)
+        pin = f"{'P' if question.type == 'digital' else 'E'}{question.index}"
+        source = self.shop.cell.channels[self.shop.channel].inputs.get(pin)
+        if source is None:
+            count, first = self._unheard.get(pin, (0, question.span))
+            self._unheard[pin] = (count + 1, first)
+            source = InputSource()
+        value, waited = source.read(question.wait, begin, question.timeout, outputs)
+        if value is not None and question.type == "digital":
+            value = float(value != 0.0)
+        if waited > 0.0:
+            self._builder.add(canon.Waited(span=question.span, seconds=waited))
         self._question = None
-        self._reply = canon.Heard(value=0.0)
+        self._reply = canon.Heard(value=value)
+
+    def _tell_of_unheard(self) -> None:
+        """GS905 for inputs that the cell does not name."""
+        for pin, (count, first) in self._unheard.items():
+            self._reading.not_simulated[f"M66 {pin}"] = (count, first)
+            self._job.findings.add(
+                Diagnostic(
+                    code="GS905",
+                    message=f"M66 {pin} is read, but nothing sets that input: it is 0 and stays so",
+                    span=first,
+                    hint=f"say in the cell what it reads: `inputs: {{{pin}: 1}}`",
+                    count=count,
+                )
+            )
+
+
+def _set_outputs(outputs: dict[str, float], events: Iterable[canon.Event], *, moved: bool) -> None:
+    """Take over the outputs that the program has set; those of M62, M63 and M67 wait for the next move."""
+    for event in events:
+        if isinstance(event, canon.Output) and (moved or not event.with_motion):
+            outputs[f"{'P' if event.type == 'digital' else 'E'}{event.index}"] = event.value
 
 
 def _shares(plan: Plan, time: float) -> tuple[float, float]:

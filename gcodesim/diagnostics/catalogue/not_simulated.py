@@ -48,10 +48,12 @@ CODES: tuple[Code, ...] = (
         code="GS905",
         severity=Severity.NOTE,
         title="Input not simulated",
-        what="Inputs read 0: nothing in the simulation sets them.",
+        what="M66 reads an input that nothing sets: it is 0, and a wait for it runs out.",
         why="What depends on it on the real machine is not in the results.",
         remedy=(
-            "Map the code in the cell under `m_codes` if it matters, or make it an error with `checks: {GS9xx: error}`."
+            "Say in the cell what it reads, under `inputs` of the channel: `{P0: 1}`, by time "
+            "`{P1: [[0, 0], [5 s, 1]]}`, or wired to an output `{P2: {output: P1}}`. `checks: {GS9xx: error}` lets no "
+            "program pass that reads others."
         ),
     ),
     Code(
