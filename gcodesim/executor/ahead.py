@@ -1,7 +1,7 @@
-"""Cutting ahead: what the tools do in a window if the machine follows its command, found out in a second thread.
+"""Cutting ahead: a second thread computes what the tools do in a window if the machine follows its command.
 
-Where motors keep up, the cut follows from the command alone, so the stock may be a window ahead of the world. When a
-motor turns out to be too weak, what was cut ahead is taken back and the cut goes on with the motion, step by step.
+Where motors keep up, the cut depends on the command alone, so the stock may be a window ahead of the world. When a
+motor turns out to be too weak, what was cut ahead is undone and the cut goes on with the motion, step by step.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ Look = Callable[[StepWindow], Any]
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class WindowCut:
-    """One window with its stretches, each of one tool; `wrenches` are what these feel, `seen` is what `Look` saw."""
+    """One window with its stretches, each of one tool. `wrenches`: what the tools feel; `seen`: what `Look` saw."""
 
     window: StepWindow
     stretches: Sequence[Stretch]
@@ -35,14 +35,14 @@ class WindowCut:
 
     @property
     def stints(self) -> list[Stint]:
-        """All that tools did, in order."""
+        """Everything that the tools did, in order."""
         return [stint for stretch in self.stretches for stint in stretch.stints]
 
 
 class CutThread:
-    """A thread that cuts window after window, in order; kernels leave the interpreter to the others.
+    """A thread that cuts window after window, in order; kernels release the interpreter.
 
-    `undoable` keeps each stock as it was, so that `take_back` works. What fails in the thread is raised by `wait`.
+    `undoable` keeps each stock as it was, so that `take_back` works. An exception in the thread is raised by `wait`.
     """
 
     def __init__(self, look: Look | None, *, undoable: bool) -> None:
@@ -52,12 +52,12 @@ class CutThread:
         self._look, self._undoable = look, undoable
 
     def begin(self, cut: WindowCut) -> None:
-        """Cut this window as soon as the one before is done; nothing happens when that was said before."""
+        """Cut this window as soon as the one before it is done; a second call for the same window does nothing."""
         if cut.work is None:
             cut.work = self._thread.submit(self.cut, cut)
 
     def cut(self, cut: WindowCut) -> None:
-        """Cut what is left of a window, here and now, and look at the stocks."""
+        """Cut the rest of a window in the calling thread, and look at the stocks."""
         for stretch in cut.stretches[len(cut.wrenches) :]:
             if self._undoable:
                 cut.undo.append(stretch.save())
@@ -70,7 +70,7 @@ class CutThread:
 
     @staticmethod
     def wait(cut: WindowCut) -> None:
-        """Until the window is cut."""
+        """Wait until the window is cut."""
         if cut.work is not None:
             cut.work.result()
 
@@ -84,5 +84,5 @@ class CutThread:
             cut.work = None
 
     def close(self) -> None:
-        """Wait until everything that was begun is done."""
+        """Wait until all work that was begun is done."""
         self._thread.shutdown()

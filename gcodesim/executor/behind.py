@@ -1,4 +1,4 @@
-"""Work that runs behind the loop: one piece after the other in a second thread, at most one at a time."""
+"""Work that is done behind the loop: piece by piece in a second thread, at most one at a time."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ if TYPE_CHECKING:
 
 
 class Behind:
-    """A thread for what is written down while the next window is computed; kernels leave the interpreter to it.
+    """A thread that writes things down while the next window is computed; kernels release the interpreter.
 
-    Order is kept, so results do not depend on who is faster. What fails there
+    Order is kept, so results do not depend on which thread is faster. An exception there
     is raised at the next call here.
     """
 
@@ -23,7 +23,7 @@ class Behind:
         self._at_work: Future[None] | None = None
 
     def do(self, work: Callable[[], None]) -> None:
-        """Begin with `work` as soon as what was given before is done."""
+        """Begin `work` as soon as the work given before is done."""
         self._wait()
         self._at_work = self._thread.submit(work)
 

@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 
 
 class Coupling:
-    """What a world asks while it moves: joints (m, j) of steps, in order, against the wrench (m, 6) in base axes.
+    """What a world calls while it moves: joints (m, j) of steps go in, in order; wrenches (m, 6) in base axes come out.
 
     A world without dynamics asks for all steps at once, at the commanded joints;
-    one with dynamics asks step by step. How far its joints are off the command
-    moves the tip, and so the cut. One stretch of steps has one tool.
+    one with dynamics asks step by step. The distance of its joints from the command
+    moves the tip, and with it the cut. One stretch of steps has one tool.
     """
 
     def __init__(self, plan: Plan, shop: Shop, rows: RowColumns) -> None:
@@ -36,7 +36,7 @@ class Coupling:
         self._plan, self._rows = plan, rows
 
     def stretch(self, steps: StepWindow, begin: int, end: int, *, cuts: bool = True) -> Stretch:
-        """Make ready for steps `begin` to `end` of a window, all with the same tool; it `cuts`, or is kept from it."""
+        """Prepare steps `begin` to `end` of a window, all with the same tool; it `cuts`, or is kept from cutting."""
         number = int(steps.tool[begin])
         tasks = self._tasks.of(number) if cuts else self._tasks.kept(number)
 
@@ -54,7 +54,7 @@ class Coupling:
         return J if tool is None else shift_jacobian(J, self._shop.kinematics.forward(q), tool.X_FT.p)
 
     def moved_from(self, now: Array) -> Array:
-        """How far (3,) [m] the tip was off the command one step ago; it is `now` from here on."""
+        """The offset (3,) [m] of the tip from the command one step ago; from here on it is `now`."""
         before, self._moved = self._moved, now
         return before
 
@@ -74,7 +74,7 @@ class Stretch:
         return any(stint.task.process.pushes for stint in self.stints)
 
     def __call__(self, first: int, q: Array) -> Array:
-        """What the tool feels in steps `first` … of the stretch, joints being at `q` (m, j) after each; (m, 6)."""
+        """What the tool feels (m, 6) from step `first` of the stretch on, with joints at `q` (m, j) after each step."""
         commanded = self._steps.q[self.begin + first : self.begin + first + len(q)]
         wrench = np.zeros((len(q), 6))
         if not self.stints:
@@ -99,7 +99,7 @@ class Stretch:
         return self(0, self._steps.q[self.begin : self.end])
 
     def save(self) -> Callable[[], None]:
-        """Remember targets and processes; the answer puts them back."""
+        """Remember targets and processes; calling the result restores them."""
         kept = [(stint, stint.task.state.values.copy(), stint.task.target.memento()) for stint in self.stints]
 
         def restore() -> None:
@@ -111,6 +111,6 @@ class Stretch:
         return restore
 
     def finish(self) -> None:
-        """After the world has moved step by step: all answers are in."""
+        """To be called after the world has moved step by step, when all answers are in."""
         for stint in self.stints:
             stint.finish()

@@ -1,4 +1,4 @@
-"""The run: windows of steps one after the other, each planned, moved, processed, recorded."""
+"""The run: windows of steps, one after another, each planned, moved, processed and recorded."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ MOST_STEPS: Final = 2000
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Progress:
-    """How far a run is: steps done of all, simulated time [s], path row."""
+    """How far a run has come: steps done and in all, simulated time [s], path row."""
 
     step: int
     steps: int
@@ -55,28 +55,28 @@ class Watcher(Protocol):
     def look(self, window: StepWindow) -> Any:
         """Look at the stocks as `window` leaves them; in the thread that cuts, before the next window is cut.
 
-        What it answers comes back to `take`, unless the cut is taken back; then it is asked again.
+        The result is handed to `take`, unless the cut is undone; then `look` is called again.
         """
 
     def take(self, record: StepRecord, found: Sequence[Diagnostic], seen: Any) -> Callable[[], None]:
         """The next window, the findings that came up in it, and what `look` saw at its end.
 
-        The answer is work that needs these alone; it is done in order, in another thread, while the next window runs.
+        Returns work that needs nothing else; it is done in order, in another thread, while the next window runs.
         """
 
     def follow(self, plan: Plan) -> None:
-        """The run goes on by a leg: `plan` is that of all legs so far. Done in order with what `take` answers."""
+        """The run goes on with a leg; `plan` is that of all legs so far. Done in order with the work from `take`."""
 
     @property
     def interval_steps(self) -> int:
-        """After so many steps the watcher wants to look at the stock."""
+        """The number of steps after which the watcher wants to look at the stock."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Execution:
-    """What a run came to. `interrupted` when somebody stopped it after `steps` of `planned` steps.
+    """The outcome of a run. `interrupted`: somebody stopped it after `steps` of `planned` steps.
 
-    `volumes` [m³]: of each stock what was removed and what was added.
+    `volumes` [m³]: what was removed from each stock and what was added to it.
     """
 
     rows: RowTotals
@@ -101,11 +101,11 @@ def execute(
 ) -> Execution:
     """Run the whole plan in a world; stock changes in place.
 
-    At its end `onward` may know how the program goes on: with the plan of all
+    At the end of a plan, `onward` may say how the program goes on: with the plan of all
     legs so far and the next one, which begins with a whole step.
 
-    KeyboardInterrupt ends the run after the windows in hand; what was done until
-    then is in the result; it goes on to the caller when that is nothing. Raises
+    KeyboardInterrupt ends the run after the windows in progress; what was done until
+    then is in the result. It is passed on to the caller when nothing was done. Raises
     `WorldUnavailable` when the world cannot be opened here.
     """
     rows = RowColumns.of(plan.path)
@@ -207,9 +207,9 @@ def _cuts(
 def _move(
     world: World, shop: Shop, cutter: CutThread, cut: WindowCut, following: WindowCut | None
 ) -> tuple[WorldSteps, bool]:
-    """Move through a window, tool by tool; also whether the motors kept up.
+    """Move through a window, tool by tool; also returns whether the motors kept up.
 
-    Where they do, the cut is known already; else it is taken back, and world and process go step by step.
+    Where they do, the cut is known already; otherwise it is undone, and world and process go step by step.
     """
     moved: list[WorldSteps] = []
     follows = True
@@ -250,7 +250,7 @@ def _joined(parts: list[WorldSteps]) -> WorldSteps:
 
 
 def _attach(world: World, shop: Shop, number: int) -> None:
-    """Put the tool of that number on the flange; the old one goes into its pocket."""
+    """Put the tool with this number on the flange; the old one goes into its pocket."""
     tool = shop.tool(number)
     body = None if tool is None else tool_body(tool)
     now = world.tool
@@ -260,7 +260,7 @@ def _attach(world: World, shop: Shop, number: int) -> None:
 
 
 def pocket_of(shop: Shop, name: str) -> Pose:
-    """Where the tool of that name waits: pose of its flange side in the world, along X of the magazine."""
+    """Where the tool of this name waits: the pose of its flange side in the world; pockets follow X of the magazine."""
     names = [tool.name for _, tool in sorted(shop.cell.tools.items())]
     index = names.index(name) if name in names else len(names)
     return shop.magazine_pose @ Pose.from_xyz_rpy((index * shop.cell.magazine.pitch, 0.0, 0.0))

@@ -1,4 +1,4 @@
-"""A tool that probes takes nothing, nor does it when it leaves what it has touched."""
+"""A tool that probes removes nothing, neither while it probes nor while it leaves what it has touched."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What happened in the steps of a window, as columns: the one thing that log, totals and checks look at."""
+"""What happened in the steps of a window, as columns. Log, totals and checks look at nothing else."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class StepRecord:
-    """n steps: the window, what the world did, and what all processes did at all their targets.
+    """n steps: the window, what the world did, and what all processes did to all their targets.
 
     wrench, deflection (n, 6) in base axes at the tip; `kind` (n,) points into the kinds of the sheet; `columns` (n,)
-    by name are those of the sheet, zero where nobody says otherwise.
+    by name are those of the sheet, zero where no process gives a value.
     """
 
     window: StepWindow
@@ -51,7 +51,7 @@ class StepRecord:
 
     @property
     def standing(self) -> dict[str, float]:
-        """The values at the end of the window that stand until somebody says others."""
+        """The values at the end of the window that hold until a process gives others."""
         return {c.name: float(self.columns[c.name][-1]) for c in self.sheet.columns if c.of == "last"}
 
 
@@ -62,7 +62,7 @@ def record_of(
     sheet: Sheet,
     standing: Mapping[str, float] | None = None,
 ) -> StepRecord:
-    """Put together the stints of a window; `standing` are the values that stood at the end of the window before."""
+    """Put the stints of a window together; `standing` are the values that held at the end of the window before."""
     n = len(window)
     wrench, deflection = np.zeros((n, 6)), np.zeros((n, 6))
     kind = np.zeros(n, dtype=np.int64)
@@ -91,7 +91,7 @@ def _blank(column: Column, n: int, standing: Mapping[str, float]) -> NDArray[Any
 
 
 def _put_in(into: NDArray[Any], column: Column, answer: ProcessStep, here: slice) -> None:
-    """Join what one process says in the steps `here` to what others have said."""
+    """Combine the values of one process in the steps `here` with those of others."""
     values = answer.columns[column.name]
     if column.of == "any":
         into[here] |= values

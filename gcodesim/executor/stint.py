@@ -1,4 +1,4 @@
-"""One process of a tool at one target during consecutive steps: the question to it, step by step or at once."""
+"""One process of a tool at one target during consecutive steps, asked step by step or all at once."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from gcodesim.processes.window import ProcessStep, Window
 from gcodesim.shop import Shop
 
 NEAR = 1e-3
-"""Distance [m] from its target within which a process counts as near; more than any arm gives way."""
+"""Distance [m] from its target within which a process counts as near; more than any arm yields."""
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -25,7 +25,7 @@ class Stint:
     """Steps `begin` to `end` of a window. `window` is their commanded motion in S, `X_BS` (n, 4, 4) where S is.
 
     `share` (c, 2) tells where in its step each piece begins and ends. `answer`
-    is what the process did, None while it stays away from its target, and
+    is what the process did, None while it is away from its target, and
     `wrench` (n, 6) what the tool felt, in base axes.
     """
 
@@ -54,7 +54,7 @@ class Stint:
         return np.concatenate([R @ wrench[:3], R @ wrench[3:]])
 
     def finish(self) -> None:
-        """After the last step: collect what the process did; all at once where it was not asked step by step."""
+        """Call after the last step: collects what the process did, all at once if it was not asked step by step."""
         if self._loop is not None:
             self._keep(self._loop.finish())
             self._loop = None
@@ -72,7 +72,7 @@ class Stint:
 def stint_of(
     shop: Shop, rows: RowColumns, task: Task, steps: StepWindow, begin: int, end: int, jacobian: Callable[[], Array]
 ) -> Stint | None:
-    """The question for steps `begin` to `end`, all with the task's tool; None when it stays away from the target.
+    """The stint for steps `begin` to `end`, all with the task's tool; None if it stays away from the target.
 
     `jacobian` gives those of the tip (n, 6, j) in base axes; a rigid machine does not ask for them.
     """
@@ -126,7 +126,7 @@ def _into(X: Array, points: Array) -> Array:
 
 
 def _is_near(task: Task, start: Array, stop: Array, axis: Array, box: Box | None) -> bool:
-    """Whether the process may act on something in `box` on its way, its tip going along pieces (c, 3); see `Zone`."""
+    """Whether the process may act on something in `box` while its tip goes along pieces (c, 3); see `Zone`."""
     return box is None or task.process.zone.meets(start, stop, axis, *box, NEAR)
 
 
@@ -147,7 +147,7 @@ def in_base(wrench: Array, X_BS: Array) -> Array:
 
 
 def deflection_of(stint: Stint) -> Array:
-    """How far (n, 6) the tip gives way in B: translation [m] as the process solved it, rotation vector [rad]."""
+    """How far (n, 6) the tip yields in B: translation [m] as the process solved it, rotation vector [rad]."""
     assert stint.answer is not None
     turn = np.zeros((len(stint.answer.wrench), 3))
     if stint.window.compliance is not None:

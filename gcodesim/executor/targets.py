@@ -1,4 +1,4 @@
-"""What processes act on: the stocks of the shop, their surfaces, its bodies, or nothing; each with a frame S."""
+"""What processes act on: stocks of the shop, surfaces of stocks, bodies, or nothing; each target has a frame S."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Box = tuple[Array, Array]
 class Target(Protocol):
     """Something that one process acts on.
 
-    `name` is that of the stock, empty where the target is none; `frame` is the name of S in the scene.
+    `name` is that of the stock, empty where the target is not a stock; `frame` is the name of S in the scene.
     """
 
     @property
@@ -37,25 +37,25 @@ class Target(Protocol):
 
     @property
     def material(self) -> Material | None:
-        """What it is made of, where that is known."""
+        """What it is made of, if known."""
 
     @property
     def given(self) -> Any:
-        """What the process gets: see `processes.protocol`."""
+        """What the process is given; see `processes.protocol`."""
 
     @property
     def room(self) -> Box | None:
-        """What the target never leaves, in S; None: the process is asked wherever its tool is."""
+        """A box in S that the target never leaves; None: the process is asked wherever its tool is."""
 
     def filled(self) -> Box | None:
         """The box that holds the target as it is now; at most `room`."""
 
     def memento(self) -> Callable[[], None]:
-        """Remember the state; the answer puts it back."""
+        """Remember the state; calling the result restores it."""
 
 
 def targets_of(shop: Shop, acts_on: ActsOn) -> list[Target]:
-    """The targets of a process that acts on such things."""
+    """The targets of a process that acts on things of this sort."""
     if acts_on == "stock":
         return [StockTarget(placed) for placed in shop.stocks.values()]
     if acts_on == "surface":
@@ -164,12 +164,12 @@ class NoTarget:
 
 
 def _nothing_to_put_back() -> None:
-    """What the process looked at has not changed."""
+    """A process that only looks changes nothing, so there is nothing to restore."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StandingBody:
-    """A fixture or a stock as a process sees it that acts on bodies; all in their common frame S."""
+    """A fixture or a stock as seen by a process that acts on bodies; all in one common frame S."""
 
     name: str
     role: str
@@ -181,7 +181,7 @@ class StandingBody:
 
 
 def standing_bodies(shop: Shop) -> tuple[StandingBody, ...]:
-    """The fixtures of the shop that stand still in `BODIES`, then its stocks that do."""
+    """The fixtures of the shop that are at rest in `BODIES`, then the stocks that are."""
     bodies = []
     carrier, _ = shop.scene.standing_on(BODIES)
 
@@ -214,6 +214,6 @@ def _moved(X: Pose, shape: Callable[[], tuple[Array, NDArray[np.int32]]]) -> tup
 
 
 def _box_around(X: Pose, low: Sequence[float] | Array, high: Sequence[float] | Array) -> Box:
-    """The upright box that holds the corners of a box in the frame at `X`."""
+    """The upright box that encloses the corners of a box given in the frame at `X`."""
     corners = X.apply(np.array(list(product(*zip(low, high, strict=True)))))
     return corners.min(axis=0), corners.max(axis=0)

@@ -1,4 +1,4 @@
-"""Which processes each tool carries out at which targets, and what every path row asks of them."""
+"""Which processes each tool carries out on which targets, and what every path row asks of them."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class RowColumns:
     def of(path: ToolPath) -> RowColumns:
         numbers = np.array([state.tool for state in path.states], dtype=np.int64)
         speeds = np.array([state.spindle for state in path.states], dtype=float)
-        if not len(path):  # one resting row, so that a program without moves has a state too
+        if not len(path):  # one row at rest, so that a program without moves has a state too
             none = np.zeros(1, dtype=bool)
             signals = {SPINDLE.name: speeds[:1], ACTIVE.name: none}
             return RowColumns(tool=numbers[:1], rapid=none, probing=none, signals=signals, shift=np.zeros((1, 3)))
@@ -84,14 +84,14 @@ def _shifts(path: ToolPath) -> NDArray[np.float64]:
 
 @dataclass(slots=True, eq=False)
 class Tasks:
-    """Tasks by tool number, made when a tool comes into the spindle."""
+    """Tasks by tool number, made when a tool is put into the spindle."""
 
     shop: Shop
     _current: int | None = None
     _tasks: list[Task] = field(default_factory=list)
 
     def of(self, number: int) -> list[Task]:
-        """The tasks of the tool in the spindle; a tool that was changed in starts afresh."""
+        """The tasks of the tool in the spindle; a tool that has just been put in starts afresh."""
         if number != self._current:
             self._current = number
             tool = self.shop.tool(number)
@@ -108,7 +108,7 @@ class Tasks:
     def kept(self, number: int) -> list[Task]:
         """The tasks of a tool that is kept from taking material: those that take none and are not about contact.
 
-        The others count as just put in when they come again: inside material they cut nothing until they have left it.
+        The others count as just put in when they act again: inside material they cut nothing until they have left it.
         """
         self._tasks = [
             replace(task, state=task.process.begin()) if task.process.takes else task for task in self.of(number)

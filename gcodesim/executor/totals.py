@@ -1,4 +1,4 @@
-"""Sums and extremes of a run, by path row and by joint; all that results need of the steps."""
+"""Sums and extremes of a run, by path row and by joint: all that results need from the steps."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ if TYPE_CHECKING:
 Rows = NDArray[np.int64]
 
 TREMBLE: Final = 1e-9
-"""[m, rad] by which a motor that stands still may be off its place; no new extreme of the joint."""
+"""[m, rad] by which a motor at rest may be off its place without a new extreme of the joint."""
 
 
 @dataclass(slots=True, eq=False)
 class RowTotals:
-    """What the steps came to while each of the n path rows was run: `columns` (n,) by name, those of the sheet.
+    """Totals of the steps of each of the n path rows: `columns` (n,) by name, those of the sheet.
 
-    How steps become one value is what each column declares (`Column.of`); of a flag it is the time [s].
+    Each column declares how its steps become one value (`Column.of`); of a flag it is the time [s].
     """
 
     sheet: Sheet
@@ -44,12 +44,12 @@ class RowTotals:
             self.columns[name] = np.append(values, np.zeros(count - len(values)))
 
     def add(self, record: StepRecord) -> None:
-        """Take in the steps of a record, in order."""
+        """Add the steps of a record, in order."""
         rows = record.window.row
         for column in self.sheet.columns:
             values, total = record[column.name], self.columns[column.name]
             if column.of == "last":
-                total[rows] = values  # of repeated rows the last counts
+                total[rows] = values  # for repeated rows the last one counts
             elif not values.any():
                 continue
             elif column.of == "greatest":
@@ -77,7 +77,7 @@ class JointTotals:
 
     @staticmethod
     def start(q: Array) -> JointTotals:
-        """Before the first step: the robot stands at `q` (j,)."""
+        """The state before the first step: the robot stands at `q` (j,)."""
         count = len(q)
         zero, none = np.zeros(count), np.full(count, -1, dtype=np.int64)
         return JointTotals(
@@ -94,7 +94,7 @@ class JointTotals:
         )
 
     def add(self, q: Array, qd: Array, qdd: Array, effort: Array, saturated: NDArray[np.bool_], rows: Rows) -> None:
-        """Take in n steps: columns (n, j) and the row (n,) of each step."""
+        """Add n steps: columns (n, j) and the row (n,) of each step."""
         if not len(q):
             return
         index = np.arange(q.shape[1])

@@ -1,4 +1,4 @@
-"""The steps between two looks at the outside: everything that is known about them before the world moves."""
+"""A window: some consecutive steps, and everything that is known about them before the world moves."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ def window_of(plan: Plan, rows: RowColumns, first: int, count: int, dt_ns: int, 
     tip_before = np.concatenate([carry.tip[None], tip[:-1]])
     tip_before[changed] = tip[changed]
 
-    # each step by its own speed: where windows begin and end must not show in any number
+    # each step by its own speed: no number may depend on where windows begin and end
     speed = np.where(rows.rapid[row], 0.0, np.abs(middle.speed))
     parts = np.clip(np.ceil(speed * dt / LONGEST_CHORD), 1, MOST_PARTS).astype(np.int64)
     knot_time = np.unique(np.concatenate([_refined(times, parts), trajectory.boundaries(times[0], times[-1])]))
@@ -139,7 +139,7 @@ def _named_by(samples: Samples, last: int) -> Ints:
 
 
 def _refined(times: Array, parts: Ints) -> Array:
-    """`times` (n + 1,) with `parts` (n,) equal stretches between each two of them."""
+    """`times` (n + 1,) with `parts` (n,) equal stretches between consecutive ones."""
     if (parts == 1).all():
         return times
     begin = np.cumsum(parts) - parts

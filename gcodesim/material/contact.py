@@ -1,4 +1,4 @@
-"""Where a body touches a stock: the same border that people see, asked at points of the body's surface."""
+"""Where a body touches a stock: whether points of its surface are inside the border that people see."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ if TYPE_CHECKING:
     from gcodesim.material.stock import Stock
 
 SKIN: Final = 1e-9
-"""[m] by which a point has to lie below a face of a column: what only lies on it does not touch."""
+"""[m] by which a point has to be below a face of a column: resting on it is not touching."""
 
 _HALF: Final = 0.5 - 1e-9
-_MOST: Final = 500_000  # points that are asked at once
+_MOST: Final = 500_000  # points that are tested at once
 
 
 def in_material(stock: Stock, points: Array) -> NDArray[np.bool_]:

@@ -23,7 +23,7 @@ class OpenMeshError(ValueError):
 def stock_of_mesh(vertices: Array, faces: Ints, resolution: float, material: str = "") -> Stock:
     """Stock in the shape of a closed mesh: vertices (v, 3) [m] in S, faces (f, 3) counter-clockwise from outside.
 
-    Overlapping closed shells unite; a mesh that is inside out is turned. OpenMeshError when it is not closed.
+    Overlapping closed shells are united; a mesh that is inside out is reversed. OpenMeshError when it is not closed.
     """
     from gcodesim.material.raster_kernels import Crossings, fill_columns, find_crossings
 
@@ -59,5 +59,5 @@ def stock_of_mesh(vertices: Array, faces: Ints, resolution: float, material: str
 
 
 def _no_columns(shape: tuple[int, int], room: int) -> Columns:
-    """Columns with room for so many intervals each, all empty."""
+    """Empty columns with room for the given number of intervals each."""
     return Columns(np.zeros((*shape, room)), np.zeros((*shape, room)), np.zeros(shape, dtype=np.int32))

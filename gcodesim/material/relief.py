@@ -1,4 +1,4 @@
-"""How high a stock stands, column by column: what two stocks are compared by."""
+"""The height of a stock, column by column; used to compare two stocks."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 class Relief:
     """`tops` (nx, ny): height of the top of each column [m], NaN where it is empty; `lengths` of its material [m].
 
-    `corner` and `cell` (x, y) [m]: where the columns stand.
+    `corner` and `cell` (x, y) [m] say where the columns are.
     """
 
     corner: tuple[float, float]
@@ -32,7 +32,7 @@ class Relief:
         return self.tops.shape == other.tops.shape and np.allclose(its, mine, atol=1e-9)
 
     def tops_at(self, other: Relief) -> Array:
-        """`tops` at the columns of another relief: of the columns in which their centres lie, NaN outside."""
+        """`tops` for the columns of another relief, taken where their centres are; NaN outside."""
         if self.is_on_grid_of(other):
             return self.tops
         (x0, y0), (dx, dy), (nx, ny) = other.corner, other.cell, other.tops.shape

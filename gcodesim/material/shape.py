@@ -15,7 +15,7 @@ _FACETS = 24
 
 
 def _shape(kind: float, radius: float, corner: float, flat: float, rise: float, bottom: float, top: float) -> Shape:
-    """Kernels are compiled for numbers with a point."""
+    """The shape in floating-point numbers, for which kernels are compiled."""
     return Shape(*map(float, (kind, radius, corner, flat, rise, bottom, top)))
 
 

@@ -10,12 +10,12 @@ from gcodesim.material.surface import Surface
 from gcodesim.units import MM
 
 HEADER = b"gcodesim binary STL, unit mm"
-"""Must not begin with 'solid', or readers take the file for text."""
+"""Must not begin with 'solid', otherwise readers take the file for text."""
 
 _RECORD = np.dtype([("normal", "<f4", 3), ("points", "<f4", (3, 3)), ("attribute", "<u2")])
 
 _AT_A_TIME: Final = 16_384
-"""Triangles: a part of millions needs no memory beside its surface, and a block stays in the processor's cache."""
+"""Triangles written at once: millions need no memory beside the surface, and a block fits into the cache."""
 
 
 def write_stl(surface: Surface, file: BinaryIO) -> None:

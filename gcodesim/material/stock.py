@@ -1,9 +1,9 @@
 """Stock: material as columns of exact height on a regular grid ("dexels"), and what tools do to it.
 
 Each column of the grid in x, y holds a short sorted list of intervals [lo, hi]
-along Z of the stock frame S. Heights are exact; x and y are asked at the
-centres of the cells. So floors and heights come out to rounding error, and
-walls stand up to half a cell beside their place; where they really stand is
+along Z of the stock frame S. Heights are exact; x and y are sampled at the
+centres of the cells. So floors and heights are right up to rounding, and
+walls are up to half a cell beside their place; their real place is
 kept at the borders of the columns (`walls`), so that volumes are far better.
 """
 
@@ -56,7 +56,7 @@ class Deposition:
 
 
 def cells_along(length: float, resolution: float) -> int:
-    """Number of cells, at most `resolution` wide, that divide `length` exactly [m]."""
+    """The number of cells, at most `resolution` wide, into which `length` is divided exactly [m]."""
     return max(1, ceil(length / resolution * (1.0 - 1e-9)))
 
 
@@ -76,11 +76,11 @@ def finest_resolution(size: Vector, budget: int) -> float:
 
 
 class Stock:
-    """A workpiece in its frame S. What stands in its field changes in place; everything else stays.
+    """A workpiece in its frame S. The contents of its field change in place; everything else stays.
 
-    Outside of this package nobody looks into `field`: kernels hand it on whole (`view`), everything else asks methods.
+    Outside of this package nobody looks into `field`: kernels pass it on whole (`view`), other code calls methods.
     `turn` (3, 3) is nearly always the identity: axes of the frame in which the columns stand, seen from the part's
-    own frame, when the part was laid on another side (`turning`). All points are in the former.
+    own frame, when the part was laid on another side (`turning`). All points are in the frame of the columns.
     """
 
     __slots__ = ("field", "material", "original", "resolution", "turn", "z_range")
@@ -95,7 +95,7 @@ class Stock:
         material: str = "",
         original: Columns | None = None,
     ) -> None:
-        """`z_range` is the height of the stock as it came; `original` its columns then (default: as they are now)."""
+        """`z_range` is the height of the stock at the start; `original` its columns then (default: as they are now)."""
         from gcodesim.material.kernels import patch_tops
 
         self.z_range, self.resolution, self.material = z_range, resolution, material
@@ -123,7 +123,7 @@ class Stock:
             z_range=(low, high),
             resolution=resolution,
             material=material,
-            original=_equal_columns((1, 1), low, high),  # all columns of a box begin alike, so one stands for all
+            original=_equal_columns((1, 1), low, high),  # all columns of a box start alike, so one represents all
         )
 
     @classmethod
@@ -176,9 +176,9 @@ class Stock:
         return stock
 
     def view(self, axis: Vector) -> Field:
-        """The field whose columns stand nearest to `axis` (3,), from a tool's tip to its holder; there is one, along Z.
+        """The field whose columns are nearest to `axis` (3,), from a tool's tip to its holder; the only one is along Z.
 
-        For kernels, which hand it on to those of this package. It holds until the stock has to `grow`.
+        For kernels, which pass it on to those of this package. It is valid until the stock has to `grow`.
         """
         return self.field
 
@@ -199,7 +199,7 @@ class Stock:
 
     @property
     def bounds(self) -> tuple[Array, Array]:
-        """The lowest and the highest corner (3,) [m] of the stock as it came."""
+        """The lowest and the highest corner (3,) [m] of the stock at the start."""
         far = self.origin + self.spacing * self.field.columns.number.shape
         return np.append(self.origin, self.z_range[0]), np.append(far, self.z_range[1])
 
@@ -215,7 +215,7 @@ class Stock:
 
     @property
     def volume(self) -> float:
-        """All material [m^3]: the columns, and what true walls take of them or leave beside them."""
+        """Volume of all material [m^3]: the columns, corrected by what true walls take of them or leave beside them."""
         from gcodesim.material.kernels import beyond_columns, volume_of
 
         grid = self.field.grid
@@ -223,10 +223,10 @@ class Stock:
         return float(volume_of(self.field)) - strips
 
     def error_bound(self) -> float:
-        """How far [m^3] the volume cut or added may be off on this grid; 0 when nothing changed.
+        """By how much [m^3] the removed or added volume may be wrong on this grid; 0 when nothing changed.
 
-        A tenth to a half of a cell at every wall that was made, and the bend of slopes; it shrinks with the cell.
-        Cuts narrower than a cell can slip between the columns and are not in it.
+        A tenth to a half of a cell at every wall that was made, and the curvature of slopes; it shrinks with the cell.
+        Cuts narrower than a cell can slip between the columns and are not included.
         """
         from gcodesim.material.error_kernels import changes, error_bound
 
@@ -252,7 +252,7 @@ class Stock:
         return twin
 
     def memento(self) -> Callable[[], None]:
-        """Remember the state; the answer puts it back."""
+        """Remember the state; calling the result restores it."""
         kept = _copied_field(self.field)
 
         def restore() -> None:
@@ -270,7 +270,7 @@ class Stock:
     def remove(self, starts: Array, ends: Array, shape: Shape, bodies: Sequence[Shape] = ()) -> Removal:
         """Cut along c straight pieces, tool upright: tips from `starts` to `ends` (c, 3) in S [m].
 
-        `shape` is the cutting part, `bodies` are shank and holder: what they run through, after each piece,
+        `shape` is the cutting part, `bodies` are shank and holder: material that they run through, after each piece,
         is reported and not removed.
         """
         from gcodesim.material.kernels import Found, remove
@@ -288,8 +288,8 @@ class Stock:
     def remove_tilted(self, starts: Array, ends: Array, axes_start: Array, axes_end: Array, shape: Shape) -> Array:
         """Cut along c pieces with an axis that turns: unit vectors (c, 3) from tip to holder at both ends, in S.
 
-        Volume (c,) [m^3]. The body is asked at poses half a cell apart; rounded corners are 24 facets, the facets
-        staying inside by less than a thousandth of the corner radius.
+        Volume (c,) [m^3]. The body is sampled at poses half a cell apart; rounded corners are 24 facets, which
+        stay inside by less than a thousandth of the corner radius.
         """
         from gcodesim.material.shape import profile
         from gcodesim.material.tilted_kernels import Pieces, Profile, remove_tilted
@@ -353,7 +353,7 @@ class Stock:
         return max((high for _, high in self.intervals_at(x, y)), default=-np.inf)
 
     def intervals_at(self, x: float, y: float) -> list[tuple[float, float]]:
-        """From where to where [m] there is material in the column of (x, y), from below."""
+        """The intervals [m] of material in the column of (x, y), from below."""
         lo, hi, count = self.field.columns
         i, j = np.floor((np.array([x, y]) - self.origin) / self.spacing).astype(int)
         if not (0 <= i < count.shape[0] and 0 <= j < count.shape[1]):
@@ -374,13 +374,13 @@ class Stock:
         return low, np.array([x + dx * (i[-1] + 1), y + dy * (j[-1] + 1), hi[used].max()])
 
     def relief(self) -> Relief:
-        """How high the columns stand, and how much material each holds."""
+        """The heights of the columns, and how much material each one holds."""
         from gcodesim.material.relief import relief_of
 
         return relief_of(self)
 
     def spacing_for(self, columns: int) -> float:
-        """Distance [m] at which about `columns` columns stand in the whole stock; never less than a cell."""
+        """The spacing [m] at which the whole stock has about `columns` columns; never less than a cell."""
         area = float(np.prod(self.spacing * self.field.columns.number.shape))
         return max(self.cell, float((area / columns) ** 0.5))
 
@@ -391,7 +391,7 @@ class Stock:
         return build_surface(self, self.resolution if spacing is None else spacing)
 
     def tiles(self, across: int = 4, spacing: float | None = None) -> Tiles:
-        """The surface in `across` x `across` tiles for the log, which can be asked again for what changed."""
+        """The surface in `across` x `across` tiles for the log, which can later be asked for what has changed."""
         from gcodesim.material.surface import Tiles
 
         return Tiles(self, across=across, spacing=spacing)

@@ -27,7 +27,7 @@ _OLDER = b"gcodesim-stock/1\n"
 
 
 class StockFileError(ValueError):
-    """The file is not a stock, or a damaged one; the text says which."""
+    """The file is not a stock, or is damaged; the text says which."""
 
 
 def save_stock(stock: Stock, path: Path) -> None:
@@ -56,7 +56,7 @@ def save_stock(stock: Stock, path: Path) -> None:
 
 
 def _unpacked(packed: bytes, nx: int, ny: int) -> bytes:
-    """The arrays of nx × ny columns, and no more than they can have: kilobytes may be packed that become gigabytes."""
+    """The arrays of nx × ny columns, and no more than they can hold, since kilobytes may unpack to gigabytes."""
     if not (0 < nx <= _MOST_COLUMNS and 0 < ny <= _MOST_COLUMNS // nx):
         raise ValueError(f"{nx} x {ny} columns are none that gcodesim writes")
     unpacking = zlib.decompressobj()
@@ -70,12 +70,12 @@ def _unpacked(packed: bytes, nx: int, ny: int) -> bytes:
 
 
 def load_stock(path: Path) -> Stock:
-    """The stock that `save_stock` wrote. OSError when there is no such file, StockFileError when it holds no stock."""
+    """The stock that `save_stock` wrote. OSError if there is no such file, StockFileError if it holds no stock."""
     return stock_from_bytes(path.read_bytes(), path.name)
 
 
 def stock_from_bytes(raw: bytes, name: str) -> Stock:
-    """The stock in the bytes of a file called `name`; StockFileError when it is none."""
+    """The stock in the bytes of a file called `name`; StockFileError if they are not a stock."""
     if raw.startswith(_OLDER):
         raise StockFileError(f"{name} is of an older gcodesim, which kept walls otherwise: run its program again")
     if not raw.startswith(_MAGIC):

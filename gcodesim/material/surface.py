@@ -22,7 +22,7 @@ Ints = NDArray[np.int32]
 Bytes = NDArray[np.uint8]
 
 STEP_JOINED = 1.5
-"""Steps up to so many cells become a slope through one vertex, higher ones a wall. Less shows terraces on gentle
+"""Steps up to this many cells become a slope through one vertex, higher ones a wall. Less shows terraces on gentle
 curves, more bevels the edges of shallow pockets."""
 
 DRAWN_COLUMNS = 160_000
@@ -51,7 +51,7 @@ class Surface:
 
 
 class Facets(NamedTuple):
-    """Triangles (f, 3), counter-clockwise from outside, and the points (v, 3) [m] that they have, in S."""
+    """Triangles (f, 3), counter-clockwise from outside, and their points (v, 3) [m] in S."""
 
     points: Array
     triangles: Ints
@@ -59,7 +59,7 @@ class Facets(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tile:
-    """One tile as the log draws it: what of its surface is as it came, and what was changed."""
+    """One tile as the log draws it: surface as it was at the start, and surface that was changed."""
 
     number: int
     original: Facets
@@ -67,7 +67,7 @@ class Tile:
 
 
 def build_surface(stock: Stock, spacing: float = 0.0) -> Surface:
-    """The whole surface from columns about `spacing` [m] apart; 0 takes all of them."""
+    """The whole surface, from columns about `spacing` [m] apart; 0 takes all of them."""
     lattice = _Lattice.spaced(stock, spacing)
     if lattice.has_all(stock):
         drawn = _Drawn(stock.field.columns, stock.field.walls, stock.original)
@@ -75,7 +75,7 @@ def build_surface(stock: Stock, spacing: float = 0.0) -> Surface:
         drawn = lattice.columns(stock, lattice.original(stock))
     points, fine, coarse = _mesh(drawn, lattice, Span(0, len(lattice.ix), 0, len(lattice.iy)))
     faces, cut = np.concatenate((fine.faces, coarse.faces)), np.concatenate((fine.cut, coarse.cut))
-    # points inside flat parts are in no triangle
+    # points inside flat parts belong to no triangle
     used = np.zeros(len(points), dtype=bool)
     used[faces] = True
     number = (np.cumsum(used) - 1).astype(np.int32)
@@ -83,9 +83,9 @@ def build_surface(stock: Stock, spacing: float = 0.0) -> Surface:
 
 
 class _Drawn(NamedTuple):
-    """Columns (m, n) side by side that are drawn, and those that the stock came with, which may be one for all.
+    """Columns (m, n) that are drawn, and those at the start, which may be one for all.
 
-    The walls at them where all columns of a stock are drawn, else (4, 0, 0).
+    The walls are those at the columns if all columns of a stock are drawn, else (4, 0, 0).
     """
 
     columns: Columns
@@ -93,7 +93,7 @@ class _Drawn(NamedTuple):
     original: Columns
 
     def same(self, other: _Drawn) -> bool:
-        """Whether nothing tells them from `other` columns of the same place."""
+        """Whether they are the same as `other` columns of the same place."""
         from gcodesim.material.tile_kernels import same_columns
 
         return bool(same_columns(self.columns, other.columns)) and np.array_equal(self.walls, other.walls)
@@ -127,12 +127,12 @@ class _Lattice(NamedTuple):
         return stock.field.columns.number.shape == (len(self.ix), len(self.iy))
 
     def part(self, i0: int, i1: int, j0: int, j1: int) -> _Lattice:
-        """The lattice of columns [i0, i1) x [j0, j1) alone."""
+        """The lattice of only the columns [i0, i1) x [j0, j1)."""
         xs, ys = self.xs[i0 : i1 + 1], self.ys[j0 : j1 + 1]
         return _Lattice(self.ix[i0:i1], self.iy[j0:j1], xs, ys, self.joined)
 
     def original(self, stock: Stock) -> Columns:
-        """The columns that the stock came with, where this lattice draws them; one for all of a box."""
+        """The columns at the start, where this lattice draws them; one for all of a box."""
         lo, hi, count = stock.original
         none = np.zeros(1, np.int32)
         at = np.ix_(self.ix if count.shape[0] > 1 else none, self.iy if count.shape[1] > 1 else none)
@@ -151,7 +151,7 @@ class _Lattice(NamedTuple):
 
 
 def _mesh(drawn: _Drawn, lattice: _Lattice, span: Span) -> tuple[Array, Triangles, Triangles]:
-    """Points, and triangles, of the columns of a span; those of flat parts by themselves."""
+    """Points and triangles of the columns of a span; those of flat parts separately."""
     from gcodesim.material.flat_kernels import find_flat, flat_faces
     from gcodesim.material.surface_kernels import Corners, build_chains, build_faces
 
@@ -199,7 +199,7 @@ class Tiles:
         return self._glimpse(self._places).draw()
 
     def changed(self) -> Glimpse:
-        """The tiles of which any point may have moved since the last call, yet to be drawn; the marks are cleared."""
+        """The tiles of which any point may have moved since the last call, not yet drawn; the marks are cleared."""
         return self._glimpse([place for place in self._places if self._is_dirty(place)])
 
     def _glimpse(self, places: Sequence[_Place]) -> Glimpse:
@@ -207,7 +207,7 @@ class Tiles:
         return Glimpse(tiles=[(place, self._columns(place)) for place in places], drawn=self._drawn)
 
     def _columns(self, place: _Place) -> _Drawn:
-        """A copy of the columns that a tile draws, and those around them."""
+        """A copy of the columns that a tile draws, and of those around them."""
         columns = place.lattice.columns(self._stock, place.original)
         if not self._all_drawn:
             return columns
@@ -233,7 +233,7 @@ def _place(number: int, lattice: _Lattice, stock: Stock, i: tuple[int, int], j: 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Glimpse:
-    """Tiles as they were at a moment, with a copy of the columns that they draw: drawing them can wait.
+    """Tiles as they were at one moment, with a copy of the columns that they draw, so that drawing can wait.
 
     `drawn` are the columns of which each tile is drawn now.
     """

@@ -1,10 +1,10 @@
-"""A stock set down on another side: its columns counted anew along another axis of the part.
+"""A stock set down on another side: its columns are rebuilt along another axis of the part.
 
 Tools cut stock whose Z is up. A part that lies on its back or on an edge keeps
 its frame S; only the columns stand along another axis, in a frame that
-`Stock.turn` (3, 3) places in S. Turning over (Z to −Z) is exact. Laying a part on an edge
-asks every old row of columns at the middle of the new ones: floors that lie
-between them move by up to half a cell, walls stand where the tool left them.
+`Stock.turn` (3, 3) places in S. Turning a part over (Z to −Z) is exact. Laying it on an edge
+samples every old row of columns at the middle of the new ones: floors that are
+between them move by up to half a cell, walls stay where the tool left them.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def turned(stock: Stock, R: Array) -> Stock:
     """The same material with columns along another axis: points p of its grid's frame become R p.
 
     `R` (3, 3) turns axes onto axes, ValueError otherwise. `turn` of the result
-    keeps the part's frame S; what the stock is now counts as how it came.
+    keeps the part's frame S; the present state counts as the state at the start.
     """
     whole = np.round(R)
     if np.abs(R - whole).max() > 1e-9 or np.linalg.det(whole) < 0.5 or (np.abs(whole).sum(axis=0) != 1.0).any():
@@ -90,7 +90,7 @@ def _like(
 
 
 def _mirrored(walls: Singles, axis: int) -> Singles:
-    """Walls of a stock mirrored along x (0) or y (1): borders run the other way, and so do the sides that stand."""
+    """Walls of a stock mirrored along x (0) or y (1): the order of borders and the standing sides are reversed."""
     out = np.zeros_like(walls)
     cells = walls.shape[1 + axis] - 1
     for kind in range(len(walls)):

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 def axes_of_joints(names: Sequence[str]) -> NDArray[np.intp]:
-    """Which axis of x y z a b c each joint is, by the last letter of its name; ValueError when it is none."""
+    """Which axis of x y z a b c each joint is, by the last letter of its name; ValueError when it is not an axis."""
     return np.array([AXIS_LETTERS.index(name[-1].upper()) for name in names], dtype=np.intp)
 
 
@@ -42,7 +42,7 @@ def axes_at(names: Sequence[str], q: Array) -> Axes:
 
 
 def limits_of_axes(joints: Joints) -> AxisLimits:
-    """Speed and acceleration by axis; axes that the machine lacks are unlimited."""
+    """Speed and acceleration by axis; axes that the machine does not have are unlimited."""
     axes = axes_of_joints(joints.names)
     speed, acceleration = np.full(6, np.inf), np.full(6, np.inf)
     speed[axes], acceleration[axes] = joints.speed, joints.acceleration
@@ -62,7 +62,7 @@ class AxisJoints:
         pieces = self.pieces
         if not len(pieces):
             return np.tile(self.start[self.axes], (len(samples), 1))
-        # the offset of the row that the piece belongs to: while the machine stands the row is already the next one
+        # the offset of the row that the piece belongs to: while the machine stands, `row` is already the next row
         offset = offsets(pieces.path, pieces.row_first[samples.piece])
         q: Array = (samples.position + offset)[:, self.axes]
         return q
@@ -91,7 +91,7 @@ def offsets(path: ToolPath, rows: NDArray[np.intp] | NDArray[np.int32] | None = 
 class AxisPosing:
     """The joints are the axes of the program, found by their letters: control point plus the active offset.
 
-    `independent_rapids`: in a G0 each axis goes at its own top speed, so its way is no line.
+    `independent_rapids`: in a G0 each axis goes at its own top speed, so the path is not a straight line.
     """
 
     independent_rapids: bool = False
@@ -105,7 +105,7 @@ class AxisPosing:
         return axes_at(kinematics.joints.names, home)
 
     def pose(self, path: ToolPath, kinematics: Kinematics, home: Array, findings: Findings) -> Posed:
-        """Limits of the axes act along the direction of motion; what leaves the travel is reported."""
+        """Limits of the axes act along the direction of motion; positions outside the travel are reported."""
         joints = kinematics.joints
         axes = axes_of_joints(joints.names)
         limits = limits_of_axes(joints)
@@ -116,5 +116,5 @@ class AxisPosing:
         return Posed(pieces, AxisJoints(pieces, axes, np.array(axes_at(joints.names, home))))
 
     def after(self, leg: JointPath, path: ToolPath, home: Array) -> AxisPosing:
-        """Axes choose nothing."""
+        """The same posing: there is no choice that would have to be kept."""
         return self

@@ -1,4 +1,4 @@
-"""Feeds that no machine, or not this one, can run."""
+"""Feeds that no machine, or at least not this one, can run."""
 
 from __future__ import annotations
 

@@ -73,7 +73,7 @@ class Flange:
 class ArmJoints:
     """Joints along a trajectory: exact inverse kinematics from the nearest node, straight lines in joint moves.
 
-    Where the path cannot be had (`bridged`, by the node that ends the segment) joints run straight from node to node.
+    Where the path is out of reach (`bridged`, by the node that ends the segment) joints run straight between nodes.
     """
 
     kinematics: Kinematics
@@ -142,7 +142,7 @@ class ArmJoints:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FixedAttitude:
-    """An arm under a three-axis program: the tool's Z stands along −Z of the frame O; `spin` turns it about itself.
+    """An arm that runs a three-axis program: the tool's Z is along −Z of the frame O; `spin` turns it about itself.
 
     R_BO (3, 3) is `frames[system]` for the work system in force, else `upright`. `spin` [rad] None: free, one angle is
     chosen for the whole program. The flange stands at end + length offset, the offset in axes of O, so that Z pulls the
@@ -171,7 +171,7 @@ class FixedAttitude:
         return (float(x), float(y), float(z), 0.0, 0.0, 0.0)
 
     def pose(self, path: ToolPath, kinematics: Kinematics, home: Array, findings: Findings) -> Posed:
-        """Where poses cannot be had the joints run straight to where they can again; the finding tells."""
+        """Where poses are out of reach, the joints run straight to where they are in reach again; a finding says so."""
         home = np.asarray(home, dtype=float)
         path = path.transform(self.X_BM)
         report_missing_axes(path, np.arange(3), findings)
@@ -192,7 +192,7 @@ class FixedAttitude:
         return Posed(pieces, ArmJoints(kinematics, flange, nodes, q_nodes, bridged, home, moves), caps)
 
     def after(self, leg: JointPath, path: ToolPath, home: Array) -> FixedAttitude:
-        """The spin stays, and the attitude is held but at home."""
+        """The spin stays as chosen, and the attitude is held except at home."""
         if not isinstance(leg, ArmJoints) or not len(path):
             return self
         held = None if path.kind[-1] == HOME else self.R_BO(path)[-1]
@@ -208,7 +208,7 @@ class FixedAttitude:
 def _solve(
     kinematics: Kinematics, flange: Flange, nodes: Nodes, choice: SpinChoice, home: Array
 ) -> tuple[Nodes, Array, NDArray[np.uint8]]:
-    """Joints (k, j) and status (k,) at nodes, with more nodes where joints move far."""
+    """Joints (k, j) and status (k,) at nodes, with extra nodes where joints move far."""
     for refinement in range(_REFINEMENTS):
         X = flange.at(nodes.piece, nodes.s)
         q = np.empty((len(X), len(home)))
@@ -225,7 +225,7 @@ def _solve(
 
 
 def _bridge(nodes: Nodes, q: Array, status: NDArray[np.uint8]) -> NDArray[np.bool_]:
-    """Lay joints of nodes out of reach between those in reach, in place; marks nodes whose segment is no exact path."""
+    """Interpolate joints at nodes out of reach, in place; returns which nodes end a segment off the exact path."""
     away = status == _REACH
     for a, b in nodes.chains if away.any() else ():
         here = np.flatnonzero(~away[a:b])
@@ -247,7 +247,7 @@ def _joint_moves(
     The first one begins at `start` (j,); those of G28 end at `home` (j,).
     """
     moves: dict[int, tuple[Array, Array]] = {}
-    ends = np.searchsorted(nodes.piece, np.arange(len(pieces)), side="right")  # behind the last node of each piece
+    ends = np.searchsorted(nodes.piece, np.arange(len(pieces)), side="right")  # after the last node of each piece
     for piece in np.flatnonzero(pieces.fixed):
         own_node = int(ends[piece]) - 1
         before = start
@@ -267,7 +267,7 @@ def _joint_moves(
 def _caps(
     kinematics: Kinematics, pieces: Pieces, nodes: Nodes, q: Array, bridged: NDArray[np.bool_], findings: Findings
 ) -> Caps:
-    """Caps of every segment between nodes, and of joint moves one segment each."""
+    """Caps of every segment between nodes; a joint move is one segment."""
     joints, i = kinematics.joints, nodes.segments
     piece, begin = nodes.piece[i], nodes.begin
     length = nodes.s[i] - begin
@@ -278,7 +278,7 @@ def _caps(
     leaving[i - 1] = pieces.points(piece, begin)[1][:, :3]
     arriving[i] = pieces.points(piece, begin + length)[1][:, :3]
     rates = joint_rates(J, leaving, arriving)
-    # between close nodes the difference of joints is rounding; the rates at their ends tell enough
+    # between close nodes the difference of joints is only rounding; the rates at their ends are enough
     mean_rate = np.where(length[:, None] > _CLOSE, (q[i] - q[i - 1]) / length[:, None], 0.0)
     bridge = bridged[i, None]
     most = _STEEPEST * _neighbourhood(np.abs(mean_rate))
@@ -313,7 +313,7 @@ def _caps(
 
 
 def _neighbourhood(values: Array) -> Array:
-    """Greatest of each row (k, j) and the rows beside it."""
+    """The greatest values of each row (k, j) and its neighbours."""
     most = values.copy()
     most[1:] = np.maximum(most[1:], values[:-1])
     most[:-1] = np.maximum(most[:-1], values[1:])

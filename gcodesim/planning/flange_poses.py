@@ -33,7 +33,7 @@ def spin_of(R_BF: Array, R_BO: Array) -> float:
 
 
 def candidates(spin: float, steps: int) -> NDArray[np.float64]:
-    """`spin` and others all around, the nearest first."""
+    """`spin` and other angles all around the circle, the nearest first."""
     order = sorted(range(steps), key=lambda k: (min(k, steps - k), k))
     angles: NDArray[np.float64] = spin + 2.0 * np.pi * np.array(order) / steps
     return angles

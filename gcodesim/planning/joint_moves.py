@@ -16,7 +16,7 @@ SHORTEST: Final = 1e-9  # [s] of a move on which nothing moves: a nanosecond
 
 
 def law(step: Array, joints: Joints) -> tuple[float, float]:
-    """Speed [1/s] and acceleration [1/s²] of the share of a move by `step` (j,) that the slowest joint allows."""
+    """Speed [1/s] and acceleration [1/s²] that the slowest joint allows for the share of a move by `step` (j,)."""
     way = np.abs(step)
     moving = way > STILL
     if not moving.any():

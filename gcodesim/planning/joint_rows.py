@@ -16,8 +16,8 @@ from gcodesim.motion.tool_path import HOME, RAPID, PathEvent, ToolPath
 class JointRows:
     """A path and its rows in joint space, `joint` (n,); those that end at home are marked in `home` (n,).
 
-    The first row is one of them, and one stands wherever the orientation of the
-    tool changes, so all rows between two of them keep it.
+    The first row is one of them, and there is one wherever the orientation of the
+    tool changes, so all rows between two of them keep the orientation.
     """
 
     path: ToolPath
@@ -26,7 +26,7 @@ class JointRows:
 
 
 def with_joint_rows(path: ToolPath, R_BO: Array, *, joint_rapids: bool, held: Array | None = None) -> JointRows:
-    """Find the joint rows of `path`; where a feed would need one first, a move on the spot is put in.
+    """Find the joint rows of `path`; where a feed would need one before it, a move on the spot is inserted.
 
     R_BO (n, 3, 3) is the orientation of each row. `joint_rapids`: all of G0 in joint space. `held` (3, 3) is the
     orientation that the tool has already, None when it has none yet.
@@ -42,7 +42,7 @@ def with_joint_rows(path: ToolPath, R_BO: Array, *, joint_rapids: bool, held: Ar
     if joint_rapids:
         joint |= rapid
     elif len(path) and held is not None and np.all(np.abs(R_BO[0] - held) < 1e-12):
-        joint[0] = home[0]  # a move from the spot, as straight as any other
+        joint[0] = home[0]  # a move that starts on the spot, straight like any other
     before = np.flatnonzero(turned & ~joint)
     if not len(before):
         return JointRows(path, joint, home)

@@ -23,7 +23,7 @@ class LegJoints:
 
     @staticmethod
     def of(plan: Plan) -> LegJoints:
-        """Those of a plan that may be of several legs already."""
+        """The joints of a plan that may already have several legs."""
         return plan.joint_path if isinstance(plan.joint_path, LegJoints) else LegJoints((plan,), (0.0,), (0,))
 
     def joints(self, samples: Samples) -> Array:
@@ -37,7 +37,7 @@ class LegJoints:
         return np.concatenate(parts)
 
     def extremes(self) -> JointExtremes:
-        """How far each joint goes in any leg, with rows of the whole."""
+        """How far each joint goes in any leg; rows are numbered over all legs."""
         each = [plan.extremes() for plan in self.legs]
         least, most = np.array([e.least for e in each]), np.array([e.most for e in each])
         low, high = least.argmin(axis=0), most.argmax(axis=0)
@@ -49,7 +49,7 @@ class LegJoints:
 
 
 def followed_by(before: Plan, leg: Plan) -> Plan:
-    """`before`, then `leg`, which begins where and when it ends; findings have the times of the whole."""
+    """`before`, then `leg`, which begins where and when `before` ends; times of findings count from the start."""
     path = before.path.then(leg.path)
     begin = before.trajectory.duration
     own = LegJoints.of(before)

@@ -34,7 +34,7 @@ class Nodes:
 
     @staticmethod
     def of(pieces: Pieces, at_home: NDArray[np.bool_]) -> Nodes:
-        """Nodes as dense as geometry asks; pieces in joint space have one at their end, none where `at_home` (m,)."""
+        """Nodes as dense as the geometry requires; in joint space one at the end, or none: `at_home` (m,)."""
         turn = np.where(
             pieces.curves.kind == ROUND, np.abs(pieces.curves.sweep) / np.maximum(pieces.curves.length, 1e-300), 0.0
         )[pieces.curve]
@@ -51,7 +51,7 @@ class Nodes:
 
     @cached_property
     def chains(self) -> list[tuple[int, int]]:
-        """First node and the one behind the last of every chain."""
+        """The first node of every chain, and the one after its last."""
         bounds = np.append(np.flatnonzero(self.head), len(self))
         return [(int(a), int(b)) for a, b in pairwise(bounds)]
 
@@ -81,7 +81,7 @@ class Nodes:
         return np.minimum(found, max(len(self) - 1, 0))
 
     def refined(self, q: Array) -> Nodes | None:
-        """More nodes where joints `q` (k, j) move far between two; None when they do nowhere."""
+        """More nodes where joints `q` (k, j) move far between two of them; None if they do nowhere."""
         i = self.segments
         step = np.max(np.abs(q[i] - q[i - 1]), axis=1, initial=0.0) if len(i) else np.zeros(0)
         parts = np.minimum(np.ceil(step / STEP), _MOST_PARTS).astype(np.int64)

@@ -1,4 +1,4 @@
-"""What planning makes of a tool path on a machine: when every joint is where, and what does not fit."""
+"""The result of planning a tool path on a machine: where every joint is at any time, and what does not fit."""
 
 from __future__ import annotations
 
@@ -55,9 +55,9 @@ def with_times(findings: Findings, trajectory: Trajectory) -> Findings:
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """A trajectory with the joints that follow it and the findings on the way.
+    """A trajectory with the joints that follow it, and the findings.
 
-    `tool_frames` maps a tool number to X_FT; tools that are not named have their
+    `tool_frames` maps a tool number to X_FT; tools that are not in it have their
     tip at the flange.
     """
 
@@ -69,7 +69,7 @@ class Plan:
 
     @property
     def path(self) -> ToolPath:
-        """The tool path as it is run; an arm may have moves put in that turn the tool first."""
+        """The tool path as it is run; for an arm, moves that turn the tool first may be inserted."""
         return self.trajectory.path
 
     def joints(self, samples: Samples) -> Array:

@@ -1,4 +1,4 @@
-"""How a machine is posed for what a program commands: the members of one family, behind one function, `plan_path`."""
+"""How a machine is posed for what a program commands: one family of posings behind one function, `plan_path`."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 class Posed:
     """A path laid out for a machine: its pieces, the joints along them, and what these allow.
 
-    `caps` limit speed and acceleration along segments of the pieces; None where the pieces' own limits say all.
+    `caps` limit speed and acceleration along segments of the pieces; None where the limits of the pieces are enough.
     """
 
     pieces: Pieces
@@ -40,20 +40,20 @@ class Posing(Protocol):
         ...
 
     def start(self, kinematics: Kinematics, home: Array) -> Axes:
-        """Where the controlled point stands in M when the joints are at `home` (j,); no tool length offset in it."""
+        """Where the controlled point is in M when the joints are at `home` (j,), without tool length offset."""
         ...
 
     def pose(self, path: ToolPath, kinematics: Kinematics, home: Array, findings: Findings) -> Posed:
         """Lay out `path`, given in M, for a machine that stands at `home` (j,) first.
 
-        What does not fit is added to `findings` and laid out all the same, so that everything is found at once.
+        What does not fit is added to `findings` and still laid out, so that everything is found at once.
         """
         ...
 
     def after(self, leg: JointPath, path: ToolPath, home: Array) -> Posing:
         """The posing with which the next leg of the program goes on from where `leg` along `path` ended.
 
-        What was free and has been chosen stays. `home` (j,) is where the machine stood before the first leg.
+        Choices that were made stay. `home` (j,) is where the machine stood before the first leg.
         """
         ...
 
@@ -69,7 +69,7 @@ def plan_path(
 ) -> Plan:
     """Run `path` on a machine whose joints stand at `home` (j,) first.
 
-    `duration_of` tells how long an event takes [s]; `tool_frames` maps a tool number to X_FT. Raises ValueError when
+    `duration_of` says how long an event takes [s]; `tool_frames` maps a tool number to X_FT. Raises ValueError when
     the path commands what `posing` does not understand: the reader of the program should have refused it.
     """
     unknown = {state.control for state in path.states} - posing.understands

@@ -1,4 +1,4 @@
-"""What an arm cannot reach, or only slowly: findings with the place on the block, the reason and a way out."""
+"""What an arm cannot reach, or only slowly: findings with place in the program, reason and remedy."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def report_poses(
     home: Array,
     findings: Findings,
 ) -> None:
-    """One finding for each kind of pose that cannot be had: where, why, how many blocks, what shift would do."""
+    """One finding for each kind of pose out of reach: where, why, how many blocks, and which shift would help."""
     shift: str | None = None
     for value, code in _CODES.items():
         bad = status == value
@@ -110,13 +110,13 @@ def _where_it_begins(
             high = middle
         else:
             low, previous = middle, found[0]
-    # the numbers of the message are those of the end of the block's bad part, which exceed the limit visibly
+    # the message has the numbers at the end of the block's bad part, where they clearly exceed the limit
     X = flange.at(piece, nodes.s[node : node + 1])[0]
     return X, previous, (float(pieces.begin[piece[0]]) + high) / whole
 
 
 def _blocks(pieces: Pieces, piece: NDArray[np.int64]) -> int:
-    """How many program blocks stand behind pieces."""
+    """How many program blocks the pieces belong to."""
     touched = np.unique(piece)
     cover = np.zeros(len(pieces.path) + 1, dtype=np.int64)
     np.add.at(cover, pieces.row_first[touched], 1)
@@ -125,7 +125,7 @@ def _blocks(pieces: Pieces, piece: NDArray[np.int64]) -> int:
 
 
 def _shift_that_fits(kinematics: Kinematics, probe: SampledPath, choice: SpinChoice, home: Array) -> str:
-    """The smallest of some shifts of the part with which all of the program can be run."""
+    """The smallest of several shifts of the part with which the whole program can be run."""
     ways = [np.array(way, dtype=float) for way in product((-1, 0, 1), repeat=3) if any(way)]
     ways.sort(key=lambda way: (np.abs(way).sum(), *(-way)))
     for size in _SHIFTS:

@@ -1,4 +1,4 @@
-"""Which posing the machine of a shop asks for."""
+"""Which posing the machine of a shop needs."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from gcodesim.shop import Shop
 
 
 def posing_of(shop: Shop) -> Posing:
-    """A machine whose joints are the axes is commanded by these; an arm holds the tool as the cell asks."""
+    """A machine whose joints are the axes is commanded by them; an arm holds the tool as the cell says."""
     if shop.mover.joints_are_axes:
         return AxisPosing(independent_rapids=shop.mover.rapids == "independent")
     return _fixed_attitude(shop)
 
 
 def _fixed_attitude(shop: Shop) -> FixedAttitude:
-    """T's Z along the axis that the cell asks for, in base axes, for every work system."""
+    """The frame O for every work system, in base axes: T's Z is along the axis that the cell names."""
     own = shop.cell.channels[shop.channel].orientation
     R_BW = shop.X_WB.inverse().R
     frames = {
@@ -30,7 +30,7 @@ def _fixed_attitude(shop: Shop) -> FixedAttitude:
 
 
 def _upright(axis_B: Array, shop: Shop, system: int) -> Array:
-    """Axes of the frame O (3, 3) whose −Z is the tool axis; its X is that of the work system as far as it can be."""
+    """Axes of the frame O (3, 3) whose −Z is the tool axis; its X is as near as possible to that of the work system."""
     z = -axis_B / np.linalg.norm(axis_B)
     R_BP = (shop.X_BM @ shop.placement.work_offsets[system]).R
     x = R_BP[:, 0] - (R_BP[:, 0] @ z) * z

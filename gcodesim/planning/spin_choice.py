@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 SPINS: Final = 24  # candidates all around
 POSES: Final = 240  # at which a candidate is tried
 CHAINS: Final = 40  # of poses between joint moves that are tried
-COMFORT: Final = 0.25  # [rad] from the nearest joint limit, more is no better
-REGULAR: Final = 0.03  # least singular value of the Jacobian, lengths in half metres; more is no better
-_SHARP: Final = 0.1  # quantile of poses that may be slower than the limits used for rounding corners
+COMFORT: Final = 0.25  # [rad] from the nearest joint limit beyond which more is no better
+REGULAR: Final = 0.03  # least singular value of the Jacobian, lengths in half metres, beyond which more is no better
+_SHARP: Final = 0.1  # share of poses that may be slower than the limits used for rounding corners
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,7 +82,7 @@ class SpinChoice:
 
 
 def choose_spin(kinematics: Kinematics, probe: SampledPath, home: Array, near: float, spin: float | None) -> SpinChoice:
-    """The spin with fewest bad poses, then most margin, then nearest to `near`; a given `spin` [rad] is kept.
+    """The spin with the fewest bad poses, then the most margin, then nearest to `near`; a given `spin` [rad] is kept.
 
     Margin counts joint limits and singularities up to a comfortable distance,
     so that among good ones the nearest to the present joints wins.
@@ -133,7 +133,7 @@ def _margin(kinematics: Kinematics, q: Array) -> float:
 
 
 def _limits(kinematics: Kinematics, q: Array) -> AxisLimits:
-    """Speed and acceleration that the joints allow along x, y and z at most poses; they size corner arcs only."""
+    """Speed and acceleration that the joints allow along x, y and z at most poses; used only to size corner arcs."""
     speed, acceleration = np.full(6, np.inf), np.full(6, np.inf)
     if not len(q):
         return AxisLimits(speed=speed, acceleration=acceleration)

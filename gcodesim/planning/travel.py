@@ -18,13 +18,13 @@ from gcodesim.units import DEG, MM
 if TYPE_CHECKING:
     from gcodesim.kinematics.chain import Joints
 
-_SLACK: Final = 1e-9  # [m, rad] rounding of inches and decimals
+_SLACK: Final = 1e-9  # [m, rad] from rounding of inches and decimals
 
 
 def axis_ranges(path: ToolPath) -> tuple[Array, Array]:
-    """Least and greatest axis values of every row, two arrays (n, 6): control point plus offset, arcs with bulge.
+    """Least and greatest axis values of every row, two arrays (n, 6): control point plus offset, arcs with their bulge.
 
-    Where a row starts counts to the row before.
+    The start of a row counts towards the row before it.
     """
     low, high = path.end.copy(), path.end.copy()
     arc = np.flatnonzero(path.kind == ARC)
@@ -54,7 +54,7 @@ def _most_turns(curves: Curves) -> int:
 
 
 def report_missing_axes(path: ToolPath, axes: NDArray[np.intp], findings: Findings) -> None:
-    """Report axes that the program moves and the machine lacks."""
+    """Report axes that the program moves and the machine does not have."""
     for axis in range(6):
         rows = np.flatnonzero(path.end[:, axis] != path.start[:, axis])
         if axis in axes or not len(rows):
@@ -71,7 +71,7 @@ def report_missing_axes(path: ToolPath, axes: NDArray[np.intp], findings: Findin
 
 
 def report_travel(path: ToolPath, axes: NDArray[np.intp], joints: Joints, findings: Findings) -> None:
-    """Report each end of travel that is passed, once, with the first line, the worst value and the shift that fits."""
+    """Report each end of travel that is passed, once: the first line, the worst value and a shift that would fit."""
     if not len(path):
         return
     low, high = axis_ranges(path)

@@ -1,4 +1,4 @@
-"""Processes: what a tool does to material and which wrench that costs; `PROCESSES[name]` is the class."""
+"""Processes: what a tool does to material, and the wrench that this takes; `PROCESSES[name]` is the class."""
 
 from gcodesim.family import Family
 

@@ -1,4 +1,4 @@
-"""Columns: what a process says about each step, declared once by the process that says it.
+"""Columns: figures that a process gives for each step, declared once by the process itself.
 
 Executor, results, `lines.csv`, log, report and charts go through these declarations, so that a new figure of a process
 is one line in the file of that process.
@@ -20,7 +20,7 @@ _NAME: Final = re.compile(r"[a-z][a-z0-9_]*")
 
 
 class Shown(Flag):
-    """Who gets to see a column. What nobody sees stays with the steps of the process: for tests and calculators."""
+    """Who gets to see a column. A column that nobody sees stays with the steps of the process, for tests."""
 
     NOWHERE = 0
     LOG = auto()
@@ -30,7 +30,7 @@ class Shown(Flag):
     RESULTS = auto()
     """`results.json`, one figure for each tool, and the summary on the screen."""
     FINDINGS = auto()
-    """The findings of the process: as soon as this is not zero, the process is asked what is wrong."""
+    """Findings of the process: as soon as this column is not zero, the process is asked what is wrong."""
 
 
 LOG, LINES, RESULTS, FINDINGS = Shown.LOG, Shown.LINES, Shown.RESULTS, Shown.FINDINGS
@@ -38,7 +38,7 @@ LOG, LINES, RESULTS, FINDINGS = Shown.LOG, Shown.LINES, Shown.RESULTS, Shown.FIN
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """How a unit is spelled: in the log (SI), in files of the shop floor, and how much SI one of the latter is."""
+    """How a unit is written: in the log (SI) and in files of the shop floor, and how much SI one of the latter is."""
 
     log: str
     shop: str
@@ -65,17 +65,17 @@ UNITS: Final[dict[str, Unit]] = {
 class Column:
     """One figure of a process, with a value for each step.
 
-    `unit` is the SI unit of the values. `of` says what becomes of many steps, such as those of a line or of a tool:
+    `unit` is the SI unit of the values. `of` says how many steps, such as those of a line or a tool, become one value:
 
     - `sum` adds them up (a volume); the log shows the sum since the start of the run;
     - `greatest` keeps the greatest in size (a depth); the log shows the value of the step, and as `max_…` the greatest
       size since the sample before, so that no peak between two samples is lost;
     - `any` is a flag; many steps give the time [s] during which it was set, the log shows the flag;
-    - `last` stands until the process says another value (a thickness, a count).
+    - `last` holds until the process gives another value (a thickness, a count).
 
-    `together` says how the values of several processes, or of one process in several stocks, become one in the same
-    step: by default as `of` says, so that a torque that is the `greatest` of many steps but the sum of two stocks says
-    `together="sum"`. Of two `last` the later counts.
+    `together` says how values of several processes, or of one process in several stocks, become one value in the same
+    step: by default as `of` says. A torque, the `greatest` of many steps but the sum over two stocks, says
+    `together="sum"`. Of two `last` values the later one counts.
     """
 
     name: str
@@ -104,7 +104,7 @@ class Column:
 
     @property
     def shop_unit(self) -> str:
-        """The unit in files and on screens; of a flag the time in seconds."""
+        """The unit in files and on screens; for a flag, seconds."""
         return "s" if self.of == "any" else self._spelling.shop
 
     @property
@@ -119,7 +119,7 @@ class Column:
 
     @property
     def peak_field(self) -> str:
-        """The name in the log of the greatest since the sample before, for what is `of="greatest"`."""
+        """The name in the log of the greatest value since the sample before, for a column `of="greatest"`."""
         return f"max_{self.field}"
 
     @property
@@ -142,4 +142,4 @@ TORQUE: Final = Column(
 POWER: Final = Column("power", "W", of="greatest", together="sum", shown_in=LOG | RESULTS, says="of the spindle")
 
 HOUSE: Final = (ENGAGED, REMOVED, ADDED, FORCE, TORQUE, POWER)
-"""Those that every run has, whatever its tools do; a process writes those of them that it has values for."""
+"""Columns that every run has, whatever its tools do; a process writes those for which it has values."""

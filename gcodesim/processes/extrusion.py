@@ -1,7 +1,7 @@
 """Extrusion: a nozzle lays a bead along its path while it is switched on.
 
-The bead is a rectangle with round ends; its volume is section times length, whatever the pump could give. Where
-material is already in the way the bead loses that part, so that what was added may be less than nominal. No force.
+The bead is a rectangle with round ends; its volume is section times length, whatever the pump could deliver. Where
+material is already in the way the bead loses that part, so less than the nominal volume may be added. No force.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ Array = NDArray[np.float64]
 class Extrusion(Process):
     """The printing process of one extruder: adds its bead to the stock on feed moves while active.
 
-    It lays its bead wherever it is switched on, so its zone is everywhere. It has no force, so the machine does not
-    give way and a whole window can be laid at once.
+    It lays its bead wherever it is switched on, so its zone is everywhere. It exerts no force, so the machine does not
+    yield and a whole window can be laid at once.
     """
 
     kind: ClassVar[str] = "extrusion"
@@ -45,7 +45,7 @@ class Extrusion(Process):
 
     @classmethod
     def of(cls, tool: Extruder, material: Material | None) -> Extrusion:
-        """The process of an extruder; what it lays has no cutting constants."""
+        """The process of an extruder; the material it lays has no cutting constants."""
         return cls(extruder=tool)
 
     @property

@@ -18,14 +18,14 @@ from gcodesim.units import MM, N_PER_MM, N_PER_MM2
 Array = NDArray[np.float64]
 
 DEFAULT_NORMAL_RATIO: Final = 0.3
-"""Normal over tangential force where a table gives none: the usual share with a sharp edge at small positive rake."""
+"""Normal over tangential force where a table gives none: the usual ratio for a sharp edge at small positive rake."""
 
 DEFAULT_AXIAL_RATIO: Final = 0.0
 """Axial over tangential force where a table gives none."""
 
 
 class Law(Protocol):
-    """What the force kernels ask of a law."""
+    """What the force kernels need from a law."""
 
     @property
     def packed(self) -> Array:
@@ -39,7 +39,7 @@ class Kienzle:
 
     `kc11`, `kn11`, `ka11` [Pa] are the specific forces at 1 mm chip thickness, tangential, normal and axial, with
     exponents `mc`, `mn`, `ma` [-]. Valid in the range of chip thickness that its table was measured in, mostly
-    0.05 to 1 mm; thinner chips come out too easy.
+    0.05 to 1 mm; forces on thinner chips come out too small.
     """
 
     kc11: float
@@ -57,7 +57,7 @@ class Kienzle:
         normal_ratio: float = DEFAULT_NORMAL_RATIO,
         axial_ratio: float = DEFAULT_AXIAL_RATIO,
     ) -> Kienzle:
-        """The usual table row: `kc11` [Pa], `mc`, and the other two components as shares of the tangential one [-]."""
+        """From a usual table row: `kc11` [Pa], `mc`, and the other components as shares of the tangential one [-]."""
         return Kienzle(kc11=kc11, mc=mc, kn11=normal_ratio * kc11, mn=mc, ka11=axial_ratio * kc11, ma=mc)
 
     @staticmethod
@@ -86,7 +86,7 @@ class Kienzle:
 class LinearEdge:
     """Linear-edge law (Altintas 2012, eq. 2.72): force per width = Kc h + Ke.
 
-    `ktc`, `krc`, `kac` [Pa] for cutting, `kte`, `kre`, `kae` [N/m] for the edge that rubs; tangential, radial
+    `ktc`, `krc`, `kac` [Pa] for cutting, `kte`, `kre`, `kae` [N/m] for the rubbing of the edge; tangential, radial
     (along the normal) and axial. The constants are fits for one tool and one range of feed.
     """
 

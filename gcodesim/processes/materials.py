@@ -1,8 +1,8 @@
 """The library of cutting-force constants: ids and aliases of both laws in one name space.
 
 Tables disagree by a factor of two (42CrMo4 at h = 0.1 mm: 2500 to 4500 N/mm²),
-so every material carries its source and condition. What tables may leave
-out, and what a user may have to apply once, to constants that do not contain it:
+so every material carries its source and condition. Corrections that tables may
+leave out, and that a user may have to apply, once, to constants that do not contain them:
 
 - rake: K = 1 - (gamma - gamma0) / 100 per degree, gamma0 the rake of the table
   (Tabellenbuch: 6 degrees steel, 2 cast iron, 12 aluminium; Sandvik, Seco: 0);
@@ -31,7 +31,7 @@ _FILE: Final = Path(__file__).parent.parent / "data" / "materials.json"
 class Material:
     """A work material with its force law.
 
-    `assumed` says what the source does not give and was filled in; `usable` False: listed, but its source is in doubt.
+    `assumed` says what was filled in because the source does not give it; `usable` False: its source is in doubt.
     """
 
     id: str
@@ -81,7 +81,7 @@ class Library(Mapping[str, Material]):
         return len(self._materials)
 
     def suggest(self, name: str, count: int = 4) -> list[str]:
-        """Names of the library close to `name`, nearest first: by spelling, then by words of the description."""
+        """Names in the library close to `name`, nearest first: by spelling, then by words of the description."""
         wanted = plain(name)
         found = get_close_matches(wanted, self._names, n=count, cutoff=0.6)
         words = [word for word in wanted.split("_") if len(word) > 2]

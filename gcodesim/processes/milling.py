@@ -1,9 +1,9 @@
 """Milling and drilling: cutting forces, deflection and removal of a rotating cutter.
 
 Mean wrench over a revolution by the mechanistic model (Altintas 2012, ch. 2) with the engagement read from the
-stock. Simplified: runout, tooth-to-tooth differences, chatter and tool bending are not modelled; chip thickness is
-that of a circular tooth path; edges below the tip centre of a plunging flat end mill count as edges of any other
-place (kappa = 0, h = feed per tooth); the chisel edge of a drill is left out.
+stock. Simplifications: run-out, differences between teeth, chatter and tool bending are not modelled; chip thickness is
+that of a circular tooth path; edges below the tip centre of a plunging flat end mill are treated like any other
+edges (kappa = 0, h = feed per tooth); the chisel edge of a drill is left out.
 """
 
 from __future__ import annotations
@@ -76,14 +76,14 @@ class Milling(Process):
         return cls(cutter=tool, law=None if material is None else material.law)
 
     def begin(self) -> ProcessState:
-        """State of a tool that was just put in; standing in material, it cuts nothing until it has left it."""
+        """State of a tool that was just put in; if it stands in material, it cuts nothing until it has left it."""
         from gcodesim.processes.milling_kernels import STATE
 
         return ProcessState(values=np.zeros(STATE))
 
     @cached_property
     def zone(self) -> Zone:
-        """The whole tool above its tip: its shank and its holder are looked after as well."""
+        """The whole tool above its tip, since shank and holder are watched as well."""
         bodies = self.cutter.primitives
         widest = max([0.0, *(body.widest for body in bodies)])
         return Zone(radius=widest, above=self.cutter.true_length)
@@ -94,13 +94,13 @@ class Milling(Process):
         return cutter_findings(rows)
 
     def run(self, stock: Stock | None, window: Window, state: ProcessState) -> ProcessStep:
-        """Cut `stock` (in place) along `window`; without stock nothing happens. `state` is carried on."""
+        """Cut `stock` (in place) along `window`; without stock nothing happens. `state` is updated."""
         if stock is None:
             return ProcessStep.free(window.steps)
         return self._step_of(self.run_packed(stock, packed_motion(window), state), stock, window)
 
     def run_packed(self, stock: Stock, motion: Motion, state: ProcessState) -> Array:
-        """The same on n steps as the kernel takes them, for loops of single steps; out (n, OUTPUTS)."""
+        """The same on n steps in the form that the kernel takes, for loops of single steps; out (n, OUTPUTS)."""
         from gcodesim.processes.milling_kernels import OUTPUTS, mill
 
         steps = len(motion.spindle)
@@ -112,11 +112,11 @@ class Milling(Process):
             stock.grow()
 
     def loop(self, stock: Stock, window: Window, state: ProcessState) -> MillingLoop:
-        """The same step by step, for a world that answers every wrench with a motion of its own."""
+        """The same step by step, for a world that reacts to every wrench with a motion of its own."""
         return MillingLoop(self, stock, window, state)
 
     def _step_of(self, out: Array, stock: Stock, window: Window) -> ProcessStep:
-        """The kernel's output (n, OUTPUTS) with its columns by name, as views where they are taken as they are."""
+        """The kernel's output (n, OUTPUTS) as columns by name; views where nothing has to be converted."""
         from gcodesim.processes import milling_kernels as m
 
         removed = out[:, m.REMOVED]
@@ -148,7 +148,7 @@ class Milling(Process):
         )
 
     def _grazed(self, stock: Stock, window: Window) -> Array:
-        """What a rapid may seem to take (n,) [m³] where it only grazes: half a cell of all wall that it passes."""
+        """What a rapid may seem to remove (n,) [m³] while it only grazes: half a cell of all wall that it passes."""
         way = window.piece_end - window.piece_start
         low = np.minimum(window.piece_start[:, 2], window.piece_end[:, 2])
         depth = np.clip(stock.z_range[1] - low, 0.0, stock.z_range[1] - stock.z_range[0])
@@ -217,7 +217,7 @@ class Milling(Process):
 
 
 class MillingLoop:
-    """A window cut step by step; what each step needs is made once."""
+    """A window that is cut step by step; anything that each step needs is made once."""
 
     def __init__(self, process: Milling, stock: Stock, window: Window, state: ProcessState) -> None:
         self._process, self._stock, self._window, self._state = process, stock, window, state
@@ -248,12 +248,12 @@ class MillingLoop:
         return wrench
 
     def finish(self) -> ProcessStep:
-        """What all steps came to."""
+        """The outcome of all steps."""
         return self._process._step_of(np.concatenate(self._out), self._stock, self._window)
 
 
 def packed_motion(window: Window) -> Motion:
-    """The motion of a window as the kernel takes it: a copy, so that how its arrays lie does not matter."""
+    """The motion of a window as the kernel takes it: copied, so that the layout of its arrays does not matter."""
     from gcodesim.processes.milling_kernels import Motion
 
     return Motion(

@@ -1,7 +1,7 @@
 """What no machinist would do with a cutter: rapids through stock, feeding with the spindle off, shanks in stock.
 
-An event goes on over rows that are free of it until the tool leaves with a rapid that touches nothing, or tool
-or spindle change; it is found once, at its first row, with the worst number of all its rows.
+An event continues over rows that are free of it until the tool leaves with a rapid that touches nothing, or tool
+or spindle change; it is reported once, at its first row, with the worst number of all its rows.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ from gcodesim.units import MM, MM3, UM
 Array = NDArray[np.float64]
 
 RUB: Final = 2.0 * UM
-"""[m] of its own wall that an arm may take when it comes back and is bent otherwise than before."""
+"""[m] of its own wall that an arm may take when it comes back with a different deflection than before."""
 
 _PROBES: Final = frozenset(("G31", "G38.2", "G38.3", "G38.4", "G38.5"))  # what they touch ends them on the machine
 _LEFT_TAPS: Final = frozenset(("G74",))
 
 
 def cutter_findings(rows: Rows) -> list[Diagnostic]:
-    """GS401 to GS407, GS501 and GS502 from the columns that `Milling` writes."""
+    """GS401 to GS407, GS501 and GS502, from the columns that `Milling` writes."""
     bound = rows["rapid_bound"] + _least(rows)
-    # on its way out of a hole the tool has been below already
+    # on its way out of a hole: the tool has been down there already
     rapid_cut = np.where(rows.retreat, 0.0, rows["rapid_cut"])
     stopped = np.where(rows.retreat | rows.with_word(_PROBES), 0.0, rows["stopped_cut"])
     backwards = np.where(rows.retreat | rows.with_word(_LEFT_TAPS), 0.0, rows["reversed_cut"])
@@ -51,7 +51,7 @@ def cutter_findings(rows: Rows) -> list[Diagnostic]:
 
 
 def _least(rows: Rows) -> Array:
-    """What each row (n,) may take [m³] and has yet cut nothing: a cell, or a rub of the tool's own wall."""
+    """What each row (n,) may remove [m³] without counting as a cut: a cell, or rubbing at the tool's own wall."""
     least = np.full(len(rows), rows.grain)
     for number, tool in rows.tools.items():
         if isinstance(tool, Cutter):
@@ -60,7 +60,7 @@ def _least(rows: Rows) -> Array:
 
 
 def _folded(found: list[Diagnostic]) -> list[Diagnostic]:
-    """Events of one kind in the same place, as in a loop, are told once and counted, with the numbers of the first."""
+    """Events of one kind in one place, as in a loop, are reported once with a count and the numbers of the first."""
     first: dict[tuple[str, Span], Diagnostic] = {}
     for finding in found:
         key = (finding.code, finding.span)
@@ -70,7 +70,7 @@ def _folded(found: list[Diagnostic]) -> list[Diagnostic]:
 
 
 def _blind(rows: Rows) -> list[Diagnostic]:
-    """GS407: cuts while a rotary axis turns whose place nobody knows, one for each stretch of such rows."""
+    """GS407: cuts while a rotary axis of unknown place turns, one for each stretch of such rows."""
     found = []
     removed = rows["removed"]
     for letter, turns in rows.turns.items():
@@ -114,7 +114,7 @@ def _rapids(rows: Rows, cut: Array, bound: Array) -> Iterator[Diagnostic]:
 def _inside(rows: Rows, inside: Array) -> Iterator[Diagnostic]:
     for event in runs(inside > 0.0, group=np.cumsum(rows.changed)):
         first = int(event[0])
-        # the tool that is in the spindle before anything has moved is there from the start
+        # a tool that is in the spindle before anything has moved is there from the start
         late = bool(rows.changed[1 : first + 1].any())
         when = "where it is put into the spindle" if late else "when the program starts"
         yield Diagnostic(
@@ -181,7 +181,7 @@ def _spindle(rows: Rows, code: str, volume: Array, bound: Array) -> Iterator[Dia
     for event in rows.events(volume > 0.0, never):
         first, taken = int(event[0]), float(volume[event].sum()) / MM3
         if volume[event].sum() <= bound[event].max():
-            continue  # a tap on its way out, in its own thread: nothing that the grid could show
+            continue  # a tap on its way out, in its own thread: below what the grid can show
         yield Diagnostic(
             code=code,
             message=f"{rows.tool_name(first)} feeds through {taken:.1f} mm³ of stock with {how}",

@@ -1,10 +1,10 @@
-"""What a process is, whoever adds one: what it acts on, how far it reaches, what it reads and says.
+"""What every process declares, including those of third parties: what it acts on, its reach, what it reads and writes.
 
-A process acts on targets, one `Task` for each (`acts_on` says which sort there is):
+A process acts on targets, with one `Task` for each; `acts_on` names their sort:
 
 - `stock`: each stock of the cell in turn, a `material.Stock`, which the process may change in place;
 - `surface`: the skin of each stock in turn, a `Skin`, which can be looked at but not cut;
-- `bodies`: all that stands in the cell and does not move by itself, at once, as a tuple of `Body`;
+- `bodies`: everything in the cell that does not move by itself, all at once, as a tuple of `Body`;
 - `nothing`: there is no target. `run` gets None, and its frame S is that of the bodies.
 
 The executor asks a process about a window of steps when its `zone` may meet the target on the way; a process without a
@@ -51,7 +51,7 @@ class Skin(Protocol):
 
 
 class Body(Protocol):
-    """Something solid that stands in the cell, in the frame S of all bodies."""
+    """Something solid in the cell, in the frame S of all bodies."""
 
     @property
     def name(self) -> str:
@@ -70,7 +70,7 @@ class Body(Protocol):
 
 
 class Loop(Protocol):
-    """A window gone through step by step; see `Process.loop`."""
+    """A window that is run step by step; see `Process.loop`."""
 
     def step(self, k: int, moved_before: Array, moved: Array, share: Array) -> Array:
         """Step `k`, in order. The tip is off the window's pieces by `moved_before` … `moved` (3,) [m].
@@ -79,16 +79,16 @@ class Loop(Protocol):
         """
 
     def finish(self) -> ProcessStep:
-        """What all steps came to."""
+        """The outcome of all steps."""
 
 
 class Process:
-    """The base of all processes: one that acts on nothing, says nothing and is never wrong.
+    """The base of all processes: it acts on nothing, writes nothing and finds nothing wrong.
 
     A kind of process is a frozen dataclass below this. `kind` is its name in the table `PROCESSES`; `acts_on` its sort
-    of target; `takes` says that it takes material away, `pushes` that it has a force, so that a machine may give way;
+    of target; `takes` says that it removes material, `pushes` that it exerts a force, so that a machine may yield;
     `touches` says that it is about the tool in contact, so that it is not asked where a probe touches on purpose;
-    `reads` the signals that `Window.signals` holds for it, `writes` the columns that it gives values for.
+    `reads` lists the signals that `Window.signals` holds for it, `writes` the columns that it gives values for.
     """
 
     kind: ClassVar[str] = ""
@@ -101,7 +101,7 @@ class Process:
 
     @classmethod
     def of(cls, tool: Any, material: Material | None) -> Self:
-        """The process of `tool` at a target of `material`, None where that is not known or there is no stock."""
+        """The process of `tool` at a target of `material`, which is None if it is not known or there is no stock."""
         raise NotImplementedError
 
     @property
@@ -111,7 +111,7 @@ class Process:
 
     @property
     def laid_section(self) -> float:
-        """Section [m²] of what it adds along its path while it is switched on, at the most; 0 when it adds nothing."""
+        """The greatest section [m²] of what it adds along its path while it is switched on; 0 when it adds nothing."""
         return 0.0
 
     def begin(self) -> ProcessState:
@@ -123,10 +123,10 @@ class Process:
         raise NotImplementedError
 
     def loop(self, target: Any, window: Window, state: ProcessState) -> Loop:
-        """The same step by step, for a world that answers every wrench with a motion; only when it `pushes`."""
+        """The same step by step, for a world that reacts to every wrench with a motion; only when it `pushes`."""
         raise NotImplementedError
 
     @classmethod
     def findings(cls, rows: Rows) -> Iterable[Diagnostic]:
-        """What is wrong with how the process was used, in its own words; `rows` are those of all its tools."""
+        """Findings about how the process was used, in its own words; `rows` are those of all its tools."""
         return ()

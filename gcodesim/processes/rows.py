@@ -1,4 +1,4 @@
-"""What a run came to row by row, as a process looks at it to tell what is wrong."""
+"""A run row by row, as a process sees it when it looks for misuse."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ Ints = NDArray[np.int64]
 class Rows:
     """n rows of the path, all columns (n,).
 
-    `rapid`: the row is a rapid; `tool`: number of the tool; `setting`: anything that changes whenever tool or spindle
+    `rapid`: the row is a rapid; `tool`: number of the tool; `setting`: a number that changes whenever tool or spindle
     do; `changed`: a tool came into the spindle between the row before and this one; `retreat`: the row leads straight
-    along the tool's axis away from the work; `time` [s] at which the row begins. `turns` tells for each rotary axis
-    whose place nobody knows, by letter, in which rows it turns; `grain` [m³] is the volume of a cell of the coarsest
-    stock. `columns` are what the process wrote, as the executor has summed it up: zero in rows of other processes.
+    along the tool's axis away from the work; `time` [s] at which the row begins. `turns` says for each rotary axis
+    of unknown place, by letter, in which rows it turns; `grain` [m³] is the volume of a cell of the coarsest
+    stock. `columns` are those that the process wrote, as summed up by the executor: zero in rows of other processes.
     `span` is where a row stands in the program, `change_spans` where the program asks for the tool that comes before a
     row, and `with_word` gives the rows whose motion word is one of some.
     """
@@ -55,13 +55,13 @@ class Rows:
         return np.zeros(len(self)) if found is None else found
 
     def tool_name(self, row: int) -> str:
-        """The tool of a row as messages call it."""
+        """The name of a row's tool in messages."""
         number = int(self.tool[row])
         tool = self.tools.get(number)
         return f"T{number}" if tool is None else tool.name
 
     def events(self, fault: Flags, ends: Flags | None = None) -> Iterator[NDArray[np.intp]]:
-        """The rows (k,) of each event at `fault`, which goes on until tool or spindle change or a row at `ends`.
+        """The rows (k,) of each event at `fault`; an event lasts until tool or spindle change or a row is in `ends`.
 
         Without `ends` an event ends at the first row that is free of it.
         """

@@ -1,4 +1,4 @@
-"""The columns of a run: those that every run has, and those of the processes that the tools of the cell carry out."""
+"""The columns of a run: those that every run has, and those of the processes of the cell's tools."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sheet:
-    """Which kinds of process there are, "" (none) first, and which columns; both in the order in which they are shown.
+    """The kinds of process, "" (none) first, and the columns, both in the order in which they are shown.
 
-    `columns` begins with `HOUSE` and has no name twice; what nobody is shown is left out.
+    `columns` begins with `HOUSE` and has no name twice; columns that are shown nowhere are left out.
     """
 
     kinds: tuple[str, ...] = ("",)
@@ -24,7 +24,7 @@ class Sheet:
 
     @staticmethod
     def of(tools: Iterable[Tool]) -> Sheet:
-        """The sheet of a cell with these tools. ValueError when two processes mean different columns by one name."""
+        """The sheet of a cell with these tools. ValueError when two processes use one name for different columns."""
         from gcodesim.processes import PROCESSES
 
         kinds = PROCESSES.in_order(kind for tool in tools for kind in tool.processes)
@@ -45,5 +45,5 @@ class Sheet:
         return tuple(column for column in self.columns if column.shown_in & where)
 
     def own(self, where: Shown) -> tuple[Column, ...]:
-        """Those of them that only the processes of this cell have."""
+        """The columns among them that only the processes of this cell have."""
         return tuple(column for column in self.shown_in(where) if column not in HOUSE)

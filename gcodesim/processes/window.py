@@ -1,4 +1,4 @@
-"""What goes into a process and what comes out: columns over the steps of one window, in the frame S of its target."""
+"""Input and output of a process: columns over the steps of one window, in the frame S of its target."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ Flags = NDArray[np.bool_]
 class Window:
     """The motion of a tool over n steps; all vectors in axes of S.
 
-    c straight pieces, in order, each inside one step: the tip moves from `piece_start` to `piece_end` (c, 3) [m]
+    c straight pieces in order, each inside one step. The tip moves from `piece_start` to `piece_end` (c, 3) [m]
     during step `piece_step` (c,). Steps may have none (a dwell) or several (a corner). Positions are those of the
-    rigid machine; deflection is added here.
+    rigid machine; the process adds the deflection.
 
     axis (n, 3): unit vector from the tip to the holder; velocity (n, 3) [m/s] of the tip; rapid (n,): the step is part
     of a G0; `signals` maps each `Signal` that the process reads to its values (n,), flags as such; compliance
@@ -50,7 +50,7 @@ class ProcessStep:
 
     wrench (n, 6): mean force [N] and torque [N·m] on the tool, about the displaced tip; deflection (n, 3) [m] of the
     tip; `columns` (n,) by name, those that the process declares in `writes`. A column that is left out is zero.
-    `changes` is what other things in the cell have to do next, such as a part that is held from now on.
+    `changes` is what has to change in the rest of the cell, such as a part that is held from now on.
     """
 
     wrench: Array
@@ -60,7 +60,7 @@ class ProcessStep:
 
     @staticmethod
     def free(steps: int, columns: Mapping[str, NDArray[Any]] | None = None) -> ProcessStep:
-        """Nothing pushes in `steps` steps; without `columns` nothing happened at all."""
+        """A result without force over `steps` steps; without `columns` nothing happened at all."""
         return ProcessStep(wrench=np.zeros((steps, 6)), deflection=np.zeros((steps, 3)), columns=columns or {})
 
     def __getitem__(self, name: str) -> NDArray[Any]:
@@ -74,8 +74,8 @@ class ProcessState:
     """What a process carries from one window to the next: it belongs to one tool at one target.
 
     `values` is laid out by the process (milling: see `STATE` in `milling_kernels`), empty where nothing is remembered.
-    It is copied and put back when a window has to be taken back. A new state means: tool just placed; when that is
-    inside the stock it cuts nothing until it has left it.
+    It is copied, and restored when a window is undone. A new state means that the tool was just put in; if that is
+    inside the stock, it cuts nothing until it has left it.
     """
 
     values: Array = field(default_factory=lambda: np.zeros(0))

@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Zone:
-    """A cylinder about the axis of the tool that holds everything on which a process may act; lengths [m].
+    """A cylinder about the axis of the tool that contains everything on which a process may act; lengths [m].
 
     In the tip frame T, whose Z points from the holder to the tip: within `radius` of the axis, from `above` the tip,
     towards the holder, to `below` it, beyond the tip. A laser that burns 300 mm away from its lens says `below=0.3`.
@@ -26,14 +26,14 @@ class Zone:
 
     @property
     def everywhere(self) -> bool:
-        """Whether the zone has no end, so that the process is asked about every step."""
+        """Whether the zone is unbounded, so that the process is asked about every step."""
         return not isfinite(self.radius)
 
     def meets(self, start: Array, end: Array, axis: Array, low: Array, high: Array, margin: float = 0.0) -> bool:
-        """Whether something of the box from `low` to `high` (3,) may be in the zone, or nearer to it than `margin` [m].
+        """Whether part of the box from `low` to `high` (3,) may be in the zone, or nearer to it than `margin` [m].
 
         The tip goes along pieces from `start` to `end` (c, 3); `axis` (n, 3) are the unit vectors from the tip to the
-        holder on the way. All are in one frame. May say yes where the answer is no, never the other way round.
+        holder on the way. All are in one frame. May say yes where the answer is no, but never the other way round.
         """
         if self.everywhere:
             return True

@@ -1,4 +1,4 @@
-"""What a run shows: steps and stock on one side, columns and scenes of the log on the other."""
+"""From a run to its log: steps and stock go in, columns and scenes of the log come out."""
 
 from gcodesim.recorder.recorder import Recorder
 

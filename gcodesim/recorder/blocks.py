@@ -47,7 +47,7 @@ class _Entries(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Blocks:
-    """m blocks as the log tells of them, in the order of their begin."""
+    """m blocks as the log shows them, in the order in which they begin."""
 
     messages: BlockMessages
 
@@ -57,7 +57,7 @@ class Blocks:
 
     @staticmethod
     def of(plan: Plan, shop: Shop, sources: Mapping[str, SourceText], ways: Ways, frame: str = "world") -> Blocks:
-        """One entry a block that moves, and one for each event of a block that does not; ways are drawn in `frame`."""
+        """One entry for each block that moves, and one for each event of a block that does not; drawn in `frame`."""
         return Blocks(BlockMessages(_columns(_entries(plan), plan, shop, sources, ways, frame)))
 
     @property
@@ -83,18 +83,18 @@ def _state(timed: TimedEvent) -> str:
 
 
 def _entries(plan: Plan) -> _Entries:
-    """The blocks in the order of their begin."""
+    """The blocks in the order in which they begin."""
     path, trajectory = plan.path, plan.trajectory
     first = _first_rows(path)
     starts = np.asarray(trajectory.row_ns[0], dtype=np.int64)[first]
     rests: list[tuple[int, int, int, int, int]] = []
     last = (-1, "", -1)
     for i, timed in enumerate(trajectory.events):
-        if isinstance(timed.event, (Pause, Trip)):  # what the run says, no block
+        if isinstance(timed.event, (Pause, Trip)):  # said by the run, not by a block
             continue
         span, t_ns = timed.event.span, round(timed.time * 1e9)
         here = (t_ns, span.file, span.line)
-        if here == last and _rests(timed):  # as T1 M6: the block is known, and stands still
+        if here == last and _rests(timed):  # such as T1 M6: the block is known, and the machine stands still
             rests[-1] = (*rests[-1][:4], STATES.index(_state(timed)))
         elif span.line and here != last and not _moves(path, first, starts, here):
             rests.append((t_ns, 2 * timed.row, -1, i, STATES.index(_state(timed))))
@@ -120,7 +120,7 @@ def _moves(path: ToolPath, first: Ints, starts: Ints, here: tuple[int, str, int]
 
 
 def _switches(plan: Plan, entries: _Entries) -> tuple[Ints, list[tuple[OutputState, ...]]]:
-    """Which of the states (m,) of all outputs is in force once each block has begun, and these states."""
+    """The states of all outputs, and which of them (m,) is in force once each block has begun."""
     switches = ((timed, _switched(timed.event)) for timed in plan.trajectory.events)
     events = [(round(timed.time * 1e9), 2 * timed.row, to) for timed, to in switches if to is not None]
     now: dict[str, OutputState] = {}
@@ -228,7 +228,7 @@ def _modal(
 
 
 def _points(entries: _Entries, path: ToolPath, ways: Ways) -> tuple[Array, Ints]:
-    """The ways of all blocks, one after the other, and where each begins (m + 1,)."""
+    """The paths of all blocks, one after another, and where each begins (m + 1,)."""
     first = _first_rows(path)
     row = entries.row
     after = np.append(first[1:], len(path))[np.searchsorted(first, np.maximum(row, 0))] if len(first) else row

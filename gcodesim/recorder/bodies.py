@@ -43,7 +43,7 @@ def cell_entities(frames: Frames) -> tuple[Entity, ...]:
 
 
 def drawn(placed: Placed, color: Color) -> Shape | None:
-    """A solid as the log draws it; None for what cannot be drawn."""
+    """A solid as the log draws it; None if it cannot be drawn."""
     solid = placed.solid
     if isinstance(solid, Box | Cylinder | Cone | Sphere):
         X = placed.X_middle
@@ -52,7 +52,7 @@ def drawn(placed: Placed, color: Color) -> Shape | None:
         return None
     try:
         skin = triangles_of(solid)
-    except ValueError:  # said as GS770 when the shop was opened
+    except ValueError:  # reported as GS770 when the shop was opened
         return None
     return DrawnMesh(points=skin.points, triangles=skin.faces, p=placed.X.p, q=placed.X.q, color=color)
 
@@ -66,6 +66,6 @@ def tool_shapes(tool: Tool | None) -> tuple[Shape, ...]:
 
 
 def tile_meshes(tile: Tile) -> tuple[DrawnMesh, ...]:
-    """One tile of stock: what is as it came, and what was changed."""
+    """One tile of stock: surface that is as it was at the start, and surface that was changed."""
     facets = ((tile.original, RAW), (tile.changed, CUT))
     return tuple(DrawnMesh(points=p.points, triangles=p.triangles, tight=True, color=color) for p, color in facets)

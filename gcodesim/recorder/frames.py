@@ -105,7 +105,7 @@ class Frames:
 
     @property
     def path_frame(self) -> str:
-        """The frame in which the planned path rests: it goes along with the table's linear axes, as work does."""
+        """The frame in which the planned path is at rest: it moves with the table's linear axes, as the work does."""
         return "path" if self.moving_path else "world"
 
     @property
@@ -148,7 +148,7 @@ class Frames:
         return rows
 
     def carried(self, q: Array, X_WP: Array) -> Array:
-        """Work systems (n, 4, 4) in W, given for a table at zero, where the table's linear axes at `q` bring them."""
+        """Work systems (n, 4, 4) in W, given for a table at zero, moved by the table's linear axes at `q`."""
         if not self.moving_work:
             return X_WP
         X = X_WP.copy()
@@ -156,7 +156,7 @@ class Frames:
         return X
 
     def seen_from_table(self, q: Array, X_W: Array) -> Array:
-        """Poses (n, 4, 4) in W as the table sees them, which is the same where no axis moves a table."""
+        """Poses (n, 4, 4) in W as seen from the table; unchanged where no axis moves a table."""
         if not self.moving_work:
             return X_W
         shop = self.shop

@@ -1,4 +1,4 @@
-"""The log instants of some windows, put together: what is computed of them costs little more for many than for few."""
+"""The log instants of several windows together, because computing many costs little more than computing few."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ if TYPE_CHECKING:
 Ints = NDArray[np.int64]
 
 MANY: Final = 1000
-"""Instants that are worth writing."""
+"""Number of instants that is worth writing."""
 
 MOST_WINDOWS: Final = 8
-"""Windows after which the instants are written however few they are: so long the log's other messages wait, too."""
+"""Windows after which the instants are written however few they are; other messages of the log wait that long."""
 
 
 class Instants:
-    """Takes windows, and gives what they said at the log instants as columns.
+    """Takes windows, and gives their values at the log instants as columns.
 
-    `ends` are the steps of which the log needs the place of the tip, p in all: those of the instants, those before
-    them, and the last of each window. As the tip is where the motors and the bend of the gears bring it, their columns
+    `ends` are the p steps for which the log needs the place of the tip: those of the instants, those before
+    them, and the last of each window. Since motors and bent gears decide where the tip is, their columns
     are joints `q` (p, j), tip `X_BT` (p, 4, 4) without bend and `deflection` (p, 6). `peaks` are the greatest sizes
     since the last instant, by fields of the log.
     """
@@ -42,7 +42,7 @@ class Instants:
         self._clear()
 
     def follow(self, plan: Plan) -> None:
-        """Windows of a further leg come; `plan` is that of all legs so far."""
+        """Windows of a further leg follow; `plan` is that of all legs so far."""
         self._plan = plan
 
     def _clear(self) -> None:
@@ -62,7 +62,7 @@ class Instants:
         needed = np.zeros(len(record), dtype=bool)
         needed[at] = needed[np.maximum(at - 1, 0)] = needed[-1] = True
         ends = np.flatnonzero(needed)
-        place = np.cumsum(needed) + self._ends  # 0 is the end before all
+        place = np.cumsum(needed) + self._ends  # 0 is the end before the first step
         follows = np.array_equal(world.q, window.q)
         row = window.row[at]
         self._extend(
@@ -120,7 +120,7 @@ class Instants:
             self._columns.setdefault(name, []).append(column)
 
     def take(self) -> dict[str, Any]:
-        """The columns by name; nothing is left.
+        """The columns by name; afterwards nothing is left.
 
         `now` and `before` (m,) count the ends of steps from 1: that of an instant's step, and of the step before it.
         0 is the last end that was taken earlier.

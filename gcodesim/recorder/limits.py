@@ -1,4 +1,4 @@
-"""The limits of the joints as the log tells them, and how much of them a motion uses."""
+"""The limits of the joints as the log gives them, and how much of them a motion uses."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class JointLimits:
 
     @property
     def record(self) -> dict[str, str]:
-        """One entry a joint: its limits as a JSON object, without those that it does not have."""
+        """One entry for each joint: its limits as a JSON object, without those that it does not have."""
         joints = self.shop.kinematics.joints
         return {
             name: json.dumps(

@@ -20,7 +20,7 @@ Ints = NDArray[np.int64]
 def texts_of(sources: Mapping[str, SourceText], names: Sequence[str], file: Ints, line: Ints) -> ByteStrings:
     """Line `line` (m,), from 1, of file `names[file]` (m,), without blanks around it, in UTF-8.
 
-    Empty where there is no such file or line.
+    Empty if there is no such file or line.
     """
     groups = []
     for number in np.unique(file).tolist():

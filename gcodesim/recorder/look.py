@@ -23,20 +23,17 @@ AROUND_WORK: Final = 3.0
 """Distance of the camera from a part on a machine, in diagonals of the part: it leaves room for the spindle."""
 
 AROUND_WAYS: Final = 0.8
-"""The least distance, in that of the farthest point of all ways from the part: the tool is seen all the time."""
+"""The least distance, as a multiple of how far paths go from the part: so the tool is always in view."""
 
 AROUND_ROBOT: Final = 1.35
-"""Distance from a robot and its part together, in their diagonals: they fill a view of 45 degrees."""
+"""Distance from a robot together with its part, in their diagonals: they fill a view of 45 degrees."""
 
 CLOSEST: Final = 0.15
 """[m]"""
 
 
 def layout_kind(shop: Shop) -> str:
-    """`process` when a tool does something that the log shows and that has no force, else after what moves: `robot`
-
-    or `milling`.
-    """
+    """`process` if a tool does something without force that the log shows, else by what moves: `robot` or `milling`."""
     kinds = (PROCESSES[kind] for kind in shop.sheet.kinds[1:])
     if any(not kind.pushes and any(column.shown_in & LOG for column in kind.writes) for kind in kinds):
         return "process"
@@ -44,7 +41,7 @@ def layout_kind(shop: Shop) -> str:
 
 
 def view_of(shop: Shop, plan: Plan, ways: Ways, rapid: NDArray[np.bool_]) -> View:
-    """The part from close by, a robot as a whole beside it; without a part the ways of the feeds, else of all rows."""
+    """The part from close by, and beside it the whole robot; without a part the paths of feeds, or of all rows."""
     work = _corners(shop)
     if not len(work):
         fed = ways.polylines(~rapid).points
@@ -61,7 +58,7 @@ def view_of(shop: Shop, plan: Plan, ways: Ways, rapid: NDArray[np.bool_]) -> Vie
 
 
 def _camera(points: Array, *, diagonals: float) -> Camera:
-    """At the middle of `points` (n, 3) [m], from `diagonals` of their box."""
+    """A view at the middle of `points` (n, 3) [m], from `diagonals` times the diagonal of their box away."""
     low, high = points.min(axis=0), points.max(axis=0)
     x, y, z = (round(float(v), 3) for v in 0.5 * (low + high))
     distance = max(CLOSEST, diagonals * float(np.linalg.norm(high - low)))
@@ -69,7 +66,7 @@ def _camera(points: Array, *, diagonals: float) -> Camera:
 
 
 def _volumes(shop: Shop, plan: Plan) -> tuple[float, float] | None:
-    """Between which values [m³] the removed volume will stay: minus what beads can add, and what stock there is."""
+    """The least and greatest removed volume [m³] that is possible: minus what beads can add, and all of the stock."""
     path = plan.path
     added = 0.0
     for number, tool in shop.cell.tools.items():
@@ -95,6 +92,6 @@ def _corners(shop: Shop) -> Array:
 
 
 def _links(shop: Shop) -> Array:
-    """Where the links (n, 3) [m] stand in the world at the start, and the base."""
+    """Where the links and the base are in the world (n, 3) [m] at the start."""
     links = shop.kinematics.links(np.asarray(shop.home, dtype=float)[None])[0]
     return shop.X_WB.apply(np.concatenate([np.zeros((1, 3)), links[:, :3, 3]]))

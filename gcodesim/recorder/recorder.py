@@ -1,4 +1,4 @@
-"""Writes a run down: the log while it goes on, results and stocks at its end."""
+"""Records a run: the log while it goes on, results and stocks at its end."""
 
 from __future__ import annotations
 
@@ -49,19 +49,19 @@ TILE_PERIOD_NS: Final = 500_000_000
 """Stock is drawn at most this often."""
 
 DRAWN_COLUMNS: Final = 25_000
-"""Columns of a stock that the log draws: finer than a screen shows, and a look costs milliseconds."""
+"""Columns of a stock that the log draws: finer than a screen shows, at a cost of milliseconds per look."""
 
 MOST_TILE_LOOKS: Final = 120
 """Looks at the stock in a whole run: a long program is not watched more closely than a short one."""
 
 ALWAYS_DRAWN: Final = 1000
 WORTH_DRAWING: Final = 1.05
-"""The path is drawn anew with each leg while it has few rows, then when it has so many times more than last time."""
+"""The path is redrawn with each leg while it has few rows, later when it has grown by this factor."""
 
 FORCE_PERIOD_NS: Final = 100_000_000
 
 LIBRARIES: Final = ("mcap", "numba", "numpy", "pybullet", "zstandard")
-"""Those whose version may move a number or a byte."""
+"""Packages whose version may change a number or a byte."""
 
 
 class Recorder:
@@ -78,7 +78,7 @@ class Recorder:
         self._speeds = np.array([state.spindle for state in self._plan.path.states])
         self._ways = ways = Ways.of(self._plan, self._shop)
         self._blocks = Blocks.of(self._plan, self._shop, job.sources, ways, self._frames.path_frame)
-        self._begun = 0  # how many of the blocks are told
+        self._begun = 0  # how many of the blocks have been written
         self._drawn = len(self._plan.path)  # rows
         self._expected: deque[Sequence[Diagnostic]] = deque()
         self._tiles: list[Tiles] = [self._tiles_of(placed.stock) for placed in self._shop.stocks.values()]
@@ -89,7 +89,7 @@ class Recorder:
         self._writer = LogWriter(out / LOG_NAME, self._description(ways), live)
         self._reporter = Reporter(self._writer, job.shown(job.findings))
         self._texts = Texts(self._writer, self._plan.trajectory.events)
-        self._cut_at: Array = np.zeros(3)  # where the tip stands over the work
+        self._cut_at: Array = np.zeros(3)  # where the tip is over the work
         self._force_shown = False
         self._now_ns = 0
         self._tool = -1
@@ -187,7 +187,7 @@ class Recorder:
         self._begin_blocks(0)
 
     def look(self, window: StepWindow) -> Sequence[Glimpse]:
-        """Of each stock what has changed, as `window` leaves it, when it is time to look; drawn when written down."""
+        """What `window` has changed of each stock, when it is time to look; drawn later, when it is written."""
         begin_ns = window.first * self._step_ns
         end_ns = begin_ns + len(window) * self._step_ns
         if end_ns // self._tile_ns == begin_ns // self._tile_ns:
@@ -195,9 +195,9 @@ class Recorder:
         return [tiles.changed() for tiles in self._tiles]
 
     def take(self, record: StepRecord, found: Sequence[Diagnostic], seen: Sequence[Glimpse]) -> Callable[[], None]:
-        """The next window, the findings that came up in it, and the tiles that were seen to change.
+        """Take the next window, the findings that came up in it, and the tiles that were seen to change.
 
-        Answers the work of writing it down, which can wait while the next window runs.
+        Returns the work of writing it down, which can be done while the next window runs.
         """
         return lambda: self._write_down(record, found, seen)
 
@@ -215,18 +215,18 @@ class Recorder:
             self._draw(self._now_ns, index, glimpse.draw())
 
     def _begin_blocks(self, t_ns: int) -> None:
-        """The blocks that begin up to then."""
+        """Write the blocks that begin up to then."""
         first, self._begun = self._begun, self._blocks.before(t_ns + 1)
         self._writer.blocks(self._blocks.messages, first, self._begun)
 
     # ---- between legs
 
     def expect(self, found: Sequence[Diagnostic]) -> None:
-        """What was found while the next leg was read and planned."""
+        """Take what was found while the next leg was read and planned."""
         self._expected.append(found)
 
     def follow(self, plan: Plan) -> None:
-        """The run goes on by a leg; `plan` is that of all legs so far."""
+        """The run goes on with a further leg; `plan` is that of all legs so far."""
         rows, events = len(self._plan.path), len(self._plan.trajectory.events)
         self._plan = plan
         self._systems = work_systems(self._shop, plan.path)
@@ -250,7 +250,7 @@ class Recorder:
             self._writer.stock_tile(t_ns, first + tile.number, tile_meshes(tile), frame)
 
     def _changes_of_tool(self, from_ns: int, to_ns: int, window: StepWindow) -> None:
-        """The tool in the spindle, when it is another one."""
+        """Write the tool in the spindle when it has changed."""
         for k in np.flatnonzero(np.diff(window.tool, prepend=self._tool) != 0):
             number = int(window.tool[k])
             t_ns = 0 if to_ns < 0 else (window.first + int(k)) * self._step_ns
@@ -275,7 +275,7 @@ class Recorder:
             self._write_instants()
 
     def _write_instants(self) -> None:
-        """Columns of the log instants that have come together."""
+        """Write the columns of the log instants collected so far."""
         if not self._instants.count:
             return
         came = self._instants.take()
@@ -332,7 +332,7 @@ class Recorder:
         self._arrows(came["t_ns"], X_WT[:, :3, 3], wrench[:, :3], force)
 
     def _bent(self, X_BT: Array, deflection: Array) -> Array:
-        """X_WT (n, 4, 4) of the tip on the link side: where the motors bring it, and gears bent by (n, 6) in B."""
+        """X_WT (n, 4, 4) of the tip on the link side: where motors bring it, with gears bent by (n, 6) in B."""
         X = np.require(X_BT, np.float64, ["C", "W"])
         bend(self._shop.X_WB.matrix, deflection, X)
         return X
@@ -415,8 +415,8 @@ class Recorder:
             placed.stock.save(self._out / f"{name}{SUFFIX}")
 
     def abandon(self) -> None:
-        """After a fault: keep what is there, under the name of a log that is not whole."""
-        with suppress(Exception):  # the fault itself may be among what waits to be written
+        """After a fault: keep what is there, under the name of an incomplete log."""
+        with suppress(Exception):  # the fault itself may come from work that waits to be written
             self._write_instants()
         self._writer.abandon()
 

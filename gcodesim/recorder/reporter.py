@@ -1,4 +1,4 @@
-"""Says findings as events of the log, each at its time and each once."""
+"""Writes findings as events of the log, each at its time and each once."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _UNITS: Final = {unit.name: unit for unit in reversed(UNITS)}
 
 
 def _si(value: float, name: str) -> float:
-    """The value in SI; of a unit that is in no table, as it is."""
+    """The value in SI; unchanged if the unit is in no table."""
     unit = _UNITS.get(name)
     return value if unit is None else value * unit.factor + unit.offset
 
@@ -27,10 +27,10 @@ def _si(value: float, name: str) -> float:
 class Reporter:
     """Findings on their way into a log.
 
-    What planning has found is known before the run, with the time at which it
-    will happen: it waits for its turn, so that a run that ends early does not
-    tell what never happened. What comes up in the run is told twice: that it
-    begins, and at the end of the run what it came to, as the results have it.
+    What planning finds is known before the run, with the time at which it
+    will happen. It waits for that time, so that a run that ends early does not
+    report what never happened. What comes up in the run is written twice: when it
+    begins, and at the end of the run with its final numbers, as in the results.
     """
 
     def __init__(self, writer: LogWriter, known: Sequence[Diagnostic]) -> None:
@@ -39,12 +39,12 @@ class Reporter:
         self._said: dict[tuple[str, str, int], list[str]] = {}
 
     def expect(self, found: Sequence[Diagnostic], now_ns: int) -> None:
-        """What the plan of a further leg has found waits, too; what should have been said before is said now."""
+        """Findings of a further leg's plan wait as well; those whose time has passed are written now."""
         later = (replace(finding, time=max(_time_ns(finding), now_ns) * 1e-9) for finding in found)
         self._waiting = deque(sorted([*self._waiting, *later], key=_time_ns))
 
     def until(self, end_ns: int, fresh: Sequence[Diagnostic] = (), *, begin_ns: int = 0) -> None:
-        """Say what waits for a time up to `end_ns`, and the findings that came up between `begin_ns` and then."""
+        """Write findings that wait for a time up to `end_ns`, and those that came up between `begin_ns` and then."""
         while self._waiting and _time_ns(self._waiting[0]) <= end_ns:
             finding = self._waiting.popleft()
             self._say(_time_ns(finding), finding)
@@ -55,7 +55,7 @@ class Reporter:
             self._say(t_ns, replace(finding, message=f"{title}: {BEGINS}", value=None))
 
     def rest(self, end_ns: int, findings: Sequence[Diagnostic]) -> None:
-        """At the end say those of all findings that were not said as they are; those of later blocks are left out."""
+        """At the end, write the findings that have changed or were not written; those of later blocks are left out."""
         for finding in findings:
             said = self._said.get(_place(finding), ())
             if _time_ns(finding) <= end_ns and _words(finding) not in said:

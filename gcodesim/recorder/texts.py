@@ -1,4 +1,4 @@
-"""What a program says by MSG, DEBUG, PRINT and LOG and what its probes touch: events of the log, each at its time."""
+"""Messages of a program (MSG, DEBUG, PRINT, LOG) and contacts of its probes, as events of the log at their times."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ class Texts:
         self.expect(events)
 
     def expect(self, events: Iterable[TimedEvent]) -> None:
-        """Texts of a further leg wait, too."""
+        """Texts of a further leg wait as well."""
         self._waiting.extend(timed for timed in events if type(timed.event) in _CODES)
 
     def until(self, end_ns: int) -> None:
-        """Say what waits for a time up to `end_ns`."""
+        """Write the texts that wait for a time up to `end_ns`."""
         while self._waiting and (t_ns := round(self._waiting[0].time * 1e9)) <= end_ns:
             event = self._waiting.popleft().event
             assert isinstance(event, Message | Print | Log | Trip)

@@ -1,4 +1,4 @@
-"""The way of every path row as points, for drawing."""
+"""The path of every row as points, for drawing."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Ways:
 
     @staticmethod
     def of(plan: Plan, shop: Shop, first: int = 0) -> Ways:
-        """Those of all rows, or of the rows from `first` on."""
+        """The paths of all rows, or of the rows from `first` on."""
         path = plan.path
         start, end, sweep = path.start[first:], path.end[first:], path.sweep[first:]
         count = len(start)
@@ -53,12 +53,12 @@ class Ways:
         return Ways(shop.X_WB.apply(points + _shifts(plan, shop, first)[row]), starts)
 
     def followed_by(self, other: Ways) -> Ways:
-        """These ways, then those of further rows."""
+        """These paths, then those of further rows."""
         starts = np.concatenate([self.starts, self.starts[-1] + other.starts[1:]])
         return Ways(np.concatenate([self.points, other.points]), starts)
 
     def polylines(self, rows: NDArray[np.bool_]) -> Polylines:
-        """The ways of the rows (n,) that are true, each a line of its own."""
+        """The paths of the rows (n,) that are true, each a line of its own."""
         counts = np.diff(self.starts)
         chosen = np.repeat(rows, counts)
         starts = np.cumsum(counts[rows]) - counts[rows]
@@ -90,7 +90,7 @@ def _shifts(plan: Plan, shop: Shop, first: int) -> Array:
 
     believed and true.
 
-    Where a linear axis carries the table, the tip as the table at zero would see it.
+    Where a linear axis carries the table, this is the tip as seen from the table at zero.
     """
     trajectory = plan.trajectory
     middle: Array = 0.5 * (trajectory.row_start[first:] + trajectory.row_end[first:])

@@ -1,4 +1,4 @@
-"""Where everything is: bodies, what moves them, and the frames that they stand in. Knows no cell and no program."""
+"""Where everything is: bodies, what moves them, and the frames they stand in. Knows no cell and no program."""
 
 from gcodesim.scene.body import Body, Role
 from gcodesim.scene.mover import WORK, Mover

@@ -1,4 +1,4 @@
-"""What stands in a scene: solids, and what they are there for."""
+"""Bodies of a scene: solids and their role."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Role = Literal["link", "tool", "holder", "fixture", "stock", "part", "obstacle"]
 class Body:
     """A rigid thing. `name` is that of its frame in the scene, in which its solids are placed; see `Scene.frames`.
 
-    `mass` [kg] and `friction` [-] are None where nobody needs them. Which bodies are checked against each other
+    `mass` [kg] and `friction` [-] are None where they are not needed. Which bodies are checked against each other
     follows from their roles.
     """
 

@@ -26,9 +26,9 @@ class Mover:
     [N·m/rad] or [N/m] or None for a rigid one. `joints_are_axes` says that the joints are what the letters X to C of
     a program name; `rapids` is how G0 moves these.
 
-    `retreat` (3,) is the direction in the path's X, Y, Z in which a tool leaves the work along its own axis; None
-    where the pose decides. `timed_only` are joints that turn somewhere unknown and so take time only.
-    `seen_whole` says that a viewer wants to see all of it beside the part. `description` is the file that describes it.
+    `retreat` (3,) is the direction, in the path's X, Y, Z, in which a tool leaves the work along its own axis; None
+    where it depends on the pose. `timed_only` are joints whose place is unknown, so that they only take time.
+    `seen_whole`: a viewer should see all of it beside the part. `description` is the file that describes it.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""The tree of frames: what stands in what, and where that is while machines move.
+"""The tree of frames: which frame stands in which, and where each one is while machines move.
 
 A frame stands in the world, in another frame, or in a frame of a mover
 (`arm/flange`, `machine/table`). Its parent changes by a `Hold` only.
@@ -37,7 +37,7 @@ class Hold:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Scene:
-    """All frames by name, the movers that they may depend on, and the bodies that stand in them."""
+    """All frames by name, the movers on which they may depend, and the bodies that stand in them."""
 
     movers: Mapping[str, Mover]
     frames: Mapping[str, Stand] = field(default_factory=dict)
@@ -66,7 +66,7 @@ class Scene:
         return self.track(stand.parent, q, holds) @ stand.X.matrix
 
     def seen_from(self, base: str, frame: str, q: Mapping[str, Array], holds: Sequence[Hold] = ()) -> Array:
-        """X_BF (n, 4, 4): a frame as the base B of the mover `base` sees it."""
+        """X_BF (n, 4, 4): a frame seen from the base B of the mover `base`."""
         mover = self.movers[base]
         if not self._may_move(frame, holds):
             return _still(mover.X_WB.inverse() @ self.at_rest(frame), q)
@@ -109,12 +109,12 @@ class Scene:
         return carrier, X @ stand.X
 
     def _mover_of(self, frame: str) -> tuple[Mover, str] | None:
-        """The mover and its link when `frame` is one of a mover."""
+        """The mover and its link if `frame` belongs to a mover."""
         name, slash, link = frame.partition("/")
         return (self.movers[name], link) if slash and name in self.movers and frame not in self.frames else None
 
     def _may_move(self, frame: str, holds: Sequence[Hold]) -> bool:
-        """Whether a row of a track may differ from another; a link that no joint carries counts as moving."""
+        """Whether the rows of a track may differ; a link that no joint carries counts as moving."""
         if frame == WORLD:
             return False
         if _holds_of(frame, holds):
@@ -137,7 +137,7 @@ class Scene:
         return X
 
     def _held(self, frame: str, q: Mapping[str, Array], holds: Sequence[Hold], own: Sequence[Hold]) -> Array:
-        """The track of a frame that changes its parent."""
+        """The track of a frame whose parent changes."""
         others = [hold for hold in holds if hold.body != frame]
         count = _count(q)
         X = np.tile(np.eye(4), (count, 1, 1))

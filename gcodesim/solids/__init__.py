@@ -1,6 +1,6 @@
-"""One vocabulary of solids, for what stands in a cell, what a machine and a tool are made of, and what is drawn.
+"""One vocabulary of solids, for everything in a cell, for machines and tools, and for drawing.
 
-Knows no cell, no machine and no tool; these say in one place each which solids they are.
+Knows no cell, no machine and no tool; each of these has one place that says which solids it consists of.
 """
 
 from gcodesim.solids.convex import hulls_of

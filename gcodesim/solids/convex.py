@@ -1,4 +1,4 @@
-"""Solids as convex bodies that hold them, which is what collision checks make of them."""
+"""Solids as convex bodies that enclose them, for collision checks."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SIDES: Final = 64
 
 
 def hulls_of(placed: Placed, sides: int = SIDES) -> tuple[Hull, ...]:
-    """A solid as convex bodies that hold it, in the frame in which it is placed.
+    """A solid as convex bodies that enclose it, in the frame in which it is placed.
 
     Round bodies become prisms of `sides`. Of a mesh every triangle is a body of its own: the mesh may be hollow, and
     crossing it is found.
@@ -40,7 +40,7 @@ def hulls_of(placed: Placed, sides: int = SIDES) -> tuple[Hull, ...]:
 
 
 def _prism(ends: list[tuple[float, float]], sides: int) -> Hull:
-    """Hull of two circles (radius, height), the lower first, as polygons of `sides` that hold them."""
+    """Hull of two circles (radius, height), the lower first, as polygons of `sides` that enclose them."""
     angle = 2.0 * np.pi * np.arange(sides) / sides
     corners = []
     for radius, height in ends:

@@ -1,4 +1,4 @@
-"""A convex body, as collision checks want it."""
+"""A convex body in the form that collision checks need."""
 
 from __future__ import annotations
 
@@ -15,5 +15,5 @@ class Hull:
     normals: Array
 
     def at(self, X: Pose) -> Hull:
-        """The same, its frame standing at `X`."""
+        """The same body with its frame at `X`."""
         return Hull(X.apply(self.corners), X.rotate(self.normals))

@@ -1,4 +1,4 @@
-"""Meshes as files: what is in them, read by one library in one place."""
+"""Mesh files, read by one library in one place."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Triangles:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MeshFile:
-    """A mesh file, whose numbers times `scale` along x, y, z are metres."""
+    """A mesh file; its numbers times `scale` along x, y, z are metres."""
 
     path: Path
     scale: tuple[float, float, float] = (1.0, 1.0, 1.0)

@@ -14,9 +14,9 @@ BALL_PIECES: Final = 32
 
 
 def outline_of(solid: Solid) -> Array:
-    """Points (k, 2) from the top down: radius and height [m] in the solid's frame; ValueError: no body of revolution.
+    """Points (k, 2) from the top down: radius, height [m] in the solid's frame; ValueError: not a body of revolution.
 
-    A ball is one of straight pieces, inside the true one.
+    A ball becomes straight pieces inside the true one.
     """
     match solid:
         case Cylinder(radius=radius, bottom=bottom, top=top):

@@ -1,4 +1,4 @@
-"""The solids: each in a frame of its own, in which a `Placed` one stands at `X` of something else. Lengths [m]."""
+"""The solids, each in a frame of its own; a `Placed` one has that frame at `X` of something else. Lengths [m]."""
 
 from __future__ import annotations
 
@@ -160,7 +160,7 @@ class Revolution:
 
 @dataclass(frozen=True, kw_only=True)
 class Mesh:
-    """Triangles, out of a file that is read when somebody asks for them, or given."""
+    """Triangles, either given or from a file that is read when somebody asks for them."""
 
     source: MeshFile | Triangles
 
@@ -190,7 +190,7 @@ class Mesh:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Hulls:
-    """Convex bodies that stand for one solid."""
+    """Convex bodies that represent one solid."""
 
     hulls: tuple[Hull, ...]
 
@@ -213,7 +213,7 @@ class Placed:
     X: Pose = field(default_factory=Pose.identity)
 
     def at(self, X: Pose) -> Placed:
-        """The same, its body standing at `X` of something else."""
+        """The same solid seen from something else, in which its body stands at `X`."""
         return Placed(self.solid, X @ self.X)
 
     @property

@@ -1,4 +1,4 @@
-"""Solids as triangles, for whoever wants the skin of a body."""
+"""Solids as triangles, for callers that need the skin of a body."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from gcodesim.solids.outline import outline_of
 from gcodesim.solids.solid import Box, Cylinder, Hulls, Mesh, Solid
 
 SIDES: Final = 64
-"""Of the prism that stands for a round body."""
+"""Sides of the prism that represents a round body."""
 
 # corners of a box in the order of `product`: x slowest, z fastest
 _BOX: Final = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
 
 
 def triangles_of(solid: Solid) -> Triangles:
-    """The skin of a solid, outside counter-clockwise, in its own frame; ValueError where there is none to be had."""
+    """The skin of a solid, counter-clockwise from outside, in its own frame; ValueError if it has none."""
     match solid:
         case Box(lower=lower, upper=upper):
             return Triangles(points=np.array(list(product(*zip(lower, upper, strict=True)))), faces=_fans(_BOX))

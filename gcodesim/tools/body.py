@@ -1,4 +1,4 @@
-"""Solids of revolution that stand for a tool: for drawing, collision and mass."""
+"""Solids of revolution that represent a tool, for drawing, collision and mass."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from gcodesim.frames import Pose
 from gcodesim.solids import Cone, Cylinder, Placed, Sphere, moments, widest
 
 STEEL_DENSITY: Final = 7850.0
-"""Density of tool steel [kg/m³]; a solid carbide cutter weighs nearly twice that, `mass` says so."""
+"""Density of tool steel [kg/m³]; a solid carbide cutter weighs nearly twice that, so give its `mass`."""
 
 
 Simple = Cylinder | Cone | Sphere

@@ -1,4 +1,4 @@
-"""Rotating cutters: what end mills and drills have in common."""
+"""Rotating cutters: the common part of end mills and drills."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 
 def usual_length(diameter: float) -> float:
-    """From tip to holder [m], where nothing tells it."""
+    """From tip to holder [m], where the cell does not say."""
     return max(4.0 * diameter, 40.0 * MM)
 
 
@@ -87,7 +87,7 @@ class Cutter(Tool):
 
     @property
     def cutting_shape(self) -> Shape:
-        """The cutting part as a shape that the stock knows; it ends at `flute_length`."""
+        """The cutting part as a shape of the stock's kernels; it ends at `flute_length`."""
         raise NotImplementedError
 
     @property

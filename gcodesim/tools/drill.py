@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Drill(Cutter):
-    """A drill whose straight lips reach the axis; only they cut, the margins of the cylinder guide.
+    """A drill whose straight lips reach the axis; only they cut, while the margins of the cylinder guide.
 
-    The chisel edge is not modelled: thrust of a real drill with a thick web is higher by a third and more.
+    The chisel edge is not modelled: the thrust of a real drill with a thick web is higher by a third or more.
     """
 
     kind: ClassVar[str] = "drill"

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FlatEndMill(Cutter):
-    """A cylindrical end mill; its bottom edges reach the axis, so that it may plunge."""
+    """A cylindrical end mill; its bottom edges reach the axis, so it can plunge."""
 
     kind: ClassVar[str] = "flat_end_mill"
 

@@ -1,6 +1,6 @@
-"""Parts of a tool's body: what messages call them, how they are drawn, which finding tells that they hit something.
+"""Parts of a tool's body: their names in messages, how they are drawn, and the finding when they hit something.
 
-A kind of tool may name its parts as it likes. What stands in `PARTS` has words of its own; a package may add more by
+A kind of tool may name its parts as it likes. Those in `PARTS` have their own wording; a package may add more by
 entry points of the group `gcodesim.parts`. Any other part is called by its name and drawn grey.
 """
 
@@ -51,6 +51,6 @@ PARTS = Family(
 
 
 def body_part(name: str) -> BodyPart:
-    """The part of that name; one made up for names that nobody has described."""
+    """The part of this name; a plain grey one for names that nobody has described."""
     found: BodyPart | None = PARTS.get(name)
     return BodyPart(words=f"the {name.replace('_', ' ')}") if found is None else found

@@ -31,7 +31,7 @@ class Tool:
 
     kind: ClassVar[str] = ""
     processes: ClassVar[tuple[str, ...]] = ()
-    """Names in the PROCESSES family of what this tool does; none: it is only moved. Each acts on its own targets."""
+    """Names in the PROCESSES family of what the tool does; none: it is only moved. Each acts on its own targets."""
     process: ClassVar[str] = ""
     """The same in short, for a kind of tool with one process."""
 
@@ -68,7 +68,7 @@ class Tool:
 
     @property
     def primitives(self) -> tuple[Primitive, ...]:
-        """Bodies for drawing and collision, from the tip up; kinds extend this by what is below the holder."""
+        """Bodies for drawing and collision, from the tip up; each kind adds what is below the holder."""
         return self._holder_bodies()
 
     def _holder_bodies(self) -> tuple[Primitive, ...]:
@@ -82,7 +82,7 @@ class Tool:
         return mass_properties(self.primitives, self.mass)
 
     def problems(self) -> list[tuple[str, str]]:
-        """What makes this tool impossible: (key, message) each; empty for a sound tool."""
+        """What makes this tool impossible, as pairs (key, message); empty for a sound tool."""
         found = [
             (name, f"`{name}` must be greater than 0")
             for name, value in self._positive().items()
