@@ -70,6 +70,11 @@ class Control:
     def _memory(self) -> Parameters:
         return Parameters(self._read_only, self._predefined)
 
+    def situation(self) -> tuple[object, ...]:
+        """All that it knows besides parameters, as a copy."""
+        said = (self.returned, self.value_returned, self.spindle_tool)
+        return (self.state.copy(), said, dict(self.tools), tuple(self.saved_modes))
+
     # -- frames
 
     def tip(self, point: Vector) -> Vector:

@@ -34,3 +34,8 @@ class Frame:
     saved: State | None = None  # M70, M73
     saved_g92: bool = False  # whether G92 was in force then
     restores: bool = False  # M73
+
+    def situation(self) -> tuple[object, ...]:
+        """What of it decides how the program goes on, as a copy."""
+        file = (id(self.file), self.at, self.name, self.first, self.by_m98, self.rounds)
+        return (*file, self.arguments, dict(self.named), self.saved, self.saved_g92, self.restores)

@@ -22,6 +22,8 @@ _BLOCKS_OF_HOLE: Final = 8
 _WORTH_COMPILING: Final = 5_000_000
 """Bytes from which on compiling the lane, which is done once for a version, is not much longer than doing without."""
 
+_BLOCKS_WORTH_COMPILING: Final = 1_000_000
+
 
 class Lanes:
     """The compiled lane of one run, opened when it pays."""
@@ -43,8 +45,8 @@ class Lanes:
                 return None
             from gcodesim.rs274.plain.lane import PlainLane, is_ready  # brings numpy, perhaps the compiler
 
-            if not (self._may_compile or is_ready()):
-                self._from = None
+            if not (self._may_compile or is_ready() or block >= _BLOCKS_WORTH_COMPILING):
+                self._from = _BLOCKS_WORTH_COMPILING
                 return None
             lane = self._lane = PlainLane(self._control, self._flow, eager=self._eager)
         return lane if lane.is_open() else None

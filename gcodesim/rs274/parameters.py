@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping
 from math import isfinite
+from typing import Any
 
 from gcodesim.canon.systems import ADDITIONAL
 from gcodesim.diagnostics import Diagnostic, SourceText, Span
@@ -157,6 +158,11 @@ class Parameters:
         self.changes += 1
         self.undo.append((store, name, store.get(name)))
         store[name] = value
+
+    def everything(self) -> dict[object, float]:
+        """All that is stored, by number or name."""
+        stores: tuple[Mapping[Any, float], ...] = (self.numbers, self.globals, self.locals)
+        return {name: value for store in stores for name, value in store.items()}
 
     def kept(self) -> Iterable[int]:
         """The numbers that a control keeps when the program has ended."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Generator
 from pathlib import Path
@@ -14,6 +15,7 @@ from gcodesim.rs274.block import Block, Name
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.dialects import DIALECTS, Dialect
 from gcodesim.rs274.dialects.linuxcnc import STOPPING
+from gcodesim.rs274.endless import Endless
 from gcodesim.rs274.execute import execute, execute_move, is_plain_move
 from gcodesim.rs274.expressions import checked, names_in
 from gcodesim.rs274.fault import Fault
@@ -35,7 +37,8 @@ from gcodesim.rs274.words import Words, place_of, read_words
 
 Feedback = canon.Answer | canon.Axes | None
 _CHECK_CLOCK_EVERY = 4096
-_MOST_BLOCKS, _MOST_ROUNDS = 500_000, 10  # blocks that a program of n lines may execute: so many, and so many a line
+# blocks that a program may execute, by the dialect's speed, and events; so many, and so many a line
+_MOST_BLOCKS, _MOST_SLOW_BLOCKS, _MOST_EVENTS, _MOST_ROUNDS = 20_000_000, 1_000_000, 2_000_000, 10
 _MOST_FINDINGS = 1000  # a file that is no program would fill the screen
 _MOST_ALIKE = 20  # findings with the same words; further ones are counted
 _OF_ONE_CAUSE = frozenset(("GS012", "GS013", "GS107", "GS131", "GS160", "GS915"))  # one remedy for all places
@@ -125,8 +128,12 @@ class Executor:
         self.told: dict[tuple[str, str], set[tuple[str, int, int]]] = {}  # where each message was given
         self.kinds: dict[str, set[str]] = {}  # messages of the warnings with one code
         self.lanes = Lanes(run.source, settings, self.control, self.flow) if type(self) is Executor else None
-        allowed = _MOST_BLOCKS + _MOST_ROUNDS * len(run.source.lines)
-        self.most_blocks = allowed if settings.max_blocks is None else settings.max_blocks
+        rounds = _MOST_ROUNDS * len(run.source.lines)
+        self.most_blocks = (_MOST_SLOW_BLOCKS if self.lanes is None else _MOST_BLOCKS) + rounds
+        self.events_left: float = _MOST_EVENTS + rounds
+        if settings.max_blocks is not None:
+            self.most_blocks, self.events_left = settings.max_blocks, math.inf
+        self.endless = Endless(self.control, self.flow, lines=len(run.source.lines), limit=self.most_blocks)
 
     @property
     def folders(self) -> tuple[Path, ...]:
@@ -157,10 +164,12 @@ class Executor:
             if index >= len(frame.file.lines):
                 self._end_of_lines()
                 break
-            lanes = None if control.state.strayed is not None or flow.reads_on else self.lanes
+            looking = self.endless.is_looking(self.blocks)
+            lanes = None if control.state.strayed is not None or flow.reads_on or looking else self.lanes
             if lanes is not None and (lane := lanes.lane_at(self.blocks)):
-                done, batch, last = lane.run(self.blocks, max(self.most_blocks - self.blocks, 0))
+                done, batch, last = lane.run(self.blocks, self._until_look())
                 self.blocks += done
+                self.events_left -= 0 if batch is None else len(batch)
                 if batch is not None and self.run.failed is None:
                     if len(batch) < lane.worth_a_batch:
                         events = list(batch.events())
@@ -184,9 +193,11 @@ class Executor:
             elif text:
                 self._line(frame.file, index, text)
             if out:
+                self.events_left -= len(out)
                 if self.run.failed is None:
                     for event in out:
                         if type(event) is canon.Probe or type(event) is canon.Input:
+                            self.endless.forget()
                             asked = time.monotonic()
                             self._show_sources()
                             reply = yield event
@@ -462,8 +473,16 @@ class Executor:
     def _exhausted(self, file: ProgramFile, index: int) -> bool:
         """Whether the budget of blocks or time is used up after a line of `file`; reported once."""
         limit = self.most_blocks
-        if self.blocks > limit:
+        if self.run.failed is None and self.endless.is_looking(self.blocks) and self.endless.repeats():
+            period = self.endless.period
+            message = f"the program never ends: after {self.blocks} blocks all is as it was {period} blocks before"
+            code, value, unit = "GS134", float(limit), "blocks"
+        elif self.blocks > limit:
             message, value, unit = f"the program did not end within {limit} blocks", float(limit), "blocks"
+            code = "GS134"
+        elif self.events_left < 0:
+            most = _MOST_EVENTS + _MOST_ROUNDS * len(self.run.source.lines)
+            message, value, unit = f"the program did not end within {most} moves", float(most), "moves"
             code = "GS134"
         elif self._is_late():
             limit_s = self.settings.time_limit or 0.0
@@ -474,17 +493,28 @@ class Executor:
             code = "GS015"
         else:
             return False
-        line = index
-        if self.flow.loop is not None:
-            file, line = self.flow.loop
-        span = Span.of_line(file.name, line + 1, file.lines[line], self.flow.frame.callers)
-        hint = "the loop that begins here has no end" if self.flow.loop is not None else ""
-        if code == "GS134":
-            hint = f"{hint or 'look for a loop or call without an end'}; --max-blocks allows more"
+        line, callers, loop = index, self.flow.frame.callers, self.endless.loop
+        if loop is not None:
+            file, line, callers = loop
+        span = Span.of_line(file.name, line + 1, file.lines[line], callers)
+        hint = self._why_endless(is_loop=loop is not None) if code in ("GS134", "GS135") else ""
         self._report(
             Diagnostic(code=code, message=message, span=span, hint=hint, limit=value, unit=unit or None), index + 1
         )
         return True
+
+    def _until_look(self) -> int:
+        """How many blocks may be executed at once."""
+        return max(min(self.most_blocks, self.endless.next_look(self.blocks, self.most_blocks)) - self.blocks, 0)
+
+    def _why_endless(self, *, is_loop: bool) -> str:
+        """What is known of a program that goes on and on."""
+        if self.endless.period:
+            return "nothing in the loop that begins here changes any more" if is_loop else "nothing changes any more"
+        what = "the loop that begins here" if is_loop else "it"
+        if changes := self.endless.changes:
+            return f"{what} still changes {changes}, so it may end; --max-blocks allows more"
+        return f"{what} may have no end; --max-blocks allows more"
 
     def _is_late(self) -> bool:
         """Whether the time is used up; the clock is looked at now and then only."""

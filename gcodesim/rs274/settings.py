@@ -38,8 +38,8 @@ class Settings:
     `lane` "grammar" reads every line by itself, "compiled" all that its kernels know as arrays; "auto" chooses by the
     length of the text and by how much has been executed.
     Both say the same.
-    `max_blocks` and `time_limit` [s] end an endless program; without the first,
-    its length says how much is too much.
+    `max_blocks` and `time_limit` [s] end an endless program; without the first, the
+    dialect and the program's length say how much is too much.
     """
 
     dialect: str = "linuxcnc"

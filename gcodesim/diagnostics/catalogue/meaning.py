@@ -183,9 +183,12 @@ CODES: tuple[Code, ...] = (
         code="GS134",
         severity=Severity.ERROR,
         title="Program does not end",
-        what="The program executed more blocks than the budget allows.",
+        what=(
+            "Everything that the control knows came back as it was, so the program goes on for ever; or it executed more "
+            "blocks, or made more moves, than the budget allows, and the hint says what still changes."
+        ),
         why="Mostly a loop whose condition never becomes false.",
-        remedy="Correct the loop, or raise --max-blocks.",
+        remedy="Correct the loop; where it does end, raise --max-blocks.",
     ),
     Code(
         code="GS135",

@@ -70,6 +70,9 @@ class FanucControl(Control):
 
         self.corner_rule = FanucCorners(self)
 
+    def situation(self) -> tuple[object, ...]:
+        return (*super().situation(), self.sequence, self.via, self.writing)
+
     def _first_state(self) -> State:
         return FanucState()
 

@@ -45,6 +45,10 @@ class FanucFrame(Frame):
     calls: list[ModalCall] = field(default_factory=list)
     jumps_in: dict[int, Span] = field(default_factory=dict)  # the GOTO that led behind a line of DO
 
+    def situation(self) -> tuple[object, ...]:
+        own = (self.part, self.macro, dict(self.macro_arguments), dict(self.outer), set(self.begun), list(self.calls))
+        return (*Frame.situation(self), *own)
+
 
 class FanucFlow(FlowControl):
     """The stack of running programs and macros."""

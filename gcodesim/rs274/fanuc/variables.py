@@ -86,6 +86,9 @@ class Variables(Parameters):
             return float(sum(2**axis for axis in range(3) if control.state.mirror[axis] is not None))
         return self.numbers.get(number, 0.0)
 
+    def everything(self) -> dict[object, float]:
+        return {number: value for store in (self.numbers, self.local) for number, value in store.items()}
+
     def kept(self) -> Iterable[int]:
         """#500–#999 and all offsets."""
         kept = (range(500, 1000), *_OFFSETS, *_TOOL_OFFSETS)
