@@ -6,7 +6,7 @@ import re
 
 from gcodesim.rs274.block import Block, Name
 from gcodesim.rs274.control import Control
-from gcodesim.rs274.dialects.linuxcnc import CENTRE, DISTANCE, FEED_MODE, MOTION, PLANE, SYSTEM, UNITS
+from gcodesim.rs274.dialects.linuxcnc import CENTRE, DISTANCE, FEED_MODE, MOTION, NON_MODAL, PLANE, SYSTEM, UNITS
 from gcodesim.rs274.ends import end_point
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.reader import prepare, read_plain
@@ -24,6 +24,7 @@ _BY_PARAMETER = frozenset(("GS120", "GS121", "GS123"))
 _BY_MODE = frozenset(("GS101", "GS104", "GS150", "GS170", "GS191"))
 _BY_FLOW = frozenset(("GS130", "GS132"))
 _NOT_FOUND = "GS131"
+_AXES = frozenset("xyzabcuvw")
 _MOST_WORDS = 100  # of a line that are looked at; a longer one is no block
 
 
@@ -32,12 +33,17 @@ class Recovery:
 
     def __init__(self, control: Control) -> None:
         self.control = control
-        self.position = False
+        self.axes: set[str] = set()  # letters of those of which nobody knows where they stand
         self.feed = False
         self.spindle = False
         self.parameters = False
         self.modes = False
         self.flow = False
+
+    @property
+    def may_settle(self) -> bool:
+        """Whether something is in doubt that a block may make certain again."""
+        return bool(self.axes) or self.feed or self.spindle
 
     def is_consequence(self, fault: Fault, block: Block | None) -> bool:
         """Whether `fault` may come from an earlier skipped block alone."""
@@ -45,7 +51,7 @@ class Recovery:
         if code == _NOT_FOUND:
             return self.parameters and block is not None and _is_computed(block)
         return (
-            (self.position and code in _BY_POSITION)
+            (bool(self.axes) and code in _BY_POSITION)
             or (self.feed and code in _BY_FEED)
             or (self.spindle and code in _BY_SPINDLE)
             or (self.parameters and code in _BY_PARAMETER)
@@ -61,11 +67,23 @@ class Recovery:
         if words is not None:
             self._carry_over(words)
 
+    def settled(self, words: Words) -> None:
+        """A block was executed after a fault: what it says without regard to what was before is certain again."""
+        if not self.may_settle:
+            return
+        control = self.control
+        if "f" in words.values:
+            self.feed = False
+        if words.values.get("s") and control.state.spindle:
+            self.spindle = False
+        if not control.state.incremental and words.g.get(NON_MODAL) in (None, 530) and 0 <= control.state.motion <= 30:
+            self.axes -= words.values.keys()
+
     def _doubt(self, text: str, block: Block | None) -> None:
         if (block is not None and block.flow is not None) or _FLOW.match(text):
-            self.flow = self.parameters = self.position = self.modes = True
-        if re.search(r"[xyzabcuvw@^]", text):
-            self.position = True
+            self.flow = self.parameters = self.modes = True
+            self.axes |= _AXES
+        self.axes |= _AXES if "@" in text or "^" in text else _AXES & set(text)
         if "#" in text:
             self.parameters = True
         if re.search(r"f(?!\s*[\d.])", text):
@@ -130,6 +148,8 @@ class Recovery:
             moves = 0 <= motion <= 30 if motion is not None else 0 <= state.motion <= 30 and 0 not in words.g
             if moves and not state.side:
                 state.current = end_point(words, control)
+                if not state.incremental:
+                    self.axes -= words.values.keys()
         except (Fault, OverflowError):
             pass
         del control.out[kept:]

@@ -32,7 +32,7 @@ from gcodesim.rs274.reader import Reader
 from gcodesim.rs274.recovery import Recovery
 from gcodesim.rs274.settings import Settings
 from gcodesim.rs274.watch import Watches
-from gcodesim.rs274.watch.structure import structure_findings
+from gcodesim.rs274.watch.structure import structure_findings, unclosed_findings
 from gcodesim.rs274.words import Words, place_of, read_words
 
 Feedback = canon.Answer | canon.Axes | None
@@ -165,7 +165,8 @@ class Executor:
                 self._end_of_lines()
                 break
             looking = self.endless.is_looking(self.blocks)
-            lanes = None if control.state.strayed is not None or flow.reads_on or looking else self.lanes
+            alone = control.state.strayed is not None or flow.reads_on or self.recovery.may_settle
+            lanes = None if alone or looking else self.lanes
             if lanes is not None and (lane := lanes.lane_at(self.blocks)):
                 done, batch, last = lane.run(self.blocks, self._until_look())
                 self.blocks += done
@@ -312,6 +313,8 @@ class Executor:
             control.parameters.commit()
             if self.run.failed is None:
                 self.watches.events(control.out)
+            else:
+                self.recovery.settled(words)
             return
         before = control.state.copy()
         tool, notes_so_far = control.spindle_tool, len(control.notes)
@@ -331,6 +334,8 @@ class Executor:
         control.parameters.commit()
         if self.run.failed is None:
             self.watches.block(words, control)
+        else:
+            self.recovery.settled(words)
 
     def _is_plain(self, words: Words) -> bool:
         return is_plain_move(words, self.control)
@@ -530,6 +535,7 @@ class Executor:
         run.findings.extend(self.watches.findings(finished=finished))
         if finished:
             run.findings.extend(structure_findings(self.file, control.span))
+            run.findings.extend(unclosed_findings(self.file))
         run.not_simulated = dict(control.not_simulated)
         for word, (count, first) in control.not_simulated.items():
             code, hint = _code_of_skipped(word)

@@ -184,8 +184,8 @@ CODES: tuple[Code, ...] = (
         severity=Severity.ERROR,
         title="Program does not end",
         what=(
-            "Everything that the control knows came back as it was, so the program goes on for ever; or it executed more "
-            "blocks, or made more moves, than the budget allows, and the hint says what still changes."
+            "Everything that the control knows came back as it was, so the program goes on for ever; or it executed "
+            "more blocks, or made more moves, than the budget allows, and the hint says what still changes."
         ),
         why="Mostly a loop whose condition never becomes false.",
         remedy="Correct the loop; where it does end, raise --max-blocks.",
@@ -441,7 +441,9 @@ CODES += (
         title="Cut with the spindle off",
         what=(
             "The tool is fed sideways or down into a hole with the spindle off, where the same program cuts with it "
-            "on: no higher, or below part zero when all its cuts are. Programs that never turn a spindle are not meant."
+            "on: no higher, or below part zero when all its cuts are. Or it is fed after M3 or M4 without any S. "
+            "A note, where no cell says what the tool is: it goes down and along below part zero in a program that "
+            "never says M3 or M4."
         ),
         why="A standing cutter is pushed into the material. M6 stops the spindle, so it has to be started again.",
         remedy="Write S and M3 or M4 before the cut.",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from gcodesim.diagnostics import Diagnostic, Span
+from gcodesim.diagnostics import Diagnostic, Severity, Span
 from gcodesim.rs274.fanuc.names import called_name, number_of_name
 from gcodesim.rs274.fanuc.program import FanucFile
 from gcodesim.rs274.fault import Fault
@@ -18,6 +18,7 @@ _NUMBER = re.compile(r"P\s*(?:([0-9]{1,15})|[#\[<])", re.IGNORECASE)
 _RETURNS = re.compile(r"M\s*0*99(?![0-9])", re.IGNORECASE)
 _TARGET = re.compile(r"(?:GOTO|M\s*0*99\s*P)\s*(?:([0-9]{1,15})|[#\[])", re.IGNORECASE)
 _SEQUENCE = re.compile(r"\s*+(?:/\s*+)?N\s*0*([0-9]{1,15})(?![0-9])", re.IGNORECASE)
+_CLOSED_BY = {"if": "endif", "while": "endwhile", "repeat": "endrepeat", "do": "while"}
 _MOST_READ = 100  # lines behind the end that are looked at
 _LOOP = re.compile(r"(DO|END)\s*[0-9]", re.IGNORECASE)
 
@@ -38,6 +39,30 @@ def structure_findings(file: ProgramFile, end: Span) -> Iterator[Diagnostic]:
                 related=end,
                 count=1,
             )
+
+
+def unclosed_findings(file: ProgramFile) -> Iterator[Diagnostic]:
+    """GS130 as a warning: an O-word that opens and is never closed, in a program that ends before a control looks."""
+    if isinstance(file, FanucFile):
+        return  # a DO without END is a fault where it stands
+    doing: list[str] = []
+    for flow in file.flows:
+        if flow.keyword == "do":
+            doing.append(flow.label)
+        if flow.keyword == "while" and flow.label in doing:
+            doing.remove(flow.label)
+            continue
+        closes = _CLOSED_BY.get(flow.keyword)
+        if closes is None or not flow.label or file.find_flow(flow.at, flow.label, frozenset((closes,))) is not None:
+            continue
+        name = f"o{flow.label}" if flow.label.isdigit() else f"o<{flow.label}>"
+        yield Diagnostic(
+            code="GS130",
+            severity=Severity.WARNING,
+            message=f"`{flow.keyword}` {name} is never closed: no `{closes}` follows",
+            span=Span.of_line(file.name, flow.at + 1, file.lines[flow.at]),
+            hint="this run did not come to it; with another condition the control stops here",
+        )
 
 
 def _bare(line: str) -> str:

@@ -9,6 +9,7 @@ from gcodesim import canon
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.rs274.watch.compensation import CompensationLeftOn, RapidInCompensation
 from gcodesim.rs274.watch.offsets import OffsetsLeftOn
+from gcodesim.rs274.watch.speed import SpindleWithoutSpeed
 from gcodesim.rs274.watch.spindle import FeedWithoutSpindle, SpindleLeftOn
 from gcodesim.rs274.watch.tool_length import LengthOfAnotherTool, MoveWithoutLength
 from gcodesim.rs274.watch.units import UnitChange
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 RULES: tuple[type[Watch], ...] = (
     FeedWithoutSpindle,
     SpindleLeftOn,
+    SpindleWithoutSpeed,
     LengthOfAnotherTool,
     MoveWithoutLength,
     RapidInCompensation,

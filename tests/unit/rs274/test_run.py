@@ -311,3 +311,16 @@ def test_a_subroutine_is_looked_for_beside_its_program(tmp_path, dialect, called
     (tmp_path / "own").mkdir()
     (tmp_path / "own" / called).write_text(text.replace("X1", "Y"))
     assert {file for _, file in errors(subroutines=(tmp_path / "own",))} == {called}  # a given folder comes first
+
+
+def test_after_a_typo_what_is_certain_again_is_judged_again(program):
+    """X is not known behind line 2; an arc from there is no fault for sure, the next ones are, as X is named again."""
+    done = program("G21 G90 F100\nG1 X1..5\nG2 X10 I5\nG1 X20 Y0\nG2 X30 Y0 I1\nG0 X0\nG2 X5 I1\nM2")
+
+    assert [(f.code, f.span.line) for f in done.errors] == [("GS005", 2), ("GS111", 5), ("GS111", 7)]
+
+
+def test_a_feed_that_is_named_again_is_missed_no_more(program):
+    done = program("G21 G90\nG1 X1 F\nG1 X2\nG1 X3 F100\nG93\nG1 X4\nM2")
+
+    assert [(f.code, f.span.line) for f in done.errors] == [("GS004", 2), ("GS107", 6)]

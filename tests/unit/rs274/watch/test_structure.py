@@ -60,3 +60,25 @@ def test_lines_behind_the_end(warned, text: str, found: list[tuple[str, int, int
 )
 def test_on_fanuc(warned, text: str, found: list[tuple[str, int, int]]) -> None:
     assert warned(text, end="\n", dialect="fanuc") == found
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("#1=1\no1 if [#1 EQ 1]\nG0 X1\nM2", 2),
+        ("#1=1\no1 while [#1 LT 2]\nG0 X1\nM2\no2 endwhile", 2),
+        ("o1 repeat [2]\nG0 X1\nM2", 1),
+        ("o1 do\nG0 X1\nM2", 1),
+    ],
+)
+def test_an_o_word_that_is_never_closed_though_the_program_ends_before(program, text, line):
+    done = program(text)
+
+    assert not done.errors
+    assert [(f.level.word, f.span.line) for f in done.findings if f.code == "GS130"] == [("warning", line)]
+
+
+def test_closed_ones(program):
+    text = "o1 if [1]\nG0 X1\no1 endif\no2 do\nG0 X0\no2 while [0]\no3 while [0]\no3 endwhile\nM2"
+
+    assert not [f for f in program(text).findings if f.code == "GS130"]
