@@ -502,7 +502,7 @@ class Executor:
         if loop is not None:
             file, line, callers = loop
         span = Span.of_line(file.name, line + 1, file.lines[line], callers)
-        hint = self._why_endless(is_loop=loop is not None) if code in ("GS134", "GS135") else ""
+        hint = self._why_endless(code, is_loop=loop is not None) if code in ("GS134", "GS135") else ""
         self._report(
             Diagnostic(code=code, message=message, span=span, hint=hint, limit=value, unit=unit or None), index + 1
         )
@@ -512,14 +512,15 @@ class Executor:
         """How many blocks may be executed at once."""
         return max(min(self.most_blocks, self.endless.next_look(self.blocks, self.most_blocks)) - self.blocks, 0)
 
-    def _why_endless(self, *, is_loop: bool) -> str:
+    def _why_endless(self, code: str, *, is_loop: bool) -> str:
         """What is known of a program that goes on and on."""
         if self.endless.period:
             return "nothing in the loop that begins here changes any more" if is_loop else "nothing changes any more"
         what = "the loop that begins here" if is_loop else "it"
+        more = "--max-blocks allows more" if code == "GS134" else "--time-limit allows more"
         if changes := self.endless.changes:
-            return f"{what} still changes {changes}, so it may end; --max-blocks allows more"
-        return f"{what} may have no end; --max-blocks allows more"
+            return f"{what} still changes {changes}, so it may end; {more}"
+        return f"{what} may have no end; {more}"
 
     def _is_late(self) -> bool:
         """Whether the time is used up; the clock is looked at now and then only."""
