@@ -36,8 +36,10 @@ test-slow: setup browser
 browser:
 	@scripts/install_chromium.sh || echo "chromium is not installed and could not be: tests of pages will not run" >&2
 
+# `make bench OLD=../before` also runs the same commands in another checkout, by turns.
 bench: setup
 	$(BIN)/python -m benchmarks
+	$(if $(OLD),$(BIN)/python -m benchmarks.against $(OLD))
 
 clean:
 	rm -rf $(VENV) out build *.egg-info

@@ -75,3 +75,11 @@ def test_an_unknown_name_is_told(capsys, monkeypatch):
 
     assert importlib.import_module("benchmarks.__main__").main() == 2
     assert "nonsense" in capsys.readouterr().err
+
+
+def test_a_checkout_against_itself(capsys):
+    """Equal sources take about equal time; what counts here is that each command runs in both."""
+    importlib.import_module("benchmarks.against").main(str(ROOT), 1, 10)
+
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == 8 and all(" x   goal 1.03 x" in line for line in lines)
