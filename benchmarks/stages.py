@@ -19,8 +19,8 @@ from typing import Any
 
 STAGES = {
     "read": ("gcodesim.rs274.run:Run.stream",),
-    "plan": ("gcodesim.simulation:_plan",),
-    "cell": ("gcodesim.cli.simulate:load_cell", "gcodesim.simulation:open_shop", "gcodesim.simulation:with_stock"),
+    "plan": ("gcodesim.jobs.legs:plan_path",),
+    "cell": ("gcodesim.cli.simulate:load_cell", "gcodesim.simulation:open_shop", "gcodesim.jobs.legs:with_stock"),
     "sample + joints": ("gcodesim.executor.loop:window_of",),
     "material + process": (
         "gcodesim.executor.coupling:Coupling.stretch",
