@@ -17,8 +17,6 @@ from gcodesim import canon
 from gcodesim.canon import Axes
 from gcodesim.canon.batch import MoveBatch
 from gcodesim.cell.inputs import InputSource
-from gcodesim.checks.clearance import clearance_findings, standing_bodies
-from gcodesim.checks.contact import Contact, TargetStock, Touching
 from gcodesim.checks.empty_spindle import empty_spindle_findings
 from gcodesim.checks.ends import left_on
 from gcodesim.checks.idle import blind_axis_findings
@@ -36,6 +34,7 @@ from gcodesim.shop import Shop, with_stock
 from gcodesim.units import MM
 
 if TYPE_CHECKING:
+    from gcodesim.checks.contact import Contact
     from gcodesim.jobs.job import Job
 
 _QUESTIONS: Final = (canon.Probe, canon.Input)
@@ -192,6 +191,8 @@ class Legs:
         yield from blind_axis_findings(plan.path, shop.mover)
         yield from speed_findings(plan, shop.cell.limits.spindle_speed)
         if shop.cell.fixtures:
+            from gcodesim.checks.clearance import clearance_findings, standing_bodies
+
             hits = clearance_findings(plan, shop.cell.tools, standing_bodies(shop.scene, shop.name), X_BM=shop.X_BM)
             yield from (hit for hit in hits if not self._backs_off(hit))
 
@@ -271,6 +272,9 @@ class Legs:
 
     def _contact(self, plan: Plan, begin: float, *, towards: bool) -> Contact | None:
         """What the tool in the spindle touches first, or leaves, on the last move of `plan`."""
+        from gcodesim.checks.clearance import standing_bodies
+        from gcodesim.checks.contact import TargetStock, Touching
+
         shop = self.shop
         tool = shop.tool(plan.path.state_of(len(plan.path) - 1).tool)
         if tool is None:
