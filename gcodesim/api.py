@@ -21,7 +21,7 @@ from gcodesim.rs274.assumed import assumed_tools
 
 
 class InputError(ValueError):
-    """A program or a cell with errors, where the caller wanted what it describes; `findings` are all of them."""
+    """A program or a cell has errors, so what it describes cannot be returned; `findings` has all findings."""
 
     def __init__(self, findings: Sequence[Diagnostic], sources: Mapping[str, SourceText]) -> None:
         self.findings = tuple(findings)
@@ -32,7 +32,7 @@ def read(program: Path | str, settings: Settings | None = None) -> ToolPath:
     """The tool path of a program [m, rad], from machine zero on, as the program alone describes it.
 
     Without `settings` there is no tool table: every tool that the program names
-    counts as there, with length 0. Raises `InputError` with all findings when
+    is assumed to exist, with length 0. Raises `InputError` with all findings when
     one is an error, OSError when the file cannot be read.
     """
     source = SourceText.read(Path(program))
@@ -56,7 +56,7 @@ def simulate(
 ) -> Results:
     """Run `program` in `cell`; with `out`, a folder, write there what `gcodesim run` writes.
 
-    Files in `out` that the run reads, or that gcodesim did not write, are overwritten with `force` only (GS750).
+    Files in `out` that the run reads, or that gcodesim did not write, are overwritten only with `force` (GS750).
 
     `cell` is a file, or a `Cell`, which may have been changed since it was read: then the log carries what
     `gcodesim cell show` prints of it in place of the file, and the results the hash of that.
@@ -72,7 +72,7 @@ def simulate(
 
 
 def _as_loaded(cell: Cell) -> LoadedCell:
-    """A cell without a file, described by its own listing."""
+    """A cell without a file, represented by its own listing."""
     source = SourceText(cell.name, cell_as_text(cell).encode())
     own = InputFile(name=source.name, path=Path(source.name), sha256=source.sha256)
     return LoadedCell(cell=cell, findings=Findings(), sources={source.name: source}, files=(own,), path=own.path)

@@ -24,7 +24,7 @@ class Family(Mapping[str, Any]):
 
     def _table(self) -> dict[str, str]:
         if not self._searched:
-            from importlib.metadata import entry_points  # costs 20 ms, so only when a family is asked
+            from importlib.metadata import entry_points  # costs 20 ms, so only when somebody asks for a family
 
             for point in entry_points(group=f"gcodesim.{self.name}"):
                 self._entries.setdefault(point.name, point.value)
@@ -32,7 +32,7 @@ class Family(Mapping[str, Any]):
         return self._entries
 
     def in_order(self, names: Iterable[str]) -> tuple[str, ...]:
-        """These names as the table has them, then those of third parties in alphabetical order."""
+        """These names in the order of the table, then those of third parties in alphabetical order."""
         wanted = set(names)
         return (*(name for name in self._own if name in wanted), *sorted(wanted.difference(self._own)))
 

@@ -1,6 +1,6 @@
 """Poses in monogram notation: `X_WT` is the pose of frame T seen from frame W.
 
-Inner letters cancel: ``X_WT = X_WB @ X_BF @ X_FT``. Quaternions are arrays
+Adjacent letters cancel: ``X_WT = X_WB @ X_BF @ X_FT``. Quaternions are arrays
 x, y, z, w of unit length, stored with w >= 0 (w = 0: the first component that
 is not zero is positive).
 """

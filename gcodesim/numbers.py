@@ -34,7 +34,7 @@ def rounded(value: float, digits: int = 9) -> float:
 
 
 def read_json(text: str | bytes) -> Any:
-    """A JSON value without NaN and infinities, which Python would read. ValueError when it is none."""
+    """The JSON value of a text, without NaN and infinities, which Python would accept. ValueError if it is not JSON."""
     return json.loads(text, parse_constant=_refuse)
 
 

@@ -1,4 +1,4 @@
-"""pytest plugin: each case of a `NAME.test.yaml` is a test item. As `gcodesim test` judges it, so does pytest.
+"""pytest plugin: each case of a `NAME.test.yaml` is a test item, with the same verdict as in `gcodesim test`.
 
 Nothing of gcodesim is imported before a test file is met, and nothing heavy before a case runs.
 """
@@ -75,7 +75,7 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
 
 
 class TestFile(pytest.File):
-    """A test file: one item a program, and one for what is wrong with the file itself."""
+    """A test file: one item for each program, and one for what is wrong with the file itself."""
 
     def collect(self) -> Iterator[pytest.Item]:
         collected = _collected(self.path, self.config.rootpath)
@@ -99,7 +99,7 @@ def _collected(path: Path, root: Path) -> Collected:
 
 
 class CaseFailure(Exception):  # noqa: N818 (a verdict, no error)
-    """What makes a case fail; told without a traceback, because no code of the user's is in it."""
+    """What makes a case fail; shown without a traceback, because it contains no code of the user."""
 
 
 class _Item(pytest.Item):
@@ -133,7 +133,7 @@ class FaultItem(_Item):
 
 
 class CaseItem(_Item):
-    """One program in one cell, against what was accepted and expected of it."""
+    """One program in one cell, compared with its accepted results and expectations."""
 
     def __init__(self, *, case: Case, **more: Any) -> None:
         super().__init__(**more)
@@ -148,7 +148,7 @@ class CaseItem(_Item):
             raise CaseFailure(self._failure(verdict))
 
     def _verdict(self) -> CaseVerdict:
-        """As `gcodesim test` comes to it, and in the same memory."""
+        """The verdict, as in `gcodesim test`, and kept in the same memory."""
         from gcodesim.regress.cache import Cache, default_folder
         from gcodesim.regress.judge import Judging, judge
         from gcodesim.regress.sources import Sources

@@ -1,4 +1,4 @@
-"""The cell come to life: kinematics, tools, processes and stock, each in its place."""
+"""A cell ready to run: kinematics, tools, processes and stock, each in its place."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ if TYPE_CHECKING:
     from gcodesim.tools.tool import Tool
 
 MEMORY_BUDGET: Final = 2 << 30
-"""Bytes that one stock may take: what a laptop has to spare."""
+"""Bytes that one stock may take: what a laptop can spare."""
 
 CELLS_PER_DIAMETER: Final = 24
 """Cells across the smallest cutter where the cell file names no resolution."""
 
 BODIES: Final = "bodies"
-"""The world as it lies with all axes at zero, carried by a table if there is one: where fixtures and stocks rest."""
+"""The world as it is with all axes at zero, carried by the table if there is one: here fixtures and stocks rest."""
 
 WORK_FRAME: Final = "G54"
 """Where the log draws the frame `stock` of a cell without one."""
@@ -49,7 +49,7 @@ MOST_DEFAULT_COLUMNS: Final = 4_000_000
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PlacedStock:
-    """A workpiece and where it stands: `X_WS` is the frame of its columns in the world at first (table axes at zero).
+    """A workpiece and its place: `X_WS` is the frame of its columns in the world at the start (table axes at zero).
 
     That is its own frame S, unless it lies on another side (`stock.turn`). `frame` is its name in the scene.
     """
@@ -65,7 +65,7 @@ class PlacedStock:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Shop:
-    """All that a channel's program acts on.
+    """Everything that a channel's program acts on.
 
     `mover` is what the program moves, one of the scene's. `X_BM` is machine zero seen from its base B (of a machine:
     M); on an arm M is B, turned when its work systems are tilted.
@@ -107,7 +107,7 @@ class Shop:
 
     @property
     def magazine_pose(self) -> Pose:
-        """Where the first pocket stands: X_W of the flange side of the tool in it."""
+        """Where the first pocket is: X_W of the flange side of the tool in it."""
         placed = self.cell.magazine.place
         return self.cell.frames[placed.frame or "world"] @ placed.X
 
@@ -117,7 +117,7 @@ class Shop:
         return Sheet.of(self.cell.tools.values())
 
     def tool(self, number: int) -> Tool | None:
-        """The tool of that number; None for the empty spindle and for numbers that the cell does not know."""
+        """The tool with this number; None for the empty spindle and for numbers that the cell does not have."""
         return self.cell.tools.get(number)
 
 
@@ -142,7 +142,7 @@ def _mover(description: MachineTool | Robot) -> Mover:
 
 
 def _machine(tool: MachineTool) -> Mover:
-    """A machine tool as what moves in a scene; it counts as rigid."""
+    """A machine tool as a mover of the scene; it counts as rigid."""
     kinematics = kinematics_of(tool.chain)
     homes = {axis.letter: axis.home for axis in tool.axes}
     return Mover(
@@ -160,7 +160,7 @@ def _machine(tool: MachineTool) -> Mover:
 
 
 def _robot(robot: Robot) -> Mover:
-    """A robot as what moves in a scene."""
+    """A robot as a mover of the scene."""
     kinematics = kinematics_of(_loaded(robot.chain, robot.payload))
     return Mover(
         name=robot.name,
@@ -174,7 +174,7 @@ def _robot(robot: Robot) -> Mover:
 
 
 def _scene(cell: Cell, mover: Mover, placement: Placement) -> Scene:
-    """The frames of a cell. What names no link stands on what carries the work, as it lies with all axes at zero."""
+    """The frames of a cell. Whatever names no link stands on the side that carries the work, with all axes at zero."""
     frames = {
         WORK_FRAME: _work_stand(mover, placement.X_W("G54")),
         BODIES: _work_stand(mover, Pose.identity()),
@@ -201,7 +201,7 @@ def _links(mover: Mover) -> Iterator[Body]:
 
 
 def _standing(cell: Cell) -> Iterator[Body]:
-    """Stocks, in the shape in which they come, and fixtures."""
+    """Stocks, in their shape at the start, and fixtures."""
     for name, stock in cell.stocks.items():
         solid = solid_of(stock.shape)
         yield Body(name=f"{STOCK}/{name}", solids=() if solid is None else (Placed(solid),), role="stock")
@@ -211,14 +211,14 @@ def _standing(cell: Cell) -> Iterator[Body]:
 
 
 def _work_stand(mover: Mover, X_W: Pose) -> Stand:
-    """What stands at `X_W` in the world while the axes are at zero goes along with a table that moves."""
+    """The stand of something at `X_W` in the world while the axes are at zero; it moves with a moving table."""
     if isinstance(mover.kinematics, Cartesian) and mover.moves(WORK):
         return Stand(f"{mover.name}/{WORK}", mover.X_WB.inverse() @ X_W)
     return Stand(WORLD, X_W)
 
 
 def _loaded(chain: Chain, payload: Payload | None) -> Chain:
-    """The chain with what hangs at its flange besides the tool."""
+    """The chain together with what hangs on its flange besides the tool."""
     if payload is None:
         return chain
     flange = next(link for link in chain.links if link.name == chain.flange)
@@ -274,7 +274,7 @@ def _undrawn(shop: Shop) -> list[Diagnostic]:
 
 
 def _upright(shop: Shop, stock: Stock, X_WS: Pose) -> Stock:
-    """The stock with its columns along the axis of S that points to the spindle; most stand so from the start."""
+    """The stock with its columns along the axis of S that points to the spindle; most stocks are like that anyway."""
     from gcodesim.material.turning import turn_for, turned
 
     own = shop.cell.channels[shop.channel].orientation
@@ -284,7 +284,7 @@ def _upright(shop: Shop, stock: Stock, X_WS: Pose) -> Stock:
 
 
 def _material_named(cell: Cell, name: str) -> Material | None:
-    """A material that an earlier run's stock names, when this cell or the library knows it."""
+    """The material named by an earlier run's stock, if this cell or the library knows it."""
     from gcodesim.processes.materials import LIBRARY
 
     return cell.materials.get(name) or LIBRARY.get(name)
@@ -334,7 +334,7 @@ def _stock(shop: Shop, name: str, spec: StockSpec) -> Stock | Diagnostic:
 
 
 def default_resolution(cell: Cell, size: tuple[float, float, float]) -> float:
-    """Grid [m] of a stock whose file names none: fine enough for the smallest tool, never absurdly fine."""
+    """Grid [m] of a stock for which the cell names none: fine enough for the smallest tool, never absurdly fine."""
     widths = [width for tool in cell.tools.values() if (width := getattr(tool, "diameter", None))]
     wanted = min(widths) / CELLS_PER_DIAMETER if widths else COARSEST_DEFAULT
     wanted = float(np.clip(wanted, FINEST_DEFAULT, COARSEST_DEFAULT))

@@ -1,4 +1,4 @@
-"""A program in a cell: read, planned, checked, run. What the command line and the Python API both call."""
+"""A program in a cell: read, planned, checked, run. Both the command line and the Python API call this."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 
 class RunInterrupted(KeyboardInterrupt):
-    """Somebody stopped a run. What it came to until then is in the log, in its files and here; nobody compares it."""
+    """Somebody stopped a run. Its results so far are in the log, in its files and here; they are never compared."""
 
     def __init__(self, results: Results, execution: Execution) -> None:
         super().__init__()
@@ -81,7 +81,7 @@ def prepare(program: SourceText, loaded: LoadedCell, options: Options | None = N
 
 
 def standing_findings(shop: Shop) -> list[Diagnostic]:
-    """GS725, GS726, GS734: what is to be said about where the work of the shop's channel stands."""
+    """GS725, GS726, GS734: findings about the place of the work of the shop's channel."""
     return [*shop.placement.findings, *reach_findings(shop.cell, shop.channel, shop.placement)]
 
 
@@ -117,7 +117,7 @@ def _world_notes(job: Job) -> list[Diagnostic]:
 
 
 def _start(shop: Shop) -> Axes:
-    """Where the controlled point stands first, in M, without tool offset."""
+    """Where the controlled point is at first, in M, without tool offset."""
     from gcodesim.planning import posing_of
 
     return posing_of(shop).start(shop.kinematics, shop.home)
@@ -126,7 +126,7 @@ def _start(shop: Shop) -> Axes:
 def check(job: Job) -> Results:
     """Results without material: time, distance, travel of the joints, findings of reading, limits and reach.
 
-    A program that probes meets the stock as it comes into the cell, since nothing is cut.
+    A program that probes meets the stock in its shape at the start, since nothing is cut.
     """
     if job.legs is not None:
         while job.legs.onward() is not None:
@@ -144,12 +144,12 @@ def run(
     """Run the job with its stock; with `out` the log, the results and the stocks are written there.
 
     `live` shows the log to viewers while it is written.
-    What an earlier run left in `out` under the same names goes first, so that
-    nothing old stands beside the results of a run that failed. `WorldUnavailable`
-    comes before anything is touched. So does GS750, where a file there is an
+    Files of the same names that an earlier run left in `out` are deleted first, so that
+    nothing old is left beside the results of a run that failed. `WorldUnavailable`
+    is raised before anything is touched. The same holds for GS750, where a file there is an
     input or not of gcodesim (unless the job may `force` it), and GS751, where
-    another run is at work there. KeyboardInterrupt ends the run: log and
-    results are closed as they are, then `RunInterrupted` goes on to the caller.
+    another run is writing there. KeyboardInterrupt ends the run: log and
+    results are closed as they are, then `RunInterrupted` is raised to the caller.
     """
     from gcodesim.world import require_world
 
@@ -169,7 +169,7 @@ def run(
 
 
 def _refused(job: Job, findings: Sequence[Diagnostic]) -> Results:
-    """Results of a job that may not write its files; nothing is touched."""
+    """Results of a job that must not write its files; nothing is touched."""
     job.findings.extend(findings)
     return replace(results_of(job, None, failed=True), stopped_at=findings[0].span)
 
@@ -200,7 +200,7 @@ def _run(
     inspector = Inspector(job.plan, job.shop, job.cell.simulation.step_ns)
 
     def onward() -> Plan | None:
-        """The next leg, when the program has one; whoever looks at the run is told."""
+        """The next leg, if the program has one; whoever watches the run gets to know it."""
         assert job.legs is not None
         known = set(job.findings)
         plan = job.legs.onward()
@@ -239,7 +239,7 @@ def _run(
 
 
 def _not_run(job: Job, out: Path | None) -> Results:
-    """Results of a job that a fault of the cell or its stock keeps from starting."""
+    """Results of a job that cannot start because of a fault in the cell or its stock."""
     results = results_of(job, None, failed=True)
     results = replace(results, stopped_at=first_error(results.findings))
     if out is not None:
@@ -254,6 +254,6 @@ def _names(shop: Shop | None) -> list[str]:
 
 
 def _inputs(job: Job) -> list[Path]:
-    """All files that were read for a job, as far as they are files."""
+    """All inputs of a job that were read from files."""
     read = [source.folder / source.name for source in job.sources.values() if source.folder is not None]
     return [*read, *(file.path for file in job.loaded.files)]

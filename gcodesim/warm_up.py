@@ -1,4 +1,4 @@
-"""Compiles all that is compiled on first use, kernels by small jobs of each kind; so a first real run does not wait."""
+"""Compiles everything that is compiled on first use, by small jobs of each kind, so that a first run need not wait."""
 
 from __future__ import annotations
 
@@ -70,10 +70,10 @@ _JOBS: Final = (
 
 
 def warm_up(say: Callable[[str], None]) -> None:
-    """Run the jobs, with a line for each; what is compiled already takes a moment only."""
+    """Run the jobs, with a line for each; kernels that are already compiled take only a moment."""
     from importlib.util import find_spec
 
-    # a package installed with `-e` comes without byte code, which is 0.2 s of each start where none may be written
+    # a package installed with `-e` has no byte code, which costs 0.2 s at each start if none can be written
     compileall.compile_dir(Path(__file__).parent, quiet=2)
     say("compiling: the reader of long programs")
     for _ in interpret(SourceText("warm_up.nc", (_HEAD + _BODY).encode()), Settings(lane="compiled")).stream():

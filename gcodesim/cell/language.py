@@ -1,4 +1,4 @@
-"""What a cell tells the reader of its programs: tools, work offsets, M-codes, path control."""
+"""What a cell tells the program reader: tools, work offsets, M-codes, path control."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ _UNTURNED: Final = 1e-6  # deg
 def settings_of_cell(
     cell: Cell, channel: str = MAIN, placement: Placement | None = None
 ) -> tuple[Settings, list[Diagnostic]]:
-    """Settings of the program of one channel, and what is wrong with the files that it names.
+    """Reader settings for the program of one channel, and what is wrong with the files that it names.
 
-    Tool lengths are those that the control believes: of `tool_table` where the
+    Tool lengths are those that the control uses: from `tool_table` where the
     cell names one, else the true ones.
     """
     if channel not in cell.channels:
@@ -51,7 +51,7 @@ def settings_of_cell(
         findings += more
     if own.parameters is None:
         parameters = placement.parameters()
-    else:  # the cell's own work offsets come before those of the file
+    else:  # the cell's own work offsets override those of the file
         parameters |= placement.parameters(placement.given)
     if own.dialect == "fanuc":
         findings += _turned(cell, channel, placement)
@@ -75,7 +75,7 @@ def settings_of_cell(
 
 
 def _turned(cell: Cell, channel: str, placement: Placement) -> list[Diagnostic]:
-    """An error for each work system that is turned about Z, which those of Fanuc cannot be."""
+    """An error for each work system that is turned about Z, which is impossible on Fanuc."""
     found = []
     for index in placement.given:
         R = placement.work_offsets[index].R
@@ -94,7 +94,7 @@ def _turned(cell: Cell, channel: str, placement: Placement) -> list[Diagnostic]:
 
 
 def _differing(cell: Cell, channel: str, table: ToolTable, lengths: dict[int, float]) -> list[Diagnostic]:
-    """A warning for each tool that the control believes longer or shorter than it is."""
+    """A warning for each tool that is longer or shorter for the control than in reality."""
     span = cell.channel_span(channel, "tool_table")
     return [
         Diagnostic(

@@ -1,4 +1,4 @@
-"""Which findings a user sees, and how severe they are in this cell: `checks` and `suppress`."""
+"""Which findings a user sees, and how severe they are in this cell, by `checks` and `suppress`."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from gcodesim.diagnostics import Diagnostic, SourceText
 def final_findings(
     findings: Iterable[Diagnostic], cell: Cell | None, program: SourceText, today: date | None = None
 ) -> list[Diagnostic]:
-    """All findings in their order, with the cell's severities, without those that it suppresses.
+    """All findings in order, with the severities of the cell, without those that it suppresses.
 
-    A suppression whose day is past (`until` before `today`) no longer counts, which the finding's hint says;
+    A suppression whose day is past (`until` before `today`) no longer counts, and the finding's hint says so;
     without `today` it is the system's date. No date enters the result.
     """
     if cell is None:
@@ -33,7 +33,7 @@ def final_findings(
 
 
 def _ended(cell: Cell, index: int, hint: str) -> str:
-    """The hint of a finding that was suppressed up to a day; no day is in it, so that none enters a file."""
+    """The hint of a finding whose suppression has ended; it names no day, so that none enters a file."""
     span = cell.span("suppress", index)
     told = f"its suppression in {span.file}:{span.line} has ended ({cell.suppress[index].reason})"
     return f"{hint}; {told}" if hint else told
@@ -42,7 +42,7 @@ def _ended(cell: Cell, index: int, hint: str) -> str:
 def suppressed_findings(
     findings: Iterable[Diagnostic], cell: Cell | None, program: SourceText, today: date | None = None
 ) -> list[tuple[Diagnostic, Suppression]]:
-    """What `final_findings` leaves out, with the entry that says why."""
+    """The findings that `final_findings` leaves out, each with the entry that says why."""
     if cell is None:
         return []
     pairs = ((finding, entry) for finding in findings for entry in cell.suppress)
@@ -56,7 +56,7 @@ def suppressed_findings(
 def idle_suppressions(
     findings: Iterable[Diagnostic], cell: Cell, program: SourceText, *, ran: bool
 ) -> Iterator[Diagnostic]:
-    """GS733: entries of `suppress` for this program that no finding falls under.
+    """GS733: entries of `suppress` for this program to which no finding belongs.
 
     Entries past their day are looked at like others, so that no date decides; without a run (`ran` False) those for
     codes that only a run can give are passed over.

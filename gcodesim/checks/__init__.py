@@ -4,5 +4,5 @@ from collections.abc import Callable
 
 from gcodesim.diagnostics import Span
 
-# where row `row` of the path stands in the program
+# the place of row `row` of the path in the program
 Spans = Callable[[int], Span]

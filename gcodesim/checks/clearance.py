@@ -1,4 +1,4 @@
-"""A whole plan against the fixtures of a cell: where the tool goes, which one it is, and what it hits."""
+"""Checks a whole plan against the fixtures of a cell: where each tool goes, and what it hits."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _UP: Final = np.array([0.0, 0.0, 1.0])
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Standing:
-    """Bodies of one role that stand on one thing: their places in its frame C, and X_BC (n, 4, 4) at joints `q` (n, j).
+    """Bodies of one role on one carrier: their places in its frame C, and X_BC (n, 4, 4) at joints `q` (n, j).
 
     Without `carrier` they stand still, and their places are those in B.
     """
@@ -64,7 +64,7 @@ def _carrier(scene: Scene, base: str, frame: str, q: Array) -> Array:
 def clearance_findings(
     plan: Plan, tools: Mapping[int, Tool], standing: Iterable[Standing], *, X_BM: Pose | None = None
 ) -> list[Diagnostic]:
-    """GS301 to GS304 of every time that a tool enters a fixture on the whole plan.
+    """GS301 to GS304, for every time that a tool enters a fixture during the whole plan.
 
     `X_BM` is machine zero in B, for places in the work system.
     """
@@ -82,7 +82,7 @@ def clearance_findings(
 def _hits(
     plan: Plan, tools: Mapping[int, Tool], standing: Standing, time: Array, X_BM: Pose
 ) -> Iterator[tuple[float, Diagnostic]]:
-    """When a tool enters one of these fixtures, and what is to be said about it."""
+    """When a tool enters one of these fixtures, with the finding."""
     trajectory, path, carrier = plan.trajectory, plan.path, standing.carrier
     way = _way(plan, time, carrier)
     tool_of_chord = np.array([state.tool for state in path.states])[path.state[way.row]]

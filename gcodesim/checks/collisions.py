@@ -1,4 +1,4 @@
-"""Tools against fixtures: the body of the tool swept along its path, against convex bodies; no world needed.
+"""Tools against fixtures: the body of the tool, swept along its path, against convex bodies; needs no world.
 
 All points are in one frame, in which the fixtures stand still (W, or the table
 of a machine that moves it). Path pieces are straight; arcs come as chords, with
@@ -26,7 +26,7 @@ from gcodesim.units import MM
 if TYPE_CHECKING:
     from gcodesim.tools.tool import Tool
 
-# bodies that come nearer than this without a wall between them only touch [m]
+# bodies that enter each other by less than this only touch [m]
 TOUCH: Final = 1e-6
 _BUNCH: Final = 64  # neighbouring pieces that are compared with a hull as one
 
@@ -66,7 +66,7 @@ class ToolParts:
         return ToolParts(name=tool.name, outlines={part: np.concatenate(rows) for part, rows in points.items()})
 
     def against(self, role: Role) -> ToolParts:
-        """The parts that may not enter a body of that role."""
+        """The parts that may not enter a body of this role."""
         parts = {part: rows for part, rows in self.outlines.items() if may_not_meet(role_of_part(part), role)}
         return replace(self, outlines=parts)
 
@@ -129,7 +129,7 @@ def fixture_touches(
 def _enter(
     outline: Array, fixture: Obstacle, start: Array, end: Array, axis: Array, depth: Array, share: Array
 ) -> None:
-    """Raise `depth` (m,) of each piece to that of `outline` in `fixture`; lower `share` (m,) to the first contact."""
+    """Raise `depth` (m,) of each piece to that of `outline` in `fixture`, and lower `share` (m,) to first contact."""
     from gcodesim.checks.collision_kernels import touches
 
     low, high = _boxes(outline, start, end, axis)

@@ -1,6 +1,6 @@
-"""Where a probing move touches: the tip of the tool swept along the planned way, against stocks and fixtures.
+"""Where a probing move touches: the tip of the tool, swept along the planned path, against stocks and fixtures.
 
-Nothing is removed and nothing is pushed: what the tip meets first, and when, follows from geometry alone.
+Nothing is removed and nothing is pushed; geometry alone decides what the tip meets first, and when.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from gcodesim.tools.tool import Tool
 
 TIPS: Final = ("tip", "cutting", "nozzle")
-"""Parts of a tool that may touch, the first one that it has; else all of it."""
+"""Parts of a tool that may touch: the first of these that it has, otherwise all of it."""
 
 FACETS: Final = 16  # points along a radius of the tip: a ball is within 0.05 % of its radius, and exact along the axes
 _MOST_POSES: Final = 20_000  # of one move
@@ -35,7 +35,7 @@ _AT_ONCE: Final = 256  # poses
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Contact:
-    """`time` [s] in the plan at which the tip comes to touch `body`, or stops to touch anything."""
+    """`time` [s] in the plan at which the tip begins to touch `body`, or stops touching anything."""
 
     time: float
     body: str
@@ -57,21 +57,21 @@ class TargetStock:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Way:
-    """Some times (n,) of the plan: joints and tip X_BT there."""
+    """Times (n,) of the plan, with joints and tip X_BT."""
 
     times: Array
     q: Array
     X_BT: Array
 
     def seen_from(self, pose: Callable[[Array], Array] | None) -> Array:
-        """The tip (n, 4, 4) as a frame at `pose` sees it; None: as B does."""
+        """The tip (n, 4, 4) seen from a frame at `pose`; None: from B."""
         X: Array = self.X_BT if pose is None else np.linalg.inv(pose(self.q)) @ self.X_BT
         return X
 
 
 @dataclass(frozen=True, eq=False)
 class Touching:
-    """The last move of `plan` with `tool` in the spindle, against all that stands around."""
+    """The last move of `plan` with `tool` in the spindle, against everything around it."""
 
     plan: Plan
     tool: Tool
@@ -81,7 +81,7 @@ class Touching:
     def first(self, *, begin: float, towards: bool) -> Contact | None:
         """The first contact from `begin` [s] to the end of the plan, or the first loss of it; None: there is none.
 
-        At `begin` itself it is told when the tip touches already, or touches nothing where contact is to be lost.
+        It is at `begin` itself if the tip touches already, or if it touches nothing although contact is to be lost.
         """
         way = self._way_from(begin)
         if towards:
@@ -106,7 +106,7 @@ class Touching:
         return _Way(times, q, self.plan.tip(q, samples.row))
 
     def _way_from(self, begin: float) -> _Way:
-        """Times so close that the tip goes less than half of the finest cell, or of its own radius, between two."""
+        """Times so close that the tip goes less than half the finest cell, or half its own radius, between two."""
         end = self.plan.trajectory.duration
         coarse = self._way(np.linspace(begin, end, _FEWEST_POSES + 1))
         frames = [target.pose for target in self.stocks] + [some.carrier for some in self.standing]
@@ -118,7 +118,7 @@ class Touching:
 
     @cached_property
     def _parts(self) -> ToolParts:
-        """What of the tool may touch."""
+        """The part of the tool that may touch."""
         outlines = ToolParts.of(self.tool).outlines
         part = next((name for name in TIPS if name in outlines), None)
         return ToolParts(name=self.tool.name, outlines=outlines if part is None else {part: outlines[part]})
@@ -153,7 +153,7 @@ class Touching:
         return bool(self._in_stock(target, here)[0])
 
     def _in_stock(self, target: TargetStock, way: _Way, *, first_only: bool = False) -> NDArray[np.bool_]:
-        """Whether the tip is in material at n times; with `first_only` those behind the first are not looked at."""
+        """Whether the tip is in material at n times; with `first_only`, times after the first hit are not looked at."""
         X_ST = way.seen_from(target.pose)
         touched = np.zeros(len(X_ST), dtype=bool)
         low, high = target.stock.bounds
@@ -200,7 +200,7 @@ class Touching:
         return touched
 
     def _turn(self, before: float, after: float, state: Callable[[_Way], bool]) -> float:
-        """When the answer of `state` changes between two times [s]: the later end of what is left."""
+        """When the answer of `state` changes between two times [s]: the later end of the interval that is left."""
         low, high = before, after
         last = state(self._way(np.array([high])))
         for _ in range(_HALVINGS):

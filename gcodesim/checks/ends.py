@@ -10,9 +10,9 @@ from gcodesim.units import RPM
 
 
 def left_on(events: Sequence[Event]) -> list[Diagnostic]:
-    """GS503 to GS505 of a program's events; what M2 and M30 themselves stop was on until then.
+    """GS503 to GS505 from a program's events; what M2 and M30 themselves switch off was on until then.
 
-    A program that was not read to its end gives none.
+    There are none for a program that was not read to its end.
     """
     ends = [event for event in events if isinstance(event, End)]
     if not ends:

@@ -1,4 +1,4 @@
-"""What a cell says and a run does not follow: no key may be without effect in silence."""
+"""Parts of a cell that a run ignores: no key may be silently without effect."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _LETTERS = "XYZABC"
 
 
 def idle_findings(cell: Cell, channel: str) -> Iterator[Diagnostic]:
-    """GS909, GS910: keys without effect, channels that do not run and robots that nobody moves."""
+    """GS909, GS910: keys without effect, channels that do not run, and robots that nothing moves."""
     if cell.target is not None:
         yield Diagnostic(
             code="GS909",
@@ -61,7 +61,7 @@ def idle_findings(cell: Cell, channel: str) -> Iterator[Diagnostic]:
 
 
 def blind_axis_findings(path: ToolPath, mover: Mover) -> Iterator[Diagnostic]:
-    """GS911: rotary axes that move although nobody knows where they are; at the first row of each."""
+    """GS911: rotary axes that move although their place is unknown; at the first row of each."""
     if not len(path):
         return
     for letter in mover.timed_only:

@@ -1,4 +1,4 @@
-"""A tool whose length was never taken, and that cuts: what follows is cut where nobody programmed it."""
+"""A tool that cuts although its length was never applied, so that it cuts where nobody programmed it."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ CODE: Final = "GS198"
 def cutting_without_length(
     findings: Iterable[Diagnostic], plan: Plan, shop: Shop, removed: Array
 ) -> Mapping[Diagnostic, Diagnostic]:
-    """Those of `findings` that are GS198 and whose tool removes material, each with the error that it is then.
+    """Each GS198 of `findings` whose tool removes material, together with the error that it becomes.
 
-    `removed` [m³] in each row of the path. Where Z was touched off with the tool in the spindle, its length stands in
-    the work offset, and the tip is where it is meant: such a cut stays a note.
+    `removed` [m³] in each row of the path. If Z was touched off with the tool in the spindle, its length is part of
+    the work offset and the tip is where it is meant to be; such a cut stays a note.
     """
     path, raised = plan.path, {}
     changes = [(timed.row, timed.event.span) for timed in path.events if isinstance(timed.event, ToolChange)]
@@ -50,7 +50,7 @@ def cutting_without_length(
 
 
 def _has_length(shop: Shop, system: int, length: float) -> bool:
-    """Whether the zero of a work system that the cell names stands above the stock by at least half of `length` [m]."""
+    """Whether the zero of a work system named in the cell is above the stock by at least half of `length` [m]."""
     placement = shop.placement
     if placement.automatic or system not in placement.given:
         return False

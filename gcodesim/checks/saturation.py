@@ -1,4 +1,4 @@
-"""Motors at their limit: the motion or the process asks for more than a joint can give."""
+"""Motors at their limit: the motion or the process needs more than a joint can deliver."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def saturation_findings(
             continue
         unit = "N" if kinds[joint] == "prismatic" else "N·m"
         needed, allowed = abs(float(effort[joint])), float(limit[joint])
-        # a world with motors stops at the limit, one without says what it would have taken
+        # a world with motors stops at the limit, one without them says what effort would have been needed
         what = f"{needed:.1f} {unit} would be needed" if needed > allowed * (1.0 + 1e-6) else "more would be needed"
         found.append(
             Diagnostic(

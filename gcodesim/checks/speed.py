@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def speed_findings(plan: Plan, limit: float | None) -> list[Diagnostic]:
-    """GS513 at the first row of the plan that asks for more than `limit` [rad/s] of the spindle; None: unlimited."""
+    """GS513 at the first row of the plan that needs more than `limit` [rad/s] of the spindle; None: unlimited."""
     path = plan.path
     if limit is None or not len(path):
         return []

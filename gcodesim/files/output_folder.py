@@ -1,4 +1,4 @@
-"""The folder of a run: nobody else writes there meanwhile, and nothing of the user's goes lost in it."""
+"""The folder of a run: nobody else writes there meanwhile, and no file of the user is lost in it."""
 
 from __future__ import annotations
 
@@ -35,24 +35,24 @@ _HEAD: Final = 64
 
 
 class FolderInUseError(Exception):
-    """Another run that lives writes into the folder."""
+    """Another run that is still going writes into the folder."""
 
 
 def names_of(stocks: Iterable[str]) -> list[str]:
-    """The files that a run of these stocks writes."""
+    """The files that a run with these stocks writes."""
     return [LOG_NAME, RESULTS_NAME, LINES_NAME, *(f"{name}{suffix}" for name in stocks for suffix in STOCK_SUFFIXES)]
 
 
 @contextmanager
 def claimed(out: Path) -> Iterator[None]:
-    """Make the folder and keep it for this run; FolderInUseError when another run has it, OSError when it cannot be.
+    """Make the folder and claim it for this run; FolderInUseError if another run has it, OSError if that fails.
 
     The claim ends with the process, however that ends, and leaves no file behind.
     """
     out.mkdir(parents=True, exist_ok=True)
     held = None
     if fcntl is not None:
-        with suppress(OSError):  # a folder that cannot be opened, or a file system without locks: then without
+        with suppress(OSError):  # a folder that cannot be opened, or a file system without locks: go on without a lock
             held = os.open(out, os.O_RDONLY)
     try:
         if held is not None:
@@ -120,7 +120,7 @@ def _is_ours(path: Path, kind: str) -> bool:
         with path.open("rb") as file:
             head = file.read(_HEAD)
     except OSError:
-        return False  # nobody can tell
+        return False  # unknown
     return all(mark.startswith(head[at : at + len(mark)]) for at, mark in _BEGINNINGS[kind])
 
 

@@ -1,7 +1,7 @@
-"""A folder that belongs to this user alone: what lies in it can be believed, even when it is machine code.
+"""A folder that belongs to this user alone, so that its contents can be trusted, even machine code.
 
-Whoever can write one of the folders above can put another one in its place, so each of them counts. The way down is
-gone by descriptors, and a file is read from the descriptor that was looked at: nothing can be exchanged in between.
+Whoever can write to a folder above it can put another one in its place, so each of them is checked. The way down is
+by descriptors, and a file is read from the descriptor that was checked: nothing can be exchanged in between.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ _HAS_OWNERS: Final = hasattr(os, "geteuid") and os.open in os.supports_dir_fd
 
 
 class NotOwn(Exception):  # noqa: N818
-    """The folder is not there, or others may have put something into it; the text says what stands in the way."""
+    """The folder does not exist, or others may have put something into it; the text says what the problem is."""
 
 
 class OwnFolder:
-    """An open folder; its files are read and written by way of it, never by their paths."""
+    """An open folder; its files are read and written through it, never by their paths."""
 
     def __init__(self, path: Path, descriptor: int | None) -> None:
         self.path = path
@@ -35,7 +35,7 @@ class OwnFolder:
 
     @property
     def is_there(self) -> bool:
-        """Whether the folder has not been deleted, given away or opened to others since."""
+        """Whether the folder is unchanged: not deleted, given away or opened to others since."""
         if self._descriptor is None:
             return self.path.is_dir()
         known = os.fstat(self._descriptor)
@@ -50,7 +50,7 @@ class OwnFolder:
         return True
 
     def read(self, name: str) -> bytes | None:
-        """What the file holds; None when it is not there, or is not a file that only this user can write."""
+        """The contents of the file; None if it does not exist, or is not a file that only this user can write."""
         descriptor = self._open(name)
         if descriptor is None:
             return None
@@ -61,7 +61,7 @@ class OwnFolder:
             return None
 
     def write(self, name: str, data: bytes) -> bool:
-        """Keep a file as a whole; False when the disk does not take it. Several processes may do so at once."""
+        """Write a file as a whole; False if the disk does not take it. Several processes may do so at once."""
         part = f"{name}.{os.getpid()}-{os.urandom(4).hex()}.part"
         flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
         try:
@@ -74,26 +74,26 @@ class OwnFolder:
         return True
 
     def delete(self, name: str) -> None:
-        """Delete a file, should it be there."""
+        """Delete a file if it exists."""
         with suppress(OSError):
             os.unlink(self._place(name), dir_fd=self._descriptor)
 
     def names(self) -> list[str]:
-        """Names of all that lies in the folder, in order."""
+        """The names of everything in the folder, in order."""
         try:
             return sorted(os.listdir(self.path if self._descriptor is None else self._descriptor))
         except OSError:
             return []
 
     def changed_ns(self, name: str) -> int:
-        """When a file was last written; 0 when it is not there."""
+        """When a file was last written; 0 if it does not exist."""
         try:
             return os.stat(self._place(name), dir_fd=self._descriptor, follow_symlinks=False).st_mtime_ns
         except OSError:
             return 0
 
     def folder(self, name: str, *, make: bool = False) -> OwnFolder | None:
-        """The folder `name` in this one; None when it is not there, is not this user's own, or cannot be made."""
+        """The folder `name` in this one; None if it does not exist, is not this user's own, or cannot be made."""
         if self._descriptor is None:
             try:
                 return _plain_folder(self.path / name, make)
@@ -107,13 +107,13 @@ class OwnFolder:
         return below if below.is_there else None
 
     def _place(self, name: str) -> str:
-        """The name for calls of the system; whole where there are no descriptors of folders."""
+        """The name for system calls; the whole path where there are no descriptors of folders."""
         if os.path.basename(name) != name or name in ("", ".", ".."):
             raise ValueError(name)
         return str(self.path / name) if self._descriptor is None else name
 
     def _open(self, name: str) -> int | None:
-        """A descriptor of the file, when only this user can write it."""
+        """A descriptor of the file, if only this user can write it."""
         flags = os.O_RDONLY | getattr(os, "O_BINARY", 0)
         if self._descriptor is not None:
             flags |= os.O_NOFOLLOW | os.O_NONBLOCK
@@ -129,11 +129,11 @@ class OwnFolder:
 
 
 def open_own_folder(path: Path, *, own: int = 1, make: bool = False) -> OwnFolder:
-    """The folder `path`, when nobody but this user (and root) can change what lies there.
+    """The folder `path`, if nobody but this user (and root) can change its contents.
 
     The last `own` parts of the path have to be this user's, and only the first of them may be a link. Those above may
-    be root's too, and be shared where nobody can rename what is not his own, as in a temporary folder. Links count when
-    this user or root made them. `make` makes what is missing. NotOwn says what stands in the way.
+    also be root's, and may be shared if nobody can rename files of others there, as in a temporary folder. Links count
+    if this user or root made them. `make` creates missing folders. NotOwn says what the problem is.
     """
     if not path.is_absolute() or ".." in path.parts:
         raise NotOwn(f"`{path}` is no absolute path")
@@ -167,7 +167,7 @@ def open_own_folder(path: Path, *, own: int = 1, make: bool = False) -> OwnFolde
 
 
 class _Way:
-    """The folders from the top down to where we are, all open and looked at."""
+    """The folders from the top down to where we are, all open and checked."""
 
     def __init__(self) -> None:
         self.path = Path(os.sep)
@@ -175,14 +175,14 @@ class _Way:
         self.check(own=False)
 
     def check(self, *, own: bool) -> None:
-        """NotOwn when others may change what lies here."""
+        """NotOwn if others may change what is in this folder."""
         known = os.fstat(self._open[-1])
         fault = _fault(known) if own else _fault_above(known)
         if fault is not None:
             raise NotOwn(f"`{self.path}` {fault}")
 
     def link(self, name: str) -> str | None:
-        """Where the link `name` points; None when it is no link."""
+        """Where the link `name` points; None if it is not a link."""
         try:
             known = os.stat(name, dir_fd=self._open[-1], follow_symlinks=False)
         except FileNotFoundError:
@@ -194,18 +194,18 @@ class _Way:
         return os.readlink(name, dir_fd=self._open[-1])
 
     def down(self, name: str, *, make: bool, last: bool) -> None:
-        """Open `name`; `make` makes it first, should it be missing."""
+        """Open `name`; `make` creates it first if it is missing."""
         self._open.append(_step(self._open[-1], name, make, _READ if last else _PASS))
         self.path /= name
 
     def up(self) -> None:
-        """One folder back, none from the top."""
+        """Go one folder back; from the top, nowhere."""
         if len(self._open) > 1:
             os.close(self._open.pop())
             self.path = self.path.parent
 
     def to_top(self) -> None:
-        """All the way back."""
+        """Go all the way back."""
         while len(self._open) > 1:
             self.up()
 
@@ -235,7 +235,7 @@ def _step(above: int, name: str, make: bool, flags: int) -> int:
 
 
 def _fault(known: os.stat_result) -> str | None:
-    """Why a file or folder is not this user's own; None when it is."""
+    """Why a file or folder is not this user's own; None if it is."""
     if known.st_uid != os.geteuid():
         return f"belongs to another user (number {known.st_uid})"
     if known.st_mode & _OTHERS_WRITE:
@@ -244,7 +244,7 @@ def _fault(known: os.stat_result) -> str | None:
 
 
 def _fault_above(known: os.stat_result) -> str | None:
-    """Why others may exchange what lies in a folder and is not theirs; None when they cannot."""
+    """Why others may replace files in a folder that are not theirs; None if they cannot."""
     if known.st_uid not in (os.geteuid(), 0):
         return f"belongs to another user (number {known.st_uid})"
     if known.st_mode & _OTHERS_WRITE and not known.st_mode & stat.S_ISVTX:

@@ -1,7 +1,7 @@
-"""Where this user's machine keeps what is computed once for a version: compiled kernels, tables of grammars.
+"""Where this user's machine keeps things that are computed once per version: compiled kernels, grammar tables.
 
-Never below a folder of a known name that everybody may make, such as one in the temporary folder, and only in folders
-that nobody else can write; else everything is computed anew.
+Never below a folder with a known name that anybody could create, as in the temporary folder, and only in folders
+that nobody else can write to; otherwise everything is computed again.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from gcodesim.files.own_folder import NotOwn, OwnFolder, open_own_folder
 
 
 def kept_folders(name: str) -> Iterator[OwnFolder]:
-    """The folders `name` that are there, that to be preferred first; some may be read only."""
+    """The existing folders `name`, the preferred one first; some may be read-only."""
     for root in _roots():
         folder = _open(root, name, make=False)
         if isinstance(folder, OwnFolder):
@@ -23,7 +23,7 @@ def kept_folders(name: str) -> Iterator[OwnFolder]:
 
 
 def user_cache(name: str) -> OwnFolder | None:
-    """The folder `name` in the first one that can be written: NUMBA_CACHE_DIR, the user's cache.
+    """The folder `name` in the first place that can be written to: NUMBA_CACHE_DIR, then the user's cache.
 
     None when nothing can be kept anywhere.
     """
@@ -35,7 +35,7 @@ def user_cache(name: str) -> OwnFolder | None:
 
 
 def refusals(name: str) -> list[str]:
-    """Why nothing is kept where it should be, a line for each place that cannot be used."""
+    """Why nothing is kept where it should be, with a line for each place that cannot be used."""
     folders = (_open(root, name, make=True) for root in _roots())
     return [folder for folder in folders if isinstance(folder, str)]
 
@@ -48,7 +48,7 @@ class _Root(NamedTuple):
 
 
 def _roots() -> Iterator[_Root]:
-    """What the user names; then the usual one. Both are absolute: what lies in a stranger's project is no cache."""
+    """The place that the user names, then the usual one; both absolute, since no folder in a project is trusted."""
     named = os.environ.get("NUMBA_CACHE_DIR")
     if named:
         yield _Root(Path(named), 1)

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 class Inspector:
-    """Looks at a run while it goes on, so that findings stand at their time in the log, and once more at its end."""
+    """Inspects a run while it goes on, so that findings are at their times in the log, and again at its end."""
 
     def __init__(self, plan: Plan, shop: Shop, dt_ns: int) -> None:
         self._shop, self._dt = shop, dt_ns * 1e-9
@@ -37,7 +37,7 @@ class Inspector:
         self.follow(plan)
 
     def follow(self, plan: Plan) -> None:
-        """Look at the rows of `plan`, which is that of all legs so far."""
+        """Inspect the rows of `plan`, which is that of all legs so far."""
         self._plan, shop = plan, self._shop
         self._starts = plan.trajectory.row_start if len(plan.path) else np.zeros(1)
         self._turns = _blind_turns(plan, shop)
@@ -96,7 +96,7 @@ class Inspector:
         return any(record[column.name].any() for column in told) or bool(self._turns and record["engaged"].any())
 
     def _misuse(self, totals: RowTotals) -> list[Diagnostic]:
-        """What each kind of process has to say of the rows of its tools."""
+        """What each kind of process has to say about the rows of its tools."""
         found: list[Diagnostic] = []
         for kind, mine in self._kinds.items():
             columns = totals.columns if mine.all() else {n: np.where(mine, c, 0) for n, c in totals.columns.items()}
@@ -127,7 +127,7 @@ class Inspector:
         )
 
     def _limits(self, totals: RowTotals) -> list[Diagnostic]:
-        """What the cell's `limits` allow, against what the run asked for."""
+        """What the run needed, compared with what the cell's `limits` allow."""
         limits = self._shop.cell.limits
         found = []
         columns: tuple[tuple[str, float | None, Array, float, str, str], ...] = (
@@ -166,7 +166,7 @@ def _rows_of(plan: Plan, words: frozenset[str]) -> Flags:
 
 
 def _straight_up(plan: Plan, shop: Shop) -> Flags:
-    """Rows (n,) along the spindle's axis away from the work, as out of a hole: the tool has been below already."""
+    """Rows (n,) along the spindle's axis away from the work, as out of a hole: the tool has been down there already."""
     path = plan.path
     up = np.zeros(max(len(path), 1), dtype=np.bool_)
     retreat = shop.mover.retreat
@@ -189,7 +189,7 @@ def _above(values: Array, limit: float | None) -> bool:
 
 
 def _blind_turns(plan: Plan, shop: Shop) -> dict[str, Flags]:
-    """Rows (n,) in which a rotary axis turns whose place the cell does not tell, by its letter; only those that do."""
+    """Rows (n,) in which a rotary axis turns whose place the cell does not give, by its letter; only axes that turn."""
     start, end = plan.path.start, plan.path.end
     columns = {letter: AXIS_LETTERS.index(letter) for letter in shop.mover.timed_only} if len(plan.path) else {}
     turns = {letter: start[:, column] != end[:, column] for letter, column in columns.items()}

@@ -25,9 +25,9 @@ BULLET: Final = "bullet"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Options:
-    """What the command line may say over the cell: `world`, settings of the reader, the day for dated suppressions.
+    """Options of the command line that override the cell: `world`, settings of the reader, the day for suppressions.
 
-    `findings` and `sources` are those of files that the command line names besides. `force` lets a run overwrite inputs
+    `findings` and `sources` are those of further files that the command line names. `force` lets a run overwrite inputs
     and files of others in its output folder.
     """
 
@@ -44,16 +44,16 @@ class Onward(Protocol):
     """How the plan of a job goes on, leg by leg."""
 
     def onward(self) -> Plan | None:
-        """The plan of all legs so far and the next, which the job has from then on; None: there is no further one."""
+        """The plan of all legs so far and the next, which the job keeps from then on; None: there is no further leg."""
 
     def stock_up(self) -> bool:
-        """Bring in the stocks; False when a fault of one, which is told, keeps the job from running."""
+        """Load the stocks; False if a fault in one of them, which is reported, keeps the job from running."""
 
     def stop(self) -> None:
-        """Somebody stopped the run: what has been read until then is told."""
+        """Somebody stopped the run: report what has been found while reading up to then."""
 
     def tell_of_untouched_stock(self) -> None:
-        """Say that nothing was cut, where probes have met the stock all the same."""
+        """Report that nothing was cut although probes have met the stock."""
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -87,6 +87,6 @@ class Job:
 
     @property
     def world(self) -> str:
-        """Which world runs this: asked for, else named by the cell, else bullet for arms where it is installed."""
+        """Which world runs this: the requested one, else that of the cell, else bullet for arms if it is installed."""
         named = self.options.world or (self.cell.simulation.world if self.cell is not None else None)
         return named or (BULLET if find_spec("pybullet") is not None else KINEMATIC)

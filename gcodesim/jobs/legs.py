@@ -1,8 +1,8 @@
 """The program of a job, read and planned leg by leg.
 
-A leg goes from rest to rest and needs no answer. It ends where the program asks something of the run: where a probe
-touches, what an input reads. Most programs are one leg, read and planned before anything moves. A probing move is a
-leg of its own, planned when the stock is as the legs before have left it. Legs begin with a whole step of the run.
+A leg goes from rest to rest and needs no answer from the run. It ends where the program asks for one: where a probe
+touches, or what an input reads. Most programs are one leg, read and planned before anything moves. A probing move is a
+leg of its own, planned when the stock is in the state that earlier legs have left. Legs begin with a whole step.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 _QUESTIONS: Final = (canon.Probe, canon.Input)
 _OF_TIPS: Final = ("GS301", "GS304")
 _LEAVING: Final = 0.02  # [s] after a trip within which the tool begins to leave what it has touched
-_GRAZE: Final = 1e-5  # [m] by which it may go deeper for a moment, as it does along a slope
+_GRAZE: Final = 1e-5  # [m] by which it may go deeper for a moment, as along a slope
 _HALVINGS: Final = 50
 
 
@@ -63,19 +63,19 @@ class Legs:
         self._duration_of = event_durations(job.cell.magazine.change_time)
         self._outputs: dict[str, float] = {}  # digital P0 …, analog E0 …
         self._unheard: dict[str, tuple[int, Span]] = {}
-        self._touched: tuple[str, float] | None = None  # what the last leg touched, and how deep it then went in
+        self._touched: tuple[str, float] | None = None  # what the last leg touched, and how far it went in after that
 
     @property
     def shop(self) -> Shop:
         assert self._job.shop is not None
         return self._job.shop
 
-    # ---- what others ask
+    # ---- for callers
 
     def onward(self) -> Plan | None:
-        """The plan of all legs so far and the next; None when the program has no further one.
+        """The plan of all legs so far and the next; None when the program has no further leg.
 
-        What is found on the way is added to the job. All legs before have been run, so that the stock is as they left
+        Findings are added to the job. All earlier legs have been run, so that the stock is in the state they left
         it; or nothing is run at all.
         """
         while not self._ended:
@@ -93,7 +93,7 @@ class Legs:
         return None
 
     def stock_up(self) -> bool:
-        """Bring in the stocks; False when a fault of one keeps the job from running, which is told."""
+        """Load the stocks; False if a fault in one of them, which is reported, keeps the job from running."""
         if self._stocked is None:
             self._job.shop, problems = with_stock(self.shop)
             self._job.findings.extend(problems)
@@ -101,7 +101,7 @@ class Legs:
         return self._stocked
 
     def stop(self) -> None:
-        """Somebody stopped the run: what has been read until then is told."""
+        """Somebody stopped the run: report what has been found while reading up to then."""
         if not self._read:
             self._end_of_reading()
             self._ended = True
@@ -123,7 +123,7 @@ class Legs:
     # ---- reading
 
     def _read_on(self) -> None:
-        """Up to the next question, or to the end."""
+        """Read up to the next question, or to the end."""
         reply, self._reply = self._reply, None
         if reply is not None:
             try:
@@ -158,7 +158,7 @@ class Legs:
     # ---- plain legs
 
     def _plain_leg(self) -> Plan | None:
-        """All moves that have been read; None when nothing is left to be done."""
+        """Plan all moves that have been read; None when nothing is left to do."""
         path = self._builder.leg()
         before = self._job.plan
         self._job.events = [*self._job.events, *(noted.event for noted in path.events)]
@@ -185,7 +185,7 @@ class Legs:
         )
 
     def _found(self, plan: Plan) -> Iterator[Diagnostic]:
-        """What is to be said about the plan of one leg."""
+        """Findings about the plan of one leg."""
         shop = self.shop
         yield from plan.findings
         yield from blind_axis_findings(plan.path, shop.mover)
@@ -235,7 +235,7 @@ class Legs:
     # ---- probing
 
     def _probe(self, question: canon.Probe) -> Plan | None:
-        """The move of a probe as far as it gets."""
+        """The move of a probe as far as it goes."""
         self._builder.add(question)
         path = self._builder.leg()
         self._job.events = [*self._job.events, *(noted.event for noted in path.events)]
@@ -290,7 +290,7 @@ class Legs:
         return Touching(plan, tool, stocks, standing_bodies(shop.scene, shop.name)).first(begin=begin, towards=towards)
 
     def _trip_event(self, question: canon.Probe, leg: Plan, time: float, **known: Any) -> canon.Trip:
-        """What the log tells of a probe that trips at `time` [s] of its leg."""
+        """The event in the log for a probe that trips at `time` [s] of its leg."""
         samples = leg.trajectory.sample(np.array([time]))
         tip = leg.tip(leg.joints(samples), np.array([len(leg.path) - 1]))[0, :3, 3]
         x, y, z = (float(value) for value in self.shop.X_WB.apply(tip))

@@ -1,4 +1,4 @@
-"""From a job and its execution to the results that files and people get."""
+"""From a job and its execution to the results for files and people."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ INTERRUPTED: Final = "GS616"
 
 
 def inputs_of(job: Job) -> dict[str, Any]:
-    """What went in, by name and hash; no folder of this machine."""
+    """The inputs by name and hash; no folder of this machine."""
     simulation = job.cell.simulation if job.cell is not None else None
     own, *others = job.loaded.files
     return {
@@ -50,7 +50,7 @@ def inputs_of(job: Job) -> dict[str, Any]:
 
 
 def _is_called(job: Job, source: SourceText) -> bool:
-    """Whether `source` is a subprogram: read with the program, but not it."""
+    """Whether `source` is a subprogram: read with the program, but not the program itself."""
     return job.reading is not None and source.name in job.reading.sources and source.name != job.program.name
 
 
@@ -89,7 +89,7 @@ def results_of(job: Job, execution: Execution | None, *, failed: bool = False) -
         ran = stop.row + 1
         length, row_time = length.copy(), row_time.copy()
         length[ran:] = row_time[ran:] = 0.0
-        length[ran - 1 : ran] *= stop.share  # of its time; a little less of its way while it speeds up
+        length[ran - 1 : ran] *= stop.share  # of its time; of its path a little less while it speeds up
         row_time[ran - 1 : ran] *= stop.share
         stopped = stop.span
         findings = sorted([*findings, _interrupted(job, stop)], key=lambda finding: finding.order)
@@ -120,7 +120,7 @@ def first_error(findings: Sequence[Diagnostic]) -> Span | None:
 
 
 def _end_ns(job: Job, plan: Plan, execution: Execution | None) -> int:
-    """When the run ended: with the plan, or with the step after which it was interrupted."""
+    """When the run ended: at the end of the plan, or with the step after which it was interrupted."""
     if execution is None or not execution.interrupted or job.cell is None:
         return plan.trajectory.duration_ns
     return execution.steps * job.cell.simulation.step_ns
@@ -140,7 +140,7 @@ class _Stop:
 
 
 def _stop_of(plan: Plan, end_ns: int) -> _Stop:
-    """The last block that had begun, as the log has it: one that moves, or one during which the machine stands."""
+    """The last block that had begun, as in the log: one that moves, or one during which the machine stands."""
     path, trajectory, end = plan.path, plan.trajectory, end_ns * 1e-9
     row, share, span, order = -1, 0.0, None, (-1, -1)
     if len(path):
@@ -213,7 +213,7 @@ def _joints(plan: Plan, shop: Shop, execution: Execution | None) -> list[dict[st
         extremes = plan.extremes()
         totals = JointTotals.start(extremes.least)
         totals.least, totals.most = extremes.least, extremes.most
-        # as in a run: what is least or most at the start belongs to no row
+        # as in a run: an extreme at the start belongs to no row
         totals.least_row = np.where(extremes.least == shop.home, -1, extremes.row_of_least)
         totals.most_row = np.where(extremes.most == shop.home, -1, extremes.row_of_most)
     return joint_rows(shop.joint_names, joints, totals, plan.path)

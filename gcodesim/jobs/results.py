@@ -100,7 +100,7 @@ class Times:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Results:
-    """What a run or a check came to. `as_json` is the content of `results.json`."""
+    """The results of a run or a check. `as_json` is the content of `results.json`."""
 
     status: Status
     stopped_at: Span | None
@@ -142,7 +142,7 @@ class Results:
         return cleaned
 
     def text(self) -> str:
-        """The file `results.json`: one value a line as far as people read it."""
+        """The file `results.json`: one value per line in the parts that people read."""
         return json.dumps(self.as_json(), ensure_ascii=False, allow_nan=False, indent=1) + "\n"
 
     def lines_csv(self) -> str:
@@ -184,7 +184,7 @@ def _quoted(text: str) -> str:
 
 
 def _six_digits(values: Array) -> list[str]:
-    """Texts of numbers (m,) to six significant digits, written as JSON has them."""
+    """Numbers (m,) as text with six significant digits, written as in JSON."""
     given = (values + 0.0).tolist()  # + 0.0 turns -0.0 into 0.0
     texts = ("%.6g " * len(given) % tuple(given)).split()
     for i, text in enumerate(texts):
@@ -205,7 +205,7 @@ def line_rows(
     """One row a program line: file, line, time, distance, mean feed, removed volume, greatest force, then `columns`.
 
     `time` [s] and `distance` [m] are those of each path row; a loop's passes are
-    added up. The time of a line has its dwells and tool changes, the feed has not.
+    added up. The time of a line includes its dwells and tool changes, the mean feed does not.
     Where only the first `ran` path rows were reached, later lines are left out.
     """
     files, file, line, index, standing = _lines_of(path, stands)
@@ -327,7 +327,7 @@ def _of_rows(column: Column, totals: RowTotals | None, rows: NDArray[np.intp]) -
 
 
 def joint_rows(names: Iterable[str], joints: Joints, totals: JointTotals, path: ToolPath) -> list[dict[str, Any]]:
-    """One entry a joint: travel, least margin and its line, greatest speed, acceleration and effort."""
+    """One entry for each joint: travel, least margin and its line, greatest speed, acceleration and effort."""
     entries = []
     for i, name in enumerate(names):
         revolute = joints.kinds[i] == "revolute"

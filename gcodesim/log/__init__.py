@@ -1,4 +1,4 @@
-"""The log of a run: one MCAP file that opens in Foxglove or Lichtblick. Takes columns; knows nobody who made them."""
+"""The log of a run: one MCAP file that opens in Foxglove or Lichtblick. Takes columns, whoever made them."""
 
 from gcodesim.log.blocks import BlockColumns, BlockMessages
 from gcodesim.log.byte_strings import ByteStrings

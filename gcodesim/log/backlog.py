@@ -1,4 +1,4 @@
-"""Messages that wait for their turn in the log."""
+"""Messages that wait until it is their turn in the log."""
 
 from __future__ import annotations
 
@@ -53,19 +53,19 @@ class Messages:
             yield self[index]
 
     def copy_to(self, out: NDArray[np.uint8], at: Ints, part: slice) -> None:
-        """Copy what the messages of a `part` say to `out`, each from its `at` on."""
+        """Copy the contents of the messages of a `part` to `out`, each from its `at` on."""
         numbers, begin, size = self.pool[part], self.begin[part], self.size[part]
         for number in np.unique(numbers).tolist():
             mine, pool = np.flatnonzero(numbers == number), self.pools[number]
             if pool.flags.writeable:
                 place(at[mine], out, pool, begin[mine], size[mine])
-            else:  # a large message, as it came
+            else:  # a large message, as it was given
                 (only,) = mine
                 out[at[only] : at[only] + size[only]] = pool
 
 
 class _Run:
-    """Messages that came together, in order of time, of which the first ones are gone."""
+    """Messages that were given together, in order of time; the first ones may already have been taken."""
 
     __slots__ = ("arrival", "channel", "data", "next", "starts", "t_ns")
 
@@ -76,10 +76,10 @@ class _Run:
 
 
 class Backlog:
-    """Takes messages in any order and gives them out in theirs.
+    """Takes messages in any order and returns them in the order of the log.
 
-    What comes together stays together until it is due, so that it costs little to hand over a whole program at its
-    start.
+    Messages that are given together stay together until they are due, so handing over a whole program at its
+    start costs little.
     """
 
     def __init__(self) -> None:
@@ -103,7 +103,7 @@ class Backlog:
         self._arrivals += count
 
     def due(self, before_ns: int) -> Messages:
-        """All messages earlier than `before_ns`, in order; they are gone afterwards."""
+        """Remove and return all messages earlier than `before_ns`, in order."""
         if self._single:
             self._single.sort(key=lambda one: one[0])
             self._take([one for one in self._single if len(one[3]) < LARGE])

@@ -1,7 +1,7 @@
 """The messages of many program blocks at once: `/program`, `/log` and `/scene/block`.
 
 A finishing program has tens of thousands of blocks, three messages each, so
-what all have in common is made once, and numbers are written by columns.
+the parts that they share are made once, and numbers are written by columns.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _MOST_TEMPLATE_POINTS: Final = 40  # of a polyline; longer ones are rare and mad
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BlockColumns:
-    """m blocks in the order of their begin.
+    """m blocks in the order in which they begin.
 
     `t_ns`, `line`, `block` (m,) as in `ProgramShown`, `text` m blocks as
     written, in UTF-8. `modal` (m,) points into `modals`, which say the rest: file,
@@ -66,10 +66,10 @@ class BlockColumns:
 
 
 class BlockMessages:
-    """The messages of a program's blocks; made some thousands at a time, as they are asked for in their order."""
+    """The messages of a program's blocks; they are asked for in order and made some thousands at a time."""
 
     def __init__(self, columns: BlockColumns) -> None:
-        """ValueError when the blocks are not in the order of their begin."""
+        """ValueError when the blocks are not in the order in which they begin."""
         if (np.diff(columns.t_ns) < 0).any():
             raise ValueError("the blocks are not in the order of their begin")
         self.columns = columns
@@ -77,7 +77,7 @@ class BlockMessages:
         self._made: dict[str, ByteStrings] = {}
 
     def between(self, first: int, last: int) -> Iterator[tuple[NDArray[np.int64], dict[str, ByteStrings]]]:
-        """Times of blocks first ≤ i < last, and their messages by topic; in as many parts as they are made in."""
+        """Times of blocks first ≤ i < last and their messages by topic, in the parts in which they are made."""
         while first < last:
             if not self._first <= first < self._last:
                 self._first, self._last = first, min(first + PORTION, len(self.columns))

@@ -1,7 +1,7 @@
 """Many byte strings of different lengths as two arrays, and how messages are put together from them.
 
-A program of 100,000 blocks makes hundreds of thousands of short messages. As objects they would cost more than all
-that is in them, so they lie one after the other in one array of bytes, and their parts are copied there by columns.
+A program of 100,000 blocks makes hundreds of thousands of short messages. As objects they would cost more than their
+contents, so they lie one after another in one array of bytes, and their parts are copied there by columns.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class ByteStrings(Sequence[bytes]):
 
     @staticmethod
     def joined(parts: Sequence[ByteStrings]) -> ByteStrings:
-        """String i is made of strings i of all `parts`, which are equally many."""
+        """String i is the concatenation of strings i of all `parts`, which have equal numbers of strings."""
         ends = np.cumsum([part.sizes for part in parts], axis=0)
         starts = _starts(ends[-1])
         data = np.empty(starts[-1], dtype=np.uint8)
@@ -70,11 +70,11 @@ class ByteStrings(Sequence[bytes]):
         return ByteStrings(data, starts)
 
     def chosen(self, index: NDArray[np.integer]) -> ByteStrings:
-        """Strings `index` (k,), each as often as it is asked for."""
+        """Strings `index` (k,), in that order and with repetitions."""
         return ByteStrings.cut(self.data, self.starts[:-1][index], self.starts[1:][index])
 
     def as_field(self, number: int) -> ByteStrings:
-        """Each string as the content of a string, bytes or message field."""
+        """Each string as the content of a protobuf field of type string, bytes or message."""
         lengths, which = np.unique(self.sizes, return_inverse=True)
         heads = ByteStrings.of(tag(number, BYTES) + varint(length) for length in lengths.tolist())
         return ByteStrings.joined([heads.chosen(which), self])

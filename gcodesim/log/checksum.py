@@ -1,4 +1,4 @@
-"""CRC-32 of what goes into a log, the same as zlib's: where the package `isal` is there, in a twentieth of the time."""
+"""CRC-32 of log contents, the same as zlib's; with the package `isal` it takes a twentieth of the time."""
 
 from __future__ import annotations
 

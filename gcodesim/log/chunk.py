@@ -20,7 +20,7 @@ PACKING: Final = zstandard.ZstdCompressionParameters(
     chain_log=10,
     search_log=1,
     min_match=6,
-    target_length=1,  # no codes for what stays as it is: the last digits of numbers are random
+    target_length=1,  # literals are not entropy-coded: the last digits of numbers are random
     window_log=20,
 )
 """Of zstd: as quick as its level -1, a third quicker than 3, for a log that is 5 to 15 % larger than at 3; 2^14 places
@@ -35,7 +35,7 @@ class ChunkBuilder:
     """Message records of one chunk and their index."""
 
     def __init__(self, room: NDArray[np.uint8]) -> None:
-        """`room` takes the records; a larger one replaces it when they are more."""
+        """`room` takes the records; it is replaced by a larger one when they need more."""
         self.room = room
         self.size = 0
         self.count = 0
@@ -44,7 +44,7 @@ class ChunkBuilder:
         self._index: dict[int, list[bytes]] = {}
 
     def add(self, cut: ChunkPiece) -> None:
-        """Records whose times do not decrease; the places in their index count from the begin of the chunk."""
+        """Records whose times do not decrease; the places in their index count from the start of the chunk."""
         if self.count == 0:
             self.first_ns = cut.first_ns
         self.last_ns = cut.last_ns
@@ -88,7 +88,7 @@ class PackedChunk:
 
 
 def pack(chunk: ChunkBuilder) -> PackedChunk:
-    """Compress; touches nothing but `chunk`, so that another thread may do it."""
+    """Compress; changes nothing but `chunk`, so that another thread may do it."""
     data = chunk.records()
     packed = zstandard.ZstdCompressor(compression_params=PACKING).compress(data)
     crc = crc32(data)

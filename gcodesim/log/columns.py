@@ -1,4 +1,4 @@
-"""Collects the columns of log windows, whatever their length, into batches worth building."""
+"""Collects the columns of log windows of any length into batches that are worth building."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ _AT_PARENT: Final = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 class ColumnBatch:
     """Up to `BATCH` log instants: one matrix (BATCH, c), in which `columns` says where each array by name begins.
 
-    It starts as if one instant had been there in which all frames are at their
-    parents and everything else is 0: that is what a run shows that fails
+    It starts as if there had been one instant in which all frames are at their
+    parents and everything else is 0, which is what a run shows if it fails
     before its first instant.
     """
 
@@ -80,7 +80,7 @@ class ColumnBatch:
         return taken
 
     def take(self) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
-        """Times (n,), kinds of process (n,) and the checked values (n, c), all of their own; the batch is empty then.
+        """Times (n,), kinds of process (n,) and the checked values (n, c), all copied; afterwards the batch is empty.
 
         ValueError for a number that is not finite, a quaternion that is not of
         unit length or an unknown kind of process.

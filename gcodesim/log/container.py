@@ -46,7 +46,7 @@ from gcodesim.log.topics import Topic
 MAGIC: Final = b"\x89MCAP0\r\n"
 CHUNK_SIZE: Final = 1 << 20
 ROOM: Final = CHUNK_SIZE * 5 // 4  # a chunk ends with the message that makes it larger than wanted
-MOST_PACKING: Final = 3  # chunks that wait for the packing thread; then the run waits, too
+MOST_PACKING: Final = 3  # chunks that may wait for the packing thread; beyond that the run waits as well
 _RECORD: Final = struct.Struct("<BQ")
 
 
@@ -55,7 +55,7 @@ class LogWriteError(OSError):
 
 
 class Sink(Protocol):
-    """Who gets every message as well, in the order of the file: `open` first, then messages and rows of them."""
+    """A receiver of all messages in the order of the file: first `open`, then messages and rows of messages."""
 
     def open(self, topics: Sequence[tuple[Topic, bytes]]) -> None: ...
 
@@ -77,8 +77,8 @@ class Container:
     ) -> None:
         """Open `path` + `.part` and write header, schemas and channels (ids from 1 in the order of `topics`).
 
-        A former log under the final name is removed: it would be taken for the
-        result of this run. LogWriteError when the folder does not take it.
+        An older log under the final name is removed, since it would be taken for the
+        result of this run. LogWriteError if the folder cannot be written to.
         """
         self.path = path
         self.part_path = path.with_name(path.name + ".part")
@@ -120,7 +120,7 @@ class Container:
     def add(self, messages: Messages, rows: Sequence[RecordRows], channels: Sequence[int]) -> None:
         """Messages and rows of the periodic `channels`; chunks are closed as they fill.
 
-        Times must not be earlier than those of before. The sequence counts from 0 for each channel.
+        Times must not be earlier than those given before. The sequence counts from 0 for each channel.
         """
         ordered = Ordered(messages, rows, channels, self._counts)
         if self._sink is not None:
@@ -146,11 +146,11 @@ class Container:
             self._write_first()
 
     def _new_chunk(self) -> ChunkBuilder:
-        """An empty chunk; the room of a former one is used again, as the system takes long to find new memory."""
+        """An empty chunk; the room of an old one is reused, because the system is slow to provide new memory."""
         return ChunkBuilder(self._rooms.pop() if self._rooms else np.empty(ROOM, dtype=np.uint8))
 
     def _write_first(self) -> None:
-        """Wait for the first of the chunks that are packed, and write it."""
+        """Wait for the first of the chunks that are being packed, and write it."""
         chunk, packed = self._packing.popleft()
         self._write_chunk(packed.result())
         self._rooms.append(chunk.room)
@@ -173,7 +173,7 @@ class Container:
         )
 
     def add_attachment(self, name: str, t_ns: int, media_type: str, data: bytes) -> None:
-        """A file inside the log; both its times are simulated time."""
+        """A file inside the log; both of its times are simulated time."""
         if any(index.name == name for index in self._attachments):
             raise ValueError(f"the log has an attachment '{name}' already")
         start = self._offset
@@ -222,7 +222,7 @@ class Container:
         return self._file.closed
 
     def abandon(self) -> None:
-        """Close as it is: the `.part` file keeps every record that was written."""
+        """Close the file as it is: the `.part` file keeps every record that was written."""
         self._packer.shutdown(cancel_futures=True)
         self._file.close()
 

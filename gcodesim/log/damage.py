@@ -1,4 +1,4 @@
-"""What of a log cannot be read: where it lies, and which time it was about."""
+"""Parts of a log that cannot be read: where they are, and which time they covered."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Damage:
-    """A part of a log that does not read: the record at byte `offset`, and why.
+    """A part of a log that cannot be read: the record at byte `offset`, and why.
 
-    `what` is `chunk`, the name of an attachment, or `record` for what lies
-    between those. A chunk held messages from `first_ns` to `last_ns`; where its
-    own times are lost, those of its neighbours stand for them.
+    `what` is `chunk`, the name of an attachment, or `record` for anything
+    between those. A chunk held messages from `first_ns` to `last_ns`; if its
+    own times are lost, those of its neighbours are used.
     """
 
     offset: int

@@ -1,4 +1,4 @@
-"""What a log is about and what comes in at each log instant: plain values and columns, no objects of the simulation."""
+"""What a log describes, and the input for each log instant: plain values and columns, no objects of the simulation."""
 
 from __future__ import annotations
 
@@ -37,15 +37,15 @@ class ProcessField:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LogDescription:
-    """All that is fixed for a whole log.
+    """Everything that is fixed for a whole log.
 
     `run` is the metadata record: program, program_sha256, cell, cell_sha256,
     seed, step_ns, log_period_ns, versions; `log_format` and `gcodesim` are
     added; `records` are further ones by name. `moving_frames` are (parent, child) in the order of the columns given
     to `LogWriter.window`. `wrench_frame` names the frame whose axes the wrench
     follows. `process_kinds` is the list into which the column `kind` points,
-    `process_fields` stand in `/process` behind the fields that it always has.
-    `cell` are the robot links and fixtures, `feed_path` and `rapid_path` the
+    `process_fields` come in `/process` after the fields that it always has.
+    `cell` has the robot links and fixtures, `feed_path` and `rapid_path` the
     planned path in `path_frame`. `attachments` are the inputs by name:
     program.nc, subprograms, cell.yaml, URDFs; layout.json is added when missing.
     """
@@ -73,7 +73,7 @@ class MotionColumns:
 
     Tip speeds [m/s], errors against the target [m], [rad], part of the block
     that is done, tip in the active work coordinates [m], held by a limit. The
-    three `…_used` tell how near the nearest joint is to its limit of travel,
+    three `…_used` say how close the nearest joint is to its limit of travel,
     speed and effort: 1 is at the limit.
     """
 
@@ -127,7 +127,7 @@ PEAK_ARRAYS: Final = {"max_force_n": "max_force", "max_torque_nm": "max_torque",
 
 
 def with_peaks(names: Iterable[str]) -> dict[str, str]:
-    """Which field tells most of each figure: its peak between the samples where there is one, else itself."""
+    """The most telling field of each figure: its peak between samples if there is one, else the figure itself."""
     known = list(names)
     peaks = {name.removeprefix(PEAK) for name in known if name.startswith(PEAK)}.intersection(known)
     shown = (name for name in known if not (name.startswith(PEAK) and name.removeprefix(PEAK) in peaks))
@@ -135,5 +135,5 @@ def with_peaks(names: Iterable[str]) -> dict[str, str]:
 
 
 def array_of(name: str) -> str:
-    """What the values of a process field are called among the columns of a log."""
+    """The name of the values of a process field among the columns of a log."""
     return f"process.{name}"

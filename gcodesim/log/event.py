@@ -1,4 +1,4 @@
-"""An event as the log tells of it."""
+"""An event of the log."""
 
 from __future__ import annotations
 
@@ -41,12 +41,12 @@ class LogEvent:
 
     @property
     def is_beginning(self) -> bool:
-        """Whether another event tells later what this finding came to."""
+        """Whether a later event has the final numbers of this finding."""
         return self.is_finding and self.message.endswith(BEGINS)
 
 
 def settled(events: Iterable[LogEvent]) -> tuple[LogEvent, ...]:
-    """`events` with each finding once: at the time of its beginning, with what it came to as far as that is told."""
+    """`events` with each finding once: at the time when it begins, with its final numbers if they are there."""
     found: list[LogEvent] = []
     begun: dict[tuple[str, str, int], int] = {}
     for event in events:

@@ -18,7 +18,7 @@ class FieldStep(NamedTuple):
 
 
 def parse_path(path: str) -> tuple[FieldStep, ...]:
-    """The steps of a path. ValueError when it is none."""
+    """The steps of a path. ValueError if it is not a path."""
     parts, at = [], 0
     while at < len(path):
         found = _PART.match(path, at)
@@ -59,7 +59,7 @@ def _item(values: Any, name: str, item: str) -> Any:
 
 
 def item_name(value: Any) -> str:
-    """What an item of a repeated field is called, empty when it has no name."""
+    """The name of an item of a repeated field; empty if it has none."""
     for field in _NAMES:
         if is_message(value) and field in value.DESCRIPTOR.fields_by_name:
             return str(getattr(value, field))

@@ -1,4 +1,4 @@
-"""Layouts of the viewer: which panels show a log, for milling, for a robot, for another process.
+"""Layouts of the viewer: the panels that show a log, for milling, for a robot, or for another process.
 
 A layout names every scene topic and every joint, because the viewer shows only
 what its layout names. Numbers stay SI, as the topics have them. Panel titles
@@ -27,7 +27,7 @@ _CELL: Final = "3D!cell"
 _PART: Final = "3D!part"
 
 _AXES: Final = 0.03
-"""Length of the axes at the tip, as a part of the distance of the camera."""
+"""Length of the axes at the tip, as a share of the distance of the camera."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -88,7 +88,7 @@ def layout(
 
 
 def view_of(layout_json: bytes) -> View:
-    """Where the camera of a layout looks; ValueError or KeyError when it is none of ours."""
+    """Where the camera of a layout looks; ValueError or KeyError if it is not one of our layouts."""
     panels = json.loads(layout_json)["configById"]
     plot = panels.get(_VOLUME, {})
     volumes = (plot["minYValue"], plot["maxYValue"]) if "minYValue" in plot else None
@@ -276,10 +276,10 @@ def _scene(panel: str, camera: Camera) -> Json:
     }
 
 
-# ---- where they stand
+# ---- arrangement
 
 def _split(direction: str, nodes: Sequence[Node]) -> Node:
-    """Panels side by side or one above the other, all of one size."""
+    """Panels of equal size, side by side or one above another."""
     first, *others = nodes
     if not others:
         return first

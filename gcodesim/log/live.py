@@ -1,8 +1,8 @@
-"""A log while it is written, for a viewer that is connected by websocket.
+"""A log while it is being written, for viewers that are connected by websocket.
 
-The viewer gets what goes into the file, message by message. Who comes late first gets the last message of every
-topic that shows something, so that cell, path, tool and part stand there at once. Nobody waits for a viewer: to one
-that does not keep up the oldest messages are not sent.
+A viewer gets all that goes into the file, message by message. One that joins late first gets the last message of every
+topic that shows something, so that cell, path, tool and part are there at once. Nothing waits for a viewer: one
+that does not keep up misses the oldest messages.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from gcodesim.log.topics import Topic
 
 _WAITING: Final = 1 << 15  # messages on their way to a viewer: more than a window of the run brings
 _LINGER: Final = 2.0  # s; the server does not say when a viewer has everything
-_TOLD_ONCE: Final = ("/event", "/log")  # the last of these is no state: it is not repeated
+_TOLD_ONCE: Final = ("/event", "/log")  # the last message of these is not a state, so it is not repeated
 _HEAD: Final = RECORD_HEAD + MESSAGE_HEAD
 
 
@@ -30,7 +30,7 @@ class LiveView:
     """A websocket on this machine, at `port`, to which a `Container` hands its messages as they come."""
 
     def __init__(self, port: int) -> None:
-        """Listen; port 0 is any free one. LiveViewError when that cannot be."""
+        """Listen; port 0 is any free one. LiveViewError if that is impossible."""
         try:
             import foxglove
             from foxglove.websocket import Capability
@@ -65,7 +65,7 @@ class LiveView:
         self.address = f"ws://localhost:{self.port}/?token={self._door.token}"
         self._door.open(host, self._server.port)
 
-    # ---- what a container hands over
+    # ---- called by a container
 
     def open(self, topics: Sequence[tuple[Topic, bytes]]) -> None:
         """The channels of a log, with their schemas; their numbers count from 1."""
@@ -98,7 +98,7 @@ class LiveView:
         self._server.broadcast_time(int(rows.times[last]))
 
     def close(self) -> None:
-        """End; a viewer that is there gets a moment to take what is on its way."""
+        """End; connected viewers get a moment to take what is on its way."""
         end = time.monotonic() + _LINGER
         while time.monotonic() < end and any(channel.has_sinks() for channel in self._channels):
             time.sleep(0.02)
@@ -111,7 +111,7 @@ class LiveView:
         self._channels[channel - 1].log(data, log_time=t_ns)
 
     def _repeat(self, topic: str) -> None:
-        """For a viewer that has just subscribed. The others get it, too: it is what they show already."""
+        """For a viewer that has just subscribed. The others get it as well, but they show the same already."""
         number = self._numbers.get(topic, 0)
         with self._lock:
             if topic not in _TOLD_ONCE and number in self._last:
@@ -119,7 +119,7 @@ class LiveView:
 
 
 class _Arrivals:
-    """What the server calls when something comes from a viewer; only subscriptions are of interest."""
+    """Called by the server for messages from a viewer, of which only subscriptions matter."""
 
     def __init__(self, subscribed: Callable[[str], None]) -> None:
         self._subscribed = subscribed

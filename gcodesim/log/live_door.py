@@ -1,8 +1,8 @@
-"""The door of a live view: who may connect to the viewer's server, which itself lets everybody in.
+"""The door of a live view. It decides who may connect to the viewer's server, which itself admits everybody.
 
-A web page of anybody may open a websocket to this machine, and the browser sends along from which site the page is
-(RFC 6455, 10.2). So what connects is heard first, and handed on only when it knows the token of the printed address, or
-is no page of the web: a program, a viewer that is installed, a page from this machine.
+Any web page may open a websocket to this machine, and the browser sends along which site the page is from
+(RFC 6455, 10.2). So the door reads the request first. It forwards it only with the token of the printed address, or if
+it does not come from a web page but from a program, an installed viewer, or a page of this machine.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from typing import Final
 from urllib.parse import parse_qs, urlsplit
 
 _LONGEST_HEAD: Final = 16_384  # bytes of a request
-_PATIENCE: Final = 5.0  # s to say who one is
+_PATIENCE: Final = 5.0  # s in which a client has to send its request
 _HERE: Final = ("localhost", "127.0.0.1", "::1")
 _REFUSED: Final = (
     b"HTTP/1.1 403 Forbidden\r\nContent-Type: text/plain; charset=utf-8\r\nConnection: close\r\n\r\n"
@@ -26,7 +26,7 @@ _REFUSED: Final = (
 
 
 class Door:
-    """Listens at `port` of this machine (0: any free one) and hands on who may come in. OSError when it is taken."""
+    """Listens at `port` of this machine (0: any free one) and forwards permitted clients. OSError when it is taken."""
 
     def __init__(self, port: int) -> None:
         self.token = secrets.token_urlsafe(16)
@@ -35,12 +35,12 @@ class Door:
         self._server: tuple[str, int] | None = None
 
     def open(self, host: str, port: int) -> None:
-        """Let people in, to the server at `host` and `port`."""
+        """Start to admit clients, to the server at `host` and `port`."""
         self._server = host, port
         Thread(target=self._welcome, daemon=True).start()
 
     def close(self) -> None:
-        """Nobody comes in any more; who is there stays until the server ends."""
+        """Admit no more clients; connected ones stay until the server ends."""
         with suppress(OSError):
             self._listening.shutdown(socket.SHUT_RDWR)  # or the thread that accepts would stay
         self._listening.close()
@@ -54,7 +54,7 @@ class Door:
             Thread(target=self._hear, args=(guest,), daemon=True).start()
 
     def _hear(self, guest: socket.socket) -> None:
-        """Read the request, and hand it on or refuse it."""
+        """Read the request, and forward or refuse it."""
         assert self._server is not None
         with guest:
             try:
@@ -74,21 +74,21 @@ class Door:
                     back.start()
                     _pass_on(guest, server)
                     back.join()
-            except OSError:  # either side went away
+            except OSError:  # either side has gone away
                 return
 
 
 def hidden_host() -> str:
-    """An address of this machine for the server behind the door, which no web page can guess, where there are many."""
+    """An address of this machine for the server behind the door that no web page can guess, on systems with many."""
     if not sys.platform.startswith("linux"):
         return "127.0.0.1"
     return f"127.{secrets.randbelow(254) + 1}.{secrets.randbelow(256)}.{secrets.randbelow(254) + 1}"
 
 
 def may_enter(head: bytes, token: str) -> bool:
-    """Whether the request whose head this is knows the token or is from no page of the web.
+    """Whether the request with this head has the token or is not from a web page.
 
-    A browser always says from which site a page is; `null` is a page that hides it.
+    A browser always says which site a page is from; `null` is a page that hides it.
     """
     first, *lines = head.decode("latin-1").split("\r\n")
     words = first.split(" ")
@@ -103,7 +103,7 @@ def may_enter(head: bytes, token: str) -> bool:
 
 
 def _is_no_site(origin: str) -> bool:
-    """A page of this machine, or a program whose pages have a scheme of their own."""
+    """Whether it is a page of this machine, or a program whose pages have a scheme of their own."""
     try:
         parts = urlsplit(origin)
     except ValueError:
@@ -114,7 +114,7 @@ def _is_no_site(origin: str) -> bool:
 
 
 def _head(guest: socket.socket) -> bytes | None:
-    """A request up to the empty line behind its fields; None when it does not come, or more comes."""
+    """A request up to the empty line after its fields; None if that does not arrive, or if more arrives."""
     head = b""
     while not head.endswith(b"\r\n\r\n"):
         data = guest.recv(4096)
@@ -125,7 +125,7 @@ def _head(guest: socket.socket) -> bytes | None:
 
 
 def _pass_on(one: socket.socket, other: socket.socket) -> None:
-    """Hand on what comes from one side until it ends."""
+    """Forward everything from one side until it ends."""
     with suppress(OSError):
         while data := one.recv(1 << 16):
             other.sendall(data)

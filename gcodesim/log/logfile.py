@@ -1,4 +1,4 @@
-"""A log on disk: what it holds and where, also when its end is missing.
+"""A log on disk: what it contains and where, even when its end is missing.
 
 A complete log is opened by its summary. From a log that was cut off (a killed
 run, a full disk, a copy that stopped) everything up to the last whole chunk is
@@ -48,12 +48,12 @@ __all__ = ["ChunkPlace", "LogFile", "LogReadError", "RawMessage"]
 _FOOTER_SIZE: Final = RECORD_HEAD + 20 + len(MAGIC)
 _DATA_END_SIZE: Final = RECORD_HEAD + 4
 _BLOCK: Final = 1 << 20
-_PRIVATE: Final = 0x80  # from here on opcodes are anybody's
+_PRIVATE: Final = 0x80  # opcodes from here on are free for private use
 
 
 @dataclass(frozen=True, slots=True)
 class ChunkPlace:
-    """Where a chunk lies; `channels` is None when its index is not there to tell."""
+    """Where a chunk is; `channels` is None if its index is missing."""
 
     offset: int
     first_ns: int
@@ -65,7 +65,7 @@ class ChunkPlace:
 class LogFile:
     """The contents of a log. `complete`: the file has its end; `problem` says what is wrong otherwise.
 
-    `lenient`: what is damaged is left out and noted in `damage`; else reading it raises.
+    `lenient`: damaged parts are left out and noted in `damage`; otherwise reading them raises.
     """
 
     path: Path
@@ -82,11 +82,11 @@ class LogFile:
     data_end: int = 0  # where the records before the index end, in a complete file
     whole: int = 0  # bytes in whole records; less than `size` in a file that was cut off
     lenient: bool = False
-    damage: list[Damage] = field(default_factory=list)  # as far as it was met, in the order of the file
+    damage: list[Damage] = field(default_factory=list)  # as far as it was found, in the order of the file
 
     @staticmethod
     def open(path: Path, *, lenient: bool = False) -> LogFile:
-        """Read what there is. When `path` is missing, `path` + `.part` is taken, the log of a run that did not end.
+        """Read what there is. If `path` is missing, `path` + `.part` is read, the log of a run that did not end.
 
         OSError when neither can be read, LogReadError when it is no MCAP file.
         """
@@ -150,7 +150,7 @@ class LogFile:
                         yield message
 
     def attachment(self, name: str) -> bytes:
-        """The contents of an attached file. KeyError when there is none, LogReadError when it is damaged."""
+        """The contents of an attached file. KeyError if it does not exist, LogReadError if it is damaged."""
         offset, size = self.attachments[name]
         with suppress(*DAMAGE), self.path.open("rb") as stream:
             record = record_at(stream, offset, Opcode.ATTACHMENT)
@@ -160,7 +160,7 @@ class LogFile:
         raise LogReadError(f"the attached file {name} is damaged")
 
     def attached(self, name: str) -> bytes | None:
-        """The same for a lenient log: None when there is none, or when it is damaged, which is noted."""
+        """The same for a lenient log: None if it does not exist, or if it is damaged, which is noted."""
         if name not in self.attachments:
             return None
         try:
@@ -189,7 +189,7 @@ class LogFile:
             self._note(Damage(offset=len(MAGIC), what="record", reason="does not agree with the checksum of the file"))
 
     def _agrees(self, stream: BinaryIO) -> bool:
-        """Whether the records before the index have the checksum that their end tells; False when it tells none."""
+        """Whether the records before the index have the checksum given at their end; False if none is given."""
         stream.seek(self.data_end)
         end = stream.read(_DATA_END_SIZE)
         crc = int.from_bytes(end[RECORD_HEAD:], "little")
@@ -272,7 +272,7 @@ class LogFile:
         """Fill in record by record up to the first that is not whole."""
         self.size = size = stream.seek(0, 2)
         at = len(MAGIC)
-        self.whole = min(at, size)  # a run may be killed before its first byte
+        self.whole = min(at, size)  # a run may be killed before its first byte is written
         while at + RECORD_HEAD <= size:
             stream.seek(at)
             opcode, length = RECORD.unpack(stream.read(RECORD_HEAD))
@@ -312,7 +312,7 @@ class LogFile:
             self.chunks.append(ChunkPlace(offset, messages[0].t_ns, messages[-1].t_ns, channels))
 
     def _settle_times(self) -> None:
-        """A damaged chunk that a walk met held what lies between its neighbours: its own times may be damaged, too."""
+        """Give a damaged chunk the times between its neighbours, because its own times may be damaged too."""
         after = self.end_ns
         damaged = {damage.offset: i for i, damage in enumerate(self.damage)}
         for i, chunk in reversed(list(enumerate(self.chunks))):

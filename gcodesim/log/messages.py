@@ -1,7 +1,7 @@
-"""The messages that come when something changes: program line, event, text for people; and the frames that stand still.
+"""Messages that are written when something changes: program line, event, text; and the frames that stand still.
 
 A program of 100,000 blocks makes hundreds of thousands of these, so they are
-put together from bytes, and what rarely changes is kept as made.
+assembled from bytes, and parts that rarely change are kept.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _LOG_LINE: Final = tag(6, FIXED32)
 
 
 class OutputState(NamedTuple):
-    """An output of the control with its value, or a device of the cell with the verb that it was told last."""
+    """An output of the control with its value, or a device of the cell with the last verb that it was given."""
 
     name: str
     value: float = 0.0

@@ -41,16 +41,16 @@ class ChunkPiece:
 
 
 class Ordered:
-    """What a window brings, in the order of time and then of the topic table: messages, and rows of `channels`.
+    """The content of a window in the order of time and then of the topic table: messages, and rows of `channels`.
 
-    The first of the `channels` is the first in the table of those that come in rows; who stands before it is written
+    The first of the `channels` is the first in the table of those that come in rows. Messages above it come
     before the rows of the same time, all others after them.
     """
 
     def __init__(
         self, messages: Messages, rows: Sequence[RecordRows], channels: Sequence[int], counts: NDArray[np.int64]
     ) -> None:
-        """`rows` in time order; `counts` by channel number are raised by what comes."""
+        """`rows` in time order; `counts` by channel number are raised by the new messages."""
         self._channels = channels
         self._rows = rows
         self._messages = messages
@@ -92,7 +92,7 @@ class Ordered:
         return ByteStrings.rows(heads.view(np.uint8).reshape(count, HEAD.itemsize))
 
     def cut(self, filled: int, most: int) -> Iterator[ChunkPiece]:
-        """Parts of chunks: the first for one that has `filled` bytes; all but the last fill theirs beyond `most`."""
+        """Parts of chunks: the first for one with `filled` bytes; all but the last fill their chunk beyond `most`."""
         first, start = 0, 0
         while first < len(self._ends):
             last = min(int(np.searchsorted(self._ends, start + most - filled, side="right")) + 1, len(self._ends))
@@ -149,7 +149,7 @@ class Ordered:
         return index
 
     def each(self) -> Iterator[SingleMessage | RecordRows]:
-        """Messages, and rows between them, one after the other."""
+        """Messages, and rows between them, one after another."""
         r = 0
         for i, before in enumerate(self._before.tolist()):
             if before > r:

@@ -16,7 +16,7 @@ from gcodesim.log.schema import decoder
 
 
 def read_attachment(path: Path, name: str) -> bytes:
-    """A file that the log carries. KeyError when it carries none of that name."""
+    """A file that the log carries. KeyError if it carries none of this name."""
     return LogFile.open(path).attachment(name)
 
 
@@ -73,7 +73,7 @@ def read_all(path: Path, topics: Sequence[str] = ()) -> Iterator[tuple[str, int,
 def decoded(
     log: LogFile, topic: str, wanted: str = "", *, last_ns: int | None = None, backwards: bool = False
 ) -> Iterator[tuple[int, Any]]:
-    """Messages of a topic up to a time; none when it is not there or not of the `wanted` schema."""
+    """Messages of a topic up to a time; none if the topic does not exist or does not have the `wanted` schema."""
     channel = log.channel_id(topic)
     if channel is None or (wanted and log.schema_name(channel) != wanted):
         return

@@ -77,7 +77,7 @@ def _messages(description: LogDescription, kind: str) -> tuple[Piece, ...]:
 class RecordRows(NamedTuple):
     """Records of n instants, one a row of `template.width` bytes, in which message m begins at `template.starts[m]`.
 
-    They are made where they belong; until then they are numbers: `times` (n,) [ns], `sequence` (n,), `values` (n, c).
+    They are made where they belong; before that they are numbers: `times` (n,) [ns], `sequence` (n,), `values` (n, c).
     """
 
     times: Ints

@@ -1,8 +1,8 @@
 """Shapes and lines as `foxglove.SceneUpdate` messages.
 
-The viewer shows after a jump only the last message of each topic. So every
+After a jump, the viewer shows only the last message of each topic. So every
 message here is complete: it begins with a deletion of all entities and repeats
-what is there. Points are rounded to 2⁻²⁰ m, under a micrometre, which leaves
+everything that is there. Points are rounded to 2⁻²⁰ m, less than a micrometre, which leaves
 zero bits that compress.
 """
 
@@ -109,7 +109,7 @@ def _frustum(pose: bytes, bottom: float, top: float, length: float, color: Color
 
 
 def _entity(t_ns: int, id: str, frame: str, primitives: Sequence[Part]) -> list[Part]:
-    locked = unsigned(5, 1)  # it moves with its frame, not only when a message comes
+    locked = unsigned(5, 1)  # it moves with its frame, not only when a message arrives
     return wrap(2, (stamp(1, t_ns) + text(2, frame) + text(3, id) + locked, *primitives))
 
 

@@ -1,4 +1,4 @@
-"""Schemas of the log: message descriptors, and the bytes that a log stores of them.
+"""Schemas of the log: message descriptors, and the bytes of them that a log stores.
 
 `foxglove.*` messages come from their package. `gcodesim.*` messages are defined
 once, in `data/log/gcodesim.proto`, which is read here; no compiler is needed.
@@ -87,7 +87,7 @@ def proto_text() -> str:
 
 @cache
 def _own_file() -> FileDescriptor:
-    pool = descriptor_pool.Default()  # where Timestamp is, so that its objects fit into our messages
+    pool = descriptor_pool.Default()  # the pool that has Timestamp, so that its objects fit into our messages
     pool.Add(read_proto(proto_text()))
     return pool.FindFileByName("gcodesim/gcodesim.proto")
 
@@ -131,7 +131,7 @@ def schema_data(schema: str, more: Sequence[ProcessField] = ()) -> bytes:
 
 
 def decoder(schema: str, data: bytes) -> Any:
-    """A message class for `schema` made from the descriptors that a log stores, which may be of another version."""
+    """A message class for `schema`, made from the descriptors stored in a log, which may be of another version."""
     pool = descriptor_pool.DescriptorPool()
     for file in FileDescriptorSet.FromString(data).file:
         pool.Add(file)

@@ -1,9 +1,9 @@
-"""Periodic topics as columns: all numbers of many equally built messages at once.
+"""Periodic topics as columns: all numbers of many messages of the same layout at once.
 
-Messages of one topic differ in their numbers and seldom in their build, so the
-places of the numbers are found once, and numpy takes them out of a byte matrix.
-A message that is built in another way is read by protobuf, which is slower and
-gives the same.
+Messages of one topic differ in their numbers but seldom in their layout, so the
+places of the numbers are found once, and numpy takes them from a byte matrix.
+A message of another layout is read by protobuf, which is slower and
+gives the same result.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from gcodesim.log.logfile import LogFile, RawMessage
 from gcodesim.log.reader import decoder_of
 
 _VARINT, _FIXED64, _BYTES, _FIXED32 = 0, 1, 2, 5
-_MOST_BUILDS: Final = 32  # builds of a topic's messages that are read by columns; the rest goes message by message
+_MOST_BUILDS: Final = 32  # layouts of a topic's messages that are read by columns; the rest is read message by message
 
 Array = NDArray[np.float64]
 
@@ -45,13 +45,13 @@ class Series:
         return self.values[:, self.names.index(name)]
 
     def columns(self, *names: str) -> Array:
-        """Several fields (n, len(names)); zeros where the topic has none of that name."""
+        """Several fields (n, len(names)); zeros where the topic has no field of that name."""
         zero = np.zeros(len(self.t_ns))
         return np.stack([self.column(name) if name in self.names else zero for name in names], axis=1)
 
 
 class _Slot(NamedTuple):
-    """Where a number of a message lies; `kind` is double or bool."""
+    """Where a number is in a message; `kind` is double or bool."""
 
     path: str
     offset: int
@@ -63,7 +63,7 @@ def read_series(
 ) -> dict[str, Series]:
     """Columns of the topics that the log has, read in one pass.
 
-    `every_ns` leaves out messages whose time is no multiple of it, but for the
+    `every_ns` leaves out messages whose time is not a multiple of it, except the
     last. LogReadError when the log is damaged.
     """
     wanted = {log.channel_id(topic): topic for topic in topics if log.channel_id(topic) is not None}
@@ -150,7 +150,7 @@ class _Build:
         return build
 
     def agrees(self, matrix: NDArray[np.uint8]) -> NDArray[np.bool_]:
-        """Which rows (n, length) are built like this one."""
+        """Which rows (n, length) have this layout."""
         same: NDArray[np.bool_] = (matrix[:, self.fixed] == self.data[self.fixed]).all(axis=1)
         return same
 
@@ -173,7 +173,7 @@ class _Build:
                 value, after = _varint(data, at)
                 if field is not None and field.cpp_type == field.CPPTYPE_BOOL:
                     self._slot(f"{prefix}{field.name}", at, 1, "bool")
-                elif field is not None:  # its bytes belong to the build, so messages with another one are read apart
+                elif field is not None:  # part of the layout, so messages with another text are read separately
                     self.constants[f"{prefix}{field.name}"] = float(value)
                 at = after
             elif wire == _FIXED64:

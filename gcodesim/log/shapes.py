@@ -68,7 +68,7 @@ class DrawnMesh:
         return replace(self, points=kept, triangles=renumbered)
 
     def coarser(self, size: float) -> DrawnMesh:
-        """Points in one cube of edge `size` [m] become one, and triangles that vanish by this are left out."""
+        """Points in one cube of edge `size` [m] become one; triangles that collapse are left out."""
         cell = np.floor((self.points - self.points.min(axis=0)) / size).astype(np.int64)
         sides = cell.max(axis=0) + 1
         key = (cell[:, 0] * sides[1] + cell[:, 1]) * sides[2] + cell[:, 2]
@@ -84,7 +84,7 @@ Shape = DrawnSolid | DrawnMesh
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Entity:
-    """A named group of shapes that stays with its `frame`."""
+    """A named group of shapes that moves with its `frame`."""
 
     id: str
     frame: str

@@ -1,4 +1,4 @@
-"""Records of a log as they are stored: found, bounded, unpacked and checked, whatever bytes there are."""
+"""Records of a log as they are stored: found, bounded, unpacked and checked, whatever the bytes are."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ DAMAGE: Final = (struct.error, UnicodeDecodeError, EndOfFile)
 """What reading the contents of a damaged record may raise."""
 
 LARGEST_CHUNK: Final = 1 << 30
-"""A chunk that says that it is larger unpacked is damaged; ours have little more than a megabyte."""
+"""A chunk that claims to be larger than this unpacked is damaged; ours have little more than a megabyte."""
 
 _MESSAGE: Final = struct.Struct("<BQHIQQ")  # with the head of its record
 _CHUNK: Final = struct.Struct("<QQQII")
 
 
 class LogReadError(Exception):
-    """The file is no log, or a part of it that was asked for is damaged."""
+    """The file is not a log, or a requested part of it is damaged."""
 
 
 class RawMessage(NamedTuple):
@@ -44,7 +44,7 @@ def stream_of(data: bytes) -> Any:
 
 
 def record_at(stream: BinaryIO, offset: int, opcode: int) -> bytes:
-    """The contents of the record at `offset`; struct.error when there is no whole one of that kind."""
+    """The contents of the record at `offset`; struct.error if there is no complete one of that kind."""
     size = stream.seek(0, 2)
     stream.seek(offset)
     found, length = RECORD.unpack(stream.read(RECORD_HEAD))
@@ -84,7 +84,7 @@ def read_chunk(stream: BinaryIO, offset: int) -> bytes:
 
 
 def messages_in(records: bytes, channels: frozenset[int] | None) -> Iterator[RawMessage]:
-    """The messages among the records of a chunk, of some channels or all. LogReadError when they are not whole."""
+    """The messages among the records of a chunk, of some channels or all. LogReadError if they are not complete."""
     at, end = 0, len(records)
     opened = end - _MESSAGE.size  # the last place where a message may begin
     while at < end:

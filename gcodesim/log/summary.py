@@ -1,4 +1,4 @@
-"""What a log is, from what it came, how its run ended, and what is missing of it."""
+"""What a log is, what it was made from, how its run ended, and what is missing from it."""
 
 from __future__ import annotations
 
@@ -33,13 +33,13 @@ class ProgramLine:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LogSummary:
-    """What `gcodesim info` tells. `run` and `result` are the records of the log, as texts.
+    """The content of `gcodesim info`. `run` and `result` are the records of the log, as text.
 
     `complete`: the file has its end, nothing in it is damaged, and the run came to its own. `state` is
     finished, failed, interrupted, without an end running, or unknown. `problem` says
-    what is wrong with the file, `missing` what of a whole log is not there,
-    `damage` what is there and cannot be read.
-    `stopped_at` is the last program line there is. `events` counts by severity.
+    what is wrong with the file, `missing` which parts of a complete log are not there,
+    `damage` which parts are there but cannot be read.
+    `stopped_at` is the last program line in the log. `events` counts by severity.
     """
 
     path: Path
@@ -62,7 +62,7 @@ class LogSummary:
 
     @property
     def verdict(self) -> str:
-        """One line: how the run ended, and where when it did not come to its end."""
+        """One line: how the run ended, and where it stopped if it did not come to its end."""
         if not self.run and self.complete:
             return "an MCAP file, but no log of gcodesim"
         place = f" at {self.stopped_at.file}:{self.stopped_at.line}" if self.stopped_at else ""
@@ -74,7 +74,7 @@ class LogSummary:
 
 
 def summary(path: Path, *, check: bool = True) -> LogSummary:
-    """What the log at `path` is; a `.part` beside it is read when the log itself is missing.
+    """The summary of the log at `path`; if the log itself is missing, a `.part` beside it is read.
 
     Reads the whole file, for its checksum; without `check` the index and the
     chunks with events and with the last program line, so that damage elsewhere
@@ -131,7 +131,7 @@ def summary(path: Path, *, check: bool = True) -> LogSummary:
 
 
 def _missing(log: LogFile, last: ProgramLine | None) -> tuple[str, ...]:
-    """What a log that is damaged or has no end does not have, in words."""
+    """What is missing from a log that is damaged or has no end, in words."""
     missing = [_in_words(log, damage) for damage in log.damage]
     ended = "gcodesim.result" in log.metadata  # the run did, though not the file
     if last is not None and not ended and not log.complete:
@@ -149,14 +149,14 @@ def _missing(log: LogFile, last: ProgramLine | None) -> tuple[str, ...]:
 
 
 def _place_at(log: LogFile, t_ns: int) -> ProgramLine | None:
-    """The program line in force at a time, as far as the log tells."""
+    """The program line in force at a time, as far as the log says."""
     programs = decoded(log, "/program", "gcodesim.Program", last_ns=t_ns, backwards=True)
     last = next((program for _, program in programs), None)
     return ProgramLine(file=last.file, line=last.line, text=last.text) if last is not None and last.line else None
 
 
 def _in_words(log: LogFile, damage: Damage) -> str:
-    """What is damaged, and for a chunk from which line on."""
+    """What is damaged, and for a chunk, from which program line on."""
     if damage.what != "chunk" or damage.first_ns is None:
         return str(damage)
     number = [chunk.offset for chunk in log.chunks].index(damage.offset) + 1

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-MOST_TILES: Final = 16  # the layout names every tile topic, and a topic that it does not name stays hidden
+MOST_TILES: Final = 16  # the layout names every tile topic, because a topic that it does not name stays hidden
 
 
 @dataclass(frozen=True, slots=True)

@@ -45,7 +45,7 @@ def chunk(number: int, data: bytes) -> bytes:
 
 
 def wrap(number: int, parts: Sequence[Part]) -> list[Part]:
-    """`chunk` of data that stays in parts, which are joined once, when the message is whole."""
+    """`chunk` of data that stays in parts, which are joined once, when the message is complete."""
     return [tag(number, BYTES) + varint(sum(map(len, parts))), *parts]
 
 

@@ -67,9 +67,9 @@ class LogWriter:
 
     All times are simulated nanoseconds from 0. The log starts at time 0: the
     first instant given to `window` is 0. Change messages may be given before
-    or after the window in which they fall, but not after the one that follows.
-    Every method raises LogWriteError (an OSError) when the disk does not take
-    the data; ValueError tells of a fault of the caller.
+    or after the window in which they fall, but not after the window that follows it.
+    Every method raises LogWriteError (an OSError) if the disk does not take
+    the data; ValueError is a fault of the caller.
     """
 
     def __init__(self, path: Path, description: LogDescription, sink: Sink | None = None) -> None:
@@ -113,7 +113,7 @@ class LogWriter:
         self.event(0, "start", f"{d.run.get('program', 'program')} starts")
 
     def path(self, t_ns: int, frame: str, feed: Polylines, rapid: Polylines) -> None:
-        """The planned path, when more of it is known than at the start."""
+        """The planned path, once more of it is known than at the start."""
         self._add_one("/scene/path", t_ns, path_update(t_ns, self._frame(frame), feed, rapid))
 
     # ---- every log period
@@ -178,7 +178,7 @@ class LogWriter:
     # ---- when something changes
 
     def program(self, t_ns: int, **changes: Any) -> None:
-        """The block in execution from `t_ns` on: fields of `ProgramShown` that change, the others stay.
+        """The block in execution from `t_ns` on: fields of `ProgramShown` that change; the others stay.
 
         Writes nothing when nothing changes; a new block also gives a line for `/log`.
         """
@@ -234,11 +234,11 @@ class LogWriter:
         self._add_one("/log", t_ns, log_message(t_ns, SEVERITIES[severity], message, file, line))
 
     def block_polyline(self, t_ns: int, points: Array, frame: str = ROOT) -> None:
-        """The way (n, 3) [m] of the block that begins; arcs in pieces. No points: nothing is shown."""
+        """The path (n, 3) [m] of the block that begins; arcs in pieces. No points: nothing is shown."""
         self._add_one("/scene/block", t_ns, polyline_update(t_ns, "block", self._frame(frame), points))
 
     def tool(self, t_ns: int, shapes: Sequence[Shape], frame: str = "tool") -> None:
-        """The tool that is in the spindle from now on; no shapes: the spindle is empty."""
+        """The tool in the spindle from now on; no shapes: the spindle is empty."""
         entity = Entity(id="tool", frame=self._frame(frame), shapes=tuple(shapes))
         self._add_one("/scene/tool", t_ns, entities_update(t_ns, [entity] if shapes else []))
 
@@ -265,7 +265,7 @@ class LogWriter:
     # ---- into the file
 
     def flush_before(self, t_ns: int) -> None:
-        """Put everything earlier than `t_ns` on disk now; nothing earlier may come afterwards."""
+        """Put everything earlier than `t_ns` on disk now; nothing earlier may follow."""
         self._build()
         self._drain(t_ns)
         self._container.flush()
@@ -317,7 +317,7 @@ class LogWriter:
         self._container.finish()
 
     def abandon(self) -> None:
-        """Stop without an end: the `.part` file keeps what was given so far, as far as it can be written."""
+        """Stop without an end: the `.part` file keeps everything given so far, as far as it can be written."""
         if self._container.closed:
             return
         with suppress(OSError, ValueError):
@@ -333,7 +333,7 @@ class LogWriter:
         self.abandon()
 
     def _due_rows(self, before_ns: int) -> list[RecordRows]:
-        """Rows earlier than `before_ns`; they are gone afterwards."""
+        """Remove and return the rows earlier than `before_ns`."""
         due = []
         while self._rows and (rows := self._rows[0]).times[self._next_row] < before_ns:
             last = int(np.searchsorted(rows.times, before_ns))

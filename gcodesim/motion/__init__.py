@@ -1,4 +1,4 @@
-"""Moves without a machine: the tool path, how its rows are joined, and the time law. Knows no robot."""
+"""Moves without a machine: the tool path, how its rows are joined, and the time law. Does not know robots."""
 
 from gcodesim.motion.build import build_tool_path
 from gcodesim.motion.builders import (

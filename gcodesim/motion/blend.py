@@ -31,7 +31,7 @@ from gcodesim.motion.curves import Curves
 from gcodesim.motion.pieces import OVERLAP, PART, AxisLimits, Pieces
 from gcodesim.motion.tool_path import BLEND, HOME, LINE, RAPID, ToolPath
 
-LEAST: Final = 1e-12  # [m, rad] what is shorter does not move
+LEAST: Final = 1e-12  # [m, rad] anything shorter counts as not moving
 
 
 def blend(
@@ -65,13 +65,13 @@ def blend(
 
 
 def _chains(path: ToolPath, kept: NDArray[np.intp]) -> NDArray[np.intp]:
-    """Positions within `kept` where a new curve begins; rows between belong to the one before (merged chords)."""
+    """Positions within `kept` where a new curve begins; rows in between belong to the curve before (merged chords)."""
     n = len(kept)
     if n == 0:
         return np.zeros(0, dtype=np.intp)
     rows, before = kept[1:], kept[:-1]
     same = (
-        (path.kind[rows] == LINE)  # rapids, arcs and moves with a law of their own are left as they are
+        (path.kind[rows] == LINE)  # rapids, arcs and moves with a law of their own stay as they are
         & (path.kind[before] == LINE)
         & (path.mode[rows] == BLEND)
         & (path.mode[before] == BLEND)
@@ -101,7 +101,7 @@ def _stops_between(path: ToolPath, before: NDArray[np.intp], after: NDArray[np.i
 
 
 def _stops(path: ToolPath, row_last: NDArray[np.intp]) -> NDArray[np.bool_]:
-    """Which curves end at rest; a jump of the controlled point (another offset) is a stop, too."""
+    """Which curves end at rest; a jump of the controlled point (a new offset) is a stop as well."""
     if not len(row_last):
         return np.zeros(0, dtype=bool)
     following = np.append(row_last[1:], len(path))
@@ -131,11 +131,11 @@ def _make_independent(curves: Curves, rapid: NDArray[np.bool_], limits: AxisLimi
 
 
 def along_limits(curves: Curves, limits: AxisLimits) -> tuple[Array, Array, Array]:
-    """Speed and acceleration (c,) that the axes allow along each curve, and the speed that its bend allows.
+    """Speed and acceleration (c,) that the axes allow along each curve, and the speed that its curvature allows.
 
     A line of direction u: the least of limit_i / |u_i|. An arc: the inscribed
-    circle of its plane; it bends with `NORMAL_SHARE` of the acceleration, and
-    along itself has what that leaves at the top speed of its axes, or
+    circle of its plane; its curvature takes `NORMAL_SHARE` of the acceleration, and
+    along the arc it has what that leaves at the top speed of its axes, or
     `TANGENTIAL_SHARE`.
     """
     table = limits.arrays
@@ -233,7 +233,7 @@ def _assemble(
     row_first: NDArray[np.int32],
     row_last: NDArray[np.int32],
 ) -> Pieces:
-    """Lay pieces of curves and of joints in one line: curve i stands at 2 i, the joint behind it at 2 i + 1."""
+    """Put pieces of curves and of joints in one line: curve i is at 2 i, the joint after it at 2 i + 1."""
     n = len(curves)
     rounded, lapped = np.flatnonzero(kind == ROUNDED), np.flatnonzero(kind == OVERLAPPED)
     bends = _corner_arcs(curves.end[rounded, 3:], arc[rounded])
@@ -276,7 +276,7 @@ def _assemble(
     timed = np.zeros(slots, dtype=bool)
     timed[main] = curves.kind >= TIMED
     columns["speed"][timed] = 1.0
-    # what two joints leave of a curve may be rounding
+    # what two joints leave of a curve may be only rounding
     least = np.where(np.isinf(columns["junction"]), LEAST, 0.0)
     keep = (columns["length"] > least) | timed
     everything = Curves(

@@ -55,7 +55,7 @@ from gcodesim.motion.tool_path import (
 
 _MODES = {"exact_stop": EXACT_STOP, "exact_path": EXACT_PATH, "blend": BLEND}
 
-# Events between which the machine does not stand still; all others wait for the end of motion, as LinuxCNC's task does.
+# Events for which the machine does not stop; all others wait for the end of motion, as in LinuxCNC's task.
 _PASSED = (Message, Print, Log, Override, PathMode, ToolSelect)
 
 
@@ -68,7 +68,7 @@ def build_tool_path(
 ) -> ToolPath:
     """The moves of `events` as columns.
 
-    `start` is where the controlled point stands first [m, rad]; `path_control`
+    `start` is where the controlled point is at first [m, rad]; `path_control`
     holds until the program's own (default: blend without tolerance). `tilts`
     maps a work system to a pose whose R tilts it about its p: a point q of that
     system becomes p + R (q - p), as on an arm whose G54 is not upright. Moves
@@ -225,7 +225,7 @@ class PathBuilder:
         self.events.append(PathEvent(len(self.rows), event))
 
     def _path_mode(self, event: PathMode) -> None:
-        # P alone merges too; without P nothing is merged unless Q says so
+        # P alone also merges; without P nothing is merged unless Q says so
         naive = event.naive or event.tolerance
         self.tags = Tags(_MODES[event.mode], event.tolerance, naive, self.tags.active)
 
@@ -297,7 +297,7 @@ class PathBuilder:
         return self.state
 
     def leg(self) -> ToolPath:
-        """What has come since the last leg; it ends at rest."""
+        """The moves since the last leg; they end at rest."""
         states = tuple(self.states)
         if self.legs and not states:
             states = (self.current,)
@@ -308,5 +308,5 @@ class PathBuilder:
         return path
 
     def stand_at(self, at: Axes) -> None:
-        """The last leg ended at `at` [m, rad], not where it was to end."""
+        """The last leg ended at `at` [m, rad], not where it was meant to end."""
         self.at = self.first = at

@@ -25,7 +25,7 @@ def standing_until(trajectory: Trajectory, end: float, event: Event) -> Trajecto
 
 
 def with_instant(trajectory: Trajectory, time: float, event: Event) -> Trajectory:
-    """`trajectory` with an event at `time` [s] for which the machine does not stand, told behind all others."""
+    """`trajectory` with an event at `time` [s] for which the machine does not stop, listed after all others."""
     return _with_event(trajectory, time, 0.0, event)
 
 
@@ -60,14 +60,14 @@ def joined(before: Trajectory, after: Trajectory, path: ToolPath) -> Trajectory:
 
 
 def _last_place(pieces: Pieces) -> dict[str, Any]:
-    """The end of the last piece; of none at all the beginning."""
+    """The end of the last piece; without pieces, the beginning."""
     if not len(pieces):
         return {"piece": 0, "s": 0.0}
     return {"piece": len(pieces) - 1, "s": float(pieces.length[-1])}
 
 
 def _joined_pieces(before: Pieces, after: Pieces, path: ToolPath) -> Pieces:
-    """Curves and rows of `after` are numbered on; both have the limits of one machine."""
+    """Numbers of curves and rows of `after` continue; both have the limits of one machine."""
     shift = {"curve": len(before.curves), "row_first": len(before.path), "row_last": len(before.path)}
     columns: dict[str, Any] = {}
     for field in fields(Pieces):

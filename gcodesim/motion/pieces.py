@@ -1,4 +1,4 @@
-"""What blending makes of a path: pieces that are run one after the other without a step in direction."""
+"""The result of blending a path: pieces that are run one after another without a step in direction."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class AxisLimits:
 
     @property
     def arrays(self) -> Array:
-        """(2, 6): speeds, accelerations; "none" as a number that is finite and out of reach."""
+        """(2, 6): speeds, accelerations; "none" is a number that is finite and never reached."""
         table: Array = np.minimum(np.array([self.speed, self.acceleration], dtype=float), 1e6)
         return table
 
@@ -42,8 +42,8 @@ class Pieces:
     constant ds/dt. `speed`, `acceleration` are the caps along the piece,
     `junction` the cap on its end speed; the next piece starts with `ratio`
     times the end speed of this one. Where `fixed`, s is time itself. Rows
-    `row_first` to `row_last` are what the piece stands for; a `joint` (corner
-    arc or overlap) stands half for each of its two.
+    `row_first` to `row_last` are the rows that the piece represents; a `joint` (corner
+    arc or overlap) belongs half to each of its two rows.
     """
 
     path: ToolPath

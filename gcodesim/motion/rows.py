@@ -1,4 +1,4 @@
-"""The rows of a tool path while they come: singly or by the batch, columns in the end."""
+"""Collects the rows of a tool path, singly or in batches, and makes columns of them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from gcodesim.motion.tool_path import ARC, EXACT_STOP, PathEvent, ToolPath, Tool
 
 
 class Tags(NamedTuple):
-    """What rows have from the modes in force; arrays where the rows of a batch differ."""
+    """What rows take from the modes in force; arrays where the rows of a batch differ."""
 
     mode: int | NDArray[np.int_]
     tolerance: float | Array
@@ -140,7 +140,7 @@ class PathRows:
         self._clear()
 
     def path(self, first: Axes, states: tuple[ToolState, ...], events: tuple[PathEvent, ...]) -> ToolPath:
-        """All rows; the path begins at `first`. Can be asked once, since the pieces are given up one by one."""
+        """All rows; the path begins at `first`. Can be called only once, because the pieces are released one by one."""
         self._flush()
         n = self._done
         columns = _empty_columns(n)
@@ -174,7 +174,7 @@ class PathRows:
 
 
 def _empty_columns(n: int) -> dict[str, NDArray[Any]]:
-    # zeros that are never written to take no memory, as those of arcs in a program without any
+    # zeros that are never written take no memory, such as columns of arcs in a program without arcs
     return {
         "kind": np.empty(n, dtype=np.uint8),
         "start": np.empty((n, 6)),

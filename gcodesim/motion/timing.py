@@ -33,7 +33,7 @@ class Caps:
 
     @staticmethod
     def of(pieces: Pieces) -> Caps:
-        """One segment a piece, with the caps that blending found."""
+        """One segment for each piece, with the caps that blending found."""
         n = len(pieces)
         return Caps(
             np.arange(n), np.zeros(n), pieces.length, pieces.speed, pieces.acceleration, pieces.junction
@@ -41,7 +41,7 @@ class Caps:
 
 
 def event_durations(tool_change_time: float) -> Callable[[Event], float]:
-    """How long events last [s]: dwells their time, tool changes `tool_change_time`, all others nothing."""
+    """How long events last [s]: dwells their own time, tool changes `tool_change_time`, all others nothing."""
 
     def duration(event: Event) -> float:
         if isinstance(event, Dwell):
@@ -91,7 +91,7 @@ def time_law(
 
 
 def _event_times(pieces: Pieces, rest_start: list[float], row_start: Array) -> list[float]:
-    """When each event happens: at its rest, at the next rest of the same row, or when its row starts."""
+    """When each event happens: at its own rest, at the next rest of the same row, or when its row starts."""
     times = [0.0] * len(rest_start)
     row, next_rest = -1, -1.0
     for i in range(len(rest_start) - 1, -1, -1):
@@ -147,7 +147,7 @@ def _row_times(phases: Phases, pieces: Pieces) -> tuple[Array, Array]:
             phases.speed[moving],
             phases.acceleration[moving],
         )
-    # a row that does not move ends when the one before it does
+    # a row that does not move ends together with the row before it
     ends = np.maximum.accumulate(np.concatenate([[0.0], ends]))[1:]
     starts = np.concatenate([[0.0], ends])
     for p in np.flatnonzero(~moving):  # rests stand between the end of one row and the start of the next that moves

@@ -33,7 +33,7 @@ _NOWHERE: Final = Span("")
 class Commanded(StrEnum):
     """What a program commands.
 
-    AXES: the control point, each letter for itself, as every program does until it says otherwise. POINT: the tip in
+    AXES: the control point, each letter by itself, as in every program until it says otherwise. POINT: the tip in
     the work and the attitude of the tool, by rotary words or a vector (tool-centre-point control). JOINTS: the joints.
     """
 
@@ -83,7 +83,7 @@ class ToolPath:
     arcs; `feed` (n,) [m/s; rad/s where `rotary_feed`; inf for rapids]; `mode`
     EXACT_STOP, EXACT_PATH, BLEND with `tolerance` and merge tolerance `naive`
     [m]; `state`, `source` index `states` and `spans`; `block` counts program
-    blocks; `active` tells whether a process tool is switched on; where `stop`
+    blocks; `active` says whether a process tool is switched on; where `stop` is set
     the row ends at rest.
     """
 
@@ -175,7 +175,7 @@ class ToolPath:
         return length
 
     def span(self, row: int) -> Span:
-        """Where row `row` stands in the program."""
+        """The place of row `row` in the program."""
         return self.spans[int(self.source[row])]
 
     def state_of(self, row: int) -> ToolState:
@@ -195,7 +195,7 @@ class ToolPath:
         return joined
 
     def then(self, leg: ToolPath) -> ToolPath:
-        """`self`, then `leg` of the same program: its blocks are counted on already, and it begins from rest."""
+        """`self`, then `leg` of the same program, whose block numbers continue and which begins from rest."""
         states = dict.fromkeys(self.states)
         states |= dict.fromkeys(leg.states)
         numbers = {state: number for number, state in enumerate(states)}

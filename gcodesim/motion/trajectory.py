@@ -86,7 +86,7 @@ class Samples:
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """When the control point is where; `row_start`, `row_end` (n,) [s] tell it for every row of the path.
+    """Where the control point is at any time; `row_start`, `row_end` (n,) [s] are the times of every row of the path.
 
     Between the end of a row and the start of the next one the machine stands
     for events. Rows and rests together make up the duration.
@@ -124,7 +124,7 @@ class Trajectory:
 
     @property
     def totals(self) -> Totals:
-        """Time and way by kind; every stand that is no tool change counts as dwell."""
+        """Time and distance by kind; every stop that is not a tool change counts as a dwell."""
         rapid = np.isin(self.path.kind, (RAPID, HOME))
         time, way = self.row_time, self.path.length
         changes = sum(e.duration for e in self.events if isinstance(e.event, ToolChange))

@@ -1,4 +1,4 @@
-"""A finished run read back: what the program did when, where everything stood, what it looked like at any moment."""
+"""A finished run read back: what the program did, where everything was and what it looked like at any moment."""
 
 from gcodesim.playback.frames import RecordedFrames
 from gcodesim.playback.recording import Recording, RecordingError

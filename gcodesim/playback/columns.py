@@ -27,7 +27,7 @@ HOUSE_FIELDS: Final = frozenset(
 )
 """The fields of `/process` that every log has; others are of the processes of one run."""
 
-# what a name in SI ends in: what it ends in on the shop floor, and how much SI one of those is
+# suffix of a name in SI -> suffix on the shop floor, and how much SI one of the latter is
 _SHOP_FLOOR: Final[Mapping[str, tuple[str, float]]] = {
     "_m3_s": ("_mm3_s", MM3),
     "_m3": ("_mm3", MM3),
@@ -60,7 +60,7 @@ class Column(NamedTuple):
 
 
 def joint_kinds(recording: Recording) -> dict[str, str]:
-    """`revolute` or `prismatic` by joint name, as far as the results of the run tell."""
+    """`revolute` or `prismatic` by joint name, as far as the results of the run say."""
     return {
         joint["name"]: "prismatic" if joint["unit"] == "mm" else "revolute"
         for joint in recording.results.get("joints", ())
@@ -82,17 +82,17 @@ def column_of(topic: str, field: str, kinds: Mapping[str, str], units: Units = "
 
 
 def own_fields(recording: Recording) -> list[str]:
-    """The numbers of `/process` that only this run's processes have, as the log calls them; without their peaks."""
+    """The numbers of `/process` that only this run's processes have, by their names in the log; without peaks."""
     return [name for name in with_peaks(recording.series("/process").names) if name not in HOUSE_FIELDS]
 
 
 def peak_of(series: Series, field: str) -> str:
-    """The field that tells the greatest between the samples, else `field` itself, as older logs have nothing else."""
+    """The field with the greatest value between samples; `field` itself in older logs, which have no other."""
     return with_peaks(series.names).get(field, field)
 
 
 def shown_as(field: str) -> tuple[str, str, float]:
-    """How people see a field such as `film_thickness_m`: its title, its unit and how much SI that is."""
+    """A field such as `film_thickness_m` for people: its title, its unit, and how much SI one of it is."""
     for suffix, unit, divisor in _PEOPLE:
         if field.endswith(suffix):
             return field[: -len(suffix)].replace("_", " "), unit, divisor

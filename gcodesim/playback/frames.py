@@ -44,7 +44,7 @@ class RecordedFrames:
         return RecordedFrames(moving.t_ns, parents, poses)
 
     def in_world(self, frame: str) -> Array:
-        """X_WF (n or 1, 4, 4) of a frame; one that the log does not have stands at the origin of the world."""
+        """X_WF (n or 1, 4, 4) of a frame; one that the log does not have is at the origin of the world."""
         X = np.eye(4)[None]
         while frame in self.poses:
             X = self.poses[frame] @ X

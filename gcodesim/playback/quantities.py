@@ -16,7 +16,7 @@ from gcodesim.units import DEG, MM, MM3, MM_PER_MINUTE, RPM, UM
 Array = NDArray[np.float64]
 
 NEGLIGIBLE: Final = 1e-3
-"""No force [N], power [W], speed [mm/min], error [µm] … up to here means anything, in the units of the charts."""
+"""A force [N], power [W], speed [mm/min], error [µm] … up to this value is noise, in the units of the charts."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -31,9 +31,9 @@ class Curve:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Chart:
-    """Curves of one unit that are drawn together; `what` is the quantity that was asked for.
+    """Curves of one unit that are drawn together; `what` is the requested quantity.
 
-    Up to `negligible` nothing in it means anything.
+    Values up to `negligible` are noise.
     """
 
     what: str
@@ -73,7 +73,7 @@ def _feed(recording: Recording) -> list[Chart]:
 
 
 def _error(recording: Recording) -> list[Chart]:
-    """How far the tip is from its command; in µm, because that is the size of it on a good machine."""
+    """How far the tip is from its command; in µm, because on a good machine it is that small."""
     return _field("/motion", "position_error_m", "error", "Position error", "µm", UM)(recording)
 
 
@@ -119,7 +119,7 @@ QUANTITIES: Final[dict[str, Callable[[Recording], list[Chart]]]] = {
 
 
 def quantities_of(recording: Recording) -> dict[str, Callable[[Recording], list[Chart]]]:
-    """What can be drawn of one run: `QUANTITIES`, and the columns of its processes by their names in the log."""
+    """Everything that can be drawn of one run: `QUANTITIES`, and the columns of its processes by their log names."""
     own = {}
     for field in own_fields(recording):
         title, unit, divisor = shown_as(field)
@@ -128,7 +128,7 @@ def quantities_of(recording: Recording) -> dict[str, Callable[[Recording], list[
 
 
 def charts_of(recording: Recording, what: Sequence[str]) -> list[Chart]:
-    """The charts of some quantities, in that order. KeyError for one that there is not."""
+    """The charts of some quantities, in that order. KeyError for an unknown one."""
     known = QUANTITIES if QUANTITIES.keys() >= set(what) else quantities_of(recording)
     return [chart for name in what for chart in known[name](recording)]
 
@@ -136,8 +136,8 @@ def charts_of(recording: Recording, what: Sequence[str]) -> list[Chart]:
 def thinned(t_ns: NDArray[np.int64], values: Array, slots: int) -> tuple[NDArray[np.int64], Array]:
     """At most two points in each of `slots` equal parts of the time: the least and the greatest, in their order.
 
-    A peak of one sample stays, as long as it is the highest of its part. The
-    first and the last point stay, too.
+    A peak of one sample is kept if it is the highest of its part. The
+    first and the last point are kept as well.
     """
     count = len(t_ns)
     if count <= 2 * slots:

@@ -1,4 +1,4 @@
-"""A run on disk: its log, and what lies beside it."""
+"""A run on disk: its log and the files beside it."""
 
 from __future__ import annotations
 
@@ -37,9 +37,9 @@ class RecordingError(Exception):
 
 @dataclass(eq=False)
 class Recording:
-    """One run. `folder` is the output folder when that was named, else None: a log alone has no files beside it.
+    """One run. `folder` is the output folder if that was named, else None: a log alone has no files beside it.
 
-    What is damaged in the log is left out; `findings` tells what that was, once it was asked for.
+    Damaged parts of the log are left out; `findings` says which, once they have been asked for.
     """
 
     log: LogFile
@@ -75,12 +75,12 @@ class Recording:
 
     @property
     def run(self) -> dict[str, str]:
-        """The record of what went in: program, cell, seed, versions."""
+        """The record of the inputs: program, cell, seed, versions."""
         return dict(self.log.metadata.get("gcodesim.run", {}))
 
     @property
     def period_ns(self) -> int:
-        """Time between two samples, as the record has it; 0 when it does not tell."""
+        """Time between two samples from the record; 0 if it does not say."""
         try:
             return max(int(self.run.get("log_period_ns", "0")), 0)
         except ValueError:
@@ -93,7 +93,7 @@ class Recording:
 
     @property
     def findings(self) -> tuple[Diagnostic, ...]:
-        """What cannot be read of the log, as far as it was asked for until now."""
+        """Parts of the log that cannot be read, as far as they have been asked for."""
         span, end_s = Span(self.log.path.name), self.end_ns * 1e-9
         found = [
             Diagnostic(
@@ -134,7 +134,7 @@ class Recording:
 
     @cached_property
     def results(self) -> dict[str, Any]:
-        """The results that the log carries, else those beside it; {} when there are none that hold together."""
+        """The results that the log carries, else those beside it; {} if there are no consistent ones."""
         data = self.log.attached(RESULTS_NAME)
         if data is None and self.folder is not None:
             with suppress(OSError):
@@ -171,9 +171,9 @@ class Recording:
 
     @cached_property
     def _changes(self) -> dict[str, list[tuple[int, Any]]]:
-        """Time and message of all topics that are neither periodic nor tiles, from one walk through the log.
+        """Time and message of all topics that are neither periodic nor tiles, from one pass through the log.
 
-        The walk notes the tiles that it passes by.
+        The pass also notes where the tiles are.
         """
         wanted: dict[int, tuple[str, Callable[[RawMessage], Any]]] = {}
         for topic in ("/tf_static", "/program", "/event", "/scene/cell", "/scene/path", "/scene/tool"):
@@ -213,7 +213,7 @@ class Recording:
         return RecordedFrames.of(static[-1][1] if static else None, self.series("/tf", every_ns))
 
     def drawings(self, topic: str) -> list[tuple[int, tuple[Drawing, ...]]]:
-        """Time and content of a scene topic that is no tile, in order."""
+        """Time and content of a scene topic that is not a tile, in order."""
         return [(t_ns, drawing_of(update)) for t_ns, update in self._changes.get(topic, [])]
 
     # ---- stock, which is most of a log
@@ -225,7 +225,7 @@ class Recording:
         return tuple(sorted(name for name in names if name.startswith(_TILES)))
 
     def _channels_of(self, topics: Iterable[str]) -> dict[int, str]:
-        """Those of `topics` that the log has, by the numbers of their channels."""
+        """The `topics` that the log has, by the numbers of their channels."""
         found = {self.log.channel_id(topic): topic for topic in topics}
         return {channel: topic for channel, topic in found.items() if channel is not None}
 

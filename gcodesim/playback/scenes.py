@@ -40,7 +40,7 @@ class Drawing:
 
 
 def drawing_of(update: Any) -> tuple[Drawing, ...]:
-    """What a `foxglove.SceneUpdate` shows, which begins with a deletion of all."""
+    """What a `foxglove.SceneUpdate` shows; it begins by deleting everything."""
     return tuple(
         Drawing(
             id=entity.id,
@@ -78,7 +78,7 @@ def _model(model: Any) -> Iterator[Shape]:
     """The meshes of an embedded file, such as a GLB."""
     import trimesh
 
-    if not model.data:  # it names a file that a log has not
+    if not model.data:  # it names a file, which is not in the log
         return
     kind = {"model/gltf-binary": "glb", "model/stl": "stl", "model/obj": "obj"}.get(model.media_type, "glb")
     place = _place(model)
@@ -135,7 +135,7 @@ def _points(message: Any, field: str) -> Array:
     key = message.DESCRIPTOR.fields_by_name[field].number << 3 | _BYTES
     data = message.SerializeToString()
     begin, at = [], 0
-    while data[at] != key:  # fields come by their numbers, and only short ones before: kind, pose, thickness
+    while data[at] != key:  # fields are ordered by number, and only short ones come before: kind, pose, thickness
         at += 2 + data[at + 1] if data[at] & 7 == _BYTES else _COORDINATE if data[at] & 7 == _FIXED64 else 2
     for _ in range(count):
         begin.append(at)

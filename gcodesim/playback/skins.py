@@ -1,4 +1,4 @@
-"""Shapes as triangles: what files of meshes and pages take."""
+"""Shapes as triangles, for mesh files and pages."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def _frustum(bottom: float, top: float, length: float) -> tuple[Array, NDArray[n
 
 
 def merged(skins: list[Skin]) -> tuple[Array, NDArray[np.int64]]:
-    """All triangles of several skins as one: points (n, 3), triangles (m, 3)."""
+    """The triangles of several skins as one skin: points (n, 3), triangles (m, 3)."""
     if not skins:
         return np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64)
     counts = np.array([len(skin.points) for skin in skins])

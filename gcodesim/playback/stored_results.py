@@ -1,4 +1,4 @@
-"""Results as a log or a folder holds them, which anybody may have edited since."""
+"""Results from a log or a folder, which anybody may have edited since."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ _SEVERITIES: Final = ("note", "warning", "error")
 
 
 class NoResultsError(ValueError):
-    """What is there are no results of gcodesim; the text says why."""
+    """The content is not a set of results of gcodesim; the text says why."""
 
 
 def results_from(data: bytes) -> dict[str, Any]:
-    """The results in the bytes of a `results.json`; NoResultsError when a part is missing or of another kind."""
+    """The results in the bytes of a `results.json`; NoResultsError if a part is missing or of the wrong kind."""
     try:
         value = json.loads(data)
     except ValueError as error:
@@ -63,9 +63,9 @@ def results_from(data: bytes) -> dict[str, Any]:
 
 
 def final_findings(log: LogFile, told: tuple[LogEvent, ...]) -> tuple[LogEvent, ...]:
-    """The findings of the results in the log; `told`, which are those of its events, where it has none.
+    """The findings of the results in the log; if it has none, `told`, which are those of its events.
 
-    A finding that has no time of its own stands where the log tells it.
+    A finding without a time of its own gets that of its event.
     """
     data = log.attached(RESULTS_NAME)
     try:

@@ -1,4 +1,4 @@
-"""When which program line ran, and what happened at which moment."""
+"""When each program line ran, and what happened at which moment."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class BlockState:
 class Timeline:
     """m blocks in the order in which they ran: begin `t_ns` (m,), `line` (m,), `text` (m), `modal` (m,) of `modals`.
 
-    A block whose state changes while it runs (a tool change, the end) stands here
+    A block whose state changes while it runs (a tool change, the end) is listed
     once for each state, with the same number in `block` (m,).
     """
 

@@ -1,4 +1,4 @@
-"""Worlds: what moves the robot and what it takes to move it; `kinematic` and `bullet` behind one protocol."""
+"""Worlds: they move the robot and say what effort that takes; `kinematic` and `bullet` behind one protocol."""
 
 from __future__ import annotations
 

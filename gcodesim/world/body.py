@@ -1,4 +1,4 @@
-"""Plain data about bodies: the robot, the tool on its flange, what stands around them. SI throughout."""
+"""Plain data about bodies: the robot, the tool on its flange, and their surroundings. SI throughout."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Inertia = tuple[float, float, float, float, float, float]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class StaticBody:
-    """Something that stands in the cell and can be run into: a table, a fixture. `X_WS` places it in W."""
+    """Something in the cell that can be run into, such as a table or a fixture. `X_WS` places it in W."""
 
     name: str
     solids: tuple[Placed, ...]
@@ -34,7 +34,7 @@ class ToolBody:
 
     `length` [m] from the flange to the tip along Z, so X_FT has no turn;
     `mass` [kg]; `com` [m] centre of mass seen from F; `inertia` [kg·m²] about
-    it in axes of F; `solids` in F, what can be run into something.
+    it in axes of F; `solids` in F are the parts that can run into something.
     """
 
     name: str
@@ -52,7 +52,7 @@ class ToolBody:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RobotBody:
-    """A robot or machine tool: its chain, where its root stands in W, and what its motors can give.
+    """A robot or machine tool: its chain, where its root is in W, and what its motors can deliver.
 
     `effort` (j,) limits the motors of the driven joints [N·m, N], inf is
     unlimited; None takes the limits of the chain.
@@ -92,13 +92,13 @@ def tool_body(tool: Tool) -> ToolBody:
 
 
 Simple = Box | Cylinder | Sphere
-"""What the physics engine knows besides meshes."""
+"""Solids that the physics engine knows besides meshes."""
 
 
 def centred(placed: Placed) -> tuple[Simple, Pose]:
-    """A solid as one that the physics engine knows, and where its middle stands.
+    """A solid in a form that the physics engine knows, and where its middle is.
 
-    Another body of revolution stands as the cylinder of its greatest radius.
+    Other bodies of revolution are replaced by the cylinder of their greatest radius.
     """
     solid = placed.solid
     if not isinstance(solid, Box | Cylinder | Sphere):

@@ -4,11 +4,11 @@ Robot and tool are one multibody, rebuilt at a tool change with the joints where
 they were. Motors hold the joints: Bullet's position motor asks for the velocity
 ``positionGain (q_command - q) / dt + (1 - velocityGain) qd``, so with both
 gains 1 a step ends on its command, whatever gravity and process do, as long as
-the effort limit allows. What gives way in a real arm, its gears, is not in here:
+the effort limit allows. The part of a real arm that yields, its gears, is not in here:
 the elastic gears are laid over these motor-side joints by the process.
 
 Bullet's solver stops at a residual of 1e-7 (rad/s)² by default, which leaves
-1 µm at the tip of a small arm; here it goes on to 1e-16, at no cost that shows.
+1 µm at the tip of a small arm; here it goes on to 1e-16, at no noticeable cost.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from gcodesim.world.state import WorldBase, wrench_rows
 
 # what a motor without limit may give [N·m, N]: far above any machine, and still an ordinary number for the solver
 UNLIMITED: Final = 1e9
-# a motor that gives this share of its limit is at its limit; the rest is rounding
+# a motor that delivers this share of its limit is at its limit; the rest is rounding
 SATURATED: Final = 1.0 - 1e-6
 # below this share of the limit a motor surely has enough
 ENOUGH: Final = 0.999
@@ -43,11 +43,11 @@ ENOUGH: Final = 0.999
 LATE: Final = 1e-8
 SOLVER_ITERATIONS: Final = 500
 SOLVER_RESIDUAL: Final = 1e-16
-# joint states are turned into arrays so many steps at a time: as tuples they are 20 times as big
+# joint states are turned into arrays this many steps at a time, since as tuples they are 20 times as big
 CHUNK: Final = 1024
 UPRIGHT: Final = (0.0, 0.0, 0.0, 1.0)
 
-# one entry a joint: position, velocity, sensor reading, motor effort
+# one entry for each joint: position, velocity, sensor reading, motor effort
 JointStates = tuple[tuple[float, float, tuple[float, ...], float], ...]
 # push(k, joint states after the step before): let the process act during step k of a chunk
 Push = Callable[[int, JointStates | None], None]
@@ -116,7 +116,7 @@ class BulletWorld(WorldBase):
     # building
 
     def _load(self, tool: ToolBody | None) -> None:
-        """Put robot and `tool` into the world as one multibody, joints at the present state."""
+        """Put robot and `tool` into the world as one multibody with the present state of the joints."""
         p, client = self._bullet, self._client
         model = merged_model(self.robot.chain, tool, solids=bool(self.bodies))
         if self._body >= 0:
@@ -136,7 +136,7 @@ class BulletWorld(WorldBase):
         self._write_state()
 
     def _load_text(self, text: str) -> int:
-        """Body number of a URDF; Bullet only reads files, so the text goes through one that is gone afterwards."""
+        """Body number of a URDF; Bullet only reads files, so the text goes through a temporary one."""
         p = self._bullet
         base = self.robot.X_WB
         with tempfile.TemporaryDirectory(prefix="gcodesim-") as folder:
@@ -154,7 +154,7 @@ class BulletWorld(WorldBase):
         return body
 
     def _find_tip(self, model: BulletModel) -> None:
-        """The tip as a point of the inertial frame of the link that is pushed, which is what link states give."""
+        """The tip in the inertial frame of the link that is pushed, which is the frame that link states give."""
         self._tip_link = None if model.carrier < 0 else self._joints[model.carrier]
         self._p_tip: list[float] = [0.0, 0.0, 0.0]
         if self._tip_link is not None:
@@ -188,7 +188,7 @@ class BulletWorld(WorldBase):
         self._write_state()
 
     def attach(self, tool: ToolBody | None, pocket: Pose | None = None) -> None:
-        """Change the tool; the multibody is built anew with the joints where they are and as fast as they are."""
+        """Change the tool; the multibody is rebuilt with the joints at their present positions and speeds."""
         old = self.tool
         self._exchange(tool, pocket)
         if tool is not None and tool.name in self._pockets:
@@ -198,7 +198,7 @@ class BulletWorld(WorldBase):
         self._load(tool)
 
     def _add_parked(self, tool: ToolBody, X_WF: Pose) -> int:
-        """A tool in its pocket: a body that stands there and is seen, but cannot be run into."""
+        """A tool in its pocket: a body that can be seen, but not run into."""
         p, client = self._bullet, self._client
         visual = -1
         if tool.solids:
@@ -215,7 +215,7 @@ class BulletWorld(WorldBase):
         return number
 
     def pocket_pose(self, name: str) -> Pose:
-        """Where the body of the parked tool `name` stands: its flange side in W; KeyError when it is not parked."""
+        """Where the parked tool `name` is: its flange side in W; KeyError when it is not parked."""
         p, q = self._bullet.getBasePositionAndOrientation(self._pockets[name], physicsClientId=self._client)
         return Pose(np.array(p), rotation_from_quaternion(np.array(q)))
 
@@ -253,10 +253,10 @@ class BulletWorld(WorldBase):
         )
 
     def keeps_up(self, q_command: Array, wrench: Array) -> bool:
-        """Whether no motor will reach its limit; see `World.keeps_up`. Among fixtures nothing is promised.
+        """Whether no motor will reach its limit; see `World.keeps_up`. With fixtures around nothing is promised.
 
-        Motors give what Newton and Euler ask for at the state where a step
-        begins, so the answer is known without a step being made.
+        Motors deliver what Newton and Euler require in the state in which a step
+        begins, so the answer is known without making a step.
         """
         commands = self._commands(q_command)
         wrench = wrench_rows(wrench, 0, commands)
@@ -279,7 +279,7 @@ class BulletWorld(WorldBase):
         return bool((np.abs(effort) < self._limit * ENOUGH).all())
 
     def _lean_loop(self, commands: Array, push: Push | None, contact: Array | None) -> list[JointStates]:
-        """Joint states after each step; the only Python that runs once a step."""
+        """Joint states after each step; the only Python code that runs once per step."""
         p, client, body, joints = self._bullet, self._client, self._body, self._joints
         command, step, read, mode = p.setJointMotorControlArray, p.stepSimulation, p.getJointStates, p.POSITION_CONTROL
         gains = [1.0] * len(joints)
@@ -308,20 +308,20 @@ class BulletWorld(WorldBase):
         return states
 
     def _push(self, commands: Array, wrench: Array, ask: Callable[[int, Array], Array] | None) -> Push:
-        """Let `wrench` (m, 6), base axes, act on the tool at the tip; `ask(k, q)` fills row k when it is not known."""
+        """Let `wrench` (m, 6), base axes, act on the tool at the tip; `ask(k, q)` fills row k where it is not known."""
         p, client, body, link = self._bullet, self._client, self._body, self._tip_link
         R_WB = self.robot.X_WB.R
         missed_before = self._q - self._commanded
 
         def push(k: int, state: JointStates | None) -> None:
             if ask is not None:
-                # a step ends on its command, or short of it by what the step before fell short
+                # a step ends on its command, or short of it by as much as the step before
                 missed = missed_before if state is None else np.array([joint[0] for joint in state]) - commands[k - 1]
                 wrench[k] = ask(k, commands[k] + missed)
             row = wrench[k]
             if link is None or not row.any():
                 return
-            # asking for the tip also refreshes the place of the link, which Bullet takes the lever from
+            # asking for the tip also refreshes the place of the link, from which Bullet computes the lever
             tip = self._tip_now()
             p.applyExternalForce(body, link, (R_WB @ row[:3]).tolist(), tip, p.WORLD_FRAME, client)
             p.applyExternalTorque(body, link, (R_WB @ row[3:]).tolist(), p.WORLD_FRAME, client)
@@ -329,7 +329,7 @@ class BulletWorld(WorldBase):
         return push
 
     def _tip_now(self) -> tuple[float, ...]:
-        """The tip in W as Bullet has it; without the forward kinematics the answer would be one step old."""
+        """The tip in W as Bullet sees it; without forward kinematics the answer would be one step old."""
         centre = self._bullet.getLinkState(
             self._body, self._tip_link, computeForwardKinematics=1, physicsClientId=self._client
         )
@@ -337,7 +337,7 @@ class BulletWorld(WorldBase):
         return tip
 
     def _read_contacts(self, row: Array) -> None:
-        """Add up what touches the flange's link in `row` (6,): wrench on the tool at the tip, base axes."""
+        """Add the contacts of the flange's link to `row` (6,): wrench on the tool at the tip, base axes."""
         if self._tip_link is None:
             return
         p, client, body, link = self._bullet, self._client, self._body, self._tip_link
@@ -364,13 +364,13 @@ class BulletWorld(WorldBase):
 
 
 def couple_row(couple: Couple, first: int, k: int, q: Array) -> Array:
-    """The wrench (6,) that `couple` answers for row `first + k` at joints `q` (j,)."""
+    """The wrench (6,) that `couple` returns for row `first + k` at joints `q` (j,)."""
     row: Array = wrench_rows(couple, first + k, q[None])[0]
     return row
 
 
 def _visual(p: Any, placed: Placed) -> dict[str, Any]:
-    """One entry of createVisualShapeArray, which wants every key for every shape."""
+    """One entry of createVisualShapeArray, which requires every key for every shape."""
     shape, X = centred(placed)
     return {
         "shapeTypes": {Box: p.GEOM_BOX, Cylinder: p.GEOM_CYLINDER, Sphere: p.GEOM_SPHERE}[type(shape)],
@@ -383,7 +383,7 @@ def _visual(p: Any, placed: Placed) -> dict[str, Any]:
 
 
 def _collision(p: Any, placed: Placed) -> tuple[dict[str, Any], Pose]:
-    """Arguments of createCollisionShape, and its pose; a mesh stays the triangles it is, never their hull."""
+    """Arguments of createCollisionShape, and its pose; a mesh stays a set of triangles, never their hull."""
     if isinstance(placed.solid, Mesh):
         triangles = placed.solid.triangles
         return {

@@ -1,4 +1,4 @@
-"""The world without dynamics of its own: joints are where they are commanded, efforts follow from Newton and Euler."""
+"""The world without dynamics: joints are where they are commanded to be; efforts follow from Newton and Euler."""
 
 from __future__ import annotations
 
@@ -63,8 +63,8 @@ class KinematicWorld(WorldBase):
         return WorldSteps(q=q, qd=qd, qdd=qdd, effort=effort, saturated=np.abs(effort) > self._limit, reaction=reaction)
 
     def keeps_up(self, q_command: Array, wrench: Array) -> bool:
-        """Always: this world is where it is commanded."""
+        """Always true: this world follows every command."""
         return True
 
     def close(self) -> None:
-        """Nothing to free."""
+        """Does nothing; there is nothing to free."""

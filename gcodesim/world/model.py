@@ -1,7 +1,7 @@
-"""The one multibody that Bullet gets: robot and tool merged, fixed joints folded away.
+"""The one multibody that Bullet gets: robot and tool merged, without fixed joints.
 
 A link of the model is everything that one driven joint carries, the tool
-included; its mass properties are the sum of what rides on it. So a robot of j
+included; its mass properties are the sum of what rides on it. So a robot with j
 joints has j links with any tool, there is nothing between flange and tool that
 could give, and Bullet walks no link more than it needs. Inertias are written
 about their principal axes, because Bullet only keeps those.
@@ -24,8 +24,8 @@ from gcodesim.world.body import ToolBody, centred
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-# a joint that carries no mass has no equation of motion; this much is no burden to any motor, and enough for
-# the solver to hold a cutting force (with a hundredth of it an arm gave way by 2 mm) [kg], [kg·m²]
+# a joint that carries no mass has no equation of motion; this much is no burden for any motor, and enough for
+# the solver to hold a cutting force (with a hundredth of it an arm yielded by 2 mm) [kg], [kg·m²]
 LEAST_MASS: Final = 1e-2
 LEAST_INERTIA: Final = 1e-5
 NOTHING: Final = Inertial(mass=0.0, com=np.zeros(3), inertia=np.zeros((3, 3)))
@@ -83,7 +83,7 @@ def merged_model(chain: Chain, tool: ToolBody | None, *, solids: bool) -> Bullet
         if solids:
             hulls[carrier] += [placed.at(Pose.from_matrix(X_LF)) for placed in tool.solids]
     root = ET.Element("robot", name="machine")
-    # the base never moves, so its mass is nobody's business; Bullet's inverse dynamics is wrong when it has turned axes
+    # the base never moves, so its mass does not matter; Bullet's inverse dynamics is wrong if it has turned axes
     _add_link(root, "base", NOTHING, hulls[-1])
     for i in range(len(chain.driven)):
         _add_link(root, f"link{i}", masses[i], hulls[i])
@@ -94,7 +94,7 @@ def merged_model(chain: Chain, tool: ToolBody | None, *, solids: bool) -> Bullet
 
 
 def joint_name(index: int) -> str:
-    """How the model calls the joint at `index` of a joint vector."""
+    """The model's name for the joint at `index` of a joint vector."""
     return f"joint{index}"
 
 
@@ -140,11 +140,11 @@ def _add_link(root: ET.Element, name: str, body: Inertial, solids: list[Placed])
 
 
 def _add_joint(root: ET.Element, name: str, kind: str, parent: str, child: str, X: Array, axis: Array) -> None:
-    """A joint without limits of its own: where the robot may go is judged by the checks, not by stops in the world."""
+    """A joint without limits: the checks decide where the robot may go, not stops in the world."""
     joint = ET.SubElement(root, "joint", name=name, type=kind)
     ET.SubElement(joint, "parent", link=parent)
     ET.SubElement(joint, "child", link=child)
     _add_origin(joint, X[:3, 3], X[:3, :3])
     ET.SubElement(joint, "axis", xyz=_numbers(axis))
-    # Bullet makes a stop of every pair lower <= upper, so free travel is written the other way round
+    # Bullet treats every pair lower <= upper as stops, so free travel is written the other way round
     ET.SubElement(joint, "limit", lower="1", upper="-1", effort="0", velocity="0")

@@ -4,8 +4,8 @@ A world moves one robot (or machine tool) along commanded joint vectors with a
 fixed step. Row k of a run is the state at the end of step k, so a world
 without dynamics answers `q = q_command`. Velocity and acceleration are those
 of the integrator, ``qd_k = (q_k - q_{k-1}) / dt`` and
-``qdd_k = (qd_k - qd_{k-1}) / dt``: both worlds agree on them, they need no
-look into the next window, and no split of a run into windows moves a number.
+``qdd_k = (qd_k - qd_{k-1}) / dt``. Both worlds agree on them, they need no
+look into the next window, and no number depends on how a run is split into windows.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ class WorldSteps:
     q        (n, j) joint positions, motor side [rad, m]
     qd       (n, j) joint velocities [rad/s, m/s]
     qdd      (n, j) joint accelerations [rad/s², m/s²]
-    effort   (n, j) what the motors give [N·m, N]
-    saturated (n, j) the motor is at its effort limit, or the motion would need more
+    effort   (n, j) what the motors deliver [N·m, N]
+    saturated (n, j) the motor is at its effort limit, or the motion would need more than that
     reaction (n, 6) wrench of the flange on the tool at the flange F, base axes, force then torque [N, N·m];
              zero without a tool
     """
@@ -91,9 +91,9 @@ class World(Protocol):
     def keeps_up(self, q_command: Array, wrench: Array) -> bool:
         """Whether every step of `q_command` (n, j) under `wrench` (n, 6) will end on its command.
 
-        Where that is so, a process that was asked for the whole run at once at
-        the commanded joints has answered what it would have answered step by
-        step, and the array can be given to `run`, which is far quicker.
+        If so, a process that was asked about all rows at once, at
+        the commanded joints, has given the same answer as step by
+        step, and the array can be passed to `run`, which is far quicker.
         """
 
     def close(self) -> None:

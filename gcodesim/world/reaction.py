@@ -23,7 +23,7 @@ def tool_reaction(
     step; `wrench` (n, 6) acts on the tool at the tip, base axes; `gravity_B`
     (3,) in base axes. Accelerations are differences over one step `dt` [s].
 
-    Bullet has a force sensor for this, but its reading carries a term in
+    Bullet has a force sensor for this, but its reading contains a term in
     (qdd_free dt)², the velocity that joints would have without motors, which
     is 0.5 % of a wrench on a small arm at 4 ms.
     """

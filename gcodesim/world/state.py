@@ -1,4 +1,4 @@
-"""What both worlds keep: the robot, the tool, the tools in their pockets, the step."""
+"""State that both worlds keep: the robot, the tool, the tools in their pockets, the step."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class WorldBase:
         return MappingProxyType(self._parked)
 
     def _exchange(self, tool: ToolBody | None, pocket: Pose | None) -> None:
-        """Book the change: the old tool into its pocket, the new one out of it."""
+        """Record the change: the old tool goes into its pocket, the new one comes out of its own."""
         if self._tool is not None and pocket is not None:
             self._parked[self._tool.name] = (self._tool, pocket)
         if tool is not None:
