@@ -6,13 +6,13 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
+from gcodesim.canon.systems import name_of_system
 from gcodesim.diagnostics import SourceText
 from gcodesim.starter.scan import Scan, ScannedTool, scan
 from gcodesim.starter.survey import Reach, Survey, survey
 from gcodesim.tools.cutter import usual_length
 from gcodesim.units import INCH, MM
 
-_SYSTEMS: Final = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
 _ROUTER: Final = (1.2, 0.8)  # m, travel of the shipped router in X and Y
 _ROUTER_Z: Final = 0.4
 _ABOVE: Final = 0.09  # m, what the router leaves above the stock where nothing says where the work stands
@@ -151,7 +151,7 @@ class _Writer:
         lines.append("work_offsets:")
         for index, zero in self._zeros_by_system(zeros):
             place = ", ".join(f"{value / MM + 0.0:g}" for value in zero)
-            lines.append(f"  {_SYSTEMS[index - 1]}: {{xyz: [{place} mm]}}")
+            lines.append(f"  {name_of_system(index)}: {{xyz: [{place} mm]}}")
         return lines
 
     def _zeros_by_system(
@@ -256,12 +256,12 @@ class _Writer:
             source = "# a guess from what is cut: put in the real size and material"
         if len(boxes) == 1:
             [(index, (low, high))] = boxes.items()
-            own = "" if index == 1 else f", in: {_SYSTEMS[index - 1]}"
+            own = "" if index == 1 else f", in: {name_of_system(index)}"
             return [source, f"stock: {{min: [{self._list(low)}], max: [{self._list(high)}]{own}, material: al6082_t6}}"]
         lines = [source, "stock:"]
         for index, (low, high) in boxes.items():
-            name = _SYSTEMS[index - 1]
-            key = "in_" + name.lower().replace(".", "_")
+            name = name_of_system(index)
+            key = "in_" + name.lower().replace(".", "_").replace(" ", "_")
             lines.append(
                 f"  {key}: {{min: [{self._list(low)}], max: [{self._list(high)}], in: {name}, material: al6082_t6}}"
             )

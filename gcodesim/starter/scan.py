@@ -36,6 +36,14 @@ _DIAMETERS: Final = (
 )
 _OF_A_TOOL = re.compile(r"mill|drill|bit|tool|cutter|ball|fr[aäe]s|frez|bohr|broca|foret|\bdia", re.IGNORECASE)
 _NEAR: Final = (0, 1, 2, 3, 4, 5, -1, -2, -3, -4)  # lines from the call in which a comment may speak of its tool
+_BEFORE_A_PLACE = re.compile(
+    r"\b(?:below|above|beneath|under|over|than|to|at|by|depth|down|height|clearance|length|long|step(?:over|down)?)\b"
+    r"[\s:=of-]*\Z",
+    re.IGNORECASE,
+)
+_BEHIND_A_PLACE = re.compile(
+    r"\s*(?:mm\b|in\b)?\s*(?:deep|long|high|thick|depth|below|above|step|clearance)\b", re.IGNORECASE
+)
 _CORNER = re.compile(rf"\bCR\s*[=:]\s*{_NUMBER}", re.IGNORECASE)
 _POINT = re.compile(rf"\b(?:TAPER|ANGLE|POINT)\s*[=:]\s*{_NUMBER}", re.IGNORECASE)
 _BY = r"\s*(?:mm|in)?\s*[x×*,]\s*"
@@ -94,8 +102,10 @@ def scan(program: SourceText) -> Scan:
     for number, (note, text) in enumerate(zip(notes, words, strict=True), start=1):
         for match in _TOOL_WORD.finditer(text):
             last = tool = int(match[1])
-            if tool and tool not in called:
-                called[tool] = _near(tool, number, notes, words, inch)
+            if tool and (tool not in called or called[tool].diameter is None):
+                found = _near(tool, number, notes, words, inch)
+                if tool not in called or found.diameter is not None:
+                    called[tool] = found  # at a later call, what stands beside that one
         for match in _OFFSET_WORD.finditer(text):
             if int(match[1]):
                 offsets.setdefault(int(match[1]), last)
@@ -206,10 +216,16 @@ def _diameter_of(text: str, inch: bool) -> float | None:
         below = float(fraction[2])
         return float(fraction[1]) / below * INCH / own if below else None
     for pattern in _DIAMETERS:
-        if match := pattern.search(text):
+        match = next((m for m in pattern.finditer(text) if not _is_of_a_place(text, m)), None)
+        if match:
             unit = {"": own, "mm": MM}.get((match[2] or "").lower(), INCH)
             return float(match[1]) * unit / own if unit != own else float(match[1])
     return None
+
+
+def _is_of_a_place(text: str, match: re.Match[str]) -> bool:
+    """Whether a length is one of where the tool goes, not of the tool: `does not go below 12 mm`, `5 mm deep`."""
+    return bool(_BEFORE_A_PLACE.search(text, 0, match.start()) or _BEHIND_A_PLACE.match(text, match.end()))
 
 
 def _stock_of(comment: str) -> Triple | None:

@@ -136,7 +136,7 @@ def _dialect_of(program: SourceText) -> tuple[str, str]:
     head = program
     if len(program.raw) > _TRIED:
         head = SourceText(program.name, program.raw[: program.raw.rfind(b"\n", 0, _TRIED) + 1])
-    faults: dict[str, int] = {}
+    faults: dict[str, int] = {}  # kinds of faults: one that comes in every line says no more than once
     for dialect in dict.fromkeys((said, *DIALECTS) if said else DIALECTS):
         run = interpret(head, Settings(dialect=dialect, tool_table=assumed_tools(head), has_cell=True))
         for _ in run.stream():
@@ -144,7 +144,7 @@ def _dialect_of(program: SourceText) -> tuple[str, str]:
         errors = [
             f for f in run.findings if f.level >= Severity.ERROR and not (f.code == "GS010" and head is not program)
         ]
-        faults[dialect] = sum(f.count for f in errors)
+        faults[dialect] = len({(f.code, f.message) for f in errors})
         if not errors:
             break
     best = min(faults, key=lambda name: faults[name])

@@ -47,6 +47,8 @@ def verdict(text: str, tmp_path: Path) -> tuple[str, set[str], dict[str, float]]
         ("G21 G90\no100 while [#1 lt 3]\n#1=[#1+1]\nG1 X#1 F100\no100 endwhile\nM2\n", "linuxcnc"),
         ("(post for grbl)\nG21\nG1 X1 Y1 F100\nM30\n", "grbl"),
         ("G21\nT1 M6\nG43 H1\nG0 Z5\nG1 X1 F100\nM2\n", "linuxcnc"),
+        # a feed that is missing in every line is one fault, and Fanuc does not know named parameters and O-words
+        ("G21\nT1 M6\n#<a>=1\no1 if [#<a>]\no1 endif\n" + "G1 X1\nG1 X2\n" * 50 + "M2\n", "linuxcnc"),
         ("(Grbl)\nG21\nT1 M6\nG43 H1\nG0 Z5\nG1 X1 F100\nM2\n", "linuxcnc"),  # whatever it says of itself
     ],
 )
@@ -178,6 +180,10 @@ def test_what_no_dialect_reads_has_no_cell() -> None:
         ("(3 mm End mill)\nM3 S1", 3.0),
         ("T1 M6\n(PART 20 mm wide)", None),
         ("T1 M6 (PART 7)", None),
+        ("T1 M6\n(cutter does not go below 12 mm)", None),
+        ("T1 M6\n(cutter does not go below 12 mm, 6 mm end mill)", 6.0),
+        ("T1 M6\n(mill 5 mm deep)", None),
+        ("T1 M6\nG0 X1\nG0 X2\nG0 X3\nG0 X4\nG0 X5\nG0 X6\n(8 mm end mill)\nT1 M6", 8.0),
     ],
 )
 def test_diameters_in_comments(text: str, diameter: float | None) -> None:
@@ -220,3 +226,11 @@ def test_a_probe_needs_no_spindle(tmp_path: Path) -> None:
     assert verdict(text + "G0 X15\nG38.3 Z-3 F50\nG0 Z5\nM2\n", tmp_path)[:2] == ("ok", set())
     assert verdict(text + "G0 X15 Y4\nG38.3 Z-3 F50\nG0 Z5\nM2\n", tmp_path)[:2] == ("ok", set())
     assert verdict(text + "G0 X15 Y4\nG1 Z-3 F50\nG0 Z5\nM2\n", tmp_path)[1] >= {"GS501"}
+
+
+def test_additional_systems_of_fanuc_have_their_place(tmp_path: Path) -> None:
+    text = FANUC.replace("G54\n", "G54.1 P2\n")
+    status, worse, _removed = verdict(text, tmp_path)
+
+    assert (status, worse) == ("ok", set())
+    assert b"G54.1 P2: {xyz" in cell_for(source(text))
