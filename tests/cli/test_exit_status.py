@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from gcodesim.files import whole_file
+
 SLOT = ("slot.nc", "--cell", "cell.yaml")
 WRONG = "G21 G90\nT1 M6\nG1 X5 Y\nM2\n"
 
@@ -105,14 +107,13 @@ def test_fail_on_moves_the_border(cli, write) -> None:
 
 def test_a_full_disk_leaves_no_half_file(cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The disk takes the log's beginning, but no result: nothing that is not whole has a final name."""
-    open_path = Path.open
-
-    def full(self: Path, mode: str = "r", **how: object) -> object:
-        if "w" in mode and self.name.startswith(("results.json", "lines.csv", "stock")):
+    def full(path: Path, **how: object) -> object:
+        if path.name.startswith(("results.json", "lines.csv", "stock")):
             raise OSError(errno.ENOSPC, "No space left on device")
-        return open_path(self, mode, **how)
+        return new_file(path, **how)
 
-    monkeypatch.setattr(Path, "open", full)
+    new_file = whole_file.new_file
+    monkeypatch.setattr(whole_file, "new_file", full)
     done = cli("run", *SLOT)
 
     assert done.status == 2
