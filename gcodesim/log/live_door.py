@@ -17,7 +17,7 @@ from typing import Final
 from urllib.parse import parse_qs, urlsplit
 
 _LONGEST_HEAD: Final = 16_384  # bytes of a request
-_PATIENCE: Final = 5.0  # s in which a client has to send its request
+_PATIENCE: Final = 30.0  # s to say who one is; a busy machine is slow to hear it
 _HERE: Final = ("localhost", "127.0.0.1", "::1")
 _REFUSED: Final = (
     b"HTTP/1.1 403 Forbidden\r\nContent-Type: text/plain; charset=utf-8\r\nConnection: close\r\n\r\n"
