@@ -30,7 +30,7 @@ FACETS: Final = 16  # points along a radius of the tip: a ball is within 0.05 % 
 _MOST_POSES: Final = 20_000  # of one move
 _FEWEST_POSES: Final = 64
 _HALVINGS: Final = 40
-_AT_ONCE: Final = 256  # poses
+_AT_ONCE: Final = 16  # poses, so that little is asked behind the first contact
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,6 +67,9 @@ class _Way:
         """The tip (n, 4, 4) seen from a frame at `pose`; None: from B."""
         X: Array = self.X_BT if pose is None else np.linalg.inv(pose(self.q)) @ self.X_BT
         return X
+
+    def part(self, rows: NDArray[np.intp]) -> _Way:
+        return _Way(self.times[rows], self.q[rows], self.X_BT[rows])
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,38 +142,47 @@ class Touching:
     def _stock_contacts(self, way: _Way) -> list[Contact]:
         found = []
         for target in self.stocks:
-            touched = self._in_stock(target, way, first_only=True)
-            if not touched.any():
+            inside = self._first_inside(target, way)
+            if inside is None:
                 continue
-            index = int(np.argmax(touched))
+            index, points = inside
             time = float(way.times[index])
-            if index > 0:
-                time = self._turn(float(way.times[index - 1]), time, partial(self._is_in, target))
+            if index > 0:  # what touches at that pose has come in since the one before
+                time = self._turn(float(way.times[index - 1]), time, partial(self._is_in, target, points))
             found.append(Contact(time=time, body=target.name))
         return found
 
-    def _is_in(self, target: TargetStock, here: _Way) -> bool:
-        return bool(self._in_stock(target, here)[0])
+    def _is_in(self, target: TargetStock, points: Array, here: _Way) -> bool:
+        return bool(_in_material(target, here, points).any())
 
-    def _in_stock(self, target: TargetStock, way: _Way, *, first_only: bool = False) -> NDArray[np.bool_]:
-        """Whether the tip is in material at n times; with `first_only`, times after the first hit are not looked at."""
-        X_ST = way.seen_from(target.pose)
-        touched = np.zeros(len(X_ST), dtype=bool)
-        low, high = target.stock.bounds
-        reach = float(np.linalg.norm(self._skin, axis=1).max())
-        p = X_ST[:, :3, 3]
-        near = np.flatnonzero(np.all((p > low - reach) & (p < high + reach), axis=1))
+    def _first_inside(self, target: TargetStock, way: _Way) -> tuple[int, Array] | None:
+        """The first of n times at which the tip is in material, and the points (k, 3) of its surface that are."""
+        near = self._near(target, way)
         for first in range(0, len(near), _AT_ONCE):
             some = near[first : first + _AT_ONCE]
-            points = np.einsum("nij,kj->nki", X_ST[some, :3, :3], self._skin) + X_ST[some, None, :3, 3]
-            flat = points.reshape(-1, 3)
-            inside = np.flatnonzero(np.all((flat > low) & (flat < high), axis=1))
-            hit = np.zeros(len(flat), dtype=bool)
-            hit[inside] = in_material(target.stock, flat[inside])
-            touched[some] = hit.reshape(len(some), -1).any(axis=1)
-            if first_only and touched[some].any():
-                break
+            inside = _in_material(target, way.part(some), self._skin)
+            touched = inside.any(axis=1)
+            if touched.any():
+                index = int(np.argmax(touched))
+                return int(some[index]), self._skin[inside[index]]
+        return None
+
+    def _in_stock(self, target: TargetStock, way: _Way) -> NDArray[np.bool_]:
+        """Whether the tip is in material at n times."""
+        touched = np.zeros(len(way.times), dtype=bool)
+        near = self._near(target, way)
+        for first in range(0, len(near), _AT_ONCE):
+            some = near[first : first + _AT_ONCE]
+            touched[some] = _in_material(target, way.part(some), self._skin).any(axis=1)
         return touched
+
+    def _near(self, target: TargetStock, way: _Way) -> NDArray[np.intp]:
+        """Those of n times at which the tip may touch at all."""
+        low, high = target.stock.bounds
+        reach = float(np.linalg.norm(self._skin, axis=1).max())
+        p = way.seen_from(target.pose)[:, :3, 3]
+        near: NDArray[np.intp] = np.flatnonzero(np.all((p > low - reach) & (p < high + reach), axis=1))
+        return near
 
     # -- fixtures
 
@@ -210,6 +222,17 @@ class Touching:
             else:
                 low = middle
         return high
+
+
+def _in_material(target: TargetStock, way: _Way, points: Array) -> NDArray[np.bool_]:
+    """Which of the points (k, 3) of the tip are in material at each of n times; (n, k)."""
+    X_ST = way.seen_from(target.pose)
+    flat = (points @ X_ST[:, :3, :3].transpose(0, 2, 1) + X_ST[:, None, :3, 3]).reshape(-1, 3)
+    low, high = target.stock.bounds
+    within = np.flatnonzero(np.all((flat > low) & (flat < high), axis=1))
+    hit = np.zeros(len(flat), dtype=bool)
+    hit[within] = in_material(target.stock, flat[within])
+    return hit.reshape(len(X_ST), -1)
 
 
 def surface_points(outline: Array, step: float) -> Array:
