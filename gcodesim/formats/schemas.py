@@ -100,12 +100,17 @@ def _results() -> Json:
                 time_s=number("in the spindle"),
                 feed_mm=number("way at feed"),
                 removed_mm3=number("volume removed"),
-                max_force_N=number("greatest force"),
-                max_torque_Nm=number("greatest torque"),
+                max_force_N=number("greatest force, a mean over each revolution"),
+                max_torque_Nm=number("greatest torque, a mean over each revolution"),
                 max_power_W=number("greatest power"),
                 line_of_max_force=line,
             )
-            | {"additionalProperties": number("a figure of a process of the cell, such as `max_film_thickness_mm`")},
+            | {
+                "additionalProperties": number(
+                    "a figure of a process of the cell: of cutters `max_peak_force_N` and `max_peak_torque_Nm`, the "
+                    "greatest within a revolution; of another one such as `max_film_thickness_mm`"
+                )
+            },
         ),
         joints=array(
             "each joint or axis",

@@ -65,6 +65,9 @@ def layout(
     panels, right = {"milling": _milling, "robot": _robot, "process": _process}[kind](joints)
     drawn = with_peaks(field.name for field in fields if not field.flag)
     numbers = {name: f"/process.{field}" for name, field in drawn.items()}
+    for name, panel in _BESIDE.items():  # what is of the kind of a figure that every log has stands beside it
+        if name in numbers and panel in panels:
+            panels[panel]["paths"].append(_curve(name.rpartition("_")[0].replace("_", " "), numbers.pop(name)))
     if numbers:
         panels[_OWN] = _plot("of the process [SI]", numbers)
         right = {"direction": "column", "splitPercentage": 80, "first": right, "second": _OWN}
@@ -163,6 +166,7 @@ def _process(joints: Sequence[str]) -> tuple[Json, Node]:
     return panels, right
 
 
+_BESIDE: Final = {"peak_force_n": "Plot!force", "peak_torque_nm": "Plot!spindle"}
 _LOAD: Final = {"force": "/process.max_force_n", "power": "/process.max_power_w"}
 _FEED: Final = {"tip": "/motion.feed_m_s", "command": "/motion.feed_command_m_s"}
 _LIMITS: Final = {name: f"/motion.{name}_used" for name in ("travel", "speed", "effort")}
@@ -181,11 +185,11 @@ def _titled(title: str) -> Json:
 
 def _plot(title: str, paths: dict[str, str], lines: Sequence[float] = ()) -> Json:
     """Curves by label over time, and level lines at fixed values."""
-    curves = [{"value": value, "label": label} for label, value in paths.items()]
-    curves += [{"value": f"{line:g}", "label": "limit", "color": "#d02030"} for line in lines]
+    curves = [_curve(label, value) for label, value in paths.items()]
+    curves += [{**_curve("limit", f"{line:g}"), "color": "#d02030"} for line in lines]
     return {
         **_titled(title),
-        "paths": [{**curve, "enabled": True, "timestampMethod": "receiveTime"} for curve in curves],
+        "paths": curves,
         "showXAxisLabels": True,
         "showYAxisLabels": True,
         "showLegend": len(curves) > 1,
@@ -195,6 +199,10 @@ def _plot(title: str, paths: dict[str, str], lines: Sequence[float] = ()) -> Jso
         "xAxisVal": "timestamp",
         "sidebarDimension": 100,
     }
+
+
+def _curve(label: str, value: str) -> Json:
+    return {"value": value, "label": label, "enabled": True, "timestampMethod": "receiveTime"}
 
 
 def _states(outputs: Sequence[str], flags: Sequence[str]) -> Json:

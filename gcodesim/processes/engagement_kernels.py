@@ -83,9 +83,9 @@ class Room(NamedTuple):
     """Room to work in, made once for each cutter.
 
     rows (ROWS, COLUMNS) of the edge; of each the share of it that is in material, weights (ROWS, ANGLES), and the
-    force (3, ROWS, ANGLES) [N] on one tooth along u, l, z, within the range FROM..TO; sums (SUMS, ANGLES) over rows;
-    unit (3, ANGLES): force per width; line, share and places (ANGLES,): what is asked of the stock; turning
-    (3, 3 ANGLES + 1): one tooth's force over its angle at the tip, twice, then that of all teeth.
+    force (4, ROWS, ANGLES) on one tooth along u, l, z [N] and its torque [N·m], within FROM..TO; sums (SUMS, ANGLES)
+    over rows; unit (3, ANGLES): force per width; line, share and places (ANGLES,): what is asked of the stock; turning
+    (4, 3 ANGLES + 1): force and torque of one tooth over its angle at the tip, twice, then those of all teeth.
     """
 
     rows: Array

@@ -148,11 +148,12 @@ def unit_forces(
 
 
 class ToothForce(NamedTuple):
-    """Force of one row on one tooth (ANGLES,) along u, l, z [N]."""
+    """Force of one row on one tooth (ANGLES,) along u, l, z [N], and its torque [N·m]."""
 
     u: Array
     l: Array  # noqa: E741 - its name in frame K
     z: Array
+    turn: Array
 
 
 @kernel(lean=True)
@@ -167,7 +168,7 @@ def add_row(row: Array, circle: Circle, unit: Array, weights: Array, force: Toot
     # slices, because an index of which the compiler cannot see that it is not negative keeps it to one angle at a time
     sines, cosines, share = circle.sines[begin:end], circle.cosines[begin:end], weights[begin:end]
     unit_t, unit_r, unit_a = unit[0, begin:end], unit[1, begin:end], unit[2, begin:end]
-    f_u, f_l, f_z = force.u[begin:end], force.l[begin:end], force.z[begin:end]
+    f_u, f_l, f_z, turn = force.u[begin:end], force.l[begin:end], force.z[begin:end], force.turn[begin:end]
     all_u, all_l, all_z = sums[F_U, begin:end], sums[F_L, begin:end], sums[F_Z, begin:end]
     tilt_u, tilt_l, lift = sums[TILT_U, begin:end], sums[TILT_L, begin:end], sums[LIFT, begin:end]
     torque, contact = sums[TURN, begin:end], sums[SHARES, begin:end]
@@ -178,14 +179,15 @@ def add_row(row: Array, circle: Circle, unit: Array, weights: Array, force: Toot
         a_u = -tangential * cosines[k] - inward * sines[k]
         a_l = tangential * sines[k] - inward * cosines[k]
         a_z = b * unit_a[k]
-        f_u[k], f_l[k], f_z[k] = a_u, a_l, a_z
+        a_t = r * tangential
+        f_u[k], f_l[k], f_z[k], turn[k] = a_u, a_l, a_z, a_t
         all_u[k] += a_u
         all_l[k] += a_l
         all_z[k] += a_z
         tilt_u[k] += z * a_u
         tilt_l[k] += z * a_l
         lift[k] += r * a_z
-        torque[k] += r * tangential
+        torque[k] += a_t
         contact[k] += share[k]
         most[k] = max(most[k], share[k])
         widest[k] = max(widest[k], share[k] * r)
@@ -253,7 +255,7 @@ def add_rows(teeth: Teeth, heading: Heading, scale: Scale, room: Room, first: in
             continue
         if not straight:
             unit_forces(teeth, heading, scale, rows[i, SIN_KAPPA], rows[i, COS_KAPPA], begin, end, room.unit)
-        on_tooth = ToothForce(room.force[0, i], room.force[1, i], room.force[2, i])
+        on_tooth = ToothForce(room.force[0, i], room.force[1, i], room.force[2, i], room.force[3, i])
         add_row(rows[i], teeth.circle, room.unit, room.weights[i], on_tooth, room.sums)
 
 
@@ -303,8 +305,8 @@ def sum_up(
 
 
 @kernel(lean=True)
-def peak_force(teeth: Teeth, room: Room, used: int) -> float:
-    """Greatest force [N] within a revolution: all teeth and heights at once, each height late by its helix lag.
+def peaks_of(teeth: Teeth, room: Room, used: int) -> tuple[float, float]:
+    """Greatest force [N] and torque [N·m] within a revolution: all teeth and heights at once, each late by its lag.
 
     Rows lag by z tan(helix) / radius; forces between the angles are interpolated.
     """
@@ -319,7 +321,7 @@ def peak_force(teeth: Teeth, room: Room, used: int) -> float:
         place = (rows[i, HEIGHT] * teeth.lag / teeth.radius / delta) % ANGLES
         whole = int(place)
         part = place - whole
-        for axis in range(3):
+        for axis in range(4):
             source = force[axis, i]
             target = turning[axis, whole:]
             target[begin] += (1.0 - part) * source[begin]
@@ -327,7 +329,7 @@ def peak_force(teeth: Teeth, room: Room, used: int) -> float:
             for k in range(inner.shape[0]):
                 inner[k] = inner[k] + (1.0 - part) * here[k] + part * earlier[k]
             target[end] += part * source[end - 1]
-    for axis in range(3):  # both halves in one, and the first angles again behind them for what turns past the end
+    for axis in range(4):  # both halves in one, and the first angles again behind them for what turns past the end
         one, all_teeth = turning[axis, : 2 * ANGLES + 1], turning[axis, 2 * ANGLES + 1 : 3 * ANGLES + 1]
         for k in range(ANGLES):
             one[k] += one[ANGLES + k]
@@ -340,10 +342,10 @@ def peak_force(teeth: Teeth, room: Room, used: int) -> float:
             here, following = one[whole : whole + ANGLES], one[whole + 1 : whole + 1 + ANGLES]
             for k in range(ANGLES):
                 all_teeth[k] += (1.0 - part) * here[k] + part * following[k]
-    greatest = 0.0
-    for k in range(ANGLES):
+    greatest, torque = 0.0, 0.0
+    for k in range(2 * ANGLES + 1, 3 * ANGLES + 1):
         square = 0.0
         for axis in range(3):
-            square += turning[axis, 2 * ANGLES + 1 + k] ** 2
-        greatest = max(greatest, square)
-    return float(np.sqrt(greatest))
+            square += turning[axis, k] ** 2
+        greatest, torque = max(greatest, square), max(torque, turning[3, k])
+    return float(np.sqrt(greatest)), float(torque)

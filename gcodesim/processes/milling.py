@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.processes.column import ENGAGED, FINDINGS, POWER, REMOVED, TORQUE, Column, Shown
+from gcodesim.processes.column import ENGAGED, FINDINGS, LOG, POWER, REMOVED, RESULTS, TORQUE, Column, Shown
 from gcodesim.processes.laws import Law
 from gcodesim.processes.misuse import cutter_findings
 from gcodesim.processes.protocol import Process
@@ -51,7 +51,8 @@ class Milling(Process):
         ENGAGED,
         TORQUE,
         POWER,
-        Column("peak_force", "N", "greatest", Shown.NOWHERE, "greatest force within a revolution"),
+        Column("peak_force", "N", "greatest", LOG | RESULTS, "greatest within a revolution", "sum"),
+        Column("peak_torque", "N·m", "greatest", LOG | RESULTS, "greatest within a revolution", "sum"),
         Column("axial_depth", "m", "greatest", Shown.NOWHERE, "of the cut; 0 where nothing is cut, like the next four"),
         Column("radial_width", "m", "greatest", Shown.NOWHERE, "of the cut"),
         Column("entry", "rad", "last", Shown.NOWHERE, "angle at which a tooth enters, clockwise from left of the feed"),
@@ -131,6 +132,7 @@ class Milling(Process):
                 "torque": out[:, m.OUT_TORQUE],
                 "power": out[:, m.POWER],
                 "peak_force": out[:, m.PEAK],
+                "peak_torque": out[:, m.PEAK_TORQUE],
                 "axial_depth": out[:, m.OUT_DEPTH],
                 "radial_width": out[:, m.OUT_WIDTH],
                 "entry": out[:, m.OUT_ENTRY],
@@ -206,13 +208,13 @@ class Milling(Process):
         return Room(
             rows=np.zeros((ROWS, COLUMNS)),
             weights=np.zeros((ROWS, ANGLES)),
-            force=np.zeros((3, ROWS, ANGLES)),
+            force=np.zeros((4, ROWS, ANGLES)),
             sums=np.zeros((SUMS, ANGLES)),
             unit=np.zeros((3, ANGLES)),
             line=np.zeros(ANGLES),
             share=np.zeros(ANGLES),
             places=Places(np.zeros(ANGLES), np.zeros(ANGLES), np.zeros(ANGLES)),
-            turning=np.zeros((3, 3 * ANGLES + 1)),
+            turning=np.zeros((4, 3 * ANGLES + 1)),
         )
 
 

@@ -42,7 +42,7 @@ from gcodesim.processes.force_kernels import (
     WIDTH,
     Teeth,
     cutting_force,
-    peak_force,
+    peaks_of,
 )
 from gcodesim.processes.travel_kernels import (
     SAME_WAY,
@@ -61,9 +61,9 @@ Flags = NDArray[np.bool_]
 # columns of `out` (n, OUTPUTS)
 (
     WRENCH, PEAK, OUT_TORQUE, POWER, REMOVED, ENGAGED, DEFLECTION, OUT_DEPTH, OUT_WIDTH, OUT_ENTRY, OUT_EXIT, OUT_CHIP,
-    SHANK, HOLDER, STOPPED, REVERSED, INSIDE, TILTED,
-) = (0, 6, 7, 8, 9, 10, 11, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24)  # fmt: skip
-OUTPUTS = 25
+    SHANK, HOLDER, STOPPED, REVERSED, INSIDE, TILTED, PEAK_TORQUE,
+) = (0, 6, 7, 8, 9, 10, 11, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25)  # fmt: skip
+OUTPUTS = 26
 # places in `State.numbers`
 RELAXATION, ADVANCE, FREEDOM, CUTTING, HAS_TIP, STEP, PIECE, CREDIT = 0, 1, 2, 3, 4, 5, 6, 7
 PLACED, BLOCKED, FREE = 0.0, 1.0, 2.0  # values of FREEDOM
@@ -257,7 +257,7 @@ def solve_step(
     """Wrench and deflection of one step together; `state` holds the deflection before and after.
 
     The chip is as thick as the tip advances, in the direction in which it travels (`travel_kernels`).
-    Returns the number of rows that are filled for `peak_force`, and by what their forces have to be multiplied.
+    Returns the number of rows that are filled for `peaks_of`, and by what their forces have to be multiplied.
     """
     numbers, feed, level, climb, way = state.numbers, state.feed, step.level, step.climb, step.way
     place, delta, residual, earlier, best, best_travel, begin, left, moves = trial
@@ -423,7 +423,8 @@ def feel(
     if used > 0:
         for component in range(6):
             out[WRENCH + component] = result[component]
-        out[PEAK] = ratio * peak_force(tool.teeth, room, used)
+        force, torque = peaks_of(tool.teeth, room, used)
+        out[PEAK], out[PEAK_TORQUE] = ratio * force, ratio * torque
         out[OUT_TORQUE] = result[TORQUE]
         out[POWER] = result[TORQUE] * spindle
         out[ENGAGED] = 1.0
