@@ -109,6 +109,7 @@ def stint_of(
         piece_step=step,
         axis=axis,
         velocity=velocity,
+        piece_share=share,
         rapid=rapid,
         signals={signal.name: rows.signal(signal, step_row) for signal in task.process.reads},
         dt=steps.dt,

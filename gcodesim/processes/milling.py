@@ -21,6 +21,7 @@ from gcodesim.processes.misuse import cutter_findings
 from gcodesim.processes.protocol import Process
 from gcodesim.processes.rows import Rows
 from gcodesim.processes.signal import ACTIVE, SPINDLE, Signal
+from gcodesim.processes.turns import Turns
 from gcodesim.processes.window import ProcessState, ProcessStep, Window
 from gcodesim.processes.zone import Zone
 from gcodesim.tools.cutter import Cutter
@@ -98,7 +99,9 @@ class Milling(Process):
         """Cut `stock` (in place) along `window`; without stock nothing happens. `state` is updated."""
         if stock is None:
             return ProcessStep.free(window.steps)
-        return self._step_of(self.run_packed(stock, packed_motion(window), state), stock, window)
+        turns = Turns.of(window)
+        out = self.run_packed(stock, packed_motion(window, turns), state)
+        return self._step_of(_of_steps(out, turns), stock, window)
 
     def run_packed(self, stock: Stock, motion: Motion, state: ProcessState) -> Array:
         """The same on n steps in the form that the kernel takes, for loops of single steps; out (n, OUTPUTS)."""
@@ -223,7 +226,9 @@ class MillingLoop:
 
     def __init__(self, process: Milling, stock: Stock, window: Window, state: ProcessState) -> None:
         self._process, self._stock, self._window, self._state = process, stock, window, state
-        self._motion = packed_motion(window)
+        self._turns = Turns.of(window)
+        self._motion = packed_motion(window, self._turns)
+        self._last = np.append(self._turns.first[1:], len(self._turns.step))
         self._out: list[Array] = []
 
     def step(self, k: int, moved_before: Array, moved: Array, share: Array) -> Array:
@@ -231,13 +236,13 @@ class MillingLoop:
 
         `share` (c, 2) tells where in its step each piece begins and ends. Wrench (6,) on the tool in S.
         """
-        motion, here = self._motion, slice(k, k + 1)
-        a, b = motion.first_piece[k : k + 2].tolist()
+        motion, here = self._motion, slice(int(self._turns.first[k]), int(self._last[k]))
+        a, b = int(motion.first_piece[here.start]), int(motion.first_piece[here.stop])
         bend = moved - moved_before
         step = motion._replace(
             starts=motion.starts[a:b] + moved_before + share[a:b, :1] * bend,
             ends=motion.ends[a:b] + moved_before + share[a:b, 1:] * bend,
-            first_piece=np.array([0, b - a], dtype=np.int64),
+            first_piece=motion.first_piece[here.start : here.stop + 1] - a,
             axis=motion.axis[here],
             velocity=motion.velocity[here],
             spindle=motion.spindle[here],
@@ -246,27 +251,44 @@ class MillingLoop:
         )
         out = self._process.run_packed(self._stock, step, self._state)
         self._out.append(out)
-        wrench: Array = out[0, :6]
+        wrench: Array = out[0, :6] if len(out) == 1 else self._turns.share[here] @ out[:, :6]
         return wrench
 
     def finish(self) -> ProcessStep:
         """The outcome of all steps."""
-        return self._process._step_of(np.concatenate(self._out), self._stock, self._window)
+        return self._process._step_of(_of_steps(np.concatenate(self._out), self._turns), self._stock, self._window)
 
 
-def packed_motion(window: Window) -> Motion:
-    """The motion of a window as the kernel takes it: copied, so that the layout of its arrays does not matter."""
+def _of_steps(parts: Array, turns: Turns) -> Array:
+    """The kernel's output (m, OUTPUTS) of the parts of n steps as that of the steps (n, OUTPUTS)."""
+    from gcodesim.processes import milling_kernels as m
+
+    if not turns.any:
+        return parts
+    out: Array = np.maximum.reduceat(parts, turns.first, axis=0)
+    means = [*range(m.WRENCH, m.WRENCH + 6), m.OUT_TORQUE, m.POWER]
+    out[:, means] = np.add.reduceat(parts[:, means] * turns.share[:, None], turns.first, axis=0)
+    out[:, m.REMOVED] = np.add.reduceat(parts[:, m.REMOVED], turns.first)
+    ends = np.append(turns.first[1:], len(parts)) - 1
+    kept = [*range(m.DEFLECTION, m.DEFLECTION + 3), m.OUT_ENTRY, m.OUT_EXIT]
+    out[:, kept] = parts[ends][:, kept]
+    return out
+
+
+def packed_motion(window: Window, turns: Turns) -> Motion:
+    """The motion of a window as the kernel takes it: a copy, so that how its arrays lie does not matter."""
     from gcodesim.processes.milling_kernels import Motion
 
+    step = turns.step
     return Motion(
         starts=np.array(window.piece_start, dtype=float, order="C").reshape(-1, 3),
         ends=np.array(window.piece_end, dtype=float, order="C").reshape(-1, 3),
-        first_piece=np.searchsorted(window.piece_step, np.arange(window.steps + 1)).astype(np.int64),
-        axis=np.array(window.axis, dtype=float, order="C"),
-        velocity=np.array(window.velocity, dtype=float, order="C"),
-        spindle=np.array(window.signals[SPINDLE.name], dtype=float),
-        rapid=np.array(window.rapid, dtype=np.bool_),
+        first_piece=turns.first_piece,
+        axis=np.array(window.axis[step], dtype=float, order="C"),
+        velocity=turns.velocity,
+        spindle=np.array(window.signals[SPINDLE.name][step], dtype=float),
+        rapid=np.array(window.rapid[step], dtype=np.bool_),
         compliance=np.zeros((0, 3, 6))
         if window.compliance is None
-        else np.array(window.compliance[:, :3, :], dtype=float, order="C"),
+        else np.array(window.compliance[step][:, :3, :], dtype=float, order="C"),
     )

@@ -19,8 +19,9 @@ class Window:
     """The motion of a tool over n steps; all vectors in axes of S.
 
     c straight pieces in order, each inside one step. The tip moves from `piece_start` to `piece_end` (c, 3) [m]
-    during step `piece_step` (c,). Steps may have none (a dwell) or several (a corner). Positions are those of the
-    rigid machine; the process adds the deflection.
+    during step `piece_step` (c,), in the part `piece_share` (c, 2) of its time. Steps may have none (a dwell) or
+    several (a corner); without shares a step goes the mean way of its pieces. Positions are those of the rigid
+    machine; the process adds the deflection.
 
     axis (n, 3): unit vector from the tip to the holder; velocity (n, 3) [m/s] of the tip; rapid (n,): the step is part
     of a G0; `signals` maps each `Signal` that the process reads to its values (n,), flags as such; compliance
@@ -37,6 +38,7 @@ class Window:
     signals: Mapping[str, NDArray[Any]]
     dt: float
     compliance: Array | None = None
+    piece_share: Array | None = None
 
     @property
     def steps(self) -> int:
