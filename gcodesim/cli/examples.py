@@ -1,4 +1,4 @@
-"""Running the examples of findings: what `scripts/make_examples.py` and the tests have in common."""
+"""Runs the examples of findings, for `scripts/make_examples.py` and the tests."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _VERDICT = re.compile(r"\S+: (?:\d+|no) errors?, |(?:\d+|none) failed")
 def transcript_of(command: str, folder: Path) -> str:
     """`$ gcodesim COMMAND` and the findings that it prints, run in `folder` beside copies of all example files.
 
-    Everything from the verdict on is left out: it is no matter of the finding.
+    Everything from the verdict on is left out, since it does not belong to the finding.
     """
     for path in FOLDER.iterdir():
         if path.suffix != ".txt":

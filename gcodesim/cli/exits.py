@@ -17,11 +17,11 @@ FAIL_ON: Final = ("error", "warning", "note", "never")
 
 
 class UsageError(Exception):
-    """The command line asks for something that is not there; ends with status 2."""
+    """The command line asks for something that does not exist; ends with status 2."""
 
 
 def status_of(findings: Iterable[Diagnostic], fail_on: str) -> int:
-    """1 when a finding is at or above `fail_on`, else 0."""
+    """1 if a finding is at or above `fail_on`, else 0."""
     if fail_on == "never":
         return OK
     threshold = Severity[fail_on.upper()]

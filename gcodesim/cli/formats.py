@@ -1,4 +1,4 @@
-"""Options for verdicts that machines read, the same for every command that judges: on stdout, or in files besides."""
+"""Options for machine-readable verdicts, the same for all commands that judge: on stdout, or in additional files."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def _files(arguments: argparse.Namespace) -> list[tuple[str, Path]]:
 
 
 def wants_formats(arguments: argparse.Namespace) -> bool:
-    """Whether anything but text and JSON is asked for."""
+    """Whether anything other than text and JSON is requested."""
     return arguments.format not in ("text", "json") or arguments.github or bool(_files(arguments))
 
 
@@ -63,6 +63,6 @@ def write_formats(verdict: SuiteVerdict | None, arguments: argparse.Namespace) -
         stream = raw(sys.stdout) if arguments.format == "github" else sys.stdout
         stream.write(writer_of(arguments.format)(verdict, places))
     if arguments.github and arguments.format != "github":
-        # other formats have stdout for themselves; runners read both streams
+        # other formats need stdout for themselves; runners read both streams
         stream = raw(sys.stdout if arguments.format == "text" else sys.stderr)
         stream.write(writer_of("github")(verdict, places))

@@ -1,4 +1,4 @@
-"""Signals that end a command, and the exit statuses that they make: 128 and the number, as shells have it."""
+"""Signals that end a command, and their exit statuses: 128 plus the number, as in shells."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from types import FrameType
 from typing import Final
 
 SIGNALS: Final = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
-"""Ctrl-C; what CI systems cancel with; a terminal that is closed."""
+"""Ctrl-C; the signal with which CI systems cancel; a terminal that is closed."""
 
 
 class Interrupted(KeyboardInterrupt):
-    """One of the signals came; all that waits to be closed is closed on its way out."""
+    """One of the signals has arrived; open files are closed while this is raised."""
 
     def __init__(self, number: int) -> None:
         super().__init__()
@@ -28,7 +28,7 @@ def interrupted_by(number: int) -> int:
 
 @contextmanager
 def handled(handler: Callable[[int, FrameType | None], None] | None = None) -> Iterator[None]:
-    """Have `handler` called for the signals meanwhile (default: raise `Interrupted`).
+    """Call `handler` for the signals inside this context (default: raise `Interrupted`).
 
     A signal that is ignored stays so, as under `nohup`. Only the main thread may handle signals; in another one
     nothing changes.
@@ -40,7 +40,7 @@ def handled(handler: Callable[[int, FrameType | None], None] | None = None) -> I
     try:
         for number in SIGNALS:
             known = signal.getsignal(number)
-            if known is not None and known != signal.SIG_IGN:  # None: somebody else's, not of Python
+            if known is not None and known != signal.SIG_IGN:  # None: a handler that was not installed from Python
                 before[number] = signal.signal(number, handler or _raise)
         yield
     finally:

@@ -1,4 +1,4 @@
-"""What findings of programs come to: which count, the day for dated suppressions, the baseline of known findings."""
+"""Judges findings of programs: which of them count, the day for dated suppressions, the baseline of known findings."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def add_baseline(parser: argparse.ArgumentParser) -> None:
 
 
 def read_baseline(arguments: argparse.Namespace) -> Baseline | None:
-    """The baseline that the command line names; UsageError when it cannot be read."""
+    """The baseline that the command line names; UsageError if it cannot be read."""
     if arguments.baseline is None:
         return None
     from gcodesim.regress.baseline import Baseline, BaselineError
@@ -58,7 +58,7 @@ def read_baseline(arguments: argparse.Namespace) -> Baseline | None:
 
 
 def write_baseline(path: Path, text: str) -> None:
-    """Write a baseline file and say so; UsageError when that fails."""
+    """Write a baseline file and say so; UsageError if that fails."""
     from gcodesim.cli.output import note
     from gcodesim.files.whole_file import write_whole
 
@@ -71,9 +71,9 @@ def write_baseline(path: Path, text: str) -> None:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Met:
-    """What a command met in one program (or in a cell alone): findings as the reader names files, in their order.
+    """What a command found in one program (or in a cell alone): findings in order, with files as the reader names them.
 
-    `files` finds paths by those names, when somebody needs them. `suppressed` has what the cell suppresses, with the
+    `files` finds the paths of those names on demand. `suppressed` has the findings that the cell suppresses, with the
     reason.
     """
 
@@ -87,7 +87,7 @@ class Met:
 
     @property
     def name(self) -> str:
-        """How the program is called where it is the only one."""
+        """The name of the program when it is the only one."""
         return shown_name(self.program)
 
     def placed(self, root: Path) -> Met:
@@ -109,7 +109,7 @@ class Met:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Shown:
-    """A program as people see it; `findings` are those of `met` that they have to look at."""
+    """A program as shown to people; `findings` are those of `met` that they have to look at."""
 
     name: str
     met: Met
@@ -118,7 +118,7 @@ class Shown:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Settled:
-    """What findings come to: `shown` are those that the baseline does not know, `remarks` are about the baseline.
+    """The judgement: `shown` are the findings that the baseline does not know, `remarks` are about the baseline.
 
     `verdict` is a suite of all programs of the command; None when neither a format nor a baseline asks for one.
     """
@@ -130,10 +130,10 @@ class Settled:
 
 
 def settle(met: Sequence[Met], arguments: argparse.Namespace) -> Settled:
-    """Leave out what the baseline knows; write a new baseline where that is asked for.
+    """Leave out what the baseline knows; write a new baseline if requested.
 
-    A baseline, like every format, names files from the folder of the run. So do the findings of several programs.
-    The status goes into `arguments` too, for when nobody reads the output to its end.
+    A baseline, like every format, names files from the folder of the run, and so do the findings of several programs.
+    The status is also kept in `arguments`, in case nobody reads the output to its end.
     """
     settled = _settled(met, arguments)
     arguments.status = settled.status
@@ -174,11 +174,11 @@ def _settled(met: Sequence[Met], arguments: argparse.Namespace) -> Settled:
 
 
 def print_findings_of(settled: Settled, arguments: argparse.Namespace) -> None:
-    """Print the findings, for commands that have nothing else to say: as text, JSON or the format asked for."""
+    """Print the findings of commands that print nothing else: as text, JSON or the requested format."""
     from gcodesim.cli.output import findings_as_json, print_json, print_verdict
 
     if arguments.format == "json":
-        # all of them, also what a baseline knows
+        # all of them, even those that a baseline knows
         print_json({"findings": [one for shown in settled.shown for one in findings_as_json(shown.met.findings)]})
     elif arguments.format == "text":
         for shown in settled.shown:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True)
 class Language:
-    """What the options of a command line say about reading: files that they name are read once."""
+    """Options of a command line about reading; files that they name are read once."""
 
     arguments: argparse.Namespace
     tools: ToolTable | None = None
@@ -30,7 +30,7 @@ class Language:
 
     @staticmethod
     def of(arguments: argparse.Namespace) -> Language:
-        """UsageError for what is not there or cannot be read."""
+        """UsageError for files that do not exist or cannot be read."""
         from gcodesim.rs274.dialects import DIALECTS
 
         language = Language(arguments)
@@ -54,7 +54,7 @@ class Language:
         self.findings += problems
 
     def over(self, settings: Settings) -> Settings:
-        """`settings` with what the command line says besides."""
+        """`settings` with the options of the command line added."""
         given = self.arguments
         changes = {
             "dialect": given.dialect,
@@ -71,7 +71,7 @@ class Language:
 
 @dataclass(slots=True)
 class ProgramReading:
-    """A program about to be read by `lint` or `canon`, and what is known besides.
+    """A program that `lint` or `canon` is about to read, and what else is known.
 
     `run` is None when the cell has errors, which are then in `before`.
     """
@@ -124,7 +124,7 @@ def files_of(
 
 
 def write_parameters(run: Run | None, arguments: argparse.Namespace) -> None:
-    """The parameter file that the command line asks for; none when the program did not come to its end."""
+    """Write the parameter file that the command line requests; none if the program did not get to its end."""
     from gcodesim.cli.output import note
     from gcodesim.files.whole_file import write_whole
     from gcodesim.rs274 import parameter_text
@@ -145,7 +145,7 @@ def write_parameters(run: Run | None, arguments: argparse.Namespace) -> None:
 def reading_of(arguments: argparse.Namespace, path: Path) -> ProgramReading:
     """The program at `path`, to be read as the options of a command line and its cell say.
 
-    Without a cell and a tool table every tool is known, because a program alone does not tell which ones there are.
+    Without a cell and a tool table every tool is known, because a program alone does not say which tools there are.
     """
     program = read_source(path, "program")
     language = Language.of(arguments)

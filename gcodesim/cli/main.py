@@ -18,7 +18,7 @@ from gcodesim.cli.parser import build_parser
 from gcodesim.cli.streams import drop_output
 from gcodesim.diagnostics.plain import PlainStream, raw
 
-# Imports make many objects that all stay: to look for garbage among them every 700 takes a tenth of a short command.
+# Imports create many objects that all stay; looking for garbage after every 700 takes a tenth of a short command.
 GARBAGE_EVERY: Final = 100_000
 
 
@@ -28,7 +28,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     0 clean, 1 findings, 2 usage, 70 our fault, 130 interrupted by Ctrl-C, 143 by SIGTERM.
     """
     gc.set_threshold(GARBAGE_EVERY)
-    atexit.register(gc.freeze)  # else the interpreter looks through all of them several times before it ends
+    atexit.register(gc.freeze)  # otherwise the interpreter searches all of them several times before it ends
     if not _streams_are_open():
         return USAGE
     with _plain_streams():
@@ -37,7 +37,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 @contextmanager
 def _plain_streams() -> Iterator[None]:
-    """What is printed meanwhile holds no commands to a terminal or a build server but ours."""
+    """Inside this context, output contains no commands to a terminal or build server except our own."""
     before = sys.stdout, sys.stderr
     sys.stdout, sys.stderr = PlainStream(raw(before[0])), PlainStream(raw(before[1]))
     try:
@@ -61,7 +61,7 @@ def _run(argv: Sequence[str] | None) -> int:
         print("gcodesim: interrupted", file=sys.stderr)
         return interrupted_by(error.number) if isinstance(error, Interrupted) else INTERRUPTED
     except BrokenPipeError:
-        # the reader of our output went away (`| head`); nothing may be written, but a verdict stays what it is
+        # the reader of our output has gone away (`| head`); nothing more can be written, but the verdict stays
         drop_output()
         return int(getattr(arguments, "status", OK))
     except OSError as error:
@@ -77,7 +77,7 @@ def _run(argv: Sequence[str] | None) -> int:
 
 
 def _streams_are_open() -> bool:
-    """Make both streams ready; False when stdout is closed, so that nobody would get the answer."""
+    """Prepare both streams; False if stdout is closed, so that nobody would get the answer."""
     if sys.stderr is None:
         sys.stderr = open(os.devnull, "w")  # noqa: SIM115  (lives as long as the process)
     if sys.stdout is None:
@@ -95,7 +95,7 @@ def _refused(reason: str) -> int:
 
 
 def _report_fault(error: Exception, argv: Sequence[str]) -> None:
-    """Say that this is our fault and what a report needs."""
+    """Say that this is our fault, and what a bug report needs."""
     import platform
     import traceback
 

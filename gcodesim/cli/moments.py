@@ -74,7 +74,7 @@ def chosen_range(arguments: argparse.Namespace, recording: Recording) -> tuple[i
 
 
 def reads_logs(run: Callable[[argparse.Namespace], int]) -> Callable[[argparse.Namespace], int]:
-    """`run` of a command, for which a log that turns out to be damaged is wrong usage."""
+    """Wraps `run` of a command so that a log that turns out to be damaged is a usage error."""
 
     @wraps(run)
     def guarded(arguments: argparse.Namespace) -> int:
@@ -91,7 +91,7 @@ def reads_logs(run: Callable[[argparse.Namespace], int]) -> Callable[[argparse.N
 
 
 def open_recording(path: object) -> Recording:
-    """The log or output folder named on the command line; UsageError when nothing of it can be read."""
+    """The log or output folder named on the command line; UsageError if nothing of it can be read."""
     from pathlib import Path
 
     from gcodesim.playback import Recording, RecordingError
@@ -103,7 +103,7 @@ def open_recording(path: object) -> Recording:
 
 
 def status_of_reading(*recordings: Recording) -> int:
-    """After all was read: tell on stderr (stdout may hold a table) what could not be, and the status that it makes."""
+    """After reading: report on stderr (stdout may hold a table) what could not be read; returns the exit status."""
     from gcodesim.cli.exits import status_of
     from gcodesim.cli.output import note
     from gcodesim.diagnostics.show import as_text

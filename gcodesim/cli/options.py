@@ -44,7 +44,7 @@ def add_tolerances(parser: argparse.ArgumentParser) -> None:
 
 
 def read_tolerances(arguments: argparse.Namespace) -> Tolerances:
-    """The default tolerances with what the command line says; UsageError for what cannot be read."""
+    """The default tolerances, changed by the command line; UsageError for those that cannot be read."""
     from gcodesim.regress.tolerance import DEFAULTS, QUANTITIES
     from gcodesim.regress.tolerance_kind import tolerance_from
 
@@ -91,7 +91,7 @@ def add_allow_path(parser: argparse.ArgumentParser) -> None:
 
 
 def add_language(parser: argparse.ArgumentParser) -> None:
-    """What the language reader may be told on the command line; a cell's own keys come second."""
+    """Options of the language reader; they override the keys of a cell."""
     group = parser.add_argument_group("language", "how the program is read; these come before what the cell says")
     group.add_argument("--dialect", metavar="NAME", help="linuxcnc (default), rs274 …; see `gcodesim list dialects`")
     group.add_argument("--tools", type=Path, metavar="FILE", help="tool table of the control (tool.tbl)")

@@ -1,4 +1,4 @@
-"""What people see: findings and tables on stdout, notes about ourselves on stderr."""
+"""Output for people: findings and tables on stdout, notes about gcodesim itself on stderr."""
 
 from __future__ import annotations
 
@@ -75,5 +75,5 @@ def print_table(
 
 
 def note(text: str) -> None:
-    """A line about ourselves, on stderr."""
+    """A line about gcodesim itself, on stderr."""
     print(text, file=sys.stderr)

@@ -11,7 +11,7 @@ from typing import Final
 from gcodesim.cli.exits import UsageError
 from gcodesim.files.output_folder import names_of
 
-# --write-parameters and --write-baseline may name what --parameters and --baseline read: they bring it up to date
+# --write-parameters and --write-baseline may name the files of --parameters and --baseline, to update them
 _READ: Final = ("program", "programs", "paths", "cell", "old_cell", "tools", "log", "other", "old", "new")
 _WRITTEN: Final = ("out", "junit", "sarif", "gitlab", "html", "write_parameters", "write_baseline")
 _OF_RUNS: Final = names_of(("*",))
@@ -19,7 +19,7 @@ _HEAD: Final = 1 << 16
 
 
 def refuse_own_inputs(arguments: argparse.Namespace) -> None:
-    """UsageError when a file that the command line names for writing is one that it reads."""
+    """UsageError if the command line names a file for writing that it also reads."""
     targets = [(name, path) for name in _WRITTEN if (path := getattr(arguments, name, None)) is not None]
     targets = [(name, path) for name, path in targets if path.is_file()]
     if not targets:
@@ -47,7 +47,7 @@ def _inputs(arguments: argparse.Namespace) -> Iterator[Path]:
 
 
 def refuse_foreign(path: Path) -> None:
-    """UsageError when a file that nobody named stands where a command would write by itself, and is not its own."""
+    """UsageError if a command would write to a path of its own choice where there is a file of somebody else."""
     if not path.is_file():
         return
     with path.open("rb") as file:

@@ -1,4 +1,4 @@
-"""The argument parser: one subparser a command, each in its own file under `commands`."""
+"""The argument parser: one subparser for each command, each in its own file under `commands`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What `run` and `check` have in common: read, plan, run, print."""
+"""The common part of `run` and `check`: read, plan, run, print."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ def run_program(arguments: argparse.Namespace) -> int:
 
 
 def _live(arguments: argparse.Namespace) -> LiveView | None:
-    """The view of the log for viewers, when it was asked for."""
+    """The live view of the log, if requested."""
     if arguments.live is None:
         return None
     from gcodesim.log.live import LiveView, LiveViewError
@@ -146,7 +146,7 @@ def _run_program(arguments: argparse.Namespace, live: LiveView | None, begin: fl
                 raise UsageError(_unwritten(arguments.out, error)) from None
     interrupted = execution is not None and execution.interrupted
     if interrupted:
-        arguments.write_baseline = None  # what a part of a run shows is nothing to go on from
+        arguments.write_baseline = None  # the findings of a partial run are no basis for a baseline
     settled = settle([_met(arguments, arguments.program, loaded, job, results)], arguments)
     if arguments.format == "json":
         print_json(results.as_json())
@@ -168,7 +168,7 @@ def _run_program(arguments: argparse.Namespace, live: LiveView | None, begin: fl
 
 
 def _unwritten(out: Path, error: OSError) -> str:
-    """What the system refused, as a full disk does, and where the log is that can be read nevertheless."""
+    """Report what the system refused, such as writing to a full disk, and where the log is that can still be read."""
     from gcodesim.log import LogWriteError
 
     reason = error.strerror or str(error)
@@ -188,7 +188,7 @@ def _unwritten(out: Path, error: OSError) -> str:
 
 
 def _announce_compiling(obstacle: str) -> None:
-    """The first run of a version compiles its kernels, which takes a while: not in silence."""
+    """Say that the first run of a version compiles its kernels, which takes a while."""
     if obstacle:
         note(f"compiling the kernels, and again at the next run, since they cannot be kept: {obstacle}")
         return
@@ -196,9 +196,9 @@ def _announce_compiling(obstacle: str) -> None:
 
 
 class _Stop:
-    """Ctrl-C or SIGTERM while a run goes on: the first lets the steps in hand end and closes the log, a second not."""
+    """Ctrl-C or SIGTERM during a run: the first finishes the current steps and closes the log, a second does not."""
 
-    signal = 0  # the one that came
+    signal = 0  # the signal that arrived
 
     def __enter__(self) -> _Stop:
         self._handled = handled(self._ask)
@@ -213,7 +213,7 @@ class _Stop:
         os.write(2, b"gcodesim: stopping; the log is closed first (Ctrl-C again stops at once)\n")
 
     def obey(self) -> None:
-        """End the run when that was asked."""
+        """End the run if that was requested."""
         if self.signal:
             raise Interrupted(self.signal)
 
@@ -222,7 +222,7 @@ class _Stop:
 
 
 class _Bar:
-    """A bar with time left on a terminal, nothing elsewhere. It says `reading` until the first step is done."""
+    """A bar with the time left on a terminal, nothing elsewhere. It says `reading` until the first step is done."""
 
     def __enter__(self) -> _Bar:
         self._bar = None

@@ -1,4 +1,4 @@
-"""Where the output goes when nobody takes it any more."""
+"""Where the output goes when nobody reads it any more."""
 
 from __future__ import annotations
 
@@ -8,6 +8,6 @@ from contextlib import suppress
 
 
 def drop_output() -> None:
-    """What is still in the buffer of stdout goes nowhere, also when the interpreter flushes it at its end."""
+    """Discard what is still in the buffer of stdout, even when the interpreter flushes it at its end."""
     with suppress(OSError, ValueError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

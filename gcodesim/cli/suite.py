@@ -1,4 +1,4 @@
-"""What `test` and `accept` have in common: which cases, how they run, progress on a terminal."""
+"""The common part of `test` and `accept`: which cases, how they run, progress on a terminal."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def add_selection(parser: argparse.ArgumentParser) -> None:
-    """Options that say which cases run and how."""
+    """Options for which cases run, and how."""
     parser.add_argument(
         "paths",
         type=Path,
@@ -48,7 +48,7 @@ def add_selection(parser: argparse.ArgumentParser) -> None:
 
 
 def selected(arguments: argparse.Namespace) -> tuple[Collected, Judging]:
-    """The cases that are asked for; UsageError when there are none or a path is not there."""
+    """The requested cases; UsageError if there are none or a path does not exist."""
     from gcodesim.regress.case import collect
     from gcodesim.regress.judge import Judging
 
@@ -78,7 +78,7 @@ def selected(arguments: argparse.Namespace) -> tuple[Collected, Judging]:
 
 @contextmanager
 def workers_are_safe() -> Iterator[None]:
-    """UsageError when a worker is killed: it asked for more than the machine has."""
+    """UsageError if a worker is killed, because it needed more than the machine has."""
     from gcodesim.regress.workers import WorkerLostError
 
     try:
@@ -96,7 +96,7 @@ def jobs_of(arguments: argparse.Namespace) -> int:
 
 
 class Bar:
-    """How far the cases are, on a terminal; nothing elsewhere."""
+    """Progress of the cases on a terminal; nothing elsewhere."""
 
     def __init__(self, total: int) -> None:
         self._total = total

@@ -1,4 +1,4 @@
-"""A test run on the screen: what failed and why, then what one reads in ten seconds."""
+"""A test run on the screen: what failed and why, then a summary to read in ten seconds."""
 
 from __future__ import annotations
 

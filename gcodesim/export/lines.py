@@ -16,9 +16,9 @@ from gcodesim.playback.recording import Recording
 
 
 def write_lines(recording: Recording, out: TextIO, topics: Sequence[str] = (), part: TimeRange | None = None) -> int:
-    """One object a line: topic, t_ns, message; of `topics`, else of all, in the order of the log. Returns how many.
+    """One object per line: topic, t_ns, message; for `topics`, else for all, in the order of the log. Returns how many.
 
-    Fields stand in the order of their schema, so that lines of one topic are alike.
+    Fields are in the order of their schema, so that lines of one topic are alike.
 
     A period thins each topic on its own. NoTableError when the log has no such topic.
     """

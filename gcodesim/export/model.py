@@ -15,7 +15,7 @@ from gcodesim.playback.recording import Recording
 from gcodesim.playback.scenes import Drawing
 from gcodesim.playback.skins import skin_of
 
-_Z_UP: Final = [-(0.5**0.5), 0.0, 0.0, 0.5**0.5]  # glTF holds Y up: a quarter turn about X
+_Z_UP: Final = [-(0.5**0.5), 0.0, 0.0, 0.5**0.5]  # in glTF Y is up: a quarter turn about X
 _FLOAT, _UINT = 5126, 5125
 _VERTICES, _INDICES = 34962, 34963
 _TRIANGLES, _LINES = 4, 1
@@ -24,7 +24,7 @@ Color = tuple[float, float, float, float]
 
 
 def scene_glb(recording: Recording, t_ns: int) -> bytes:
-    """A GLB file in metres: one node an entity, named as in the log, under one node that turns Z to glTF's Y."""
+    """A GLB file in metres: a node for each entity, named as in the log, under one node that turns Z to glTF's Y."""
     frames = recording.frames()
     drawings: list[Drawing] = []
     for topic in ("/scene/cell", "/scene/path", "/scene/tool"):

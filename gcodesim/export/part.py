@@ -19,7 +19,7 @@ class NoPartError(ValueError):
 
 
 class Written(NamedTuple):
-    """What an STL holds; `exact`: it is the stock as computed, not as drawn by the log."""
+    """The content of an STL; `exact`: it is the stock as computed, not as drawn in the log."""
 
     triangles: int
     exact: bool
@@ -32,7 +32,7 @@ def stock_names(recording: Recording) -> tuple[str, ...]:
 
 
 def frame_of(recording: Recording, stock: str | None) -> str:
-    """The frame of a stock by its name, of the only one without a name. NoPartError when that does not name one."""
+    """The frame of a stock by its name; without a name, of the only stock. NoPartError if that is not unique."""
     names = stock_names(recording)
     if stock is None:
         if len(names) > 1:
@@ -50,7 +50,7 @@ def write_part(
 
     `t_ns` None is the end: there the stock file beside the log gives the
     surface as it was computed. At any other moment, and without that file, the
-    log gives it as drawn, which may be coarser. NoPartError when there is none.
+    log gives it as drawn, which may be coarser. NoPartError if there is none.
     """
     frame = frame_of(recording, stock)
     exact = _computed(recording, stock) if t_ns is None and not world else None

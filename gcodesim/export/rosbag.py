@@ -30,7 +30,7 @@ def write_bag(recording: Recording, folder: Path, topics: Sequence[str] = (), pa
     `/motion` and `/process` become one `std_msgs/Float64` topic a number, and
     `/log` has the block texts and findings. URDFs of the run are on
     `robot_description`, kept for late readers like `/tf_static`. FileExistsError
-    when the folder is there; NoRosError without `rosbags`; NoTableError for a
+    if the folder exists; NoRosError without `rosbags`; NoTableError for a
     topic that has no ROS message.
     """
     try:

@@ -1,4 +1,4 @@
-"""Which part of a log: between two times or two program lines, at most so often."""
+"""Selects a part of a log: between two times or two program lines, with at least some time between samples."""
 
 from __future__ import annotations
 

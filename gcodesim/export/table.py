@@ -1,4 +1,4 @@
-"""A log as one table: a row an instant, the program line beside the numbers."""
+"""A log as one table: a row for each instant, the program line beside the numbers."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _DIGITS: Final = 9  # of numbers that were converted
 
 
 class NoTableError(ValueError):
-    """The topics make no table; the text says why."""
+    """The topics do not make a table; the text says why."""
 
 
 def seconds_text(t_ns: int) -> str:
@@ -91,7 +91,7 @@ def _write_periodic(recording: Recording, out: TextIO, topics: Sequence[str], pa
 
 
 def _row(cells: Iterable[Any]) -> list[Any]:
-    """Cells of which texts are no formulas."""
+    """Cells whose text no spreadsheet takes for a formula."""
     return [table_text(cell) if isinstance(cell, str) else cell for cell in cells]
 
 

@@ -1,7 +1,7 @@
 """Verdicts for machines: the same findings as SARIF, JUnit XML, GitHub annotations and GitLab code quality.
 
 Each format is one file with `text_of(verdict, places) -> str`, written from a `SuiteVerdict` alone: a command that
-reads one program gives a suite of one case. Equal verdicts give equal bytes; no clock, no host, no absolute path.
+reads one program gives a suite of one case. Equal verdicts give equal bytes: no time of day, no host, no absolute path.
 """
 
 from __future__ import annotations

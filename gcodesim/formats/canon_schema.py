@@ -1,4 +1,4 @@
-"""The canonical listing as JSON Schema: one record a kind of event."""
+"""The canonical listing as JSON Schema: one record for each kind of event."""
 
 from __future__ import annotations
 

@@ -14,9 +14,9 @@ _NAMES: Final = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.
 
 
 def text_of(verdict: SuiteVerdict, places: FilePlaces) -> str:
-    """One line a finding. What makes the job fail is an error; of the rest only warnings are shown.
+    """One line for each finding. What makes the job fail is an error; of the rest only warnings are shown.
 
-    A site shows ten of a kind and step, so errors come first.
+    GitHub shows ten of a kind per step, so errors come first.
     """
     shown = [item for item in items_of(verdict, places) if item.state == "counts" or _is_warning(item)]
     shown.sort(key=lambda item: item.state != "counts")
@@ -43,7 +43,7 @@ def _line(item: Item) -> str:
 
 
 def _data(text: str) -> str:
-    """A message as a workflow command takes it: one line, `%` first."""
+    """A message in the form of workflow commands: one line, with `%` escaped first."""
     fit = "\r".join(map(lines, text.split("\r")))
     return fit.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
 

@@ -15,14 +15,14 @@ _SEVERITIES: Final = {Severity.ERROR: "critical", Severity.WARNING: "minor", Sev
 
 
 def text_of(verdict: SuiteVerdict, places: FilePlaces) -> str:
-    """A JSON list; what is expected, accepted, suppressed or in the baseline is no issue."""
+    """A JSON list; findings that are expected, accepted, suppressed or in the baseline are not issues."""
     issues = [_issue(item) for item in items_of(verdict, places) if item.is_open]
     return json.dumps(issues, ensure_ascii=False, indent=1) + "\n"
 
 
 def _issue(item: Item) -> dict[str, Any]:
     finding, span = item.finding, item.finding.span
-    begin = max(span.line, 1)  # a finding about a whole file stands at its first line
+    begin = max(span.line, 1)  # a finding about a whole file is at its first line
     return {
         "description": one_line(f"{finding.message} ({finding.hint})" if finding.hint else finding.message),
         "check_name": finding.code,
@@ -33,6 +33,6 @@ def _issue(item: Item) -> dict[str, Any]:
 
 
 def _severity(item: Item) -> str:
-    """What fails the job stands above what does not."""
+    """What fails the job ranks above what does not."""
     level = item.finding.level
     return "major" if item.state == "counts" and level < Severity.ERROR else _SEVERITIES[level]

@@ -1,4 +1,4 @@
-"""The findings of a verdict, each once: where many cases meet the same fault of one file, it is one fault."""
+"""The findings of a verdict, each once: if many cases meet the same fault in one file, it is one fault."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Item:
     """A finding, its files named from the top of the repository; `cases` are those that have it.
 
     `state` and `reason` are those of the case in which it weighs most. `fingerprint` stays the same when lines move
-    and numbers change: it is made of the file, the code, the words of the line and what the message says.
+    and numbers change: it is made from the file, the code, the words of the line and the message without numbers.
     """
 
     finding: Diagnostic
@@ -30,7 +30,7 @@ class Item:
 
     @property
     def is_open(self) -> bool:
-        """Whether somebody has to look at it: nobody has expected, accepted or suppressed it."""
+        """Whether somebody has to look at it, because nobody has expected, accepted or suppressed it."""
         return self.state in ("counts", "told")
 
 

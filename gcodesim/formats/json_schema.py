@@ -24,7 +24,7 @@ def record(what: str, /, **members: Json) -> Json:
 
 
 def table(what: str, of: Json) -> Json:
-    """An object whose keys are names of the user's."""
+    """An object whose keys are names chosen by the user."""
     return {"type": "object", "description": what, "additionalProperties": of}
 
 

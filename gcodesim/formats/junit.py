@@ -1,6 +1,6 @@
-"""JUnit XML: one test case a program, in suites by folder; at most one failure a case, with all that it says.
+"""JUnit XML: a test case for each program, in suites by folder; at most one failure per case, with all its findings.
 
-Written for the schema that Jenkins has (`junit-4.xsd`, also `junit-10.xsd`), which other readers take as well. Times
+Written for the schema of Jenkins (`junit-4.xsd`, also `junit-10.xsd`), which other readers accept as well. Times
 are those of the simulated machine; there is no time stamp and no host.
 """
 
@@ -24,7 +24,7 @@ _NO_XML: Final = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ff
 
 
 def text_of(verdict: SuiteVerdict, places: FilePlaces) -> str:
-    """The document. Faults of test files are errors of test cases with the file's name."""
+    """The document. Faults in test files are errors of test cases with the name of the file."""
     folders: dict[str, list[CaseVerdict | Found]] = {}
     for case in verdict.cases:
         folders.setdefault(_folder(case.name), []).append(case)
@@ -67,7 +67,7 @@ def _suite(folder: str, members: Sequence[CaseVerdict | Found], places: FilePlac
 
 
 def _outcome(case: CaseVerdict) -> str:
-    """The element that says how a case ended: an error is ours, not the program's."""
+    """The element that says how a case ended; an error is our fault, not the program's."""
     if case.status != "failed":
         return ""
     return "error" if any(one.code == INTERNAL for one in case.counting) else "failure"
@@ -113,5 +113,5 @@ def _seconds(time: float) -> str:
 
 
 def _xml(text: str) -> str:
-    """`text` without the characters that XML 1.0 has no way to write."""
+    """`text` without the characters that XML 1.0 cannot express."""
     return _NO_XML.sub("\N{REPLACEMENT CHARACTER}", text)

@@ -1,4 +1,4 @@
-"""How a report names files: from the top of the repository, as build servers do."""
+"""Names of files in a report: from the top of the repository, as build servers expect."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from gcodesim.regress.sources import Sources
 class FilePlaces:
     """`sources` by the names that a verdict gives files, from the folder of the run.
 
-    `prefix` is the way to that folder from the top of the repository.
+    `prefix` is the path to that folder from the top of the repository.
     """
 
     sources: Mapping[str, SourceText] = field(default_factory=dict)
@@ -24,7 +24,7 @@ class FilePlaces:
 
     @staticmethod
     def of(root: Path) -> FilePlaces:
-        """For a run in the folder `root`: its files, and the way to it from the repository in which it lies."""
+        """For a run in the folder `root`: its files, and its path within its repository."""
         root = root.resolve()
         top = next((folder for folder in (root, *root.parents) if (folder / ".git").exists()), root)
         prefix = "" if top == root else shown_path(root, top)
@@ -35,6 +35,6 @@ class FilePlaces:
         return posixpath.normpath(posixpath.join(self.prefix, name))
 
     def line(self, name: str, number: int) -> str:
-        """A line of a file, empty when it is not there."""
+        """A line of a file, empty if it does not exist."""
         source = self.sources.get(name)
         return "" if source is None else source.line(number)

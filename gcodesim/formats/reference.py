@@ -57,7 +57,7 @@ def _rows(schema: dict[str, Any], whole: dict[str, Any], prefix: str) -> Iterato
 
 
 def _resolved(schema: dict[str, Any], whole: dict[str, Any]) -> dict[str, Any]:
-    """What a reference means, unless it has its own section."""
+    """The target of a reference, unless it has its own section."""
     for one in (schema, *schema.get("anyOf", ())):
         target = one.get("$ref", "").rpartition("/")[2]
         if target:

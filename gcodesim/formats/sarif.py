@@ -1,4 +1,4 @@
-"""SARIF 2.1.0, as code scanning reads it: rules with their help, results with spans, fingerprints and suppressions."""
+"""SARIF 2.1.0 for code scanning: rules with their help, results with spans, fingerprints and suppressions."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def text_of(verdict: SuiteVerdict, places: FilePlaces) -> str:
                 "rules": declared,
             }
         },
-        # the driver runs to its end on any program; what is wrong with a program is a result
+        # the tool itself ran successfully whatever the program; faults of a program are results
         "invocations": [{"executionSuccessful": True}],
         "originalUriBaseIds": {_BASE: {"description": {"text": _BASE_TEXT}}},
         "columnKind": "unicodeCodePoints",
@@ -54,12 +54,12 @@ def text_of(verdict: SuiteVerdict, places: FilePlaces) -> str:
 
 
 def _uri(name: str) -> str:
-    """A relative reference: a colon in its first part would be read as a scheme."""
+    """A relative reference, in whose first part a colon would be read as a scheme."""
     return quote(name, safe="/~!$&'()*+,;=@", errors="surrogateescape")
 
 
 def _text(text: str) -> str:
-    """A piece of a message; what readers would take for a link (SARIF 2.1.0, 3.11.6) is none."""
+    """A piece of a message, with anything escaped that readers would take for a link (SARIF 2.1.0, 3.11.6)."""
     return one_line(text).replace("](", "\\](")
 
 
@@ -122,7 +122,7 @@ def _location(span: Span, at: dict[str, int]) -> Json:
 
 
 def _region(span: Span) -> Json:
-    """Both count columns from 1, and the end is the column behind the last."""
+    """A span as a region; both count columns from 1, and the end is the column after the last."""
     if not span.column:
         return {"startLine": span.line}
     end_line = max(span.end_line, span.line)
@@ -136,7 +136,7 @@ def _region(span: Span) -> Json:
 
 
 def _related(item: Item, at: dict[str, int]) -> list[Json]:
-    """The calls that led to the place, innermost first, and what the finding points at besides."""
+    """The calls that led to the place, innermost first, and other places that the finding points at."""
     span, related = item.finding.span, item.finding.related
     places = [
         (Span(caller.file, caller.line), f"called from here ({caller.name})") for caller in reversed(span.callers)
@@ -150,7 +150,7 @@ def _related(item: Item, at: dict[str, int]) -> list[Json]:
 
 
 def _suppression(item: Item) -> Json | None:
-    """Why nobody has to look at a result: it stays in the file, marked."""
+    """Why nobody has to look at a result; it stays in the file, marked as suppressed."""
     reasons = {
         "suppressed": item.reason or "suppressed by the cell",
         "expected": "the test expects it",

@@ -1,4 +1,4 @@
-"""JSON Schemas of what gcodesim prints and writes as JSON. They describe this version to the last key."""
+"""JSON Schemas of everything that gcodesim prints and writes as JSON. They describe this version to the last key."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from gcodesim.formats.json_schema import (
 
 
 def finding() -> Json:
-    """A finding, as it stands in every JSON of ours."""
+    """A finding in all of our JSON."""
     return record(
         "what is wrong, where, and what to do about it",
         code=text("stable code `GSnnn`; `gcodesim explain` tells more") | {"pattern": "^GS[0-9]{3}$"},

@@ -1,4 +1,4 @@
-"""One case as lines for people: its status, what makes it fail, and on request all that was said."""
+"""One case as lines for people: its status, what makes it fail, and on request all findings."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _OF_THE_WHOLE: Final = ("GS604", "GS605")
 
 
 def counting(case: CaseVerdict) -> list[Found]:
-    """What makes a case fail, in the order in which one wants to know it: faults, expectations, motion, the rest."""
+    """What makes a case fail, in the order of interest: faults, expectations, motion, the rest."""
     return sorted((one for one in case.found if one.state == "counts"), key=lambda one: _rank(one.finding.code))
 
 
@@ -24,7 +24,7 @@ def _rank(code: str) -> int:
 
 
 def found_text(found: Found, sources: Mapping[str, SourceText]) -> str:
-    """A finding with its excerpt, and what it does to the verdict where that is not plain."""
+    """A finding with its excerpt, and its effect on the verdict where that is not obvious."""
     # the place of a result is that of the first difference in motion, which is quoted above it
     quoted = {} if found.finding.code in _OF_THE_WHOLE else sources
     remark = _remark(found)

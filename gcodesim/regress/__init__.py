@@ -1,4 +1,4 @@
-"""Whether a run still does what an earlier one did: comparison by quantity and tolerance, never of text."""
+"""Whether a run still does what an earlier one did: comparison by quantity and tolerance, never as text."""
 
 from gcodesim.regress.changes import (
     Change,

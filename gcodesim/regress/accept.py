@@ -1,4 +1,4 @@
-"""Taking results over: what would be accepted, shown before it is written."""
+"""Accepting results: what would be accepted is shown before it is written."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from gcodesim.regress.changes import Comparison
 from gcodesim.regress.golden import golden_text
 from gcodesim.regress.judge import Judging, judge
 
-# what nobody can accept: it is written by hand, or there is no result
+# what cannot be accepted: it is written by hand, or there is no result
 _NOT_TO_ACCEPT: Final = ("GS601", "GS602", "GS608", "GS610", "GS611", "GS612")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Proposal:
-    """What accepting a case means. `text` is the new file, None when nothing differs or something stands against it.
+    """What accepting a case means. `text` is the new file; None if nothing differs or the case cannot be accepted.
 
     `comparison` is against what was accepted before, None when there was nothing; `faulty` are findings that the new
     results carry; `against` says why the case cannot be accepted.
@@ -41,7 +41,7 @@ class Proposal:
 
 
 def propose(case: Case, how: Judging) -> Proposal:
-    """Run a case and say what accepting it would take over."""
+    """Run a case and say what accepting it would change."""
     verdict, outcome = judge(case, how)
     against = tuple(one.finding for one in verdict.found if one.finding.code in _NOT_TO_ACCEPT)
     differs = verdict.comparison is None or not verdict.comparison.same
@@ -65,7 +65,7 @@ def propose(case: Case, how: Judging) -> Proposal:
 
 
 def take(proposal: Proposal) -> None:
-    """Write what was proposed; OSError when the disk does not take it."""
+    """Write the proposal; OSError if the disk does not take it."""
     if proposal.text is not None:
         proposal.path.parent.mkdir(parents=True, exist_ok=True)
         write_whole(proposal.path, proposal.text.encode())

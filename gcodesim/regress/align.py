@@ -1,8 +1,8 @@
 """Which items of two sequences belong together, found again after insertions: patience, then likeness.
 
-Equal beginnings and ends are cut off, then items whose key occurs once on both sides become anchors (the longest run
-of them in the same order on both sides, as in patience sorting), and what lies between is treated the same way with
-coarser keys. What still has no partner is paired by likeness. About n log n, however much differs.
+Equal starts and ends are cut off, then items whose key occurs once on both sides become anchors (the longest run
+of them in the same order on both sides, as in patience sorting), and the stretches between are treated likewise with
+coarser keys. Items that still have no partner are paired by likeness. Takes about n log n, however much differs.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ T = TypeVar("T")
 Pair = tuple[int | None, int | None]
 
 GAP: Final = 0.55
-"""What it costs that an item has no partner; two of it cost less than pairing what has nothing in common."""
+"""The cost of an item without a partner; twice this is less than pairing items that have nothing in common."""
 
 # cells of a table for pairing by likeness, and of all such tables; beyond them items are paired in their order
 _MOST_CELLS: Final = 40_000
@@ -39,7 +39,7 @@ def align(
     new_keys = [[key(item) for item in new] for key in keys]
     pairs: list[Pair] = []
     spent = 0
-    # stretches still to be treated, the last first: bounds and level of the keys
+    # stretches still to be treated, last one first: bounds and level of the keys
     todo = [(0, len(old), 0, len(new), 0)]
     while todo:
         a0, a1, b0, b1, level = todo.pop()
@@ -73,7 +73,7 @@ def align(
 
 
 def _in_order(pairs: list[Pair]) -> list[Pair]:
-    """Pairs by both indices; what one side alone has stands after its predecessor, the old before the new."""
+    """Pairs by both indices; an item of one side alone follows its predecessor, old ones before new ones."""
     partner = {a: b for a, b in pairs if a is not None}
     lonely = sorted(b for a, b in pairs if a is None and b is not None)
     ordered: list[Pair] = []
@@ -91,7 +91,7 @@ def _in_order(pairs: list[Pair]) -> list[Pair]:
 def _anchors(
     old: Sequence[Hashable], new: Sequence[Hashable], a0: int, a1: int, b0: int, b1: int
 ) -> list[tuple[int, int]]:
-    """Items that occur once on both sides, the longest run of them that is in order on both."""
+    """Items that occur once on both sides: their longest run that is in order on both."""
     places: dict[Hashable, list[int]] = {}
     for a in range(a0, a1):
         places.setdefault(old[a], []).append(a)
@@ -104,7 +104,7 @@ def _anchors(
 
 
 def _longest_rising(pairs: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
-    """The longest part of pairs, which rise in the first number, that rises in the second too."""
+    """The longest subsequence that rises in the second number, of pairs that rise in the first."""
     tops: list[int] = []
     top_at: list[int] = []
     before: list[int] = []

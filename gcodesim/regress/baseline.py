@@ -1,4 +1,4 @@
-"""Findings of old programs that are known and wait: they fail nothing, new ones do, and those that went are told.
+"""Known findings of old programs: they fail nothing, new ones do, and those that are gone are listed.
 
 An entry names a finding by file, code, the words of its line and what it says without numbers, so it stays the same
 when lines move. An entry covers as many findings as its count says.
@@ -23,11 +23,11 @@ Entry = tuple[str, str, str, str]
 
 
 class BaselineError(ValueError):
-    """The file holds no baseline; the text says why."""
+    """The file is not a baseline; the text says why."""
 
 
 def entry_of(finding: Diagnostic, text: LineText) -> Entry:
-    """How a baseline names a finding; `text` gives the line of a file."""
+    """The key of a finding in a baseline; `text` gives the line of a file."""
     span = finding.span
     line = " ".join(text(span.file, span.line).split()) if span.line else ""
     return span.file, finding.code, line, without_numbers(finding.message)
@@ -35,13 +35,13 @@ def entry_of(finding: Diagnostic, text: LineText) -> Entry:
 
 @dataclass(slots=True)
 class Baseline:
-    """Known findings with how many of each are left to be met."""
+    """Known findings, and how many of each are still to be found."""
 
     left: dict[Entry, int]
 
     @staticmethod
     def read(source: SourceText) -> Baseline:
-        """BaselineError when the file holds none."""
+        """BaselineError when the file is not a baseline."""
         try:
             value = read_json(source.raw)
             if not isinstance(value, dict) or value.get("schema") != SCHEMA:
@@ -66,7 +66,7 @@ class Baseline:
 
     @property
     def gone(self) -> tuple[str, ...]:
-        """Entries that were not met, as people read them."""
+        """Entries that were not found, for people to read."""
         rest = [(entry, count) for entry, count in self.left.items() if count > 0]
         return tuple(
             f"{file}: {code}: {message}{f' ({count} times)' if count > 1 else ''}{f' — {line}' if line else ''}"

@@ -1,8 +1,8 @@
 """Which cases passed with which inputs, so that `--changed` runs only what changed.
 
-An entry is found by what is known beforehand: version and sources of gcodesim, the case, its test file, program, cell
+The key of an entry is known beforehand: version and sources of gcodesim, the case, its test file, program, cell
 and accepted results. It lists the other files that the run read (subprograms, meshes, tool tables) with their hashes,
-and the days on which suppressions end; it counts only when all of that is still so. Nothing but passed cases is kept.
+and the days on which suppressions end; it counts only if all of that still holds. Only passed cases are kept.
 """
 
 from __future__ import annotations
@@ -40,10 +40,10 @@ def default_folder() -> Path | None:
 
 
 class Cache:
-    """Entries in a folder; one that cannot be written, or that others can write, costs nothing but time."""
+    """Entries in a folder; if it cannot be written to, or others can write to it, this costs only time."""
 
     def __init__(self, folder: Path | None, root: Path, settings: str) -> None:
-        """`settings` is all that the command line says and a verdict depends on."""
+        """`settings` is everything from the command line on which a verdict depends."""
         self.refused = ""
         self._folder: OwnFolder | None = None
         if folder is not None:
@@ -70,13 +70,13 @@ class Cache:
             if any((today > end) != (then > end) for end in ends):
                 return None
             return _verdict(entry["verdict"])
-        except (OSError, ValueError, LookupError, TypeError, AttributeError):  # whatever somebody put there
+        except (OSError, ValueError, LookupError, TypeError, AttributeError):  # whatever somebody has put there
             return None
 
     def keep(
         self, case: Case, verdict: CaseVerdict, files: dict[str, Path], until: tuple[date, ...], today: date
     ) -> None:
-        """Remember a case that passed; others are forgotten."""
+        """Remember a case that passed; forget it if it did not."""
         if verdict.status != "passed":
             return
         paths = {shown_path(path, self._root): path for path in files.values()}
@@ -91,7 +91,7 @@ class Cache:
             folder.write(name, json.dumps(entry, ensure_ascii=False).encode())
 
     def tidy(self) -> None:
-        """Delete the oldest entries when there are too many, and nothing else that lies in the folder."""
+        """Delete the oldest entries when there are too many, and nothing else in the folder."""
         if self._folder is None:
             return
         entries = []
@@ -107,7 +107,7 @@ class Cache:
         """The folder of a case's entry, and the entry's name in it."""
         parts = [self._version, self._settings, case.name, case.file, repr(case.options)]
         parts += [_digest(path) for path in (case.test_file, case.program, case.cell, case.golden)]
-        # folders that the command line lets the cell read come by their names
+        # folders that the command line lets the cell read count by their names
         parts += [shown_path(folder, self._root) for folder in case.allow_path]
         key = hashlib.sha256("\0".join(parts).encode()).hexdigest()
         folder = None if self._folder is None else self._folder.folder(key[:2], make=make)
@@ -124,7 +124,7 @@ def _digest(path: Path | None) -> str:
 
 
 def _version_digest() -> str:
-    """Version and sources of gcodesim (by size and time, as compilers do) and the versions of what it computes with."""
+    """Version and sources of gcodesim (by size and time, like compilers) and versions of the packages it uses."""
     import gcodesim
 
     digest = hashlib.sha256(gcodesim.__version__.encode())

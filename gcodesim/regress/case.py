@@ -24,10 +24,10 @@ _GOLDENS: Final = ".golden"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Case:
-    """One program in one cell. Paths are as they can be opened; `name` and `file` are shown, from the root, with `/`.
+    """One program in one cell. Paths can be opened; `name` and `file` are for people, from the root, with `/`.
 
     `spans` are places in the test file by path, such as ``("expect", "status")`` or ``("options", "dialect")``.
-    `edits` are texts that are read in place of what stands at a path, for asking what the case would see.
+    `edits` are texts that are read in place of the files at some paths, to ask what the case would see.
     """
 
     name: str
@@ -58,15 +58,15 @@ class Collected:
 
 
 def shown_path(path: Path, root: Path) -> str:
-    """`path` seen from `root`, with `/`: the same on every machine as long as the folders lie the same."""
+    """`path` relative to `root`, with `/`: the same on every machine with the same folders."""
     return PurePosixPath(*Path(os.path.relpath(path, root)).parts).as_posix()
 
 
 def collect(paths: Iterable[Path], root: Path, *, cell: Path | None = None, names: Sequence[str] = ()) -> Collected:
     """The cases at `paths` (test files, programs, folders), ordered by name.
 
-    A program is a case by its own test file, by one that names it, or, without any, when it is named itself, has
-    expectations in comments, or `cell` is given. `names` keeps those whose name has one of them as a part or fits it
+    A program is a case by its own test file, by one that names it, or, without either, if it is named itself, has
+    expectations in comments, or `cell` is given. `names` keeps cases whose name contains one of them or matches it
     as a pattern. OSError when a path cannot be read.
     """
     files: dict[Path, None] = {}
@@ -88,7 +88,7 @@ def collect(paths: Iterable[Path], root: Path, *, cell: Path | None = None, name
     found: list[Found] = []
     goldens: dict[Path, Case] = {}
     taken: set[Path] = set()
-    # a program's own file comes before one that names it by a pattern
+    # a program's own file overrides one that names it by a pattern
     own_first = sorted(files, key=lambda file: (_own_program(file) is None, file))
     for file in own_first:
         source = SourceText.read(file, shown_path(file, root))
@@ -115,7 +115,7 @@ def collect(paths: Iterable[Path], root: Path, *, cell: Path | None = None, name
 
 
 def _second(case: Case, first: Case) -> Diagnostic:
-    """Two cases would have one name, and write over each other's accepted results."""
+    """Two cases would have the same name, and overwrite each other's accepted results."""
     others = f"`{Path(first.file).name}`" if first.file != case.file else f"`{first.program.name}` of the same file"
     return Diagnostic(
         code="GS615",
@@ -142,7 +142,7 @@ def _stem(file: Path) -> str:
 
 
 def _own_program(file: Path) -> Path | None:
-    """The program that a test file has beside it: NAME.nc for NAME.test.yaml."""
+    """The program beside a test file: NAME.nc for NAME.test.yaml."""
     beside = (file.with_name(_stem(file) + suffix) for suffix in PROGRAMS)
     return next((path for path in beside if path.is_file()), None)
 
@@ -153,7 +153,7 @@ def _own_test_file(program: Path) -> Path | None:
 
 
 def _program_of_golden(path: Path) -> Path:
-    """Accepted results that are named, as by `part*` in a shell, stand for their program; any other path for itself."""
+    """Named files of accepted results, as by `part*` in a shell, mean their program; any other path means itself."""
     if not path.name.endswith(GOLDEN_SUFFIX):
         return path
     whole = path.with_name(path.name.removesuffix(GOLDEN_SUFFIX))
@@ -182,7 +182,7 @@ def _cases_of(
     default_cell: Path | None,
     taken: set[Path],
 ) -> tuple[list[Case], list[Diagnostic]]:
-    """The cases of one test file: one, or one a program where it names several."""
+    """The cases of one test file: one, or one for each program if it names several."""
     stem = _stem(file)
     base = name.removesuffix(file.name) + stem
     span = Span(name, 1, 1, 1, 2)
@@ -238,7 +238,7 @@ def _cases_of(
 
 
 def _near(path: Path) -> str:
-    """A hint to a file of nearly that name."""
+    """A hint at a file of a similar name."""
     if not path.parent.is_dir():
         return f"there is no folder `{path.parent.name}`"
     others = (other for other in path.parent.iterdir() if other.suffix == path.suffix and not is_test_file(other))

@@ -1,4 +1,4 @@
-"""`NAME.test.yaml`: which program in which cell, and what must come of it. Read like a cell, with places."""
+"""`NAME.test.yaml`: which program runs in which cell, and what must result. Read like a cell, with places."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _CODE: Final = Text(pattern=CODE_PATTERNS.pattern, form="a code such as `GS501` 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExpectedFinding:
-    """A finding that must come. What is not written may be anything; `line` is one of `file` (default: the program)."""
+    """A finding that must occur. What is not given may be anything; `line` is in `file` (default: the program)."""
 
     code: str = key(_CODE, "the finding's code, or a class of them")
     line: int | None = key(Whole(Range(least=1.0)), "its line", default=None, quiet=True)
@@ -126,7 +126,7 @@ class _ValuesKind(Kind):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Expected:
-    """What must come of a case, besides what was accepted."""
+    """What must result from a case, besides what was accepted."""
 
     findings: tuple[ExpectedFinding, ...] = key(
         ListOf(Record(ExpectedFinding, "the expected finding")), "findings that must come", default=(), quiet=True
@@ -137,7 +137,7 @@ class Expected:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CaseOptions:
-    """How a case is run; what is not written is as on the command line."""
+    """How a case is run; options that are not given are as on the command line."""
 
     mode: str = key(Choice(MODES), "`run` it, `check` it without material, or `lint` the program alone", default="run")
     world: str | None = key(Choice(("kinematic", "bullet")), "instead of what the cell says", default=None)
@@ -150,7 +150,7 @@ class CaseOptions:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CaseFile:
-    """A test file. Without `program` it is about the program of its own name."""
+    """A test file. Without `program` it is about the program of the same name."""
 
     gcodesim_test: int = key(Whole(), "version of the form", name="gcodesim-test", default=FORMAT, quiet=True)
     program: tuple[str, ...] = key(
@@ -181,7 +181,7 @@ _ROOT: Final = Record(CaseFile, "the test file")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReadCaseFile:
-    """What came of reading a test file; `content` is None when a finding is an error. `spans` are places by path."""
+    """The result of reading a test file; `content` is None when a finding is an error. `spans` are places by path."""
 
     content: CaseFile | None
     findings: Findings
@@ -192,7 +192,7 @@ class ReadCaseFile:
 
 
 def read_case_file(source: SourceText, folder: FilePath) -> ReadCaseFile:
-    """Read a test file that stands in `folder`."""
+    """Read a test file in `folder`."""
     findings = Findings()
     to = Reading(file=source.name, findings=findings, shelf=Shelf(folder=folder))
     root = compose(source, findings, what="test file", example="cell: cell.yaml")

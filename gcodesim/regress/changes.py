@@ -44,12 +44,12 @@ class FieldChange:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MoveChange:
-    """Steps that differ, as many as change in the same way: `count` of them from `old`/`new` to the `last_` ones.
+    """Steps that change in the same way: `count` of them from `old`/`new` to the `last_` ones.
 
     `changed` has both places and `fields` (those of the first step), `inserted` only new ones, `removed` only old
-    ones. `what` is the kind of the first step (`line`, `spindle`, …), `detail` what it says when it is no
-    move (`cw, 8000 rpm`), `way_mm` the way of all inserted or removed.
-    `near` is where one looks for it in the new program: the step itself, else the one after which it stood.
+    ones. `what` is the kind of the first step (`line`, `spindle`, …), `detail` its content if it is not a
+    move (`cw, 8000 rpm`), `way_mm` the length of all inserted or removed moves.
+    `near` is where to look for it in the new program: the step itself, else the one that it followed.
     """
 
     kind: MoveKind
@@ -66,7 +66,7 @@ class MoveChange:
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """`Z`, `feed` … of a changed step; `moves` where steps came or went."""
+        """`Z`, `feed` … of a changed step; `moves` where steps were inserted or removed."""
         return tuple(field.name for field in self.fields) if self.kind == "changed" else ("moves", self.what)
 
 
@@ -140,10 +140,10 @@ class FindingChange:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Comparison:
-    """All that differs beyond tolerance.
+    """Everything that differs beyond tolerance.
 
-    `totals` are the quantities that people ask for first, as far as they changed at all; `remarks` say what could not
-    be compared. Neither makes a difference.
+    `totals` are the quantities that people ask for first, if they changed at all; `remarks` say what could not
+    be compared. Neither counts as a difference.
     """
 
     moves: tuple[MoveChange, ...] = ()
@@ -163,7 +163,7 @@ class Comparison:
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """Names of all that differs, each once: `Z`, `feed`, `moves`, `time.total_s`, `surface.stock`, `findings`."""
+        """Names of all differences, each once: `Z`, `feed`, `moves`, `time.total_s`, `surface.stock`, `findings`."""
         names = [name for move in self.moves for name in move.quantities]
         names += [change.quantity for change in self.changes]
         names += [surface.quantity for surface in self.surfaces]

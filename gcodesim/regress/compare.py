@@ -1,4 +1,4 @@
-"""Two results against each other, quantity by quantity."""
+"""Compares two results, quantity by quantity."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any, Final
 from gcodesim.regress.changes import Change
 from gcodesim.regress.tolerance import DEFAULTS, QUANTITIES, Tolerances, quantity_of
 
-# what identifies a run or places a number, but is no result; findings are compared on their own
+# keys that identify a run or place a number, but are not results; findings are compared separately
 _NOT_COMPARED: Final = frozenset(
     {
         *("inputs", "schema", "findings", "stopped_at"),
@@ -44,7 +44,7 @@ def _compare(path: str, old: Any, new: Any, tolerances: Tolerances, of_joint: st
         if not tolerances[quantity_of(path)].allows(old, new):
             yield change_of(path, old, new, tolerances, of_joint)
     elif path == "status":
-        # whether findings count depends on how a run was asked for; findings are compared themselves
+        # whether findings count depends on the options of a run; the findings themselves are compared
         if (old in _BROKEN) != (new in _BROKEN) or (old != new and INCOMPLETE in (old, new)):
             yield Change(quantity=path, old=old, new=new)
     elif old != new:
@@ -78,7 +78,7 @@ def is_number(value: Any) -> bool:
 
 
 def _by_name(entries: Sequence[Mapping[str, Any]]) -> dict[str, Mapping[str, Any]]:
-    """List entries by what they call themselves, so that an entry more does not shift all others."""
+    """List entries by their own names, so that an additional entry does not shift all others."""
     return {str(next((entry[name] for name in _NAMES if name in entry), i)): entry for i, entry in enumerate(entries)}
 
 

@@ -1,4 +1,4 @@
-"""Expectations in comments of a program, as compiler test suites have them.
+"""Expectations in comments of a program, as in compiler test suites.
 
 G1 X30 Y                    (expect: GS012)
 G0 X50 ; expect: error GS401 "rapid move"
@@ -27,7 +27,7 @@ _ITEM = re.compile(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Wanted:
-    """An expectation and where it stands; `home` is the file whose lines it counts when it names none."""
+    """An expectation and its place; `home` is the file whose lines it counts if it names none."""
 
     finding: ExpectedFinding
     span: Span
@@ -51,7 +51,7 @@ def expectations(source: SourceText) -> tuple[list[Wanted], list[Diagnostic]]:
 
 
 def _comments(text: str) -> Iterator[re.Match[str]]:
-    """Comments of a line that begin with `expect`; one in brackets inside of another is none."""
+    """Comments of a line that begin with `expect`; one in brackets inside another does not count."""
     at = 0
     while match := _COMMENT.search(text, at):
         yield match

@@ -1,4 +1,4 @@
-"""What is compared of a run: motion, results, surfaces; from a live run, accepted results, a folder or a log."""
+"""The facts of a run that are compared: motion, results, surfaces; from a run, accepted results, a folder or a log."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 _TOTALS: Final = ("time.total_s", "distance.feed_mm")
 _OF_STOCK: Final = ("removed_mm3", "deposited_mm3")
-_ROUNDING: Final = 1e-6  # what accepted results, which have seven digits, may be off
+_ROUNDING: Final = 1e-6  # by how much accepted results, which have seven digits, may be off
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -69,7 +69,7 @@ def coarse(facts: Facts) -> Mapping[str, Coarse]:
 
 
 def compare(old: Facts, new: Facts, tolerances: Tolerances = DEFAULTS) -> Comparison:
-    """All that differs beyond tolerance, as far as both sides know it."""
+    """Everything that differs beyond tolerance, as far as both sides know it."""
     remarks = [*old.remarks, *(remark for remark in new.remarks if remark not in old.remarks)]
     motion = None
     if old.steps is not None and new.steps is not None:
@@ -77,7 +77,7 @@ def compare(old: Facts, new: Facts, tolerances: Tolerances = DEFAULTS) -> Compar
     elif old.steps is not None or new.steps is not None:
         remarks.append(f"moves are not compared: those of {new.name if new.steps is None else old.name} are not known")
     lines = None if motion is None else motion.lines
-    # a run that was interrupted has not said what it would have found
+    # nobody knows what an interrupted run would have found
     known = "findings" in old.results and "findings" in new.results
     findings = compare_findings(
         old.results["findings"] if known else (),
@@ -86,14 +86,14 @@ def compare(old: Facts, new: Facts, tolerances: Tolerances = DEFAULTS) -> Compar
         None if lines is None else lambda file, line: lines.get((file, line)),
     )
     counting = tuple(change for change in findings if change.shown["severity"] != "note")
-    # what people are told besides is no difference, but nothing goes unsaid
+    # remarks are not differences, but nothing is left unsaid
     remarks += [
         f"{change.kind} note {change.shown['code']}: {change.shown['message']}"
         for change in findings
         if change not in counting
     ]
     ran = "time" in old.results and "time" in new.results
-    # where one side did not come to results, at least that is compared
+    # if one side did not get to its results, at least that is compared
     both = (old.results, new.results) if ran else (_status(old.results), _status(new.results))
     return Comparison(
         moves=() if motion is None else motion.changes,
@@ -125,7 +125,7 @@ def _surfaces(old: Facts, new: Facts, tolerances: Tolerances) -> list[SurfaceCha
 
 
 def _totals(old: Mapping[str, Any], new: Mapping[str, Any], tolerances: Tolerances) -> list[Change]:
-    """Time, way, volumes of stocks and the greatest force of each tool, where they differ at all."""
+    """Time, distance, volumes of stocks and the greatest force of each tool, where they differ at all."""
     paths = [*_TOTALS]
     paths += [f"stocks.{name}.{what}" for name in old.get("stocks", {}) for what in _OF_STOCK]
     paths += [f"tools.{tool['number']}.max_force_N" for tool in old.get("tools", ())]
@@ -141,7 +141,7 @@ def _totals(old: Mapping[str, Any], new: Mapping[str, Any], tolerances: Toleranc
 
 
 def _differing_inputs(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
-    """What else was not the same, for whoever looks for the reason."""
+    """What else was not the same, for those who look for the reason."""
     told = []
     for key, what in (("gcodesim", "versions of gcodesim"), ("world", "worlds"), ("seed", "seeds")):
         a, b = old.get("inputs", {}).get(key), new.get("inputs", {}).get(key)

@@ -1,4 +1,4 @@
-"""Findings of two runs against each other: the same fault stays the same when lines move or numbers tremble."""
+"""Compares findings of two runs: the same fault stays the same when lines move or numbers change a little."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def compare_findings(
     """Findings (as in `results.json`) that are new, gone, or changed in their numbers.
 
     `line_of` gives the new line of an old one where the programs were compared move by move; None: unknown. Without
-    it lines do not count. What is new or gone keeps the order of the files.
+    it lines do not count. New and gone findings keep the order of the files.
     """
     left = list(new)
     changes: list[FindingChange] = []
@@ -41,7 +41,7 @@ def compare_findings(
 
 
 def without_numbers(message: str) -> str:
-    """A message with `#` for each number in it: what it says, wherever and however much."""
+    """A message with `#` for each number in it: what it says, regardless of place and amount."""
     return _NUMBER.sub("#", message)
 
 
@@ -51,7 +51,7 @@ def _kind(finding: Json) -> tuple[str, str, str, str]:
 
 
 def _twin(finding: Json, among: Sequence[Json], line_of: Callable[[str, int], int | None] | None) -> Json | None:
-    """The finding that says the same at the same place; where places are not known, the first that says the same."""
+    """The finding that says the same at the same place; if places are not known, the first that says the same."""
     alike = [other for other in among if _kind(other) == _kind(finding)]
     if line_of is None or not finding["line"]:
         same_numbers = (other for other in alike if other["message"] == finding["message"])

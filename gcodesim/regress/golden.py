@@ -1,4 +1,4 @@
-"""The file of accepted results: small, readable line by line in a repository, without anything that is no result."""
+"""The file of accepted results: small, readable line by line in a repository, with nothing but results."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _OF_FINDING: Final = ("code", "severity", "file", "line", "count", "message")
 
 
 class GoldenError(ValueError):
-    """The file holds no accepted results, or damaged ones; the text says which."""
+    """The file does not hold accepted results, or is damaged; the text says which."""
 
 
 def golden_text(facts: Facts) -> str:
@@ -39,7 +39,7 @@ def golden_text(facts: Facts) -> str:
 
 
 def read_golden(source: SourceText, name: str) -> Facts:
-    """The facts in a file of accepted results, called `name` in messages. GoldenError when it holds none."""
+    """The facts in a file of accepted results, called `name` in messages. GoldenError if it holds none."""
     try:
         value = read_json(source.raw)
         if not isinstance(value, dict) or value.get("schema") != SCHEMA:
@@ -61,7 +61,7 @@ def read_golden(source: SourceText, name: str) -> Facts:
 
 
 def _short(value: Any) -> Any:
-    """Numbers to a few digits, without places in the program, which move while the meaning stays."""
+    """Numbers to a few digits, without places in the program, which may move while the meaning stays the same."""
     if isinstance(value, Mapping):
         return {key: _short(item) for key, item in value.items() if key not in _PLACES}
     if isinstance(value, list):

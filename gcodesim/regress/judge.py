@@ -39,12 +39,12 @@ if TYPE_CHECKING:
     from gcodesim.cell import LoadedCell
 
 _MOST_MOVES: Final = 20
-"""Differences of motion that become findings of their own; beyond them one says how many more there are."""
+"""Differences of motion that become findings of their own; one more finding says how many others there are."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Judging:
-    """What all cases of a test run have in common. `root` is the folder from which files are named."""
+    """Settings that all cases of a test run share. `root` is the folder from which files are named."""
 
     root: Path
     fail_on: str = "error"
@@ -52,23 +52,23 @@ class Judging:
     allow_paths: tuple[Path, ...] = ()
 
     def allowed(self, case: Case) -> tuple[Path, ...]:
-        """Folders from which the case's cell may take files: what its test file names below `root`, and ours."""
+        """Folders from which the case's cell may take files: those that its test file names below `root`, and ours."""
         root = os.path.realpath(self.root)
         named = (folder for folder in case.allow_path if Path(os.path.realpath(folder)).is_relative_to(root))
         return (*named, *self.allow_paths)
 
     @property
     def settings(self) -> str:
-        """What a verdict depends on besides its case and the day, for who remembers it."""
+        """What a verdict depends on besides its case and the day; used by the cache."""
         folders = (shown_path(folder, self.root) for folder in (*self.allow_paths, *folders_of_the_user()))
         return " ".join((f"fail on {self.fail_on}", *folders))
 
 
 @dataclass(slots=True, kw_only=True)
 class Outcome:
-    """What came of running a case.
+    """The result of running a case.
 
-    `programs` are the program and its subprograms, `files` where all that was read stands, `until` the days on which
+    `programs` are the program and its subprograms, `files` the paths of all that was read, `until` the days on which
     suppressions of the cell end.
     """
 
@@ -82,7 +82,7 @@ class Outcome:
 
 
 def judge(case: Case, how: Judging) -> tuple[CaseVerdict, Outcome]:
-    """The verdict on a case, and what it came from."""
+    """The verdict on a case, and the run behind it."""
     outcome = run_case(case, how)
     golden, problem = _golden(case, how)
     comparison = None if golden is None else _against(golden, outcome.facts, case)
@@ -112,7 +112,7 @@ def judge(case: Case, how: Judging) -> tuple[CaseVerdict, Outcome]:
         cell=None if case.cell is None else shown_path(case.cell, how.root),
         status="failed" if failed else "passed",
         found=tuple(shown),
-        # what lies within tolerance is no part of a verdict
+        # differences within tolerance are not part of a verdict
         comparison=SAME if comparison is not None and comparison.same else comparison,
         results=outcome.facts.results if "time" in outcome.facts.results else None,
     )
@@ -142,7 +142,7 @@ def run_case(case: Case, how: Judging) -> Outcome:
 
 
 def _settings(case: Case, settings: Settings) -> Settings:
-    """The reader's settings with what the test file says."""
+    """The reader's settings with the options of the test file."""
     given = {
         name: value
         for name in ("dialect", "block_delete", "max_blocks", "time_limit")
@@ -218,7 +218,7 @@ def _nothing_ran(case: Case, program: SourceText, fault: Diagnostic) -> Outcome:
 
 
 def _golden(case: Case, how: Judging) -> tuple[Facts | None, list[Diagnostic]]:
-    """The accepted facts; None when there are none or they cannot be read, which is then told."""
+    """The accepted facts; None if there are none or they cannot be read, which is then reported."""
     if not case.golden.is_file():
         return None, []
     name = shown_path(case.golden, how.root)
@@ -244,7 +244,7 @@ def _nothing_accepted(case: Case) -> Diagnostic:
 
 
 def _without_expected(comparison: Comparison, expected: Sequence[Mapping[str, Any]]) -> Comparison:
-    """Without new findings that somebody expects in writing."""
+    """The comparison without new findings that somebody expects in writing."""
     kept = tuple(change for change in comparison.findings if change.kind != "new" or change.new not in expected)
     return replace(comparison, findings=kept)
 
@@ -252,7 +252,7 @@ def _without_expected(comparison: Comparison, expected: Sequence[Mapping[str, An
 def _state(
     finding: Diagnostic, taken: Sequence[Diagnostic], comparison: Comparison | None, fail_on: str
 ) -> tuple[State, str]:
-    """What a finding of the run does to the verdict, and why."""
+    """The effect of a finding of the run on the verdict, and why."""
     if any(finding is one for one in taken):
         return "expected", ""
     severe = _is_severe(finding, fail_on)
@@ -334,7 +334,7 @@ def _wanted(case: Case, outcome: Outcome) -> tuple[list[Wanted], list[Diagnostic
 
 
 def _expected(wanted: Sequence[Wanted], findings: Sequence[Diagnostic]) -> tuple[list[Diagnostic], list[Diagnostic]]:
-    """The findings that were expected, and a GS601 for each expectation that nothing meets."""
+    """The findings that were expected, and a GS601 for each expectation that is not met."""
     taken: list[Diagnostic] = []
     unmet: list[Diagnostic] = []
     for want in wanted:
@@ -377,7 +377,7 @@ def _unmet(want: Wanted, findings: Sequence[Diagnostic]) -> Diagnostic:
 
 
 def _values(case: Case, results: Mapping[str, Any]) -> Iterator[Diagnostic]:
-    """A finding for each value and for the status that are not as the test file says."""
+    """A finding for each value that is not as the test file says, and for the status."""
     expect = case.expect
     if expect.status is not None and results.get("status") != expect.status:
         span = case.spans.get(("expect", "status"), Span(case.file))
@@ -403,7 +403,7 @@ def _values(case: Case, results: Mapping[str, Any]) -> Iterator[Diagnostic]:
 
 
 def _off(path: str, value: Any, expected: ExpectedValue, default: Tolerance) -> Diagnostic | None:
-    """What is wrong with a value, None when it is as expected."""
+    """What is wrong with a value; None if it is as expected."""
     told = f"{path} is {show.value_text(value)}"
     wanted, tolerance = expected.value, expected.tolerance or default
     if not is_number(value):

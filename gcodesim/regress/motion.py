@@ -1,8 +1,8 @@
-"""What a program tells the machine, reduced to what counts: steps in the order in which they act.
+"""The motion of a program, reduced to what counts: steps in the order in which they act.
 
-A step is an act (a move, a dwell, a tool change, an output) or a state that an act finds changed. States that repeat
-what is in force, or are overruled before anything acts, are no steps, nor are messages, so that numbering, comments,
-spelling and the order of words on lines do not show. Numbers are those of the canonical listing: mm, deg, mm/min.
+A step is an act (a move, a dwell, a tool change, an output), or a state that changes before an act. States that repeat
+what is in force, or are overruled before any act, are not steps, nor are messages. So numbering, comments,
+spelling and the order of words on a line do not matter. Numbers are those of the canonical listing: mm, deg, mm/min.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ MOVES: Final = ("rapid", "line", "arc", "spline", "probe", "tap")
 NO_AXES: Final[Axes] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 _SILENT: Final = (ev.Message, ev.Print, ev.Log)
-# states in the order in which an act tells them, with what is in force before the program says anything
+# states in the order in which they precede an act, with what is in force before the program says anything
 _STATES: Final[Mapping[str, Mapping[str, Any] | None]] = {
     "tool_select": None,
     "tool_number": None,
@@ -77,7 +77,7 @@ class ArcMove:
 class Step:
     """One step. `words` have to be equal, `numbers` alike; `end` of a move stands in the machine frame [mm, deg].
 
-    `through` are points on the way that shape a curved move: the middle of an arc, three points of a spline.
+    `through` are points on the path that shape a curved move: the middle of an arc, three points of a spline.
     `stops`: exact stop is in force. `system` turns machine positions into those of the program.
     """
 
@@ -95,7 +95,7 @@ class Step:
 
     @property
     def length(self) -> float:
-        """Way of a move [mm]."""
+        """Length of a move [mm]."""
         if self.end is None:
             return 0.0
         if self.arc is not None:
@@ -106,7 +106,7 @@ class Step:
         return sum(math.dist(a, b) for a, b in pairwise(points))
 
     def point(self, part: float) -> Point:
-        """Where a move is after `part` (0 to 1) of its way [mm]."""
+        """Where a move is after `part` (0 to 1) of its path [mm]."""
         assert self.end is not None
         if self.arc is not None:
             return arc_point(self.arc, self.start, self.end, part)
@@ -246,7 +246,7 @@ def _point(values: Sequence[float]) -> Point:
 
 
 def _along(points: Sequence[Sequence[float]]) -> tuple[Point, ...]:
-    """Points at `_SAMPLES` of the way along a polyline."""
+    """Points at `_SAMPLES` of the length of a polyline."""
     ways = [math.dist(a, b) for a, b in pairwise(points)]
     found = []
     for part in _SAMPLES:

@@ -1,4 +1,4 @@
-"""Two motions against each other: which steps came, went or changed, and by how much."""
+"""Compares two motions: which steps were inserted, removed or changed, and by how much."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _GRID: Final = 1e-4  # mm; positions of one key are equal after rounding to it
 _PARTS: Final = tuple(i / 16 for i in range(17))
 _UNLIKE: Final = 3.0 * GAP
 
-# how words and numbers of steps are called and measured: (kind or "", field) → name, tolerance
+# names and tolerances of words and numbers of steps: (kind or "", field) → name, tolerance
 _NAMES: Final[Mapping[tuple[str, str], tuple[str, str]]] = {
     ("", "feed"): ("feed", "feed"),
     ("", "pitch"): ("pitch", "feed"),
@@ -57,8 +57,8 @@ def compare_motion(
 ) -> MotionComparison:
     """Steps that were inserted, removed or changed; the `texts` give program lines for the places.
 
-    A move that was cut into several, or several joined into one, is no difference as long as they go the same way and
-    no exact stop lies between.
+    A move that was cut into several, or several joined into one, is not a difference if the path is the same and
+    there is no exact stop in between.
     """
     pairs = align(
         old,
@@ -111,7 +111,7 @@ def _displacement(step: Step) -> Hashable:
 
 
 def _unlikeness(a: Step, b: Step, tolerances: Tolerances) -> float:
-    """Asked for each cell of a table, so it counts what differs without saying it."""
+    """Called for each cell of a table, so it only counts differences, without describing them."""
     if a.kind != b.kind:
         if a.kind not in MOVES or b.kind not in MOVES or a.end is None or b.end is None:
             return _UNLIKE
@@ -195,7 +195,7 @@ def _axis(name: str, axis: int, old: float, new: float, tolerances: Tolerances) 
 
 
 def _ways(a: Step, b: Step, tolerances: Tolerances, *, shaped: bool) -> list[FieldChange]:
-    """Another way to the same end: how far apart the middles are. Where ends or words differ, they say enough."""
+    """A different path to the same end: how far apart the middles are. Where ends or words differ, they say enough."""
     if not shaped or len(a.through) != len(b.through) or _ends(a, b, tolerances):
         return []
     apart = max((math.dist(p, q) for p, q in zip(a.through, b.through, strict=True)), default=0.0)
@@ -218,7 +218,7 @@ def _plain(value: float) -> float:
 
 
 def _name(kind: str, field: str) -> tuple[str, str]:
-    """How a field is called in messages, and its tolerance."""
+    """The name of a field in messages, and its tolerance."""
     if (kind, field) in _NAMES:
         return _NAMES[kind, field]
     if ("", field) in _NAMES:
@@ -245,7 +245,7 @@ def _unit(step: Step, field: str, tolerance: str) -> str:
 
 
 def _hunks(pairs: Sequence[Pair], old: Sequence[Step], new: Sequence[Step], tolerances: Tolerances) -> list[list[Pair]]:
-    """Runs of pairs that are not equal, without those that only divide a way otherwise."""
+    """Runs of pairs that are not equal, without those that only divide a path differently."""
     hunks: list[list[Pair]] = []
     run: list[Pair] = []
     for a, b in pairs:
@@ -295,7 +295,7 @@ def _changes(
 
 
 def _detail(step: Step) -> str:
-    """What a step says that is no move: `cw, 8000 rpm`."""
+    """The content of a step that is not a move: `cw, 8000 rpm`."""
     if step.end is not None:
         return ""
     told = []
@@ -315,7 +315,7 @@ def _place(step: Step, text: LineText) -> ChangedLine:
 
 
 def _same_way(a: Sequence[Step], b: Sequence[Step], tolerances: Tolerances) -> bool:
-    """Whether two runs of cuts (or of rapids) go the same way in the same manner, however they are divided."""
+    """Whether two runs of cuts (or of rapids) follow the same path in the same manner, however they are divided."""
     if not a or not b or any(step.kind not in ("line", "arc") or step.stops for step in (*a, *b)):
         return False
     if len({dict(step.words).get("feed_unit") for step in (*a, *b)}) > 1:
@@ -330,7 +330,7 @@ def _same_way(a: Sequence[Step], b: Sequence[Step], tolerances: Tolerances) -> b
 
 
 def _sampled(steps: Sequence[Step]) -> list[tuple[float, float, float]]:
-    """Points at equal parts of the way along a run of moves, and its length as one more."""
+    """Points at equal parts of the length of a run of moves; the length itself is one more entry."""
     lengths = [step.length for step in steps]
     total = sum(lengths)
     points = []
@@ -345,7 +345,7 @@ def _sampled(steps: Sequence[Step]) -> list[tuple[float, float, float]]:
 
 
 def _folded(changes: Sequence[tuple[int, MoveChange]]) -> tuple[MoveChange, ...]:
-    """Neighbours that change in the same way as one, with a count; what came or went only within its hunk."""
+    """Neighbours that change in the same way, as one entry with a count; insertions and removals per hunk only."""
     folded: list[MoveChange] = []
     hunk = -1
     for number, change in changes:

@@ -1,4 +1,4 @@
-"""What a suite would not see: seeded changes of its programs and cells, each judged as the case that it changes."""
+"""What a suite would not see: seeded changes of its programs and cells, each judged in the case that it changes."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Fate = Literal["seen", "not_seen", "no_effect"]
 """The case fails; it passes although something differs, or nothing was there to compare with; nothing differs."""
 
 _SHARE_OF_PROGRAMS: Final = 0.7  # the other changes are of cells
-_TRIES: Final = 50  # draws for each mutant: an operator may find nothing to change, or what was drawn before
+_TRIES: Final = 50  # draws for each mutant: an operator may find nothing to change, or repeat an earlier draw
 _EXACT: Final = {name: Tolerance(1e-6 * default.absolute, 1e-9) for name, default in DEFAULTS.items()}
 
 
@@ -46,7 +46,7 @@ class MutantVerdict:
 
 
 def draw(cases: Sequence[Case], root: Path, count: int, seed: int) -> tuple[Mutant, ...]:
-    """`count` mutants of `cases`; fewer where nothing more can be changed. The same seed draws the same ones."""
+    """`count` mutants of `cases`; fewer if nothing more can be changed. The same seed draws the same ones."""
     drawn: dict[tuple[str, str, str], Mutant] = {}
     for number in range(count * _TRIES):
         mutant = _draw_one(cases, root, Random(f"{seed}/{number}"))
@@ -58,7 +58,7 @@ def draw(cases: Sequence[Case], root: Path, count: int, seed: int) -> tuple[Muta
 
 
 def _draw_one(cases: Sequence[Case], root: Path, random: Random) -> Mutant | None:
-    """A change of one case; None when what was drawn finds nothing to change."""
+    """A change of one case; None if the operator that was drawn finds nothing to change."""
     case = random.choice(cases)
     path, change, operators = case.program, mutate_program, list(PROGRAM_OPERATORS)
     if case.cell is not None and random.random() >= _SHARE_OF_PROGRAMS:
@@ -74,7 +74,7 @@ def _draw_one(cases: Sequence[Case], root: Path, random: Random) -> Mutant | Non
 def judge_mutants(
     mutants: Sequence[Mutant], how: Judging, *, jobs: int = 1, progress: Callable[[Mutant], None] | None = None
 ) -> tuple[MutantVerdict, ...]:
-    """The fate of each mutant, in their order, by `jobs` processes."""
+    """The fate of each mutant, in order, found by `jobs` processes."""
     fates = in_parallel(_fate, [mutant.case for mutant in mutants], how, jobs)
     verdicts = []
     try:

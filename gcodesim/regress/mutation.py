@@ -30,7 +30,7 @@ _ARC_PLACES: Final = 6
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mutation:
-    """A changed text; `quantities` are names that a comparison has to show, any of them, when the change matters."""
+    """A changed text; a comparison has to show at least one of `quantities` if the change matters."""
 
     operator: str
     text: str
@@ -39,7 +39,7 @@ class Mutation:
 
 
 Operator = Callable[[Random, list[str]], "tuple[str, tuple[str, ...]] | None"]
-"""Changes lines in place; says what it did and which quantities show it, None when there is nothing to change."""
+"""Changes lines in place; returns what it did and which quantities show it, None if there is nothing to change."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +77,7 @@ def _is(word: _Found, *numbers: float) -> bool:
 
 
 def _put(lines: list[str], word: _Found, text: str) -> str:
-    """Replace a word; the answer says what became of the line."""
+    """Replace a word; returns a description of the changed line."""
     old = lines[word.line]
     lines[word.line] = old[: word.start] + text + old[word.end :]
     return f"line {word.line + 1}: {old.strip()} → {lines[word.line].strip()}"
@@ -89,7 +89,7 @@ def _number(value: float, places: int = _PLACES) -> str:
 
 
 def _factor(random: Random) -> float:
-    """Far enough from 1 that nobody would call it the same."""
+    """A factor far enough from 1 that nobody would call the result the same."""
     return random.choice((random.uniform(0.4, 0.8), random.uniform(1.25, 2.0)))
 
 
@@ -162,7 +162,7 @@ def _dwell(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | No
 
 
 def _swapped(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | None:
-    """Two moves in the other order."""
+    """Two moves in reverse order."""
     moving = {word.line for word in _words(lines, "XYZ")}
     places = sorted(line for line in moving if line + 1 in moving)
     if not places:
@@ -173,7 +173,7 @@ def _swapped(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | 
 
 
 def _arc_center(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | None:
-    """Another centre or radius; where the arc fits no more, that is an error."""
+    """Another centre or radius; if the arc no longer fits, that is an error."""
     words = _words(lines, "IJR")
     if not words:
         return None
@@ -218,7 +218,7 @@ def _incremental(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]
 
 
 def _path_mode(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | None:
-    """Exact stop from somewhere on, until the program says something else."""
+    """Exact stop from some line on, until the program says something else."""
     places = sorted({word.line for word in _words(lines, "XYZ")})
     if not places:
         return None
@@ -327,7 +327,7 @@ def _numbered(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] |
 
 
 def _plain_words(code: str) -> list[str]:
-    """The words of a block that consists of nothing else."""
+    """The words of a block, if it consists of nothing else."""
     words = [match[0] for match in _WORD.finditer(code)]
     return words if "".join("".join(words).split()) == "".join(code.split()) else []
 
@@ -350,11 +350,11 @@ def _cased(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | No
 
 
 def _reordered(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | None:
-    """Words of a block in another order, which the control does not care for; a number N stays in front."""
+    """Words of a block in another order, which does not matter to the control; a number N stays in front."""
     count = 0
     for index, line in enumerate(lines):
         words = _plain_words(_code(line))
-        # where a call stands in its block, some controls do care
+        # to some controls the place of a call in its block does matter
         if len(words) < 2 or _CALLS & {word[0].upper() for word in words} or random.random() < 0.4:
             continue
         front = 1 if words[0][0] in "Nn" else 0
@@ -366,7 +366,7 @@ def _reordered(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] 
 
 
 def _line_ends(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | None:
-    """Lines end as on another system."""
+    """Line ends of another system."""
     lines[:] = [f"{line}\r" for line in lines]
     return "lines end with CR LF", ()
 
@@ -405,7 +405,7 @@ def _spelled(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | 
 
 
 def _modal(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | None:
-    """The motion word that is in force, said again where it was left out."""
+    """The motion word that is in force, repeated where it was left out."""
     motion = None
     count = 0
     for index, line in enumerate(lines):
@@ -425,7 +425,7 @@ def _modal(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | No
 
 
 def _arcs_by_radius(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...]] | None:
-    """Arcs by centre become arcs by radius; they go the same way."""
+    """Arcs by centre become arcs by radius on the same path."""
     count = 0
     for index, (_, _, radius, sweep) in _plain_arcs(lines).items():
         if 5.0 < abs(sweep) < 170.0 and random.random() < 0.8:
@@ -507,7 +507,7 @@ NEUTRAL_OPERATORS: Final[Mapping[str, Operator]] = {
 def edit_neutrally(random: Random, text: str, operators: tuple[str, ...] = ()) -> Mutation:
     """A program that means the same: one or several neutral edits, drawn where `operators` names none."""
     names = operators or tuple(random.sample(list(NEUTRAL_OPERATORS), random.randint(1, 3)))
-    # what is read by words comes before what spells them in odd ways
+    # edits that read words come before those that spell them in odd ways
     ordered = [name for name in reversed(tuple(NEUTRAL_OPERATORS)) if name in names]
     told = []
     for name in ordered:

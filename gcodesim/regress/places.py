@@ -1,4 +1,4 @@
-"""Where the files stand that findings name, and findings with their places named from one folder."""
+"""Paths of the files that findings name, and findings with their places named from one folder."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def files_read(
 ) -> dict[str, Path]:
     """Paths by the names that findings give files: those of the cell, the program, and what stands beside it.
 
-    `names` are all sources, `folders` those in which subprograms were looked for. A name without a file is not there.
+    `names` are all sources, `folders` those in which subprograms were looked for. A name without a file is left out.
     """
     files = {} if loaded is None else {file.name: file.path for file in loaded.files}
     files[program.name] = program

@@ -25,7 +25,7 @@ _MOST_OF_A_PAGE: Final = 100  # entries of a kind in Markdown: sites take 65,000
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Entry:
-    """One difference as lines of text, and where it is on either side as far as it has a place there."""
+    """One difference as lines of text, and its place on either side, if it has one there."""
 
     lines: tuple[str, ...]
     old: ChangedLine | None = None
@@ -33,7 +33,7 @@ class Entry:
 
 
 def number(value: float) -> str:
-    """Seven digits at most, without an exponent that people would have to read."""
+    """Seven digits at most, without an exponent where people would have to decode it."""
     text = f"{value:.7g}"
     return f"{value:.0f}" if "e+" in text else text
 
@@ -51,7 +51,7 @@ def value_text(value: Any) -> str:
 
 
 def allowance(tolerance: str, allowed: float | None, unit: str) -> str:
-    """``tolerance `volume` allows 0.5 mm³``; empty where nothing is allowed for."""
+    """``tolerance `volume` allows 0.5 mm³``; empty if nothing is allowed."""
     if not tolerance or allowed is None:
         return ""
     return f"tolerance `{tolerance}` allows {number(float(f'{allowed:.3g}'))}{unit}"
@@ -96,7 +96,7 @@ def _steps(count: int) -> str:
 
 
 def _until(move: MoveChange) -> str:
-    """How far a folded change goes."""
+    """How far a folded change extends."""
     if move.count == 1:
         return ""
     last = move.last_new or move.last_old
@@ -104,7 +104,7 @@ def _until(move: MoveChange) -> str:
 
 
 def move_message(move: MoveChange) -> str:
-    """One line that stands beside the place: what happened to which step."""
+    """One line to be shown beside the place: what happened to which step."""
     if move.kind == "changed":
         fields = ", ".join(field_text(field) for field in move.fields)
         return f"{move.what}{_until(move)} changed: {fields}"
@@ -171,7 +171,7 @@ def comparison_lines(comparison: Comparison) -> list[str]:
 
 
 def sections(comparison: Comparison) -> Iterator[tuple[str, list[Entry]]]:
-    """All that differs under its titles, none of them empty: in all, motion, results, surface, findings."""
+    """All differences under their titles, none of them empty: in all, motion, results, surface, findings."""
     if comparison.totals and not comparison.same:
         yield "in all", [Entry(lines=(change_text(change),)) for change in comparison.totals]
     if comparison.moves:
@@ -273,7 +273,7 @@ def _escaped(text: str) -> str:
 
 
 def _diff_lines(moves: Sequence[MoveChange]) -> Iterator[str]:
-    """In the form that sites colour as a difference."""
+    """In the form that web sites colour as a diff."""
     for move in moves:
         if move.old is not None:
             yield f"- {_line(move.old)}"
@@ -284,7 +284,7 @@ def _diff_lines(moves: Sequence[MoveChange]) -> Iterator[str]:
 
 
 def totals(results: Mapping[str, Any]) -> list[str]:
-    """The numbers that one asks for first: time, removed and deposited volume, greatest force."""
+    """The numbers that people ask for first: time, removed and deposited volume, greatest force."""
     if "time" not in results:
         return []
     parts = [f"{number(round(results['time']['total_s'], 3))} s"]

@@ -1,4 +1,4 @@
-"""What `gcodesim diff` is pointed at: a program, results, accepted results, the folder of a run, a log."""
+"""The two sides of `gcodesim diff`: a program, results, accepted results, the folder of a run, or a log."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 LOG_SUFFIX: Final = ".mcap"
 _STOCK: Final = ".stock"
-_PROGRAM: Final = "program.nc"  # what a log calls them
+_PROGRAM: Final = "program.nc"  # their names in a log
 _CELL: Final = "cell.yaml"
 
 
@@ -47,7 +47,7 @@ def is_output(path: Path) -> bool:
 
 
 def members_of(folder: Path) -> dict[str, Path]:
-    """What a folder that is no output itself holds to compare, by path inside it: outputs of runs, and programs."""
+    """What there is to compare in a folder that is not an output itself, by path: outputs of runs, and programs."""
     outputs = [path for path in sorted(folder.rglob("*")) if path.is_dir() and is_output(path)]
     programs = [path for path in programs_in(folder) if not any(path.is_relative_to(output) for output in outputs)]
     return {path.relative_to(folder).as_posix(): path for path in (*outputs, *programs)}
@@ -81,7 +81,7 @@ def facts_at(
 
 
 def compare_sides(old: Facts, new: Facts, tolerances: Tolerances) -> Comparison:
-    """`compare`, after asking whether the two can be compared; SideError when not."""
+    """`compare`, after checking whether the two can be compared; SideError if not."""
     for one, other in ((old, new), (new, old)):
         if one.is_alone and not other.is_alone:
             raise SideError(f"{one.name} is a program alone and {other.name} comes of a cell: name that with --cell")
@@ -92,7 +92,7 @@ def compare_sides(old: Facts, new: Facts, tolerances: Tolerances) -> Comparison:
 
 
 def log_of(path: Path, out: Path) -> Path | None:
-    """The log of a side: of a run that is there, or of the run into `out`; None without one."""
+    """The log of a side: of an existing run, or of the run into `out`; None without one."""
     if path.is_dir():
         path = path / LOG_NAME
     elif path.suffix.lower() != LOG_SUFFIX:
@@ -141,11 +141,11 @@ _PARTS: Final[Mapping[str, type]] = {
     "joints": list,
     "not_simulated": list,
 }
-"""What results have; what is not there would else differ from nothing."""
+"""Parts that results have; otherwise a missing part would differ from nothing."""
 
 
 def _whole(results: Mapping[str, Any], path: Path) -> dict[str, Any]:
-    """`results` with all of its parts; SideError names the first that is missing or of another kind."""
+    """`results` with all of its parts; SideError names the first one that is missing or of the wrong kind."""
     for key, kind in _PARTS.items():
         if not isinstance(results.get(key), kind):
             raise SideError(f"{path} holds no results of gcodesim: there is no proper `{key}`")
@@ -212,7 +212,7 @@ def _log(path: Path) -> Facts:
 
 
 def _settings(folder: Path, program: SourceText) -> tuple[Settings, tuple[str, ...]]:
-    """How a log's program is read: as its cell says, when all that the cell names is in the log too."""
+    """How a log's program is read: as its cell says, if all files that the cell names are in the log."""
     cell = load_cell(folder / _CELL).cell if (folder / _CELL).exists() else None
     if cell is None:
         remark = "the cell's files are not in the log: moves are compared without its tools and work offsets"

@@ -1,4 +1,4 @@
-"""Files by the names that findings give them, read when somebody asks."""
+"""Files by the names that findings give them, read on demand."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from gcodesim.diagnostics import SourceText
 
 
 class Sources(Mapping[str, SourceText]):
-    """Texts by their path from `root`; what cannot be read is not there."""
+    """Texts by their path from `root`; files that cannot be read are left out."""
 
     def __init__(self, root: Path) -> None:
         self._root = root
@@ -33,6 +33,6 @@ class Sources(Mapping[str, SourceText]):
         return sum(1 for _ in self)
 
     def line(self, name: str, number: int) -> str:
-        """A line of a file, empty when it is not there."""
+        """A line of a file, empty if it does not exist."""
         source = self.get(name)
         return "" if source is None else source.line(number)

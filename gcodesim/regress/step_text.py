@@ -1,11 +1,11 @@
-"""Steps as lines of text that people read in a difference, and back.
+"""Steps as lines of text that people read in a diff, and back.
 
-    line X10 Y20 Z-1 F400          a move to a place of the program; what the move before had is left out
+    line X10 Y20 Z-1 F400          a move to a place of the program; words as in the move before are left out
     +3 arc X30 ccw c(20,20,-1) sweep=180
     spindle dir:cw unit:rpm max_rpm:none speed=8000
 
-A step stands one program line below the step before; `+3` says three lines below, `@sub.ngc:7` another place. So a line
-that is put in moves no other. Lengths are mm, angles deg, feeds per minute.
+A step is one program line below the step before it; `+3` means three lines below, `@sub.ngc:7` another place. So a line
+that is inserted does not shift the others. Lengths are mm, angles deg, feeds per minute.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _WORD = re.compile(r"(?P<name>[a-zA-Z_0-9]+):(?P<value>.*)")
 
 
 class StepTextError(ValueError):
-    """A line that is no step; the text says which."""
+    """A line that is not a step; the text says which."""
 
 
 def _number(value: float) -> str:
@@ -50,7 +50,7 @@ def _system_text(system: System) -> str:
 
 
 def lines_of(steps: Iterable[Step]) -> list[str]:
-    """One line a step, and one for each change of the work system."""
+    """One line for each step, and one for each change of the work system."""
     lines: list[str] = []
     system = System()
     last: dict[str, str] = {}

@@ -1,4 +1,4 @@
-"""Many cases: in order or in parallel, stopping at the first that fails or not, with the same verdict either way."""
+"""Many cases: in order or in parallel, with or without stopping at the first failure; always the same verdict."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ if TYPE_CHECKING:
 INTERNAL: Final = "GS613"
 """A case that could not be judged because of a fault of gcodesim."""
 
-_OURS: Final = "GS6"  # differences and expectations: no baseline takes them
+_OURS: Final = "GS6"  # differences and expectations: no baseline excuses them
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Judged:
-    """A verdict, and what the cache has to know besides."""
+    """A verdict, and what else the cache has to know."""
 
     verdict: CaseVerdict
     files: dict[str, Path]
@@ -44,13 +44,13 @@ def judged(case: Case, how: Judging) -> Judged:
     try:
         verdict, outcome = judge(case, how)
     except Exception as fault:
-        # ours, or that of a plugin; the other cases have their verdicts all the same
+        # our fault, or that of a plugin; the other cases still get their verdicts
         return Judged(verdict=_broken(case, how, fault), files={})
     return Judged(verdict=verdict, files=outcome.files, until=outcome.until)
 
 
 def _broken(case: Case, how: Judging, fault: Exception) -> CaseVerdict:
-    """The verdict on a case that gcodesim itself failed on; the trace goes to stderr."""
+    """The verdict on a case on which gcodesim itself failed; the traceback goes to stderr."""
     print(lines("".join(traceback.format_exception(fault))), end="", file=sys.stderr)
     finding = Diagnostic(
         code=INTERNAL,
@@ -81,8 +81,8 @@ def run_suite(
 ) -> SuiteVerdict:
     """The verdicts on all cases, in their order.
 
-    `jobs` processes share the work, without a trace in the verdict. With `fail_fast` all cases after the first that
-    fails are `not_run`. `cache` remembers what passed, and with `reuse` gives it back. `baseline` lists findings that
+    `jobs` processes share the work, which does not show in the verdict. With `fail_fast` all cases after the first that
+    fails are `not_run`. `cache` remembers passed cases, and with `reuse` returns them. `baseline` lists findings that
     do not count. `progress` is told each verdict, in order.
     """
     today = how.today or date.today()
@@ -127,7 +127,7 @@ def _program(case: Case, how: Judging) -> str:
 
 
 def with_baseline(verdict: CaseVerdict, baseline: Baseline, lines: Sources) -> CaseVerdict:
-    """`verdict` where findings that `baseline` knows do not count; `lines` are those of the files they name."""
+    """`verdict` in which findings that `baseline` knows do not count; `lines` are those of the files they name."""
     found = tuple(
         replace(one, state="baseline") if _may_wait(one) and baseline.knows(one.finding, lines.line) else one
         for one in verdict.found
@@ -142,7 +142,7 @@ def _may_wait(found: Found) -> bool:
 
 
 def baseline_of(verdict: SuiteVerdict, root: Path) -> str:
-    """The baseline file that takes all findings that count now, and those that an earlier one took."""
+    """The baseline file with all findings that count now, and those of an earlier baseline."""
     from gcodesim.regress.baseline import baseline_text
 
     findings: list[Diagnostic] = [

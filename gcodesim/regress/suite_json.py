@@ -13,7 +13,7 @@ SCHEMA: Final = "gcodesim-test/1"
 
 
 def suite_as_json(verdict: SuiteVerdict) -> dict[str, Any]:
-    """All of it; equal for equal inputs, whatever ran in which order or was known from an earlier run."""
+    """The whole verdict; equal for equal inputs, in whatever order cases ran or were known from an earlier run."""
     value: dict[str, Any] = clean(
         {
             "schema": SCHEMA,

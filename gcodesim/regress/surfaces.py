@@ -39,7 +39,7 @@ class Coarse:
     mean: Array
 
     def as_json(self) -> dict[str, Any]:
-        """For the file of accepted results: rows along Y as text, runs as `12*-2000`, equal rows as `3x 12*-2000`."""
+        """The form in accepted results: rows along Y as text, runs as `12*-2000`, equal rows as `3x 12*-2000`."""
         return {
             "corner_mm": [_mm(v) for v in self.corner],
             "cell_mm": [_mm(v) for v in self.cell],
@@ -49,7 +49,7 @@ class Coarse:
 
     @staticmethod
     def from_json(value: Mapping[str, Any]) -> Coarse:
-        """ValueError, KeyError or TypeError when `value` is none."""
+        """ValueError, KeyError or TypeError when `value` is not a coarse surface."""
         x, y = (float(v) * MM for v in value["corner_mm"])
         dx, dy = (float(v) * MM for v in value["cell_mm"])
         lowest, mean = (
@@ -71,7 +71,7 @@ def _rows(heights: Array) -> list[str]:
 
 
 def _runs(texts: Sequence[str], sign: str) -> list[str]:
-    """Equal neighbours as one, with their number before `sign`."""
+    """Equal neighbours as one entry, with their number before `sign`."""
     return [
         text if count == 1 else f"{count}{sign}{text}" for text, count in ((k, len([*g])) for k, g in groupby(texts))
     ]
@@ -117,7 +117,7 @@ def _borders(columns: int) -> NDArray[np.int64]:
 
 
 def compare_coarse(name: str, old: Coarse, new: Coarse, allowed_mm: float) -> SurfaceChange | None:
-    """Where two coarse surfaces differ most; None within `allowed_mm` or on other grids (volumes tell then)."""
+    """Where two coarse surfaces differ most; None within `allowed_mm` or on different grids (then volumes show it)."""
     if old.lowest.shape != new.lowest.shape or not np.allclose(
         (*old.corner, *old.cell), (*new.corner, *new.cell), atol=1e-9
     ):
@@ -132,7 +132,7 @@ def compare_coarse(name: str, old: Coarse, new: Coarse, allowed_mm: float) -> Su
 def compare_stocks(name: str, old: Stock, new: Stock, allowed_mm: float) -> SurfaceChange | None:
     """Where the tops of two stocks differ most, column by column; None within `allowed_mm`.
 
-    Columns on other places are compared in the nearest of the old grid.
+    Columns at other places are compared with the nearest ones of the old grid.
     """
     before, after = old.relief(), new.relief()
     return _most(name, before, before.tops, after.tops_at(before), allowed_mm, exact=True)
@@ -143,14 +143,14 @@ def _most(
 ) -> SurfaceChange | None:
     """The place of the greatest difference; where one side has no material, the whole height counts.
 
-    A wall that stands one cell beside its place is none: the last bit of a coordinate may move it over the middle of a
-    column. So a height differs only when it lies outside of all heights that the other surface has around there.
+    A wall one cell beside its place is not a difference: the last bit of a coordinate may move it over the middle of a
+    column. So a height differs only if it is outside all heights that the other surface has around there.
     """
     (x, y), (dx, dy) = places.corner, places.cell
     bottom = float(np.nanmin([np.nanmin(old, initial=np.inf), np.nanmin(new, initial=np.inf)]))
     floor = bottom if np.isfinite(bottom) else 0.0
     a, b = np.where(np.isnan(old), floor, old), np.where(np.isnan(new), floor, new)
-    # files hold whole micrometres: half of one on either side is no difference
+    # files hold whole micrometres: half of one on either side is not a difference
     slack = allowed_mm * MM + (1e-9 if exact else UM)
     off = _outside(a, b, slack) | _outside(b, a, slack)
     if not off.any():
@@ -171,7 +171,7 @@ def _most(
 
 
 def _outside(heights: Array, among: Array, slack: float) -> NDArray[np.bool_]:
-    """Where `heights` are below or above all that `among` has in that cell and the eight around it."""
+    """Where `heights` are below or above everything that `among` has in that cell and the eight around it."""
     padded = np.pad(among, 1, mode="edge")
     nx, ny = among.shape
     around = [padded[i : i + nx, j : j + ny] for i in range(3) for j in range(3)]

@@ -1,4 +1,4 @@
-"""What may differ: one table of quantities, each with its unit and how much of a difference is none."""
+"""What may differ: one table of quantities, each with its unit and the difference that is tolerated."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from typing import Final
 
 @dataclass(frozen=True, slots=True)
 class Tolerance:
-    """A difference is none up to ``max(absolute, relative * |old|)``; `absolute` in the unit of the quantity."""
+    """Allows differences up to ``max(absolute, relative * |old|)``; `absolute` is in the unit of the quantity."""
 
     absolute: float
     relative: float = 0.0
 
     def limit(self, old: float) -> float:
-        """The greatest difference from `old` that is none."""
+        """The greatest difference from `old` that is allowed."""
         return max(self.absolute, self.relative * abs(old))
 
     def allows(self, old: float, new: float) -> bool:
-        # the last bits of what a file holds in decimal are no difference
+        # the last bits of decimal numbers in a file are not a difference
         return abs(new - old) <= self.limit(old) * (1.0 + 1e-9) + 1e-12
 
 
@@ -72,7 +72,7 @@ QUANTITIES: Final[Mapping[str, Compared]] = {
 Tolerances = Mapping[str, Tolerance]
 DEFAULTS: Final[Tolerances] = {name: quantity.default for name, quantity in QUANTITIES.items()}
 
-# which quantity a path of the results is; the first that matches counts
+# the quantity of a path of the results; the first that matches counts
 _PATHS: Final = tuple(
     (re.compile(pattern), name)
     for pattern, name in (

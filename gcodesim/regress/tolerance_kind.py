@@ -1,4 +1,4 @@
-"""How tolerances are written: `0.5 mm^3`, `2 %`, or `[0.5 mm^3, 2 %]`, of which the greater one counts."""
+"""How tolerances are written: `0.5 mm^3`, `2 %`, or `[0.5 mm^3, 2 %]`, where the greater one counts."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ def tolerance_from(name: str, text: str) -> Tolerance | str:
 
 
 def table() -> list[list[str]]:
-    """All tolerances for people: name, default, what it is for."""
+    """All tolerances for people: name, default, and what they are for."""
     rows = []
     for name, quantity in QUANTITIES.items():
         default = " or ".join(ToleranceKind(quantity.dimension).show(quantity.default))

@@ -1,4 +1,4 @@
-"""What a test run says, as values: one verdict a case, one for all. Every report format is written from these."""
+"""The result of a test run as values: a verdict for each case, one for all. All report formats are written from it."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ State = Literal["counts", "told", "expected", "accepted", "baseline", "suppresse
 Status = Literal["passed", "failed", "not_run"]
 
 NOTHING_ACCEPTED: Final = "GS607"
-"""The code that says that a case has no accepted results beside it."""
+"""The code for a case without accepted results."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Found:
-    """A finding of a case, and what it does to the verdict.
+    """A finding of a case, and its effect on the verdict.
 
-    `counts`      makes the case fail; `reason` is not empty when it does so only because it is new
+    `counts`      makes the case fail; `reason` is not empty if it does so only because it is new
     `told`        is below `fail_on`
-    `expected`    the test file or a comment of the program asks for it
-    `accepted`    stands in the accepted results
-    `baseline`    stands in the baseline file
-    `suppressed`  the cell's `suppress:` says why it is no fault; `reason` has its words
+    `expected`    the test file or a comment of the program expects it
+    `accepted`    is part of the accepted results
+    `baseline`    is listed in the baseline file
+    `suppressed`  the cell's `suppress:` says why it is not a fault; `reason` has its words
 
     Spans name files by their path from the folder of the test run, with `/`.
     """
@@ -77,7 +77,7 @@ class CaseVerdict:
 class SuiteVerdict:
     """All cases in the order of their names; `gone` are entries of the baseline that no finding needed.
 
-    `found` holds what is wrong with no case in particular, such as a test file that cannot be read.
+    `found` holds findings that belong to no case, such as a test file that cannot be read.
     """
 
     cases: tuple[CaseVerdict, ...]

@@ -1,4 +1,4 @@
-"""Processes that share the cases of a suite, and that never outlive it."""
+"""Processes that share the cases of a suite and never outlive it."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ T = TypeVar("T")
 
 
 class WorkerLostError(Exception):
-    """A worker was killed from outside, as systems do that run out of memory."""
+    """A worker was killed from outside, as happens when a system runs out of memory."""
 
 
 def in_parallel(
     work: Callable[[Case, Judging], T], cases: Sequence[Case], how: Judging, jobs: int
 ) -> Generator[T, None, None]:
-    """`work` on all cases, in their order, by `jobs` processes; closing it gives up what has not come to its end.
+    """`work` on all cases, in their order, by `jobs` processes; closing it gives up unfinished cases.
 
-    WorkerLostError when one of them is killed.
+    WorkerLostError if one of them is killed.
     """
     if jobs < 2 or len(cases) < 2:
         yield from (work(case, how) for case in cases)
@@ -36,7 +36,7 @@ def in_parallel(
     from concurrent.futures import ProcessPoolExecutor
     from concurrent.futures.process import BrokenProcessPool
 
-    # a fresh interpreter each: nothing that this process has loaded or locked comes along
+    # a fresh interpreter each: it inherits nothing that this process has loaded or locked
     context = get_context("spawn")
     watched, held = context.Pipe(duplex=False)
     pool = ProcessPoolExecutor(min(jobs, len(cases)), mp_context=context, initializer=_tie, initargs=(watched,))
@@ -47,7 +47,7 @@ def in_parallel(
             yield future.result()
     except BrokenProcessPool:
         raise WorkerLostError(f"one of {jobs} workers was killed") from None
-    except BaseException:  # also that nobody wants the rest: nothing of a case that is cut off is kept
+    except BaseException:  # also when nobody wants the rest: nothing of an unfinished case is kept
         held.close()
         raise
     finally:
@@ -58,10 +58,10 @@ def in_parallel(
 
 @contextmanager
 def _interrupts_wait() -> Iterator[None]:
-    """Processes that are started meanwhile take no interrupt, from their first moment; ours comes afterwards.
+    """Processes that are started meanwhile take no interrupt from their first moment on; ours is handled afterwards.
 
-    A worker that is still importing would else answer a Ctrl-C with a trace, and one that is cut off from what it is to
-    load does so, too. Masks are inherited, handlers are not; and another thread of ours may have no mask.
+    Otherwise a worker that is still importing would answer a Ctrl-C with a traceback, and so would one that is cut off
+    while loading. Masks are inherited, handlers are not, and another thread of ours may have no mask.
     """
     if not hasattr(signal, "pthread_sigmask") or current_thread() is not main_thread():
         yield
@@ -80,8 +80,8 @@ def _interrupts_wait() -> Iterator[None]:
 
 
 def _tie(watched: Connection) -> None:
-    """Let this process end when the other end of `watched` is closed or its owner dies, however it dies."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # a terminal interrupts all; the owner decides
+    """End this process when the other end of `watched` is closed or its owner dies, however it dies."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # a terminal interrupts all processes; the owner decides
     Thread(target=_end_with, args=(watched,), daemon=True).start()
 
 

@@ -1,4 +1,4 @@
-"""What people read of a run."""
+"""Reports of a run for people."""
 
 from gcodesim.report.summary import summary_rows
 

@@ -1,4 +1,4 @@
-"""The scripts of other people that a page takes along, from the packages in which they are installed."""
+"""Scripts by others that a page contains, from the packages in which they are installed."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def scene_library() -> str:
     found = re.search(r"<script>(.*?)</script>", template, re.DOTALL)
     if found is None or "Three.js Authors" not in found[1]:
         raise LibraryMissingError("this version of trimesh carries no three.js; 4.4 to 5.2 do")
-    # the viewer's own part follows the library and is not wanted
+    # the viewer's own part follows the library and is not needed
     return found[1].split("(function(){const _changeEvent")[0]
 
 

@@ -1,4 +1,4 @@
-"""The moments of a run that a replay has to know: between them everything moves along straight lines."""
+"""The moments of a run that a replay needs: between them everything moves along straight lines."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ def key_moments(
 
     Between them no column is further off a straight line than `tolerance` (k,).
     `forced` rows are kept. When more than `most` rows would be needed, the
-    tolerance is doubled until they are not. Ramer 1972, Douglas and Peucker 1973,
+    tolerance is doubled until they suffice. Ramer 1972, Douglas and Peucker 1973,
     with time as the way.
     """
-    scaled = np.ascontiguousarray((signals / tolerance).T)  # numpy takes the greatest of a few long rows fastest
+    scaled = np.ascontiguousarray((signals / tolerance).T)  # numpy finds the maximum fastest over a few long rows
     while True:
         kept = _within_one(scaled, forced, max(most, len(forced) + 2))
         if kept is not None:

@@ -1,7 +1,7 @@
 """Arrays and texts of a page as one compressed block: small, and read by a browser without a library.
 
-Numbers that are drawn need no more than 16 bits of their range. Differences of
-neighbours are mostly small or alike, which is what deflate makes use of.
+Numbers that are drawn need only 16 bits of their range. Differences of
+neighbours are mostly small or alike, which helps deflate.
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 _LEVELS = 65535  # steps of a quantised number over its range
-_LEVEL = 7  # 9 takes a quarter longer for the whole page and leaves half a per cent out
+_LEVEL = 7  # 9 takes a quarter longer for the whole page and saves half a per cent
 
 
 class Pack:
-    """Collects arrays; `index` says how a reader finds and undoes each."""
+    """Collects arrays; `index` says how a reader finds and unpacks each."""
 
     def __init__(self) -> None:
         self._parts: list[bytes] = []

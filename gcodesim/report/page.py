@@ -27,14 +27,14 @@ from gcodesim.units import MM, MM_PER_MINUTE, RPM
 
 CHARTS: Final = ("force", "power", "feed", "error", "removal", "joints", "speed", "effort")
 SCRIPTS: Final = ("data.js", "scene.js", "charts.js", "panels.js", "bar.js", "main.js")
-_SLOTS: Final = 3000  # parts of the time of which a chart shows least and greatest, shared by its curves
+_SLOTS: Final = 3000  # time slots for which a chart shows least and greatest values, shared by its curves
 _LEAST_SLOTS: Final = 600
 _SLOWEST: Final = 40
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Difference:
-    """What differs between two runs, as lines of text; `old` and `new` are the file and line where it does."""
+    """A difference between two runs, as lines of text; `old` and `new` are its file and line."""
 
     kind: str
     lines: tuple[str, ...]
@@ -50,7 +50,7 @@ def write_page(
 ) -> str:
     """The page of one run, or of two to compare; `names` tell the two apart (default: A and B).
 
-    `compared` is what a comparison came to, in one line, and all that differs: a list whose entries lead to their line.
+    `compared` is the result of a comparison in one line, and all differences: a list whose entries link to lines.
     The same logs give the same text, with the same versions of the libraries
     whose scripts are inside. LibraryMissingError when one of those is not
     installed.
@@ -82,12 +82,12 @@ def _asset(name: str) -> str:
 
 
 def _script(text: str) -> str:
-    """A script that may stand inside a page: what would end its element is written in another way."""
+    """A script in a form that may be inside a page: anything that would end its element is written in another way."""
     return text.replace("</script", "<\\/script").replace("<!--", "<\\!--")
 
 
 def run_data(recording: Recording, name: str, pack: Pack) -> dict[str, Any]:
-    """All that a page shows of one run; arrays go into `pack`. Times are in 0.1 ms."""
+    """Everything that a page shows of one run; arrays go into `pack`. Times are in 0.1 ms."""
     results, timeline, run = recording.results, recording.timeline, recording.run
     sources = recording.sources
     ran = list(timeline.files())
@@ -136,19 +136,19 @@ def run_data(recording: Recording, name: str, pack: Pack) -> dict[str, Any]:
             for key in ("time", "distance", "stocks", "tools", "joints", "not_simulated", "inputs")
         },
     }
-    # now that all was read, it is known what cannot be
+    # only now, after everything was read, is it known what cannot be read
     return {**value, "findings": _findings(recording), "damaged": bool(recording.log.damage)}
 
 
 def _findings(recording: Recording) -> list[dict[str, Any]]:
-    """Findings with their moment: that of the event in the log, else the begin of their line."""
+    """Findings with their moment: that of the event in the log, else the start of their line."""
     timeline = recording.timeline
     files = [modal.file for modal in timeline.modals]
     first: dict[tuple[str, int], int] = {}
     for t_ns, line, modal in zip(timeline.t_ns.tolist(), timeline.line.tolist(), timeline.modal.tolist(), strict=True):
         first.setdefault((files[modal], line), t_ns)
     listed = recording.results.get("findings")
-    if listed is None:  # a run that did not come to its results
+    if listed is None:  # a run that did not get to its results
         listed = [
             {
                 "code": event.code,

@@ -36,7 +36,7 @@ _STYLE: Final = {
     "axes.linewidth": 0.6,
     "axes.unicode_minus": True,
     "text.color": _INK,
-    "text.parse_math": False,  # names are no formulas
+    "text.parse_math": False,  # names are not formulas
     "xtick.color": _MUTED,
     "ytick.color": _MUTED,
     "xtick.labelcolor": _INK,
@@ -53,7 +53,7 @@ _METADATA: Final[dict[str, dict[str, Any]]] = {
 
 
 class NoPlotError(Exception):
-    """The library that draws is not installed, or there is nothing to draw; the text says which."""
+    """The drawing library is not installed, or there is nothing to draw; the text says which."""
 
 
 def draw(
@@ -121,7 +121,7 @@ def _chart(axis: Axes, chart: Chart, first_ns: int, last_ns: int, gaps: Sequence
     for side in ("top", "right"):
         axis.spines[side].set_visible(False)
     axis.margins(y=0.08)
-    if not chart.speaks:  # rounding is not to fill a chart
+    if not chart.speaks:  # rounding must not fill a chart
         axis.set_ylim(-NEGLIGIBLE, NEGLIGIBLE)
     if all(curve.values.min(initial=0.0) >= 0.0 for curve in chart.curves):
         axis.set_ylim(bottom=0.0)
@@ -142,7 +142,7 @@ def _broken(
 
 
 def _background(axis: Axes, recording: Recording, first_ns: int, last_ns: int) -> None:
-    """Bands of the tools, and a line where a warning or an error came."""
+    """Bands of the tools, and a line at each warning or error."""
     timeline = recording.timeline
     if len(timeline):
         tools = np.array([modal.tool for modal in timeline.modals])[timeline.modal]

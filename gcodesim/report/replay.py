@@ -1,4 +1,4 @@
-"""What a page needs to show a run again in three dimensions: bodies, motion, path, and the part as it changes."""
+"""What a page needs to replay a run in three dimensions: bodies, motion, path, and the part as it changes."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ FINEST_NS: Final = 2_000_000
 """A replay looks at the log no more often than this; charts look at every sample."""
 
 TILE_BYTES: Final = 60_000_000
-"""Log bytes of stock that a page takes at most: about a tenth of it remains in the page."""
+"""Log bytes of stock that a page takes at most; about a tenth of them remains in the page."""
 
 _TIP_TOLERANCE: Final = 1.0 / 10_000.0  # of the extent of the work: less than a pixel
 _LEAST_TOLERANCE: Final = 2e-6  # [m]
@@ -95,7 +95,7 @@ def _seen_from(X_WA: Array, X_WB: Array) -> Array:
 
 
 def _signals(recording: Recording, track: Array, kind: NDArray[np.int64], every_ns: int) -> tuple[Array, Array]:
-    """What must come out right between the kept moments, and how well: the way of the tip and the joints."""
+    """What has to be right between the kept moments, and how exactly: the path of the tip and the joints."""
     work = track[kind != RAPID] if (kind != RAPID).any() else track
     extent = float(np.ptp(work, axis=0).max(initial=0.0))
     length = max(extent * _TIP_TOLERANCE, _LEAST_TOLERANCE)
@@ -133,7 +133,7 @@ def _force(recording: Recording, t_ns: NDArray[np.int64], every_ns: int) -> Arra
 
 
 def _work(recording: Recording, t_ns: NDArray[np.int64], every_ns: int) -> Array:
-    """The tip (n, 3) in the work coordinates in force [m]."""
+    """The tip (n, 3) in the current work coordinates [m]."""
     series = recording.series("/motion", every_ns)
     return _at(series.t_ns, series.columns("x_m", "y_m", "z_m"), t_ns)
 
@@ -199,7 +199,7 @@ def _stock(recording: Recording, pack: Pack) -> dict[str, Any]:
                     corners[1] = np.maximum(corners[1], shape.points.max(axis=0))
                     parts.append({"frame": drawing.frame, **_tile(shape, pack)})
         state = {"t": int(ticks([begin[topic, t_ns]])[0]), "parts": parts}
-        if tiles[topic] and tiles[topic][-1]["t"] == state["t"]:  # sent twice at one time: the last one counts
+        if tiles[topic] and tiles[topic][-1]["t"] == state["t"]:  # sent twice at the same time: the last one counts
             tiles[topic].pop()
         tiles[topic].append(state)
     found = bool(np.isfinite(corners).all())
@@ -223,7 +223,7 @@ def chosen_states(
 ) -> dict[str, dict[int, int]]:
     """For each tile the times [ns] from which a state is shown, and when that state was sent.
 
-    All states, when together they are not too large. Else the stock is shown as
+    All states, if together they are not too large. Otherwise the stock is shown as
     it was at as many moments as fit, spread evenly over its changes, the first
     and the last among them; every tile shows its state of such a moment, so
     that neighbours go together.

@@ -18,13 +18,13 @@ Ints = NDArray[np.int64]
 
 LAYER_STEP: Final = 1e-5  # [m] heights closer than this are one layer
 MOST_LAYERS: Final = 2000
-_LEVEL_SHARE: Final = 0.6  # of the working time at constant height, from which on one speaks of layers
+_LEVEL_SHARE: Final = 0.6  # share of the working time at constant height from which on there are layers
 _NEAR_NS: Final = 100_000_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LineTime:
-    """A program line: how often it ran, time [s], share of the removed volume [m³], greatest force [N]."""
+    """A program line: how often it ran, its time [s], its removed volume [m³] and its greatest force [N]."""
 
     file: str
     line: int
@@ -50,7 +50,7 @@ class ToolTime:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LayerTime:
-    """Work at one height `z` [m] of the work coordinates, with the moves that led to it; None: before the first."""
+    """Work at one height `z` [m] of the work coordinates, with the moves that lead to it; None: before the first."""
 
     z: float | None
     seconds: float
@@ -112,14 +112,14 @@ class TimeReport:
 
 
 def end_of(recording: Recording) -> int:
-    """The end of the run [ns]: that of the time law where the results tell it, else the last moment of the log."""
+    """The end of the run [ns]: that of the time law if the results have it, else the last moment of the log."""
     total = recording.results.get("time", {}).get("total_s")
     exact = recording.end_ns if total is None else round(float(total) * 1e9)
     return exact if abs(exact - recording.end_ns) < _NEAR_NS else recording.end_ns
 
 
 def time_report(recording: Recording) -> TimeReport:
-    """The parts of the time of a run. A line has the time from its begin to the begin of the next one."""
+    """The parts of the time of a run. A line has the time from its start to the start of the next one."""
     end_ns = end_of(recording)
     timeline = recording.timeline
     starts = np.minimum(timeline.t_ns, end_ns)
@@ -135,7 +135,7 @@ def time_report(recording: Recording) -> TimeReport:
 
 
 class _Process:
-    """The columns of `/process`, zeros where a log has none; each sample stands for the time since the one before.
+    """The columns of `/process`, zeros where a log has none; each sample covers the time since the sample before.
 
     `force` and `power` are the greatest in that time, `last_force` is that of its last step.
     """
@@ -206,8 +206,8 @@ def _force_of_lines(
 ) -> Array:
     """The greatest force on each of the `known` lines: that of `lines.csv`, which has seen every step.
 
-    A log alone knows no more than the last step of the time between two samples in which a block began; where the run
-    ends between two, not even that, as the state of the last sample is repeated.
+    A log alone knows only the last step of the time between two samples in which a block began; if the run
+    ends between two samples, not even that, because the state of the last sample is repeated.
     """
     force = np.zeros(len(known))
     begun = recording.timeline.at(np.append(0, process.t_ns[:-1]))
@@ -215,7 +215,7 @@ def _force_of_lines(
     told = np.where(begun == block, process.force, last)
     np.maximum.at(force, index[index >= 0], told[index >= 0])
     rows = recording.line_rows or []
-    with suppress(KeyError, TypeError, ValueError):  # a table of others; what the log says stays
+    with suppress(KeyError, TypeError, ValueError):  # the table of another run; the values of the log stay
         seen = {(row["file"], int(row["line"])): float(row["max_force_N"]) for row in rows}
         if seen:
             force[:] = [seen.get(place, 0.0) for place in known]

@@ -1,1 +1,1 @@
-"""One file a command: `add_parser` declares it, `run` does it and returns the exit status."""
+"""One file for each command: `add_parser` declares it, `run` carries it out and returns the exit status."""

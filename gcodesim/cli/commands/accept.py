@@ -1,4 +1,4 @@
-"""`gcodesim accept [PATHS]`: show what changed, then take it as what programs have to do from now on."""
+"""`gcodesim accept [PATHS]`: show what changed, then record it as what programs have to do from now on."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 @contextmanager
 def _readers_may_go() -> Iterator[None]:
-    """Go on when the reader of the output goes away (`| head`): what is asked for is to accept."""
+    """Go on when the reader of the output goes away (`| head`): the task is to accept, not to print."""
     try:
         yield
     except BrokenPipeError:

@@ -92,7 +92,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _refuse_useless(arguments: argparse.Namespace) -> None:
-    """Options that the chosen format would not look at."""
+    """Options that the chosen format would ignore."""
     moment = arguments.to in _MOMENTS
     useless = {
         "--at": arguments.at is not None and not moment,
@@ -141,7 +141,7 @@ def _moment(arguments: argparse.Namespace, recording: Recording) -> None:
     try:
         written = write_part(recording, file, t_ns=arguments.at, stock=arguments.stock, world=arguments.world)
     except NoPartError as reason:
-        status_of_reading(recording)  # damage may be why
+        status_of_reading(recording)  # damage may be the reason
         raise UsageError(str(reason)) from None
     _write(out, file.getvalue())
     how = "as computed" if written.exact else "as the log draws it"

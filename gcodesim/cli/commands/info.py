@@ -1,4 +1,4 @@
-"""`gcodesim info LOG`: what a log is, from what it came, whether it is whole."""
+"""`gcodesim info LOG`: what a log is, what it was made from, and whether it is complete."""
 
 from __future__ import annotations
 
@@ -79,14 +79,14 @@ def run(arguments: argparse.Namespace) -> int:
             print(_layout(arguments.log, arguments.layout), end="")
             return OK
         facts = summary(arguments.log, check=not arguments.quick)
-        if facts.findings and "results.json" in facts.attachments:  # events tell beginnings, results what they came to
+        if facts.findings and "results.json" in facts.attachments:  # these have final numbers
             log = LogFile.open(facts.path, lenient=True)
             facts = replace(facts, findings=final_findings(log, facts.findings))
     except FileNotFoundError:
         raise UsageError(f"log {arguments.log} is not there") from None
     except (LogReadError, OSError) as error:
         raise UsageError(f"log {arguments.log} cannot be read: {error}") from None
-    # also for when nobody reads the output to its end
+    # valid even if nobody reads the output to its end
     arguments.status = FINDINGS if arguments.fail_on == "incomplete" and not facts.complete else OK
     if arguments.format == "json":
         print_json(_as_json(facts))
@@ -158,7 +158,7 @@ def _peaks(result: Mapping[str, str]) -> Iterator[tuple[str, str]]:
 
 
 def _number(text: str | None) -> float | None:
-    """The number in a record of the log; None when there is none, or the record was edited."""
+    """The number in a record of the log; None if there is none, or if the record was edited."""
     try:
         value = float(text or "")
     except ValueError:
@@ -167,7 +167,7 @@ def _number(text: str | None) -> float | None:
 
 
 def _topic_rows(topics: Sequence[TopicSummary]) -> Iterator[tuple[str, str, int, float]]:
-    """Name, schema, messages and rate; topics that are numbered, as tiles are, in one row."""
+    """Name, schema, messages and rate; numbered topics, such as tiles, are in one row."""
     for (stem, schema), group in groupby(topics, lambda topic: (topic.name.rstrip("0123456789"), topic.schema)):
         one = list(group)
         first, last = one[0].name, one[-1].name[len(stem) :]
@@ -252,7 +252,7 @@ def _bytes(size: int) -> str:
 
 
 def _layout(path: Path, kind: str) -> str:
-    """The layout that the log carries, or one of `kind` for what is in it."""
+    """The layout that the log carries, or one of `kind` for its contents."""
     from gcodesim.log.layout import KINDS, layout, view_of
     from gcodesim.log.logfile import LogFile, LogReadError
     from gcodesim.log.reader import decoded
@@ -273,13 +273,13 @@ def _layout(path: Path, kind: str) -> str:
 
 
 def _extract(log: Path, folder: Path, *, said: bool) -> None:
-    """Write every attachment of `log` into `folder`; a file that is there already stays, and is an error."""
+    """Write every attachment of `log` into `folder`; an existing file is kept, and is an error."""
     from gcodesim.cli.output import note
     from gcodesim.files.whole_file import write_whole
     from gcodesim.log.logfile import LogFile
 
     opened = LogFile.open(log, lenient=True)
-    # a name may come from anywhere: only its last part counts
+    # a name may come from anywhere, so only its last part is used
     files = {Path(name).name: name for name in opened.attachments}
     present = [name for name in files if os.path.lexists(folder / name)]
     if present:

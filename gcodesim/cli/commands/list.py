@@ -1,4 +1,4 @@
-"""`gcodesim list FAMILY`: what there is to choose from."""
+"""`gcodesim list FAMILY`: the available choices."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`gcodesim test [PATHS]`: programs against what was accepted and expected of them."""
+"""`gcodesim test [PATHS]`: compare programs with their accepted results and expectations."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _mutate(arguments: argparse.Namespace) -> int:
-    """Ask what the suite would not see. Status 1 when a change that has an effect passes."""
+    """Find out what the suite would not see. Status 1 if a change that has an effect passes."""
     from gcodesim.cli.output import note, print_json
     from gcodesim.cli.verdicts import print_mutants
     from gcodesim.regress.mutants import draw, judge_mutants, mutants_as_json
