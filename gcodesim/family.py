@@ -1,4 +1,4 @@
-"""A family is a closed table of variants that load on first use.
+"""A family is a table of variants that load on first use.
 
 A variant is one file and one line in its family's table. Third parties add
 theirs by an entry point of group ``gcodesim.<family>``; contract tests run over
@@ -8,43 +8,117 @@ the whole table and so find every newcomer.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any, Final
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
+_GROUP: Final = "gcodesim."
+
+
+class ExtensionError(Exception):
+    """What another package adds cannot be used; the text names the package and says why."""
 
 
 class Family(Mapping[str, Any]):
-    """Names of variants and where they live; `family[name]` imports and returns the variant."""
+    """Names of variants and where they live; `family[name]` imports and returns the variant.
 
-    def __init__(self, name: str, **entries: str) -> None:
+    What ships is given by place (`module:attribute`) or, in `members`, as it is. `of` is the place of the class that
+    every variant of another package has as its base or type, and `called` the attribute in which it has its own name.
+    A name of ours stays ours, whoever else takes it.
+    """
+
+    def __init__(
+        self, name: str, members: Mapping[str, Any] | None = None, *, of: str = "", called: str = "", **entries: str
+    ) -> None:
         self.name = name
+        self._of = of
+        self._called = called
         self._entries = dict(entries)
-        self._own = tuple(entries)
-        self._loaded: dict[str, Any] = {}
-        self._searched = False
+        self._loaded: dict[str, Any] = dict(members or {})
+        self._own = (*self._loaded, *entries)
 
-    def _table(self) -> dict[str, str]:
-        if not self._searched:
-            from importlib.metadata import entry_points  # costs 20 ms, so only when somebody asks for a family
-
-            for point in entry_points(group=f"gcodesim.{self.name}"):
-                self._entries.setdefault(point.name, point.value)
-            self._searched = True
-        return self._entries
+    @property
+    def _others(self) -> dict[str, list[EntryPoint]]:
+        """Entry points of other packages by name."""
+        return {name: points for name, points in _added(self.name).items() if name not in self._own}
 
     def in_order(self, names: Iterable[str]) -> tuple[str, ...]:
         """These names in the order of the table, then those of third parties in alphabetical order."""
         wanted = set(names)
         return (*(name for name in self._own if name in wanted), *sorted(wanted.difference(self._own)))
 
+    def own(self) -> tuple[str, ...]:
+        """The names of what ships, as the table has them."""
+        return self._own
+
     def __getitem__(self, key: str) -> Any:
         if key not in self._loaded:
-            place = self._entries.get(key) or self._table()[key]
-            module, _, attribute = place.partition(":")
-            self._loaded[key] = getattr(import_module(module), attribute)
+            place = self._entries.get(key)
+            self._loaded[key] = _at(place) if place is not None else self._from(key, self._others[key])
         return self._loaded[key]
 
+    def _from(self, key: str, points: list[EntryPoint]) -> Any:
+        """What another package adds under the name `key`."""
+        if len(points) > 1:
+            owners = " and ".join(sorted(map(_owner, points)))
+            raise ExtensionError(f"{owners} both add `{key}` to `{_GROUP}{self.name}`; one of them has to go")
+        (point,) = points
+        said = f"{_owner(point)} adds `{key}` to `{_GROUP}{self.name}` as `{point.value}`"
+        try:
+            found = point.load()
+        except Exception as error:  # whatever the module of a stranger does when it is imported
+            reason = " ".join(str(error).split())
+            raise ExtensionError(f"{said}, which cannot be loaded: {type(error).__name__}: {reason}") from error
+        if self._of:
+            base = _at(self._of)
+            if not (issubclass(found, base) if isinstance(found, type) else isinstance(found, base)):
+                raise ExtensionError(f"{said}, which is no {base.__name__}")
+        if self._called and getattr(found, self._called) != key:
+            raise ExtensionError(f"{said}, whose `{self._called}` is `{getattr(found, self._called)}`")
+        return found
+
+    def __contains__(self, key: object) -> bool:
+        """Whether there is a variant of that name; nothing is imported for the answer."""
+        return key in self._own or key in self._entries or key in self._others
+
     def __iter__(self) -> Iterator[str]:
-        return iter(sorted(self._table()))
+        return iter(sorted({*self._own, *self._entries, *self._others}))
 
     def __len__(self) -> int:
-        return len(self._table())
+        return sum(1 for _ in self)
+
+
+def extensions() -> list[EntryPoint]:
+    """All that other packages add to families, in the order of their groups and names."""
+    found = [point for points in _all_added().values() for point in points]
+    return sorted(found, key=lambda point: (point.group, point.name, _owner(point)))
+
+
+def _added(family: str) -> dict[str, list[EntryPoint]]:
+    by_name: dict[str, list[EntryPoint]] = {}
+    for point in _all_added().get(_GROUP + family, ()):
+        by_name.setdefault(point.name, []).append(point)
+    return by_name
+
+
+@cache
+def _all_added() -> dict[str, list[EntryPoint]]:
+    """Entry points of our groups, by group. Asking the installation costs 20 ms, so it is asked once and only when somebody wants to know."""
+    from importlib.metadata import entry_points
+
+    found = entry_points()
+    return {group: list(found.select(group=group)) for group in found.groups if group.startswith(_GROUP)}
+
+
+def _at(place: str) -> Any:
+    """What stands at `module:attribute`."""
+    module, _, attribute = place.partition(":")
+    return getattr(import_module(module), attribute)
+
+
+def _owner(point: EntryPoint) -> str:
+    """The package that has an entry point, as people call it."""
+    return "a package" if point.dist is None else f"the package {point.dist.name} {point.dist.version}"

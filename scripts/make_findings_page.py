@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from itertools import groupby
 from pathlib import Path
 
-from gcodesim.diagnostics import Code, codes
+from gcodesim.diagnostics import Code, own_codes
 
 PAGE = Path(__file__).resolve().parent.parent / "docs" / "findings.md"
 
@@ -53,7 +53,7 @@ def page() -> str:
 
     def parts() -> Iterator[str]:
         yield HEAD
-        for digit, members in groupby(codes(), key=lambda code: code.code[2]):
+        for digit, members in groupby(own_codes(), key=lambda code: code.code[2]):
             yield f"## GS{digit}xx: {HUNDREDS[digit]}\n"
             for code in members:
                 yield entry(code) + "\n"

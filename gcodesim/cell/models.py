@@ -21,7 +21,7 @@ def shipped(name: str, kind: Literal["arm", "machine"], to: Reading, path: KeyPa
     """The shipped model of that name, or a finding that names similar ones."""
     from gcodesim.kinematics.models import MODELS
 
-    model = MODELS.get(name)
+    model: ShippedModel | None = MODELS.get(name)
     if model is not None and model.kind == kind:
         return model
     span = to.span(path)

@@ -305,9 +305,8 @@ def _check_codes(cell: Cell, to: Reading) -> None:
     """A pattern under `checks` or a suppressed code that no finding has is a slip."""
     wanted: list[tuple[str, Path]] = [(pattern, ("checks", pattern)) for pattern in cell.checks]
     wanted += [(entry.code, ("suppress", index, "code")) for index, entry in enumerate(cell.suppress)]
-    known = [code.code for code in codes()] if wanted else []
     for pattern, path in wanted:
-        if not any(matches(pattern, code) for code in known):
+        if not any(matches(pattern, code.code) for code in codes()):
             to.findings.add(
                 Diagnostic(
                     code="GS727", span=to.span(path), message=f"no finding of this version has the code {pattern}"

@@ -73,22 +73,24 @@ class Limits:
     force: float | None = key(Quantity("force", POSITIVE), "greatest force on the tool", default=None)
 
 
+_PATTERN: Final = "([Gg][Ss]|[A-Za-z][A-Za-z0-9]{2,15}-)([0-9](?:[0-9]{2}|[0-9][xX]|[xX]{2}))"
+
+
 def code_pattern(text: str) -> str | None:
-    """`GS304`, `GS30x` or `GS9xx`; None when it is neither."""
-    upper = text.strip()
-    match = re.fullmatch(r"[Gg][Ss]([0-9](?:[0-9]{2}|[0-9][xX]|[xX]{2}))", upper)
-    return f"GS{match[1].lower()}" if match else None
+    """`GS304`, `GS30x` or `GS9xx`, of other packages `NAME-304` and so on; None when it is neither."""
+    match = re.fullmatch(_PATTERN, text.strip())
+    return f"{match[1].upper()}{match[2].lower()}" if match else None
 
 
 CODE_PATTERNS: Final = Name(
     what="code (such as `GS304` or `GS9xx`)",
-    pattern="[Gg][Ss][0-9]([0-9]{2}|[0-9][xX]|[xX]{2})",
+    pattern=_PATTERN,
     canonical=code_pattern,
 )
 
 
 def matches(pattern: str, code: str) -> bool:
-    """Whether `code` (GSnnn) falls under `pattern` (GS304, GS30x, GS9xx)."""
+    """Whether `code` falls under `pattern` (GS304, GS30x, GS9xx)."""
     return code.startswith(pattern.rstrip("x"))
 
 

@@ -1,10 +1,11 @@
 """Findings: what is wrong with a user's program or cell, where, and what to do about it."""
 
-from gcodesim.diagnostics.catalogue import Code, code_of, codes, subject_of
+from gcodesim.diagnostics.catalogue import PATTERN, Code, code_of, codes, is_code, own_codes, subject_of
 from gcodesim.diagnostics.finding import Caller, Diagnostic, Findings, Severity, Span
 from gcodesim.diagnostics.text import SourceText
 
 __all__ = [
+    "PATTERN",
     "Caller",
     "Code",
     "Diagnostic",
@@ -14,5 +15,7 @@ __all__ = [
     "Span",
     "code_of",
     "codes",
+    "is_code",
+    "own_codes",
     "subject_of",
 ]

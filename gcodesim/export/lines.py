@@ -5,10 +5,11 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Sequence
 from functools import cache
-from typing import Any, TextIO
+from typing import Any, ClassVar, TextIO
 
 from google.protobuf.json_format import MessageToDict
 
+from gcodesim.export.exporter import RANGE, Exporter, Option, Request, counted
 from gcodesim.export.select import TimeRange
 from gcodesim.export.table import NoTableError
 from gcodesim.log.reader import decoder_of
@@ -48,6 +49,18 @@ def write_lines(recording: Recording, out: TextIO, topics: Sequence[str] = (), p
         out.write(json.dumps({"topic": topic, "t_ns": message.t_ns, "message": fields}, ensure_ascii=False) + "\n")
         count += 1
     return count
+
+
+class JsonLines(Exporter):
+    """`--to jsonl`."""
+
+    kind: ClassVar[str] = "jsonl"
+    says: ClassVar[str] = "every message as logged, one JSON object a line"
+    suffix: ClassVar[str] = ".jsonl"
+    takes: ClassVar[frozenset[Option]] = RANGE
+
+    def write(self, recording: Recording, out: TextIO, request: Request) -> str:
+        return counted(write_lines(recording, out, request.topics, request.part), "message")
 
 
 def _in_order(fields: dict[str, Any], kind: Any) -> dict[str, Any]:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import json
 import struct
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import Any, BinaryIO, ClassVar, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.export.exporter import Exporter, Option, Request
 from gcodesim.playback.frames import RecordedFrames
 from gcodesim.playback.recording import Recording
 from gcodesim.playback.scenes import Drawing
@@ -32,6 +33,21 @@ def scene_glb(recording: Recording, t_ns: int) -> bytes:
         drawings += past[-1] if past else ()
     drawings += recording.stock_at(t_ns)
     return glb_of(drawings, frames, t_ns)
+
+
+class Glb(Exporter):
+    """`--to glb`."""
+
+    kind: ClassVar[str] = "glb"
+    says: ClassVar[str] = "the whole cell at a moment: robot or machine, tool, stock, path; in m"
+    suffix: ClassVar[str] = ".glb"
+    writes: ClassVar[Literal["text", "bytes", "folder"]] = "bytes"
+    takes: ClassVar[frozenset[Option]] = frozenset(("at",))
+
+    def write(self, recording: Recording, out: BinaryIO, request: Request) -> str:
+        moment = request.moment(recording)
+        out.write(scene_glb(recording, moment))
+        return f"the cell at {moment * 1e-9:g} s"
 
 
 def glb_of(drawings: Sequence[Drawing], frames: RecordedFrames, t_ns: int) -> bytes:

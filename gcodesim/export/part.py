@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import BinaryIO, NamedTuple
+from typing import BinaryIO, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
+from gcodesim.export.exporter import Exporter, NoExportError, Option, Request
 from gcodesim.material.stl import write_stl
 from gcodesim.material.surface import Surface
 from gcodesim.playback.recording import Recording
@@ -14,7 +15,7 @@ from gcodesim.playback.scenes import Drawing
 from gcodesim.playback.skins import merged, skin_of
 
 
-class NoPartError(ValueError):
+class NoPartError(NoExportError):
     """There is no such part to write; the text says why."""
 
 
@@ -67,6 +68,21 @@ def write_part(
         surface = _surface(surface.vertices @ X[:3, :3].T + X[:3, 3], surface.faces)
     write_stl(surface, out)
     return Written(len(surface.faces), exact=False)
+
+
+class Stl(Exporter):
+    """`--to stl`."""
+
+    kind: ClassVar[str] = "stl"
+    says: ClassVar[str] = "the part at a moment, in mm, in its own frame"
+    suffix: ClassVar[str] = ".stl"
+    writes: ClassVar[Literal["text", "bytes", "folder"]] = "bytes"
+    takes: ClassVar[frozenset[Option]] = frozenset(("at", "stock", "world"))
+
+    def write(self, recording: Recording, out: BinaryIO, request: Request) -> str:
+        written = write_part(recording, out, t_ns=request.at_ns, stock=request.stock, world=request.world)
+        how = "as computed" if written.exact else "as the log draws it"
+        return f"the part at {request.moment(recording) * 1e-9:g} s, {how}, {written.triangles} triangles,"
 
 
 def _computed(recording: Recording, stock: str | None) -> Surface | None:

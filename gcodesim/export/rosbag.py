@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, ClassVar, Final, Literal
 
 import numpy as np
 
+from gcodesim.export.exporter import RANGE, Exporter, NoExportError, Option, Request
 from gcodesim.export.select import TimeRange
 from gcodesim.export.table import NoTableError
 from gcodesim.playback.recording import Recording
@@ -20,7 +21,7 @@ _NO_FRAME = "world"
 Message = tuple[int, str, str, Any]  # time [ns], topic, type, content
 
 
-class NoRosError(Exception):
+class NoRosError(NoExportError):
     """The library that writes bags is not installed."""
 
 
@@ -69,6 +70,22 @@ def write_bag(recording: Recording, folder: Path, topics: Sequence[str] = (), pa
                 )
             writer.write(connections[topic], t_ns, store.serialize_cdr(content, kind))
     return len(messages)
+
+
+class RosBag(Exporter):
+    """`--to rosbag2`."""
+
+    kind: ClassVar[str] = "rosbag2"
+    says: ClassVar[str] = "a folder that ROS 2 tools read: /tf, /joint_states, /wrench, /robot_description …"
+    suffix: ClassVar[str] = "_bag"
+    writes: ClassVar[Literal["text", "bytes", "folder"]] = "folder"
+    takes: ClassVar[frozenset[Option]] = RANGE
+
+    def write(self, recording: Recording, out: Path, request: Request) -> str:
+        try:
+            return f"{write_bag(recording, out, request.topics, request.part)} messages"
+        except FileExistsError as error:
+            raise NoExportError(str(error)) from None
 
 
 def _messages(recording: Recording, types: Any, topics: Sequence[str], part: TimeRange) -> Iterator[Message]:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Iterable, Sequence
-from typing import Any, Final, TextIO
+from typing import Any, ClassVar, Final, TextIO
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.diagnostics.plain import table_text
+from gcodesim.export.exporter import RANGE, Exporter, NoExportError, Option, Request, counted
 from gcodesim.export.select import TimeRange
 from gcodesim.log.fields import leaves, parse_path, value_at
 from gcodesim.log.reader import decoder_of
@@ -22,7 +23,7 @@ USUAL_TOPICS: Final = ("/motion", "/process", "/wrench", "/tcp", "/joint_states"
 _DIGITS: Final = 9  # of numbers that were converted
 
 
-class NoTableError(ValueError):
+class NoTableError(NoExportError):
     """The topics do not make a table; the text says why."""
 
 
@@ -53,6 +54,18 @@ def write_table(
         other = next(topic for topic in topics if topic not in PERIODIC_TOPICS)
         raise NoTableError(f"{other} does not come at the same times as the other topics; export it by itself")
     return _write_changes(recording, out, topics[0], part)
+
+
+class Csv(Exporter):
+    """`--to csv`."""
+
+    kind: ClassVar[str] = "csv"
+    says: ClassVar[str] = "a table: one row an instant, the program line beside the numbers; names end in units"
+    suffix: ClassVar[str] = ".csv"
+    takes: ClassVar[frozenset[Option]] = RANGE | {"units"}
+
+    def write(self, recording: Recording, out: TextIO, request: Request) -> str:
+        return counted(write_table(recording, out, request.topics, request.part, request.units), "row")
 
 
 def _write_periodic(recording: Recording, out: TextIO, topics: Sequence[str], part: TimeRange, units: Units) -> int:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any, Final, get_args
 
 from gcodesim.declarations.kind import Json
+from gcodesim.diagnostics import PATTERN
 from gcodesim.formats.canon_schema import canon
 from gcodesim.formats.json_schema import (
     array,
@@ -27,7 +28,8 @@ def finding() -> Json:
     """A finding in all of our JSON."""
     return record(
         "what is wrong, where, and what to do about it",
-        code=text("stable code `GSnnn`; `gcodesim explain` tells more") | {"pattern": "^GS[0-9]{3}$"},
+        code=text("stable code `GSnnn`, of other packages `NAME-nnn`; `gcodesim explain` tells more")
+        | {"pattern": f"^({PATTERN})$"},
         severity=choice("how bad it is in this cell", "error", "warning", "note"),
         message=text("one line, with both numbers"),
         hint=text("a way out; may be empty"),

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Literal
 
+from gcodesim.family import Family
 from gcodesim.units import DEG
 
 _FOLDER: Final = Path(__file__).resolve().parent.parent / "models"
@@ -14,6 +15,8 @@ _FOLDER: Final = Path(__file__).resolve().parent.parent / "models"
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ShippedModel:
     """A shipped machine: `stiffness` [N·m/rad] a joint or None for a rigid machine, `home` [rad, m], `payload` [kg].
+
+    `urdf` is the file of a model that another package brings; ours are found by their name.
 
     Travel, speed, effort and, where a source names it, acceleration stand in
     the URDF; `stiffness_source` says where the stiffness comes from.
@@ -26,11 +29,12 @@ class ShippedModel:
     payload: float | None = None
     stiffness: tuple[float, ...] | None = None
     stiffness_source: str = ""
+    urdf: Path | None = None
 
     @property
     def path(self) -> Path:
         """The URDF file."""
-        return _FOLDER / f"{self.name}.urdf"
+        return _FOLDER / f"{self.name}.urdf" if self.urdf is None else self.urdf
 
 
 def _degrees(*values: float) -> tuple[float, ...]:
@@ -44,7 +48,7 @@ _SCALED = (
 _STIFF_10_KG = (1.5e5, 1.4e5, 9e4, 3e4, 2.5e4, 1.5e4)
 _STIFF_200_KG = (3.5e6, 3.8e6, 2.5e6, 6e5, 4e5, 2.5e5)
 
-MODELS: Final[dict[str, ShippedModel]] = {
+_SHIPPED: Final = {
     model.name: model
     for model in (
         ShippedModel(
@@ -129,7 +133,11 @@ MODELS: Final[dict[str, ShippedModel]] = {
     )
 }
 
+MODELS: Final = Family("machines", _SHIPPED, of="gcodesim.kinematics.models:ShippedModel", called="name")
+"""Models by name; an entry point of group `gcodesim.machines` adds one that has its own `urdf`."""
+
 
 def model_path(name: str) -> Path:
     """The URDF of a shipped model; KeyError when there is none of that name."""
-    return MODELS[name].path
+    path: Path = MODELS[name].path
+    return path

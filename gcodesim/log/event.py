@@ -6,6 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
+from gcodesim.diagnostics import is_code
+
 BEGINS: Final = "begins here; what it comes to is told at the end of the run"
 """The end of the message of an event that tells only the beginning of a finding."""
 
@@ -37,7 +39,7 @@ class LogEvent:
 
     @property
     def is_finding(self) -> bool:
-        return self.code.startswith("GS")
+        return is_code(self.code)
 
     @property
     def is_beginning(self) -> bool:

@@ -4,6 +4,8 @@ from gcodesim.family import Family
 
 PROCESSES = Family(
     "processes",
+    of="gcodesim.processes.protocol:Process",
+    called="kind",
     milling="gcodesim.processes.milling:Milling",
     extrusion="gcodesim.processes.extrusion:Extrusion",
     sensing="gcodesim.processes.sensing:Sensing",

@@ -1,8 +1,9 @@
 """Which cases passed with which inputs, so that `--changed` runs only what changed.
 
-The key of an entry is known beforehand: version and sources of gcodesim, the case, its test file, program, cell
-and accepted results. It lists the other files that the run read (subprograms, meshes, tool tables) with their hashes,
-and the days on which suppressions end; it counts only if all of that still holds. Only passed cases are kept.
+The key of an entry is known beforehand: version and sources of gcodesim and of packages that extend it, the case, its
+test file, program, cell and accepted results. It lists the other files that the run read (subprograms, meshes, tool
+tables) with their hashes, and the days on which suppressions end; it counts only if all of that still holds. Only
+passed cases are kept.
 """
 
 from __future__ import annotations
@@ -13,11 +14,13 @@ import os
 import re
 from datetime import date
 from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Final
 
 from gcodesim.diagnostics import Caller, Diagnostic, Severity, Span
 from gcodesim.diagnostics.show import as_json
+from gcodesim.family import extensions
 from gcodesim.files.own_folder import NotOwn, OwnFolder, open_own_folder
 from gcodesim.files.user_cache import user_cache
 from gcodesim.regress.case import Case, shown_path
@@ -124,14 +127,19 @@ def _digest(path: Path | None) -> str:
 
 
 def _version_digest() -> str:
-    """Version and sources of gcodesim (by size and time, like compilers) and versions of the packages it uses."""
+    """Version and sources (by size and time, like compilers) of gcodesim and its extensions, versions of what it uses."""
     import gcodesim
 
     digest = hashlib.sha256(gcodesim.__version__.encode())
-    top = Path(gcodesim.__file__).parent
-    for path in sorted(top.rglob("*.py")):
-        stat = path.stat()
-        digest.update(f"{path.relative_to(top)} {stat.st_size} {stat.st_mtime_ns}\n".encode())
+    _add_sources(digest, Path(gcodesim.__file__).parent, "*.py")
+    for point in extensions():
+        digest.update(f"{point.group} {point.name} {point.value}\n".encode())
+    for module in sorted({point.module.partition(".")[0] for point in extensions()}):
+        spec = find_spec(module)
+        for folder in (spec and spec.submodule_search_locations) or ():
+            _add_sources(digest, Path(folder), "*")
+        if spec is not None and spec.origin is not None:
+            _add_source(digest, Path(spec.origin), module)
     for name in _LIBRARIES:
         try:
             digest.update(f"{name} {version(name)}\n".encode())
@@ -198,3 +206,15 @@ def _finding(value: dict[str, Any], related: list[Any] | None) -> Diagnostic:
         limit=value["limit"],
         unit=value["unit"],
     )
+
+
+def _add_sources(digest: Any, top: Path, pattern: str) -> None:
+    """What lies below a folder, but for what Python itself puts there."""
+    for path in sorted(top.rglob(pattern)):
+        if "__pycache__" not in path.parts and path.is_file():
+            _add_source(digest, path, str(path.relative_to(top)))
+
+
+def _add_source(digest: Any, path: Path, name: str) -> None:
+    stat = path.stat()
+    digest.update(f"{name} {stat.st_size} {stat.st_mtime_ns}\n".encode())

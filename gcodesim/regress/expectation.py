@@ -17,9 +17,9 @@ from gcodesim.regress.case_file import ExpectedFinding
 
 _COMMENT = re.compile(r"(?:\(\s*(?P<round>[^()]*)\)?|;\s*(?P<rest>.*))")
 _EXPECT = re.compile(r"expect\s*(?P<place>@\s*(?:[+-]?[0-9]+|\*)?)?\s*:(?P<body>.*)", re.IGNORECASE)
-_ALMOST = re.compile(r"expect\b[^:]*\bGS[0-9]", re.IGNORECASE)
+_ALMOST = re.compile(r"expect\b[^:]*\b(?:GS|[A-Z][A-Z0-9]{2,15}-)[0-9]", re.IGNORECASE)
 _ITEM = re.compile(
-    r'\s*(?:(?P<severity>error|warning|note)\s+)?(?P<code>GS[0-9][0-9x]{2})(?:\s+"(?P<message>[^"]*)")?'
+    r'\s*(?:(?P<severity>error|warning|note)\s+)?(?P<code>(?:GS|[A-Z][A-Z0-9]{2,15}-)[0-9][0-9x]{2})(?:\s+"(?P<message>[^"]*)")?'
     r"(?:\s+x(?P<count>[0-9]+))?\s*(?:,|$)",
     re.IGNORECASE,
 )

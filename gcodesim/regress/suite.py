@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Final
 
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.diagnostics.plain import lines
+from gcodesim.family import ExtensionError
 from gcodesim.regress.case import Case, Collected
 from gcodesim.regress.sources import Sources
 from gcodesim.regress.verdicts import CaseVerdict, Found, SuiteVerdict
@@ -50,14 +51,14 @@ def judged(case: Case, how: Judging) -> Judged:
 
 
 def _broken(case: Case, how: Judging, fault: Exception) -> CaseVerdict:
-    """The verdict on a case on which gcodesim itself failed; the traceback goes to stderr."""
-    print(lines("".join(traceback.format_exception(fault))), end="", file=sys.stderr)
-    finding = Diagnostic(
-        code=INTERNAL,
-        span=Span(case.file),
-        message=f"gcodesim failed on this case: {type(fault).__name__}: {fault}",
-        hint="this is a fault of gcodesim; please report it with the trace on stderr, the program and the cell",
-    )
+    """The verdict on a case on which gcodesim itself failed; the traceback of a fault of ours goes to stderr."""
+    if isinstance(fault, ExtensionError):
+        message, hint = str(fault), "repair or uninstall that package"
+    else:
+        print(lines("".join(traceback.format_exception(fault))), end="", file=sys.stderr)
+        message = f"gcodesim failed on this case: {type(fault).__name__}: {fault}"
+        hint = "this is a fault of gcodesim; please report it with the trace on stderr, the program and the cell"
+    finding = Diagnostic(code=INTERNAL, span=Span(case.file), message=message, hint=hint)
     return CaseVerdict(
         name=case.name,
         file=case.file,

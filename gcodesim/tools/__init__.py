@@ -4,6 +4,8 @@ from gcodesim.family import Family
 
 TOOLS = Family(
     "tools",
+    of="gcodesim.tools.tool:Tool",
+    called="kind",
     flat_end_mill="gcodesim.tools.flat_end_mill:FlatEndMill",
     ball_end_mill="gcodesim.tools.ball_end_mill:BallEndMill",
     bull_nose_end_mill="gcodesim.tools.bull_nose_end_mill:BullNoseEndMill",

@@ -42,6 +42,7 @@ NOZZLE: Final = BodyPart(words="the nozzle", color=(0.75, 0.55, 0.3, 1.0), hint=
 
 PARTS = Family(
     "parts",
+    of="gcodesim.tools.parts:BodyPart",
     cutting="gcodesim.tools.parts:CUTTING",
     shank="gcodesim.tools.parts:SHANK",
     holder="gcodesim.tools.parts:HOLDER",

@@ -11,14 +11,11 @@ from typing import TYPE_CHECKING, Any, Final
 from gcodesim.cli.exits import UsageError
 from gcodesim.cli.moments import add_range, chosen_range, nanoseconds, open_recording, reads_logs, status_of_reading
 from gcodesim.cli.overwriting import refuse_foreign
+from gcodesim.export import EXPORTERS
 
 if TYPE_CHECKING:
-    from gcodesim.export.select import TimeRange
+    from gcodesim.export.exporter import Exporter, Request
     from gcodesim.playback import Recording
-
-_SUFFIX: Final = {"csv": ".csv", "jsonl": ".jsonl", "stl": ".stl", "glb": ".glb", "rosbag2": "_bag"}
-_TEXT: Final = ("csv", "jsonl")
-_MOMENTS: Final = ("stl", "glb")
 
 _HELP = """formats:
   csv      a table: one row an instant, the program line beside the numbers; names end in units
@@ -26,6 +23,7 @@ _HELP = """formats:
   stl      the part at a moment, in mm, in its own frame
   glb      the whole cell at a moment: robot or machine, tool, stock, path; in m
   rosbag2  a folder that ROS 2 tools read: /tf, /joint_states, /wrench, /robot_description …
+`gcodesim list exporters` names those of other packages too.
 
 examples:
   gcodesim export out --to csv -o run.csv --units mm --period 0.1
@@ -43,7 +41,9 @@ def add_parser(commands: Any) -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("log", type=Path, metavar="LOG", help="a run.mcap, or the folder of a run")
-    parser.add_argument("--to", choices=tuple(_SUFFIX), required=True, help="the format")
+    parser.add_argument(
+        "--to", choices=EXPORTERS, metavar="FORMAT", required=True, help="the format, one of those above the examples"
+    )
     parser.add_argument(
         "-o",
         "--out",
@@ -73,100 +73,83 @@ def add_parser(commands: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
+    from gcodesim.export.exporter import NoExportError, Request
     from gcodesim.export.select import TimeRange
 
+    exporter: Exporter = EXPORTERS[arguments.to]()
     recording = open_recording(arguments.log)
-    _refuse_useless(arguments)
+    _refuse_useless(arguments, exporter)
     first_ns, last_ns = chosen_range(arguments, recording)
-    part = TimeRange(first_ns=first_ns, last_ns=last_ns, period_ns=arguments.period)
-    topics = [name if name.startswith("/") else f"/{name}" for name in arguments.topics.split(",") if name]
     if arguments.at is not None and arguments.at > recording.end_ns:
         raise UsageError(f"the run ends at {recording.end_ns * 1e-9:g} s, before {arguments.at * 1e-9:g} s")
-    if arguments.to in _TEXT:
-        _text(arguments, recording, topics, part)
-    elif arguments.to in _MOMENTS:
-        _moment(arguments, recording)
-    else:
-        _bag(arguments, recording, topics, part)
+    request = Request(
+        topics=tuple(name if name.startswith("/") else f"/{name}" for name in arguments.topics.split(",") if name),
+        part=TimeRange(first_ns=first_ns, last_ns=last_ns, period_ns=arguments.period),
+        units=arguments.units,
+        at_ns=arguments.at,
+        stock=arguments.stock,
+        world=arguments.world,
+    )
+    try:
+        _WRITERS[exporter.writes](arguments, recording, exporter, request)
+    except NoExportError as reason:
+        status_of_reading(recording)  # damage may be the reason
+        raise UsageError(str(reason)) from None
     return status_of_reading(recording)
 
 
-def _refuse_useless(arguments: argparse.Namespace) -> None:
+def _refuse_useless(arguments: argparse.Namespace, exporter: Exporter) -> None:
     """Options that the chosen format would ignore."""
-    moment = arguments.to in _MOMENTS
-    useless = {
-        "--at": arguments.at is not None and not moment,
-        "--topics": bool(arguments.topics) and moment,
-        "--period": bool(arguments.period) and moment,
-        "--time": arguments.time is not None and moment,
-        "--lines": arguments.lines is not None and moment,
-        "--stock": arguments.stock is not None and arguments.to != "stl",
-        "--world": arguments.world and arguments.to != "stl",
-        "--units": arguments.units != "si" and arguments.to != "csv",
+    given = {
+        "at": arguments.at is not None,
+        "topics": bool(arguments.topics),
+        "period": bool(arguments.period),
+        "time": arguments.time is not None,
+        "lines": arguments.lines is not None,
+        "stock": arguments.stock is not None,
+        "world": arguments.world,
+        "units": arguments.units != "si",
     }
-    for option, wrong in useless.items():
-        if wrong:
-            raise UsageError(f"{option} means nothing for {arguments.to}")
+    for option, wanted in given.items():
+        if wanted and option not in exporter.takes:
+            raise UsageError(f"--{option} means nothing for {arguments.to}")
 
 
-def _text(arguments: argparse.Namespace, recording: Recording, topics: list[str], part: TimeRange) -> None:
-    from gcodesim.export.lines import write_lines
-    from gcodesim.export.table import NoTableError, write_table
-
-    stream = sys.stdout if arguments.out is None else StringIO()
-    try:
-        if arguments.to == "csv":
-            count = write_table(recording, stream, topics, part, arguments.units)
-        else:
-            count = write_lines(recording, stream, topics, part)
-    except NoTableError as reason:
-        raise UsageError(str(reason)) from None
-    if isinstance(stream, StringIO):
-        _write(arguments.out, stream.getvalue().encode())
-        what = "row" if arguments.to == "csv" else "message"
-        print(f"wrote {count} {what}{'' if count == 1 else 's'} into {arguments.out}")
-
-
-def _moment(arguments: argparse.Namespace, recording: Recording) -> None:
-    from gcodesim.export.model import scene_glb
-    from gcodesim.export.part import NoPartError, write_part
-
-    out = _target(arguments, recording)
-    moment = recording.end_ns if arguments.at is None else arguments.at
-    if arguments.to == "glb":
-        _write(out, scene_glb(recording, moment))
-        print(f"wrote the cell at {moment * 1e-9:g} s into {out}")
+def _text(arguments: argparse.Namespace, recording: Recording, exporter: Exporter, request: Request) -> None:
+    if arguments.out is None:
+        exporter.write(recording, sys.stdout, request)
         return
-    file = BytesIO()
+    stream = StringIO()
+    written = exporter.write(recording, stream, request)
+    _write(arguments.out, stream.getvalue().encode())
+    print(f"wrote {written} into {arguments.out}")
+
+
+def _bytes(arguments: argparse.Namespace, recording: Recording, exporter: Exporter, request: Request) -> None:
+    out = _target(arguments, recording, exporter)
+    stream = BytesIO()
+    written = exporter.write(recording, stream, request)
+    _write(out, stream.getvalue())
+    print(f"wrote {written} into {out}")
+
+
+def _folder(arguments: argparse.Namespace, recording: Recording, exporter: Exporter, request: Request) -> None:
+    out = _target(arguments, recording, exporter)
     try:
-        written = write_part(recording, file, t_ns=arguments.at, stock=arguments.stock, world=arguments.world)
-    except NoPartError as reason:
-        status_of_reading(recording)  # damage may be the reason
-        raise UsageError(str(reason)) from None
-    _write(out, file.getvalue())
-    how = "as computed" if written.exact else "as the log draws it"
-    print(f"wrote the part at {moment * 1e-9:g} s, {how}, {written.triangles} triangles, into {out}")
-
-
-def _bag(arguments: argparse.Namespace, recording: Recording, topics: list[str], part: TimeRange) -> None:
-    from gcodesim.export.rosbag import NoRosError, write_bag
-    from gcodesim.export.table import NoTableError
-
-    out = _target(arguments, recording)
-    try:
-        count = write_bag(recording, out, topics, part)
-    except (NoTableError, NoRosError, FileExistsError) as reason:
-        raise UsageError(str(reason)) from None
+        written = exporter.write(recording, out, request)
     except OSError as error:
         raise UsageError(f"{out} cannot be written: {error.strerror}") from None
-    print(f"wrote {count} messages into {out}")
+    print(f"wrote {written} into {out}")
 
 
-def _target(arguments: argparse.Namespace, recording: Recording) -> Path:
+_WRITERS: Final = {"text": _text, "bytes": _bytes, "folder": _folder}
+
+
+def _target(arguments: argparse.Namespace, recording: Recording, exporter: Exporter) -> Path:
     given: Path | None = arguments.out
     if given is not None:
         return given
-    usual = Path(Path(recording.name).stem + _SUFFIX[arguments.to])
+    usual = Path(Path(recording.name).stem + exporter.suffix)
     refuse_foreign(usual)
     return usual
 

@@ -7,7 +7,18 @@ from typing import Any
 
 from gcodesim.cli.exits import OK
 
-WHAT = ("codes", "dialects", "kinematics", "machines", "materials", "processes", "tolerances", "tools", "worlds")
+WHAT = (
+    "codes",
+    "dialects",
+    "exporters",
+    "kinematics",
+    "machines",
+    "materials",
+    "processes",
+    "tolerances",
+    "tools",
+    "worlds",
+)
 
 
 def add_parser(commands: Any) -> None:
@@ -36,7 +47,11 @@ def _rows(what: str) -> list[list[str]]:
     if what == "machines":
         from gcodesim.kinematics.models import MODELS
 
-        return [[name, model.title] for name, model in sorted(MODELS.items())]
+        return [[name, model.title] for name, model in MODELS.items()]
+    if what == "exporters":
+        from gcodesim.export import EXPORTERS
+
+        return [[name, EXPORTERS[name].says] for name in EXPORTERS]
     if what == "tolerances":
         from gcodesim.regress.tolerance_kind import table
 

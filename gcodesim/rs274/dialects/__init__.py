@@ -5,6 +5,8 @@ from gcodesim.rs274.dialects.dialect import Dialect, g_name
 
 DIALECTS = Family(
     "dialects",
+    of="gcodesim.rs274.dialects.dialect:Dialect",
+    called="name",
     fanuc="gcodesim.rs274.dialects.fanuc:FANUC",
     grbl="gcodesim.rs274.dialects.grbl:GRBL",
     linuxcnc="gcodesim.rs274.dialects.linuxcnc:LINUXCNC",

@@ -1,0 +1,68 @@
+"""What an exporter is, whoever adds one: it writes what a log holds in the form of another program."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO, ClassVar, Literal, TextIO
+
+from gcodesim.export.select import TimeRange
+
+if TYPE_CHECKING:
+    from gcodesim.playback.columns import Units
+    from gcodesim.playback.recording import Recording
+
+Target = TextIO | BinaryIO | Path
+
+Option = Literal["topics", "time", "lines", "period", "units", "at", "stock", "world"]
+
+RANGE: frozenset[Option] = frozenset(("topics", "time", "lines", "period"))
+"""Options of an exporter that writes what happened over a time."""
+
+
+class NoExportError(ValueError):
+    """There is no such thing to write; the text says why."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Request:
+    """What of a log is asked for: `topics` (none: the usual ones) in a range of time, in `units`, or the state at a
+    moment `at_ns` (None: the end), of one `stock` where there are several, in the world or in its own frame."""
+
+    topics: tuple[str, ...] = ()
+    part: TimeRange = TimeRange()
+    units: Units = "si"
+    at_ns: int | None = None
+    stock: str | None = None
+    world: bool = False
+
+    def moment(self, recording: Recording) -> int:
+        """The moment [ns]."""
+        return recording.end_ns if self.at_ns is None else self.at_ns
+
+
+class Exporter:
+    """The base of all exporters. `kind` is the name in the table `EXPORTERS` and on the command line.
+
+    `says` tells in a line what comes out. `writes` is where to: `text` and `bytes` go into a stream, a `folder` is made
+    by the exporter. A file without a name is called as the run, with `suffix` behind. `takes` names the options that
+    mean something here; others are refused before anything is read.
+    """
+
+    kind: ClassVar[str] = ""
+    says: ClassVar[str] = ""
+    suffix: ClassVar[str] = ""
+    writes: ClassVar[Literal["text", "bytes", "folder"]] = "text"
+    takes: ClassVar[frozenset[Option]] = frozenset()
+
+    def write(self, recording: Recording, out: Any, request: Request) -> str:
+        """Write into `out`, a stream or the path of a new folder; returns what was written, such as `12 rows`.
+
+        NoExportError when the log does not have what is asked for.
+        """
+        raise NotImplementedError
+
+
+def counted(count: int, what: str) -> str:
+    """`1 row`, `12 rows`."""
+    return f"{count} {what}{'' if count == 1 else 's'}"
