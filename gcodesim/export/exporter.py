@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, ClassVar, Literal, TextIO
 
@@ -30,7 +30,7 @@ class Request:
     moment `at_ns` (None: the end), of one `stock` where there are several, in the world or in its own frame."""
 
     topics: tuple[str, ...] = ()
-    part: TimeRange = TimeRange()
+    part: TimeRange = field(default_factory=TimeRange)
     units: Units = "si"
     at_ns: int | None = None
     stock: str | None = None

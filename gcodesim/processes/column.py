@@ -61,6 +61,17 @@ UNITS: Final[dict[str, Unit]] = {
 """Units that are spelled in a way of their own; any other is spelled as it is, and is the same in every file."""
 
 
+_PEOPLE: Final = {
+    "mm2": "mm²",
+    "mm3": "mm³",
+    "mm_min": "mm/min",
+    "mm3_s": "mm³/s",
+    "deg": "°",
+    "deg_s": "°/s",
+    "Nm": "N·m",
+}
+
+
 @dataclass(frozen=True, slots=True)
 class Column:
     """One figure of a process, with a value for each step.
@@ -106,6 +117,13 @@ class Column:
     def shop_unit(self) -> str:
         """The unit in files and on screens; for a flag, seconds."""
         return "s" if self.of == "any" else self._spelling.shop
+
+    @property
+    def people_unit(self) -> str:
+        """The unit as people write it, on a screen."""
+        if self.of == "any" or self.unit in UNITS:
+            return _PEOPLE.get(self.shop_unit, self.shop_unit)
+        return self.unit.replace("^2", "²").replace("^3", "³")
 
     @property
     def key(self) -> str:

@@ -39,7 +39,7 @@ def summary_rows(results: Results) -> list[list[str]]:
         for column in results.columns:
             if tool[column.key]:
                 most = "greatest " if column.of == "greatest" else ""
-                shown = f"{tool[column.key]:.4g} {column.shop_unit}".strip()
+                shown = f"{tool[column.key]:.4g} {column.people_unit}".strip()
                 rows.append([f"{tool['name']}: {most}{column.name.replace('_', ' ')}", shown, column.says])
     for joint in results.joints:
         # a margin that is least where the machine stands at the start says nothing about the program

@@ -1,0 +1,11 @@
+(the beam burns a line, then another)
+G21 G90 G17 G94 G61
+T1 M6
+G43 H1
+G0 X5 Y5 Z30
+G0 Z1.7
+M3 S500
+G1 X25 F1200
+G0 X5 Y15 (expect: ENGRAVER-101)
+M5
+G0 Z30
