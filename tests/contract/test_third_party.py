@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 import shutil
 import subprocess
 import sys
@@ -21,7 +22,7 @@ from gcodesim.family import Family
 from gcodesim.playback import Recording
 from gcodesim.report.pack import Pack
 from gcodesim.report.page import run_data
-from tests.contract.third_party import PROJECT, SOURCE, Done, add_metadata, gcodesim_with, install
+from tests.contract.third_party import OURS, PROJECT, SOURCE, Done, add_metadata, gcodesim_with, install
 
 FAMILIES = ("tools", "parts", "processes", "dialects", "machines", "findings", "exporters")
 
@@ -284,3 +285,12 @@ def test_asking_whether_a_name_is_there_imports_nothing() -> None:
     family = Family("nothing", there="no_such_module:Name")
 
     assert "there" in family and "elsewhere" not in family and list(family) == ["there"]
+
+
+def test_the_docs_name_the_line_of_each_family() -> None:
+    table = (OURS / "docs" / "extending.md").read_text(encoding="utf-8")
+
+    for group in PROJECT["entry-points"]:
+        (row,) = [line for line in table.splitlines() if line.startswith("|") and line.endswith(f"`{group}` |")]
+        name, place = re.fullmatch(r"`(\w+)` in `([\w/.]+)`.*", row.split("|")[3].strip()).groups()
+        assert re.search(rf"^{name}\b", (OURS / place).read_text(encoding="utf-8"), re.MULTILINE), row
