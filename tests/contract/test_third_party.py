@@ -147,7 +147,7 @@ def test_other_views_of_the_run_have_its_column(ran: tuple[Shop, Done]) -> None:
 
     assert "process.dose_j_mm2" in table
     assert report.status == 0 and report.out.startswith("wrote run.html")
-    assert [finding["code"] for finding in page["results"]["findings"]] == ["ENGRAVER-101"]
+    assert [finding["code"] for finding in page["findings"]] == ["ENGRAVER-101"]
     assert "Burnt energy j" in {chart["title"] for chart in page["charts"]}
     assert "ENGRAVER-101" in shop("info", "out").out
 
