@@ -106,7 +106,7 @@ def _added(family: str) -> dict[str, list[EntryPoint]]:
 
 @cache
 def _all_added() -> dict[str, list[EntryPoint]]:
-    """Entry points of our groups, by group. Asking the installation costs 20 ms, so it is asked once and only when somebody wants to know."""
+    """Entry points of our groups, by group; looking for them costs 20 ms, so it is done once and only when needed."""
     from importlib.metadata import entry_points
 
     found = entry_points()
