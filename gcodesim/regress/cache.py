@@ -127,7 +127,7 @@ def _digest(path: Path | None) -> str:
 
 
 def _version_digest() -> str:
-    """Version and sources (by size and time, like compilers) of gcodesim and its extensions, versions of what it uses."""
+    """Version and sources (by size and time, like compilers) of gcodesim and its extensions, versions of its tools."""
     import gcodesim
 
     digest = hashlib.sha256(gcodesim.__version__.encode())
