@@ -15,12 +15,14 @@ from gcodesim.cell.machine import MachineTool
 from gcodesim.cell.placement import FIXTURE, STOCK, bounds_of
 from gcodesim.cell.placing import MACHINE
 from gcodesim.cell.robot import Payload, Robot
+from gcodesim.cell.signals import SignalSource
 from gcodesim.cell.stock import StockSpec, solid_of
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.frames import WORLD, Array, Pose
 from gcodesim.kinematics import Cartesian, Chain, Inertial, Kinematics, Link, kinematics_of, model_path
 from gcodesim.kinematics.chain import BASE
 from gcodesim.processes.sheet import Sheet
+from gcodesim.processes.signal import Signal, signals_read_by
 from gcodesim.scene import WORK, Body, Mover, Scene, Stand
 from gcodesim.solids import Box, Cylinder, Mesh, MeshFile, Placed, read_mesh
 from gcodesim.units import MM
@@ -115,6 +117,16 @@ class Shop:
     def sheet(self) -> Sheet:
         """The columns that a run in this cell has."""
         return Sheet.of(self.cell.tools.values())
+
+    @property
+    def signals(self) -> dict[str, Signal]:
+        """What the processes of its tools read."""
+        return signals_read_by(self.cell.tools.values())
+
+    @property
+    def signal_sources(self) -> Mapping[str, SignalSource]:
+        """Which words of the program give signals."""
+        return self.cell.channels[self.channel].signals
 
     def tool(self, number: int) -> Tool | None:
         """The tool with this number; None for the empty spindle and for numbers that the cell does not have."""

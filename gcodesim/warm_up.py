@@ -28,8 +28,9 @@ _ARM: Final = (
     "work_offsets: {{G54: {{in: world, xyz: {place}}}}}\n"
     "stock: {{box: [20, 15, 8], in: world, xyz: {place}, zero: top-front-left, "
     "material: seed_42crmo4, resolution: 0.5}}\n"
-    "tools: {{1: {{type: {tool}, length: 40}}}}\nm_codes: {{M10: {{tool: activate}}, M11: {{tool: deactivate}}}}\n"
+    "tools: {{1: {{type: {tool}, length: 40}}}}\n"
 )
+_SWITCHED: Final = "m_codes: {M10: {tool: activate}, M11: {tool: deactivate}}\n"
 _MILL: Final = "flat_end_mill, diameter: 6"
 _PRINT: Final = "extruder, bead_width: 2, bead_height: 1"
 
@@ -57,7 +58,7 @@ _JOBS: Final = (
     (
         "printing",
         "kinematic",
-        _ARM.format(model="kuka_kr10_r1100_2", place="[600, 0, 300]", tool=_PRINT),
+        _ARM.format(model="kuka_kr10_r1100_2", place="[600, 0, 300]", tool=_PRINT) + _SWITCHED,
         "G0 Z1\nM10\nG1 X15 F600\nM11\nM2\n",
     ),
     (

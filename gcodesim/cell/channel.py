@@ -10,18 +10,20 @@ from typing import Any, Final, Literal
 from gcodesim.canon.systems import system_name
 from gcodesim.cell.inputs import INPUTS, InputKind, InputSource
 from gcodesim.cell.placing import SYSTEM_NAMES, Place
+from gcodesim.cell.signals import SIGNALS, SignalSource
 from gcodesim.declarations.composed import ListOf
 from gcodesim.declarations.file_kind import File, FileValue
 from gcodesim.declarations.keys import key
 from gcodesim.declarations.kind import Json, Kind, scalar, short
 from gcodesim.declarations.map_of import MapOf, Name
 from gcodesim.declarations.nodes import Mapping as MappingNode
-from gcodesim.declarations.nodes import Node
+from gcodesim.declarations.nodes import Node, Scalar
 from gcodesim.declarations.plain_kinds import Choice, Switch, Text, Whole
 from gcodesim.declarations.quantity import Quantity
 from gcodesim.declarations.reading import FAULT, Fault, Path, Reading, Reference, suggestion
 from gcodesim.declarations.record import Record, not_a_mapping
 from gcodesim.declarations.scalars import measured
+from gcodesim.processes.signal import actions_of_all
 from gcodesim.rs274.dialects import DIALECTS
 from gcodesim.rs274.settings import canonical_m_code
 
@@ -31,8 +33,16 @@ DEFAULT_PATH_CONTROL: Final = "G64"
 _AXIS = re.compile(r"\s*([+-]?)\s*([XYZxyz])(?:\s+of\s+(\S+))?\s*")
 _PATH_CONTROL = re.compile(r"\s*[Gg]\s*(61\.1|61|64)\s*(?:[Pp]\s*([0-9.]+))?\s*(?:[Qq]\s*([0-9.]+))?\s*")
 
-# what an M-code may do to what
 VERBS: Final[dict[str, tuple[str, ...]]] = {"tool": ("activate", "deactivate"), "gripper": ("open", "close")}
+"""What an M-code may do to what, before processes of third parties add to it."""
+
+
+def all_verbs() -> dict[str, tuple[str, ...]]:
+    """`VERBS`, and whatever any process receives by the signals that it reads."""
+    more = actions_of_all()
+    names = dict.fromkeys([*VERBS, *more])
+    return {name: tuple(dict.fromkeys([*VERBS.get(name, ()), *more.get(name, ())])) for name in names}
+
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,18 +173,21 @@ class _ActionKind(Kind):
                 "GS706", node.span, f"`{path[-1]}` has {len(node.entries)} targets; {self.expected} is expected"
             )
         target, value = node.entries[0]
-        if target.text not in VERBS:
+        verbs = VERBS
+        if target.text not in VERBS or not isinstance(value, Scalar) or value.text not in VERBS[target.text]:
+            verbs = all_verbs()
+        if target.text not in verbs:
             return to.fault(
                 "GS711",
                 target.span,
                 f"an M-code cannot act on `{short(target.text)}`",
-                suggestion(target.text, list(VERBS)),
+                suggestion(target.text, list(verbs)),
             )
-        verb = Choice(VERBS[target.text]).read(value, to, (*path, target.text))
+        verb = Choice(verbs[target.text]).read(value, to, (*path, target.text))
         return FAULT if isinstance(verb, Fault) else MCode(target=target.text, verb=verb)
 
     def schema(self, definitions: dict[str, Json]) -> Json:
-        properties = {target: {"enum": list(verbs)} for target, verbs in VERBS.items()}
+        properties = {target: {"enum": list(verbs)} for target, verbs in all_verbs().items()}
         return {
             "type": "object",
             "properties": properties,
@@ -277,6 +290,9 @@ class Channel:
         "M-codes of this cell",
         default={},
         quiet=True,
+    )
+    signals: Mapping[str, SignalSource] = key(
+        SIGNALS, "words of the program that tell the tools' processes something", default={}, quiet=True
     )
     inputs: Mapping[str, InputSource] = key(
         MapOf(INPUTS, InputKind(), "inputs and what they read"),

@@ -8,6 +8,7 @@ from typing import Final
 from gcodesim.canon.systems import name_of_system
 from gcodesim.cell import Cell, Placement, place
 from gcodesim.cell.cell import MAIN
+from gcodesim.cell.channel import Channel
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText
 from gcodesim.rs274 import MappedAction, Settings, ToolEntry, ToolTable, read_parameters
 from gcodesim.units import MM
@@ -62,7 +63,8 @@ def settings_of_cell(
         subroutines=tuple(folder.path for folder in own.subroutines),
         block_delete=own.block_delete,
         optional_stop=own.optional_stop,
-        m_codes={word: MappedAction(target=code.target, verb=code.verb) for word, code in own.m_codes.items()},
+        m_codes=_actions(own),
+        wired=_wired(own),
         has_cell=True,
         tool_length=own.tool_length,
         loaded_tool=own.loaded_tool or 0,
@@ -72,6 +74,24 @@ def settings_of_cell(
         compensation_start=own.compensation_start,
     )
     return settings, findings
+
+
+def _actions(channel: Channel) -> dict[str, MappedAction]:
+    """What M-codes do: those of `m_codes`, and those that switch or set a signal alone."""
+    found: dict[str, MappedAction] = {}
+    for name, source in channel.signals.items():
+        word = source.word
+        for code in word.codes:
+            verb = "off" if code == word.off else "on" if word.off else "set"
+            found.setdefault(code, MappedAction(target=name, verb=verb))
+    return found | {word: MappedAction(target=code.target, verb=code.verb) for word, code in channel.m_codes.items()}
+
+
+def _wired(channel: Channel) -> frozenset[str]:
+    """Outputs that a signal or an input follows."""
+    pins = [source.word.pin for source in channel.signals.values()]
+    pins += [source.output for source in channel.inputs.values()]
+    return frozenset(pin for pin in pins if pin is not None)
 
 
 def _turned(cell: Cell, channel: str, placement: Placement) -> list[Diagnostic]:

@@ -10,6 +10,7 @@ from gcodesim.canon.systems import SYSTEMS, system_name
 from gcodesim.cell.cell import FORMAT, MAIN, Cell
 from gcodesim.cell.channel import Channel
 from gcodesim.cell.placing import MACHINE, FrameTree, Place
+from gcodesim.cell.receivers import with_signals
 from gcodesim.cell.settings import matches, with_step
 from gcodesim.cell.stock import MeshShape, Shape
 from gcodesim.declarations.keys import keys
@@ -45,6 +46,7 @@ def resolve(cell: Cell, to: Reading) -> Cell:
     _check_systems(cell, to)
     _check_mesh_sizes(cell, to)
     _check_loaded_tools(cell, to)
+    cell = with_signals(cell, to)
     _check_codes(cell, to)
     _check_world(cell, to)
     return replace(cell, spans=_spans(cell, to), defaults_used=tuple(to.defaults))

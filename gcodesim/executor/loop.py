@@ -108,7 +108,7 @@ def execute(
     then is in the result. It is passed on to the caller when nothing was done. Raises
     `WorldUnavailable` when the world cannot be opened here.
     """
-    rows = RowColumns.of(plan.path)
+    rows = RowColumns.of(plan.path, shop)
     sheet = shop.sheet
     totals = RowTotals.zeros(len(rows.tool), sheet)
     standing: dict[str, float] = {}
@@ -135,7 +135,7 @@ def execute(
         while leg is not None:
             first, planned = planned, int(-(-leg.trajectory.duration_ns // dt_ns))
             if first:
-                rows = RowColumns.of(leg.path)
+                rows = RowColumns.of(leg.path, shop)
                 totals.grow(len(rows.tool))
                 coupling.follow(leg, rows)
             cuts = _cuts(leg, coupling, guard, rows, range(first, planned, most), planned, dt_ns)

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.executor.signals import signals_of_rows
 from gcodesim.executor.targets import Target, targets_of
 from gcodesim.motion.tool_path import HOME, RAPID, ToolPath
 from gcodesim.processes import PROCESSES
-from gcodesim.processes.signal import ACTIVE, SPINDLE, Signal
+from gcodesim.processes.signal import Signal
 from gcodesim.shop import Shop
 
 if TYPE_CHECKING:
@@ -51,18 +52,18 @@ class RowColumns:
     shift: NDArray[np.float64]
 
     @staticmethod
-    def of(path: ToolPath) -> RowColumns:
+    def of(path: ToolPath, shop: Shop | None = None) -> RowColumns:
+        """The columns of `path`; its signals are those that the cell of `shop` gives to the processes of its tools."""
         numbers = np.array([state.tool for state in path.states], dtype=np.int64)
-        speeds = np.array([state.spindle for state in path.states], dtype=float)
+        signals = signals_of_rows(path) if shop is None else signals_of_rows(path, shop.signal_sources, shop.signals)
         if not len(path):  # one row at rest, so that a program without moves has a state too
             none = np.zeros(1, dtype=bool)
-            signals = {SPINDLE.name: speeds[:1], ACTIVE.name: none}
             return RowColumns(tool=numbers[:1], rapid=none, probing=none, signals=signals, shift=np.zeros((1, 3)))
         return RowColumns(
             tool=numbers[path.state],
             rapid=(path.kind == RAPID) | (path.kind == HOME),
             probing=np.array([state.word in PROBING for state in path.states])[path.state],
-            signals={SPINDLE.name: speeds[path.state], ACTIVE.name: path.active.astype(bool)},
+            signals=signals,
             shift=_shifts(path),
         )
 

@@ -41,7 +41,7 @@ class Inspector:
         self._plan, shop = plan, self._shop
         self._starts = plan.trajectory.row_start if len(plan.path) else np.zeros(1)
         self._turns = _blind_turns(plan, shop)
-        rows = RowColumns.of(plan.path)
+        rows = RowColumns.of(plan.path, shop)
         spindle = rows.signals[SPINDLE.name]
         setting = np.cumsum(np.diff(rows.tool, prepend=rows.tool[:1]) != 0)
         setting = setting + np.cumsum(np.diff(spindle, prepend=spindle[:1]) != 0.0)

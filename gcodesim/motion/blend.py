@@ -14,6 +14,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.canon import Output
 from gcodesim.frames import Array
 from gcodesim.motion.blend_kernels import (
     NORMAL_SHARE,
@@ -81,6 +82,7 @@ def _chains(path: ToolPath, kept: NDArray[np.intp]) -> NDArray[np.intp]:
         & (path.state[rows] == path.state[before])
         & (path.active[rows] == path.active[before])
         & ~_stops_between(path, before, rows)
+        & ~_outputs_between(path, before, rows)
         & np.all(path.end[rows, 3:] == path.start[rows, 3:], axis=1)
         & np.all(path.end[before, 3:] == path.start[before, 3:], axis=1)
         & np.all(path.start[rows] == path.end[before], axis=1)
@@ -96,6 +98,17 @@ def _chains(path: ToolPath, kept: NDArray[np.intp]) -> NDArray[np.intp]:
 def _stops_between(path: ToolPath, before: NDArray[np.intp], after: NDArray[np.intp]) -> NDArray[np.bool_]:
     """Whether any row from `before` up to the one ahead of `after` ends at rest."""
     count = np.concatenate([[0], np.cumsum(path.stop)])
+    between: NDArray[np.bool_] = count[after] - count[before] > 0
+    return between
+
+
+def _outputs_between(path: ToolPath, before: NDArray[np.intp], after: NDArray[np.intp]) -> NDArray[np.bool_]:
+    """Whether an output is switched after row `before` has begun and before `after` does."""
+    switched = np.zeros(len(path) + 1, dtype=np.int64)
+    for event in path.events:
+        if isinstance(event.event, Output) and event.event.with_motion:
+            switched[event.row] = 1
+    count = np.cumsum(switched)
     between: NDArray[np.bool_] = count[after] - count[before] > 0
     return between
 

@@ -217,7 +217,7 @@ class PathBuilder:
                     now, system=event.index, system_offset=event.offset, g92=event.g92, rotation=event.rotation
                 )
             )
-        elif isinstance(event, Action) and event.verb in ("activate", "deactivate"):
+        elif isinstance(event, Action) and event.target == "tool":
             self.tags = self.tags._replace(active=event.verb == "activate")
         passed = isinstance(event, _PASSED) or (isinstance(event, Output) and event.with_motion)
         if not passed and not (isinstance(event, Dwell) and event.seconds <= 0.0):

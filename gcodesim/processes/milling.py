@@ -20,7 +20,7 @@ from gcodesim.processes.laws import Law
 from gcodesim.processes.misuse import cutter_findings
 from gcodesim.processes.protocol import Process
 from gcodesim.processes.rows import Rows
-from gcodesim.processes.signal import ACTIVE, SPINDLE, Signal
+from gcodesim.processes.signal import SPINDLE, Signal
 from gcodesim.processes.turns import Turns
 from gcodesim.processes.window import ProcessState, ProcessStep, Window
 from gcodesim.processes.zone import Zone
@@ -46,7 +46,7 @@ class Milling(Process):
     kind: ClassVar[str] = "milling"
     pushes: ClassVar[bool] = True
     takes: ClassVar[bool] = True
-    reads: ClassVar[tuple[Signal, ...]] = (SPINDLE, ACTIVE)
+    reads: ClassVar[tuple[Signal, ...]] = (SPINDLE,)
     writes: ClassVar[tuple[Column, ...]] = (
         REMOVED,
         ENGAGED,

@@ -2,24 +2,62 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Final
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final
+
+from gcodesim.processes import PROCESSES
+
+if TYPE_CHECKING:
+    from gcodesim.tools.tool import Tool
+
+
+@dataclass(frozen=True, slots=True)
+class SetBy:
+    """An action of a mapped M-code, such as `gripper: close`, and the value [SI] that it gives a signal."""
+
+    target: str
+    verb: str
+    value: float
 
 
 @dataclass(frozen=True, slots=True)
 class Signal:
     """A value that a word of the program sets and that holds until another word sets it; `unit` is SI.
 
-    `default` holds where nothing in the program or in the cell gives the signal.
+    `default` holds where nothing in the program or in the cell gives the signal. `set_by` are the actions of M-codes
+    that a process receives because it reads this signal; until the first of them comes, `default` holds.
     """
 
     name: str
     unit: str = ""
     default: float = 0.0
+    set_by: tuple[SetBy, ...] = ()
 
 
 SPINDLE: Final = Signal("spindle", "rad/s")
 """Speed of the spindle: S with M3 (positive) or M4 (negative), 0 while it stands."""
 
-ACTIVE: Final = Signal("active")
+ACTIVE: Final = Signal("active", set_by=(SetBy("tool", "activate", 1.0), SetBy("tool", "deactivate", 0.0)))
 """1 while the process of the tool is switched on, otherwise 0."""
+
+
+def signals_read_by(tools: Iterable[Tool]) -> dict[str, Signal]:
+    """The signals that the processes of these tools read, by name, with the actions of all readers."""
+    found: dict[str, Signal] = {}
+    for kind in dict.fromkeys(kind for tool in tools for kind in tool.processes):
+        for signal in PROCESSES[kind].reads:
+            known = found.setdefault(signal.name, signal)
+            more = tuple(action for action in signal.set_by if action not in known.set_by)
+            found[signal.name] = replace(known, set_by=known.set_by + more) if more else known
+    return found
+
+
+def actions_of_all() -> dict[str, tuple[str, ...]]:
+    """All verbs by target that any process receives, those of third parties too."""
+    found: dict[str, dict[str, None]] = {}
+    for kind in PROCESSES:
+        for signal in PROCESSES[kind].reads:
+            for action in signal.set_by:
+                found.setdefault(action.target, {})[action.verb] = None
+    return {target: tuple(verbs) for target, verbs in found.items()}

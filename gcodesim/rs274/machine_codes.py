@@ -80,7 +80,8 @@ def outputs(words: Words, control: Control) -> None:
                     with_motion=m in (62, 63),
                 )
             )
-            control.skip(f"M{m} P{index}", place_of(words.block, f"m{m}"))
+            if f"P{index}" not in control.settings.wired:
+                control.skip(f"M{m} P{index}", place_of(words.block, f"m{m}"))
     elif m in (67, 68):
         index = _index(words, "e", m)
         value = words.get("q")
@@ -91,7 +92,8 @@ def outputs(words: Words, control: Control) -> None:
             control.out.append(
                 canon.Output(span=control.span, type="analog", index=index, value=value, with_motion=m == 67)
             )
-            control.skip(f"M{m} E{index}", place_of(words.block, f"m{m}"))
+            if f"E{index}" not in control.settings.wired:
+                control.skip(f"M{m} E{index}", place_of(words.block, f"m{m}"))
     else:
         _wait_for_input(words, control)
 

@@ -24,7 +24,8 @@ class MappedAction:
 class Settings:
     """Everything besides the text. Lengths of the tool table in SI; `parameters` as on the control (mm).
 
-    `m_codes` maps `M10` or `M62 P1` to actions. `auto_length` gives the true
+    `m_codes` maps `M10` or `M62 P1` to actions. `wired` are outputs that the cell
+    listens to, digital such as `P1`, analog such as `E0`. `auto_length` gives the true
     length [m] of each tool of the cell; with `tool_length="auto"` a program
     without any G43 or G49 takes it at M6. `path_control` is what stands before
     the program's first G61 or G64. `has_cell` makes user M-codes legal.
@@ -49,6 +50,7 @@ class Settings:
     block_delete: bool = False
     optional_stop: bool = False
     m_codes: Mapping[str, MappedAction] = field(default_factory=dict)
+    wired: frozenset[str] = frozenset()
     has_cell: bool = False
     answered: bool = False
     start: Axes = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

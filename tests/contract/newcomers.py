@@ -18,7 +18,7 @@ from gcodesim.material.shape import cylinder as section
 from gcodesim.processes.column import ADDED, ENGAGED, FINDINGS, LOG, REMOVED, RESULTS, Column
 from gcodesim.processes.protocol import Process
 from gcodesim.processes.rows import Rows
-from gcodesim.processes.signal import ACTIVE, Signal
+from gcodesim.processes.signal import ACTIVE, SetBy, Signal
 from gcodesim.processes.window import ProcessState, ProcessStep, Window
 from gcodesim.processes.zone import Zone
 from gcodesim.tools.body import Primitive, cylinder
@@ -28,8 +28,23 @@ from gcodesim.tools.tool import Tool
 
 HERE = "tests.contract.newcomers"
 NEW = {
-    "tools": {"pointer": "Pointer", "lamp": "Lamp", "gun": "Gun", "feeler": "Feeler", "watched_mill": "WatchedMill"},
-    "processes": {"burning": "Burning", "spraying": "Spraying", "feeling": "Feeling", "watching": "Watching"},
+    "tools": {
+        "pointer": "Pointer",
+        "lamp": "Lamp",
+        "gun": "Gun",
+        "feeler": "Feeler",
+        "watched_mill": "WatchedMill",
+        "beam": "Beam",
+        "claw": "Claw",
+    },
+    "processes": {
+        "burning": "Burning",
+        "spraying": "Spraying",
+        "feeling": "Feeling",
+        "watching": "Watching",
+        "shining": "Shining",
+        "holding": "Holding",
+    },
     "parts": {"lens": "LENS"},
 }
 LENS = BodyPart(words="the lens", hint="keep the lens away", color=(0.1, 0.2, 0.9, 1.0))
@@ -239,3 +254,73 @@ class WatchedMill(FlatEndMill):
 
     kind: ClassVar[str] = "watched_mill"
     processes: ClassVar[tuple[str, ...]] = ("milling", "watching")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Beam(Tool):
+    """A laser whose program gives its power."""
+
+    kind: ClassVar[str] = "beam"
+    process: ClassVar[str] = "shining"
+
+
+POWER: Signal = Signal("power", "W", 5.0)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Shining(Process):
+    """Acts on nothing: adds up the energy of its beam, which is what `power` says."""
+
+    kind: ClassVar[str] = "shining"
+    acts_on: ClassVar[Any] = "nothing"
+    reads: ClassVar[tuple[Signal, ...]] = (POWER,)
+    writes: ClassVar[tuple[Column, ...]] = (
+        Column("energy", "J", says="of the beam"),
+        Column("beam", "W", of="greatest", says="power of the beam"),
+    )
+
+    @classmethod
+    def of(cls, tool: Tool, material: Any) -> Shining:
+        return cls()
+
+    def run(self, target: Any, window: Window, state: ProcessState) -> ProcessStep:
+        power = window.signals[POWER.name]
+        return ProcessStep.free(window.steps, {"energy": power * window.dt, "beam": power})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Claw(Tool):
+    """A gripper."""
+
+    kind: ClassVar[str] = "claw"
+    process: ClassVar[str] = "holding"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Holding(Process):
+    """Acts on nothing: tells how long it is closed. It receives `close` and `open`, and a verb that nobody else has."""
+
+    kind: ClassVar[str] = "holding"
+    acts_on: ClassVar[Any] = "nothing"
+    reads: ClassVar[tuple[Signal, ...]] = (
+        Signal(
+            "grip",
+            set_by=(
+                SetBy("gripper", "close", 1.0),
+                SetBy("gripper", "open", 0.0),
+                SetBy("claw", "hold gently", 0.5),
+            ),
+        ),
+    )
+    writes: ClassVar[tuple[Column, ...]] = (
+        Column("closed", of="any", says="the claw is shut"),
+        Column("grip", of="greatest", shown_in=LOG | RESULTS, says="how firmly"),
+    )
+
+    @classmethod
+    def of(cls, tool: Tool, material: Any) -> Holding:
+        return cls()
+
+    def run(self, target: Any, window: Window, state: ProcessState) -> ProcessStep:
+        grip = window.signals["grip"]
+        return ProcessStep.free(window.steps, {"closed": grip > 0.0, "grip": grip})

@@ -54,6 +54,9 @@ def newcomers(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def go(tool: str, z: float, out: Path, *, cell: str = CELL, program: str = ACROSS) -> Ran:
+    if not ("lamp" in tool or "gun" in tool):  # others are not switched: nothing would receive it
+        cell = "".join(line for line in cell.splitlines(keepends=True) if not line.startswith("m_codes: {M10: {tool"))
+        program = program.replace("M10\n", "\n").replace("M11\n", "\n")
     return run_texts(program.format(z=z), f"{cell}tools:\n  1: {tool}\n", out)
 
 
@@ -217,3 +220,64 @@ def test_the_same_run_gives_the_same_bytes(tmp_path: Path) -> None:
         go("{type: lamp, focus: 1, spot: 2}", 0.5, tmp_path / name)
     for file in ("run.mcap", "results.json", "lines.csv", "stock.stl"):
         assert (tmp_path / "first" / file).read_bytes() == (tmp_path / "second" / file).read_bytes()
+
+
+POWERED = """G21 G90 G17 G94 G61
+T1 M6
+G43 H1
+G0 X0 Y0 Z30
+{on}
+G1 X50 F3000
+{more}
+G1 X100
+{off}
+G0 Z80
+M2
+"""
+
+
+@pytest.mark.parametrize(
+    ("signals", "on", "more", "off"),
+    [
+        ("{word: S, per: 1 W}", "S20 M3", "S40", "M5"),
+        ("{word: S, per: 2 W}", "S10 M4", "S20", "M5"),
+        ("{word: M67 E0, per: 1 W}", "M67 E0 Q20", "M67 E0 Q40", "M67 E0 Q0"),
+        ("{word: M68 E3, per: 1 kW}", "M68 E3 Q0.02", "M68 E3 Q0.04", "M68 E3 Q0"),
+        ("{word: M110, per: 1}", "M110 P20", "M110 P40", "M110 P0"),
+    ],
+)
+def test_the_power_of_a_laser_comes_from_the_words_of_the_cell(
+    signals: str, on: str, more: str, off: str, tmp_path: Path
+) -> None:
+    """A second at 20 W, and one at 40 W; the words that give it count as simulated."""
+    signals = signals.replace("per: 1}", "per: 1 W}")
+    program = POWERED.format(on=on, more=more, off=off)
+    ran = go("{type: beam}", 0, tmp_path, cell=f"{CELL}signals: {{power: {signals}}}\n", program=program)
+    tool, lines = written(tmp_path)
+
+    assert not ran.bad and not ran.results.not_simulated
+    assert tool["energy_J"] == pytest.approx(60.0, rel=0.05)
+    assert tool["max_beam_W"] == pytest.approx(40.0)
+    energy = {line["line"]: float(line["energy_J"]) for line in lines}
+    assert energy["6"] == pytest.approx(20.0, rel=0.05) and energy["8"] == pytest.approx(40.0, rel=0.05)
+    assert energy["4"] == energy["10"] == 0.0
+
+
+def test_a_signal_that_the_cell_gives_no_word_has_its_default(tmp_path: Path) -> None:
+    ran = go("{type: beam}", 0, tmp_path, program=POWERED.format(on="M67 E0 Q20", more="", off=""))
+
+    assert written(tmp_path)[0]["max_beam_W"] == 5.0
+    assert list(ran.results.not_simulated) == ["M67 E0"]
+
+
+def test_a_newcomer_receives_the_actions_that_it_declares(tmp_path: Path) -> None:
+    actions = "m_codes: {M62 P1: {gripper: close}, M63 P1: {gripper: open}, M20: {claw: hold gently}}\n"
+    ran = go(
+        "{type: claw}", 0, tmp_path, cell=CELL + actions, program=POWERED.format(on="M62 P1", more="M63 P1", off="M20")
+    )
+    tool, lines = written(tmp_path)
+
+    assert not ran.bad and not ran.results.not_simulated
+    closed = {line["line"]: float(line["closed_s"]) for line in lines}
+    assert closed["6"] == pytest.approx(1.0, rel=0.05) and closed["8"] == 0.0 and closed["10"] > 0.0
+    assert tool["max_grip"] == 1.0

@@ -320,6 +320,14 @@ CODES += (
         why="Nothing would be cut, whatever the program says. Mostly a unit, a sign or a frame is wrong.",
         remedy="Look where `gcodesim cell show` puts stock and work systems, and correct the place.",
     ),
+    Code(
+        code="GS735",
+        severity=Severity.ERROR,
+        title="An action that nothing receives",
+        what="`m_codes` says what an M-code does, and no process of the cell's tools takes it: the tool is missing.",
+        why="The code would be accepted and do nothing: no bead, no grip, and no word about it.",
+        remedy="Add the tool that is meant to `tools:`, or delete the entry.",
+    ),
 )
 
 # the output folder

@@ -55,7 +55,7 @@ def test_a_cell_with_everything() -> None:
     assert channel.m_codes == {
         "M10": MCode(target="tool", verb="activate"),
         "M11": MCode(target="tool", verb="deactivate"),
-        "M62 P1": MCode(target="gripper", verb="close"),
+        "M62 P1": MCode(target="tool", verb="activate"),
     }
     assert channel.path_control == "G64 P0.02" and channel.subroutines[0].path == FOLDER / "subs"
     assert sorted(cell.tools) == [1, 2]

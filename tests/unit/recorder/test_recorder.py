@@ -19,11 +19,12 @@ stock: {min: [0, 0, -20], max: [100, 60, 0], in: G54, material: al6082_t6, resol
 tools:
   1: {type: flat_end_mill, diameter: 10 mm, flutes: 3, length: 60 mm}
   2: {type: flat_end_mill, diameter: 6 mm, flutes: 3, length: 60 mm}
+  3: {type: extruder, bead_width: 2 mm, bead_height: 1 mm}
 magazine: {change_time: 2 s}
 fixtures: {clamp: {min: [60, 0, -5], max: [80, 10, 8], in: G54}}
 subroutines: [.]
 limits: {spindle_power: 10 W}
-m_codes: {M10: {gripper: close}, M11: {gripper: open}}
+m_codes: {M10: {tool: activate}, M11: {tool: deactivate}}
 simulation: {world: kinematic}
 """
 PROGRAM = """G21 G90 G17 G94
@@ -91,10 +92,10 @@ def test_outputs_and_coolant_are_those_that_the_program_has_set(log):
 
     assert outputs(2) == {}
     assert outputs(6) == {"digital 1": 1.0}
-    assert outputs(10) == {"analog 2": 3.5, "digital 1": 1.0, "gripper": "close"}
+    assert outputs(10) == {"analog 2": 3.5, "digital 1": 1.0, "tool": "activate"}
     assert outputs(12)["digital 3"] == 1.0 and "digital 4" not in outputs(12)
     assert outputs(14)["digital 4"] == 1.0
-    assert outputs(16)["gripper"] == "open" and outputs(16)["digital 1"] == 0.0
+    assert outputs(16)["tool"] == "deactivate" and outputs(16)["digital 1"] == 0.0
     assert shown(log, 6).flood and not shown(log, 6).mist and not shown(log, 20).flood
 
 

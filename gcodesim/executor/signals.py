@@ -1,0 +1,92 @@
+"""Signals row by row: what the words of a program come to for the processes that read them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.canon import Action, Event, Output
+from gcodesim.cell.signals import SignalSource, SignalWord
+from gcodesim.motion.tool_path import PathEvent, ToolPath
+from gcodesim.processes.signal import ACTIVE, SPINDLE, Signal
+from gcodesim.units import RPM
+
+Array = NDArray[np.float64]
+
+
+def signals_of_rows(
+    path: ToolPath, sources: Mapping[str, SignalSource] | None = None, read: Mapping[str, Signal] | None = None
+) -> dict[str, NDArray[Any]]:
+    """The signals (n,) of the n rows of `path`, in SI; a path without rows has one at rest.
+
+    `sources` are those of the cell, `read` the signals that processes of the cell read. Whatever is switched on the way
+    holds from the row on before which it stands. M62, M63 and M67 take effect with the next move, M64, M65 and M68 at
+    once: both at the same border of rows, since the machine stands still for the second kind. S gives its number while
+    the spindle turns, either way, and 0 while it stands. An output that was never set is 0, as is a code.
+    """
+    state = path.state if len(path) else np.zeros(1, dtype=np.int64)
+    spindle = np.array([each.spindle for each in path.states], dtype=float)[state]
+    active = path.active.astype(bool) if len(path) else np.zeros(1, dtype=bool)
+    found: dict[str, NDArray[Any]] = {SPINDLE.name: spindle, ACTIVE.name: active}
+    by_action = {name: signal for name, signal in (read or {}).items() if signal.set_by and name != ACTIVE.name}
+    if not (sources or by_action):
+        return found
+    heard = [event for event in path.events if isinstance(event.event, (Output, Action))]
+    for name, signal in by_action.items():
+        values = {(action.target, action.verb): action.value for action in signal.set_by}
+        changes = ((each.row, values.get(_action(each.event))) for each in heard)
+        found[name] = _held(changes, len(spindle), signal.default)
+    for name, source in (sources or {}).items():
+        found[name] = source.factor * _numbers(source.word, heard, spindle) + source.zero
+    return found
+
+
+def _numbers(word: SignalWord, heard: list[PathEvent], spindle: Array) -> Array:
+    """The numbers (n,) that a word gives, as the program writes them."""
+    if word.type == "speed":
+        speed: Array = np.abs(spindle) / RPM
+        return speed
+    if word.type == "turning":
+        return (spindle != 0.0).astype(float)
+    value = _code if word.type == "code" else _output
+    return _held(((each.row, value(word, each.event)) for each in heard), len(spindle), 0.0)
+
+
+def _held(changes: Iterable[tuple[int, float | None]], rows: int, start: float) -> Array:
+    """Values (rows,): `start`, and from each row of `changes` on its value, the last of a row; None changes nothing."""
+    kept = [(row, value) for row, value in changes if value is not None]
+    at = np.array([row for row, _ in kept], dtype=np.int64)
+    values = np.array([start, *(value for _, value in kept)])
+    held: Array = values[np.searchsorted(at, np.arange(rows), side="right")]
+    return held
+
+
+def _action(event: Event) -> tuple[str, str]:
+    return (event.target, event.verb) if isinstance(event, Action) else ("", "")
+
+
+def _output(word: SignalWord, event: Event) -> float | None:
+    """What an event sets the word's output to; an M62 to M65 that the cell maps to an action sets it as well."""
+    if isinstance(event, Output):
+        return event.value if (event.type, event.index) == (word.type, word.index) else None
+    if not isinstance(event, Action):
+        return None
+    if word.type == "digital" and event.m in (62, 63, 64, 65):
+        return float(event.m in (62, 64)) if event.p == word.index else None
+    return None
+
+
+def _code(word: SignalWord, event: Event) -> float | None:
+    if not isinstance(event, Action):
+        return None
+    own = {f"M{event.m}"} | ({f"M{event.m} P{event.p:g}"} if event.p is not None else set())
+    if word.off:
+        return 1.0 if word.on in own else 0.0 if word.off in own else None
+    if word.on not in own:
+        return None
+    if event.q is not None:
+        return event.q
+    return event.p if event.p is not None and word.on == f"M{event.m}" else 1.0
