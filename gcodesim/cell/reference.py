@@ -17,6 +17,7 @@ from gcodesim.cell.material import MaterialForm
 from gcodesim.cell.placing import Place
 from gcodesim.cell.robot import RobotForm
 from gcodesim.cell.settings import Limits, LogSettings, Magazine, Simulation, Suppression
+from gcodesim.cell.signals import SignalSource
 from gcodesim.cell.stock import ShapeKeys, StockSpec, Target
 from gcodesim.declarations.keys import all_keys, keys
 from gcodesim.declarations.tables import key_table, units_as_text
@@ -31,6 +32,7 @@ SECTIONS: Final[tuple[tuple[str, type], ...]] = (
     ("`robots`", RobotForm),
     ("A channel (`channels`); where there is but one, its keys stand at top level", Channel),
     ("`orientation`", Orientation),
+    ("A signal (`signals`)", SignalSource),
     ("Shapes of stock and fixtures", ShapeKeys),
     ("`stock`, besides its shape and place", StockSpec),
     ("`materials`", MaterialForm),

@@ -150,11 +150,13 @@ class _AmountKind(Kind):
 class SignalSource:
     """Where a signal comes from. Its value [SI] is the word's number times `factor` plus `zero`."""
 
-    word: SignalWord = key(_WordKind(), "the word that gives the value")
+    word: SignalWord = key(
+        _WordKind(),
+        "what gives the value: S counts while the spindle turns, `M3/M5` is 1 meanwhile; `M10/M11` is 1 from M10 to M11; "
+        "an M-code alone gives its Q, else its P, else 1",
+    )
     per: Amount | None = key(
-        _AmountKind(),
-        "what 1 of the word means (default: 1 in the SI unit of the signal)",
-        default=None,
+        _AmountKind(), "what 1 of the word means", default=None, rule="1 in the SI unit of the signal"
     )
     factor: float = 1.0
     zero: float = 0.0

@@ -50,7 +50,8 @@ def _numbers(word: SignalWord, heard: list[PathEvent], spindle: Array) -> Array:
         speed: Array = np.abs(spindle) / RPM
         return speed
     if word.type == "turning":
-        return (spindle != 0.0).astype(float)
+        turning: Array = (spindle != 0.0).astype(float)
+        return turning
     value = _code if word.type == "code" else _output
     return _held(((each.row, value(word, each.event)) for each in heard), len(spindle), 0.0)
 

@@ -267,7 +267,7 @@ def test_a_signal_that_the_cell_gives_no_word_has_its_default(tmp_path: Path) ->
     ran = go("{type: beam}", 0, tmp_path, program=POWERED.format(on="M67 E0 Q20", more="", off=""))
 
     assert written(tmp_path)[0]["max_beam_W"] == 5.0
-    assert list(ran.results.not_simulated) == ["M67 E0"]
+    assert [word["word"] for word in ran.results.not_simulated] == ["M67 E0"]
 
 
 def test_a_newcomer_receives_the_actions_that_it_declares(tmp_path: Path) -> None:

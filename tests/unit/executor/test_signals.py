@@ -99,7 +99,7 @@ def test_chords_are_not_merged_across_an_output() -> None:
     from gcodesim.motion.pieces import AxisLimits
 
     through = PathMode(span=HERE, mode="blend", tolerance=1e-3, naive=1e-3)
-    limits = AxisLimits(np.full(6, 1.0), np.full(6, 1.0))
+    limits = AxisLimits(speed=np.full(6, 1.0), acceleration=np.full(6, 1.0))
     plain = blend(build_tool_path([through, move(1.0), move(2.0), move(3.0)]), limits)
     switched = blend(build_tool_path([through, move(1.0), move(2.0), output(0, 1), move(3.0)]), limits)
 
