@@ -152,8 +152,8 @@ class SignalSource:
 
     word: SignalWord = key(
         _WordKind(),
-        "what gives the value: S counts while the spindle turns, `M3/M5` is 1 meanwhile; `M10/M11` is 1 from M10 to M11; "
-        "an M-code alone gives its Q, else its P, else 1",
+        "what gives the value: S counts while the spindle turns, `M3/M5` is 1 meanwhile; `M10/M11` is 1 from M10 to "
+        "M11; an M-code alone gives its Q, else its P, else 1",
     )
     per: Amount | None = key(
         _AmountKind(), "what 1 of the word means", default=None, rule="1 in the SI unit of the signal"

@@ -608,7 +608,11 @@ _SKIPPED = (
     (("M7", "M8", "M9"), "GS901", "nothing that is simulated depends on coolant"),
     (("M48", "M49", "M50", "M51", "M52", "M53"), "GS902", "feeds and speeds run at 100 %, as nobody turns a knob"),
     (("M19",), "GS903", ""),
-    (("M62", "M63", "M64", "M65", "M67", "M68"), "GS904", "say in the cell what it switches, under `signals` or `m_codes`"),
+    (
+        ("M62", "M63", "M64", "M65", "M67", "M68"),
+        "GS904",
+        "say in the cell what it switches, under `signals` or `m_codes`",
+    ),
     (("M66",), "GS905", "every input reads 0 at once, and #5399 is 0: no time passes in waiting"),
     (("M30", "M60"), "GS906", ""),
     (("U", "V", "W"), "GS908", ""),

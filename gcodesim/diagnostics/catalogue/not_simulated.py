@@ -41,7 +41,8 @@ CODES: tuple[Code, ...] = (
         what="An output is set, and the cell does not say what it does.",
         why="What depends on it on the real machine is not in the results.",
         remedy=(
-            "Map the code in the cell under `m_codes` if it matters, or make it an error with `checks: {GS9xx: error}`."
+            "Map the code in the cell under `signals` or `m_codes` if it matters, or make it an error with "
+            "`checks: {GS9xx: error}`."
         ),
     ),
     Code(
