@@ -97,6 +97,17 @@ def extensions() -> list[EntryPoint]:
     return sorted(found, key=lambda point: (point.group, point.name, _owner(point)))
 
 
+def package_at_fault(error: BaseException) -> str:
+    """The package whose code failed, as people call it; empty when the fault is in nobody's code but ours."""
+    owners = {point.module.partition(".")[0]: _owner(point) for point in extensions()}
+    found = ""
+    trace = error.__traceback__
+    while trace is not None:  # the innermost counts
+        found = owners.get(str(trace.tb_frame.f_globals.get("__name__", "")).partition(".")[0], found)
+        trace = trace.tb_next
+    return found
+
+
 def _added(family: str) -> dict[str, list[EntryPoint]]:
     by_name: dict[str, list[EntryPoint]] = {}
     for point in _all_added().get(_GROUP + family, ()):

@@ -17,7 +17,7 @@ from gcodesim.cli.overwriting import refuse_own_inputs
 from gcodesim.cli.parser import build_parser
 from gcodesim.cli.streams import drop_output
 from gcodesim.diagnostics.plain import PlainStream, raw
-from gcodesim.family import ExtensionError
+from gcodesim.family import ExtensionError, package_at_fault
 
 # Imports create many objects that all stay; looking for garbage after every 700 takes a tenth of a short command.
 GARBAGE_EVERY: Final = 100_000
@@ -96,16 +96,20 @@ def _refused(reason: str) -> int:
 
 
 def _report_fault(error: Exception, argv: Sequence[str]) -> None:
-    """Say that this is our fault, and what a bug report needs."""
+    """Say whose fault this is, and what a bug report needs."""
     import platform
     import traceback
 
     from gcodesim import __version__
 
     traceback.print_exception(error, file=sys.stderr)
+    package = package_at_fault(error)
+    whose = f"{package}, which extends gcodesim" if package else "gcodesim"
+    to_whom = " to its authors" if package else ""
     print(
-        "\ngcodesim: internal error. This is a fault of gcodesim, not of your program or cell.\n"
-        "Please report it with the text above, the program and the cell if you may share them, and this line:\n"
+        f"\ngcodesim: internal error. This is a fault of {whose}, not of your program or cell.\n"
+        f"Please report it{to_whom} with the text above, the program and the cell if you may share them, "
+        "and this line:\n"
         f"  gcodesim {__version__}, Python {platform.python_version()}, {platform.system()} {platform.machine()}: "
         f"gcodesim {' '.join(argv)}",
         file=sys.stderr,

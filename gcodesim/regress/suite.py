@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.diagnostics.plain import lines
-from gcodesim.family import ExtensionError
+from gcodesim.family import ExtensionError, package_at_fault
 from gcodesim.regress.case import Case, Collected
 from gcodesim.regress.sources import Sources
 from gcodesim.regress.verdicts import CaseVerdict, Found, SuiteVerdict
@@ -57,7 +57,8 @@ def _broken(case: Case, how: Judging, fault: Exception) -> CaseVerdict:
     else:
         print(lines("".join(traceback.format_exception(fault))), end="", file=sys.stderr)
         message = f"gcodesim failed on this case: {type(fault).__name__}: {fault}"
-        hint = "this is a fault of gcodesim; please report it with the trace on stderr, the program and the cell"
+        whose = package_at_fault(fault) or "gcodesim"
+        hint = f"this is a fault of {whose}; please report it with the trace on stderr, the program and the cell"
     finding = Diagnostic(code=INTERNAL, span=Span(case.file), message=message, hint=hint)
     return CaseVerdict(
         name=case.name,

@@ -239,6 +239,21 @@ def test_a_case_of_a_suite_that_needs_what_is_broken_says_so(site: Path, tmp_pat
     assert "which cannot be loaded: RuntimeError: out of light" in done.out
 
 
+def test_a_fault_in_its_code_is_not_ours(site: Path, tmp_path: Path) -> None:
+    own = tmp_path / "site"
+    shutil.copytree(site, own)
+    process = own / "bright_engraver" / "process.py"
+    process.write_text(process.read_text().replace("        kept = np.exp(-passed)\n", "        kept = {}['kept']\n"))
+    shutil.copytree(SOURCE / "example", tmp_path, dirs_exist_ok=True)
+    shop = Shop(own, tmp_path)
+    run, suite = shop("run", "sign.nc", "--cell", "engraver.yaml", "--out", "out"), shop("test", ".")
+
+    assert run.status == suite.status == 70
+    assert "This is a fault of the package bright-engraver 1.2, which extends gcodesim, not of your program" in run.err
+    assert "Please report it to its authors with the text above" in run.err
+    assert "this is a fault of the package bright-engraver 1.2; please report it" in suite.out
+
+
 def test_two_packages_with_one_name_are_told(site: Path, tmp_path: Path) -> None:
     own = tmp_path / "site"
     shutil.copytree(site, own)
