@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 import pytest
 
 if TYPE_CHECKING:
-    from gcodesim.regress import CaseVerdict, Found
+    from gcodesim.regress import CaseVerdict, JudgedFinding
     from gcodesim.regress.baseline import Baseline
     from gcodesim.regress.cache import Cache
     from gcodesim.regress.case import Case, Collected
@@ -111,7 +111,7 @@ class _Item(pytest.Item):
             return str(excinfo.value)
         return super().repr_failure(excinfo, style)
 
-    def _text(self, found: list[Found]) -> str:
+    def _text(self, found: list[JudgedFinding]) -> str:
         from gcodesim.formats.text import found_text
         from gcodesim.regress.sources import Sources
 
@@ -122,7 +122,7 @@ class _Item(pytest.Item):
 class FaultItem(_Item):
     """What is wrong with a test file."""
 
-    def __init__(self, *, found: tuple[Found, ...], **more: Any) -> None:
+    def __init__(self, *, found: tuple[JudgedFinding, ...], **more: Any) -> None:
         super().__init__(**more)
         self._found = found
 

@@ -9,7 +9,7 @@ from gcodesim.canon.events import Axes, Dwell, Event, Point
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Touched:
-    """The answer to a `Probe`, in M [m, rad] like the ends of moves.
+    """The answer to a `ProbeMove`, in M [m, rad] like the ends of moves.
 
     `point` is where the controlled point was when the probe changed, the end of the move when it never did (then
     `tripped` is false). `stop` is where the machine came to rest. `refused`: the probe was in contact already, or free

@@ -38,7 +38,7 @@ __all__ = [
     "PathMode",
     "Point",
     "Print",
-    "Probe",
+    "ProbeMove",
     "Rapid",
     "Spindle",
     "SplineFeed",
@@ -122,7 +122,7 @@ class SplineFeed(Motion):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Probe(Motion):
+class ProbeMove(Motion):
     """Straight move until the probe trips: G38.2 to G38.5."""
 
     feed: float

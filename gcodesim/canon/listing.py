@@ -87,7 +87,7 @@ _KINDS: dict[type[ev.Event], tuple[str, Callable[[Any], dict[str, Any]]]] = {
     ev.LinearFeed: ("line", _line),
     ev.ArcFeed: ("arc", _arc),
     ev.SplineFeed: ("spline", _spline),
-    ev.Probe: ("probe", lambda e: {"end": _axes(e.end), **_feed(e.feed, e.feed_unit)}),
+    ev.ProbeMove: ("probe", lambda e: {"end": _axes(e.end), **_feed(e.feed, e.feed_unit)}),
     ev.Tap: ("tap", lambda e: {"end": _axes(e.end), "pitch": number(e.pitch / MM)}),
     ev.Dwell: ("dwell", lambda e: {"seconds": number(e.seconds)}),
     ev.ToolSelect: ("tool_select", lambda e: {"tool": e.tool}),

@@ -30,7 +30,7 @@ from gcodesim.declarations.composed import ListOf
 from gcodesim.declarations.file_kind import FileValue
 from gcodesim.declarations.files import InputFile
 from gcodesim.declarations.keys import inline, key
-from gcodesim.declarations.map_of import MapOf, Name
+from gcodesim.declarations.map_of import MapOf, NameRule
 from gcodesim.declarations.plain_kinds import Whole
 from gcodesim.declarations.reading import Default, Path
 from gcodesim.declarations.record import Record
@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 FORMAT: Final = 1
 MAIN: Final = "main"
 
-_ANY_NAME: Final = Name(what="name", pattern=".+", canonical=lambda text: text.strip() or None)
+_ANY_NAME: Final = NameRule(what="name", pattern=".+", canonical=lambda text: text.strip() or None)
 _CHANNELS: Final = MapOf(
     names_of("channel"),
     Record(Channel, "the channel"),

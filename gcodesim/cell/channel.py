@@ -15,12 +15,12 @@ from gcodesim.declarations.composed import ListOf
 from gcodesim.declarations.file_kind import File, FileValue
 from gcodesim.declarations.keys import key
 from gcodesim.declarations.kind import Json, Kind, scalar, short
-from gcodesim.declarations.map_of import MapOf, Name
+from gcodesim.declarations.map_of import MapOf, NameRule
 from gcodesim.declarations.nodes import Mapping as MappingNode
 from gcodesim.declarations.nodes import Node, Scalar
 from gcodesim.declarations.plain_kinds import Choice, Switch, Text, Whole
 from gcodesim.declarations.quantity import Quantity
-from gcodesim.declarations.reading import FAULT, Fault, Path, Reading, Reference, suggestion
+from gcodesim.declarations.reading import UNREAD, Path, Reading, Reference, Unread, suggestion
 from gcodesim.declarations.record import Record, not_a_mapping
 from gcodesim.declarations.scalars import measured
 from gcodesim.processes.signal import actions_of_all
@@ -53,10 +53,10 @@ class _AxisOf(Kind):
     def expected(self) -> str:
         return "an axis of a frame such as `-Z of G54`"
 
-    def read(self, node: Node, to: Reading, path: Path) -> ToolAxis | Fault:
+    def read(self, node: Node, to: Reading, path: Path) -> ToolAxis | Unread:
         text = scalar(self, node, to, path)
-        if isinstance(text, Fault):
-            return FAULT
+        if isinstance(text, Unread):
+            return UNREAD
         match = _AXIS.fullmatch(text.text)
         if match is None:
             return to.fault("GS711", text.span, f"`{path[-1]}` is `{short(text.text)}`; {self.expected} is expected")
@@ -94,10 +94,10 @@ class _Spin(Kind):
     def expected(self) -> str:
         return "`free` or an angle"
 
-    def read(self, node: Node, to: Reading, path: Path) -> float | Fault | None:
+    def read(self, node: Node, to: Reading, path: Path) -> float | Unread | None:
         text = scalar(self, node, to, path)
-        if isinstance(text, Fault):
-            return FAULT
+        if isinstance(text, Unread):
+            return UNREAD
         if text.text == "free":
             return None
         if measured(text.text) is None:
@@ -132,10 +132,10 @@ class _DialectKind(Kind):
     def expected(self) -> str:
         return f"one of {', '.join(f'`{name}`' for name in DIALECTS)}"
 
-    def read(self, node: Node, to: Reading, path: Path) -> str | Fault:
+    def read(self, node: Node, to: Reading, path: Path) -> str | Unread:
         text = scalar(self, node, to, path)
-        if isinstance(text, Fault):
-            return FAULT
+        if isinstance(text, Unread):
+            return UNREAD
         if text.text in DIALECTS:
             return text.text
         if text.text in PLANNED_DIALECTS:
@@ -165,7 +165,7 @@ class _ActionKind(Kind):
     def expected(self) -> str:
         return "a target and what it does, such as `{tool: activate}`"
 
-    def read(self, node: Node, to: Reading, path: Path) -> MCode | Fault:
+    def read(self, node: Node, to: Reading, path: Path) -> MCode | Unread:
         if not isinstance(node, MappingNode):
             return not_a_mapping(node, self.expected, to, path)
         if len(node.entries) != 1:
@@ -211,7 +211,7 @@ def m_code(text: str) -> str | None:
         return None
 
 
-M_CODES: Final = Name(
+M_CODES: Final = NameRule(
     what="M-code (such as `M10` or `M62 P1`)",
     pattern=r"\s*[Mm]\s*[0-9]{1,3}(\s*[Pp]\s*[0-9]+(\.0*)?)?\s*",
     canonical=m_code,
@@ -226,10 +226,10 @@ class _PathControl(Kind):
     def expected(self) -> str:
         return "`G61`, `G61.1` or `G64` with P and Q, such as `G64 P0.02`"
 
-    def read(self, node: Node, to: Reading, path: Path) -> str | Fault:
+    def read(self, node: Node, to: Reading, path: Path) -> str | Unread:
         text = scalar(self, node, to, path)
-        if isinstance(text, Fault):
-            return FAULT
+        if isinstance(text, Unread):
+            return UNREAD
         match = _PATH_CONTROL.fullmatch(text.text)
         numbers = [] if match is None else [n for n in match.groups()[1:] if n is not None]
         if match is None or any(measured(n) is None for n in numbers) or (match[1] != "64" and numbers):

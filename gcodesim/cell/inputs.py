@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from typing import Any, Final, Literal
 
 from gcodesim.declarations.kind import Json, Kind, scalar, short
-from gcodesim.declarations.map_of import Name
+from gcodesim.declarations.map_of import NameRule
 from gcodesim.declarations.nodes import Listing, Node
 from gcodesim.declarations.nodes import Mapping as MappingNode
 from gcodesim.declarations.quantity import Quantity
-from gcodesim.declarations.reading import FAULT, Fault, Path, Reading
+from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread
 
 _PLACE: Final = re.compile(r"\s*([PpEe])\s*0*(\d{1,3})\s*")
 _TIME, _VALUE = Quantity("time"), Quantity("ratio")
@@ -57,7 +57,7 @@ def place_of_pin(text: str) -> str | None:
     return None if match is None else f"{match[1].upper()}{int(match[2])}"
 
 
-INPUTS: Final = Name(
+INPUTS: Final = NameRule(
     what="input (digital such as `P0`, analog such as `E0`)", pattern=_PLACE.pattern, canonical=place_of_pin
 )
 
@@ -70,27 +70,27 @@ class InputKind(Kind):
     def expected(self) -> str:
         return "a number, a list of times and values such as `[[0, 0], [5 s, 1]]`, or `{output: P1}`"
 
-    def read(self, node: Node, to: Reading, path: Path) -> InputSource | Fault:
+    def read(self, node: Node, to: Reading, path: Path) -> InputSource | Unread:
         if isinstance(node, MappingNode):
             return self._wired(node, to, path)
         if isinstance(node, Listing):
             return self._by_time(node, to, path)
         value = _VALUE.read(node, to, path)
-        return FAULT if isinstance(value, Fault) else InputSource(values=(value,))
+        return UNREAD if isinstance(value, Unread) else InputSource(values=(value,))
 
-    def _wired(self, node: MappingNode, to: Reading, path: Path) -> InputSource | Fault:
+    def _wired(self, node: MappingNode, to: Reading, path: Path) -> InputSource | Unread:
         if len(node.entries) != 1 or node.entries[0][0].text != "output":
             return to.fault("GS706", node.span, f"`{path[-1]}` is wired to nothing known; {self.expected} is expected")
         text = scalar(self, node.entries[0][1], to, (*path, "output"))
-        if isinstance(text, Fault):
-            return FAULT
+        if isinstance(text, Unread):
+            return UNREAD
         place = place_of_pin(text.text)
         if place is None:
             message = f"`output` is `{short(text.text)}`; an output is digital such as `P1`, or analog such as `E0`"
             return to.fault("GS711", text.span, message)
         return InputSource(output=place)
 
-    def _by_time(self, node: Listing, to: Reading, path: Path) -> InputSource | Fault:
+    def _by_time(self, node: Listing, to: Reading, path: Path) -> InputSource | Unread:
         times: list[float] = []
         values = [0.0]
         for index, item in enumerate(node.items):
@@ -98,8 +98,8 @@ class InputKind(Kind):
                 return to.fault("GS706", item.span, f"`{path[-1]}` needs pairs of time and value; {self.expected}")
             time = _TIME.read(item.items[0], to, (*path, index, 0))
             value = _VALUE.read(item.items[1], to, (*path, index, 1))
-            if isinstance(time, Fault) or isinstance(value, Fault):
-                return FAULT
+            if isinstance(time, Unread) or isinstance(value, Unread):
+                return UNREAD
             if times and time <= times[-1]:
                 return to.fault("GS711", item.span, f"times of `{path[-1]}` must increase")
             times.append(time)

@@ -9,7 +9,7 @@ from typing import Any, Final, Literal
 from gcodesim.declarations.kind import Json, Kind, listing, scalar
 from gcodesim.declarations.nodes import Mapping, Node, Scalar
 from gcodesim.declarations.quantity import LAST_UNIT_HOLDS, Quantity, lacks_unit, last_unit
-from gcodesim.declarations.reading import FAULT, Fault, Path, Reading, suggestion
+from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread, suggestion
 from gcodesim.declarations.record import FREE
 from gcodesim.declarations.scalars import Measured
 from gcodesim.declarations.units import shown
@@ -44,29 +44,29 @@ class JointList(Kind):
         if self.letters and isinstance(node, Mapping):
             return self._by_letter(node, to, path)
         items = listing(self, node, to, path)
-        if isinstance(items, Fault):
-            return FAULT
+        if isinstance(items, Unread):
+            return UNREAD
         values = [self._value(item, to, (*path, index)) for index, item in enumerate(items)]
-        good = tuple(value for value in values if not isinstance(value, Fault))
-        return good if len(good) == len(values) else FAULT
+        good = tuple(value for value in values if not isinstance(value, Unread))
+        return good if len(good) == len(values) else UNREAD
 
-    def _value(self, node: Node, to: Reading, path: Path) -> JointValue | Fault:
+    def _value(self, node: Node, to: Reading, path: Path) -> JointValue | Unread:
         quantity = Quantity(self.dimensions[-1])
         text = scalar(quantity, node, to, path)
-        if isinstance(text, Fault):
-            return FAULT
+        if isinstance(text, Unread):
+            return UNREAD
         number = quantity.number(text, to, path)
-        return FAULT if isinstance(number, Fault) else JointValue(node=text, number=number, path=path)
+        return UNREAD if isinstance(number, Unread) else JointValue(node=text, number=number, path=path)
 
     def _by_letter(self, node: Mapping, to: Reading, path: Path) -> Any:
-        values: dict[str, JointValue | Fault] = {}
+        values: dict[str, JointValue | Unread] = {}
         for name, value in node.entries:
             if name.text.startswith(FREE):
                 continue
             letter = name.text.upper()
             to.named((*path, letter), name.span)
             values[letter] = self._value(value, to, (*path, letter))
-        return FAULT if any(value is FAULT for value in values.values()) else values
+        return UNREAD if any(value is UNREAD for value in values.values()) else values
 
     def schema(self, definitions: dict[str, Json]) -> Json:
         value = {"anyOf": [{"type": "number"}, *(Quantity(name).schema(definitions) for name in self.dimensions)]}
@@ -76,9 +76,9 @@ class JointList(Kind):
 
 def in_si(
     values: Sequence[JointValue], quantities: Sequence[Quantity], to: Reading, *, is_list: bool = True
-) -> tuple[float, ...] | Fault:
+) -> tuple[float, ...] | Unread:
     """SI values, one a joint; in a list the unit of the last entry holds for those without one, where it fits."""
-    parts: list[tuple[Scalar, Measured | Fault, Path]] = [(v.node, v.number, v.path) for v in values]
+    parts: list[tuple[Scalar, Measured | Unread, Path]] = [(v.node, v.number, v.path) for v in values]
     inherited = last_unit(parts, [q.dimension for q in quantities]) if is_list else None
     if is_list and inherited is None and lacks_unit(parts, quantities):
         last = values[-1]
@@ -87,8 +87,8 @@ def in_si(
     for value, quantity in zip(values, quantities, strict=True):
         unit = inherited if inherited is not None and inherited.dimension == quantity.dimension else None
         result.append(quantity.in_si(value.number, unit, value.node, to, value.path))
-    good = tuple(v for v in result if not isinstance(v, Fault))
-    return good if len(good) == len(values) else FAULT
+    good = tuple(v for v in result if not isinstance(v, Unread))
+    return good if len(good) == len(values) else UNREAD
 
 
 def check_within(
@@ -103,5 +103,5 @@ def check_within(
     return False
 
 
-def unknown_letter(letter: str, known: Sequence[str], path: Path, to: Reading) -> Fault:
+def unknown_letter(letter: str, known: Sequence[str], path: Path, to: Reading) -> Unread:
     return to.fault("GS712", to.key(path), f"the machine has no axis `{letter}`", suggestion(letter, known))

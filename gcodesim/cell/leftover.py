@@ -12,7 +12,7 @@ import numpy as np
 from gcodesim.declarations.file_kind import FileValue
 from gcodesim.declarations.files import Refused
 from gcodesim.declarations.kind import short
-from gcodesim.declarations.reading import Fault, Path, Reading
+from gcodesim.declarations.reading import Path, Reading, Unread
 
 if TYPE_CHECKING:
     from gcodesim.material.stock import Stock
@@ -33,7 +33,7 @@ class Leftover:
     upper: Point
 
 
-def leftover(folder: FileValue, stock: str, to: Reading, path: Path) -> Leftover | Fault:
+def leftover(folder: FileValue, stock: str, to: Reading, path: Path) -> Leftover | Unread:
     """What lies in `folder` for the stock called `stock`: the file of that name, else the only one there is.
 
     The file is hashed like all others. GS410 when there is none, or none that can be read.

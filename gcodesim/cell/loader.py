@@ -10,7 +10,7 @@ from gcodesim.cell.cell import Cell, LoadedCell
 from gcodesim.cell.resolve import resolve
 from gcodesim.declarations.files import InputFile, Shelf, folders_of_the_user
 from gcodesim.declarations.nodes import Mapping, compose
-from gcodesim.declarations.reading import Fault, Reading
+from gcodesim.declarations.reading import Reading, Unread
 from gcodesim.declarations.record import Record
 from gcodesim.diagnostics import Findings, SourceText
 
@@ -50,6 +50,6 @@ def read_cell(source: SourceText, path: Path, allow_paths: Sequence[Path] = ()) 
 def _cell(root: Mapping, to: Reading) -> Cell | None:
     entries = sorted(root.entries, key=lambda entry: entry[0].text not in _FIRST)
     cell = ROOT.read(replace(root, entries=tuple(entries)), to, ())
-    if isinstance(cell, Fault):
+    if isinstance(cell, Unread):
         return None
     return resolve(replace(cell, name=to.file), to)

@@ -17,12 +17,12 @@ from gcodesim.declarations.composed import Either
 from gcodesim.declarations.keys import key
 from gcodesim.declarations.keys import keys as keys_of
 from gcodesim.declarations.kind import POSITIVE, WITHIN_REACH, Json, Kind
-from gcodesim.declarations.map_of import Name, read_name
+from gcodesim.declarations.map_of import NameRule, read_name
 from gcodesim.declarations.nodes import Mapping as MappingNode
 from gcodesim.declarations.nodes import Node
 from gcodesim.declarations.plain_kinds import Choice, Text
 from gcodesim.declarations.quantity import Quantity, Vector
-from gcodesim.declarations.reading import FAULT, Fault, Path, Reading
+from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread
 from gcodesim.declarations.record import FREE, Record, not_a_mapping, object_schema
 from gcodesim.declarations.units import shown
 from gcodesim.frames import Pose
@@ -124,7 +124,7 @@ def _letter(text: str) -> str | None:
     return text.upper() if text.upper() in AXIS_LETTERS else None
 
 
-_AXIS_NAMES: Final = Name(
+_AXIS_NAMES: Final = NameRule(
     what=f"axis ({', '.join(AXIS_LETTERS)})", pattern="[XYZABCxyzabc]", canonical=_letter, known=AXIS_LETTERS
 )
 _RECORDS: Final = {
@@ -148,12 +148,12 @@ class _AxesKind(Kind):
             if name.text.startswith(FREE):
                 continue
             letter = read_name(_AXIS_NAMES, name, [(*path, known) for known in axes], to)
-            if isinstance(letter, Fault):
-                axes[name.text] = FAULT
+            if isinstance(letter, Unread):
+                axes[name.text] = UNREAD
                 continue
             to.named((*path, letter), name.span)
             axes[letter] = _RECORDS[letter].read(value, to, (*path, letter))
-        return FAULT if any(value is FAULT for value in axes.values()) else axes
+        return UNREAD if any(value is UNREAD for value in axes.values()) else axes
 
     def schema(self, definitions: dict[str, Json]) -> Json:
         linear, rotary = (
@@ -185,11 +185,11 @@ class MachineForm:
     home: Any = key(JointList(letters=True, example="[0, 0, 0]"), "axes at the start", default=None)
     base: Place = key(Record(Place, "a place"), "where machine zero is", default=Place(), quiet=True)
 
-    def checked(self, to: Reading, path: Path) -> MachineTool | Fault:
+    def checked(self, to: Reading, path: Path) -> MachineTool | Unread:
         if self.model is not None:
             model = shipped(self.model, "machine", to, (*path, "model"))
-            if isinstance(model, Fault):
-                return FAULT
+            if isinstance(model, Unread):
+                return UNREAD
             chain = shipped_chain(model.name)
             axes = _model_axes(chain, model.home, self.axes, to, (*path, "axes"))
         elif self.axes:
@@ -197,11 +197,11 @@ class MachineForm:
             axes = _own_axes(self.axes, to, (*path, "axes"))
         else:
             return to.fault("GS705", to.span(path), "the machine has neither `model` nor `axes`", "give one of them")
-        if isinstance(axes, Fault):
-            return FAULT
+        if isinstance(axes, Unread):
+            return UNREAD
         axes = self._with_home(axes, to, (*path, "home"))
-        if isinstance(axes, Fault):
-            return FAULT
+        if isinstance(axes, Unread):
+            return UNREAD
         within = [
             check_within(
                 axis.home,
@@ -215,7 +215,7 @@ class MachineForm:
             for i, axis in enumerate(axes)
         ]
         if not all(within):
-            return FAULT
+            return UNREAD
         return MachineTool(model=self.model, shipped=chain, axes=axes, rapids=self.rapids, base=self.base)
 
     def _home_path(self, letter: str, index: int, path: Path) -> Path:
@@ -223,7 +223,7 @@ class MachineForm:
             return (*path, "axes", letter, "home")
         return (*path, "home", letter if isinstance(self.home, dict) else index)
 
-    def _with_home(self, axes: tuple[MachineAxis, ...], to: Reading, path: Path) -> tuple[MachineAxis, ...] | Fault:
+    def _with_home(self, axes: tuple[MachineAxis, ...], to: Reading, path: Path) -> tuple[MachineAxis, ...] | Unread:
         """The axes with the machine's own `home` in them."""
         if self.home is None:
             return axes
@@ -234,7 +234,7 @@ class MachineForm:
             for letter in strangers:
                 unknown_letter(letter, [axis.letter for axis in axes], (*path, letter), to)
             if strangers:
-                return FAULT
+                return UNREAD
         elif len(self.home) == len(axes):
             values = {axis.letter: value for axis, value in zip(axes, self.home, strict=True)}
         else:
@@ -244,13 +244,13 @@ class MachineForm:
         chosen = [axis for axis in axes if axis.letter in values]
         written, kinds = [values[axis.letter] for axis in chosen], [Quantity(axis.measure) for axis in chosen]
         home = in_si(written, kinds, to, is_list=not isinstance(self.home, dict))
-        if isinstance(home, Fault):
-            return FAULT
+        if isinstance(home, Unread):
+            return UNREAD
         by_letter = {axis.letter: value for axis, value in zip(chosen, home, strict=True)}
         return tuple(replace(axis, home=by_letter.get(axis.letter, axis.home)) for axis in axes)
 
 
-def _bounds(form: AxisForm, letter: str, to: Reading, path: Path) -> tuple[float, float] | Fault | None:
+def _bounds(form: AxisForm, letter: str, to: Reading, path: Path) -> tuple[float, float] | Unread | None:
     if form.travel is None:
         return None
     lower, upper = form.travel
@@ -270,9 +270,9 @@ def _home_default(lower: float, upper: float) -> float:
     return min(max(0.0, lower), upper)
 
 
-def _own_axes(forms: Mapping[str, AxisForm], to: Reading, path: Path) -> tuple[MachineAxis, ...] | Fault:
+def _own_axes(forms: Mapping[str, AxisForm], to: Reading, path: Path) -> tuple[MachineAxis, ...] | Unread:
     """Complete axes of a machine that is described in the cell."""
-    axes: list[MachineAxis | Fault] = []
+    axes: list[MachineAxis | Unread] = []
     for letter, form in forms.items():
         at = (*path, letter)
         travel = _bounds(form, letter, to, path)
@@ -280,8 +280,8 @@ def _own_axes(forms: Mapping[str, AxisForm], to: Reading, path: Path) -> tuple[M
         declared = keys_of(RotaryAxis if letter in ROTARY else LinearAxis)
         for name in missing:
             to.fault("GS705", to.span(at), f"axis {letter} lacks `{name}`: {declared[name].kind.expected}")
-        if missing or isinstance(travel, Fault) or travel is None or form.speed is None:
-            axes.append(FAULT)
+        if missing or isinstance(travel, Unread) or travel is None or form.speed is None:
+            axes.append(UNREAD)
             continue
         if form.acceleration is None:
             to.default((*at, "acceleration"), form.speed / SPIN_UP, f"assumed: full speed in {SPIN_UP:g} s")
@@ -308,20 +308,20 @@ def _own_axes(forms: Mapping[str, AxisForm], to: Reading, path: Path) -> tuple[M
                 effort=math.inf if form.effort is None else form.effort,
             )
         )
-    good = tuple(axis for axis in axes if not isinstance(axis, Fault))
-    return good if len(good) == len(axes) else FAULT
+    good = tuple(axis for axis in axes if not isinstance(axis, Unread))
+    return good if len(good) == len(axes) else UNREAD
 
 
 def _model_axes(
     chain: Chain, home: tuple[float, ...], forms: Mapping[str, AxisForm], to: Reading, path: Path
-) -> tuple[MachineAxis, ...] | Fault:
+) -> tuple[MachineAxis, ...] | Unread:
     """Axes of a shipped machine, with what the cell changes."""
     joints = chain.driven_joints
     strangers = [letter for letter in forms if letter not in joints.names]
     for letter in strangers:
         unknown_letter(letter, joints.names, (*path, letter), to)
     if strangers:
-        return FAULT
+        return UNREAD
     on_tool_side = _ancestors(chain, chain.flange)
     axes: list[MachineAxis] = []
     good = True
@@ -329,7 +329,7 @@ def _model_axes(
         rotary = joints.kinds[i] != "prismatic"
         form = forms.get(letter) or (RotaryAxis() if rotary else LinearAxis())
         travel = _bounds(form, letter, to, path)
-        good &= not isinstance(travel, Fault)
+        good &= not isinstance(travel, Unread)
         joint = chain.joints[chain.driven[i]]
         side: Side = "tool" if joint.child in on_tool_side else "table"
         point = chain_point(chain, i) if rotary else None
@@ -355,7 +355,7 @@ def _model_axes(
                 effort=float(joints.effort[i]) if form.effort is None else form.effort,
             )
         )
-    return tuple(axes) if good else FAULT
+    return tuple(axes) if good else UNREAD
 
 
 def _agrees(

@@ -10,7 +10,7 @@ from gcodesim.declarations.kind import NOT_NEGATIVE, POSITIVE, Json, Kind, Range
 from gcodesim.declarations.nodes import Node
 from gcodesim.declarations.plain_kinds import Text
 from gcodesim.declarations.quantity import Quantity
-from gcodesim.declarations.reading import Fault, Path, Reading
+from gcodesim.declarations.reading import Path, Reading, Unread
 from gcodesim.declarations.record import Record
 from gcodesim.processes.laws import DEFAULT_AXIAL_RATIO, DEFAULT_NORMAL_RATIO, Kienzle, LinearEdge
 from gcodesim.processes.materials import Material
@@ -40,7 +40,7 @@ class MaterialForm:
     Kae: float | None = key(_EDGE, "axial edge coefficient", default=None, example="2 N/mm")
     source: str = key(Text(), "where the constants are from", default="", quiet=True)
 
-    def checked(self, to: Reading, path: Path) -> Material | Fault:
+    def checked(self, to: Reading, path: Path) -> Material | Unread:
         kienzle = [name for name in (*_KIENZLE, "normal_ratio", "axial_ratio") if getattr(self, name) is not None]
         linear = [name for name in (*_LINEAR, "Kac", "Kae") if getattr(self, name) is not None]
         if kienzle and linear:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from gcodesim.declarations.file_kind import FileValue
-from gcodesim.declarations.reading import FAULT, Fault, Reading, suggestion
+from gcodesim.declarations.reading import UNREAD, Reading, Unread, suggestion
 from gcodesim.declarations.reading import Path as KeyPath
 from gcodesim.diagnostics import SourceText
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from gcodesim.kinematics.models import ShippedModel
 
 
-def shipped(name: str, kind: Literal["arm", "machine"], to: Reading, path: KeyPath) -> ShippedModel | Fault:
+def shipped(name: str, kind: Literal["arm", "machine"], to: Reading, path: KeyPath) -> ShippedModel | Unread:
     """The shipped model of that name, or a finding that names similar ones."""
     from gcodesim.kinematics.models import MODELS
 
@@ -50,14 +50,14 @@ def shipped_chain(name: str) -> Chain:
     return chain
 
 
-def user_chain(file: FileValue, to: Reading, path: KeyPath) -> Chain | Fault:
+def user_chain(file: FileValue, to: Reading, path: KeyPath) -> Chain | Unread:
     """The chain of a user's URDF; its findings stand in its own lines. The meshes it names are hashed too."""
     from gcodesim.kinematics.urdf import load_urdf
 
     chain, findings = load_urdf(file.path, name=file.name, packages=to.shelf.packages, may_read=to.shelf.may_read)
     to.findings.extend(findings)
     if chain is None:
-        return FAULT
+        return UNREAD
     for mesh in chain.files:
         name = Path(os.path.relpath(mesh, to.shelf.folder)).as_posix()
         try:

@@ -8,7 +8,7 @@ from typing import Any
 from gcodesim.declarations.file_kind import FileValue
 from gcodesim.declarations.kind import Json, Kind, scalar, short
 from gcodesim.declarations.nodes import Node
-from gcodesim.declarations.reading import FAULT, Fault, Path, Reading
+from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,10 +19,10 @@ class PackageFolder(Kind):
     def expected(self) -> str:
         return "the folder of a package"
 
-    def read(self, node: Node, to: Reading, path: Path) -> FileValue | Fault:
+    def read(self, node: Node, to: Reading, path: Path) -> FileValue | Unread:
         text = scalar(self, node, to, path)
-        if isinstance(text, Fault):
-            return FAULT
+        if isinstance(text, Unread):
+            return UNREAD
         folder = to.shelf.folder / text.text
         if "\0" in text.text or not folder.is_dir():
             message = f"the folder of package `{path[-1]}` is not there; tried `{short(text.text)}` beside the cell"

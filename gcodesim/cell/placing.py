@@ -10,10 +10,10 @@ from typing import Final
 from gcodesim.canon.systems import SYSTEM_PATTERN, SYSTEMS, system_name
 from gcodesim.declarations.keys import key
 from gcodesim.declarations.kind import WITHIN_REACH, Json, Kind, scalar
-from gcodesim.declarations.map_of import Name
+from gcodesim.declarations.map_of import NameRule
 from gcodesim.declarations.nodes import Node
 from gcodesim.declarations.quantity import Quantity, Vector
-from gcodesim.declarations.reading import FAULT, Fault, Path, Reading, Reference
+from gcodesim.declarations.reading import UNREAD, Path, Reading, Reference, Unread
 from gcodesim.frames import WORLD, Pose
 
 MACHINE: Final = "machine"
@@ -26,16 +26,16 @@ def _plain_name(text: str) -> str | None:
     return text if re.fullmatch(_NAME, text) and text not in RESERVED and system_name(text) is None else None
 
 
-def names_of(what: str) -> Name:
+def names_of(what: str) -> NameRule:
     """Names that a user chooses: letters, digits, `_` and `-`; the words that frames of ours have are taken."""
-    return Name(
+    return NameRule(
         what=f"{what} name (letters, digits, `_`, `-`; not {', '.join(RESERVED[:2])} …)",
         pattern=_NAME,
         canonical=_plain_name,
     )
 
 
-SYSTEM_NAMES: Final = Name(what="work system", pattern=SYSTEM_PATTERN, canonical=system_name, known=SYSTEMS)
+SYSTEM_NAMES: Final = NameRule(what="work system", pattern=SYSTEM_PATTERN, canonical=system_name, known=SYSTEMS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,10 +46,10 @@ class _FrameName(Kind):
     def expected(self) -> str:
         return "the name of a frame, or of a link such as `arm/flange`"
 
-    def read(self, node: Node, to: Reading, path: Path) -> str | Fault:
+    def read(self, node: Node, to: Reading, path: Path) -> str | Unread:
         text = scalar(self, node, to, path)
-        if isinstance(text, Fault):
-            return FAULT
+        if isinstance(text, Unread):
+            return UNREAD
         name = system_name(text.text) or text.text
         to.references.append(Reference(what="frame", name=name, path=path))
         return name

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from gcodesim.cell.signals import SignalSource
-from gcodesim.declarations.reading import Fault, Path, Reading, suggestion
+from gcodesim.declarations.reading import Unread, Path, Reading, suggestion
 from gcodesim.declarations.units import find, measures, names
 from gcodesim.processes.signal import Signal, signals_read_by
 
@@ -34,7 +34,7 @@ def with_signals(cell: Cell, to: Reading) -> Cell:
         sources = {}
         for signal, source in channel.signals.items():
             scaled = _scaled(source, signal, read, (*path, "signals", signal), to)
-            sources[signal] = source if isinstance(scaled, Fault) else scaled
+            sources[signal] = source if isinstance(scaled, Unread) else scaled
         channels[name] = replace(channel, signals=sources)
     return replace(cell, channels=channels)
 
@@ -57,7 +57,7 @@ def _check_actions(channel: Channel, read: Mapping[str, Signal], path: Path, to:
 
 def _scaled(
     source: SignalSource, name: str, read: Mapping[str, Signal], path: Path, to: Reading
-) -> SignalSource | Fault:
+) -> SignalSource | Unread:
     if name not in read:
         known = suggestion(name, sorted(read)) or "no tool of this cell has a process that reads signals"
         return to.fault("GS712", to.key(path), f"no tool of this cell reads a signal `{name}`", known)

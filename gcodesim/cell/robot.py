@@ -18,7 +18,7 @@ from gcodesim.declarations.kind import NOT_NEGATIVE, POSITIVE, Json, Kind
 from gcodesim.declarations.nodes import Node
 from gcodesim.declarations.plain_kinds import Text
 from gcodesim.declarations.quantity import Quantity
-from gcodesim.declarations.reading import FAULT, Fault, Path, Reading
+from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread
 from gcodesim.declarations.record import Record
 from gcodesim.frames import Pose
 
@@ -63,7 +63,7 @@ class RobotForm:
         Record(Payload, "a payload", "mass"), "what hangs at the flange besides the tool", default=None
     )
 
-    def checked(self, to: Reading, path: Path) -> Robot | Fault:
+    def checked(self, to: Reading, path: Path) -> Robot | Unread:
         if (self.model is None) == (self.urdf is None):
             if self.model is None:
                 return to.fault("GS705", to.span(path), "the robot has neither `model` nor `urdf`", "give one of them")
@@ -72,13 +72,13 @@ class RobotForm:
             )
         if self.model is not None:
             model = shipped(self.model, "arm", to, (*path, "model"))
-            if isinstance(model, Fault):
-                return FAULT
+            if isinstance(model, Unread):
+                return UNREAD
             return self._robot(shipped_chain(model.name), model.path, model.home, model.stiffness, to, path)
         assert self.urdf is not None
         chain = user_chain(self.urdf, to, (*path, "urdf"))
-        if isinstance(chain, Fault):
-            return FAULT
+        if isinstance(chain, Unread):
+            return UNREAD
         joints = chain.driven_joints
         resting = tuple(float(v) for v in np.clip(np.zeros(len(joints)), joints.lower, joints.upper))
         return self._robot(chain, self.urdf.path, resting, None, to, path)
@@ -91,14 +91,14 @@ class RobotForm:
         stiffness: tuple[float, ...] | None,
         to: Reading,
         path: Path,
-    ) -> Robot | Fault:
+    ) -> Robot | Unread:
         measures = measures_of(chain)
         if self.home is None:
             to.default((*path, "home"), home)
         else:
             read = self._home(chain, measures, to, (*path, "home"))
-            if isinstance(read, Fault):
-                return FAULT
+            if isinstance(read, Unread):
+                return UNREAD
             home = read
         if self.stiffness is None:
             to.default((*path, "stiffness"), stiffness, "" if stiffness is not None else "no stiffness is known")
@@ -112,8 +112,8 @@ class RobotForm:
         else:
             gears = [Quantity(_STIFFNESS_OF[m], POSITIVE) for m in measures]
             written = in_si(self.stiffness, gears, to)
-            if isinstance(written, Fault):
-                return FAULT
+            if isinstance(written, Unread):
+                return UNREAD
             stiffness = written
         if self.base.frame is None:
             to.default((*path, "base", "in"), "world")
@@ -129,14 +129,14 @@ class RobotForm:
             payload=self.payload,
         )
 
-    def _home(self, chain: Chain, measures: tuple[Measure, ...], to: Reading, path: Path) -> tuple[float, ...] | Fault:
+    def _home(self, chain: Chain, measures: tuple[Measure, ...], to: Reading, path: Path) -> tuple[float, ...] | Unread:
         if len(self.home) != len(measures):
             return to.fault(
                 "GS706", to.span(path), f"`home` has {len(self.home)} entries; the robot has {len(measures)} joints"
             )
         values = in_si(self.home, [Quantity(m) for m in measures], to)
-        if isinstance(values, Fault):
-            return FAULT
+        if isinstance(values, Unread):
+            return UNREAD
         joints = chain.driven_joints
         within = [
             check_within(
@@ -150,7 +150,7 @@ class RobotForm:
             )
             for i, value in enumerate(values)
         ]
-        return values if all(within) else FAULT
+        return values if all(within) else UNREAD
 
 
 def measures_of(chain: Chain) -> tuple[Measure, ...]:

@@ -11,11 +11,11 @@ from typing import Any, Final, Literal
 from gcodesim.cell.placing import Place
 from gcodesim.declarations.keys import inline, key
 from gcodesim.declarations.kind import NOT_NEGATIVE, POSITIVE, Json, Kind, Range, scalar, short
-from gcodesim.declarations.map_of import Name
+from gcodesim.declarations.map_of import NameRule
 from gcodesim.declarations.nodes import Node
 from gcodesim.declarations.plain_kinds import Choice, Text, Whole
 from gcodesim.declarations.quantity import Quantity
-from gcodesim.declarations.reading import FAULT, Fault, Path, PlainUnits, Reading
+from gcodesim.declarations.reading import UNREAD, Path, PlainUnits, Reading, Unread
 from gcodesim.declarations.units import find, names
 from gcodesim.diagnostics import Severity
 
@@ -36,10 +36,10 @@ class _UnitOf(Kind):
     def expected(self) -> str:
         return f"one of {', '.join(names(self.dimension))}"
 
-    def read(self, node: Node, to: Reading, path: Path) -> str | Fault:
+    def read(self, node: Node, to: Reading, path: Path) -> str | Unread:
         text = scalar(self, node, to, path)
-        if isinstance(text, Fault):
-            return FAULT
+        if isinstance(text, Unread):
+            return UNREAD
         unit = find(text.text, self.dimension)
         if unit is None:
             return to.fault("GS709", text.span, f"`{path[-1]}` is `{short(text.text)}`; {self.expected} is expected")
@@ -82,7 +82,7 @@ def code_pattern(text: str) -> str | None:
     return f"{match[1].upper()}{match[2].lower()}" if match else None
 
 
-CODE_PATTERNS: Final = Name(
+CODE_PATTERNS: Final = NameRule(
     what="code (such as `GS304` or `GS9xx`)",
     pattern=_PATTERN,
     canonical=code_pattern,
@@ -102,9 +102,9 @@ class SeverityKind(Kind):
     def expected(self) -> str:
         return "`error`, `warning` or `note`"
 
-    def read(self, node: Node, to: Reading, path: Path) -> Severity | Fault:
+    def read(self, node: Node, to: Reading, path: Path) -> Severity | Unread:
         word = Choice(("error", "warning", "note")).read(node, to, path)
-        return FAULT if isinstance(word, Fault) else Severity[word.upper()]
+        return UNREAD if isinstance(word, Unread) else Severity[word.upper()]
 
     def schema(self, definitions: dict[str, Json]) -> Json:
         return {"enum": ["error", "warning", "note"]}
@@ -124,10 +124,10 @@ class _Date(Kind):
     def expected(self) -> str:
         return "a day such as `2027-03-01`"
 
-    def read(self, node: Node, to: Reading, path: Path) -> date | Fault:
+    def read(self, node: Node, to: Reading, path: Path) -> date | Unread:
         text = scalar(self, node, to, path)
-        if isinstance(text, Fault):
-            return FAULT
+        if isinstance(text, Unread):
+            return UNREAD
         try:
             if not re.fullmatch(r"[0-9]{4}-[0-9]{2}-[0-9]{2}", text.text):
                 raise ValueError
@@ -161,7 +161,7 @@ class Suppression:
     reason: str = key(_REASON, "why it is no fault")
     until: date | None = key(_Date(), "last day on which this holds", default=None)
 
-    def checked(self, to: Reading, path: Path) -> Suppression | Fault:
+    def checked(self, to: Reading, path: Path) -> Suppression | Unread:
         ways = [name for name in ("block", "n", "line") if getattr(self, name) is not None]
         if len(ways) > 1:
             return to.fault(

@@ -8,9 +8,9 @@ from typing import Any, Final, Literal
 
 from gcodesim.declarations.keys import key
 from gcodesim.declarations.kind import Json, Kind, key_name, scalar, short
-from gcodesim.declarations.map_of import MapOf, Name
+from gcodesim.declarations.map_of import MapOf, NameRule
 from gcodesim.declarations.nodes import Node
-from gcodesim.declarations.reading import FAULT, Fault, Path, Reading
+from gcodesim.declarations.reading import UNREAD, Unread, Path, Reading
 from gcodesim.declarations.record import Record
 from gcodesim.declarations.scalars import measured, why_no_number
 
@@ -88,10 +88,10 @@ class _WordKind(Kind):
     def expected(self) -> str:
         return "`S`, `M3/M5`, an output such as `M62 P1` or `M67 E0`, or an M-code such as `M110` or `M10/M11`"
 
-    def read(self, node: Node, to: Reading, path: Path) -> SignalWord | Fault:
+    def read(self, node: Node, to: Reading, path: Path) -> SignalWord | Unread:
         text = scalar(self, node, to, path)
-        if isinstance(text, Fault):
-            return FAULT
+        if isinstance(text, Unread):
+            return UNREAD
         word = signal_word(text.text)
         if word is None:
             message = f"`{path[-1]}` is `{short(text.text)}`, which gives no signal; {self.expected} is expected"
@@ -124,10 +124,10 @@ class _AmountKind(Kind):
     def expected(self) -> str:
         return "a quantity in a unit of the signal, such as `1 W`"
 
-    def read(self, node: Node, to: Reading, path: Path) -> Amount | Fault:
+    def read(self, node: Node, to: Reading, path: Path) -> Amount | Unread:
         text = scalar(self, node, to, path)
-        if isinstance(text, Fault):
-            return FAULT
+        if isinstance(text, Unread):
+            return UNREAD
         number = measured(text.text)
         if number is None or number.value in (float("inf"), float("-inf")):
             message = f"`{key_name(path)}` is `{short(text.text)}`; {self.expected} is expected"
@@ -168,7 +168,7 @@ def _name(text: str) -> str | None:
 
 
 SIGNALS: Final = MapOf(
-    Name(what="name of a signal", pattern=r"\s*[A-Za-z_]\w*\s*", canonical=_name),
+    NameRule(what="name of a signal", pattern=r"\s*[A-Za-z_]\w*\s*", canonical=_name),
     Record(SignalSource, "the signal"),
     "signals and the words that give them, such as `power: {word: S, per: 1 W}`",
 )

@@ -18,7 +18,7 @@ from gcodesim.declarations.map_of import MapOf
 from gcodesim.declarations.nodes import Listing, Node
 from gcodesim.declarations.nodes import Mapping as MappingNode
 from gcodesim.declarations.quantity import Quantity, Vector
-from gcodesim.declarations.reading import FAULT, Fault, Path, Reading, Reference, suggestion
+from gcodesim.declarations.reading import UNREAD, Path, Reading, Reference, Unread, suggestion
 from gcodesim.declarations.record import FREE, NEARLY, Record
 from gcodesim.declarations.units import find, names, shown
 from gcodesim.diagnostics import Diagnostic
@@ -93,10 +93,10 @@ class _Corner(Kind):
     def expected(self) -> str:
         return "a point of the box such as `top-front-left` or `bottom-center`"
 
-    def read(self, node: Node, to: Reading, path: Path) -> str | Fault:
+    def read(self, node: Node, to: Reading, path: Path) -> str | Unread:
         text = scalar(self, node, to, path)
-        if isinstance(text, Fault):
-            return FAULT
+        if isinstance(text, Unread):
+            return UNREAD
         if zero_fractions(text.text) is None:
             return to.fault(
                 "GS711",
@@ -141,11 +141,11 @@ class _CylinderKind(Kind):
     def expected(self) -> str:
         return "`{diameter: 80, height: 40}` or `[diameter, height]`"
 
-    def read(self, node: Node, to: Reading, path: Path) -> CylinderSize | Fault:
+    def read(self, node: Node, to: Reading, path: Path) -> CylinderSize | Unread:
         if isinstance(node, Listing):
             pair = Vector(Quantity("length", _SIDE), 2).read(node, to, path)
-            return FAULT if isinstance(pair, Fault) else CylinderSize(diameter=pair[0], height=pair[1])
-        value: CylinderSize | Fault = Record(CylinderSize, "a cylinder").read(node, to, path)
+            return UNREAD if isinstance(pair, Unread) else CylinderSize(diameter=pair[0], height=pair[1])
+        value: CylinderSize | Unread = Record(CylinderSize, "a cylinder").read(node, to, path)
         return value
 
     def schema(self, definitions: dict[str, Json]) -> Json:
@@ -167,10 +167,10 @@ class _LengthUnit(Kind):
     def expected(self) -> str:
         return f"a unit of length ({', '.join(names('length'))})"
 
-    def read(self, node: Node, to: Reading, path: Path) -> str | Fault:
+    def read(self, node: Node, to: Reading, path: Path) -> str | Unread:
         text = scalar(self, node, to, path)
-        if isinstance(text, Fault):
-            return FAULT
+        if isinstance(text, Unread):
+            return UNREAD
         unit = find(text.text, "length")
         if unit is None:
             return to.fault("GS709", text.span, f"`{path[-1]}` is `{short(text.text)}`; {self.expected} is expected")
@@ -201,7 +201,7 @@ class ShapeKeys:
     unit: str | None = key(LENGTH_UNIT, "unit of the mesh file", default=None)
 
 
-def _shape_of(body: ShapeKeys, what: str, extra: tuple[str, ...], to: Reading, path: Path) -> Shape | Fault | None:
+def _shape_of(body: ShapeKeys, what: str, extra: tuple[str, ...], to: Reading, path: Path) -> Shape | Unread | None:
     """The one shape that a body names; None when it is one of `extra`."""
     corner = ("min", "max")
     given = [name for name in ("box", "cylinder", "mesh", *corner) if getattr(body, name) is not None] + list(extra)
@@ -235,7 +235,7 @@ def _shape_of(body: ShapeKeys, what: str, extra: tuple[str, ...], to: Reading, p
     return _single_shape(body, to, path)
 
 
-def _single_shape(body: ShapeKeys, to: Reading, path: Path) -> Shape | Fault:
+def _single_shape(body: ShapeKeys, to: Reading, path: Path) -> Shape | Unread:
     default_zero = "bottom-front-left" if body.box is not None else "bottom-center"
     if body.zero is None and (body.box is not None or body.cylinder is not None):
         to.default((*path, "zero"), default_zero)
@@ -267,7 +267,7 @@ def box_about_zero(size: Point, fractions: Point) -> Box:
     return Box(lower=(lower[0], lower[1], lower[2]), upper=(upper[0], upper[1], upper[2]))
 
 
-def _sound_box(box: Box, name: str, to: Reading, path: Path) -> Box | Fault:
+def _sound_box(box: Box, name: str, to: Reading, path: Path) -> Box | Unread:
     thin = [axis for axis, side in zip("XYZ", box.size, strict=True) if side < _LEAST_SIDE]
     if not thin:
         return box
@@ -276,7 +276,7 @@ def _sound_box(box: Box, name: str, to: Reading, path: Path) -> Box | Fault:
     )
 
 
-def _box_between(body: ShapeKeys, to: Reading, path: Path) -> Shape | Fault:
+def _box_between(body: ShapeKeys, to: Reading, path: Path) -> Shape | Unread:
     for name, other in (("min", "max"), ("max", "min")):
         if getattr(body, name) is None:
             return to.fault(
@@ -295,7 +295,7 @@ def _box_between(body: ShapeKeys, to: Reading, path: Path) -> Shape | Fault:
     return Box(lower=body.min, upper=body.max)
 
 
-def _mesh(file: FileValue, unit: str | None, to: Reading, path: Path) -> MeshShape | Fault:
+def _mesh(file: FileValue, unit: str | None, to: Reading, path: Path) -> MeshShape | Unread:
     span = to.span((*path, "mesh"))
     if FilePath(file.name).suffix.lower() not in MESH_SUFFIXES:
         return to.fault(
@@ -333,10 +333,10 @@ class _MaterialName(Kind):
     def expected(self) -> str:
         return "the name of a material"
 
-    def read(self, node: Node, to: Reading, path: Path) -> str | Fault:
+    def read(self, node: Node, to: Reading, path: Path) -> str | Unread:
         text = scalar(self, node, to, path)
-        if isinstance(text, Fault):
-            return FAULT
+        if isinstance(text, Unread):
+            return UNREAD
         to.references.append(Reference(what="material", name=text.text, path=path))
         return text.text
 
@@ -359,18 +359,18 @@ class StockSpec(ShapeKeys):
     resolution: float | None = key(Quantity("length", _GRID), "grid of the stock", default=None, example="0.2 mm")
     shape: Shape = field(default=Box(lower=(0.0, 0.0, 0.0), upper=(0.0, 0.0, 0.0)))
 
-    def checked(self, to: Reading, path: Path) -> StockSpec | Fault:
+    def checked(self, to: Reading, path: Path) -> StockSpec | Unread:
         shape = _shape_of(self, "stock", ("from",) if self.leftover is not None else (), to, path)
-        if isinstance(shape, Fault):
-            return FAULT
+        if isinstance(shape, Unread):
+            return UNREAD
         if shape is None:
             assert self.leftover is not None
             if self.resolution is not None:
                 what = "`resolution` does not go with `from`: what an earlier run left keeps its grid"
                 return to.fault("GS719", to.key((*path, "resolution")), what, "leave it out")
             shape = leftover(self.leftover, str(path[1]) if len(path) > 1 else "stock", to, (*path, "from"))
-            if isinstance(shape, Fault):
-                return FAULT
+            if isinstance(shape, Unread):
+                return UNREAD
         return replace(self, shape=shape)
 
 
@@ -382,10 +382,10 @@ class Fixture(ShapeKeys):
     place: Place = inline(Place)
     shape: Shape = field(default=Box(lower=(0.0, 0.0, 0.0), upper=(0.0, 0.0, 0.0)))
 
-    def checked(self, to: Reading, path: Path) -> Fixture | Fault:
+    def checked(self, to: Reading, path: Path) -> Fixture | Unread:
         shape = _shape_of(self, "the fixture", (), to, path)
-        if isinstance(shape, Fault) or shape is None:
-            return FAULT
+        if isinstance(shape, Unread) or shape is None:
+            return UNREAD
         if self.place.frame is None:
             to.default((*path, "in"), "world")
         return replace(self, name=str(path[-1]), shape=shape)
@@ -403,9 +403,9 @@ class Target:
     )
     shape: MeshShape | None = None
 
-    def checked(self, to: Reading, path: Path) -> Target | Fault:
+    def checked(self, to: Reading, path: Path) -> Target | Unread:
         shape = _mesh(self.mesh, self.unit, to, path)
-        return FAULT if isinstance(shape, Fault) else replace(self, shape=shape)
+        return UNREAD if isinstance(shape, Unread) else replace(self, shape=shape)
 
 
 _STOCK: Final = Record(StockSpec, "stock")
@@ -420,15 +420,15 @@ class StockKind(Kind):
     def expected(self) -> str:
         return "stock such as `{box: [100, 60, 20], zero: top-front-left}`"
 
-    def read(self, node: Node, to: Reading, path: Path) -> Mapping[str, StockSpec] | Fault:
+    def read(self, node: Node, to: Reading, path: Path) -> Mapping[str, StockSpec] | Unread:
         if isinstance(node, MappingNode) and self._is_one(node):
             one = _STOCK.read(node, to, path)
-            return FAULT if isinstance(one, Fault) else {"stock": one}
+            return UNREAD if isinstance(one, Unread) else {"stock": one}
         named = MapOf(
             names_of("stock"), _STOCK, "stock by name, or one with a shape key such as `box`", lenient=True
         ).read(node, to, path)
-        if isinstance(named, Fault):
-            return FAULT
+        if isinstance(named, Unread):
+            return UNREAD
         return {name: replace(stock, name=name) for name, stock in named.items()}
 
     @staticmethod

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 from gcodesim.declarations.keys import all_keys
-from gcodesim.declarations.map_of import Name
+from gcodesim.declarations.map_of import NameRule
 from gcodesim.declarations.nodes import Node, Scalar
-from gcodesim.declarations.reading import FAULT, Fault, Path, Reading
+from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread
 from gcodesim.declarations.record import Record
 from gcodesim.declarations.scalars import integer
 from gcodesim.declarations.variant import Variant
@@ -24,23 +24,25 @@ def tool_number(text: str) -> int | None:
     return number if number is not None and 1 <= number <= 99_999 else None
 
 
-TOOL_NUMBERS: Final = Name(what="tool number (1 to 99999)", pattern=r"0*[1-9][0-9]{0,4}", canonical=tool_number)
+TOOL_NUMBERS: Final = NameRule(what="tool number (1 to 99999)", pattern=r"0*[1-9][0-9]{0,4}", canonical=tool_number)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _ToolKind(Variant):
     """A tool of the family; its number is the name under which it stands."""
 
-    def member(self, record: Record, entries: tuple[tuple[Scalar, Node], ...], to: Reading, path: Path) -> Tool | Fault:
+    def member(
+        self, record: Record, entries: tuple[tuple[Scalar, Node], ...], to: Reading, path: Path
+    ) -> Tool | Unread:
         tool = record.read_entries(entries, to, path, number=int(path[-1]))
-        return FAULT if isinstance(tool, Fault) else _possible(tool, to, path)
+        return UNREAD if isinstance(tool, Unread) else _possible(tool, to, path)
 
 
 TOOL: Final = _ToolKind(family=TOOLS, what="tool", example="{type: flat_end_mill, diameter: 10 mm}")
 
 
-def _possible(tool: Any, to: Reading, path: Path) -> Tool | Fault:
-    """`tool`, or FAULT with a finding for each reason why it cannot exist."""
+def _possible(tool: Any, to: Reading, path: Path) -> Tool | Unread:
+    """`tool`, or UNREAD with a finding for each reason why it cannot exist."""
     problems = tool.problems()
     written = [problem for problem in problems if (*path, *problem[0].split(".")) in to.spans]
     cls: type = type(tool)
@@ -51,4 +53,4 @@ def _possible(tool: Any, to: Reading, path: Path) -> Tool | Fault:
         if written and key in known:
             hint = f"`{key}`: {known[key].doc}"
         to.fault("GS720", to.span((*path, *name.split("."))), f"tool {tool.number} is impossible: {message}", hint)
-    return FAULT if problems else tool
+    return UNREAD if problems else tool

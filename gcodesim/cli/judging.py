@@ -108,7 +108,7 @@ class Met:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Shown:
+class ShownProgram:
     """A program as shown to people; `findings` are those of `met` that they have to look at."""
 
     name: str
@@ -123,7 +123,7 @@ class Settled:
     `verdict` is a suite of all programs of the command; None when neither a format nor a baseline asks for one.
     """
 
-    shown: list[Shown]
+    shown: list[ShownProgram]
     status: int
     remarks: list[str] = field(default_factory=list)
     verdict: SuiteVerdict | None = None
@@ -142,7 +142,7 @@ def settle(met: Sequence[Met], arguments: argparse.Namespace) -> Settled:
 
 def _settled(met: Sequence[Met], arguments: argparse.Namespace) -> Settled:
     if len(met) == 1 and not wants_formats(arguments) and arguments.baseline is arguments.write_baseline is None:
-        only = Shown(name=met[0].name, met=met[0], findings=met[0].findings)
+        only = ShownProgram(name=met[0].name, met=met[0], findings=met[0].findings)
         return Settled(shown=[only], status=status_of(only.findings, arguments.fail_on))
     from gcodesim.regress.sources import Sources
     from gcodesim.regress.suite import baseline_of, with_baseline
@@ -191,11 +191,14 @@ def print_findings_of(settled: Settled, arguments: argparse.Namespace) -> None:
 def _case(met: Met, fail_on: str, root: Path) -> CaseVerdict:
     """The findings first, in their order, then what is suppressed."""
     from gcodesim.regress.case import shown_path
-    from gcodesim.regress.verdicts import CaseVerdict, Found
+    from gcodesim.regress.verdicts import CaseVerdict, JudgedFinding
 
-    found = [Found(finding=one, state="counts" if status_of([one], fail_on) != OK else "told") for one in met.findings]
+    found = [
+        JudgedFinding(finding=one, state="counts" if status_of([one], fail_on) != OK else "told")
+        for one in met.findings
+    ]
     failed = any(one.state == "counts" for one in found)
-    found += [Found(finding=one, state="suppressed", reason=reason) for one, reason in met.suppressed]
+    found += [JudgedFinding(finding=one, state="suppressed", reason=reason) for one, reason in met.suppressed]
     name = shown_path(met.program, root)
     return CaseVerdict(
         name=name,
@@ -208,8 +211,8 @@ def _case(met: Met, fail_on: str, root: Path) -> CaseVerdict:
     )
 
 
-def _shown(met: Met, case: CaseVerdict, name: str) -> Shown:
+def _shown(met: Met, case: CaseVerdict, name: str) -> ShownProgram:
     """The findings of `met` that are open in `case`, which has them in the same order."""
     pairs = zip(met.findings, case.found, strict=False)
     findings = [finding for finding, one in pairs if one.state in ("counts", "told")]
-    return Shown(name=name, met=met, findings=findings)
+    return ShownProgram(name=name, met=met, findings=findings)

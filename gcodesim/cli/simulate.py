@@ -19,7 +19,7 @@ from gcodesim.cell.verdict import suppressed_findings
 from gcodesim.cli.exits import UsageError
 from gcodesim.cli.formats import write_formats
 from gcodesim.cli.interrupts import Interrupted, handled, interrupted_by
-from gcodesim.cli.judging import Met, Shown, settle
+from gcodesim.cli.judging import Met, ShownProgram, settle
 from gcodesim.cli.language import Language, files_of, write_parameters
 from gcodesim.cli.options import read_source
 from gcodesim.cli.output import note, print_findings, print_json, print_table, verdict
@@ -253,7 +253,7 @@ class _Bar:
 
 
 def _print_verdict(
-    shown: Shown, results: Results, remarks: Sequence[str], *, simulated: bool, interrupted: bool = False
+    shown: ShownProgram, results: Results, remarks: Sequence[str], *, simulated: bool, interrupted: bool = False
 ) -> None:
     print_findings(shown.findings, shown.met.sources)
     for remark in remarks:

@@ -8,7 +8,7 @@ from typing import Any
 from gcodesim.declarations.kind import Json, Kind, key_name, listing, short
 from gcodesim.declarations.nodes import Listing, Node, Scalar
 from gcodesim.declarations.quantity import Quantity
-from gcodesim.declarations.reading import FAULT, Fault, Path, Reading, suggestion
+from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread, suggestion
 from gcodesim.declarations.scalars import measured, why_no_number
 
 
@@ -23,18 +23,18 @@ class ListOf(Kind):
     def expected(self) -> str:
         return f"a list; {self.of.expected} each"
 
-    def read(self, node: Node, to: Reading, path: Path) -> tuple[Any, ...] | Fault:
+    def read(self, node: Node, to: Reading, path: Path) -> tuple[Any, ...] | Unread:
         if self.single and isinstance(node, Scalar) and not node.empty:
             value = self.of.read(node, to, (*path, 0))
-            return FAULT if isinstance(value, Fault) else (value,)
+            return UNREAD if isinstance(value, Unread) else (value,)
         if isinstance(node, Listing) and not node.items:
             to.spans[path] = node.span
             return ()
         items = listing(self, node, to, path)
-        if isinstance(items, Fault):
-            return FAULT
+        if isinstance(items, Unread):
+            return UNREAD
         values = [self.of.read(item, to, (*path, index)) for index, item in enumerate(items)]
-        return FAULT if any(isinstance(value, Fault) for value in values) else tuple(values)
+        return UNREAD if any(isinstance(value, Unread) for value in values) else tuple(values)
 
     def schema(self, definitions: dict[str, Json]) -> Json:
         many = {"type": "array", "items": self.of.schema(definitions)}

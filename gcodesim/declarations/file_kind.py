@@ -9,7 +9,7 @@ from typing import Any
 from gcodesim.declarations.files import Refused
 from gcodesim.declarations.kind import Json, Kind, key_name, scalar, short
 from gcodesim.declarations.nodes import Node
-from gcodesim.declarations.reading import FAULT, Fault, Path, Reading, suggestion
+from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread, suggestion
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,10 +32,10 @@ class File(Kind):
     def expected(self) -> str:
         return f"the name of {self.what}"
 
-    def read(self, node: Node, to: Reading, path: Path) -> FileValue | Fault:
+    def read(self, node: Node, to: Reading, path: Path) -> FileValue | Unread:
         text = scalar(self, node, to, path)
-        if isinstance(text, Fault):
-            return FAULT
+        if isinstance(text, Unread):
+            return UNREAD
         found = to.shelf.locate(text.text, is_folder=self.is_folder)
         if not isinstance(found, Refused):
             if self.hashed and not self.is_folder:

@@ -1,6 +1,6 @@
 """What a key expects: `Kind`, and what all kinds need to read a node.
 
-A kind turns a node into an SI value, or into FAULT after it has added the
+A kind turns a node into an SI value, or into UNREAD after it has added the
 finding. The JSON Schema and `cell show` come from the same kinds, so the three
 cannot differ.
 """
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from gcodesim.declarations.nodes import Listing, Mapping, Node, Scalar
-from gcodesim.declarations.reading import Fault, Path, Reading
+from gcodesim.declarations.reading import Path, Reading, Unread
 
 Json = dict[str, Any]
 
@@ -30,7 +30,7 @@ class Kind(ABC):
 
     @abstractmethod
     def read(self, node: Node, to: Reading, path: Path) -> Any:
-        """The value in SI, or FAULT."""
+        """The value in SI, or UNREAD."""
 
     @abstractmethod
     def schema(self, definitions: dict[str, Json]) -> Json:
@@ -66,7 +66,7 @@ def key_name(path: Path) -> str:
     return names_only[-1] if names_only else str(path[-1]) if path else "cell"
 
 
-def scalar(kind: Kind, node: Node, to: Reading, path: Path) -> Scalar | Fault:
+def scalar(kind: Kind, node: Node, to: Reading, path: Path) -> Scalar | Unread:
     """`node` as a scalar with something in it."""
     if not isinstance(node, Scalar):
         return to.fault("GS706", node.span, f"`{key_name(path)}` is {article_of(node)}; {kind.expected} is expected")
@@ -113,7 +113,7 @@ NOT_NEGATIVE = Range(least=0.0)
 WITHIN_REACH = Range(least=-1e4, most=1e4)  # m; nothing of a cell is ten kilometres away, and squares must not overflow
 
 
-def listing(kind: Kind, node: Node, to: Reading, path: Path, count: int | None = None) -> tuple[Node, ...] | Fault:
+def listing(kind: Kind, node: Node, to: Reading, path: Path, count: int | None = None) -> tuple[Node, ...] | Unread:
     """The items of a list with `count` entries (None: any number above 0)."""
     if not isinstance(node, Listing):
         what = "has no value" if isinstance(node, Scalar) and node.empty else f"is {article_of(node)}"

@@ -8,13 +8,13 @@ from typing import Any
 
 from gcodesim.declarations.kind import Json, Kind
 from gcodesim.declarations.nodes import Mapping, Node, Scalar
-from gcodesim.declarations.reading import FAULT, Fault, Path, Reading, suggestion
+from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread, suggestion
 from gcodesim.declarations.record import FREE, not_a_mapping
 from gcodesim.diagnostics import Span
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Name:
+class NameRule:
     """What the keys of a `MapOf` look like; `canonical` gives the one spelling, or None."""
 
     what: str
@@ -27,7 +27,7 @@ class Name:
 class MapOf(Kind):
     """A mapping of names to values of one kind. A `lenient` one leaves out what is faulty."""
 
-    name: Name
+    name: NameRule
     of: Kind
     what: str
     lenient: bool = False
@@ -44,15 +44,15 @@ class MapOf(Kind):
             if name.text.startswith(FREE):
                 continue
             canonical = read_name(self.name, name, [(*path, known) for known in values], to)
-            if isinstance(canonical, Fault):
-                values[name.text] = FAULT
+            if isinstance(canonical, Unread):
+                values[name.text] = UNREAD
                 continue
             at = (*path, canonical)
             to.named(at, name.span)
             values[canonical] = self.of.read(value, to, at)
         if self.lenient:
-            return {name: value for name, value in values.items() if value is not FAULT}
-        return FAULT if any(value is FAULT for value in values.values()) else values
+            return {name: value for name, value in values.items() if value is not UNREAD}
+        return UNREAD if any(value is UNREAD for value in values.values()) else values
 
     def schema(self, definitions: dict[str, Json]) -> Json:
         return {
@@ -68,8 +68,8 @@ class MapOf(Kind):
         return "", {str(name): self.of.plain(entry)[1] for name, entry in value.items()}
 
 
-def read_name(name: Name, node: Scalar, taken: list[Path], to: Reading) -> Any:
-    """The canonical form of a key, or FAULT when it is none or taken."""
+def read_name(name: NameRule, node: Scalar, taken: list[Path], to: Reading) -> Any:
+    """The canonical form of a key, or UNREAD when it is none or taken."""
     canonical = name.canonical(node.text)
     if canonical is None:
         return to.fault("GS711", node.span, f"`{node.text}` is no {name.what}", suggestion(node.text, name.known))

@@ -76,7 +76,7 @@ class _Open:
     size: int = 1
 
 
-class Places:
+class TextPlaces:
     """Index in the text → line and column from 1."""
 
     def __init__(self, file: str, text: str) -> None:
@@ -103,7 +103,7 @@ def compose(
     `what` is how they call the file, `example` a line that it may hold.
     """
     text = source.text
-    places = Places(source.name, text)
+    places = TextPlaces(source.name, text)
     if bad := _FORBIDDEN.search(text):
         findings.add(
             Diagnostic(
@@ -140,7 +140,7 @@ def compose(
     return None
 
 
-def _events(text: str, places: Places, findings: Findings) -> Iterator[Any]:
+def _events(text: str, places: TextPlaces, findings: Findings) -> Iterator[Any]:
     """The parser's events until its end or its first complaint, which becomes a finding."""
     from ruamel.yaml import YAML
     from ruamel.yaml.error import MarkedYAMLError, YAMLError
@@ -171,7 +171,7 @@ def _events(text: str, places: Places, findings: Findings) -> Iterator[Any]:
         yield None
 
 
-def _in_own_words(error: Any, text: str, index: int, places: Places) -> tuple[str, str]:
+def _in_own_words(error: Any, text: str, index: int, places: TextPlaces) -> tuple[str, str]:
     """Message and hint for the complaints that people meet."""
     problem = error.problem or error.context or "not YAML"
     found = text[index : index + 1]
@@ -201,7 +201,7 @@ def _in_own_words(error: Any, text: str, index: int, places: Places) -> tuple[st
 class _Composer:
     """Nodes from events, without recursion, so that no depth of a file can exhaust the stack."""
 
-    def __init__(self, places: Places, findings: Findings, what: str) -> None:
+    def __init__(self, places: TextPlaces, findings: Findings, what: str) -> None:
         self._what = what
         self._places = places
         self._findings = findings

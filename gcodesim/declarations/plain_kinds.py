@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from gcodesim.declarations.kind import ANY, Json, Kind, Range, key_name, scalar, short
 from gcodesim.declarations.nodes import Node
-from gcodesim.declarations.reading import FAULT, Fault, Path, Reading, suggestion
+from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread, suggestion
 from gcodesim.declarations.scalars import integer, switch, why_no_number, why_no_switch
 
 
@@ -21,10 +21,10 @@ class Whole(Kind):
     def expected(self) -> str:
         return "a whole number"
 
-    def read(self, node: Node, to: Reading, path: Path) -> int | Fault:
+    def read(self, node: Node, to: Reading, path: Path) -> int | Unread:
         text = scalar(self, node, to, path)
-        if isinstance(text, Fault):
-            return FAULT
+        if isinstance(text, Unread):
+            return UNREAD
         value = integer(text.text)
         if value is None:
             message = f"`{key_name(path)}` is `{short(text.text)}`; a whole number is expected"
@@ -46,10 +46,10 @@ class Switch(Kind):
     def expected(self) -> str:
         return "`true` or `false`"
 
-    def read(self, node: Node, to: Reading, path: Path) -> bool | Fault:
+    def read(self, node: Node, to: Reading, path: Path) -> bool | Unread:
         text = scalar(self, node, to, path)
-        if isinstance(text, Fault):
-            return FAULT
+        if isinstance(text, Unread):
+            return UNREAD
         value = switch(text.text)
         if value is None:
             message = f"`{key_name(path)}` is `{short(text.text)}`; {self.expected} is expected"
@@ -71,10 +71,10 @@ class Text(Kind):
     def expected(self) -> str:
         return self.form
 
-    def read(self, node: Node, to: Reading, path: Path) -> str | Fault:
+    def read(self, node: Node, to: Reading, path: Path) -> str | Unread:
         text = scalar(self, node, to, path)
-        if isinstance(text, Fault):
-            return FAULT
+        if isinstance(text, Unread):
+            return UNREAD
         if self.pattern and not re.fullmatch(self.pattern, text.text):
             message = f"`{key_name(path)}` is `{short(text.text)}`; {self.form} is expected"
             return to.fault("GS711", text.span, message)
@@ -95,10 +95,10 @@ class Choice(Kind):
     def expected(self) -> str:
         return f"{self.what} of {', '.join(f'`{word}`' for word in self.words)}"
 
-    def read(self, node: Node, to: Reading, path: Path) -> str | Fault:
+    def read(self, node: Node, to: Reading, path: Path) -> str | Unread:
         text = scalar(self, node, to, path)
-        if isinstance(text, Fault):
-            return FAULT
+        if isinstance(text, Unread):
+            return UNREAD
         if text.text not in self.words:
             return to.fault(
                 "GS711",

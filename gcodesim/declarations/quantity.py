@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from gcodesim.declarations.kind import ANY, Json, Kind, Range, key_name, listing, scalar, short
 from gcodesim.declarations.nodes import Node, Scalar
-from gcodesim.declarations.reading import FAULT, Fault, Path, Reading
+from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread
 from gcodesim.declarations.scalars import Measured, measured, why_no_number
 from gcodesim.declarations.units import DIMENSIONS, Unit, find, in_unit, measures, names, nearest, shown
 
@@ -31,14 +31,14 @@ class Quantity(Kind):
         d = DIMENSIONS[self.dimension]
         return f"{d} such as `{self.example or d.example}`"
 
-    def read(self, node: Node, to: Reading, path: Path) -> float | Fault:
+    def read(self, node: Node, to: Reading, path: Path) -> float | Unread:
         text = scalar(self, node, to, path)
-        if isinstance(text, Fault):
-            return FAULT
+        if isinstance(text, Unread):
+            return UNREAD
         number = self.number(text, to, path)
-        return FAULT if isinstance(number, Fault) else self.in_si(number, None, text, to, path)
+        return UNREAD if isinstance(number, Unread) else self.in_si(number, None, text, to, path)
 
-    def number(self, node: Scalar, to: Reading, path: Path) -> Measured | Fault:
+    def number(self, node: Scalar, to: Reading, path: Path) -> Measured | Unread:
         """Number and unit text of a scalar."""
         number = measured(node.text)
         if number is None:
@@ -48,11 +48,11 @@ class Quantity(Kind):
             return to.fault("GS707", node.span, f"`{key_name(path)}` is `{short(node.text)}`, too large a number")
         return number
 
-    def in_si(self, number: Measured, inherited: Unit | None, node: Scalar, to: Reading, path: Path) -> float | Fault:
+    def in_si(self, number: Measured, inherited: Unit | None, node: Scalar, to: Reading, path: Path) -> float | Unread:
         """SI value; `inherited` is the unit of the last entry of the list."""
         unit = self._unit(number, inherited, node, to, path)
-        if isinstance(unit, Fault):
-            return FAULT
+        if isinstance(unit, Unread):
+            return UNREAD
         value = number.value * unit.factor + unit.offset if unit is not None else number.value
         if not math.isfinite(value):
             return to.fault("GS707", node.span, f"`{key_name(path)}` is `{short(node.text)}`, too large a number")
@@ -65,7 +65,7 @@ class Quantity(Kind):
 
     def _unit(
         self, number: Measured, inherited: Unit | None, node: Scalar, to: Reading, path: Path
-    ) -> Unit | Fault | None:
+    ) -> Unit | Unread | None:
         d = DIMENSIONS[self.dimension]
         if number.unit:
             unit = find(number.unit, self.dimension)
@@ -75,7 +75,7 @@ class Quantity(Kind):
             return unit
         return self.without_unit(node, to, path)
 
-    def without_unit(self, node: Scalar, to: Reading, path: Path, rule: str = "") -> Fault:
+    def without_unit(self, node: Scalar, to: Reading, path: Path, rule: str = "") -> Unread:
         """The finding for a number that needs a unit and has none."""
         d = DIMENSIONS[self.dimension]
         units = ", ".join(names(self.dimension))
@@ -86,7 +86,7 @@ class Quantity(Kind):
             f"write for example `{node.text.strip()} {d.shown}`; {rule or f'units are {units}'}",
         )
 
-    def _wrong_unit(self, number: Measured, node: Scalar, to: Reading, path: Path) -> Fault:
+    def _wrong_unit(self, number: Measured, node: Scalar, to: Reading, path: Path) -> Unread:
         d = DIMENSIONS[self.dimension]
         units = names(self.dimension)
         other = measures(number.unit)
@@ -151,26 +151,26 @@ class Vector(Kind):
         count = self.count or 3
         return ", ".join([number] * (count - 1) + [f"{number} {unit}".strip()])
 
-    def read(self, node: Node, to: Reading, path: Path) -> tuple[float, ...] | Fault:
+    def read(self, node: Node, to: Reading, path: Path) -> tuple[float, ...] | Unread:
         items = listing(self, node, to, path, self.count)
-        if isinstance(items, Fault):
-            return FAULT
-        parts: list[tuple[Scalar, Measured | Fault, Path]] = []
+        if isinstance(items, Unread):
+            return UNREAD
+        parts: list[tuple[Scalar, Measured | Unread, Path]] = []
         for index, item in enumerate(items):
             text = scalar(self.of, item, to, (*path, index))
-            if not isinstance(text, Fault):
+            if not isinstance(text, Unread):
                 parts.append((text, self.of.number(text, to, (*path, index)), (*path, index)))
         inherited = last_unit(parts, (self.of.dimension,))
         if inherited is None and lacks_unit(parts, [self.of]):
             text, _, at = parts[-1]
             self.of.without_unit(text, to, at, LAST_UNIT_HOLDS)
-            return FAULT
+            return UNREAD
         values = [
-            FAULT if isinstance(number, Fault) else self.of.in_si(number, inherited, text, to, at)
+            UNREAD if isinstance(number, Unread) else self.of.in_si(number, inherited, text, to, at)
             for text, number, at in parts
         ]
-        good = tuple(value for value in values if not isinstance(value, Fault))
-        return good if len(good) == len(items) else FAULT
+        good = tuple(value for value in values if not isinstance(value, Unread))
+        return good if len(good) == len(items) else UNREAD
 
     def schema(self, definitions: dict[str, Json]) -> Json:
         bounds = {"minItems": self.count, "maxItems": self.count} if self.count else {"minItems": 1}
@@ -185,17 +185,17 @@ class Vector(Kind):
         return suffix, [self.of.plain(entry)[1] for entry in value]
 
 
-def lacks_unit(parts: Sequence[tuple[Scalar, Measured | Fault, Path]], quantities: Sequence[Quantity]) -> bool:
+def lacks_unit(parts: Sequence[tuple[Scalar, Measured | Unread, Path]], quantities: Sequence[Quantity]) -> bool:
     """Whether units are needed and nowhere written in a list, so that one finding says it for all entries."""
     if all(DIMENSIONS[quantity.dimension].plain for quantity in quantities):
         return False
-    numbers = [number for _, number, _ in parts if not isinstance(number, Fault)]
+    numbers = [number for _, number, _ in parts if not isinstance(number, Unread)]
     return any(number.value for number in numbers) and not any(number.unit for number in numbers)
 
 
-def last_unit(parts: Sequence[tuple[Scalar, Measured | Fault, Path]], dimensions: Sequence[str]) -> Unit | None:
+def last_unit(parts: Sequence[tuple[Scalar, Measured | Unread, Path]], dimensions: Sequence[str]) -> Unit | None:
     """The unit of the last entry of a list, when it has one of these dimensions."""
-    if not parts or isinstance(parts[-1][1], Fault):
+    if not parts or isinstance(parts[-1][1], Unread):
         return None
     found = (find(parts[-1][1].unit, dimension) for dimension in dimensions)
     return next((unit for unit in found if unit is not None), None)

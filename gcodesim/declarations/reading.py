@@ -16,13 +16,13 @@ Path = tuple[str | int, ...]
 """Where a value stands: `("tools", 7, "diameter")`."""
 
 
-class Fault(Enum):
+class Unread(Enum):
     """Read in place of a value that could not be read; the reason is among the findings."""
 
-    FAULT = "fault"
+    UNREAD = "unread"
 
 
-FAULT: Final = Fault.FAULT
+UNREAD: Final = Unread.UNREAD
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -79,10 +79,10 @@ class Reading:
         default_factory=lambda: PlainUnits(length=_unit("mm", "length"), angle=_unit("deg", "angle"))
     )
 
-    def fault(self, code: str, span: Span, message: str, hint: str = "", *, related: Span | None = None) -> Fault:
-        """Add a finding; returns FAULT, so that a kind can `return to.fault(…)`."""
+    def fault(self, code: str, span: Span, message: str, hint: str = "", *, related: Span | None = None) -> Unread:
+        """Add a finding; returns UNREAD, so that a kind can `return to.fault(…)`."""
         self.findings.add(Diagnostic(code=code, span=span, message=message, hint=hint or self.about, related=related))
-        return FAULT
+        return UNREAD
 
     def span(self, path: Path) -> Span:
         """The place of `path`, else of what is around it."""

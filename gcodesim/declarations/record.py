@@ -11,7 +11,7 @@ from typing import Any, Final
 from gcodesim.declarations.keys import Key, all_keys, fill_derived, inlined, keys, written
 from gcodesim.declarations.kind import Json, Kind, article_of, key_name
 from gcodesim.declarations.nodes import Mapping, Node, Scalar
-from gcodesim.declarations.reading import FAULT, Fault, Path, Reading, suggestion
+from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread, suggestion
 
 FREE: Final = "x-"
 _DIGITS: Final = re.compile(r"[0-9]")
@@ -24,7 +24,7 @@ class Record(Kind):
 
     `shorthand` names the key that a lone scalar stands for (`machine: gantry_xyz`). A `lenient` one takes defaults for
     what is faulty and marks it as broken, so that the rest can be checked. A class may have
-    a method `checked(to, path)` that returns itself, a changed copy, or FAULT after adding findings.
+    a method `checked(to, path)` that returns itself, a changed copy, or UNREAD after adding findings.
     """
 
     cls: type
@@ -41,9 +41,9 @@ class Record(Kind):
 
     def read(self, node: Node, to: Reading, path: Path) -> Any:
         entries = self._entries(node, to, path)
-        return FAULT if isinstance(entries, Fault) else self.read_entries(entries, to, path)
+        return UNREAD if isinstance(entries, Unread) else self.read_entries(entries, to, path)
 
-    def _entries(self, node: Node, to: Reading, path: Path) -> tuple[tuple[Scalar, Node], ...] | Fault:
+    def _entries(self, node: Node, to: Reading, path: Path) -> tuple[tuple[Scalar, Node], ...] | Unread:
         if isinstance(node, Mapping):
             to.spans.setdefault(path, node.span)
             return node.entries
@@ -52,7 +52,7 @@ class Record(Kind):
         return not_a_mapping(node, self.expected, to, path)
 
     def read_entries(self, entries: tuple[tuple[Scalar, Node], ...], to: Reading, path: Path, **fixed: Any) -> Any:
-        """The instance that the entries of a mapping describe, or FAULT; `fixed` are fields that are no keys."""
+        """The instance that the entries of a mapping describe, or UNREAD; `fixed` are fields that are no keys."""
         known = all_keys(self.cls)
         values: dict[str, Any] = {}
         for name, node_of_key, value in known_keys(entries, list(known), self.what, to):
@@ -62,14 +62,14 @@ class Record(Kind):
         arguments = fixed | self._arguments(self.cls, values, to, path)
         if self.lenient:
             self._mend(arguments, to)
-        if any(value is FAULT for value in arguments.values()):
-            return FAULT
+        if any(value is UNREAD for value in arguments.values()):
+            return UNREAD
         instance = _made(self.cls, arguments)
         _list_defaults(instance, values, to, path)
         return _checked(instance, to, path)
 
     def _arguments(self, cls: type, values: dict[str, Any], to: Reading, path: Path) -> dict[str, Any]:
-        """Constructor arguments of `cls` out of what was read, with defaults; FAULT for what is missing."""
+        """Constructor arguments of `cls` out of what was read, with defaults; UNREAD for what is missing."""
         arguments: dict[str, Any] = {}
         for name, declared in keys(cls).items():
             if name in values:
@@ -83,13 +83,13 @@ class Record(Kind):
         for name, (inner, always) in inlined(cls).items():
             if always or any(k in values for k in all_keys(inner)):
                 within = self._arguments(inner, values, to, path)
-                faulty = any(value is FAULT for value in within.values())
-                arguments[name] = FAULT if faulty else _checked(_made(inner, within), to, path)
+                faulty = any(value is UNREAD for value in within.values())
+                arguments[name] = UNREAD if faulty else _checked(_made(inner, within), to, path)
         return arguments
 
     def _mend(self, arguments: dict[str, Any], to: Reading) -> None:
         names = {declared.field: declared for declared in keys(self.cls).values()}
-        for name in [name for name, value in arguments.items() if value is FAULT]:
+        for name in [name for name, value in arguments.items() if value is UNREAD]:
             arguments[name] = names[name].default if name in names else None
             to.broken.add((names[name].name if name in names else name,))
 
@@ -176,7 +176,7 @@ def known_keys(
                 yield meant[0], name, value
 
 
-def not_a_mapping(node: Node, what: str, to: Reading, path: Path) -> Fault:
+def not_a_mapping(node: Node, what: str, to: Reading, path: Path) -> Unread:
     """The finding for a value that should have been `key: value` lines."""
     if isinstance(node, Scalar) and node.empty:
         return to.fault(

@@ -11,7 +11,7 @@ from gcodesim.declarations.kind import Json, Kind, scalar, short
 from gcodesim.declarations.nodes import Mapping as MappingNode
 from gcodesim.declarations.nodes import Node, Scalar
 from gcodesim.declarations.plain_kinds import Text
-from gcodesim.declarations.reading import FAULT, Fault, Path, Reading, suggestion
+from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread, suggestion
 from gcodesim.declarations.record import Record, not_a_mapping, object_schema
 
 
@@ -38,8 +38,8 @@ class Variant(Kind):
             known = ", ".join(f"`{name}`" for name in self.family)
             return to.fault("GS705", to.span(path), f"{self.name(path)} lacks `type`", f"types are {known}")
         word = scalar(Text(form=f"a {self.what} type"), type_node, to, (*path, "type"))
-        if isinstance(word, Fault):
-            return FAULT
+        if isinstance(word, Unread):
+            return UNREAD
         if word.text not in self.family:
             message = f"there is no {self.what} type `{short(word.text)}`"
             return to.fault("GS711", word.span, message, suggestion(word.text, list(self.family)))
@@ -51,7 +51,7 @@ class Variant(Kind):
         return f"{self.what} {path[-1]}"
 
     def member(self, record: Record, entries: tuple[tuple[Scalar, Node], ...], to: Reading, path: Path) -> Any:
-        """The instance that `entries`, the keys besides `type`, describe; or FAULT."""
+        """The instance that `entries`, the keys besides `type`, describe; or UNREAD."""
         return record.read_entries(entries, to, path)
 
     def schema(self, definitions: dict[str, Json]) -> Json:

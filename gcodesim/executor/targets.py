@@ -23,7 +23,7 @@ Box = tuple[Array, Array]
 """Least and greatest corner (3,) [m]."""
 
 
-class Target(Protocol):
+class TaskTarget(Protocol):
     """Something that one process acts on.
 
     `name` is that of the stock, empty where the target is not a stock; `frame` is the name of S in the scene.
@@ -54,7 +54,7 @@ class Target(Protocol):
         """Remember the state; calling the result restores it."""
 
 
-def targets_of(shop: Shop, acts_on: ActsOn) -> list[Target]:
+def targets_of(shop: Shop, acts_on: ActsOn) -> list[TaskTarget]:
     """The targets of a process that acts on things of this sort."""
     if acts_on == "stock":
         return [StockTarget(placed) for placed in shop.stocks.values()]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.executor.signals import signals_of_rows
-from gcodesim.executor.targets import Target, targets_of
+from gcodesim.executor.targets import TaskTarget, targets_of
 from gcodesim.motion.tool_path import HOME, RAPID, ToolPath
 from gcodesim.processes import PROCESSES
 from gcodesim.processes.signal import Signal
@@ -31,7 +31,7 @@ class Task:
     """One process of a tool at one target. `state` is what the process carries from window to window."""
 
     tool: Tool
-    target: Target
+    target: TaskTarget
     process: Process
     state: ProcessState
 

@@ -9,7 +9,7 @@ from typing import Final
 from gcodesim.diagnostics import Caller, Diagnostic, Span
 from gcodesim.formats.places import FilePlaces
 from gcodesim.regress.baseline import entry_of
-from gcodesim.regress.verdicts import Found, State, SuiteVerdict
+from gcodesim.regress.verdicts import JudgedFinding, State, SuiteVerdict
 
 _WEIGHTS: Final[tuple[State, ...]] = ("suppressed", "baseline", "accepted", "expected", "told", "counts")
 
@@ -36,7 +36,7 @@ class Item:
 
 def items_of(verdict: SuiteVerdict, places: FilePlaces) -> list[Item]:
     """All findings of `verdict` in the order of their places."""
-    met: dict[tuple[object, ...], tuple[Found, list[str]]] = {}
+    met: dict[tuple[object, ...], tuple[JudgedFinding, list[str]]] = {}
     for case, found in [("", one) for one in verdict.found] + [(c.name, one) for c in verdict.cases for one in c.found]:
         finding = found.finding
         key = (finding.code, finding.level, finding.message, replace(finding.span, callers=()))

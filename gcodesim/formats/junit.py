@@ -17,7 +17,7 @@ from gcodesim.diagnostics.show import as_text, place
 from gcodesim.formats.places import FilePlaces
 from gcodesim.formats.text import counting, found_text
 from gcodesim.regress.suite import INTERNAL
-from gcodesim.regress.verdicts import CaseVerdict, Found, SuiteVerdict
+from gcodesim.regress.verdicts import CaseVerdict, JudgedFinding, SuiteVerdict
 
 _NAME: Final = "gcodesim"
 _NO_XML: Final = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
@@ -45,9 +45,9 @@ def _folder(name: str) -> str:
     return name.rpartition("/")[0]
 
 
-def _suite(folder: str, members: Sequence[CaseVerdict | Found], places: FilePlaces) -> Element:
+def _suite(folder: str, members: Sequence[CaseVerdict | JudgedFinding], places: FilePlaces) -> Element:
     cases = [member for member in members if isinstance(member, CaseVerdict)]
-    faults = [member for member in members if isinstance(member, Found)]
+    faults = [member for member in members if isinstance(member, JudgedFinding)]
     suite = Element(
         "testsuite",
         {
@@ -91,7 +91,7 @@ def _add_case(suite: Element, folder: str, case: CaseVerdict, places: FilePlaces
         SubElement(element, "system-out").text = _xml("\n".join(others))
 
 
-def _add_fault(suite: Element, folder: str, fault: Found, places: FilePlaces) -> None:
+def _add_fault(suite: Element, folder: str, fault: JudgedFinding, places: FilePlaces) -> None:
     finding = fault.finding
     element = _test(suite, folder, finding.span.file, 0.0)
     text = _xml(as_text(finding, places.sources))

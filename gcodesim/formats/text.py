@@ -8,7 +8,7 @@ from typing import Final
 from gcodesim.diagnostics import SourceText
 from gcodesim.diagnostics.plain import one_line
 from gcodesim.diagnostics.show import as_text
-from gcodesim.regress.verdicts import CaseVerdict, Found
+from gcodesim.regress.verdicts import CaseVerdict, JudgedFinding
 
 _ORDER: Final = ("", "GS601", "GS602", "GS603", "GS605", "GS606", "GS604")
 _OF_THE_WHOLE: Final = ("GS604", "GS605")
@@ -31,7 +31,7 @@ def found_text(found: Found, sources: Mapping[str, SourceText]) -> str:
     return as_text(found.finding, quoted) + (f"\n  {remark}" if remark else "")
 
 
-def _remark(found: Found) -> str:
+def _remark(found: JudgedFinding) -> str:
     if found.state == "suppressed":
         return f"suppressed: {one_line(found.reason)}"
     if found.state == "counts":

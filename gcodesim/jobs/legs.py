@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from gcodesim.checks.contact import Contact
     from gcodesim.jobs.job import Job
 
-_QUESTIONS: Final = (canon.Probe, canon.Input)
+_QUESTIONS: Final = (canon.ProbeMove, canon.Input)
 _OF_TIPS: Final = ("GS301", "GS304")
 _LEAVING: Final = 0.02  # [s] after a trip within which the tool begins to leave what it has touched
 _GRAZE: Final = 1e-5  # [m] by which it may go deeper for a moment, as along a slope
@@ -52,7 +52,7 @@ class Legs:
         self._job, self._reading = job, job.reading
         self._stream = job.reading.stream()
         self._builder = PathBuilder(start)
-        self._question: canon.Probe | canon.Input | None = None
+        self._question: canon.ProbeMove | canon.Input | None = None
         self._reply: canon.Answer | None = None
         self._read = self._ended = False
         self._posing = posing_of(job.shop)
@@ -86,7 +86,7 @@ class Legs:
                 plan = self._plain_leg()
                 if plan is not None or self._ended:
                     return plan
-            elif isinstance(question, canon.Probe):
+            elif isinstance(question, canon.ProbeMove):
                 return self._probe(question)
             else:
                 self._hear(question)
@@ -234,7 +234,7 @@ class Legs:
 
     # ---- probing
 
-    def _probe(self, question: canon.Probe) -> Plan | None:
+    def _probe(self, question: canon.ProbeMove) -> Plan | None:
         """The move of a probe as far as it goes."""
         self._builder.add(question)
         path = self._builder.leg()
@@ -289,7 +289,7 @@ class Legs:
         ]
         return Touching(plan, tool, stocks, standing_bodies(shop.scene, shop.name)).first(begin=begin, towards=towards)
 
-    def _trip_event(self, question: canon.Probe, leg: Plan, time: float, **known: Any) -> canon.Trip:
+    def _trip_event(self, question: canon.ProbeMove, leg: Plan, time: float, **known: Any) -> canon.Trip:
         """The event in the log for a probe that trips at `time` [s] of its leg."""
         samples = leg.trajectory.sample(np.array([time]))
         tip = leg.tip(leg.joints(samples), np.array([len(leg.path) - 1]))[0, :3, 3]

@@ -12,7 +12,7 @@ from gcodesim.family import Family
 
 if TYPE_CHECKING:
     from gcodesim.kinematics.cartesian import Axis, Cartesian, chain_of_axes
-    from gcodesim.kinematics.chain import Chain, Inertial, Joint, Joints, Link, LinkShape, Shape
+    from gcodesim.kinematics.chain import Chain, Inertial, Joint, Joints, Link, LinkShape, LinkSolid
     from gcodesim.kinematics.choice import kinematics_of
     from gcodesim.kinematics.dynamics import inverse_dynamics
     from gcodesim.kinematics.elasticity import compliance, shift_jacobian
@@ -47,7 +47,7 @@ _PLACES = {
     "ParallelAxes": "parallel_axes",
     "Reason": "protocol",
     "SerialArm": "serial",
-    "Shape": "chain",
+    "LinkSolid": "chain",
     "SphericalWrist": "spherical_wrist",
     "Status": "protocol",
     "chain_of_axes": "cartesian",
@@ -78,10 +78,10 @@ __all__ = [
     "Kinematics",
     "Link",
     "LinkShape",
+    "LinkSolid",
     "ParallelAxes",
     "Reason",
     "SerialArm",
-    "Shape",
     "ShippedModel",
     "SphericalWrist",
     "Status",

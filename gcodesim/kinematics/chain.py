@@ -29,7 +29,7 @@ GREY = (0.6, 0.6, 0.62, 1.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Shape:
+class LinkSolid:
     """A solid of a link, posed in the link frame by `X` (4, 4)."""
 
     solid: Solid
@@ -52,8 +52,8 @@ class Link:
 
     name: str
     inertial: Inertial | None = None
-    visuals: tuple[Shape, ...] = ()
-    collisions: tuple[Shape, ...] = ()
+    visuals: tuple[LinkSolid, ...] = ()
+    collisions: tuple[LinkSolid, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

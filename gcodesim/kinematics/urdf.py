@@ -20,7 +20,7 @@ import numpy as np
 
 from gcodesim.diagnostics import Diagnostic, Severity, Span
 from gcodesim.frames import Array, Pose, rotation_from_rpy
-from gcodesim.kinematics.chain import GREY, Chain, Inertial, Joint, JointKind, Link, Shape
+from gcodesim.kinematics.chain import GREY, Chain, Inertial, Joint, JointKind, Link, LinkSolid
 from gcodesim.kinematics.xml_lines import LinedElement, XmlError, parse_xml
 from gcodesim.solids import Box, Cylinder, Mesh, MeshFile, Sphere
 
@@ -142,7 +142,7 @@ class _Reader:
             return self.colours.get(material.get("name", ""))
         return self.numbers(colour, "rgba", 4, GREY)
 
-    def shapes(self, e: LinedElement) -> list[Shape]:
+    def shapes(self, e: LinedElement) -> list[LinkSolid]:
         """The bodies of one <visual> or <collision>; a capsule becomes a cylinder and two spheres."""
         geometry = e.child("geometry")
         body = next((c for c in geometry if isinstance(c, LinedElement)), None) if geometry is not None else None
@@ -154,24 +154,24 @@ class _Reader:
         rgba = (r, g, b, a)
         if body.tag == "box":
             x, y, z = self.numbers(body, "size", 3, (0.0, 0.0, 0.0))
-            return [Shape(solid=Box.about_origin((x, y, z)), X=X, rgba=rgba)]
+            return [LinkSolid(solid=Box.about_origin((x, y, z)), X=X, rgba=rgba)]
         if body.tag == "sphere":
-            return [Shape(solid=Sphere(radius=self.number(body, "radius", 0.0)), X=X, rgba=rgba)]
+            return [LinkSolid(solid=Sphere(radius=self.number(body, "radius", 0.0)), X=X, rgba=rgba)]
         if body.tag in ("cylinder", "capsule"):
             radius, length = self.number(body, "radius", 0.0), self.number(body, "length", 0.0)
             rod = Cylinder(radius=radius, bottom=-0.5 * length, top=0.5 * length)
-            parts = [Shape(solid=rod, X=X, rgba=rgba)]
+            parts = [LinkSolid(solid=rod, X=X, rgba=rgba)]
             if body.tag == "capsule":
                 for end in (-0.5 * length, 0.5 * length):
                     shift = Pose(np.array([0.0, 0.0, end]), np.eye(3)).matrix
-                    parts.append(Shape(solid=Sphere(radius=radius), X=X @ shift, rgba=rgba))
+                    parts.append(LinkSolid(solid=Sphere(radius=radius), X=X @ shift, rgba=rgba))
             return parts
         if body.tag == "mesh":
             mesh = self.mesh(body)
             x, y, z = self.numbers(body, "scale", 3, (1.0, 1.0, 1.0))
             if mesh is None:
                 return []
-            return [Shape(solid=Mesh(source=MeshFile(path=mesh, scale=(x, y, z))), X=X, rgba=rgba)]
+            return [LinkSolid(solid=Mesh(source=MeshFile(path=mesh, scale=(x, y, z))), X=X, rgba=rgba)]
         self.find("GS765", f"<{body.tag}> is no body that URDF knows", body, "box, cylinder, capsule, sphere or mesh")
         return []
 

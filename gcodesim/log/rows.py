@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from gcodesim.log.description import LogDescription, array_of
 from gcodesim.log.schema import FIRST_MORE
-from gcodesim.log.template import Piece, Slot, Template, bool_slot, double_slot, nested, stamp_slot, text_piece
+from gcodesim.log.template import Slot, Template, TemplatePiece, bool_slot, double_slot, nested, stamp_slot, text_piece
 from gcodesim.log.topics import PERIODIC
 
 Ints = NDArray[np.int64]
@@ -27,18 +27,18 @@ RECORD_HEAD: Final = 9  # opcode and length, in front of every record
 MESSAGE_HEAD: Final = 22  # channel, sequence, log time, publish time
 
 
-def _vector(number: int, array: str, first: int, names: int = 3) -> Piece:
+def _vector(number: int, array: str, first: int, names: int = 3) -> TemplatePiece:
     return nested(number, *(double_slot(i + 1, array, first + i) for i in range(names)))
 
 
-def _pose_parts(array: str, first: int) -> tuple[Piece, Piece]:
+def _pose_parts(array: str, first: int) -> tuple[TemplatePiece, TemplatePiece]:
     """Position and orientation as fields 1 and 2."""
     return _vector(1, array, first), _vector(2, array, first + 3, 4)
 
 
-def _messages(description: LogDescription, kind: str) -> tuple[Piece, ...]:
+def _messages(description: LogDescription, kind: str) -> tuple[TemplatePiece, ...]:
     """The periodic messages in the order of `PERIODIC`; field numbers are those of the schemas."""
-    transforms = Piece(b"")
+    transforms = TemplatePiece(b"")
     for i, (parent, child) in enumerate(description.moving_frames):
         position, rotation = _vector(4, "tf", 7 * i), _vector(5, "tf", 7 * i + 3, 4)
         transforms += nested(1, stamp_slot(1), text_piece(2, parent), text_piece(3, child), position, rotation)
@@ -115,13 +115,13 @@ class RowTemplate(Template):
     def __init__(
         self, description: LogDescription, kind: str, channel_ids: tuple[int, ...], columns: Mapping[str, int]
     ) -> None:
-        row, starts = Piece(b""), []
+        row, starts = TemplatePiece(b""), []
         for channel, message in zip(channel_ids, _messages(description, kind), strict=True):
             starts.append(len(row.data))
             length = MESSAGE_HEAD + len(message.data)
             head = bytes((MESSAGE_OPCODE,)) + length.to_bytes(8, "little") + channel.to_bytes(2, "little")
-            row += Piece(head)
-            row += Piece(bytes(20), (Slot(0, "sequence"), Slot(4, "time"), Slot(12, "time")))
+            row += TemplatePiece(head)
+            row += TemplatePiece(bytes(20), (Slot(0, "sequence"), Slot(4, "time"), Slot(12, "time")))
             row += message
         self.starts = tuple(starts)
         super().__init__(row, columns)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from gcodesim.log.byte_strings import ByteStrings
 from gcodesim.log.mesh_kernels import put_points, round_points
 from gcodesim.log.shapes import Array, Color, DrawnMesh, Entity, Polylines, Shape
-from gcodesim.log.template import Piece, Template, double_slot, nested, stamp_slot
+from gcodesim.log.template import Template, TemplatePiece, double_slot, nested, stamp_slot
 from gcodesim.log.wire import BYTES, Part, chunk, double, packed_fixed32, stamp, tag, text, unsigned, wrap
 from gcodesim.solids import Box, Cone, Cylinder, Sphere
 
@@ -185,13 +185,13 @@ def polyline_update(t_ns: int, id: str, frame: str, points: Array, color: Color 
     return b"".join([_delete_all(t_ns), *_entity(t_ns, id, frame, [line])])
 
 
-def block_piece(count: int, frame: str) -> Piece:
+def block_piece(count: int, frame: str) -> TemplatePiece:
     """What `polyline_update` makes for a block of `count` points, with slots for time and `points` (n, 3 count)."""
     points = [nested(5, *(double_slot(k + 1, "points", 3 * i + k) for k in range(3))) for i in range(count)]
-    head = Piece(unsigned(1, LINE_STRIP) + _IDENTITY + double(3, BLOCK_PIXELS) + unsigned(4, 1))
-    line = nested(_LINES, head, *points, Piece(_color(6, BLOCK_COLOR)))
-    deletion = nested(1, stamp_slot(1), Piece(unsigned(2, _DELETE_ALL)))
-    names = Piece(text(2, frame) + text(3, "block") + unsigned(5, 1))
+    head = TemplatePiece(unsigned(1, LINE_STRIP) + _IDENTITY + double(3, BLOCK_PIXELS) + unsigned(4, 1))
+    line = nested(_LINES, head, *points, TemplatePiece(_color(6, BLOCK_COLOR)))
+    deletion = nested(1, stamp_slot(1), TemplatePiece(unsigned(2, _DELETE_ALL)))
+    names = TemplatePiece(text(2, frame) + text(3, "block") + unsigned(5, 1))
     return deletion + nested(2, stamp_slot(1), names, line)
 
 
@@ -216,10 +216,10 @@ def _arrow_template(frame: str) -> Template:
     place = nested(1, *(double_slot(k + 1, "pose", k) for k in range(3)))
     turn = nested(2, *(double_slot(k + 1, "pose", 3 + k) for k in range(4)))
     shaft, head = double_slot(2, "shaft"), double_slot(4, "head")
-    thick, broad = Piece(double(3, 0.004)), Piece(double(5, 0.010) + _color(6, FORCE_COLOR))
+    thick, broad = TemplatePiece(double(3, 0.004)), TemplatePiece(double(5, 0.010) + _color(6, FORCE_COLOR))
     arrow = nested(_ARROWS, nested(1, place, turn), shaft, thick, head, broad)
-    deletion = nested(1, stamp_slot(1), Piece(unsigned(2, _DELETE_ALL)))
-    names = Piece(text(2, frame) + text(3, "force") + unsigned(5, 1))
+    deletion = nested(1, stamp_slot(1), TemplatePiece(unsigned(2, _DELETE_ALL)))
+    names = TemplatePiece(text(2, frame) + text(3, "force") + unsigned(5, 1))
     return Template(deletion + nested(2, stamp_slot(1), names, arrow))
 
 

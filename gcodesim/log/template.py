@@ -1,6 +1,6 @@
 """Messages of fixed length, built for many times at once.
 
-A `Piece` is a part of a message with slots; a `Template` repeats it n times as
+A `TemplatePiece` is a part of a message with slots; a `Template` repeats it n times as
 a byte matrix and fills the slots from columns. Every number has a fixed width:
 doubles are written also when they are 0, and integers are padded to five bytes,
 which every reader accepts as it accepts the shortest form.
@@ -33,42 +33,42 @@ class Slot:
 
 
 @dataclass(frozen=True, slots=True)
-class Piece:
+class TemplatePiece:
     """A part of a message of fixed length, with slots to fill."""
 
     data: bytes
     slots: tuple[Slot, ...] = ()
 
-    def __add__(self, other: Piece) -> Piece:
+    def __add__(self, other: TemplatePiece) -> TemplatePiece:
         shift = len(self.data)
         moved = tuple(Slot(s.offset + shift, s.kind, s.array, s.column) for s in other.slots)
-        return Piece(self.data + other.data, self.slots + moved)
+        return TemplatePiece(self.data + other.data, self.slots + moved)
 
 
-def nested(number: int, *parts: Piece) -> Piece:
+def nested(number: int, *parts: TemplatePiece) -> TemplatePiece:
     """A message field made of `parts`."""
-    body = sum(parts, Piece(b""))
-    return Piece(tag(number, BYTES) + varint(len(body.data))) + body
+    body = sum(parts, TemplatePiece(b""))
+    return TemplatePiece(tag(number, BYTES) + varint(len(body.data))) + body
 
 
-def text_piece(number: int, value: str) -> Piece:
-    return Piece(text(number, value))
+def text_piece(number: int, value: str) -> TemplatePiece:
+    return TemplatePiece(text(number, value))
 
 
-def double_slot(number: int, array: str, column: int = 0) -> Piece:
+def double_slot(number: int, array: str, column: int = 0) -> TemplatePiece:
     """A double field filled from `column` of `array`."""
     head = tag(number, FIXED64)
-    return Piece(head + bytes(8), (Slot(len(head), "number", array, column),))
+    return TemplatePiece(head + bytes(8), (Slot(len(head), "number", array, column),))
 
 
-def bool_slot(number: int, array: str) -> Piece:
+def bool_slot(number: int, array: str) -> TemplatePiece:
     head = tag(number, VARINT)
-    return Piece(head + bytes(1), (Slot(len(head), "flag", array),))
+    return TemplatePiece(head + bytes(1), (Slot(len(head), "flag", array),))
 
 
-def stamp_slot(number: int) -> Piece:
+def stamp_slot(number: int) -> TemplatePiece:
     """A Timestamp field filled with the row's time."""
-    return nested(number, Piece(bytes(STAMP_WIDTH), (Slot(0, "stamp"),)))
+    return nested(number, TemplatePiece(bytes(STAMP_WIDTH), (Slot(0, "stamp"),)))
 
 
 def padded_varints(number: int, values: NDArray[np.integer]) -> NDArray[np.uint8]:
@@ -90,7 +90,7 @@ def padded_stamps(t_ns: NDArray[np.int64]) -> NDArray[np.uint8]:
 class Template:
     """A message, or several in a row, of fixed length."""
 
-    def __init__(self, piece: Piece, columns: Mapping[str, int] | None = None) -> None:
+    def __init__(self, piece: TemplatePiece, columns: Mapping[str, int] | None = None) -> None:
         """`columns`: with which column each array of the slots begins; by default they stand in order of appearance."""
         self._bytes = np.frombuffer(bytearray(piece.data), dtype=np.uint8)
         begin = _side_by_side(piece.slots) if columns is None else columns
@@ -132,7 +132,7 @@ def _plain(array: NDArray[Any], kind: Any) -> NDArray[Any]:
     return np.require(array, kind, ["C", "W"])
 
 
-def _slots(piece: Piece, kind: str) -> list[Slot]:
+def _slots(piece: TemplatePiece, kind: str) -> list[Slot]:
     return [slot for slot in piece.slots if slot.kind == kind]
 
 

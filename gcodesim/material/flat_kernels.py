@@ -21,7 +21,7 @@ Bytes = NDArray[np.uint8]
 FLAT_SIDE = 16  # columns along one side of a patch
 
 
-class Span(NamedTuple):
+class ColumnSpan(NamedTuple):
     """The columns [i0, i1) x [j0, j1) that a tile draws, out of those that it knows."""
 
     i0: int
@@ -30,7 +30,7 @@ class Span(NamedTuple):
     j1: int
 
 
-class Triangles(NamedTuple):
+class PatchTriangles(NamedTuple):
     """Triangles (f, 3) of points, counter-clockwise from outside, and whether each is changed surface (f,): 0 or 1."""
 
     faces: Ints
@@ -67,7 +67,7 @@ def end_of(columns: Columns, i: int, j: int, top: int) -> float:
 
 
 @kernel
-def find_flat(columns: Columns, before: Columns, span: Span) -> Bytes:
+def find_flat(columns: Columns, before: Columns, span: ColumnSpan) -> Bytes:
     """Patches (p, q, 2) of a tile, undersides and tops: 0 not flat, 1 flat, 2 flat and changed.
 
     Flat is a patch whose columns, and those around it, have the same end.
@@ -111,7 +111,7 @@ def lattice_vertex(chains: Chains, columns: int, a: int, b: int, top: int) -> in
 
 
 @kernel(lean=True)
-def outline(flat: Bytes, pi: int, pj: int, top: int, span: Span, chains: Chains, out: Ints) -> int:
+def outline(flat: Bytes, pi: int, pj: int, top: int, span: ColumnSpan, chains: Chains, out: Ints) -> int:
     """Vertices around a flat patch, counter-clockwise from above, into `out`; their number."""
     i0, i1, j0, j1 = span
     columns = j1 - j0 + 1
@@ -139,7 +139,7 @@ def outline(flat: Bytes, pi: int, pj: int, top: int, span: Span, chains: Chains,
 
 
 @kernel
-def flat_faces(flat: Bytes, span: Span, chains: Chains) -> Triangles:
+def flat_faces(flat: Bytes, span: ColumnSpan, chains: Chains) -> PatchTriangles:
     """The triangles of all flat patches."""
     i0, i1, j0, j1 = span
     columns = j1 - j0 + 1
@@ -167,4 +167,4 @@ def flat_faces(flat: Bytes, span: Span, chains: Chains) -> Triangles:
                     faces[used, 2] = v if top == 1 else u
                     cut[used] = flat[pi, pj, top] - 1
                     used += 1
-    return Triangles(faces[:used], cut[:used])
+    return PatchTriangles(faces[:used], cut[:used])

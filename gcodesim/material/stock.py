@@ -292,9 +292,9 @@ class Stock:
         stay inside by less than a thousandth of the corner radius.
         """
         from gcodesim.material.shape import profile
-        from gcodesim.material.tilted_kernels import Pieces, Profile, remove_tilted
+        from gcodesim.material.tilted_kernels import Profile, TiltedWay, remove_tilted
 
-        way = Pieces(*map(_pieces, (starts, ends, axes_start, axes_end)))
+        way = TiltedWay(*map(_pieces, (starts, ends, axes_start, axes_end)))
         body = Profile(*profile(shape))
         volume = np.zeros(len(starts))
         done = 0

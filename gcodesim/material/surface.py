@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.material.field_kernels import PATCH, Columns
-from gcodesim.material.flat_kernels import Span, Triangles
+from gcodesim.material.flat_kernels import ColumnSpan, PatchTriangles
 
 if TYPE_CHECKING:
     from gcodesim.material.stock import Stock
@@ -73,7 +73,7 @@ def build_surface(stock: Stock, spacing: float = 0.0) -> Surface:
         drawn = _Drawn(stock.field.columns, stock.field.walls, stock.original)
     else:
         drawn = lattice.columns(stock, lattice.original(stock))
-    points, fine, coarse = _mesh(drawn, lattice, Span(0, len(lattice.ix), 0, len(lattice.iy)))
+    points, fine, coarse = _mesh(drawn, lattice, ColumnSpan(0, len(lattice.ix), 0, len(lattice.iy)))
     faces, cut = np.concatenate((fine.faces, coarse.faces)), np.concatenate((fine.cut, coarse.cut))
     # points inside flat parts belong to no triangle
     used = np.zeros(len(points), dtype=bool)
@@ -150,7 +150,7 @@ class _Lattice(NamedTuple):
         return _Drawn(taken, np.zeros((4, 0, 0), np.float32), original)
 
 
-def _mesh(drawn: _Drawn, lattice: _Lattice, span: Span) -> tuple[Array, Triangles, Triangles]:
+def _mesh(drawn: _Drawn, lattice: _Lattice, span: ColumnSpan) -> tuple[Array, PatchTriangles, PatchTriangles]:
     """Points and triangles of the columns of a span; those of flat parts separately."""
     from gcodesim.material.flat_kernels import find_flat, flat_faces
     from gcodesim.material.surface_kernels import Corners, build_chains, build_faces
@@ -166,7 +166,7 @@ class _Place(NamedTuple):
 
     number: int
     lattice: _Lattice
-    span: Span
+    span: ColumnSpan
     corner: tuple[int, int]  # of the lattice in that of all tiles
     original: Columns
 
@@ -227,7 +227,7 @@ def _place(number: int, lattice: _Lattice, stock: Stock, i: tuple[int, int], j: 
     (i0, i1), (j0, j1) = i, j
     low_i, low_j = max(i0 - 1, 0), max(j0 - 1, 0)
     around = lattice.part(low_i, min(i1 + 1, len(lattice.ix)), low_j, min(j1 + 1, len(lattice.iy)))
-    span = Span(i0 - low_i, i1 - low_i, j0 - low_j, j1 - low_j)
+    span = ColumnSpan(i0 - low_i, i1 - low_i, j0 - low_j, j1 - low_j)
     return _Place(number, around, span, (low_i, low_j), around.original(stock))
 
 

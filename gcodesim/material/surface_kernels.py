@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from gcodesim.compiled import kernel
 from gcodesim.material.field_kernels import Columns
-from gcodesim.material.flat_kernels import FLAT_SIDE, Chains, Span, Triangles
+from gcodesim.material.flat_kernels import FLAT_SIDE, Chains, ColumnSpan, PatchTriangles
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -135,7 +135,7 @@ def plain_prism(columns: Columns, a: int, b: int, limit: float, heights: Array) 
 
 
 @kernel
-def build_chains(columns: Columns, walls: Singles, corners: Corners, span: Span, limit: float) -> Chains:
+def build_chains(columns: Columns, walls: Singles, corners: Corners, span: ColumnSpan, limit: float) -> Chains:
     """Groups and vertices of the prisms around a span of columns (mx, my).
 
     walls (4, mx + 1, my + 1), or (4, 0, 0) where they are not known; limit [m]: the greatest height of a group.
@@ -343,7 +343,7 @@ def was_end(before: Columns, i: int, j: int, z: float, rises: bool) -> bool:
 
 @kernel(lean=True)
 def build_wall(
-    points: Array, chain_p: Ints, chain_q: Ints, flip: bool, changed: int, into: Triangles, used: int
+    points: Array, chain_p: Ints, chain_q: Ints, flip: bool, changed: int, into: PatchTriangles, used: int
 ) -> int:
     """Triangles between two chains of vertices, upwards, whichever is lower next; the new number of faces."""
     faces, cut = into
@@ -376,7 +376,7 @@ def more_room(faces: Ints, cut: Bytes, used: int) -> tuple[Ints, Bytes]:
 
 
 @kernel
-def build_faces(columns: Columns, before: Columns, span: Span, chains: Chains, flat: Bytes) -> Triangles:
+def build_faces(columns: Columns, before: Columns, span: ColumnSpan, chains: Chains, flat: Bytes) -> PatchTriangles:
     """The triangles of a tile.
 
     What `flat` (of flat_kernels) says is flat is left out.
@@ -487,7 +487,7 @@ def build_faces(columns: Columns, before: Columns, span: Span, chains: Chains, f
                             while used + m + n > faces.shape[0]:
                                 faces, cut = more_room(faces, cut, used)
                             flip = a_solid == (turn == 1)
-                            into = Triangles(faces, cut)
+                            into = PatchTriangles(faces, cut)
                             used = build_wall(points, chain_p[:m], chain_q[:n], flip, changed, into, used)
                     if take_a:
                         open_column, open_change, open_z = 0, ta, za
@@ -495,4 +495,4 @@ def build_faces(columns: Columns, before: Columns, span: Span, chains: Chains, f
                     else:
                         open_column, open_change, open_z = 1, tb, zb
                         tb += 1
-    return Triangles(faces[:used], cut[:used])
+    return PatchTriangles(faces[:used], cut[:used])

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from gcodesim.compiled import kernel
 from gcodesim.material.field_kernels import Columns
-from gcodesim.material.flat_kernels import Triangles
+from gcodesim.material.flat_kernels import PatchTriangles
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -41,7 +41,7 @@ def same_columns(columns: Columns, before: Columns) -> bool:
 
 
 @kernel
-def facets_of(points: Array, fine: Triangles, coarse: Triangles, which: int, rounding: float) -> tuple[Array, Ints]:
+def facets_of(points: Array, fine: PatchTriangles, coarse: PatchTriangles, which: int, rounding: float) -> tuple[Array, Ints]:
     """The triangles (f, 3) of one class out of two lists of them, and the points (v, 3) [m] that they have.
 
     Points stay in their order and become whole multiples of 1 / rounding.

@@ -20,7 +20,7 @@ from gcodesim.material.wall_kernels import shorten_walls
 Array = NDArray[np.float64]
 
 
-class Pieces(NamedTuple):
+class TiltedWay(NamedTuple):
     """Pieces of a tip's way with an axis that turns, each (c, 3): tips [m], and unit vectors to the holder."""
 
     starts: Array
@@ -95,7 +95,7 @@ def line_through_body(px: float, py: float, ax: float, ay: float, az: float, bod
 
 
 @kernel
-def remove_tilted(field: Field, way: Pieces, body: Profile, first: int, volume: Array) -> int:
+def remove_tilted(field: Field, way: TiltedWay, body: Profile, first: int, volume: Array) -> int:
     """Remove pieces `first`... of a tool whose axis turns; returns the index that found no room, or their number.
 
     `volume` (c,) is added to [m^3].

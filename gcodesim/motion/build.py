@@ -24,7 +24,7 @@ from gcodesim.canon import (
     Override,
     PathMode,
     Print,
-    Probe,
+    ProbeMove,
     Rapid,
     Spindle,
     SplineFeed,
@@ -177,7 +177,7 @@ class PathBuilder:
             for point in event.points:
                 if point != self.at[:3]:
                     self._row(LINE, event, (*point, *event.end[3:]), feed, False)
-        elif isinstance(event, Probe):
+        elif isinstance(event, ProbeMove):
             self._stand()
             self.events.append(PathEvent(len(self.rows), event))
             self._row(LINE, event, event.end, self._speed(event.feed, event.feed_unit), event.feed_unit[0] == "r")

@@ -52,7 +52,7 @@ _PEOPLE: Final = (
 )
 
 
-class Column(NamedTuple):
+class TableColumn(NamedTuple):
     """A column: its name, which ends in the unit, and by what a number in SI is divided."""
 
     name: str
@@ -67,7 +67,7 @@ def joint_kinds(recording: Recording) -> dict[str, str]:
     }
 
 
-def column_of(topic: str, field: str, kinds: Mapping[str, str], units: Units = "si") -> Column:
+def column_of(topic: str, field: str, kinds: Mapping[str, str], units: Units = "si") -> TableColumn:
     """The column of a field of a periodic topic, such as `force_n` of `/process`: `process.force_N`."""
     name = _si_name(topic, field, kinds)
     if units == "mm":
@@ -77,8 +77,8 @@ def column_of(topic: str, field: str, kinds: Mapping[str, str], units: Units = "
                     shown, divisor = "_rpm", RPM
                 elif name.startswith("joint.") and shown == "_mm_min":
                     shown, divisor = "_mm_s", MM
-                return Column(name[: -len(suffix)] + shown, divisor)
-    return Column(name, 1.0)
+                return TableColumn(name[: -len(suffix)] + shown, divisor)
+    return TableColumn(name, 1.0)
 
 
 def own_fields(recording: Recording) -> list[str]:

@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 ROUND = 32  # flat sides of a round body
 
 
-class Skin(NamedTuple):
+class EntitySkin(NamedTuple):
     """Points (n, 3) [m] and triangles (m, 3) of point indices, in the frame of the entity."""
 
     points: Array
@@ -25,11 +25,11 @@ class Skin(NamedTuple):
     color: Color
 
 
-def skin_of(shape: Shape) -> Skin:
+def skin_of(shape: Shape) -> EntitySkin:
     """The triangles of a shape, in the frame of its entity."""
     points, triangles = _own(shape)
     moved = points @ rotation_from_quaternion(shape.q).T + shape.p
-    return Skin(moved, np.asarray(triangles, dtype=np.int64), shape.color)
+    return EntitySkin(moved, np.asarray(triangles, dtype=np.int64), shape.color)
 
 
 def _own(shape: Shape) -> tuple[Array, NDArray[np.integer]]:
@@ -63,7 +63,7 @@ def _frustum(bottom: float, top: float, length: float) -> tuple[Array, NDArray[n
     return points, np.concatenate([sides, lower, upper])
 
 
-def merged(skins: list[Skin]) -> tuple[Array, NDArray[np.int64]]:
+def merged(skins: list[EntitySkin]) -> tuple[Array, NDArray[np.int64]]:
     """The triangles of several skins as one skin: points (n, 3), triangles (m, 3)."""
     if not skins:
         return np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64)

@@ -37,7 +37,7 @@ LOG, LINES, RESULTS, FINDINGS = Shown.LOG, Shown.LINES, Shown.RESULTS, Shown.FIN
 
 
 @dataclass(frozen=True, slots=True)
-class Unit:
+class ColumnUnit:
     """How a unit is written: in the log (SI) and in files of the shop floor, and how much SI one of the latter is."""
 
     log: str
@@ -45,18 +45,18 @@ class Unit:
     divisor: float = 1.0
 
 
-UNITS: Final[dict[str, Unit]] = {
-    "": Unit("", ""),
-    "m": Unit("m", "mm", MM),
-    "m^2": Unit("m2", "mm2", MM**2),
-    "m^3": Unit("m3", "mm3", MM3),
-    "m/s": Unit("m_s", "mm_min", MM_PER_MINUTE),
-    "m^3/s": Unit("m3_s", "mm3_s", MM3),
-    "rad": Unit("rad", "deg", DEG),
-    "rad/s": Unit("rad_s", "deg_s", DEG),
-    "N": Unit("n", "N"),
-    "N·m": Unit("nm", "Nm"),
-    "W": Unit("w", "W"),
+UNITS: Final[dict[str, ColumnUnit]] = {
+    "": ColumnUnit("", ""),
+    "m": ColumnUnit("m", "mm", MM),
+    "m^2": ColumnUnit("m2", "mm2", MM**2),
+    "m^3": ColumnUnit("m3", "mm3", MM3),
+    "m/s": ColumnUnit("m_s", "mm_min", MM_PER_MINUTE),
+    "m^3/s": ColumnUnit("m3_s", "mm3_s", MM3),
+    "rad": ColumnUnit("rad", "deg", DEG),
+    "rad/s": ColumnUnit("rad_s", "deg_s", DEG),
+    "N": ColumnUnit("n", "N"),
+    "N·m": ColumnUnit("nm", "Nm"),
+    "W": ColumnUnit("w", "W"),
 }
 """Units that are spelled in a way of their own; any other is spelled as it is, and is the same in every file."""
 
@@ -101,12 +101,12 @@ class Column:
             raise ValueError(f"a column is named in lower case letters, digits and _, not {self.name!r}")
 
     @property
-    def _spelling(self) -> Unit:
+    def _spelling(self) -> ColumnUnit:
         known = UNITS.get(self.unit)
         if known is not None:
             return known
         plain = re.sub(r"\W+", "_", self.unit.replace("·", "").replace("^", "")).strip("_")
-        return Unit(plain.lower(), plain)
+        return ColumnUnit(plain.lower(), plain)
 
     @property
     def divisor(self) -> float:

@@ -4,7 +4,7 @@ A process acts on targets, with one `Task` for each; `acts_on` names their sort:
 
 - `stock`: each stock of the cell in turn, a `material.Stock`, which the process may change in place;
 - `surface`: the skin of each stock in turn, a `Skin`, which can be looked at but not cut;
-- `bodies`: everything in the cell that does not move by itself, all at once, as a tuple of `Body`;
+- `bodies`: everything in the cell that does not move by itself, all at once, as a tuple of `SolidBody`;
 - `nothing`: there is no target. `run` gets None, and its frame S is that of the bodies.
 
 The executor asks a process about a window of steps when its `zone` may meet the target on the way; a process without a
@@ -50,7 +50,7 @@ class Skin(Protocol):
         """Points (v, 3) [m] in S and triangles (t, 3) that point outwards; made anew at each call."""
 
 
-class Body(Protocol):
+class SolidBody(Protocol):
     """Something solid in the cell, in the frame S of all bodies."""
 
     @property

@@ -11,7 +11,7 @@ from gcodesim.regress.changes import (
 )
 from gcodesim.regress.compare import compare_results
 from gcodesim.regress.tolerance import DEFAULTS, QUANTITIES, Tolerance
-from gcodesim.regress.verdicts import CaseVerdict, Found, SuiteVerdict
+from gcodesim.regress.verdicts import CaseVerdict, JudgedFinding, SuiteVerdict
 
 __all__ = [
     "DEFAULTS",
@@ -22,7 +22,7 @@ __all__ = [
     "Comparison",
     "FieldChange",
     "FindingChange",
-    "Found",
+    "JudgedFinding",
     "MoveChange",
     "SuiteVerdict",
     "SurfaceChange",

@@ -25,7 +25,7 @@ from gcodesim.files.own_folder import NotOwn, OwnFolder, open_own_folder
 from gcodesim.files.user_cache import user_cache
 from gcodesim.regress.case import Case, shown_path
 from gcodesim.regress.changes import SAME
-from gcodesim.regress.verdicts import CaseVerdict, Found
+from gcodesim.regress.verdicts import CaseVerdict, JudgedFinding
 
 VARIABLE: Final = "GCODESIM_TEST_CACHE"
 _LIBRARIES: Final = ("numpy", "scipy", "numba", "pybullet", "trimesh")
@@ -181,7 +181,7 @@ def _verdict(entry: dict[str, Any]) -> CaseVerdict:
         cell=entry["cell"],
         status="passed",
         found=tuple(
-            Found(finding=_finding(one["finding"], one["related"]), state=one["state"], reason=one["reason"])
+            JudgedFinding(finding=_finding(one["finding"], one["related"]), state=one["state"], reason=one["reason"])
             for one in entry["found"]
         ),
         comparison=SAME if entry["compared"] else None,

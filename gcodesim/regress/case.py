@@ -17,7 +17,7 @@ from gcodesim.regress.expectation import expectations
 from gcodesim.regress.golden import SUFFIX as GOLDEN_SUFFIX
 from gcodesim.regress.programs import PROGRAMS, programs_in
 from gcodesim.regress.tolerance import DEFAULTS, Tolerance
-from gcodesim.regress.verdicts import Found
+from gcodesim.regress.verdicts import JudgedFinding
 
 _GOLDENS: Final = ".golden"
 
@@ -54,7 +54,7 @@ class Collected:
     """All cases by name, and what is wrong with test files."""
 
     cases: tuple[Case, ...]
-    found: tuple[Found, ...]
+    found: tuple[JudgedFinding, ...]
 
 
 def shown_path(path: Path, root: Path) -> str:
@@ -85,7 +85,7 @@ def collect(paths: Iterable[Path], root: Path, *, cell: Path | None = None, name
             else:
                 programs[program] = True
     cases: dict[str, Case] = {}
-    found: list[Found] = []
+    found: list[JudgedFinding] = []
     goldens: dict[Path, Case] = {}
     taken: set[Path] = set()
     # a program's own file overrides one that names it by a pattern
@@ -93,7 +93,7 @@ def collect(paths: Iterable[Path], root: Path, *, cell: Path | None = None, name
     for file in own_first:
         source = SourceText.read(file, shown_path(file, root))
         read = read_case_file(source, file.parent)
-        found += [Found(finding=finding, state="counts") for finding in read.findings]
+        found += [JudgedFinding(finding=finding, state="counts") for finding in read.findings]
         if read.content is None:
             continue
         made, faults = _cases_of(file, source.name, read.content, read.spans, root, cell, taken)
@@ -102,7 +102,7 @@ def collect(paths: Iterable[Path], root: Path, *, cell: Path | None = None, name
                 cases[case.name] = case
             else:
                 faults.append(_second(case, goldens[case.golden]))
-        found += [Found(finding=fault, state="counts") for fault in faults]
+        found += [JudgedFinding(finding=fault, state="counts") for fault in faults]
         taken |= {case.program.resolve() for case in made}
     for program, is_named in programs.items():
         if program.resolve() in taken:

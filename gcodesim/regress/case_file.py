@@ -16,7 +16,7 @@ from gcodesim.declarations.nodes import Mapping as MappingNode
 from gcodesim.declarations.nodes import Node, Scalar, compose
 from gcodesim.declarations.plain_kinds import Choice, Switch, Text, Whole
 from gcodesim.declarations.quantity import Quantity
-from gcodesim.declarations.reading import FAULT, Fault, Path, Reading
+from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread
 from gcodesim.declarations.record import Record, known_keys, not_a_mapping
 from gcodesim.declarations.scalars import measured
 from gcodesim.diagnostics import Findings, SourceText, Span
@@ -64,7 +64,7 @@ class _ValuesKind(Kind):
     def expected(self) -> str:
         return "values by path, such as `stocks.stock.removed_mm3: 656.5` or `time.total_s: {most: 60}`"
 
-    def read(self, node: Node, to: Reading, path: Path) -> Mapping[str, ExpectedValue] | Fault:
+    def read(self, node: Node, to: Reading, path: Path) -> Mapping[str, ExpectedValue] | Unread:
         if not isinstance(node, MappingNode):
             return not_a_mapping(node, self.expected, to, path)
         values = {}
@@ -72,13 +72,13 @@ class _ValuesKind(Kind):
             at = (*path, name.text)
             to.named(at, name.span)
             values[name.text] = self._value(name.text, value, to, at)
-        good = {name: value for name, value in values.items() if not isinstance(value, Fault)}
-        return good if len(good) == len(values) else FAULT
+        good = {name: value for name, value in values.items() if not isinstance(value, Unread)}
+        return good if len(good) == len(values) else UNREAD
 
-    def _value(self, name: str, node: Node, to: Reading, path: Path) -> ExpectedValue | Fault:
+    def _value(self, name: str, node: Node, to: Reading, path: Path) -> ExpectedValue | Unread:
         if isinstance(node, Scalar):
             number = self._number(node, to, path)
-            return FAULT if isinstance(number, Fault) else ExpectedValue(value=number)
+            return UNREAD if isinstance(number, Unread) else ExpectedValue(value=number)
         if not isinstance(node, MappingNode):
             return not_a_mapping(node, "a number or a mapping with `least`, `most`, `value`, `tolerance`", to, path)
         fields: dict[str, Any] = {}
@@ -95,13 +95,13 @@ class _ValuesKind(Kind):
             else:
                 fields[known] = self._number(value, to, (*path, known))
             to.named((*path, known), key_node.span)
-        if any(isinstance(value, Fault) for value in fields.values()):
-            return FAULT
+        if any(isinstance(value, Unread) for value in fields.values()):
+            return UNREAD
         if not fields.keys() & {"value", "least", "most"}:
             return to.fault("GS705", node.span, f"`{name}` says nothing: give `value`, `least` or `most`")
         return ExpectedValue(**fields)
 
-    def _number(self, node: Scalar, to: Reading, path: Path) -> float | str | Fault:
+    def _number(self, node: Scalar, to: Reading, path: Path) -> float | str | Unread:
         number = measured(node.text)
         if number is None and path[-1] == "status":
             return node.text
@@ -169,7 +169,7 @@ class CaseFile:
     )
     expect: Expected = key(Record(Expected, "`expect`"), "what must come of it", default=Expected(), quiet=True)
 
-    def checked(self, to: Reading, path: Path) -> CaseFile | Fault:
+    def checked(self, to: Reading, path: Path) -> CaseFile | Unread:
         if self.gcodesim_test != FORMAT:
             message = f"the form is version {self.gcodesim_test}; this gcodesim reads version {FORMAT}"
             return to.fault("GS711", to.span(("gcodesim-test",)), message)
@@ -199,7 +199,7 @@ def read_case_file(source: SourceText, folder: FilePath) -> ReadCaseFile:
     content = None
     if root is not None:
         read = _ROOT.read(root, to, ())
-        content = None if isinstance(read, Fault) or findings.has_errors() else read
+        content = None if isinstance(read, Unread) or findings.has_errors() else read
     return ReadCaseFile(content=content, findings=findings, spans=to.spans)
 
 

@@ -10,7 +10,7 @@ from gcodesim.diagnostics import SourceText
 from gcodesim.regress.changes import Change, Comparison, SurfaceChange
 from gcodesim.regress.compare import change_of, compare_results, is_number, value_at
 from gcodesim.regress.findings import compare_findings
-from gcodesim.regress.motion import Step, steps_of
+from gcodesim.regress.motion import MotionStep, steps_of
 from gcodesim.regress.moves import compare_motion
 from gcodesim.regress.surfaces import Coarse, coarse_of, compare_coarse, compare_stocks
 from gcodesim.regress.tolerance import DEFAULTS, Tolerances
@@ -37,7 +37,7 @@ class Facts:
     """
 
     name: str
-    steps: tuple[Step, ...] | None = None
+    steps: tuple[MotionStep, ...] | None = None
     results: Mapping[str, Any] = field(default_factory=dict)
     surfaces: Mapping[str, Coarse | Stock] = field(default_factory=dict)
     sources: Mapping[str, SourceText] = field(default_factory=dict)

@@ -28,7 +28,7 @@ from gcodesim.regress.golden import GoldenError, read_golden
 from gcodesim.regress.motion import steps_of
 from gcodesim.regress.places import files_read, relocated
 from gcodesim.regress.tolerance import Tolerance, quantity_of
-from gcodesim.regress.verdicts import NOTHING_ACCEPTED, CaseVerdict, Found, State
+from gcodesim.regress.verdicts import NOTHING_ACCEPTED, CaseVerdict, JudgedFinding, State
 from gcodesim.rs274 import Settings, interpret
 from gcodesim.rs274.assumed import assumed_tools
 from gcodesim.rs274.dialects import DIALECTS
@@ -91,17 +91,19 @@ def judge(case: Case, how: Judging) -> tuple[CaseVerdict, Outcome]:
     if comparison is not None:
         comparison = _without_expected(comparison, [as_json(finding) for finding in taken])
     fail_on = case.options.fail_on or how.fail_on
-    found: list[Found] = []
+    found: list[JudgedFinding] = []
     for finding in outcome.findings:
         state, reason = _state(finding, taken, comparison, fail_on)
-        found.append(Found(finding=finding, state=state, reason=reason))
-    found += [Found(finding=finding, state="suppressed", reason=reason) for finding, reason in outcome.suppressed]
+        found.append(JudgedFinding(finding=finding, state=state, reason=reason))
+    found += [
+        JudgedFinding(finding=finding, state="suppressed", reason=reason) for finding, reason in outcome.suppressed
+    ]
     ours = [*outcome.faults, *faults, *unmet, *_values(case, outcome.facts.results), *problem]
     if comparison is not None:
         ours += differences(comparison, outcome.facts)
     elif not problem:
         ours.append(_nothing_accepted(case))
-    found += [Found(finding=one, state="counts" if _is_severe(one, fail_on) else "told") for one in ours]
+    found += [JudgedFinding(finding=one, state="counts" if _is_severe(one, fail_on) else "told") for one in ours]
     placed = (replace(one, finding=relocated(one.finding, outcome.files, how.root)) for one in found)
     shown = sorted(placed, key=lambda one: one.finding.order)
     failed = any(one.state == "counts" for one in shown)

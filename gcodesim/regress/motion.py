@@ -74,7 +74,7 @@ class ArcMove:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Step:
+class MotionStep:
     """One step. `words` have to be equal, `numbers` alike; `end` of a move stands in the machine frame [mm, deg].
 
     `through` are points on the path that shape a curved move: the middle of an arc, three points of a spline.
@@ -137,7 +137,7 @@ def arc_point(arc: ArcMove, start: Sequence[float], end: Sequence[float], part: 
     return x, y, z
 
 
-def steps_of(events: Iterable[ev.Event]) -> list[Step]:
+def steps_of(events: Iterable[ev.Event]) -> list[MotionStep]:
     """The steps of a program's canonical events."""
     return list(_Reducer().run(events))
 
@@ -151,7 +151,7 @@ class _Reducer:
         self.in_force: dict[str, Mapping[str, Any] | None] = dict(_STATES)
         self.wanted: dict[str, tuple[dict[str, Any], ev.Event]] = {}
 
-    def run(self, events: Iterable[ev.Event]) -> Iterator[Step]:
+    def run(self, events: Iterable[ev.Event]) -> Iterator[MotionStep]:
         for event in events:
             if isinstance(event, _SILENT):
                 continue
@@ -167,7 +167,7 @@ class _Reducer:
                 yield self._step(kind, fields, event)
         yield from self._states()
 
-    def _states(self) -> Iterator[Step]:
+    def _states(self) -> Iterator[MotionStep]:
         for kind in _STATES:
             if kind in self.wanted:
                 fields, event = self.wanted.pop(kind)
@@ -175,7 +175,7 @@ class _Reducer:
                     self.in_force[kind] = fields
                     yield self._step(kind, fields, event)
 
-    def _step(self, kind: str, fields: dict[str, Any], event: ev.Event) -> Step:
+    def _step(self, kind: str, fields: dict[str, Any], event: ev.Event) -> MotionStep:
         start = self.position
         end: Axes | None = None
         arc: ArcMove | None = None
@@ -194,7 +194,7 @@ class _Reducer:
         elif kind == "spline":
             through = _along([start[:3], *(_point(p) for p in fields.pop("points"))])
             del fields["control_points"]
-        elif isinstance(event, ev.Probe):
+        elif isinstance(event, ev.ProbeMove):
             words.append(("word", event.word))
         numbers: list[tuple[str, float]] = []
         for name, value in _flat(fields):
@@ -203,7 +203,7 @@ class _Reducer:
             else:
                 numbers.append((name, float(value)))
         mode = self.in_force["path_mode"]
-        return Step(
+        return MotionStep(
             kind=kind,
             file=event.span.file,
             line=event.span.line,

@@ -10,7 +10,7 @@ from typing import Final, TypeVar
 from gcodesim.canon import AXIS_LETTERS
 from gcodesim.regress.align import GAP, Pair, align
 from gcodesim.regress.changes import ChangedLine, FieldChange, MoveChange
-from gcodesim.regress.motion import MOVES, Step
+from gcodesim.regress.motion import MOVES, MotionStep
 from gcodesim.regress.tolerance import DEFAULTS, QUANTITIES, Tolerances
 
 LineText = Callable[[str, int], str]
@@ -48,8 +48,8 @@ class MotionComparison:
 
 
 def compare_motion(
-    old: Sequence[Step],
-    new: Sequence[Step],
+    old: Sequence[MotionStep],
+    new: Sequence[MotionStep],
     tolerances: Tolerances = DEFAULTS,
     *,
     old_text: LineText | None = None,
@@ -95,16 +95,16 @@ def _rounded(values: Sequence[float]) -> tuple[int, ...]:
     return tuple(round(v / _GRID) for v in values)
 
 
-def _exactly(step: Step) -> Hashable:
+def _exactly(step: MotionStep) -> Hashable:
     through = tuple(_rounded(point) for point in step.through)
     return (step.kind, step.words, step.numbers, None if step.end is None else _rounded(step.end), through)
 
 
-def _target(step: Step) -> Hashable:
+def _target(step: MotionStep) -> Hashable:
     return (step.kind, step.words if step.end is None else _rounded(step.end))
 
 
-def _displacement(step: Step) -> Hashable:
+def _displacement(step: MotionStep) -> Hashable:
     if step.end is None:
         return (step.kind, step.words)
     return (step.kind, _rounded([e - s for e, s in zip(step.end, step.start, strict=True)]))
@@ -128,13 +128,13 @@ def _unlikeness(a: Step, b: Step, tolerances: Tolerances) -> float:
     return 0.0 if not fields else 0.2 + 0.6 * min(1.0, fields / 6.0)
 
 
-def _same(a: Step, b: Step, tolerances: Tolerances) -> bool:
+def _same(a: MotionStep, b: MotionStep, tolerances: Tolerances) -> bool:
     if a.end == b.end and a.kind == b.kind and a.numbers == b.numbers and a.words == b.words and not a.through:
         return True
     return not differing(a, b, tolerances)
 
 
-def differing(a: Step, b: Step, tolerances: Tolerances) -> list[FieldChange]:
+def differing(a: MotionStep, b: MotionStep, tolerances: Tolerances) -> list[FieldChange]:
     """The fields in which two steps differ beyond tolerance."""
     if a.kind != b.kind:
         return [FieldChange(name="move", old=_called(a.kind), new=_called(b.kind)), *_ends(a, b, tolerances)]
@@ -165,7 +165,7 @@ def _both(a: Sequence[tuple[str, _V]], b: Sequence[tuple[str, _V]]) -> Iterator[
         yield name, left.get(name), right.get(name)
 
 
-def _ends(a: Step, b: Step, tolerances: Tolerances) -> list[FieldChange]:
+def _ends(a: MotionStep, b: MotionStep, tolerances: Tolerances) -> list[FieldChange]:
     """Ends that differ: in the program's own coordinates where those differ, else in the machine's."""
     if a.end is None or b.end is None:
         return []
@@ -238,7 +238,7 @@ def _direction(field: str, value: str | None) -> str | None:
     return value
 
 
-def _unit(step: Step, field: str, tolerance: str) -> str:
+def _unit(step: MotionStep, field: str, tolerance: str) -> str:
     if field == "feed":
         return dict(step.words).get("feed_unit", "mm/min")
     return "mm/rev" if field == "pitch" else QUANTITIES[tolerance].unit
@@ -263,7 +263,9 @@ def _hunks(pairs: Sequence[Pair], old: Sequence[Step], new: Sequence[Step], tole
     return [*hunks, run] if run and not _is_division(run, old, new, tolerances) else hunks
 
 
-def _is_division(run: Sequence[Pair], old: Sequence[Step], new: Sequence[Step], tolerances: Tolerances) -> bool:
+def _is_division(
+    run: Sequence[Pair], old: Sequence[MotionStep], new: Sequence[MotionStep], tolerances: Tolerances
+) -> bool:
     before = [old[a] for a, _ in run if a is not None]
     after = [new[b] for _, b in run if b is not None]
     return len(before) != len(after) and _same_way(before, after, tolerances)
@@ -271,8 +273,8 @@ def _is_division(run: Sequence[Pair], old: Sequence[Step], new: Sequence[Step], 
 
 def _changes(
     hunk: Sequence[Pair],
-    old: Sequence[Step],
-    new: Sequence[Step],
+    old: Sequence[MotionStep],
+    new: Sequence[MotionStep],
     tolerances: Tolerances,
     texts: tuple[LineText, LineText],
     near: Mapping[int, int],
@@ -310,7 +312,7 @@ def _detail(step: Step) -> str:
     return ", ".join(told)
 
 
-def _place(step: Step, text: LineText) -> ChangedLine:
+def _place(step: MotionStep, text: LineText) -> ChangedLine:
     return ChangedLine(file=step.file, line=step.line, text=" ".join(text(step.file, step.line).split()))
 
 

@@ -15,7 +15,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import Final
 
 from gcodesim.canon import AXIS_LETTERS
-from gcodesim.regress.motion import MOVES, NO_AXES, ArcMove, Axes, Point, Step, System, arc_point
+from gcodesim.regress.motion import MOVES, NO_AXES, ArcMove, Axes, MotionStep, Point, System, arc_point
 
 _PLACES: Final = 6
 _FED: Final = ("line", "arc", "spline", "probe")
@@ -67,7 +67,7 @@ def lines_of(steps: Iterable[Step]) -> list[str]:
     return lines
 
 
-def _parts(step: Step, last: dict[str, str]) -> Iterator[str]:
+def _parts(step: MotionStep, last: dict[str, str]) -> Iterator[str]:
     words, numbers = dict(step.words), dict(step.numbers)
     if step.end is not None:
         texts = dict(zip(AXIS_LETTERS, map(_number, step.system.to_program(step.end)), strict=True))
@@ -93,7 +93,7 @@ def _parts(step: Step, last: dict[str, str]) -> Iterator[str]:
     yield from (f"{name}={_number(value)}" for name, value in numbers.items())
 
 
-def steps_from(lines: Iterable[str]) -> list[Step]:
+def steps_from(lines: Iterable[str]) -> list[MotionStep]:
     """The steps of lines that `lines_of` made; StepTextError for others."""
     reader = _Reader()
     return [step for text in lines if (step := reader.read(text)) is not None]
@@ -109,7 +109,7 @@ class _Reader:
         self.normal: Point = (0.0, 0.0, 1.0)
         self.stops = False
 
-    def read(self, text: str) -> Step | None:
+    def read(self, text: str) -> MotionStep | None:
         head = _HEAD.fullmatch(text)
         if head is None:
             raise StepTextError(f"`{text}` is no step")
@@ -132,7 +132,7 @@ class _Reader:
         self.system = System(offset=_six(fields["offset"]), g92=_six(fields.get("g92", NO_AXES)), rotation=rotation)
         self.own = {name: value for name, value in self.own.items() if name not in AXIS_LETTERS}
 
-    def _step(self, kind: str, parts: Sequence[str]) -> Step:
+    def _step(self, kind: str, parts: Sequence[str]) -> MotionStep:
         words: list[tuple[str, str]] = []
         numbers: list[tuple[str, float]] = []
         points: dict[str, tuple[float, ...]] = {}
@@ -163,7 +163,7 @@ class _Reader:
         numbers: dict[str, float],
         points: dict[str, tuple[float, ...]],
         ccw: bool | None,
-    ) -> Step:
+    ) -> MotionStep:
         start = self.position
         self.position = end = _six(self.system.to_machine([self.own[letter] for letter in AXIS_LETTERS]))
         self.unit = words.pop("feed_unit", self.unit)
@@ -191,8 +191,8 @@ class _Reader:
         end: Axes | None = None,
         arc: ArcMove | None = None,
         through: tuple[Point, ...] = (),
-    ) -> Step:
-        return Step(
+    ) -> MotionStep:
+        return MotionStep(
             kind=kind,
             file=self.file,
             line=self.line,

@@ -15,7 +15,7 @@ from gcodesim.diagnostics.plain import lines
 from gcodesim.family import ExtensionError, package_at_fault
 from gcodesim.regress.case import Case, Collected
 from gcodesim.regress.sources import Sources
-from gcodesim.regress.verdicts import CaseVerdict, Found, SuiteVerdict
+from gcodesim.regress.verdicts import CaseVerdict, JudgedFinding, SuiteVerdict
 from gcodesim.regress.workers import in_parallel
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ def _broken(case: Case, how: Judging, fault: Exception) -> CaseVerdict:
         program=_program(case, how),
         cell=None,
         status="failed",
-        found=(Found(finding=finding, state="counts"),),
+        found=(JudgedFinding(finding=finding, state="counts"),),
     )
 
 
@@ -139,7 +139,7 @@ def with_baseline(verdict: CaseVerdict, baseline: Baseline, lines: Sources) -> C
     return replace(verdict, found=found, status="passed")
 
 
-def _may_wait(found: Found) -> bool:
+def _may_wait(found: JudgedFinding) -> bool:
     return found.state == "counts" and not found.finding.code.startswith(_OURS)
 
 

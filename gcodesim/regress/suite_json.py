@@ -7,7 +7,7 @@ from typing import Any, Final
 from gcodesim.diagnostics.show import as_json
 from gcodesim.numbers import clean
 from gcodesim.regress import show
-from gcodesim.regress.verdicts import CaseVerdict, Found, SuiteVerdict
+from gcodesim.regress.verdicts import CaseVerdict, JudgedFinding, SuiteVerdict
 
 SCHEMA: Final = "gcodesim-test/1"
 
@@ -41,5 +41,5 @@ def _case(case: CaseVerdict) -> dict[str, Any]:
     }
 
 
-def _found(found: Found) -> dict[str, Any]:
+def _found(found: JudgedFinding) -> dict[str, Any]:
     return {"state": found.state, "reason": found.reason, **as_json(found.finding)}

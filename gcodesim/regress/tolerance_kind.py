@@ -12,7 +12,7 @@ from gcodesim.declarations.kind import NOT_NEGATIVE, Json, Kind, scalar, short
 from gcodesim.declarations.nodes import Listing, Node, Scalar
 from gcodesim.declarations.nodes import Mapping as MappingNode
 from gcodesim.declarations.quantity import Quantity
-from gcodesim.declarations.reading import FAULT, Fault, Path, Reading
+from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread
 from gcodesim.declarations.record import known_keys, not_a_mapping
 from gcodesim.declarations.scalars import measured
 from gcodesim.declarations.units import DIMENSIONS, find, in_unit
@@ -33,25 +33,25 @@ class ToleranceKind(Kind):
         d = DIMENSIONS[self.dimension]
         return f"{d} such as `{d.example}`, per cent such as `2 %`, or both in a list"
 
-    def read(self, node: Node, to: Reading, path: Path) -> Tolerance | Fault:
+    def read(self, node: Node, to: Reading, path: Path) -> Tolerance | Unread:
         items = node.items if isinstance(node, Listing) else (node,)
         if isinstance(node, MappingNode) or not 1 <= len(items) <= 2:
             return to.fault("GS706", node.span, f"`{path[-1]}` is no tolerance; {self.expected} is expected")
         absolute, relative = 0.0, 0.0
         for item in items:
             text = scalar(self, item, to, path)
-            if isinstance(text, Fault):
-                return FAULT
+            if isinstance(text, Unread):
+                return UNREAD
             number = measured(text.text)
             if number is not None and number.unit == _PERCENT:
                 share = Quantity("ratio", NOT_NEGATIVE).in_si(number, None, text, to, path)
-                if isinstance(share, Fault):
-                    return FAULT
+                if isinstance(share, Unread):
+                    return UNREAD
                 relative = max(relative, share)
                 continue
             value = Quantity(self.dimension, NOT_NEGATIVE).read(text, to, path)
-            if isinstance(value, Fault):
-                return FAULT
+            if isinstance(value, Unread):
+                return UNREAD
             unit = find(DIMENSIONS[self.dimension].shown, self.dimension) if DIMENSIONS[self.dimension].shown else None
             absolute = max(absolute, in_unit(value, unit) if unit is not None else value)
         return Tolerance(absolute, relative)
@@ -76,15 +76,15 @@ class TolerancesKind(Kind):
     def expected(self) -> str:
         return "tolerances by quantity, such as `volume: [0.5 mm^3, 1 %]`"
 
-    def read(self, node: Node, to: Reading, path: Path) -> Mapping[str, Tolerance] | Fault:
+    def read(self, node: Node, to: Reading, path: Path) -> Mapping[str, Tolerance] | Unread:
         if not isinstance(node, MappingNode):
             return not_a_mapping(node, self.expected, to, path)
         values = {}
         for name, key, value in known_keys(node.entries, list(QUANTITIES), "`tolerances`", to):
             to.named((*path, name), key.span)
             values[name] = ToleranceKind(QUANTITIES[name].dimension).read(value, to, (*path, name))
-        good = {name: value for name, value in values.items() if not isinstance(value, Fault)}
-        return good if len(good) == len(values) else FAULT
+        good = {name: value for name, value in values.items() if not isinstance(value, Unread)}
+        return good if len(good) == len(values) else UNREAD
 
     def schema(self, definitions: dict[str, Json]) -> Json:
         return {
@@ -106,7 +106,7 @@ def tolerance_from(name: str, text: str) -> Tolerance | str:
     to = Reading(file="", findings=findings, shelf=Shelf(folder=FilePath()))
     items = tuple(Scalar(span=Span("", 1, 1, 1, 2), text=part.strip()) for part in text.split(","))
     value = ToleranceKind(QUANTITIES[name].dimension).read(Listing(span=Span("", 1, 1, 1, 2), items=items), to, (name,))
-    if isinstance(value, Fault):
+    if isinstance(value, Unread):
         return next((finding.message for finding in findings), f"`{short(text)}` is no tolerance")
     return value
 

@@ -17,7 +17,7 @@ NOTHING_ACCEPTED: Final = "GS607"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Found:
+class JudgedFinding:
     """A finding of a case, and its effect on the verdict.
 
     `counts`      makes the case fail; `reason` is not empty if it does so only because it is new
@@ -52,7 +52,7 @@ class CaseVerdict:
     program: str
     cell: str | None
     status: Status
-    found: tuple[Found, ...] = ()
+    found: tuple[JudgedFinding, ...] = ()
     comparison: Comparison | None = None
     results: Mapping[str, Any] | None = None
     unchanged: bool = False
@@ -81,7 +81,7 @@ class SuiteVerdict:
     """
 
     cases: tuple[CaseVerdict, ...]
-    found: tuple[Found, ...] = ()
+    found: tuple[JudgedFinding, ...] = ()
     gone: tuple[str, ...] = ()
 
     def with_status(self, status: Status) -> tuple[CaseVerdict, ...]:

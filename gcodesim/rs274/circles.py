@@ -29,7 +29,7 @@ class Line:
 
 
 @dataclass(frozen=True, slots=True)
-class Circle:
+class PlaneCircle:
     centre: Point
     radius: float
 
@@ -50,7 +50,7 @@ def sweep_of(start: tuple[float, float], end: tuple[float, float], shape: Arc) -
     return (angle - 2.0 * math.pi if angle >= -_FULL_CIRCLE_ANGLE else angle) + 2.0 * math.pi * (turns + 1)
 
 
-def meet(a: Line | Circle, b: Line | Circle) -> list[Point]:
+def meet(a: Line | PlaneCircle, b: Line | PlaneCircle) -> list[Point]:
     """Points that two lines or circles have in common: none, one or two; of a line and a circle along the line."""
     if isinstance(a, Line) and isinstance(b, Line):
         cross = a.direction[0] * b.direction[1] - a.direction[1] * b.direction[0]
@@ -59,10 +59,10 @@ def meet(a: Line | Circle, b: Line | Circle) -> list[Point]:
         dx, dy = b.point[0] - a.point[0], b.point[1] - a.point[1]
         along = (dx * b.direction[1] - dy * b.direction[0]) / cross
         return [(a.point[0] + along * a.direction[0], a.point[1] + along * a.direction[1])]
-    if isinstance(a, Circle) and isinstance(b, Circle):
+    if isinstance(a, PlaneCircle) and isinstance(b, PlaneCircle):
         return _circles_meet(a, b)
     line, circle = (a, b) if isinstance(a, Line) else (b, a)
-    assert isinstance(line, Line) and isinstance(circle, Circle)
+    assert isinstance(line, Line) and isinstance(circle, PlaneCircle)
     dx, dy = line.point[0] - circle.centre[0], line.point[1] - circle.centre[1]
     along = dx * line.direction[0] + dy * line.direction[1]
     inside = along * along - (dx * dx + dy * dy - circle.radius * circle.radius)
@@ -75,7 +75,7 @@ def meet(a: Line | Circle, b: Line | Circle) -> list[Point]:
     ]
 
 
-def _circles_meet(a: Circle, b: Circle) -> list[Point]:
+def _circles_meet(a: PlaneCircle, b: PlaneCircle) -> list[Point]:
     distance = apart(a.centre, b.centre)
     if distance == 0.0:
         return []

@@ -16,7 +16,7 @@ from typing import Protocol
 
 from gcodesim import canon
 from gcodesim.diagnostics import Span
-from gcodesim.rs274.circles import Arc, Circle, Line, Point, apart, meet, sweep_of
+from gcodesim.rs274.circles import Arc, Line, PlaneCircle, Point, apart, meet, sweep_of
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.dialects.linuxcnc import COMPENSATION
 from gcodesim.rs274.fault import Fault
@@ -64,7 +64,7 @@ class CornerRule(Protocol):
         op: Point,
         normal: Point,
         offset_start: Point,
-        following: Line | Circle,
+        following: Line | PlaneCircle,
         goal: Vector,
         *,
         turns: int = 0,
@@ -255,7 +255,7 @@ def arc(words: Words, control: Control, end: Vector, code: int) -> None:
     else:
         in_normal = _towards(shape.centre, op, sign)
         offset_start = beside(op, in_normal, radius)
-        circle = Circle(shape.centre, arc_radius + sign * radius)
+        circle = PlaneCircle(shape.centre, arc_radius + sign * radius)
         join = _corner if rule is None else rule.join
         join(control, op, in_normal, offset_start, circle, end, turns=shape.turns)
     control.out.append(
@@ -308,7 +308,7 @@ def _corner(
     op: Point,
     normal: Point,
     offset_start: Point,
-    following: Line | Circle,
+    following: Line | PlaneCircle,
     goal: Vector,
     *,
     turns: int = 0,
@@ -391,7 +391,7 @@ def turn_outward(before: Point, after: Point, side: int) -> float:
     return turn + 2.0 * math.pi if turn < -math.pi / 2.0 else turn
 
 
-def intersection(control: Control, op: Point, following: Line | Circle, turns: int) -> Point:
+def intersection(control: Control, op: Point, following: Line | PlaneCircle, turns: int) -> Point:
     """Where the held offset path meets the next one, which leaves `op`: an arc of `turns`, or a line.
 
     As on the control, the centre of an arc that meets a line is taken to be as far from `op` as from the arc's other
@@ -401,15 +401,15 @@ def intersection(control: Control, op: Point, following: Line | Circle, turns: i
     move = _held_move(control)
     first, second, _ = PLANE[state.plane]
     end = (move.end[first], move.end[second])
-    held: Line | Circle
-    held = Circle(move.centre, apart(move.centre, end)) if move.kind == "arc" else Line(end, move.direction)
+    held: Line | PlaneCircle
+    held = PlaneCircle(move.centre, apart(move.centre, end)) if move.kind == "arc" else Line(end, move.direction)
     inside_held, inside_next = (move.turns > 0) == (state.side > 0), (turns > 0) == (state.side > 0)
     shift = (0.0, 0.0)
-    if isinstance(following, Circle) and isinstance(held, Line):
+    if isinstance(following, PlaneCircle) and isinstance(held, Line):
         radius = following.radius + (state.comp_radius if inside_next else -state.comp_radius)
         shift = _off_by(following.centre, op, radius)
         following = replace(following, centre=_minus(following.centre, shift))
-    elif isinstance(following, Line) and isinstance(held, Circle):
+    elif isinstance(following, Line) and isinstance(held, PlaneCircle):
         radius = held.radius + (state.comp_radius if inside_held else -state.comp_radius)
         off = _off_by(held.centre, op, radius)
         following = replace(following, point=(following.point[0] + off[0], following.point[1] + off[1]))

@@ -31,7 +31,7 @@ def probe(words: Words, control: Control, code: int) -> None:
         control.skip(who, place_of(words.block, who.lower()))
     feed, unit = control.feed(control.moves_linear(end))
     control.out.append(
-        canon.Probe(
+        canon.ProbeMove(
             span=control.span,
             end=control.si_axes(control.tip(end)),
             block=control.block_number,
@@ -45,7 +45,7 @@ def probe(words: Words, control: Control, code: int) -> None:
     state.current = end
 
 
-def tripped(control: Control, event: canon.Probe, reply: canon.Touched | canon.Axes | None) -> Fault | None:
+def tripped(control: Control, event: canon.ProbeMove, reply: canon.Touched | canon.Axes | None) -> Fault | None:
     """Take over where the probe tripped and stopped; the fault with which a control would stop there.
 
     A `reply` of axes is both places in one; None: it trips at the programmed end.
@@ -74,7 +74,7 @@ def _here(control: Control, axes: canon.Axes) -> Vector:
     return control.point_of((x, y, z, a, b, c, *control.tip(state.current)[6:]))
 
 
-def _fault(event: canon.Probe, reply: canon.Touched) -> Fault | None:
+def _fault(event: canon.ProbeMove, reply: canon.Touched) -> Fault | None:
     who, what = event.word, "contact" if event.towards else "a loss of contact"
     if reply.refused:
         now, hint = "touches nothing", "touch the surface first"

@@ -49,7 +49,7 @@ _MOST_NOTES = 1000  # warnings kept until they are folded
 class Run:
     """A program about to run: iterate it for its events.
 
-    A run is a conversation: `send` a `canon.Touched` for each `canon.Probe`
+    A run is a conversation: `send` a `canon.Touched` for each `canon.ProbeMove`
     (or just the trip point [m, rad]) and a `canon.Heard` for each
     `canon.Input`, which comes with `Settings.answered` only. Without a reply a
     probe trips at the end of its move. After the first error no more events
@@ -197,7 +197,7 @@ class Executor:
                 self.events_left -= len(out)
                 if self.run.failed is None:
                     for event in out:
-                        if type(event) is canon.Probe or type(event) is canon.Input:
+                        if type(event) is canon.ProbeMove or type(event) is canon.Input:
                             self.endless.forget()
                             asked = time.monotonic()
                             self._show_sources()
@@ -209,7 +209,7 @@ class Executor:
                             yield event
                 else:
                     for event in out:
-                        if type(event) is canon.Probe:
+                        if type(event) is canon.ProbeMove:
                             tripped(control, event, None)
                 out.clear()
             self.blocks += 1
@@ -219,9 +219,9 @@ class Executor:
 
     # -- the answers of whoever listens
 
-    def _hear(self, event: canon.Probe | canon.Input, reply: Feedback, index: int) -> bool:
+    def _hear(self, event: canon.ProbeMove | canon.Input, reply: Feedback, index: int) -> bool:
         """Take over the answer to `event` of line `index`; false when a probe that failed ends the program there."""
-        if type(event) is canon.Probe:
+        if type(event) is canon.ProbeMove:
             assert not isinstance(reply, canon.Heard)
             fault = tripped(self.control, event, reply)
             if fault is not None:

@@ -31,7 +31,7 @@ class Settings:
     the program's first G61 or G64. `has_cell` makes user M-codes legal.
     `loaded_tool` is in the spindle before the first block, 0 for none; in a program
     without G43 its length counts from there on.
-    `answered`: whoever iterates the run answers each `canon.Probe` and
+    `answered`: whoever iterates the run answers each `canon.ProbeMove` and
     `canon.Input`; else a probe trips at the end of its move and inputs read 0.
     `start` [m, rad] is where the axes stand before the first block.
     `compensation_start` is the type of start-up and cancel of Fanuc's cutter compensation.

@@ -246,7 +246,7 @@ class _Walk:
                 moves.rapids.extend((*end[:3], self._tool))
             if abs(rise) > _TINY:
                 self._risen = rise > 0.0
-        elif isinstance(event, canon.Probe):
+        elif isinstance(event, canon.ProbeMove):
             moves.probes.extend(end[:3])
         else:
             self._fed.add(_place(end))

@@ -127,7 +127,7 @@ def _as_standalone(run: Run) -> list[canon.Event]:
         return _as_probed(run)
 
 
-def _tripped(control: Control, event: canon.Probe, reply: canon.Axes | None) -> None:
+def _tripped(control: Control, event: canon.ProbeMove, reply: canon.Axes | None) -> None:
     tripped(control, event, None)
     stored = {PROBE + axis: control.parameters.get(PROBE + axis) for axis in range(9)}
     tripped(control, event, reply)
@@ -157,7 +157,7 @@ def _as_probed(run: Run) -> list[canon.Event]:
             continue
         way = np.array(end) - here
         length = float(np.linalg.norm(way[:3]))
-        if isinstance(event, canon.Probe) and length > 0.0:
+        if isinstance(event, canon.ProbeMove) and length > 0.0:
             stop = np.array(end)
             stop[:3] -= way[:3] / length * _SHORT_OF_END
             reply = tuple(stop.tolist())

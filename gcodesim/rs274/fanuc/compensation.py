@@ -20,7 +20,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Final
 
-from gcodesim.rs274.circles import Circle, Line, Point, apart
+from gcodesim.rs274.circles import Line, PlaneCircle, Point, apart
 from gcodesim.rs274.compensation import (
     PLANE,
     STRAIGHT_ON,
@@ -79,7 +79,7 @@ class FanucCorners:
         op: Point,
         normal: Point,
         offset_start: Point,
-        following: Line | Circle,
+        following: Line | PlaneCircle,
         goal: Vector,
         *,
         turns: int = 0,
@@ -95,7 +95,7 @@ class FanucCorners:
         elif abs(turn) <= _TANGENT:
             flush(control, lenient=True)
         elif turn > 0.0:
-            ends_at = offset_start if isinstance(following, Circle) else None
+            ends_at = offset_start if isinstance(following, PlaneCircle) else None
             go_round(control, op, normal, turn, ends_at=ends_at, rapid=rapid)
         elif not any(type(event) is Held for event in state.held):
             flush(control)  # after a stop nothing waits, and an inside corner is left as it is
@@ -110,7 +110,7 @@ def turn_of(before: Point, after: Point, side: int) -> float:
 
 
 def _inside(
-    control: Control, op: Point, normal: Point, following: Line | Circle, turn: float, turns: int
+    control: Control, op: Point, normal: Point, following: Line | PlaneCircle, turn: float, turns: int
 ) -> Point | None:
     """Where the offset paths of an inside corner meet."""
     state = control.state

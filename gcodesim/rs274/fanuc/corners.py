@@ -15,7 +15,7 @@ from gcodesim.canon import Event
 from gcodesim.diagnostics import Span
 from gcodesim.rs274 import compensation
 from gcodesim.rs274.arcs import PLANE_AXES, arc_of
-from gcodesim.rs274.circles import Arc, Circle, Line, Point, apart, meet, sweep_of
+from gcodesim.rs274.circles import Arc, Line, PlaneCircle, Point, apart, meet, sweep_of
 from gcodesim.rs274.dialects.linuxcnc import DISTANCE, MOTION, NON_MODAL, STOPPING
 from gcodesim.rs274.ends import end_point, start_point
 from gcodesim.rs274.fanuc.control import FanucControl
@@ -215,12 +215,12 @@ def _direction(one: Move, plane: tuple[int, int, int], *, at_end: bool) -> Point
 def _centre(corner: Corner, before: Move, following: Move, plane: tuple[int, int, int], *, left: bool) -> Point:
     """The centre of a rounding: as far from both moves as its radius, on the inside of the corner."""
 
-    def beside(one: Move, *, at_end: bool) -> Line | Circle:
+    def beside(one: Move, *, at_end: bool) -> Line | PlaneCircle:
         at = _flat(one.end if at_end else one.start, plane)
         if one.arc is not None:
             inwards = (one.arc.turns > 0) == left
             radius = apart(one.arc.centre, at)
-            return Circle(one.arc.centre, abs(radius - corner.size if inwards else radius + corner.size))
+            return PlaneCircle(one.arc.centre, abs(radius - corner.size if inwards else radius + corner.size))
         x, y = _direction(one, plane, at_end=at_end)
         side = corner.size if left else -corner.size
         return Line((at[0] - side * y, at[1] + side * x), (x, y))
@@ -248,7 +248,7 @@ def _at_distance(corner: Corner, one: Move, plane: tuple[int, int, int], away: P
     if one.arc is None:
         return at[0] + corner.size * away[0], at[1] + corner.size * away[1]
     radius = apart(one.arc.centre, at)
-    found = meet(Circle(one.arc.centre, radius), Circle(at, corner.size))
+    found = meet(PlaneCircle(one.arc.centre, radius), PlaneCircle(at, corner.size))
     if not found:
         raise _too_large(corner, hint="the arc ends before")
     return max(found, key=lambda point: (point[0] - at[0]) * away[0] + (point[1] - at[1]) * away[1])

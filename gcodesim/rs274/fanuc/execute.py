@@ -257,7 +257,7 @@ def _skip_function(words: Words, control: FanucControl) -> None:
     end = end_point(words, control)
     feed, unit = control.feed(control.moves_linear(end))
     control.out.append(
-        canon.Probe(
+        canon.ProbeMove(
             span=control.span,
             end=control.si_axes(control.tip(end)),
             block=control.block_number,

@@ -118,7 +118,7 @@ class MoveWithoutLength(Watch):
             self._at_home = of_machine
         if self._pending is None or of_machine:
             return
-        if isinstance(event, canon.Probe):
+        if isinstance(event, canon.ProbeMove):
             self._pending = None
         elif climbs or (isinstance(event, FEEDS) and not self._at_home):
             self._report(event.span)

@@ -12,7 +12,7 @@ from gcodesim.cell.reference import SECTIONS, reference, tool_reference
 from gcodesim.declarations.files import Shelf
 from gcodesim.declarations.keys import Key, all_keys, keys
 from gcodesim.declarations.nodes import compose
-from gcodesim.declarations.reading import FAULT, Reading
+from gcodesim.declarations.reading import UNREAD, Reading
 from gcodesim.diagnostics import Findings, SourceText
 from gcodesim.key_page import with_keys
 from gcodesim.tools import TOOLS
@@ -53,7 +53,7 @@ def test_what_a_key_is_said_to_expect_is_what_it_takes(key: Key) -> None:
         assert root is not None
         [(name, node)] = root.entries
 
-        assert key.read(node, to, (name.text,)) is not FAULT, [f.message for f in to.findings]
+        assert key.read(node, to, (name.text,)) is not UNREAD, [f.message for f in to.findings]
         assert not to.findings.has_errors()
 
 

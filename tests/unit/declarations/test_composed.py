@@ -8,7 +8,7 @@ from gcodesim.declarations.composed import Either, ListOf
 from gcodesim.declarations.kind import POSITIVE
 from gcodesim.declarations.plain_kinds import Text
 from gcodesim.declarations.quantity import Quantity
-from gcodesim.declarations.reading import FAULT
+from gcodesim.declarations.reading import UNREAD
 from tests.unit.declarations.text import codes, read
 
 EFFORT = Either((("none", math.inf),), Quantity("force", POSITIVE))
@@ -29,5 +29,5 @@ def test_a_single_one_may_stand_without_brackets() -> None:
 def test_a_word_stands_for_a_value() -> None:
     assert read(EFFORT, "none")[0] == math.inf and read(EFFORT, "3 N")[0] == 3.0
     value, to = read(EFFORT, "non")
-    assert value is FAULT and codes(to) == ["GS707"]
+    assert value is UNREAD and codes(to) == ["GS707"]
     assert EFFORT.show(math.inf) == "none" and EFFORT.plain(math.inf) == ("_N", "none") and EFFORT.show(3.0) == "3 N"

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from gcodesim.declarations.file_kind import File
-from gcodesim.declarations.reading import FAULT
+from gcodesim.declarations.reading import UNREAD
 from tests.unit.declarations.text import codes, read
 
 
@@ -24,4 +24,4 @@ def test_a_file_is_found_beside_and_hashed(tmp_path: Path) -> None:
 def test_no_other_file_is_read(name: str, code: str, tmp_path: Path) -> None:
     value, to = read(File("a mesh"), name, tmp_path)
 
-    assert value is FAULT and codes(to) == [code]
+    assert value is UNREAD and codes(to) == [code]

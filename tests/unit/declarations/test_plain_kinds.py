@@ -8,7 +8,7 @@ import pytest
 
 from gcodesim.declarations.kind import Kind, Range
 from gcodesim.declarations.plain_kinds import Choice, Switch, Text, Whole
-from gcodesim.declarations.reading import FAULT
+from gcodesim.declarations.reading import UNREAD
 from tests.unit.declarations.text import codes, read
 
 TEETH = Whole(Range(least=1.0, most=10.0))
@@ -42,5 +42,5 @@ def test_values(kind: Kind, text: str, value: Any) -> None:
 def test_faults(kind: Kind, text: str, code: str, hint: str) -> None:
     value, to = read(kind, text)
 
-    assert value is FAULT and codes(to) == [code]
+    assert value is UNREAD and codes(to) == [code]
     assert next(iter(to.findings)).hint.startswith(hint)

@@ -6,7 +6,7 @@ import pytest
 
 from gcodesim.declarations.kind import POSITIVE, Range
 from gcodesim.declarations.quantity import Quantity, Vector
-from gcodesim.declarations.reading import FAULT
+from gcodesim.declarations.reading import UNREAD
 from tests.unit.declarations.text import codes, read
 
 
@@ -41,7 +41,7 @@ def test_values_are_si(dimension: str, text: str, value: float) -> None:
 def test_faults(text: str, code: str) -> None:
     value, to = read(Quantity("force", POSITIVE), text)
 
-    assert value is FAULT and codes(to) == [code]
+    assert value is UNREAD and codes(to) == [code]
 
 
 def test_the_unit_of_the_last_entry_holds_for_the_others() -> None:

@@ -8,8 +8,8 @@ from typing import Any, ClassVar
 import pytest
 
 from gcodesim.declarations.keys import inline, key
-from gcodesim.declarations.map_of import MapOf, Name
-from gcodesim.declarations.reading import FAULT, Fault, Path, Reading
+from gcodesim.declarations.map_of import MapOf, NameRule
+from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread
 from gcodesim.declarations.record import Record
 from gcodesim.declarations.variant import Variant
 from tests.unit.declarations.text import codes, read
@@ -32,14 +32,15 @@ class Spring:
     place: Place = inline(Place)
     doubled: bool = False
 
-    def checked(self, to: Reading, path: Path) -> Spring | Fault:
+    def checked(self, to: Reading, path: Path) -> Spring | Unread:
         if self.load == 13.0:
             return to.fault("GS710", to.span((*path, "load")), "13 is no number for a spring")
         return replace(self, doubled=True)
 
 
 SPRING = Record(Spring, "the spring", "load")
-SPRINGS = MapOf(Name(what="letter", pattern="[a-z]", canonical=lambda t: t if len(t) == 1 else None), SPRING, "springs")
+LETTER = NameRule(what="letter", pattern="[a-z]", canonical=lambda t: t if len(t) == 1 else None)
+SPRINGS = MapOf(LETTER, SPRING, "springs")
 ONE = Variant(family={"spring": Spring}, what="part", example="{type: spring}")
 
 
@@ -72,7 +73,7 @@ def test_a_lone_value_is_the_short_form() -> None:
 def test_faults(text: str, found: list[str]) -> None:
     value, to = read(SPRING, text)
 
-    assert codes(to) == found and (value is FAULT) is bool([c for c in found if c != "GS704"])
+    assert codes(to) == found and (value is UNREAD) is bool([c for c in found if c != "GS704"])
 
 
 def test_shown_is_what_was_declared() -> None:

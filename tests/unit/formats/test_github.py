@@ -8,7 +8,7 @@ import pytest
 
 from gcodesim.diagnostics import Severity, Span
 from gcodesim.formats.github import text_of
-from gcodesim.regress.verdicts import Found
+from gcodesim.regress.verdicts import JudgedFinding
 from tests.unit.formats.verdicts import PROGRAM, Example, everything, finding, suite
 
 _COMMAND = re.compile(r"::(error|warning|notice) ([^:]*)::(.*)")
@@ -41,7 +41,7 @@ def test_what_fails_is_an_error_and_comes_first() -> None:
 
 
 def test_place_title_and_message() -> None:
-    given = suite(Found(finding=finding(hint="start it"), state="counts"), prefix="cnc")
+    given = suite(JudgedFinding(finding=finding(hint="start it"), state="counts"), prefix="cnc")
     [(level, named, message)] = annotations(given)
     assert level == "error"
     assert named == {
@@ -53,13 +53,13 @@ def test_place_title_and_message() -> None:
 
 @pytest.mark.parametrize("text", ["a\r\nb", "50 %, 5%0A", "x::error::y", "%25"])
 def test_a_message_comes_back_as_it_was(text: str) -> None:
-    [(_, _, message)] = annotations(suite(Found(finding=finding(message=text), state="counts")))
+    [(_, _, message)] = annotations(suite(JudgedFinding(finding=finding(message=text), state="counts")))
     assert message == text
 
 
 def test_odd_file_names() -> None:
     span = Span("a,b:c=%41.nc", 1, 2, 1, 3)
-    [(_, named, _)] = annotations(suite(Found(finding=finding(span=span), state="counts")))
+    [(_, named, _)] = annotations(suite(JudgedFinding(finding=finding(span=span), state="counts")))
     assert named["file"] == span.file
 
 
@@ -73,11 +73,11 @@ def test_odd_file_names() -> None:
     ],
 )
 def test_columns_only_within_a_line(span: Span, keys: set[str]) -> None:
-    [(_, named, _)] = annotations(suite(Found(finding=finding(span=span), state="counts")))
+    [(_, named, _)] = annotations(suite(JudgedFinding(finding=finding(span=span), state="counts")))
     assert named.keys() == keys | {"file", "title"}
 
 
 def test_a_warning_that_does_not_fail_is_a_warning_and_a_note_is_nothing() -> None:
-    warning = Found(finding=finding(severity=Severity.WARNING), state="told")
-    note = Found(finding=finding(severity=Severity.NOTE, message="n"), state="told")
+    warning = JudgedFinding(finding=finding(severity=Severity.WARNING), state="told")
+    note = JudgedFinding(finding=finding(severity=Severity.NOTE, message="n"), state="told")
     assert [level for level, _, _ in annotations(suite(warning, note))] == ["warning"]

@@ -9,7 +9,7 @@ import jsonschema
 
 from gcodesim.diagnostics import Severity, Span
 from gcodesim.formats.gitlab import text_of
-from gcodesim.regress.verdicts import Found
+from gcodesim.regress.verdicts import JudgedFinding
 from tests.unit.formats.verdicts import LINES, PROGRAM, Example, everything, finding, suite
 
 # as GitLab's documentation of the format lists the keys
@@ -47,23 +47,24 @@ def test_open_findings_only() -> None:
 
 def test_severities() -> None:
     by_level = {
-        level: issues(suite(Found(finding=finding(severity=level), state=state)))[0]["severity"]
+        level: issues(suite(JudgedFinding(finding=finding(severity=level), state=state)))[0]["severity"]
         for level, state in ((Severity.ERROR, "counts"), (Severity.WARNING, "told"), (Severity.NOTE, "told"))
     }
     assert list(by_level.values()) == ["critical", "minor", "info"]
-    counting = Found(finding=finding(severity=Severity.WARNING), state="counts")
+    counting = JudgedFinding(finding=finding(severity=Severity.WARNING), state="counts")
     assert issues(suite(counting))[0]["severity"] == "major"
 
 
 def test_places() -> None:
-    located = issues(suite(Found(finding=finding(), state="counts"), prefix="cnc"))[0]["location"]
+    located = issues(suite(JudgedFinding(finding=finding(), state="counts"), prefix="cnc"))[0]["location"]
     assert located == {"path": "cnc/suite/a b.nc", "lines": {"begin": 2, "end": 2}}
-    whole = issues(suite(Found(finding=finding(span=Span(PROGRAM)), state="counts")))[0]["location"]
+    whole = issues(suite(JudgedFinding(finding=finding(span=Span(PROGRAM)), state="counts")))[0]["location"]
     assert whole["lines"] == {"begin": 1, "end": 1}
 
 
 def test_a_fingerprint_does_not_know_the_line() -> None:
-    old = issues(suite(Found(finding=finding(), state="counts")))
-    moved = suite(Found(finding=finding(span=Span(PROGRAM, 3, 1, 3, 2)), state="counts"), lines=["(new)", *LINES])
+    old = issues(suite(JudgedFinding(finding=finding(), state="counts")))
+    lower = finding(span=Span(PROGRAM, 3, 1, 3, 2))
+    moved = suite(JudgedFinding(finding=lower, state="counts"), lines=["(new)", *LINES])
     assert issues(moved)[0]["fingerprint"] == old[0]["fingerprint"]
     assert issues(moved)[0]["location"]["lines"]["begin"] == 3

@@ -12,7 +12,7 @@ from xml.etree.ElementTree import Element
 import pytest
 
 from gcodesim.formats.junit import text_of
-from gcodesim.regress.verdicts import CaseVerdict, Found
+from gcodesim.regress.verdicts import CaseVerdict, JudgedFinding
 from tests.unit.formats.verdicts import Example, everything, example, finding, suite
 
 ATTRIBUTES = {
@@ -125,7 +125,7 @@ def test_one_failure_tells_all_that_counts() -> None:
 
 
 def test_characters_that_xml_has_not() -> None:
-    given = suite(Found(finding=finding(message="bell \x07, \ud800, ]]> & <x>"), state="counts"))
+    given = suite(JudgedFinding(finding=finding(message="bell \x07, \ud800, ]]> & <x>"), state="counts"))
     failure = next(document(given).iter("failure"))
     assert "bell \ufffd, \ufffd, ]]> & <x>" in failure.attrib["message"]
 
@@ -136,7 +136,7 @@ def test_a_suite_without_cases() -> None:
 
 
 def test_a_fault_of_ours_is_an_error() -> None:
-    root = document(suite(Found(finding=finding("GS613"), state="counts")))
+    root = document(suite(JudgedFinding(finding=finding("GS613"), state="counts")))
     assert (root.attrib["failures"], root.attrib["errors"]) == ("0", "1")
     assert next(root.iter("error")).attrib["type"] == "GS613" and all(rule(root) for rule in RULES)
 

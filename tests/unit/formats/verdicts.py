@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from gcodesim.diagnostics import Caller, Diagnostic, Severity, SourceText, Span
 from gcodesim.formats import FilePlaces
-from gcodesim.regress.verdicts import CaseVerdict, Found, SuiteVerdict
+from gcodesim.regress.verdicts import CaseVerdict, JudgedFinding, SuiteVerdict
 
 PROGRAM = "suite/a b.nc"
 CELL = "cell.yaml"
@@ -29,7 +29,7 @@ class Example:
     places: FilePlaces
 
 
-def suite(*found: Found, prefix: str = "", lines: list[str] = LINES) -> Example:
+def suite(*found: JudgedFinding, prefix: str = "", lines: list[str] = LINES) -> Example:
     """One case `suite/a` with these findings."""
     states = [one.state for one in found]
     case = CaseVerdict(
@@ -40,7 +40,9 @@ def suite(*found: Found, prefix: str = "", lines: list[str] = LINES) -> Example:
     return example(case, prefix=prefix, lines=lines)
 
 
-def example(*cases: CaseVerdict, prefix: str = "", lines: list[str] = LINES, faults: tuple[Found, ...] = ()) -> Example:
+def example(
+    *cases: CaseVerdict, prefix: str = "", lines: list[str] = LINES, faults: tuple[JudgedFinding, ...] = ()
+) -> Example:
     sources = {
         PROGRAM: SourceText(PROGRAM, "\n".join(lines).encode()),
         CELL: SourceText(CELL, b"gcodesim: 1\nmachine: gantry_xyz\n"),
@@ -53,26 +55,28 @@ def everything() -> Example:
     """All that a verdict can have."""
     inside = Span("suite/o100.ngc", 7, 4, 7, 9, (Caller(PROGRAM, 4, "o100"),))
     odd = finding(line=3, message="two\nlines: 50 %, \x01 <&>\r", hint="write `G0`, not G1", severity=Severity.WARNING)
-    shared = Found(
+    shared = JudgedFinding(
         finding=Diagnostic(code="GS733", message="nothing is suppressed", span=Span(CELL, 2, 1, 2, 8)), state="told"
     )
     first = CaseVerdict(
         name="suite/a", file="suite/a.test.yaml", program=PROGRAM, cell=CELL, status="failed",
         found=(
-            Found(finding=finding(count=3, time=1.5, value=3.5e-9, limit=0.0, unit="m^3", hint="M3"), state="counts"),
-            Found(finding=odd, state="counts", reason="new since the results were accepted"),
-            Found(finding=finding("GS111", 0), state="told"),
-            Found(finding=Diagnostic(code="GS203", message="out of reach", span=inside), state="accepted"),
-            Found(finding=finding("GS401", 2), state="baseline"),
-            Found(finding=finding("GS302", 2), state="suppressed", reason="the clamp is taken away"),
-            Found(finding=finding("GS111", 3, related=Span(CELL, 1, 1, 1, 9)), state="expected"),
+            JudgedFinding(
+                finding=finding(count=3, time=1.5, value=3.5e-9, limit=0.0, unit="m^3", hint="M3"), state="counts"
+            ),
+            JudgedFinding(finding=odd, state="counts", reason="new since the results were accepted"),
+            JudgedFinding(finding=finding("GS111", 0), state="told"),
+            JudgedFinding(finding=Diagnostic(code="GS203", message="out of reach", span=inside), state="accepted"),
+            JudgedFinding(finding=finding("GS401", 2), state="baseline"),
+            JudgedFinding(finding=finding("GS302", 2), state="suppressed", reason="the clamp is taken away"),
+            JudgedFinding(finding=finding("GS111", 3, related=Span(CELL, 1, 1, 1, 9)), state="expected"),
             shared,
         ),
         results={"time": {"total_s": 12.3456}},
     )  # fmt: skip
     second = CaseVerdict(name="suite/deep/b", file="x", program="b.nc", cell=CELL, status="passed", found=(shared,))
     third = CaseVerdict(name="c", file="c.nc", program="c.nc", cell=None, status="not_run")
-    fault = Found(
+    fault = JudgedFinding(
         finding=Diagnostic(code="GS610", message="no cell is named", span=Span("suite/x.test.yaml", 1, 1, 1, 2)),
         state="counts",
     )

@@ -6,8 +6,8 @@ from google.protobuf.timestamp_pb2 import Timestamp
 
 from gcodesim.log.schema import message_class
 from gcodesim.log.template import (
-    Piece,
     Template,
+    TemplatePiece,
     bool_slot,
     double_slot,
     nested,
@@ -57,7 +57,11 @@ def test_flags_and_long_messages():
     """Above 127 bytes the length of a message takes two bytes."""
     body = [double_slot(i, "values", i - 4) for i in range(4, 10)]
     template = Template(
-        text_piece(2, "k" * 300) + bool_slot(3, "flag") + Piece(b"") + body[0] + sum(body[1:], Piece(b""))
+        text_piece(2, "k" * 300)
+        + bool_slot(3, "flag")
+        + TemplatePiece(b"")
+        + body[0]
+        + sum(body[1:], TemplatePiece(b""))
     )
     data = template.fill(np.zeros(2, dtype=np.int64), np.concatenate([[[1.0], [0.0]], np.eye(2, 6)], axis=1))
 

@@ -17,7 +17,7 @@ from gcodesim.canon import (
     Message,
     Output,
     PathMode,
-    Probe,
+    ProbeMove,
     Rapid,
     Spindle,
     SplineFeed,
@@ -135,7 +135,7 @@ def test_a_tap_goes_down_and_up_with_the_spindle_reversed() -> None:
 
 
 def test_a_probe_stands_before_and_after_and_is_an_event() -> None:
-    probe = Probe(span=AT, end=point(1, 1), feed=0.01, word="G38.2")
+    probe = ProbeMove(span=AT, end=point(1, 1), feed=0.01, word="G38.2")
 
     path = build_tool_path([line(1), probe, line(3)])
 

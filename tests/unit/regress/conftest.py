@@ -11,7 +11,7 @@ from gcodesim.diagnostics import SourceText
 from gcodesim.regress.accept import propose, take
 from gcodesim.regress.case import collect
 from gcodesim.regress.judge import Judging
-from gcodesim.regress.motion import Step, steps_of
+from gcodesim.regress.motion import MotionStep, steps_of
 from gcodesim.rs274 import Settings, interpret
 from gcodesim.rs274.assumed import assumed_tools
 
@@ -21,10 +21,10 @@ MORE_NAMES = ("holes", *NAMES)
 
 
 @pytest.fixture
-def steps() -> Callable[[str], list[Step]]:
+def steps() -> Callable[[str], list[MotionStep]]:
     """The steps of a program, read without a cell."""
 
-    def steps(text: str) -> list[Step]:
+    def steps(text: str) -> list[MotionStep]:
         source = SourceText("part.nc", text.encode())
         return steps_of(interpret(source, Settings(tool_table=assumed_tools(source))))
 

@@ -32,7 +32,7 @@ def converse(text: str, answer: Callable[[canon.Event], Answer], **settings: obj
         except StopIteration:
             return events, run
         events.append(event)
-        asks = isinstance(event, canon.Probe | canon.Input)
+        asks = isinstance(event, canon.ProbeMove | canon.Input)
         reply = answer(event) if asks else None
 
 

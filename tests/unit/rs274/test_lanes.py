@@ -316,7 +316,7 @@ def test_feedback_reaches_a_probe_between_batches():
             event = run.send(reply)
         except StopIteration:
             break
-        reply = (0.002, 0.0, -0.004, 0.0, 0.0, 0.0) if isinstance(event, canon.Probe) else None
+        reply = (0.002, 0.0, -0.004, 0.0, 0.0, 0.0) if isinstance(event, canon.ProbeMove) else None
         if isinstance(event, canon.LinearFeed):
             ends.append(event.end[0])
     assert ends[-1] == pytest.approx(-0.004)

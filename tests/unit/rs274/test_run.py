@@ -206,7 +206,7 @@ def test_a_probe_takes_feedback():
         except StopIteration:
             break
         seen.append(event)
-        reply = (0.0, 0.0, 0.002, 0.0, 0.0, 0.0) if isinstance(event, canon.Probe) else None
+        reply = (0.0, 0.0, 0.002, 0.0, 0.0, 0.0) if isinstance(event, canon.ProbeMove) else None
 
     rapids = [e for e in seen if isinstance(e, canon.Rapid)]
     assert rapids[-1].end[2] == pytest.approx(0.007)
