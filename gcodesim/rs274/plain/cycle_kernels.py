@@ -5,6 +5,7 @@ from __future__ import annotations
 from gcodesim.compiled import kernel
 from gcodesim.rs274.plain.arc_kernels import plane_axes
 from gcodesim.rs274.plain.columns import Column
+from gcodesim.rs274.plain.control_kernels import append
 from gcodesim.rs274.plain.layout_kernels import (
     ACTS,
     BACK,
@@ -39,7 +40,6 @@ from gcodesim.rs274.plain.layout_kernels import (
     WANTED,
     WANTS_R,
 )
-from gcodesim.rs274.plain.row_kernels import append
 
 _F, _P, _Q, _R, _X = 5, 15, 16, 17, 23
 _PLACES = (1 << 23) | (1 << 24) | (1 << 25)

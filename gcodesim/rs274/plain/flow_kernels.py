@@ -10,6 +10,7 @@ import numpy as np
 
 from gcodesim.compiled import kernel
 from gcodesim.rs274.plain.columns import Column
+from gcodesim.rs274.plain.expression_kernels import value_at
 from gcodesim.rs274.plain.layout_kernels import (
     ARGUMENTS,
     ARRIVED,
@@ -72,10 +73,9 @@ from gcodesim.rs274.plain.layout_kernels import (
     TOUCHED,
     WHILE,
 )
-from gcodesim.rs274.plain.memory_kernels import forget_names
-from gcodesim.rs274.plain.scan_kernels import behind_comment
+from gcodesim.rs274.plain.parameter_kernels import forget_names
+from gcodesim.rs274.plain.reader_kernels import behind_comment
 from gcodesim.rs274.plain.text_kernels import behind_blanks
-from gcodesim.rs274.plain.value_kernels import value_at
 
 _MOST_CHAINS_USED = MOST_CHAINS - MOST_CHAINS // 4
 

@@ -21,7 +21,7 @@ from gcodesim.rs274.flow import FlowControl
 from gcodesim.rs274.plain import layout_kernels as at
 from gcodesim.rs274.plain import waiting
 from gcodesim.rs274.plain.columns import Column
-from gcodesim.rs274.plain.move_kernels import run_lines
+from gcodesim.rs274.plain.execute_kernels import run_lines
 from gcodesim.rs274.plain.program_state import ProgramState
 from gcodesim.rs274.program_file import ProgramFile
 from gcodesim.units import DEG, INCH, MINUTE

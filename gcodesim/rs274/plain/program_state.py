@@ -155,7 +155,7 @@ class ProgramState:
             self.tables[at.STAMPS + place] = epoch
 
     def _name(self, name: str) -> int:
-        """The number of a name, as `memory_kernels.find_name` gives it."""
+        """The number of a name, as `parameter_kernels.find_name` gives it."""
         known = self._names.get(name)
         if known is not None:
             return known

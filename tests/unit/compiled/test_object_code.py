@@ -14,9 +14,9 @@ import pytest
 from gcodesim.compiled import Kernel, compiling, folder, kernel, object_code
 from gcodesim.compiled.arguments import ITEMS, argument_of
 from gcodesim.files import user_cache
-from gcodesim.rs274.plain.scan_kernels import byte_at
+from gcodesim.rs274.plain.reader_kernels import byte_at
 
-BYTE_AT = "from gcodesim.rs274.plain.scan_kernels import byte_at; import numpy as np, sys\n"
+BYTE_AT = "from gcodesim.rs274.plain.reader_kernels import byte_at; import numpy as np, sys\n"
 BYTE_AT += "print(byte_at(np.frombuffer(b'G1X5', dtype=np.uint8), 2), 'numba' in sys.modules)"
 
 STOCK = "stock: {box: [20, 15, 8], zero: top-front-left, material: al6082_t6, resolution: 1"
@@ -365,7 +365,7 @@ def test_we_know_the_numba_that_is_here() -> None:
 def test_without_the_compiler_kernels_run_as_python() -> None:
     code = (
         "import numpy as np\n"
-        "from gcodesim.rs274.plain.scan_kernels import byte_at\n"
+        "from gcodesim.rs274.plain.reader_kernels import byte_at\n"
         "from gcodesim.rs274.plain.lane import is_ready\n"
         "print(is_ready(), byte_at(np.frombuffer(b'G1', dtype=np.uint8), 1))\n"
     )

@@ -1,4 +1,4 @@
-"""One line of bytes to letters and values, and to what it sets.
+"""One line of bytes to letters and values, and to what it sets: `rs274/reader.py` in compiled form.
 
 A line is understood when it consists of an N word, words, settings of
 parameters and comments that do nothing; words and settings have literal numbers
@@ -9,6 +9,13 @@ from __future__ import annotations
 
 from gcodesim.compiled import kernel
 from gcodesim.rs274.plain.columns import Column
+from gcodesim.rs274.plain.expression_kernels import (
+    name_at,
+    number_at,
+    shows_state,
+    value_at,
+    whole_number,
+)
 from gcodesim.rs274.plain.layout_kernels import (
     CODES,
     FRESH,
@@ -22,15 +29,8 @@ from gcodesim.rs274.plain.layout_kernels import (
     TEXT,
     VALUES,
 )
-from gcodesim.rs274.plain.memory_kernels import may_be_set
+from gcodesim.rs274.plain.parameter_kernels import may_be_set
 from gcodesim.rs274.plain.text_kernels import behind_blanks, byte_at
-from gcodesim.rs274.plain.value_kernels import (
-    name_at,
-    number_at,
-    shows_state,
-    value_at,
-    whole_number,
-)
 
 NOT_PLAIN = -1
 """What `scan_line` returns for a line that belongs to the grammar."""

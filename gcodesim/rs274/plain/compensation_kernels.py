@@ -11,6 +11,7 @@ import math
 from gcodesim.compiled import kernel
 from gcodesim.rs274.plain.arc_kernels import apart, plane_axes, sweep_of
 from gcodesim.rs274.plain.columns import Column
+from gcodesim.rs274.plain.control_kernels import put, put_arc, speed
 from gcodesim.rs274.plain.layout_kernels import (
     ARC_CENTRE,
     ARC_TURNS,
@@ -41,7 +42,6 @@ from gcodesim.rs274.plain.layout_kernels import (
     TARGET,
     UNIT,
 )
-from gcodesim.rs274.plain.row_kernels import put, put_arc, speed
 
 # as in compensation.py
 _STRAIGHT_ON = 0.05

@@ -1,4 +1,4 @@
-"""Lines executed on arrays: `rs274/run.py`, `execute.py`, `motions.py` and `arcs.py` for what programs mostly are.
+"""Lines executed on arrays: `rs274/execute.py`, the loop of `run.py` and `motions.py` for what programs mostly are.
 
 A line is executed here only when it is certain what it does and that it is
 right; every other line, and so every finding, belongs to the grammar's lane.
@@ -11,8 +11,9 @@ import math
 
 from gcodesim.compiled import kernel
 from gcodesim.rs274.plain.arc_kernels import apart, centre_by_radius, plane_axes, radii_agree, sweep_of
-from gcodesim.rs274.plain.beside_kernels import go_beside, meets
 from gcodesim.rs274.plain.columns import Column
+from gcodesim.rs274.plain.compensation_kernels import go_beside, meets
+from gcodesim.rs274.plain.control_kernels import append, put_arc
 from gcodesim.rs274.plain.cycle_kernels import hole
 from gcodesim.rs274.plain.flow_kernels import o_word
 from gcodesim.rs274.plain.layout_kernels import (
@@ -63,9 +64,8 @@ from gcodesim.rs274.plain.layout_kernels import (
     WANTED,
     WANTS_R,
 )
-from gcodesim.rs274.plain.memory_kernels import settle
-from gcodesim.rs274.plain.row_kernels import append, put_arc
-from gcodesim.rs274.plain.scan_kernels import NOT_PLAIN, O_WORD, scan_line
+from gcodesim.rs274.plain.parameter_kernels import settle
+from gcodesim.rs274.plain.reader_kernels import NOT_PLAIN, O_WORD, scan_line
 
 _F, _I, _P, _Q, _R, _X = 5, 8, 15, 16, 17, 23
 _CYCLES = (810, 820, 830, 850, 890)  # and G73

@@ -1,6 +1,7 @@
-"""Operators and functions of expressions: how they are spelt, and what they make of numbers.
+"""Operators and functions of expressions: how they are spelt, and what `rs274/functions.py` makes of numbers.
 
-The arithmetic is that of `rs274/expressions.py`, step by step; no result depends on which lane computes it.
+The arithmetic is that of `functions.py` and `expressions.py`, step by step: no result depends on which lane
+computes it.
 """
 
 from __future__ import annotations

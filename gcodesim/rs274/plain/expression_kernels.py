@@ -12,20 +12,7 @@ import numpy as np
 
 from gcodesim.compiled import kernel
 from gcodesim.rs274.plain.columns import Column
-from gcodesim.rs274.plain.layout_kernels import (
-    COMPENSATES,
-    CURRENT,
-    IS_EXTENDED,
-    LAST_NUMBER,
-    MISSING,
-    MOST_OPERATORS,
-    MOST_VALUES,
-    OPERATORS,
-    RESULT,
-    STACK,
-)
-from gcodesim.rs274.plain.memory_kernels import FOUND, MISSES, find_name, named_value
-from gcodesim.rs274.plain.operator_kernels import (
+from gcodesim.rs274.plain.function_kernels import (
     ATAN,
     ATAN_OF,
     BRACKET,
@@ -40,6 +27,19 @@ from gcodesim.rs274.plain.operator_kernels import (
     function_at,
     operator_at,
 )
+from gcodesim.rs274.plain.layout_kernels import (
+    COMPENSATES,
+    CURRENT,
+    IS_EXTENDED,
+    LAST_NUMBER,
+    MISSING,
+    MOST_OPERATORS,
+    MOST_VALUES,
+    OPERATORS,
+    RESULT,
+    STACK,
+)
+from gcodesim.rs274.plain.parameter_kernels import FOUND, MISSES, find_name, named_value
 from gcodesim.rs274.plain.text_kernels import behind_blanks, byte_at
 
 LEFT_OUT = -1

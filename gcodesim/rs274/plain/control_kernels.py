@@ -1,4 +1,4 @@
-"""One move out of the target point: where the machine goes, and the rows that say so."""
+"""Moves of `rs274/control.py` on arrays: where the machine goes from the target point, and the rows that say so."""
 
 from __future__ import annotations
 
