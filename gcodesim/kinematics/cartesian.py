@@ -116,31 +116,6 @@ class Cartesian(Machine):
         )
         return Cartesian(chain=chain) if named and linear else None
 
-    @staticmethod
-    def of_axes(axes: Sequence[Axis], name: str = "machine") -> Cartesian:
-        """A machine tool from plain axis data, in chain order."""
-        return Cartesian(chain=chain_of_axes(axes, name))
-
-    @cached_property
-    def columns(self) -> tuple[int, ...]:
-        """For each joint its column in an array of program axes X Y Z A B C."""
-        return tuple(AXIS_LETTERS.index(name) for name in self.joints.names)
-
-    def joints_of(self, axes: Array) -> Array:
-        """Joint values (n, j) of program axes (n, 6), x y z a b c [m], [rad]; axes that the machine lacks drop out."""
-        return np.ascontiguousarray(np.atleast_2d(axes)[:, self.columns])
-
-    def axes_of(self, q: Array) -> Array:
-        """Program axes (n, 6) of joint values (n, j); 0 where the machine has no such axis."""
-        out = np.zeros((len(np.atleast_2d(q)), 6))
-        out[:, self.columns] = q
-        return out
-
-    def forward_from_table(self, q: Array) -> Array:
-        """X_CF (n, 4, 4): the spindle nose as the work sees it."""
-        X: Array = np.linalg.inv(self.table(q)) @ self.forward(q)
-        return X
-
     @cached_property
     def _rotary_head(self) -> bool:
         tree = self.chain.tree
@@ -168,19 +143,6 @@ class Cartesian(Machine):
         for row in np.flatnonzero(missed):  # rare: such a path is refused anyway
             q[row] = q[row - 1] if row else seed
         return q, status
-
-    def inverse_free_spin(
-        self, X_BT: Array, X_FT: Array, seed: Array, *, on_path: bool = False
-    ) -> tuple[Array, Statuses]:
-        """As `inverse`, for poses (n, 4, 4) of a tip at `X_FT` (4, 4) whose turn about its own Z is left open."""
-        X = poses(X_BT)
-        if self._rotary_head:
-            return SerialArm(chain=self.chain).inverse_free_spin(X, X_FT, seed, on_path=on_path)
-        head = self.forward(seed)[0] @ X_FT
-        turned = X.copy()
-        agrees = np.abs(X[:, :3, 2] - head[:3, 2]).max(axis=1) < _REACHED
-        turned[agrees, :3, :3] = head[:3, :3]
-        return self.inverse(turned @ np.linalg.inv(X_FT), seed, on_path=on_path)
 
     def branches(self, X_BF: Array) -> Array:
         """The joint vectors (b, j) of one pose (4, 4): one, or none when the head cannot turn so."""

@@ -16,7 +16,6 @@ from gcodesim.kinematics.path_kernels import JUMP, nearest_anywhere
 from gcodesim.kinematics.plane_kernels import NEAR
 from gcodesim.kinematics.protocol import Reason, Status, Statuses
 from gcodesim.kinematics.reasons import jump_reason, limit_reason
-from gcodesim.kinematics.serial import SerialArm
 
 SQUARE = 1e-9  # [-] and [m]: how exactly axes have to be square, parallel and through one point
 
@@ -83,28 +82,12 @@ class ClosedForm(Machine):
 
     def inverse(self, X_BF: Array, seed: Array, *, on_path: bool = False) -> tuple[Array, Statuses]:
         """Joints (n, 6) and status (n,) along flange poses (n, 4, 4), continuous from `seed` (6,) on."""
-        return self._path(poses(X_BF), 0, seed, on_path)
-
-    def inverse_free_spin(
-        self, X_BT: Array, X_FT: Array, seed: Array, *, on_path: bool = False
-    ) -> tuple[Array, Statuses]:
-        """As `inverse`, for poses (n, 4, 4) of a tip at `X_FT` (4, 4) whose turn about its own Z is left open.
-
-        Where that Z lies on axis 6, joint 6 simply stays where it was; other
-        tools are solved numerically.
-        """
-        u6 = self.chain.tree.flange_offset[:3, :3].T @ self.chain.tree.axis[5]
-        off = np.cross(X_FT[:3, 3] - self.arm[3:6], u6)
-        if np.linalg.norm(off) < SQUARE and np.linalg.norm(np.cross(X_FT[:3, 2], u6)) < SQUARE:
-            return self._path(poses(poses(X_BT) @ np.linalg.inv(X_FT)), 1, seed, on_path)
-        return SerialArm(chain=self.chain).inverse_free_spin(X_BT, X_FT, seed, on_path=on_path)
-
-    def _path(self, X: Array, free: int, seed: Array, on_path: bool) -> tuple[Array, Statuses]:
+        X = poses(X_BF)
         q, status = np.empty((len(X), 6)), np.empty(len(X), dtype=np.uint8)
         start = np.array(seed, dtype=np.float64)
         limits = self.joints.lower, self.joints.upper
         branch = self._branch_of(start) if on_path else -1
-        inverse_path(self.family, X, free, start, branch, self.arm, self.R_PB, self.R_EP, self.R_FE, *limits, q, status)
+        inverse_path(self.family, X, start, branch, self.arm, self.R_PB, self.R_EP, self.R_FE, *limits, q, status)
         return q, status
 
     def _solve(self, X_BF: Array, previous: Array) -> tuple[Array, Indices]:
@@ -112,7 +95,7 @@ class ClosedForm(Machine):
         out, flags = np.empty((8, 6)), np.zeros(8, dtype=np.int64)
         room = np.empty((3, 3, 3))
         X = poses(X_BF)[0]
-        solve_family(self.family, X, 0, -1, self.arm, self.R_PB, self.R_EP, self.R_FE, previous, room, out, flags)
+        solve_family(self.family, X, -1, self.arm, self.R_PB, self.R_EP, self.R_FE, previous, room, out, flags)
         return out, flags
 
     def _branch_of(self, q: Array) -> int:

@@ -21,7 +21,6 @@ SPHERICAL_WRIST, PARALLEL_AXES = 0, 1
 def solve_family(
     family: int,
     X: Array,
-    free: int,
     only: int,
     arm: Array,
     R_PB: Array,
@@ -34,15 +33,14 @@ def solve_family(
 ) -> float:
     """`solve` of the family."""
     if family == PARALLEL_AXES:
-        return solve_parallel_axes(X, free, only, arm, R_PB, R_EP, R_FE, previous, room, out, flags)
-    return solve_spherical_wrist(X, free, only, arm, R_PB, R_EP, R_FE, previous, room, out, flags)
+        return solve_parallel_axes(X, only, arm, R_PB, R_EP, R_FE, previous, room, out, flags)
+    return solve_spherical_wrist(X, only, arm, R_PB, R_EP, R_FE, previous, room, out, flags)
 
 
 @kernel
 def inverse_path(
     family: int,
     X: Array,
-    free: int,
     seed: Array,
     branch: int,
     arm: Array,
@@ -69,14 +67,14 @@ def inverse_path(
         # the arm mostly goes on with shoulder and elbow as they are; then the other half of the work is not needed
         state = REACH
         if branch >= 0:
-            apart = solve_family(family, X[k], free, branch, arm, R_PB, R_EP, R_FE, previous, room, candidates, flags)
+            apart = solve_family(family, X[k], branch, arm, R_PB, R_EP, R_FE, previous, room, candidates, flags)
             found, state = choose(candidates, flags, previous, lower, upper, revolute, branch, out[k])
             if state == OK and square_distance(out[k], previous) < 0.25 * apart * apart:
                 branch = found
             else:
                 state = REACH
         if state == REACH:
-            solve_family(family, X[k], free, -1, arm, R_PB, R_EP, R_FE, previous, room, candidates, flags)
+            solve_family(family, X[k], -1, arm, R_PB, R_EP, R_FE, previous, room, candidates, flags)
             branch, state = choose(candidates, flags, previous, lower, upper, revolute, branch, out[k])
         if state == OK and flags[branch] != EXISTS:
             state = SINGULAR

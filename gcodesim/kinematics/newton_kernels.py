@@ -20,24 +20,21 @@ LEAST_DAMPING = 1e-14  # of the trace: keeps the factor alive where the arm is s
 
 
 @kernel
-def pose_error(X: Array, target: Array, free: int, e: Array) -> float:
+def pose_error(X: Array, target: Array, e: Array) -> float:
     """Displacement `e` (6,) from X to target (4, 4), position then rotation vector, base axes; returns the largest.
 
-    With `free` = 1 only the Z axes have to agree. The rotation vector comes from
-    the skew part and the trace of R_target R_Xᵀ and is exact below half a turn.
+    The rotation vector comes from the skew part and the trace of R_target R_Xᵀ and is exact below half a turn.
     """
     for r in range(3):
         e[r] = target[r, 3] - X[r, 3]
     wx, wy, wz, trace = 0.0, 0.0, 0.0, 0.0
-    for k in range(2 if free == 1 else 0, 3):
+    for k in range(3):
         a0, a1, a2 = X[0, k], X[1, k], X[2, k]
         b0, b1, b2 = target[0, k], target[1, k], target[2, k]
         wx += a1 * b2 - a2 * b1
         wy += a2 * b0 - a0 * b2
         wz += a0 * b1 - a1 * b0
         trace += a0 * b0 + a1 * b1 + a2 * b2
-    if free == 1:
-        wx, wy, wz, trace = 2.0 * wx, 2.0 * wy, 2.0 * wz, 2.0 * trace + 1.0
     sine, cosine = 0.5 * math.sqrt(wx * wx + wy * wy + wz * wz), 0.5 * (trace - 1.0)
     if sine > 1e-9:
         scale = 0.5 * math.atan2(sine, cosine) / sine
@@ -86,7 +83,6 @@ def solve_square(A: Array, x: Array) -> float:
 @kernel
 def newton(
     target: Array,
-    free: int,
     q: Array,
     parent: Indices,
     before: Array,
@@ -105,7 +101,7 @@ def newton(
 
     Returns the residual and the smallest pivot of J Jᵀ (0: singular). Steps are
     Jᵀ (J Jᵀ + λ)⁻¹ e (Wampler 1986), the shortest ones where there are more
-    joints than needed. With `free` = 1 the turn about the rider's Z is left open.
+    joints than needed.
     `frames` (j, 4, 4), J (6, j), A (6, 6), X (4, 4), e (6,) are room to work in.
     """
     count = q.shape[0]
@@ -114,7 +110,7 @@ def newton(
     for _ in range(STEPS):
         joint_frames(q, parent, before, axis, prismatic, frames)
         place(frames, carrier, offset, X)
-        residual = pose_error(X, target, free, e)
+        residual = pose_error(X, target, e)
         if residual < DONE:
             break
         if residual < 0.99 * least_residual:
@@ -124,19 +120,12 @@ def newton(
             if waited > PATIENCE:
                 break
         fill_jacobian(frames, axis, prismatic, path, X[0, 3], X[1, 3], X[2, 3], J)
-        if free == 1:
-            for i in range(count):
-                along = X[0, 2] * J[3, i] + X[1, 2] * J[4, i] + X[2, 2] * J[5, i]
-                for r in range(3):
-                    J[3 + r, i] -= along * X[r, 2]
         trace = 0.0
         for r in range(6):
             for k in range(r + 1):
                 total = 0.0
                 for i in range(count):
                     total += J[r, i] * J[k, i]
-                if free == 1 and k >= 3:
-                    total += X[r - 3, 2] * X[k - 3, 2]
                 A[r, k] = total
             trace += A[r, r]
         damping = DAMPING * residual * residual + LEAST_DAMPING * trace

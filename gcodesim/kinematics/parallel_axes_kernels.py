@@ -37,7 +37,6 @@ TURNED_OVER = (
 @kernel
 def solve(
     X: Array,
-    free: int,
     only: int,
     arm: Array,
     R_PB: Array,
@@ -51,7 +50,7 @@ def solve(
     """All eight joint vectors `out` (8, 6) of the flange pose X (4, 4); branch = 4 backward + 2 elbow + wrist.
 
     E has Z along axis 2 and Y along axis 5 at zero; R_FE contains the angle of
-    axis 6 from axis 2. `flags`, `free`, `only`, `room` and the return as for the spherical wrist.
+    axis 6 from axis 2. `flags`, `only`, `room` and the return as for the spherical wrist.
     """
     wrist, turned, left = room[0], room[1], room[2]
     for b in range(8):
@@ -83,10 +82,6 @@ def solve(
         bent = math.atan2(s6 * left[2, 1] - c6 * left[2, 0], left[2, 2])
         # from the rotation with joint 6 taken away: exact however badly joint 6 is known
         turn = math.atan2(-s6 * left[0, 0] - c6 * left[0, 1], s6 * left[1, 0] + c6 * left[1, 1])
-        if free == 1:
-            q6 = previous[5]
-            if sine < LOCK:
-                turn = previous[1] + arm[12] * previous[2] + arm[16] * previous[3]
         for flipped in range(2):
             c, s = math.cos(turn), math.sin(turn)
             dx = reach - arm[6] - (c * arm[15] + s * arm[14])
@@ -115,6 +110,5 @@ def solve(
             if sine >= LOCK:
                 turn += math.pi
                 bent = -bent
-                if free == 0:
-                    q6 += math.pi
+                q6 += math.pi
     return apart

@@ -92,12 +92,6 @@ class Kinematics(Protocol):
         """
         ...
 
-    def inverse_free_spin(
-        self, X_BT: Array, X_FT: Array, seed: Array, *, on_path: bool = False
-    ) -> tuple[Array, Statuses]:
-        """As `inverse`, for a tip at `X_FT` (4, 4) whose turn about its own Z is left open: joints move the least."""
-        ...
-
     def branches(self, X_BF: Array) -> Array:
         """All joint vectors (b, j) of one pose (4, 4), in branch order, limits not asked."""
         ...

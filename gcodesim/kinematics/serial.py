@@ -53,20 +53,10 @@ class SerialArm(Machine):
 
     def inverse(self, X_BF: Array, seed: Array, *, on_path: bool = False) -> tuple[Array, Statuses]:
         """Joints (n, j) and status (n,) along flange poses (n, 4, 4), continuous from `seed` (j,) on."""
-        return self._solve(X_BF, seed, np.eye(4), 0, on_path)
-
-    def inverse_free_spin(
-        self, X_BT: Array, X_FT: Array, seed: Array, *, on_path: bool = False
-    ) -> tuple[Array, Statuses]:
-        """As `inverse`, for poses (n, 4, 4) of a tip at `X_FT` (4, 4) whose turn about its own Z is left open."""
-        return self._solve(X_BT, seed, X_FT, 1, on_path)
-
-    def _solve(self, X: Array, seed: Array, X_FT: Array, free: int, on_path: bool) -> tuple[Array, Statuses]:
-        targets, tree, joints = poses(X), self.chain.tree, self.joints
+        targets, tree, joints = poses(X_BF), self.chain.tree, self.joints
         q, status = np.empty((len(targets), len(joints))), np.empty(len(targets), dtype=np.uint8)
         inverse_path(
             targets,
-            free,
             np.array(seed, dtype=np.float64),
             int(on_path),
             self.starts,
@@ -78,7 +68,7 @@ class SerialArm(Machine):
             tree.prismatic,
             tree.path,
             tree.flange_carrier,
-            np.ascontiguousarray(tree.flange_offset @ X_FT),
+            np.ascontiguousarray(tree.flange_offset),
             q,
             status,
         )

@@ -42,7 +42,6 @@ def settle(
 @kernel
 def inverse_path(
     targets: Array,
-    free: int,
     seed: Array,
     on_path: int,
     starts: Array,
@@ -62,8 +61,7 @@ def inverse_path(
 
     Each row starts from the one before. The first row, and a row where that
     fails, tries all `starts` (s, j) and takes the solution nearest to the row
-    before. With `free` = 1 the turn about the rider's Z is left open. `on_path` = 1
-    when `seed` is a row of the same path, so that the first row is none.
+    before. `on_path` = 1 when `seed` is a row of the same path, so that the first row is none.
     """
     count = seed.shape[0]
     frames, J, A = np.empty((count, 4, 4)), np.empty((6, count)), np.empty((6, 6))
@@ -74,7 +72,7 @@ def inverse_path(
     for k in range(targets.shape[0]):
         copy_row(previous, q)
         residual, pivot = newton(
-            targets[k], free, q, parent, before, axis, prismatic, path, carrier, offset, frames, J, A, X, e
+            targets[k], q, parent, before, axis, prismatic, path, carrier, offset, frames, J, A, X, e
         )
         going = k > 0 or on_path == 1
         state, least = REACH, np.inf
@@ -89,7 +87,7 @@ def inverse_path(
             for s in range(starts.shape[0]):
                 copy_row(starts[s], q)
                 miss, pivot2 = newton(
-                    targets[k], free, q, parent, before, axis, prismatic, path, carrier, offset, frames, J, A, X, e
+                    targets[k], q, parent, before, axis, prismatic, path, carrier, offset, frames, J, A, X, e
                 )
                 if miss > GOOD:
                     continue
@@ -132,5 +130,5 @@ def all_solutions(
     X, e = np.empty((4, 4)), np.empty(6)
     for s in range(starts.shape[0]):
         copy_row(starts[s], out[s])
-        miss, _ = newton(target, 0, out[s], parent, before, axis, prismatic, path, carrier, offset, frames, J, A, X, e)
+        miss, _ = newton(target, out[s], parent, before, axis, prismatic, path, carrier, offset, frames, J, A, X, e)
         found[s] = 1 if miss < GOOD else 0

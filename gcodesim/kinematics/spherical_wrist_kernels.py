@@ -32,7 +32,6 @@ from gcodesim.kinematics.plane_kernels import (
 @kernel
 def solve(
     X: Array,
-    free: int,
     only: int,
     arm: Array,
     R_PB: Array,
@@ -46,8 +45,7 @@ def solve(
     """All eight joint vectors `out` (8, 6) of the flange pose X (4, 4); branch = 4 backward + 2 elbow + wrist.
 
     E has Z along axis 4 and Y along axis 5 at zero; R_FE contains the angle of
-    axis 6 from axis 4. `flags` (8,): 0 where the branch does not exist. With
-    `free` = 1 the turn about axis 6 is left open and joint 6 stays where it was.
+    axis 6 from axis 4. `flags` (8,): 0 where the branch does not exist.
     `room` (3, 3, 3) is space to work in. With `only` a branch number, just the two
     branches with its shoulder and elbow are computed; returned is how far [rad]
     at least they are, in joint space, from those left out.
@@ -109,7 +107,7 @@ def solve(
             for flipped in range(2):
                 row = out[b + flipped]
                 row[0], row[1], row[2] = q1, q2, arm[12] * turn3
-                row[3], row[4], row[5] = q4, bent - arm[13], previous[5] if free == 1 else q6
+                row[3], row[4], row[5] = q4, bent - arm[13], q6
                 flags[b + flipped] = flag | WRIST if sine < NEAR else flag
                 if sine >= LOCK:
                     q4 += math.pi

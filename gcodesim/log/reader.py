@@ -53,23 +53,6 @@ def read_columns(path: Path, topic: str, fields: Sequence[str]) -> dict[str, NDA
     return columns
 
 
-def read_all(path: Path, topics: Sequence[str] = ()) -> Iterator[tuple[str, int, Any]]:
-    """Topic, time [ns] and decoded message of all `topics` (none: every one) in the order of the log.
-
-    KeyError when the log has no such topic.
-    """
-    log = LogFile.open(path)
-    wanted = {}
-    for topic in topics or [channel.topic for channel in log.channels.values()]:
-        channel = log.channel_id(topic)
-        if channel is None:
-            raise KeyError(topic)
-        wanted[channel] = (topic, decoder_of(log, channel))
-    for message in log.messages(wanted):
-        topic, decode = wanted[message.channel]
-        yield topic, message.t_ns, decode(message)
-
-
 def decoded(
     log: LogFile, topic: str, wanted: str = "", *, last_ns: int | None = None, backwards: bool = False
 ) -> Iterator[tuple[int, Any]]:

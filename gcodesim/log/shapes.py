@@ -102,16 +102,6 @@ class Polylines:
     def none() -> Polylines:
         return Polylines(np.zeros((0, 3)), np.zeros(0, dtype=np.int64))
 
-    @staticmethod
-    def from_segments(points: Array, drawn: NDArray[np.bool_]) -> Polylines:
-        """The segments i → i + 1 of one long line (n, 3) where `drawn` (n - 1,) is true."""
-        drawn = np.asarray(drawn, dtype=bool)
-        ends = np.concatenate([[False], drawn])
-        begins = np.concatenate([drawn, [False]])
-        used = begins | ends
-        starts = np.flatnonzero((begins & ~ends)[used])
-        return Polylines(points[used], starts)
-
     def segments(self) -> NDArray[np.int64]:
         """Index pairs (m, 2) of the segments."""
         last = np.zeros(len(self.points), dtype=bool)

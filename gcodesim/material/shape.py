@@ -55,22 +55,6 @@ def cone(diameter: float, point_angle: float, length: float, tip_diameter: float
     return _shape(CONE, diameter / 2.0, 0.0, tip_diameter / 2.0, rise, 0.0, max(length, height))
 
 
-def section_volume(shape: Shape) -> float:
-    """Volume [m^3] of a shape, from its closed form."""
-    radius, corner, flat_radius, rise = shape.radius, shape.corner, shape.flat, shape.rise
-    height = shape.top - shape.bottom
-    if shape.kind in (BALL, BULL_NOSE):
-        body = pi * radius**2 * (height - corner)
-        # a half torus tube around a disc (Pappus)
-        nose = pi * flat_radius**2 * corner + pi**2 / 2 * flat_radius * corner**2 + 2 / 3 * pi * corner**3
-        return float(body + nose)
-    if shape.kind == CONE:
-        point = (radius - flat_radius) * rise
-        frustum = pi * point / 3 * (radius**2 + radius * flat_radius + flat_radius**2)
-        return float(pi * radius**2 * (height - point) + frustum)
-    return float(pi * radius**2 * height)
-
-
 def profile(shape: Shape) -> tuple[Array, Array]:
     """Radii (m,) and heights (m,) above the tip [m] of the body from its lowest point up; rounded corners as facets."""
     radius, corner, flat_radius, rise = shape.radius, shape.corner, shape.flat, shape.rise

@@ -35,10 +35,6 @@ class Proposal:
     results: dict[str, Any] | None
     steps: int
 
-    @property
-    def is_new(self) -> bool:
-        return self.comparison is None
-
 
 def propose(case: Case, how: Judging) -> Proposal:
     """Run a case and say what accepting it would change."""

@@ -52,7 +52,6 @@ class Control:
         self.span = Span("")
         self.block_number = 0
         self.last_system: canon.WorkSystem | None = None
-        self.saved_modes: list[tuple[State, float, float, bool]] = []
         self.not_simulated: dict[str, tuple[int, Span]] = {}
         self.corner_rule: CornerRule | None = None  # of cutter compensation; None for RS274's
         self.auto_length = False  # M6 takes the length along: nothing in the program is about lengths

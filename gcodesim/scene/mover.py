@@ -48,11 +48,6 @@ class Mover:
         """Names as in the log: `arm/joint_1`, `machine/X`."""
         return tuple(f"{self.name}/{joint}" for joint in self.kinematics.joints.names)
 
-    @property
-    def frame_names(self) -> tuple[str, ...]:
-        """Names of all frames that this mover has: its base, its links and its flange, without the work side."""
-        return tuple(f"{self.name}/{link}" for link in self.kinematics.chain.carriers)
-
     def seen_from_base(self, link: str, q: Array) -> Array:
         """X_BL (n, 4, 4) of a link, the flange or the work side with the joints at `q` (n, j); KeyError: no such."""
         kinematics = self.kinematics

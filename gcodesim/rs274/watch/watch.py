@@ -36,11 +36,6 @@ class Watch:
     def moves(self, batch: MoveBatch) -> None:
         """A run of plain moves at once, in place of their events; a rule that looks at moves looks at them here too."""
 
-    def one_by_one(self, batch: MoveBatch) -> None:
-        """The moves as events, for the rare times at which a rule has to see each."""
-        for event in batch.events():
-            self.event(event)
-
     def singly_until(self, batch: MoveBatch, ready: Callable[[], bool]) -> MoveBatch:
         """The first moves as events, until the rule can take the others as columns; returns those."""
         done = 0

@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from gcodesim.frames import rotation_about
-from gcodesim.kinematics import MODELS, kinematics_of, load_urdf
+from gcodesim.kinematics import MODELS, Cartesian, kinematics_of, load_urdf
+from gcodesim.kinematics.cartesian import chain_of_axes
 from gcodesim.kinematics.chain import Chain
 
 DATA = Path(__file__).parents[2] / "data" / "kinematics"
@@ -16,6 +17,16 @@ DATA = Path(__file__).parents[2] / "data" / "kinematics"
 def machine(name):
     """The kinematics of a shipped model."""
     return kinematics_of(chain(name))
+
+
+def machine_of(axes):
+    """A machine tool from plain axis data, in chain order."""
+    return Cartesian(chain=chain_of_axes(axes))
+
+
+def nose_on_table(k, q):
+    """X_CF (n, 4, 4): the spindle nose as the work sees it."""
+    return np.linalg.inv(k.table(q)) @ k.forward(q)
 
 
 @cache

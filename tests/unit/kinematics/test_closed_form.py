@@ -180,34 +180,6 @@ def test_pose_stays_exact_however_near_the_wrist_is_to_singular(name, bend):
     assert k.forward(k.inverse(X, q)[0]) == pytest.approx(X, abs=1e-9)
 
 
-@pytest.mark.parametrize("name", ARMS)
-def test_free_spin_agrees_on_the_axis_and_does_not_depend_on_the_tool_length(name):
-    k, q = machine(name), swing(name, 60)
-    found = []
-    for length in (0.1, 0.25):
-        X_FT = np.eye(4)
-        X_FT[2, 3] = length
-        joints, status = k.inverse_free_spin(k.forward(q) @ X_FT, X_FT, q[0])
-        assert (k.forward(joints) @ X_FT)[:, :, 2:] == pytest.approx((k.forward(q) @ X_FT)[:, :, 2:], abs=1e-9)
-        assert not np.isin(status, [Status.REACH, Status.LIMIT]).any()
-        found.append(joints)
-    assert found[0] == pytest.approx(found[1], abs=1e-9)
-    assert np.ptp(found[0][:, 5]) == 0.0
-
-
-def test_free_spin_of_a_bent_tool_is_solved_too():
-    name = "kuka_kr10_r1100_2"
-    k, q = machine(name), swing(name, 60, size=0.2)
-    X_FT = np.eye(4)
-    c, s = math.cos(0.5), math.sin(0.5)
-    X_FT[:3, :3], X_FT[:3, 3] = [[c, 0, s], [0, 1, 0], [-s, 0, c]], [0.1, 0.0, 0.1]
-    X = k.forward(q) @ X_FT
-    joints, status = k.inverse_free_spin(X, X_FT, q[0])
-    assert (k.forward(joints) @ X_FT)[:, :, 2:] == pytest.approx(X[:, :, 2:], abs=1e-9)
-    assert np.abs(np.diff(joints, axis=0)).max() < 0.1
-    assert not np.isin(status, [Status.REACH, Status.LIMIT, Status.FLIP]).any()
-
-
 def test_an_arm_turned_in_its_description_is_still_recognised(tmp_path):
     """Frames of a description may stand anyhow; only the axes count."""
     text = MODELS["kuka_kr10_r1100_2"].path.read_text()

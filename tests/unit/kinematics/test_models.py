@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from arms import DATA, chain, machine
+from arms import DATA, chain, machine, nose_on_table
 
 from gcodesim.frames import quaternion_from_rotation
 from gcodesim.kinematics import MODELS, model_path
@@ -27,7 +27,7 @@ def test_reference_poses(name):
     angular = np.array([kind == "revolute" for kind in k.joints.kinds])
     for row in REFERENCES[name]:
         q = np.where(angular, np.array(row["joints"]) * DEG, row["joints"])
-        X = k.forward_from_table(q)[0] if MODELS[name].kind == "machine" else k.forward(q)[0]
+        X = nose_on_table(k, q)[0] if MODELS[name].kind == "machine" else k.forward(q)[0]
         assert X[:3, 3] == pytest.approx(row["position_m"], abs=1e-6)
         assert abs(quaternion_from_rotation(X[:3, :3]) @ row["quaternion_xyzw"]) == pytest.approx(1.0, abs=1e-9)
 

@@ -114,7 +114,7 @@ def test_pose_error_is_the_rotation_vector():
         X[:3, :3] = rotation_about(np.array([0.6, 0.0, 0.8]), 1.0)
         target[:3, :3] = rotation_about(axis, angle) @ X[:3, :3]
         target[:3, 3] = [1, 2, 3]
-        pose_error(X, target, 0, e)
+        pose_error(X, target, e)
         assert e == pytest.approx([1, 2, 3, *(angle * axis)], abs=1e-7 if angle > 3.1 else 1e-12)
 
 

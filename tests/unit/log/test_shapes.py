@@ -6,21 +6,11 @@ import pytest
 from gcodesim.log import DrawnMesh, Polylines
 
 
-def test_lines_from_segments_join_where_segments_touch():
-    points = np.arange(21.0).reshape(7, 3)
-    lines = Polylines.from_segments(points, np.array([True, True, False, False, True, True]))
+def test_no_segment_leads_from_one_line_to_the_next():
+    lines = Polylines(np.arange(18.0).reshape(6, 3), np.array([0, 3]))
 
-    assert lines.points.tolist() == points[[0, 1, 2, 4, 5, 6]].tolist()
-    assert lines.starts.tolist() == [0, 3]
     assert lines.segments().tolist() == [[0, 1], [1, 2], [3, 4], [4, 5]]
-    assert len(Polylines.from_segments(points, np.zeros(6, dtype=bool)).points) == 0
-
-
-def test_alternating_segments_share_no_point_wrongly():
-    """Segment 0 and 2 are drawn, 1 is not: two lines, although every point is used."""
-    lines = Polylines.from_segments(np.arange(12.0).reshape(4, 3), np.array([True, False, True]))
-
-    assert lines.segments().tolist() == [[0, 1], [2, 3]]
+    assert Polylines.none().segments().tolist() == []
 
 
 def test_a_long_path_is_drawn_coarser_but_with_its_ends():

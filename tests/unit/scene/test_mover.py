@@ -7,23 +7,18 @@ import pytest
 
 from gcodesim.frames import Pose
 from gcodesim.kinematics import MODELS, Axis, Cartesian, kinematics_of, load_urdf
+from gcodesim.kinematics.cartesian import chain_of_axes
 from gcodesim.scene import WORK, Mover
 
 
 def mill(*axes: Axis) -> Mover:
     return Mover(
         name="machine",
-        kinematics=Cartesian.of_axes(axes),
+        kinematics=Cartesian(chain=chain_of_axes(axes)),
         X_WB=Pose.identity(),
         home=np.zeros(len(axes)),
         joints_are_axes=True,
     )
-
-
-def test_the_frames_of_a_machine_have_the_names_of_the_log() -> None:
-    names = mill(Axis(letter="X"), Axis(letter="Z")).frame_names
-
-    assert names == ("machine/base", "machine/link_X", "machine/link_Z", "machine/flange", "machine/table")
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ import pytest
 
 from gcodesim.frames import WORLD, Pose
 from gcodesim.kinematics import MODELS, Axis, Cartesian, kinematics_of, load_urdf
+from gcodesim.kinematics.cartesian import chain_of_axes
 from gcodesim.scene import WORK, Hold, Mover, Scene, Stand
 
 X_WB = Pose.from_xyz_rpy((1.0, 2.0, 0.5), (0.0, 0.0, 0.4))
@@ -21,7 +22,8 @@ def arm(name: str = "arm", X: Pose = X_WB) -> Mover:
 
 def mill(X: Pose = X_WB) -> Mover:
     axes = [Axis(letter="X", side="table"), Axis(letter="Z"), Axis(letter="C", point=(0.05, 0.02, 0.0))]
-    return Mover(name="machine", kinematics=Cartesian.of_axes(axes), X_WB=X, home=np.zeros(3), joints_are_axes=True)
+    kinematics = Cartesian(chain=chain_of_axes(axes))
+    return Mover(name="machine", kinematics=kinematics, X_WB=X, home=np.zeros(3), joints_are_axes=True)
 
 
 def joints(count: int = 5, width: int = 6, seed: int = 1) -> np.ndarray:
