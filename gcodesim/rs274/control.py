@@ -52,6 +52,7 @@ class Control:
         self.span = Span("")
         self.block_number = 0
         self.last_system: canon.WorkSystem | None = None
+        self.saved_modes: list[tuple[State, float, float, bool]] = []
         self.not_simulated: dict[str, tuple[int, Span]] = {}
         self.corner_rule: CornerRule | None = None  # of cutter compensation; None for RS274's
         self.auto_length = False  # M6 takes the length along: nothing in the program is about lengths
@@ -299,6 +300,10 @@ class Control:
 
     def say_tool_offset(self) -> None:
         self.out.append(canon.ToolOffset(span=self.span, offset=self.si_axes(self.state.tool_offset)))
+
+    def shift(self) -> Vector:
+        """What G92 and G52 add, in program units."""
+        return self.state.g92
 
     def skip(self, word: str, place: Place | None = None) -> None:
         """Count a word that is read but not simulated; it stands at `place` of the line."""

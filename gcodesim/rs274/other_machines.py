@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 from gcodesim.diagnostics import SourceText
+from gcodesim.rs274.dialects import Lathe
 
 Kind = Literal["printer", "Klartext", "Sinumerik", "lathe"]
 
@@ -26,10 +27,6 @@ _SINUMERIK = re.compile(
 _HEATER = re.compile(rb"(?<![A-Z0-9])M0?(82|83|104|106|107|109|140|190)(?![0-9])")
 _CUTTER = re.compile(rb"(?<![A-Z0-9])M0?[346](?![0-9])")
 _FILAMENT = re.compile(rb"(?<![A-Z0-9])G0?[01](?![0-9.])[^\r\n]{0,80}?(?<![A-Z])E[ \t]?-?[0-9.]")
-_FANUC_LATHE = re.compile(
-    rb"(?<![A-Z0-9])(G(?:50[ \t]*S|7[0-3][ \t]*[PQUW]|28[ \t]*[UW]|76[ \t]*P[ \t]*[0-9]{5,6}(?![0-9.])))"
-)
-_LINUXCNC_LATHE = re.compile(rb"(?<![A-Z0-9])(G0?(?:[78]|7[0-2](?:\.[12])?|33|76|96))(?![0-9.])")
 _Y_WORD = re.compile(rb"[yY][ \t]*[-+]?[ \t]*[0-9.#\[]")
 _TOOL_CHANGE = re.compile(rb"[mM][ \t]*0*6(?![0-9])")
 
@@ -62,17 +59,16 @@ def foreign_of(source: SourceText) -> Foreign | None:
     return _found("printer", first, words, group=0)
 
 
-def lathe_of(source: SourceText, dialect: str) -> Foreign | None:
-    """What shows that a program of this dialect turns: codes of lathes, in a program that never names Y."""
-    pattern = {"fanuc": _FANUC_LATHE, "linuxcnc": _LINUXCNC_LATHE}.get(dialect)
-    if pattern is None:
+def lathe_of(source: SourceText, lathe: Lathe | None) -> Foreign | None:
+    """What shows that a program is one for `lathe`: its codes, in a program that never names Y."""
+    if lathe is None:
         return None
     words = _without_notes(source.raw[:_HEAD].upper())
-    match = pattern.search(words)
+    match = lathe.words.search(words)
     if match is None:
         return None
     everything = words if len(source.raw) <= _HEAD else _NOTES.sub(b"", source.raw)
-    if _Y_WORD.search(everything) or (dialect == "fanuc" and _TOOL_CHANGE.search(everything)):
+    if _Y_WORD.search(everything) or (not lathe.changes_by_m6 and _TOOL_CHANGE.search(everything)):
         return None
     return _found("lathe", match, words)
 

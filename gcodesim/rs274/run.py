@@ -414,15 +414,16 @@ class Executor:
         return None if foreign is None else self._foreign("GS016", foreign, *_OTHER_CONTROLS[foreign.kind])
 
     def _tell_of_lathe(self) -> None:
-        foreign = lathe_of(self.run.source, self.settings.dialect)
-        if foreign is None:
+        lathe = self.control.dialect.lathe
+        foreign = lathe_of(self.run.source, lathe)
+        if lathe is None or foreign is None:
             return
-        if self.settings.dialect == "fanuc":  # there the same words mean something else on a lathe
-            self._report(self._foreign("GS016", foreign, *_OTHER_CONTROLS["lathe"]), foreign.line)
+        finding = self._foreign(lathe.code, foreign, lathe.message, lathe.hint)
+        if lathe.refused:
+            self._report(finding, foreign.line)
             self.control.finished = True
-            return
-        message = "this is a program for a lathe (`{word}`, and never Y): the moves are right, the work stands still"
-        self.run.findings.add(self._foreign("GS916", foreign, message, "look at paths and times only"))
+        else:
+            self.run.findings.add(finding)
 
     def _foreign(self, code: str, foreign: Foreign, message: str, hint: str) -> Diagnostic:
         begin = foreign.column
@@ -539,7 +540,7 @@ class Executor:
             run.findings.extend(unclosed_findings(self.file))
         run.not_simulated = dict(control.not_simulated)
         for word, (count, first) in control.not_simulated.items():
-            code, hint = _code_of_skipped(word)
+            code, hint = _code_of_skipped(word, control.dialect)
             message = f"{word} is read, but not simulated"
             if word == "/":
                 message = "the line is left out because of its slash"
@@ -603,7 +604,7 @@ def _evaluated(block: Block, parameters: Parameters) -> list[tuple[int | str, fl
     return out
 
 
-_PROBES = ("G31", "G38.2", "G38.3", "G38.4", "G38.5")
+_PROBES = ("G38.2", "G38.3", "G38.4", "G38.5")
 _SKIPPED = (
     (("M7", "M8", "M9"), "GS901", "nothing that is simulated depends on coolant"),
     (("M48", "M49", "M50", "M51", "M52", "M53"), "GS902", "feeds and speeds run at 100 %, as nobody turns a knob"),
@@ -616,16 +617,7 @@ _SKIPPED = (
     (("M66",), "GS905", "every input reads 0 at once, and #5399 is 0: no time passes in waiting"),
     (("M30", "M60"), "GS906", ""),
     (("U", "V", "W"), "GS908", ""),
-    (("G5.1", "G8", "G103", "G187"), "GS913", "the planned motion always looks ahead"),
-    (("G22", "G23"), "GS913", "the cell's `travel` is checked instead"),
-    (("G27",), "GS913", "the move is made; whether it ends at the reference point is not looked at"),
     (_PROBES, "GS913", "what the probe meets is not looked at: it trips at the end of the move"),
-    (("G5",), "GS913", "the planned motion always looks ahead"),
-    (("G60",), "GS913", "the move goes straight to its end, without the overrun"),
-    (("G10",), "GS913", "the blocks up to G11 are passed over: they write data of the control"),
-    (("G30",), "GS913", "where that reference point lies is not known: the machine goes home"),
-    (("POPEN", "PCLOS", "BPRNT", "SETVN"), "GS912", "nothing is sent; texts of DPRNT stand in the log of a run"),
-    (("G43.4",), "GS913", "the length counts along Z: the tip is not kept in place while a rotary axis turns"),
 )
 
 
@@ -642,20 +634,16 @@ _OTHER_CONTROLS = {
         "this is a program for a Sinumerik (`{word}`): no dialect here reads it",
         "let the post write plain blocks, for a Fanuc control as an example",
     ),
-    "lathe": (
-        "this is a program for a lathe (`{word}`, and never Y): the Fanuc dialect here is that of milling",
-        "on a lathe X is a diameter, T0101 a tool with its offset, G98 and G99 are feeds: nothing of it would be right",
-    ),
 }
 
 
-def _code_of_skipped(word: str) -> tuple[str, str]:
+def _code_of_skipped(word: str, dialect: Dialect) -> tuple[str, str]:
     """Code and hint of a word that is not simulated."""
     if word.startswith("("):
         hint = "no file is written and no code is run; texts of (LOG, …) are in the log of a run and in `canon`"
         return "GS912", hint
     head = word.split(" ")[0]
-    for heads, code, hint in _SKIPPED:
+    for heads, code, hint in (*dialect.skipped, *_SKIPPED):
         if head in heads:
             return code, hint
     if head == "/":

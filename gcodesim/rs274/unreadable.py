@@ -44,13 +44,13 @@ _OPERATORS = ("mod", "eq", "ne", "gt", "ge", "lt", "le", "and", "or", "xor")
 def explain(problem: Unreadable, squeezed: str, columns: list[int], dialect: Dialect) -> Fault:
     """The finding for a line that breaks the grammar; `columns` are those of the characters of `squeezed`."""
     statement = _STATEMENT.match(squeezed)
-    if statement is not None and dialect.name != "fanuc":
+    if statement is not None and not dialect.statements:
         word = statement[1].upper()
         own = "o1 if [#1 GT 2] … o1 endif is the way here; " if dialect.flow_words else ""
         place = (columns[statement.start(1)], columns[statement.end(1) - 1] + 1)
         hint = f"{own}fanuc knows {word} (--dialect fanuc)"
         return Fault("GS008", f"{word} is no word of {dialect.name}", at=place, hint=hint)
-    if dialect.name != "fanuc" and (flow := _FLOW.match(squeezed)) is not None:
+    if not dialect.statements and (flow := _FLOW.match(squeezed)) is not None:
         if not dialect.flow_words:
             begin = columns[squeezed.index("o")]
             hint = "linuxcnc has them (--dialect linuxcnc)"

@@ -17,11 +17,12 @@ from gcodesim.diagnostics import Diagnostic, Severity, SourceText
 from gcodesim.frames import Array
 from gcodesim.rs274 import Settings, interpret
 from gcodesim.rs274.assumed import assumed_tools
+from gcodesim.rs274.dialects import DIALECTS
 from gcodesim.rs274.length_words import length_words
 from gcodesim.rs274.other_machines import foreign_of, lathe_of
 from gcodesim.units import MM
 
-DIALECTS: Final = ("linuxcnc", "fanuc", "grbl")  # the first of those that understand most is taken
+_DIALECTS: Final = ("linuxcnc", "fanuc", "grbl")  # the first of those that understand most is taken
 
 _TRIED: Final = 100_000  # bytes that are read to choose the dialect
 _PIECES: Final = 16  # chords in place of an arc
@@ -102,8 +103,9 @@ def survey(program: SourceText) -> Survey:
     """Read the program with every tool that it may name, its work systems at machine zero."""
     dialect, why = _dialect_of(program)
     foreign = foreign_of(program)
-    lathe = lathe_of(program, dialect)
-    if lathe is not None and dialect == "fanuc":
+    turns = DIALECTS[dialect].lathe
+    lathe = lathe_of(program, turns)
+    if turns is not None and turns.refused and lathe is not None:
         foreign = lathe
     run = interpret(program, Settings(dialect=dialect, tool_table=assumed_tools(program), has_cell=True))
     walk = _Walk(program)
@@ -137,7 +139,7 @@ def _dialect_of(program: SourceText) -> tuple[str, str]:
     if len(program.raw) > _TRIED:
         head = SourceText(program.name, program.raw[: program.raw.rfind(b"\n", 0, _TRIED) + 1])
     faults: dict[str, int] = {}  # kinds of faults: one that comes in every line says no more than once
-    for dialect in dict.fromkeys((said, *DIALECTS) if said else DIALECTS):
+    for dialect in dict.fromkeys((said, *_DIALECTS) if said else _DIALECTS):
         run = interpret(head, Settings(dialect=dialect, tool_table=assumed_tools(head), has_cell=True))
         for _ in run.stream():
             pass

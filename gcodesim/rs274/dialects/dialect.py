@@ -2,10 +2,44 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 # G codes are written times ten: G54 is 540, G59.3 is 593
+
+
+class Skipped(NamedTuple):
+    """Words that are read and not simulated: the finding's code, and what a user may do or expect."""
+
+    words: tuple[str, ...]
+    code: str
+    hint: str
+
+
+class Figure(NamedTuple):
+    """A modal way to draw all that follows differently: its code that switches it on, and the names of both."""
+
+    on: int
+    name: str
+    off: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Lathe:
+    """How a program for this control's lathes is known, and what to say about it (`{word}` is what gave it away).
+
+    `changes_by_m6`: such a lathe has M6, too, so that it does not stand for a mill. `refused`: the same words mean
+    something else there.
+    """
+
+    words: re.Pattern[bytes]
+    changes_by_m6: bool
+    refused: bool
+    code: str
+    message: str
+    hint: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,7 +59,11 @@ class Dialect:
     radius may allow; None for RS274's. `g53_under_g91` says that G53 is absolute
     whatever the distance mode, where RS274 refuses it. `first_motion` is the motion in force at the start, -1 for none.
     `executor` names the class (`module:Class`) that runs programs of a control
-    whose blocks mean something else than those of RS274.
+    whose blocks mean something else than those of RS274. `statements`: GOTO, IF
+    and WHILE stand in lines of their own, and O begins a program. `skipped` are words of this
+    control alone that are read and not simulated; `figures` says by modal group what draws
+    differently and outlives the program, `shift_off` how G52 and G92 are cancelled
+    where not by codes of RS274; `lathe` how programs of its lathes are known.
     """
 
     name: str
@@ -45,10 +83,15 @@ class Dialect:
     g53_under_g91: bool = False
     needs_end: bool = True
     flow_words: bool = True
+    statements: bool = False
     named_parameters: bool = True
     computes: bool = True
     first_motion: int = -1
     executor: str = ""
+    skipped: tuple[Skipped, ...] = ()
+    figures: Mapping[int, Figure] = field(default_factory=dict)
+    shift_off: str = ""
+    lathe: Lathe | None = None
 
 
 def g_name(code: int) -> str:

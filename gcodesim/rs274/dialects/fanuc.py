@@ -19,7 +19,9 @@
 
 from __future__ import annotations
 
-from gcodesim.rs274.dialects.dialect import Dialect
+import re
+
+from gcodesim.rs274.dialects.dialect import Dialect, Figure, Lathe, Skipped
 from gcodesim.rs274.dialects.linuxcnc import (
     CANCEL,
     CHANGING,
@@ -127,6 +129,32 @@ _M_GROUPS = {
     OVERRIDE: (48, 49),
 }
 
+_SKIPPED = (
+    Skipped(("G5", "G5.1", "G8", "G103", "G187"), "GS913", "the planned motion always looks ahead"),
+    Skipped(("G22", "G23"), "GS913", "the cell's `travel` is checked instead"),
+    Skipped(("G27",), "GS913", "the move is made; whether it ends at the reference point is not looked at"),
+    Skipped(("G31",), "GS913", "what the probe meets is not looked at: it trips at the end of the move"),
+    Skipped(("G60",), "GS913", "the move goes straight to its end, without the overrun"),
+    Skipped(("G10",), "GS913", "the blocks up to G11 are passed over: they write data of the control"),
+    Skipped(("G30",), "GS913", "where that reference point lies is not known: the machine goes home"),
+    Skipped(
+        ("POPEN", "PCLOS", "BPRNT", "SETVN"), "GS912", "nothing is sent; texts of DPRNT stand in the log of a run"
+    ),
+    Skipped(("G43.4",), "GS913", "the length counts along Z: the tip is not kept in place while a rotary axis turns"),
+)
+
+_LATHE = Lathe(
+    words=re.compile(
+        rb"(?<![A-Z0-9])(G(?:50[ \t]*S|7[0-3][ \t]*[PQUW]|28[ \t]*[UW]|76[ \t]*P[ \t]*[0-9]{5,6}(?![0-9.])))"
+    ),
+    changes_by_m6=False,
+    refused=True,
+    code="GS016",
+    message="this is a program for a lathe (`{word}`, and never Y): the Fanuc dialect here is that of milling",
+    hint="on a lathe X is a diameter, T0101 a tool with its offset, G98 and G99 are feeds: "
+    "nothing of it would be right",
+)
+
 FANUC = Dialect(
     name="fanuc",
     grammar="fanuc",
@@ -142,4 +170,13 @@ FANUC = Dialect(
     named_parameters=False,
     first_motion=0,
     executor="gcodesim.rs274.fanuc.executor:FanucExecutor",
+    statements=True,
+    skipped=_SKIPPED,
+    figures={
+        SCALING: Figure(510, "G51", "G50"),
+        MIRROR: Figure(511, "G51.1", "G50.1"),
+        TURN: Figure(680, "G68", "G69"),
+    },
+    shift_off="G92 or G52 of zero",
+    lathe=_LATHE,
 )

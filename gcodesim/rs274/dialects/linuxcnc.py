@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from gcodesim.rs274.dialects.dialect import Dialect
+import re
+
+from gcodesim.rs274.dialects.dialect import Dialect, Lathe
 
 # modal groups as in the LinuxCNC user manual, "G-code overview"; numbers are ours only as far as they are names
 NON_MODAL, MOTION, PLANE, DISTANCE, CENTRE, FEED_MODE, UNITS, COMPENSATION, LENGTH = 0, 1, 2, 3, 4, 5, 6, 7, 8
@@ -63,12 +65,21 @@ _USERS = {
 }
 
 # cycles of its lathes; on other controls G70 and G71 choose the unit
-_LATHE = "a cycle of lathes"
+_CYCLE = "a cycle of lathes"
 _UNSIMULATED = {
-    700: f"{_LATHE} (inches are G20)",
-    710: f"{_LATHE} (millimetres are G21)",
-    **dict.fromkeys((711, 712, 720, 721, 722), _LATHE),
+    700: f"{_CYCLE} (inches are G20)",
+    710: f"{_CYCLE} (millimetres are G21)",
+    **dict.fromkeys((711, 712, 720, 721, 722), _CYCLE),
 }
+
+_LATHE = Lathe(
+    words=re.compile(rb"(?<![A-Z0-9])(G0?(?:[78]|7[0-2](?:\.[12])?|33|76|96))(?![0-9.])"),
+    changes_by_m6=True,
+    refused=False,
+    code="GS916",
+    message="this is a program for a lathe (`{word}`, and never Y): the moves are right, the work stands still",
+    hint="look at paths and times only",
+)
 
 LINUXCNC = Dialect(
     name="linuxcnc",
@@ -81,4 +92,5 @@ LINUXCNC = Dialect(
     user_m_codes=range(100, 200),
     letters=frozenset("abcdefghijklmpqrstuvwxyz@^$"),
     unsimulated=_UNSIMULATED,
+    lathe=_LATHE,
 )

@@ -93,6 +93,9 @@ class FanucControl(Control):
         values = [self.program_units(get(first + axis, 0.0), axis) for axis in range(6)]
         return (*values, 0.0, 0.0, 0.0)  # type: ignore[return-value]
 
+    def shift(self) -> Vector:
+        return add(self.state.preset, self.state.local)
+
     def reframe(self, **changes: Any) -> None:
         """Change what frames depend on; the axes stay where they are."""
         axes = self.axes()

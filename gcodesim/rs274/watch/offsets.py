@@ -6,7 +6,6 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from gcodesim.diagnostics import Diagnostic, Span
-from gcodesim.rs274.dialects.fanuc import MIRROR, SCALING, TURN
 from gcodesim.rs274.dialects.linuxcnc import NON_MODAL, SHIFT
 from gcodesim.rs274.state import LINEAR, ZERO, Vector
 from gcodesim.rs274.watch.watch import Watch, word_span
@@ -16,12 +15,11 @@ if TYPE_CHECKING:
     from gcodesim.rs274.control import Control
 
 _SHIFTS = {520: ("G52", "G52 X0 Y0 Z0"), 920: ("G92", "G92.1"), 923: ("G92.3", "G92.1")}
-_FIGURES = {SCALING: (510, "G51", "G50"), MIRROR: (511, "G51.1", "G50.1"), TURN: (680, "G68", "G69")}
 _LETTERS = "XYZABCUVW"
 
 
 class OffsetsLeftOn(Watch):
-    """GS187: a shift (G52, G92), on Fanuc also a turn, scale or mirror image, is in force when the program ends.
+    """GS187: a shift (G52, G92) or a figure, such as a turn or mirror image, is in force when the program ends.
 
     A control keeps them for the next program. G54 comes back by itself, so the work system is no matter.
     """
@@ -38,27 +36,26 @@ class OffsetsLeftOn(Watch):
             assert code is not None
             name = _SHIFTS[code][0]
             self._shift = (name, word_span(words, name.lower(), control))
-        for group, (on, name, _) in _FIGURES.items():
-            if group in words.g and control.dialect.name == "fanuc":
+        for group, figure in control.dialect.figures.items():
+            if group in words.g:
                 self._figures.pop(group, None)
-                if words.g[group] == on:
-                    self._figures[group] = word_span(words, name.lower(), control)
+                if words.g[group] == figure.on:
+                    self._figures[group] = word_span(words, figure.name.lower(), control)
 
     def findings(self, *, finished: bool) -> Iterable[Diagnostic]:
         control = self._control
         if not finished or control is None:
             return
-        shift = _shift_of(control)
+        shift = control.shift()
         if self._shift is not None and shift != ZERO:
             name, span = self._shift
             unit = "in" if control.state.unit > 2e-3 else "mm"
-            off = next(cancel for known, cancel in _SHIFTS.values() if known == name)
-            off = "G92 or G52 of zero" if control.dialect.name == "fanuc" else off
+            off = control.dialect.shift_off or next(cancel for known, cancel in _SHIFTS.values() if known == name)
             yield self._left(
                 f"{name}: the next program would be off by {_shown(shift, unit)}", span, f"cancel it by {off}"
             )
         for group, span in self._figures.items():
-            _, name, off = _FIGURES[group]
+            _, name, off = control.dialect.figures[group]
             yield self._left(f"{name}: the next program would be drawn the same way", span, f"cancel it by {off}")
 
     @staticmethod
@@ -79,14 +76,3 @@ def _shown(shift: Vector, unit: str) -> str:
         ]
         parts += [f"{' '.join(words)} {its_unit}"] * bool(words)
     return ", ".join(parts)
-
-
-def _shift_of(control: Control) -> Vector:
-    """What G92 and G52 add, in program units."""
-    from gcodesim.rs274.fanuc.control import FanucControl
-
-    if isinstance(control, FanucControl):
-        from gcodesim.rs274.state import add
-
-        return add(control.state.preset, control.state.local)
-    return control.state.g92

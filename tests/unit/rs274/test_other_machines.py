@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from gcodesim.diagnostics import SourceText
+from gcodesim.rs274.dialects import DIALECTS
 from gcodesim.rs274.other_machines import foreign_of, lathe_of
 
 PRINTED = ";FLAVOR:Marlin\nM140 S60\nM105\nG28\nM82\nG92 E0\nG1 X10 Y10 F3000\nG1 X60 E2.5 F1200\nM107\n"
@@ -67,7 +68,7 @@ def test_programs_of_mills_are_none_of_them(text) -> None:
     ],
 )
 def test_a_mill_is_no_lathe(text, dialect) -> None:
-    assert lathe_of(SourceText("p.nc", text.encode()), dialect) is None
+    assert lathe_of(SourceText("p.nc", text.encode()), DIALECTS[dialect].lathe) is None
 
 
 def test_codes_of_lathes_and_of_haas_are_named(program) -> None:
