@@ -52,7 +52,6 @@ class Control:
         self.span = Span("")
         self.block_number = 0
         self.last_system: canon.WorkSystem | None = None
-        self.saved_modes: list[tuple[State, float, float, bool]] = []
         self.not_simulated: dict[str, tuple[int, Span]] = {}
         self.corner_rule: CornerRule | None = None  # of cutter compensation; None for RS274's
         self.auto_length = False  # M6 takes the length along: nothing in the program is about lengths
@@ -73,7 +72,7 @@ class Control:
     def situation(self) -> tuple[object, ...]:
         """All that it knows besides parameters, as a copy."""
         said = (self.returned, self.value_returned, self.spindle_tool)
-        return (self.state.copy(), said, dict(self.tools), tuple(self.saved_modes))
+        return (self.state.copy(), said, dict(self.tools))
 
     # -- frames
 

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from gcodesim.diagnostics import SourceText
 from gcodesim.rs274.block import Block
+from gcodesim.rs274.outline import Outline
 from gcodesim.rs274.reader import Reader
 
 # possessive quantifiers: a line of a million blanks is passed over once
@@ -55,6 +56,11 @@ class ProgramFile:
             if self._keeps:
                 self._blocks[index] = known
         return known
+
+    @property
+    def outline(self) -> Outline:
+        """Its subroutines, and what no block leads to."""
+        return Outline(self)
 
     @cached_property
     def is_subroutine(self) -> bool:

@@ -12,6 +12,7 @@ from gcodesim.diagnostics import SourceText
 from gcodesim.rs274.block import Block, Word
 from gcodesim.rs274.fanuc.external import statement
 from gcodesim.rs274.fanuc.names import called_name, head_name, number_of_name
+from gcodesim.rs274.fanuc.outline import FanucOutline
 from gcodesim.rs274.program_file import ProgramFile
 from gcodesim.rs274.reader import Reader
 
@@ -79,6 +80,10 @@ class FanucFile(ProgramFile):
         self.begin, self.end = _between_percents(self.lines)
         self.has_percent = False  # a program that runs into the second % has no end, so it is no end by itself
         self.first = self.parts[0].first
+
+    @property
+    def outline(self) -> FanucOutline:
+        return FanucOutline(self)
 
     def behind(self, number: int) -> int | None:
         """Index of the line that begins program `number` behind the second percent sign, where nothing is read."""
