@@ -25,7 +25,7 @@ _NO_XML: Final = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ff
 
 def text_of(verdict: SuiteVerdict, places: FilePlaces) -> str:
     """The document. Faults in test files are errors of test cases with the name of the file."""
-    folders: dict[str, list[CaseVerdict | Found]] = {}
+    folders: dict[str, list[CaseVerdict | JudgedFinding]] = {}
     for case in verdict.cases:
         folders.setdefault(_folder(case.name), []).append(case)
     for one in verdict.found:

@@ -14,7 +14,7 @@ _ORDER: Final = ("", "GS601", "GS602", "GS603", "GS605", "GS606", "GS604")
 _OF_THE_WHOLE: Final = ("GS604", "GS605")
 
 
-def counting(case: CaseVerdict) -> list[Found]:
+def counting(case: CaseVerdict) -> list[JudgedFinding]:
     """What makes a case fail, in the order of interest: faults, expectations, motion, the rest."""
     return sorted((one for one in case.found if one.state == "counts"), key=lambda one: _rank(one.finding.code))
 
@@ -23,7 +23,7 @@ def _rank(code: str) -> int:
     return _ORDER.index(code) if code in _ORDER else 0
 
 
-def found_text(found: Found, sources: Mapping[str, SourceText]) -> str:
+def found_text(found: JudgedFinding, sources: Mapping[str, SourceText]) -> str:
     """A finding with its excerpt, and its effect on the verdict where that is not obvious."""
     # the place of a result is that of the first difference in motion, which is quoted above it
     quoted = {} if found.finding.code in _OF_THE_WHOLE else sources

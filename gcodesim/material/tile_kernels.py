@@ -41,7 +41,9 @@ def same_columns(columns: Columns, before: Columns) -> bool:
 
 
 @kernel
-def facets_of(points: Array, fine: PatchTriangles, coarse: PatchTriangles, which: int, rounding: float) -> tuple[Array, Ints]:
+def facets_of(
+    points: Array, fine: PatchTriangles, coarse: PatchTriangles, which: int, rounding: float
+) -> tuple[Array, Ints]:
     """The triangles (f, 3) of one class out of two lists of them, and the points (v, 3) [m] that they have.
 
     Points stay in their order and become whole multiples of 1 / rounding.

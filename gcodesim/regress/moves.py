@@ -110,7 +110,7 @@ def _displacement(step: MotionStep) -> Hashable:
     return (step.kind, _rounded([e - s for e, s in zip(step.end, step.start, strict=True)]))
 
 
-def _unlikeness(a: Step, b: Step, tolerances: Tolerances) -> float:
+def _unlikeness(a: MotionStep, b: MotionStep, tolerances: Tolerances) -> float:
     """Called for each cell of a table, so it only counts differences, without describing them."""
     if a.kind != b.kind:
         if a.kind not in MOVES or b.kind not in MOVES or a.end is None or b.end is None:
@@ -194,7 +194,7 @@ def _axis(name: str, axis: int, old: float, new: float, tolerances: Tolerances) 
     )
 
 
-def _ways(a: Step, b: Step, tolerances: Tolerances, *, shaped: bool) -> list[FieldChange]:
+def _ways(a: MotionStep, b: MotionStep, tolerances: Tolerances, *, shaped: bool) -> list[FieldChange]:
     """A different path to the same end: how far apart the middles are. Where ends or words differ, they say enough."""
     if not shaped or len(a.through) != len(b.through) or _ends(a, b, tolerances):
         return []
@@ -244,7 +244,9 @@ def _unit(step: MotionStep, field: str, tolerance: str) -> str:
     return "mm/rev" if field == "pitch" else QUANTITIES[tolerance].unit
 
 
-def _hunks(pairs: Sequence[Pair], old: Sequence[Step], new: Sequence[Step], tolerances: Tolerances) -> list[list[Pair]]:
+def _hunks(
+    pairs: Sequence[Pair], old: Sequence[MotionStep], new: Sequence[MotionStep], tolerances: Tolerances
+) -> list[list[Pair]]:
     """Runs of pairs that are not equal, without those that only divide a path differently."""
     hunks: list[list[Pair]] = []
     run: list[Pair] = []
@@ -296,7 +298,7 @@ def _changes(
         )
 
 
-def _detail(step: Step) -> str:
+def _detail(step: MotionStep) -> str:
     """The content of a step that is not a move: `cw, 8000 rpm`."""
     if step.end is not None:
         return ""
@@ -316,7 +318,7 @@ def _place(step: MotionStep, text: LineText) -> ChangedLine:
     return ChangedLine(file=step.file, line=step.line, text=" ".join(text(step.file, step.line).split()))
 
 
-def _same_way(a: Sequence[Step], b: Sequence[Step], tolerances: Tolerances) -> bool:
+def _same_way(a: Sequence[MotionStep], b: Sequence[MotionStep], tolerances: Tolerances) -> bool:
     """Whether two runs of cuts (or of rapids) follow the same path in the same manner, however they are divided."""
     if not a or not b or any(step.kind not in ("line", "arc") or step.stops for step in (*a, *b)):
         return False
@@ -331,7 +333,7 @@ def _same_way(a: Sequence[Step], b: Sequence[Step], tolerances: Tolerances) -> b
     return all(tolerances["position"].allows(0.0, math.dist(x, y)) for x, y in zip(p, q, strict=True))
 
 
-def _sampled(steps: Sequence[Step]) -> list[tuple[float, float, float]]:
+def _sampled(steps: Sequence[MotionStep]) -> list[tuple[float, float, float]]:
     """Points at equal parts of the length of a run of moves; the length itself is one more entry."""
     lengths = [step.length for step in steps]
     total = sum(lengths)

@@ -49,7 +49,7 @@ def _system_text(system: System) -> str:
     return " ".join(["system", *parts])
 
 
-def lines_of(steps: Iterable[Step]) -> list[str]:
+def lines_of(steps: Iterable[MotionStep]) -> list[str]:
     """One line for each step, and one for each change of the work system."""
     lines: list[str] = []
     system = System()
