@@ -184,7 +184,7 @@ class _ActionKind(Kind):
                 suggestion(target.text, list(verbs)),
             )
         verb = Choice(verbs[target.text]).read(value, to, (*path, target.text))
-        return FAULT if isinstance(verb, Fault) else MCode(target=target.text, verb=verb)
+        return UNREAD if isinstance(verb, Unread) else MCode(target=target.text, verb=verb)
 
     def schema(self, definitions: dict[str, Json]) -> Json:
         properties = {target: {"enum": list(verbs)} for target, verbs in all_verbs().items()}

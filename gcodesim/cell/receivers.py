@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from gcodesim.cell.signals import SignalSource
-from gcodesim.declarations.reading import Unread, Path, Reading, suggestion
+from gcodesim.declarations.reading import Path, Reading, Unread, suggestion
 from gcodesim.declarations.units import find, measures, names
 from gcodesim.processes.signal import Signal, signals_read_by
 

@@ -10,7 +10,7 @@ from gcodesim.declarations.keys import key
 from gcodesim.declarations.kind import Json, Kind, key_name, scalar, short
 from gcodesim.declarations.map_of import MapOf, NameRule
 from gcodesim.declarations.nodes import Node
-from gcodesim.declarations.reading import UNREAD, Unread, Path, Reading
+from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread
 from gcodesim.declarations.record import Record
 from gcodesim.declarations.scalars import measured, why_no_number
 
