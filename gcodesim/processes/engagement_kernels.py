@@ -60,6 +60,8 @@ LEAST_ADVANCE = 1.0e-4
 # Up to this tangent of kappa an element of a falling tool is asked so deep that its wall counts as full.
 STEEPEST = 4.0
 
+SAME_SHARE = 0.02  # up to which the shares of two angles are the same but for what earlier cuts have left
+
 THIN = 1.0e-7  # [m] least height over which material is asked for
 
 
@@ -306,14 +308,48 @@ def reach_of(share: Array, steps: Array) -> tuple[int, int]:
 
 
 @kernel(lean=True)
-def locate_edge(weights: Array, i: int, k: int, fraction: float) -> None:
-    """Move the limit between angles k-1 and k of row i: it lies `fraction` (0..1) of the way."""
-    shift = fraction - 0.5
-    before, here = weights[i, k - 1], weights[i, k]
-    if shift > 0.0:
-        weights[i, k] = (1.0 - shift) * here + shift * before
-    else:
-        weights[i, k - 1] = (1.0 + shift) * before - shift * here
+def goes_on(known: Array, k: int, rises: bool) -> bool:
+    """Whether the share still changes from angle k - 1 to k, in the same direction; less than 0 is no share."""
+    if known[k - 1] < 0.0 or known[k] < 0.0:
+        return False
+    change = known[k] - known[k - 1]
+    return bool(change > SAME_SHARE if rises else change < -SAME_SHARE)
+
+
+@kernel(lean=True)
+def ramp_at(known: Array, k: int) -> tuple[int, int, int]:
+    """The angles (first, last) between which the share changes where it does so most, from k - 1 to k.
+
+    A wall is as soft as a column is wide, so that its neighbours may lie on the same ramp. Also the angle `after`: half
+    of the change is between it and the one before.
+    """
+    first, last, rises = k - 1, k, known[k] > known[k - 1]
+    if first > 0 and goes_on(known, first, rises):
+        first -= 1
+    if last + 1 < known.shape[0] and goes_on(known, last + 1, rises):
+        last += 1
+    half, after = 0.5 * (known[first] + known[last]), first + 1
+    while after < last and (known[after] < half if rises else known[after] > half):
+        after += 1
+    return first, last, after
+
+
+@kernel(lean=True)
+def crossing(least: float, most: float, low: float, high: float, half: float) -> float:
+    """Where the share is `half`, between two places with `low` and `high`."""
+    return least + (most - least) * min(max((half - low) / (high - low), 0.0), 1.0) if high != low else least
+
+
+@kernel(lean=True)
+def set_limit(weights: Array, i: int, first: int, last: int, limit: float) -> None:
+    """Share out row i between what it has at the angles `first` and `last`: the one up to `limit` [angles], the other.
+
+    Angle k stands for all from k to k + 1.
+    """
+    before, behind = weights[i, first], weights[i, last]
+    for k in range(first, last + 1):
+        part = min(max(limit - k, 0.0), 1.0)
+        weights[i, k] = part * before + (1.0 - part) * behind
 
 
 @kernel(lean=True)
@@ -368,23 +404,28 @@ def share_out_steps(
     known, steps = room.places.us[:last], room.places.vs[:last]  # the places are not needed any more
     left = mark_steps(sines, heading.level, rows[i, SIN_KAPPA], fall, weights[i, :last], known, steps)
     begin, end = reach_of(known, steps)
+    done = 0
     for k in range(last):
         if left == 0:
             break
         if steps[k] == 0.0:
             continue
         left -= 1
-        earlier, w = known[k - 1], known[k]
-        least, most = 0.0, 1.0
+        if k < done:
+            continue
+        first, last_one, after = ramp_at(known, k)
+        half, rises = 0.5 * (known[first] + known[last_one]), known[last_one] > known[first]
+        least, most, low, high = 0.0, 1.0, known[after - 1], known[after]
         for _ in range(4):
             middle = 0.5 * (least + most)
-            sine, cosine = turned(sines[k - 1], cosines[k - 1], middle * (2.0 * np.pi / ANGLES))
+            sine, cosine = turned(sines[after - 1], cosines[after - 1], middle * (2.0 * np.pi / ANGLES))
             between = share_at(field, tip, heading, rows, i, sine, cosine)
-            if (between > 0.5 * (w + earlier)) == (w > earlier):
-                most = middle
+            if (between > half) == rises:
+                most, high = middle, between
             else:
-                least = middle
-        locate_edge(weights, i, k, 0.5 * (least + most))
+                least, low = middle, between
+        set_limit(weights, i, first, last_one, after - 0.5 + crossing(least, most, low, high, half))
+        begin, end, done = min(begin, first), max(end, last_one + 1), last_one + 1
     return begin, end
 
 
@@ -404,13 +445,12 @@ def contact_of_cylinder(
     columns = to_columns(field, tip, ux, uy)
     lay_places(part_of(circle, 0, half), ring, heading, columns, places)
     ask_places(columns, places, bottom, top, share)
-    earlier = -1.0
     begin, end = half, 0
     for k in range(half):
         sine, cosine = circle.sines[k], circle.cosines[k]
         if level * sine <= LEAST_ADVANCE:
             weights[first : first + number, k] = 0.0
-            earlier = -1.0
+            share[k] = ELSEWHERE
             continue
         if share[k] == 0.0 or share[k] >= 1.0 - 1.0e-9:  # all of it, or nothing
             total = 0.0 if share[k] == 0.0 else 1.0
@@ -423,27 +463,33 @@ def contact_of_cylinder(
             total = fill_slices(field, x, y, z0, height, line[:number]) / number
             for i in range(number):
                 weights[first + i, k] = line[i]
-        if earlier >= 0.0 and abs(total - earlier) > 0.5 * max(total, earlier):
-            least, most = 0.0, 1.0
-            for _ in range(4):
-                middle = 0.5 * (least + most)
-                sine, cosine = turned(circle.sines[k - 1], circle.cosines[k - 1], middle * (2.0 * np.pi / ANGLES))
-                px, py, way = probe(radius, widest, sine, cosine, ahead, aside, level)
-                z0, z1 = bottom + climb * way, top + climb * way
-                x, y = tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py
-                between = occupancy(field, x, y, z0, z1)
-                if (between > 0.5 * (total + earlier)) == (total > earlier):
-                    most = middle
-                else:
-                    least = middle
-            for i in range(first, first + number):
-                locate_edge(weights, i, k, 0.5 * (least + most))
-            begin = min(begin, k - 1)
-            end = k + 1
-        earlier = total
+        share[k] = total
         if total > 0.0:
             begin = min(begin, k)
             end = k + 1
+    done = 1
+    for k in range(1, half):
+        earlier, total = share[k - 1], share[k]
+        if k < done or earlier < 0.0 or total < 0.0 or abs(total - earlier) <= 0.5 * max(total, earlier):
+            continue
+        from_k, to_k, after = ramp_at(share, k)
+        middle_share, rises = 0.5 * (share[from_k] + share[to_k]), total > earlier
+        least, most, low, high = 0.0, 1.0, share[after - 1], share[after]
+        for _ in range(4):
+            middle = 0.5 * (least + most)
+            sine, cosine = turned(circle.sines[after - 1], circle.cosines[after - 1], middle * (2.0 * np.pi / ANGLES))
+            px, py, way = probe(radius, widest, sine, cosine, ahead, aside, level)
+            z0, z1 = bottom + climb * way, top + climb * way
+            x, y = tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py
+            between = occupancy(field, x, y, z0, z1)
+            if (between > middle_share) == rises:
+                most, high = middle, between
+            else:
+                least, low = middle, between
+        limit = after - 0.5 + crossing(least, most, low, high, middle_share)
+        for i in range(first, first + number):
+            set_limit(weights, i, from_k, to_k, limit)
+        begin, end, done = min(begin, from_k), max(end, to_k + 1), to_k + 1
     weights[first : first + number, half:] = 0.0
     rows[first : first + number, FROM] = begin
     rows[first : first + number, TO] = end

@@ -313,6 +313,27 @@ def test_side_milling_in_stock(law, mode, phase):
     assert found["radial_width"][late].mean() == pytest.approx(ae, rel=0.05)
 
 
+@pytest.mark.parametrize("cells", [20, 40])
+@pytest.mark.parametrize("mode", ["up", "down"])
+@pytest.mark.parametrize("law", [STEEL, ALUMINIUM], ids=["kienzle", "linear"])
+def test_contact_ends_where_the_wall_is(law, mode, cells):
+    """From 20 % immersion on within 0.4 %, wherever the wall lies between two angles at which is looked."""
+    tool = mill(flutes=2)
+    for ae in np.linspace(2e-3, 8e-3, 7):
+        stock = Stock.box((0.0, -20e-3, -20e-3), (40e-3, 0.0, 0.0), D / cells)
+        ends = [(10e-3, D / 2 - ae, -4e-3), (11e-3, D / 2 - ae, -4e-3)]
+        window = straight(*(ends if mode == "down" else ends[::-1]), feed=feed_of(tool), spindle=OMEGA, dt=0.001)
+        state = Milling(cutter=tool, law=law).begin()
+        state.values[2] = 2.0  # free: it stands in the cut that it has made
+        found = Milling(cutter=tool, law=law).run(stock, window, state)
+        wanted = end_mill_forces(tool, law, ConstantCut(mode=mode, ap=4e-3, ae=ae, feed_per_tooth=CHIP, spindle=OMEGA))
+        force = wanted.force * ([1.0, 1.0, 1.0] if mode == "down" else [-1.0, -1.0, 1.0])
+        size = np.linalg.norm(force)
+
+        assert found.wrench[0, :3] == pytest.approx(force, abs=0.004 * size)
+        assert found["torque"][0] == pytest.approx(wanted.torque, rel=0.004)
+
+
 @pytest.mark.parametrize("kind", ["flat_end_mill", "ball_end_mill", "drill"])
 def test_plunge_in_stock(kind):
     tool = mill(6.0, 2, kind=kind)
