@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.executor.tasks import RowColumns
 from gcodesim.frames import Array
 from gcodesim.log import Camera, View
 from gcodesim.processes import PROCESSES
 from gcodesim.processes.column import LOG
+from gcodesim.processes.signal import ACTIVE
 from gcodesim.recorder.ways import Ways
 
 if TYPE_CHECKING:
@@ -72,8 +74,9 @@ def _volumes(shop: Shop, plan: Plan) -> tuple[float, float] | None:
     for number, tool in shop.cell.tools.items():
         section = sum(PROCESSES[kind].of(tool, None).laid_section for kind in tool.processes)
         if section > 0.0 and len(path):
-            tools = np.array([state.tool for state in path.states])[path.state]
-            added += section * float(path.length[(tools == number) & path.active].sum())
+            rows = RowColumns.of(path, shop)
+            active = rows.signals[ACTIVE.name] > 0.0
+            added += section * float(path.length[(rows.tool == number) & active].sum())
     takes = any(PROCESSES[kind].takes for kind in shop.sheet.kinds[1:])
     stock = sum(placed.initial for placed in shop.stocks.values()) if takes else 0.0
     if added == stock == 0.0:

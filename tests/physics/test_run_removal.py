@@ -108,6 +108,19 @@ def test_deposited_volume_of_a_wall(name: str) -> None:
     assert ran.stock.remaining == pytest.approx(ran.stock.initial + ran.stock.deposited, rel=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("word", "on", "off"), [("M3/M5", "M3 S100", "M5"), ("M62 P1", "M62 P1", "M63 P1"), ("M8/M9", "M8", "M9")]
+)
+def test_other_words_switch_the_bead_alike(word: str, on: str, off: str) -> None:
+    codes = "m_codes:\n  M10: {tool: activate}\n  M11: {tool: deactivate}\n"
+    cell = WALL_CELL.replace(codes, f"signals: {{active: {{word: {word}}}}}\n")
+    program = (ON + WALLS["right angles"][0] + OFF).replace("M10", on).replace("M11", off)
+    ran = run_texts(program, cell)
+
+    assert ran.stock.deposited * 1e9 == pytest.approx(WALLS["right angles"][1] * AREA, rel=0.005)
+    assert not ran.results.not_simulated
+
+
 def test_deposited_volume_of_the_wall_that_ships() -> None:
     """Two layers of `programs/wall.nc` in its cell, on the KR 10: closed loops with corners of 20 mm radius."""
     program = (ROOT / "programs" / "wall.nc").read_text().split("(layer 3)")[0]
