@@ -51,6 +51,9 @@ _PEOPLE: Final = (
     ("_w", "W", 1.0),
 )
 
+_UNITS_BEFORE: Final = ("_j", "_kg", "_n", "_nm", "_pa", "_w")
+"""Units before another one, as in `dose_j_m2`: the whole is no length or area, and stays as it is."""
+
 
 class TableColumn(NamedTuple):
     """A column: its name, which ends in the unit, and by what a number in SI is divided."""
@@ -72,7 +75,7 @@ def column_of(topic: str, field: str, kinds: Mapping[str, str], units: Units = "
     name = _si_name(topic, field, kinds)
     if units == "mm":
         for suffix, (shown, divisor) in _SHOP_FLOOR.items():
-            if name.endswith(suffix):
+            if name.endswith(suffix) and not name[: -len(suffix)].endswith(_UNITS_BEFORE):
                 if "spindle" in name:
                     shown, divisor = "_rpm", RPM
                 elif name.startswith("joint.") and shown == "_mm_min":
@@ -94,7 +97,7 @@ def peak_of(series: Series, field: str) -> str:
 def shown_as(field: str) -> tuple[str, str, float]:
     """A field such as `film_thickness_m` for people: its title, its unit, and how much SI one of it is."""
     for suffix, unit, divisor in _PEOPLE:
-        if field.endswith(suffix):
+        if field.endswith(suffix) and not field[: -len(suffix)].endswith(_UNITS_BEFORE):
             return field[: -len(suffix)].replace("_", " "), unit, divisor
     return field.replace("_", " "), "", 1.0
 

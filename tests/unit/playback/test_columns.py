@@ -2,7 +2,7 @@
 
 import pytest
 
-from gcodesim.playback.columns import column_of
+from gcodesim.playback.columns import column_of, shown_as
 
 KINDS = {"arm/joint_1": "revolute", "machine/X": "prismatic"}
 
@@ -15,6 +15,8 @@ KINDS = {"arm/joint_1": "revolute", "machine/X": "prismatic"}
         ("/process", "removed_m3", "process.removed_m3", "process.removed_mm3", 1e-9),
         ("/process", "spindle_rad_s", "process.spindle_rad_s", "process.spindle_rpm", 2 * 3.141592653589793 / 60),
         ("/motion", "feed_m_s", "motion.feed_m_s", "motion.feed_mm_min", 1e-3 / 60),
+        ("/process", "film_m", "process.film_m", "process.film_mm", 1e-3),
+        ("/process", "heat_j_m", "process.heat_j_m", "process.heat_j_m", 1.0),
         ("/motion", "x_m", "motion.x_m", "motion.x_mm", 1e-3),
         ("/wrench", "torque.z", "wrench.torque_z_Nm", "wrench.torque_z_Nm", 1.0),
         ("/tcp", "pose.position.y", "tcp.y_m", "tcp.y_mm", 1e-3),
@@ -43,3 +45,12 @@ def test_names_and_divisors(topic, field, si, floor, divisor):
     name, found = column_of(topic, field, KINDS, "mm")
 
     assert name == floor and found == pytest.approx(divisor, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("field", "shown"),
+    [("film_m", ("film", "mm", 1e-3)), ("wet_m2", ("wet", "mm²", 1e-6)), ("dose_j_m2", ("dose j m2", "", 1.0))],
+)
+def test_only_lengths_become_mm(field, shown):
+    assert shown_as(field)[:2] == shown[:2]
+    assert shown_as(field)[2] == pytest.approx(shown[2])
