@@ -55,7 +55,7 @@ def test_a_file_whose_reading_fails(cli, monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def test_a_budget_on_the_command_line(cli, write) -> None:
-    write("endless.nc", "o1 while [1]\no1 endwhile\nM2\n")
+    write("endless.nc", "#1=0\no1 while [1]\n#1=[#1+1]\no1 endwhile\nM2\n")
 
     assert "within 50 blocks" in cli("lint", "endless.nc", "--max-blocks", "50").out
     assert "longer than 0 s" in cli("canon", "endless.nc", "--time-limit", "0").out
