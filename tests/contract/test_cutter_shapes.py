@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from gcodesim.material import Stock, shape
-from gcodesim.material.sweep_kernels import BALL, BULL_NOSE, CONE, Shape
+from gcodesim.material.sweep_kernels import CONE, Shape
 
 MM = 1e-3
 
@@ -95,7 +95,7 @@ def volume_of(shape: Shape) -> float:
     """Volume [m^3] of a shape, from its closed form."""
     radius, corner, flat_radius, rise = shape.radius, shape.corner, shape.flat, shape.rise
     height = shape.top - shape.bottom
-    if shape.kind in (BALL, BULL_NOSE):
+    if corner > 0.0:
         body = math.pi * radius**2 * (height - corner)
         # a half torus tube around a disc (Pappus)
         ring = math.pi * flat_radius**2 * corner + math.pi**2 / 2 * flat_radius * corner**2
