@@ -10,7 +10,7 @@ from typing import NamedTuple
 # G codes are written times ten: G54 is 540, G59.3 is 593
 
 
-class Skipped(NamedTuple):
+class Unsimulated(NamedTuple):
     """Words that are read and not simulated: the finding's code, and what a user may do or expect."""
 
     words: tuple[str, ...]
@@ -88,7 +88,7 @@ class Dialect:
     computes: bool = True
     first_motion: int = -1
     executor: str = ""
-    skipped: tuple[Skipped, ...] = ()
+    skipped: tuple[Unsimulated, ...] = ()
     figures: Mapping[int, Figure] = field(default_factory=dict)
     shift_off: str = ""
     lathe: Lathe | None = None

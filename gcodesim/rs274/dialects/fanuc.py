@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import re
 
-from gcodesim.rs274.dialects.dialect import Dialect, Figure, Lathe, Skipped
+from gcodesim.rs274.dialects.dialect import Dialect, Figure, Lathe, Unsimulated
 from gcodesim.rs274.dialects.linuxcnc import (
     CANCEL,
     CHANGING,
@@ -130,17 +130,19 @@ _M_GROUPS = {
 }
 
 _SKIPPED = (
-    Skipped(("G5", "G5.1", "G8", "G103", "G187"), "GS913", "the planned motion always looks ahead"),
-    Skipped(("G22", "G23"), "GS913", "the cell's `travel` is checked instead"),
-    Skipped(("G27",), "GS913", "the move is made; whether it ends at the reference point is not looked at"),
-    Skipped(("G31",), "GS913", "what the probe meets is not looked at: it trips at the end of the move"),
-    Skipped(("G60",), "GS913", "the move goes straight to its end, without the overrun"),
-    Skipped(("G10",), "GS913", "the blocks up to G11 are passed over: they write data of the control"),
-    Skipped(("G30",), "GS913", "where that reference point lies is not known: the machine goes home"),
-    Skipped(
+    Unsimulated(("G5", "G5.1", "G8", "G103", "G187"), "GS913", "the planned motion always looks ahead"),
+    Unsimulated(("G22", "G23"), "GS913", "the cell's `travel` is checked instead"),
+    Unsimulated(("G27",), "GS913", "the move is made; whether it ends at the reference point is not looked at"),
+    Unsimulated(("G31",), "GS913", "what the probe meets is not looked at: it trips at the end of the move"),
+    Unsimulated(("G60",), "GS913", "the move goes straight to its end, without the overrun"),
+    Unsimulated(("G10",), "GS913", "the blocks up to G11 are passed over: they write data of the control"),
+    Unsimulated(("G30",), "GS913", "where that reference point lies is not known: the machine goes home"),
+    Unsimulated(
         ("POPEN", "PCLOS", "BPRNT", "SETVN"), "GS912", "nothing is sent; texts of DPRNT stand in the log of a run"
     ),
-    Skipped(("G43.4",), "GS913", "the length counts along Z: the tip is not kept in place while a rotary axis turns"),
+    Unsimulated(
+        ("G43.4",), "GS913", "the length counts along Z: the tip is not kept in place while a rotary axis turns"
+    ),
 )
 
 _LATHE = Lathe(
