@@ -1,4 +1,4 @@
-"""Whether a swept tool and a convex body meet, and how deep: support points and Gilbert, Johnson, Keerthi.
+"""Whether a swept tool and a convex body meet, and how deep: support points, and the method of Gilbert et al.
 
 A part of a tool is a convex body of revolution given by points (k, 2) of its
 outline: radius and height above the tip [m]. Swept along a straight piece with
@@ -160,7 +160,7 @@ def shrink(simplex: Array, count: int, closest: Array, weight: Array) -> int:
 def separation(outline: Array, axis: Array, start: Array, end: Array, corners: Array, tolerance: float) -> float:
     """Distance [m] between the tool swept from `start` to `end` and the hull of `corners`; 0 when they meet.
 
-    Right to `tolerance` [m]; anything nearer than that counts as meeting.
+    Accurate to `tolerance` [m]; anything nearer than that counts as meeting.
     """
     simplex, closest, weight = np.zeros((4, 3)), np.zeros(3), np.zeros(4)
     for c in range(3):
@@ -204,8 +204,8 @@ def overlap_along(outline: Array, axis: Array, tip: Array, corners: Array, d: Ar
 def depth_at(outline: Array, axis: Array, tip: Array, corners: Array, normals: Array) -> float:
     """How deep [m] the tool standing at `tip` is in the hull: the least way out along any of these directions.
 
-    Asked are the normals (m, 3) of the hull's faces, the tool's axis, both also
-    across the axis, and from the axis to each corner. For an upright tool in an
+    The directions are the normals (m, 3) of the hull's faces and the tool's axis, both also
+    across the axis, and those from the axis to each corner. For an upright tool in an
     upright box that is exact; for others it is an upper bound of the least way out.
     Negative or 0: they do not meet.
     """

@@ -64,7 +64,7 @@ def inverse_path(
     previous = np.empty(6)
     copy_row(seed, previous)
     for k in range(X.shape[0]):
-        # the arm mostly goes on with shoulder and elbow as they are; then the other half of the work is not needed
+        # the arm mostly keeps its shoulder and elbow branch; then the other branches need not be computed
         state = REACH
         if branch >= 0:
             apart = solve_family(family, X[k], branch, arm, R_PB, R_EP, R_FE, previous, room, candidates, flags)

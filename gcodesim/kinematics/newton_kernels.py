@@ -11,12 +11,12 @@ from gcodesim.frames import Array
 from gcodesim.kinematics.chain import Indices
 from gcodesim.kinematics.tree_kernels import fill_jacobian, joint_frames, place
 
-DONE = 1e-11  # [m], [rad] of residual at which the steps end: one more would only stir rounding
+DONE = 1e-11  # [m], [rad] of residual at which the steps end: further ones would only change rounding
 STEPS = 50  # steps before a start is given up
-LONGEST = 0.5  # [rad], [m] of the longest step of one joint: keeps a far start from leaping over branches
+LONGEST = 0.5  # [rad], [m] of the longest step of one joint: keeps a distant start from jumping over branches
 DAMPING = 1e-2  # times the squared residual: Newton at the end, careful far away
-PATIENCE = 6  # steps without the residual falling by a hundredth, after which the pose counts as out of reach
-LEAST_DAMPING = 1e-14  # of the trace: keeps the factor alive where the arm is singular
+PATIENCE = 6  # steps in which the residual falls by less than a hundredth, after which the pose counts as out of reach
+LEAST_DAMPING = 1e-14  # share of the trace: keeps the matrix regular where the arm is singular
 
 
 @kernel

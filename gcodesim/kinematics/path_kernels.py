@@ -13,9 +13,9 @@ from gcodesim.kinematics.tree_kernels import copy_row
 
 TURN = 2.0 * math.pi
 PER_TURN = 1.0 / TURN
-LIMIT_SLACK = 1e-9  # [rad], [m] beyond a limit that still counts as on it: rounding, not motion
+LIMIT_SLACK = 1e-9  # [rad], [m] beyond a limit that still count as on it: rounding, not motion
 TIE = 1e-9  # squared distances closer than this are equal: the lower branch number wins
-JUMP = 0.35  # [rad] (20 deg) of one joint between two poses: a change of branch by more is no smooth passage
+JUMP = 0.35  # [rad] (20 deg) of one joint between two poses: a change of branch by more is not smooth
 WINDING = 3.0  # [rad] of one joint between two poses: a turn was unwound
 
 OK, REACH, LIMIT, SINGULAR, FLIP = 0, 1, 2, 3, 4
@@ -90,13 +90,13 @@ def choose(
     last_branch: int,
     out: Array,
 ) -> tuple[int, int]:
-    """The candidate (b, j) that goes on from `previous` (j,): its branch and status, joints in `out` (j,).
+    """The candidate (b, j) that continues from `previous` (j,): its branch and status; joints in `out` (j,).
 
-    Candidates whose `usable` is 0 do not exist; they are turned in place.
+    Candidates whose `usable` is 0 do not exist; the others are turned in place.
     `last_branch` is the branch of the pose before, or −1 at the start of a path,
     where any solution within limits will do and the nearest is taken. Along a
     path the arm goes smoothly where it can: beyond a limit (LIMIT) rather than by
-    a jump, as a control would stop there; a jump (FLIP) is left where nothing smooth is.
+    a jump, because a control would stop there; a jump (FLIP) remains where there is no smooth way.
     """
     best, least = -1, np.inf
     for b in range(candidates.shape[0]):

@@ -16,10 +16,10 @@ import math
 from gcodesim.compiled import kernel
 from gcodesim.frames import Array
 
-REACH_SLACK = 1e-9  # [m] beyond the reach that still counts as stretched out: rounding, not distance
+REACH_SLACK = 1e-9  # [m] beyond the reach that still count as stretched out: rounding, not distance
 NEAR = 1e-6  # [rad] of wrist and elbow, [m] of the shoulder from singular: joint speeds are unbounded in practice
 LOCK = 1e-10  # [rad], [m] from singular: the free joint keeps its last value, the pose errs by no more than this
-EXISTS, SHOULDER, ELBOW, WRIST = 1, 2, 4, 8  # flags of a branch: there, and what of it is singular
+EXISTS, SHOULDER, ELBOW, WRIST = 1, 2, 4, 8  # flags of a branch: it exists, and which part of it is singular
 
 
 @kernel
@@ -94,5 +94,5 @@ def heading(
 
 @kernel
 def elbow_is_straight(bend: float) -> bool:
-    """Stretched out or folded, where joint speeds are unbounded."""
+    """Whether the arm is stretched out or folded, where joint speeds are unbounded."""
     return bend < NEAR or math.pi - bend < NEAR

@@ -14,7 +14,7 @@ from gcodesim.kinematics.tree_kernels import copy_row
 
 GOOD = 1e-9  # [m], [rad] of residual that counts as reached
 PIVOT = 1e-11  # relative pivot of J Jᵀ below which the arm counts as singular
-SEARCH_EVERY = 64  # rows out of reach in a row after which all starts are tried again: a long way outside stays cheap
+SEARCH_EVERY = 64  # consecutive rows out of reach after which all starts are tried again: a long way outside is cheap
 
 
 @kernel
@@ -23,7 +23,7 @@ def settle(
 ) -> tuple[bool, float, float]:
     """Turn revolute joints nearest to `previous`, in place: within limits?, squared distance, longest turn.
 
-    A turn within limits goes before a nearer one, unless the joint goes `on` along a path.
+    A turn within limits is preferred to a nearer one, unless the joint goes `on` along a path.
     """
     inside, distance, most = True, 0.0, 0.0
     for i in range(q.shape[0]):
@@ -61,7 +61,7 @@ def inverse_path(
 
     Each row starts from the one before. The first row, and a row where that
     fails, tries all `starts` (s, j) and takes the solution nearest to the row
-    before. `on_path` = 1 when `seed` is a row of the same path, so that the first row is none.
+    before. `on_path` = 1 when `seed` is a row of the same path, so that no path begins here.
     """
     count = seed.shape[0]
     frames, J, A = np.empty((count, 4, 4)), np.empty((6, count)), np.empty((6, 6))
@@ -80,7 +80,7 @@ def inverse_path(
             inside, least, most = settle(q, previous, lower, upper, prismatic, going)
             if inside or (going and most <= JUMP):
                 state = OK if inside else LIMIT
-        # along a path what goes on smoothly is taken; else the nearest of all that a search finds within limits
+        # along a path the smooth continuation is taken; otherwise the nearest solution within limits of a search
         if not going or (state == REACH and lost % SEARCH_EVERY == 0) or (state == OK and most > JUMP):
             copy_row(q, best)
             found = state
@@ -100,7 +100,7 @@ def inverse_path(
             state = found
             if state == OK and going and most > JUMP:
                 state = FLIP
-        if state == OK and count >= 6 and pivot < PIVOT:  # with fewer joints J Jᵀ never is regular
+        if state == OK and count >= 6 and pivot < PIVOT:  # with fewer joints J Jᵀ is never regular
             state = SINGULAR
         if state == REACH:
             copy_row(previous, q)

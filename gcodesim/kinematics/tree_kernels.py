@@ -11,7 +11,7 @@ from gcodesim.kinematics.chain import Indices
 
 @kernel
 def copy_row(source: Array, target: Array) -> None:
-    """target[:] = source for vectors (n,); a loop, because slice assignment takes seconds to compile."""
+    """``target[:] = source`` for vectors (n,); a loop, because slice assignment takes seconds to compile."""
     for i in range(source.shape[0]):
         target[i] = source[i]
 

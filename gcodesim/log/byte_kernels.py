@@ -11,7 +11,7 @@ from gcodesim.compiled import kernel
 def place(at: Any, out: Any, source: Any, begin: Any, size: Any) -> None:
     """Copy `size` (n,) bytes from `begin` (n,) on in `source` to `at` (n,) and further in `out`, both uint8."""
     for i in range(len(at)):
-        # in slices the index counts from 0: one that might be negative would be asked for at every byte
+        # in slices the index counts from 0: an index that might be negative would be checked at every byte
         to, start = out[at[i] : at[i] + size[i]], source[begin[i] : begin[i] + size[i]]
         for k in range(size[i]):
             to[k] = start[k]

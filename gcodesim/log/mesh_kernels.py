@@ -1,4 +1,4 @@
-"""Leaving points out of a mesh that none of its triangles uses, and writing the rest."""
+"""Removes points from a mesh that none of its triangles uses, and writes the others."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from gcodesim.compiled import kernel
 
 @kernel(lean=True)
 def number_used(triangles: Any, number: Any) -> int:
-    """Number the points that `triangles` (m, 3) use in `number` (n,), in their order, the others −1; how many are used.
+    """Number in `number` (n,) the points that `triangles` (m, 3) use, in order, others −1; returns how many are used.
 
-    −1 when a triangle points outside.
+    Returns −1 if an index is out of range.
     """
     for i in range(len(number)):
         number[i] = -1
@@ -33,7 +33,7 @@ def number_used(triangles: Any, number: Any) -> int:
 
 @kernel(lean=True)
 def take_used(points: Any, triangles: Any, number: Any, kept: Any, renumbered: Any) -> None:
-    """The points with a `number` (n,) into `kept`, and the triangles of their numbers into `renumbered`."""
+    """Copy the points with a `number` (n,) into `kept`, and the triangles in new numbers into `renumbered`."""
     for i in range(len(number)):
         if number[i] >= 0:
             for c in range(3):
@@ -45,7 +45,7 @@ def take_used(points: Any, triangles: Any, number: Any, kept: Any, renumbered: A
 
 @kernel(lean=True)
 def round_points(points: Any, grid: float, out: Any) -> bool:
-    """Whole multiples of `grid` next to `points` (n, 3), into `out` (n, 3). False where a number is not finite."""
+    """Whole multiples of `grid` nearest to `points` (n, 3), into `out` (n, 3). False if a number is not finite."""
     wild = 0
     for i in range(points.shape[0]):
         for d in range(3):

@@ -71,9 +71,9 @@ def fill_rows(
 
 @kernel(lean=True)
 def fault_of(values: Any, quaternion_from: Any) -> int:
-    """What is wrong with `values` (n, c), of which the columns from each of `quaternion_from` on are quaternions.
+    """What is wrong with `values` (n, c), in which quaternions begin at the columns `quaternion_from`.
 
-    0, or the first of: a number is not finite, a quaternion is not of unit length, one has w ≤ 0.
+    0, or the first of these: a number is not finite, a quaternion is not of unit length, a quaternion has w ≤ 0.
     """
     fault = 0
     for i in range(values.shape[0]):

@@ -2,7 +2,7 @@
 
 The cross-section is a rectangle with half-round sides: width w, height h, area (w - h) h + pi h^2 / 4. Over a column
 it is averaged across one cell, so that the volume on the grid is the volume of the path, and it takes the free room
-of its layer [tip - h, tip]: where a neighbouring bead lies already, the rest of the layer fills up.
+of its layer [tip - h, tip]: where there is a neighbouring bead already, the rest of the layer fills up.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from gcodesim.material.sweep_kernels import columns_across_x, columns_across_y, 
 
 Array = NDArray[np.float64]
 
-FULL = 1.0 - 1.0e-9  # a layer filled so far counts as full
+FULL = 1.0 - 1.0e-9  # a layer filled to this share counts as full
 SHARPEST = -0.6  # cosine of the turn (127 degrees) up to which the outside of a corner is a mitre
 
 
@@ -32,8 +32,8 @@ class Bead(NamedTuple):
 
 
 class Strand(NamedTuple):
-    """A piece of a strand, with its neighbours (3,) [m]: where the piece before it begins, where it begins and ends
-    itself, and where the one behind it ends. Without neighbours `previous` is `start`, `following` is `end`."""
+    """A piece of a strand with its neighbours (3,) [m]: where the piece before it begins, where it begins and ends
+    itself, and where the piece after it ends. Without neighbours `previous` is `start`, `following` is `end`."""
 
     previous: Array
     start: Array
@@ -43,7 +43,7 @@ class Strand(NamedTuple):
 
 @kernel
 def unite(columns: Columns, i: int, j: int, bottom: float, top: float, fuse: float) -> float:
-    """Add [bottom, top] to column (i, j) and fuse it with what is nearer than `fuse`; added length [m], -1: no room.
+    """Add [bottom, top] to column (i, j), fused with material nearer than `fuse`; added length [m], -1: no room.
 
     On -1 the column is as it was.
     """
@@ -110,7 +110,7 @@ def fill_layer(columns: Columns, i: int, j: int, tip: float, thickness: float, b
     middle = tip - 0.5 * height
     spread = thickness
     if held > 0.0:
-        # the spread around the middle whose union with what is there holds both
+        # the height around the middle such that its union with the existing material contains both
         wanted = held + thickness
         least, most = thickness, height
         for _ in range(45):
@@ -127,9 +127,9 @@ def fill_layer(columns: Columns, i: int, j: int, tip: float, thickness: float, b
 def add_piece(field: Field, strand: Strand, bead: Bead, trial: bool) -> float:
     """Lay a bead along a piece of the nozzle tip's way; added volume [m^3], -1 when a column has no room.
 
-    Ends are flat, so pieces in line abut. What the piece before has laid is not laid twice. The outside of the corner
-    to the following piece is filled by a mitre, which holds what the overlap on its inside lacks; where the strand
-    turns back, by a round sector. With `trial` nothing is added: it asks whether there is room.
+    Ends are flat, so pieces in line abut. What the previous piece has laid is not laid twice. The outside of the corner
+    to the following piece is filled by a mitre, which makes up for the overlap on its inside; where the strand
+    turns back, by a round sector. With `trial` nothing is added; it only tests whether there is room.
     """
     columns, grid, _, dirty, tops = field
     lo, _, count = columns

@@ -2,8 +2,8 @@
 
 Heights are exact, walls are not: somewhere between the centres of two columns that differ there is a wall, so each
 pair of neighbours leaves half a cell of their difference open; a wall whose place is known (wall_kernels) leaves a
-tenth of a cell, for its ends and curves. Where heights run on evenly (a slope, not a wall) the
-centre of a cell is its mean, and only the change of the slope counts.
+tenth of a cell, for its ends and curves. Where heights change evenly (a slope, not a wall) the
+height at the centre of a cell is its mean, and only the change of the slope counts.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ KNOWN_WALL = 0.2  # share of half a cell that a wall of known place leaves open
 def changes(columns: Columns, before: Columns, change: Array) -> float:
     """Fill `change` (nx, ny) with the length [m] in which each column differs from before; returns the sum.
 
-    There may be one column from before that stands for all.
+    The state before may be given as one column for all.
     """
     nx, ny = columns.number.shape
     one_x, one_y = before.number.shape[0] == 1, before.number.shape[1] == 1
@@ -57,7 +57,7 @@ def open_length(columns: Columns, change: Array, i: int, j: int, di: int, dj: in
     if apart == 0.0:
         return 0.0
     if count[i, j] == 1 and count[a, b] == 1 and lo[i, j, 0] == lo[a, b, 0]:
-        # four columns in a row: the part of the step that is a slope running on
+        # four columns in a row: the part of the step that is a continuing slope
         bottom = lo[i, j, 0]
         if simple(columns, i - di, j - dj, bottom) and simple(columns, a + di, b + dj, bottom):
             before = hi[i, j, 0] - hi[i - di, j - dj, 0]

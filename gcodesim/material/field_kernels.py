@@ -1,6 +1,6 @@
-"""A field of dexels, as kernels take it: columns of exact height on a regular grid, and what is kept beside them.
+"""A field of dexels in the form that kernels take: columns of exact height on a regular grid, walls, and marks.
 
-Kernels of other packages hand a `Field` on to those of this one; what is in it is only named here.
+Kernels of other packages pass a `Field` on to those of this one; only this package names its contents.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ PATCH = 1 << PATCH_SHIFT
 
 
 class Grid(NamedTuple):
-    """Where columns stand: the outer corner x, y, and the size dx, dy of a cell [m]."""
+    """Where the columns are: the outer corner x, y, and the size dx, dy of a cell [m]."""
 
     x: float
     y: float
@@ -34,7 +34,7 @@ class Grid(NamedTuple):
 class Columns(NamedTuple):
     """Columns (nx, ny): the first `number` of up to k intervals lo..hi (nx, ny, k) [m] of each hold material.
 
-    Intervals rise and do not touch. An empty column ends where it begins, in its first interval.
+    Intervals are in rising order and do not touch. In an empty column the first interval ends where it begins.
     """
 
     lo: Array
@@ -45,8 +45,8 @@ class Columns(NamedTuple):
 class Field(NamedTuple):
     """Columns along Z of one frame, on a grid.
 
-    walls (8, nx + 1, ny + 1): where walls really stand (`wall_kernels`). Of each patch of 16 x 16 columns: `dirty`,
-    whether it has changed since somebody looked, and `tops`, a height [m] that none of its material surpasses.
+    walls (8, nx + 1, ny + 1): where walls really are (`wall_kernels`). For each patch of 16 x 16 columns: `dirty`,
+    whether it has changed since the last look, and `tops`, a height [m] that none of its material exceeds.
     """
 
     columns: Columns
@@ -71,7 +71,7 @@ def diagonal(field: Field) -> float:
 
 @kernel(lean=True, inlined=True)
 def breadth_along(field: Field, ux: float, uy: float) -> float:
-    """How broad [m] a cell is for somebody who looks along (ux, uy), a unit vector."""
+    """The width [m] of a cell seen along the unit vector (ux, uy)."""
     return float(field.grid.dx * abs(uy) + field.grid.dy * abs(ux))
 
 
@@ -105,7 +105,7 @@ def patch_tops(columns: Columns, tops: Array) -> None:
 
 @kernel(lean=True)
 def tighten_tops(field: Field, x: float, y: float, radius: float) -> None:
-    """Look anew how high the material is in the patches within `radius` [m] of (x, y): cutting has lowered it."""
+    """Update the height of the material in the patches within `radius` [m] of (x, y), which cutting has lowered."""
     tops, grid = field.tops, field.grid
     pi, pj = patch_at(field, x, y)
     reach_i = int(np.ceil(radius / (grid.dx * PATCH)))
@@ -117,7 +117,7 @@ def tighten_tops(field: Field, x: float, y: float, radius: float) -> None:
 
 @kernel(lean=True)
 def top_nearby(field: Field, x: float, y: float, radius: float) -> float:
-    """Height [m] that no material within `radius` of (x, y) surpasses; -inf where there is no stock."""
+    """Height [m] that no material within `radius` of (x, y) exceeds; -inf where there is no stock."""
     tops = field.tops
     first_i, first_j = patch_at(field, x - radius, y - radius)
     last_i, last_j = patch_at(field, x + radius, y + radius)

@@ -1,7 +1,7 @@
-"""Flat parts of a surface, drawn with few triangles: patches of columns that begin, or end, at one height.
+"""Flat parts of a surface, drawn with few triangles: patches of columns that all begin or end at one height.
 
 A flat patch is a fan around a point inside it. Towards another flat patch its side is one edge, towards anything else
-it keeps all points of the lattice, so that nothing opens between fine and coarse.
+it keeps all points of the lattice, so that no gap opens between fine and coarse.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ def end_of(columns: Columns, i: int, j: int, top: int) -> float:
 def find_flat(columns: Columns, before: Columns, span: ColumnSpan) -> Bytes:
     """Patches (p, q, 2) of a tile, undersides and tops: 0 not flat, 1 flat, 2 flat and changed.
 
-    Flat is a patch whose columns, and those around it, have the same end.
+    A patch is flat if its columns, and those around it, have the same end.
     """
     i0, i1, j0, j1 = span
     mx, my = columns.number.shape

@@ -1,6 +1,6 @@
 """All compiled kernels of the stock that other packages call from their own compiled loops.
 
-They take a `Field` whole, as `Stock.view` gives it, and hand it on; what is in it is only named in this package.
+They take a `Field` whole, as `Stock.view` gives it, and pass it on; only this package names its contents.
 Everything is in the stock frame S.
 """
 

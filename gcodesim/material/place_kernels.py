@@ -1,4 +1,4 @@
-"""How full a stock is at many places at once, as the forces of a cutter ask for it.
+"""How full a stock is at many places at once, as needed for the forces of a cutter.
 
 Places are counted in columns: whole numbers are the centres of columns. So the loops over them have no branches, and
 several places go at a time.
@@ -17,7 +17,7 @@ from gcodesim.material.query_kernels import occupancy, surrounding
 
 Array = NDArray[np.float64]
 
-ELSEWHERE = -1.0  # no share: the place has to be asked on its own
+ELSEWHERE = -1.0  # not a share: the place has to be asked separately
 
 
 class ToColumns(NamedTuple):
@@ -39,7 +39,7 @@ class ToColumns(NamedTuple):
 
 
 class Places(NamedTuple):
-    """Places (n,) in columns, `us` along x and `vs` along y, and how far above the given heights to ask there [m]."""
+    """Places (n,) in units of columns, `us` along x and `vs` along y, and how far above given heights to ask [m]."""
 
     us: Array
     vs: Array
@@ -59,7 +59,7 @@ def to_columns(field: Field, point: Array, ux: float, uy: float) -> ToColumns:
 
 @kernel(lean=True, inlined=True)
 def share_between(field: Field, x: float, y: float, z0: float, z1: float) -> float:
-    """`occupancy`, quicker where each of the columns around (x, y) has one interval, as is common."""
+    """`occupancy`, but quicker where each of the columns around (x, y) has one interval, as is common."""
     i, j, wx, wy = surrounding(field.grid, x, y)
     lo, hi, count = field.columns
     if i < 0 or j < 0 or i + 1 >= count.shape[0] or j + 1 >= count.shape[1]:
@@ -83,7 +83,7 @@ def read_single(
     scale = 1.0 / (top - bottom)
     for k in range(share.shape[0]):
         u, v = min(max(us[k], 0.0), last_i), min(max(vs[k], 0.0), last_j)
-        # truncation is the floor here; unsigned indices spare the check for negative ones
+        # truncation equals the floor here; unsigned indices save the check for negative ones
         i, j = np.uint64(u), np.uint64(v)
         a = i * row + j
         b = a + row

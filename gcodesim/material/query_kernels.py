@@ -1,4 +1,4 @@
-"""Questions to a stock: how full a place is, how much there is in all."""
+"""Queries of a stock: how full a place is, and the total volume."""
 
 from __future__ import annotations
 

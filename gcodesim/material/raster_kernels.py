@@ -16,7 +16,7 @@ Ints = NDArray[np.int32]
 
 
 class Crossings(NamedTuple):
-    """Where the lines of columns cross a mesh: how many each has (nx, ny), and the first of them in the lists.
+    """Where the lines of columns cross a mesh: the number of crossings of each (nx, ny) and their places in the lists.
 
     heights [m] and ups: +1 where the line leaves the body, going up, -1 where it enters. Lists may be empty as long as
     crossings are only counted.
@@ -30,7 +30,7 @@ class Crossings(NamedTuple):
 
 @kernel
 def side(ax: float, ay: float, bx: float, by: float, x: float, y: float) -> float:
-    """Twice the signed area of (a, b, point); the same number with the other sign when a and b change places."""
+    """Twice the signed area of (a, b, point); exactly the negative if a and b change places."""
     if ax < bx or (ax == bx and ay < by):
         return (bx - ax) * (y - ay) - (by - ay) * (x - ax)
     return -((ax - bx) * (y - by) - (ay - by) * (x - bx))
@@ -38,7 +38,7 @@ def side(ax: float, ay: float, bx: float, by: float, x: float, y: float) -> floa
 
 @kernel
 def find_crossings(vertices: Array, faces: Ints, grid: Grid, crossings: Crossings, store: bool) -> None:
-    """Crossings of every column's line with the triangles: their number, or with `store` also their lists."""
+    """Crossings of every column's line with the triangles: their number, and with `store` also their lists."""
     found, start, heights, ups = crossings
     nx, ny = found.shape
     found[:] = 0
@@ -72,7 +72,7 @@ def find_crossings(vertices: Array, faces: Ints, grid: Grid, crossings: Crossing
 def fill_columns(crossings: Crossings, columns: Columns, dry: bool) -> tuple[int, int]:
     """Intervals between entering and leaving, overlapping shells united; (most intervals of a column, open columns).
 
-    `dry`: count only. A column is open when the mesh does not close along it; it gets what is certain.
+    `dry`: count only. A column is open if the mesh does not close along it; it gets only the certain intervals.
     """
     found, start, heights, ups = crossings
     lo, hi, count = columns

@@ -26,7 +26,7 @@ from gcodesim.material.wall_kernels import FIRST, FIRST_GONE, LAST, LAST_GONE, C
 
 Array = NDArray[np.float64]
 
-NONE = np.inf  # floor of a column that nothing is swept out of
+NONE = np.inf  # floor of a column from which nothing is swept
 
 
 @kernel(lean=True)
@@ -96,7 +96,7 @@ def mark_tall(low: Array, high: Array, height: float) -> bool:
 
 @kernel(lean=True)
 def any_tall(columns: Columns, i: int, first: int, last: int, height: float) -> bool:
-    """The same for columns first..last of row i, whatever they hold."""
+    """The same for columns first..last of row i, whatever they contain."""
     _, hi, count = columns
     tall = False
     for j in range(first, last):
@@ -158,7 +158,7 @@ def scratch(field: Field) -> Array:
 def remove_piece(field: Field, start: Array, end: Array, shape: Shape, spare: Array) -> tuple[float, bool]:
     """Remove what `shape` sweeps from tip `start` to `end` (3,) [m]; (volume [m^3], ok). spare: `scratch`.
 
-    The volume counts walls where they stand, not where the grid shows them (see wall_kernels); it is never negative.
+    The volume counts walls where they are, not where the grid shows them (see wall_kernels); it is never negative.
     ok is False when a column had no room for one more interval: what was done stays done, and doing the piece
     again after growing the arrays removes the rest.
     """
@@ -192,7 +192,7 @@ def remove_piece(field: Field, start: Array, end: Array, shape: Shape, spare: Ar
         x = x_of(grid, i)
         least, most = strip_range(x, radius, piece)
         if least > most:
-            if not tall:  # a wall in the row beside the tool, which it may move by less than a cell
+            if not tall:  # a wall in the row beside the tool, which the tool may move by less than a cell
                 least, most = strip_range(x, radius + grid.dx, piece)
                 if least <= most:
                     first_j, last_j = columns_across_y(grid, ny, least, most)
@@ -201,7 +201,7 @@ def remove_piece(field: Field, start: Array, end: Array, shape: Shape, spare: Ar
         first_j, last_j = columns_across_y(grid, ny, least, most)
         if first_j >= last_j:
             continue
-        if single:  # the loops in these have no branches, so that several columns go at a time
+        if single:  # the loops in these have no branches, so that several columns are processed at a time
             low, high = lows[i * ny + first_j : i * ny + last_j], highs[i * ny + first_j : i * ny + last_j]
             tall = tall or mark_tall(low, high, tall_from)
             y = ys[first_j - begin_j : last_j - begin_j]
@@ -229,7 +229,7 @@ def remove_piece(field: Field, start: Array, end: Array, shape: Shape, spare: Ar
                 across = ys[j - begin_j] * ux - (x - x0) * uy
                 c2 = across * across
                 if end < tall_from:
-                    # no deeper than the underside straight above the nearest point, with the piece's lowest tip
+                    # no deeper than the underside of the shape at the nearest point, at the piece's lowest tip
                     near = min(max(0.0, -along), length - along)
                     rho2 = c2 + near * near
                     if rho2 > radius2 or bottom_least + underside(shape, np.sqrt(rho2)) >= end:
@@ -318,7 +318,7 @@ def touch_piece(field: Field, start: Array, end: Array, shape: Shape) -> tuple[f
 
 
 class Found(NamedTuple):
-    """What happened along c pieces, each (c,): volume that was removed [m^3], and how much material [m^3], and how
+    """What happened along c pieces, each (c,): volume that was removed [m^3], and how much material [m^3] and how
     deep [m], the other bodies ran through."""
 
     volume: Array

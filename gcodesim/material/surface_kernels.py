@@ -173,7 +173,7 @@ def build_chains(columns: Columns, walls: Singles, corners: Corners, span: Colum
             rim = rim_a or rim_b
             if not rim and plain_prism(columns, a, b, limit, heights):
                 plain[prism] = made
-                # as most are: four columns of one piece each, a vertex below and one above
+                # the usual case: four columns of one piece each, a vertex below and one above
                 for turn in range(2):
                     bits[groups], rising[groups], below[groups] = 15, 1 - turn, 15 * turn
                     vertex[groups], extra[groups] = made, -1
@@ -269,7 +269,7 @@ def build_chains(columns: Columns, walls: Singles, corners: Corners, span: Colum
 
 @kernel(lean=True)
 def seen_vertex(chains: Chains, group: int, corner: int) -> int:
-    """The vertex of a group as the strand around a material corner sees it; -1 when that strand passes by."""
+    """The vertex of a group on the strand around a material corner; -1 if that strand passes by."""
     bits, rising, below, vertex = chains.bits, chains.rising, chains.below, chains.vertex
     mask = below[group]
     if rising[group]:
@@ -329,7 +329,7 @@ def was_there(before: Columns, i: int, j: int, bottom: float, top: float) -> flo
 
 @kernel(lean=True)
 def was_end(before: Columns, i: int, j: int, z: float, rises: bool) -> bool:
-    """Whether column (i, j) began (`rises`) or ended at z from the outset."""
+    """Whether column (i, j) began (`rises`) or ended at z from the start."""
     lo, hi, count = before
     if count.shape[0] == 1:
         i = 0

@@ -21,7 +21,7 @@ from gcodesim.material.field_kernels import Grid
 
 Array = NDArray[np.float64]
 
-# Columns are asked this far (in cells) beside their centre, differently in x and y: a wall that runs exactly
+# Columns are sampled this far (in cells) beside their centre, differently in x and y: a wall that runs exactly
 # through centres then owns them on one side only, whatever rounding does, as if walls were half open.
 NUDGE_X = 1.0e-7
 NUDGE_Y = 0.63e-7
@@ -120,7 +120,7 @@ def bull_nose_reach(flat: float, corner: float, c: float, slope: float) -> float
 
 @kernel(lean=True)
 def rises_at(flat: float, corner: float, c2: float, slope: float, u: float) -> bool:
-    """Whether slope * u + b(rho) of a bull nose rises with u there; multiplied out, so that the rim has no pole."""
+    """Whether slope * u + b(rho) of a bull nose rises with u there; multiplied out, to avoid a pole at the rim."""
     rho = np.sqrt(u * u + c2)
     beyond = rho - flat
     if beyond <= 0.0:
@@ -203,13 +203,13 @@ def columns_across_y(grid: Grid, ny: int, least: float, most: float) -> tuple[in
 
 @kernel(lean=True, inlined=True)
 def x_of(grid: Grid, i: int) -> float:
-    """Where columns i are asked [m]."""
+    """Where columns i are sampled [m]."""
     return grid.x + (i + 0.5 + NUDGE_X) * grid.dx
 
 
 @kernel(lean=True, inlined=True)
 def y_of(grid: Grid, j: int) -> float:
-    """Where columns j are asked [m]."""
+    """Where columns j are sampled [m]."""
     return grid.y + (j + 0.5 + NUDGE_Y) * grid.dy
 
 

@@ -1,4 +1,4 @@
-"""Tiles for the log: their columns out of a stock, and their triangles apart by class, small and quick to write."""
+"""Tiles for the log: their columns from a stock, and their triangles separated by class, small and quick to write."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Ints = NDArray[np.int32]
 
 @kernel(lean=True)
 def take_columns(columns: Columns, ix: Ints, iy: Ints, taken: Columns) -> None:
-    """Copy the columns at `ix` (m,) and `iy` (n,) to those (m, n) of `taken`; no more of each than it has."""
+    """Copy the columns at `ix` (m,) and `iy` (n,) to those (m, n) of `taken`; of each only its used intervals."""
     lo, hi, count = columns
     for a in range(len(ix)):
         for b in range(len(iy)):

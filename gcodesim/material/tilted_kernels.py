@@ -1,4 +1,4 @@
-"""Cutting with a tilted tool: the column's line against the turned body, at poses half a cell apart.
+"""Cutting with a tilted tool: the line of each column against the turned body, at poses half a cell apart.
 
 The body is a stack of frusta along its axis (a convex profile), the line meets it in one interval, and what lies
 between two poses is taken as the hull of their intervals.
@@ -145,7 +145,7 @@ def remove_tilted(field: Field, way: TiltedWay, body: Profile, first: int, volum
                     low, high = line_through_body(x - tip_x, y - tip_y, ax / norm, ay / norm, az / norm, body)
                     if low < high:
                         low, high = low + tip_z, high + tip_z
-                        # bodies of poses next to each other hang together, so the hull of the run is what they sweep
+                        # bodies of neighbouring poses overlap, so what they sweep is the hull of the run
                         if held_low < held_high:
                             held_low, held_high = min(held_low, low), max(held_high, high)
                         else:

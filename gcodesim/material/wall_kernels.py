@@ -1,7 +1,7 @@
-"""Where walls really stand: what the grid cannot show of a straight wall is kept at the border of columns.
+"""Where walls really are: the part of a straight wall's place that the grid cannot show, kept at borders of columns.
 
 A column belongs to the cut when its centre does, so a wall appears at the border between two columns although it
-stands up to half a cell beside it. When an upright tool leaves a wall, its place is reckoned along the row of columns
+is up to half a cell beside it. When an upright tool leaves a wall, its place is computed along the row of columns
 that crosses it (along x, and along y).
 
 `walls` (8, nx + 1, ny + 1) f4 holds, for the borders below column (i, j) in x and in y: [0], [1] how far the tool
@@ -34,10 +34,10 @@ from gcodesim.material.sweep_kernels import NUDGE_X, NUDGE_Y, Piece, row_range
 Array = NDArray[np.float64]
 Singles = NDArray[np.float32]
 
-SAME_PLACE = 1.0e-5  # walls nearer than this part of a cell are the same wall, cut again
+SAME_PLACE = 1.0e-5  # walls closer than this share of a cell are the same wall, cut again
 NEVER = 1.0e9  # a place [cells] that no stock has
-SLIVER = 0.125  # what is lower than this share of the height above it is no place of its own: a tip that shakes
-SAME_HEIGHT = 1.0e-8  # heights [m] nearer than this are the same: rounding of single precision
+SLIVER = 0.125  # a step lower than this share of the height above it is not a place of its own: the tip shakes
+SAME_HEIGHT = 1.0e-8  # heights [m] closer than this are the same: rounding of single precision
 
 # planes of `walls`, each for borders in x and, one further on, in y
 PLACE, HEIGHT, SECOND, LOWER = 0, 2, 4, 6
@@ -48,7 +48,7 @@ FIRST, FIRST_GONE, LAST, LAST_GONE = 0, 1, 2, 3  # rows of `Cut`
 class Cut(NamedTuple):
     """Which columns a piece has cut: of each line along x (4, ny), and along y (4, nx), the first and the last one.
 
-    -1 where there is none; behind each stands by how much [m] it was cut.
+    -1 where there is none; after each index comes by how much [m] that column was cut.
     """
 
     x: Array
@@ -75,7 +75,7 @@ def left(walls: Singles, axis: int, i: int, j: int) -> float:
 
 @kernel(lean=True)
 def most_taken(walls: Singles, i: int, j: int, but: int) -> float:
-    """What its walls take of column (i, j) where it stands [m]; but: a border that does not count, see `set_wall`."""
+    """What its walls take of standing column (i, j) [m]; `but`: a border that does not count, see `set_wall`."""
     most = 0.0
     if walls[0, i, j] < 0.0 and but != 0:
         most = taken(walls, 0, i, j)
@@ -90,7 +90,7 @@ def most_taken(walls: Singles, i: int, j: int, but: int) -> float:
 
 @kernel(lean=True)
 def most_left(walls: Singles, i: int, j: int, but: int) -> float:
-    """What its walls leave of column (i, j) where it is gone [m]; but: a border that does not count."""
+    """What its walls leave of gone column (i, j) [m]; `but`: a border that does not count."""
     most = 0.0
     if walls[0, i, j] > 0.0 and but != 0:
         most = left(walls, 0, i, j)
@@ -119,7 +119,7 @@ def beyond_columns(walls: Singles) -> float:
 def set_wall(
     walls: Singles, axis: int, i: int, j: int, side: int, beyond: float, height: float, second: float, lower: float
 ) -> float:
-    """Put a wall with one or two places at a border; returns what is gone more than before [m].
+    """Put a wall with one or two places at a border; returns how much more is gone than before [m].
 
     side: +1 when the column below the border is left standing, -1 when the one above is. No height: no wall.
     Of its two columns the border is number `axis` of the one above, 2 + `axis` of the one below.
@@ -164,7 +164,7 @@ def shorten_wall(walls: Singles, axis: int, i: int, j: int, gone: float) -> floa
 
 @kernel(lean=True)
 def shorten_walls(walls: Singles, i: int, j: int, gone: float) -> float:
-    """Column (i, j) was cut by `gone` [m]: what stood of its walls in that height is gone; returns the gain [m]."""
+    """Column (i, j) was cut by `gone` [m], and its walls in that height are gone too; returns the gain [m]."""
     gain = 0.0
     for axis in range(2):
         if walls[axis, i, j] < 0.0:
@@ -177,7 +177,7 @@ def shorten_walls(walls: Singles, i: int, j: int, gone: float) -> float:
 
 @kernel(lean=True)
 def place_on_rim(side: int, offset: float, uf: float, um: float, length: float, radius: float) -> float:
-    """Where on a piece [m] the disc stands that makes its rim on a line that crosses it.
+    """Where on a piece [m] the disc is whose rim is extreme on a line that crosses the piece.
 
     The line keeps its first coordinate `offset` from the piece's start and runs along the second; (uf, um) is the
     direction of the piece in these. `side` -1: the lower rim, +1: the upper one.
@@ -194,7 +194,7 @@ def find_rims(
 ) -> None:  # fmt: skip
     """Rim of a swept disc on n lines `spacing` apart, in cells [`step` m] from where the piece is at `begin` [m].
 
-    The first line at `offset`, the rest as in `place_on_rim`. A line that is never reached has it at the wrong side.
+    The first line is at `offset`, the rest as in `place_on_rim`. If a line is never reached, it is on the wrong side.
     """
     slowness, shift = 0.0, length if side * um > 0.0 else 0.0
     if uf != 0.0:
@@ -202,7 +202,7 @@ def find_rims(
         shift = radius * um * (side if uf > 0.0 else -side) * slowness
     per_cell = 1.0 / step
     radius2, never = radius * radius, -NEVER * side
-    for k in range(rims.shape[0]):  # without branches, so that several lines go at a time
+    for k in range(rims.shape[0]):  # without branches, so that several lines are processed at a time
         across = offset + k * spacing
         s = min(max(across * slowness + shift, 0.0), length)
         miss = across - uf * s
@@ -213,7 +213,7 @@ def find_rims(
 
 @kernel(lean=True)
 def one_place(further: float, height: float, nearer: float, lower: float) -> float:
-    """Place [cells] that stands for two heights [m] of a wall: with the same volume, or the further one.
+    """Place [cells] that replaces two heights [m] of a wall: with the same volume, or the further one.
 
     Beyond the border and before it count at different columns, so places on both sides of it have no mean.
     """
@@ -228,9 +228,9 @@ def advance_wall(
 ) -> float:
     """A tool came `beyond` [cells] a border along the upper `height` [m] of a wall; returns the gain [m].
 
-    fresh: how much the gone column has been cut just now [m]. A step that was there before has no wall yet: it counts
+    fresh: by how much the gone column has just been cut [m]. A step that was there before has no wall yet: it counts
     at the border until a tool comes beyond. dip: on a slope, how much higher or lower [m] a tool stands where it comes
-    near the border than where it comes furthest; so much at the foot of a wall counts at the border.
+    near the border than where it comes furthest; that much of the foot of a wall counts at the border.
     """
     place = float(walls[axis, i, j])
     if place == 0.0:
@@ -299,7 +299,7 @@ def material_above(columns: Columns, i: int, j: int, bottom: float) -> float:
 def reckon_walls(
     field: Field, piece: Piece, radius: float, low_z: float, bottom: float, cut: Cut, rims: Array
 ) -> float:
-    """Reckon the walls that an upright tool has left along a piece; returns the gain over what was held [m].
+    """Compute the walls that an upright tool has left along a piece; returns the gain over the walls before [m].
 
     low_z: the lowest tip of the piece; bottom: the height over the tip [m] from which on the tool is a cylinder of
     `radius`; rims (2, n): scratch.
@@ -331,7 +331,7 @@ def reckon_walls(
         for line in range(first, last):
             below, above = float(lower[line - first]), float(upper[line - first])
             inner = int(np.ceil(below - 0.5 - nudge))  # the first column of the cut
-            outer = int(np.floor(above - 0.5 - nudge)) + 1  # the first one behind it
+            outer = int(np.floor(above - 0.5 - nudge)) + 1  # the first one after it
             if inner >= outer:
                 continue
             for side in (1, -1):

@@ -12,16 +12,16 @@ from gcodesim.motion.columns import Column
 from gcodesim.motion.corner_kernels import corner_center, corner_radius, way_from_corner
 from gcodesim.motion.curve_kernels import ROUND, STRAIGHT
 
-# Habits of the motion planner, as numbers with names. They are those of LinuxCNC 2.9, measured on its own planner.
-# The two shares on arcs belong to any planner that keeps acceleration back in bends; the others are this one's own
-# and decide between 5 % and 1 % of time.
+# Constants of the motion planner. They are those of LinuxCNC 2.9, measured on its own planner.
+# The two shares on arcs belong to any planner that reserves acceleration in curves; the others are specific to it
+# and make the difference between 5 % and 1 % of time.
 
 # Share of the acceleration that bends the path on arcs and corner arcs: sqrt(3)/2, so half of it is left along it.
 NORMAL_SHARE: Final = 3.0**0.5 / 2.0
 # Share along the path where the normal share is used up.
 TANGENTIAL_SHARE: Final = 0.5
 # A step of direction is passed at the speed where it asks for this share of the acceleration within one cycle;
-# the blocks at both sides then do with the rest.
+# the blocks on both sides then have to make do with the rest.
 KINK_SHARE: Final = 0.1
 CYCLE: Final = 1e-3  # [s]
 # The last block before the queue runs empty in G64, and blocks that overlap, use this share, in both their ramps.
@@ -33,7 +33,7 @@ SHARPEST_CORNER: Final = 0.02
 # Chords that are merged into one line.
 LONGEST_CHAIN: Final = 100
 
-# [m] that an arc may rise or widen and still be rounded as one in a plane: rounding of a program's last digit
+# [m] by which an arc may rise or widen and still be rounded like a plane one: rounding of a program's last digit
 FLAT: Final = 2e-6
 
 # what happens at the end of a curve
@@ -229,7 +229,7 @@ def corners(
             p1 = tolerance[i] if tolerance[i] > 0.0 else TOLERANCE_SHARE * length[i]
             p2 = tolerance[i + 1] if tolerance[i + 1] > 0.0 else TOLERANCE_SHARE * length[i + 1]
             v = min(reach, turned_speed(last[i], across, turn, axis_limits[0]))
-            # not larger than the speed needs, but as long as two ramps to a stand at half the acceleration would be
+            # not larger than the speed needs, but as long as two ramps to rest at half the acceleration would be
             ramp = TANGENTIAL_SHARE * most
             enough = max(v * v / a_n, v * v / (ramp * turn))
             room = corner_radius(

@@ -51,7 +51,7 @@ def corner_center(turn: float, r1: float, side1: float, r2: float, side2: float,
         ex, ey = (bx - ax) / gap, (by - ay) / gap
         fx, fy, dx, dy = ax + along * ex, ay + along * ey, -ey, ex
     h = math.sqrt(square)
-    # of the points f + h d and f − h d the one nearer to that of the tangents
+    # of the points f + h d and f − h d, the one nearer to that of the tangents
     if h * ((fx - x0) * dx + (fy - y0) * dy) > 0.0:
         h = -h
     return fx + h * dx, fy + h * dy

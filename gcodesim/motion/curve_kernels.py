@@ -10,7 +10,7 @@ from gcodesim.motion.columns import Column, Columns
 STRAIGHT = 0
 ROUND = 1
 TIMED = 2  # every axis runs its own trapezoid from rest to rest; the parameter is time [s]
-OWN = 3  # a law of its own, as a move in joint space; the parameter is time [s], points are nominal: on a straight line
+OWN = 3  # a law of its own, such as a move in joint space; the parameter is time [s], points are nominal: on a line
 
 
 @kernel

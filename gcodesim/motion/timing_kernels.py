@@ -104,7 +104,7 @@ def times_at(
             phase_piece[p + 1] < piece or (phase_piece[p + 1] == piece and phase_s[p + 1] <= s)
         ):
             p += 1
-        if phase_piece[p] < piece or s == np.inf:  # the piece has no phase, so takes no time; or its end is asked
+        if phase_piece[p] < piece or s == np.inf:  # the piece has no phase, so it takes no time; or its end is asked
             out[b] = phase_time[p] + phase_duration[p]
             continue
         way = max(s - phase_s[p], 0.0)

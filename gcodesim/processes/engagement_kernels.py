@@ -1,9 +1,9 @@
-"""Which part of an upright cutter's edge is in material, angle by angle.
+"""Finds which part of an upright cutter's edge is in material, angle by angle.
 
-It is asked where the edge will be next: a point of the cutter's surface at
+The stock is sampled where the edge will be next: a point of the cutter's surface at
 height z and angle phi is moved ahead, onto a circle that is larger by the
 diagonal of a cell, and kept inside the width that the tool sweeps. So none of
-the four columns that are asked is one that the tool has cut already: a slot
+the four columns that are sampled is one that the tool has cut already: a slot
 counts as full from wall to wall wherever it lies on the grid, and force does
 not ripple from cell to cell. A tool that follows its own finished wall touches
 nothing.
@@ -53,27 +53,27 @@ ARC, AT_R, AT_Z, KAPPA, KAPPA_END, LENGTH, FOOT, HEAD = 0, 1, 2, 3, 4, 5, 6, 7
 RADIUS, HEIGHT, SIN_KAPPA, COS_KAPPA, EDGE_WIDTH, LOW, HIGH, OUTER, FROM, TO = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9
 COLUMNS = 10
 
-# An edge that moves into material at less than this share of its speed slides on it and does not cut: the flat bottom
+# An edge that moves into material at less than this share of its speed slides on it without cutting, as the flat bottom
 # of an end mill in a horizontal cut, whose commanded height is never exactly constant.
 LEAST_ADVANCE = 1.0e-4
 
-# Up to this tangent of kappa an element of a falling tool is asked so deep that its wall counts as full.
+# Up to this tangent of kappa an element of a falling tool is sampled so deep that its wall counts as full.
 STEEPEST = 4.0
 
 SAME_SHARE = 0.02  # up to which the shares of two angles are the same but for what earlier cuts have left
 
-THIN = 1.0e-7  # [m] least height over which material is asked for
+THIN = 1.0e-7  # [m] least height over which material is sampled
 
 
 class Circle(NamedTuple):
-    """Sine and cosine of phi at the angles (ANGLES,) at which a revolution is looked at."""
+    """Sine and cosine of phi at the angles (ANGLES,) at which a revolution is sampled."""
 
     sines: Array
     cosines: Array
 
 
 class Heading(NamedTuple):
-    """Where a cutter is fed to: horizontal direction (ux, uy), and how level and how steep its way is: unit vectors."""
+    """The direction of feed: horizontal (ux, uy), and how level and how steep it is; both are unit vectors."""
 
     ux: float
     uy: float
@@ -142,7 +142,7 @@ def lay_rows(pieces: Array, piece: int, height: float, cell: float, rows: Array)
 
 @kernel(lean=True, inlined=True)
 def clearances(field: Field, heading: Heading) -> tuple[float, float]:
-    """How far [m] ahead of the cutter, and inside its width, to ask: no column around such a place is under it.
+    """How far [m] ahead of the cutter, and inside its width, to sample: no column around such a place is under it.
 
     Ahead it is the diagonal of a cell, for any direction; aside the width of a cell seen along the feed.
     """
@@ -178,7 +178,7 @@ def turned(sine: float, cosine: float, angle: float) -> tuple[float, float]:
 
 @kernel(lean=True)
 def plunge_way(rows: Array, i: int, cell: float, level: float) -> float:
-    """Least way d [m] for row i: falling, so far that columns a cell nearer to the axis, with lower floor, are full."""
+    """Least way d [m] for row i: in a fall, enough to fill columns a cell nearer to the axis, whose floor is lower."""
     steep = STEEPEST if rows[i, SIN_KAPPA] > STEEPEST * rows[i, COS_KAPPA] else rows[i, SIN_KAPPA] / rows[i, COS_KAPPA]
     return float((1.0 - level) * (0.5 * (rows[i, HIGH] - rows[i, LOW]) + cell * steep))
 
@@ -236,7 +236,7 @@ def places_at(room: Room, begin: int, end: int) -> Places:
 def lay_places(circle: Circle, ring: Ring, heading: Heading, columns: ToColumns, places: Places) -> None:
     """Where to ask for material at many angles at once, as `probe` does for one.
 
-    No branches, no dependence between turns.
+    The loop has no branches and no dependence between its iterations.
     """
     sines, cosines = circle
     radius, outer, ahead, inside, least_way = ring
@@ -257,7 +257,7 @@ def lay_places(circle: Circle, ring: Ring, heading: Heading, columns: ToColumns,
 
 @kernel(lean=True)
 def leave_advancing(sines: Array, level: float, sin_kappa: float, fall: float, line: Array) -> bool:
-    """Set the share (n,) to 0 where an element does not advance; whether any is left that is not known."""
+    """Set the share (n,) to 0 where an element does not advance; returns whether any is left that is not known."""
     unknown = np.uint8(0)
     for k in range(line.shape[0]):
         share = line[k] if level * sines[k] * sin_kappa - fall > LEAST_ADVANCE else 0.0
@@ -278,7 +278,7 @@ def mark_steps(
     for k in range(line.shape[0]):
         copy[k] = line[k]
     steps[0] = 0.0
-    # slices, because an index of which the compiler cannot see that it is not negative keeps it to one angle at a time
+    # slices, because with an index that might be negative for all it knows the compiler takes one angle at a time
     before, after, step_after, sines_before, sines_after = line[:-1], line[1:], steps[1:], sines[:-1], sines[1:]
     for k in range(step_after.shape[0]):
         advancing = np.uint8(level * sines_after[k] * sin_kappa - fall > LEAST_ADVANCE)
@@ -291,7 +291,7 @@ def mark_steps(
 
 @kernel(lean=True)
 def reach_of(share: Array, steps: Array) -> tuple[int, int]:
-    """The range of angles of which `share` (n,) is not 0, or can get a part of what is across a step."""
+    """The range of angles whose `share` (n,) is not 0, or may get part of a neighbour's across a step."""
     n = share.shape[0]
     begin, end = 0, n
     while begin < n and share[begin] <= 0.0:
@@ -379,7 +379,7 @@ def contact_of_rows(
         line = weights[i, :last]
         behind = behind_range(sines, level * sin_kappa, LEAST_ADVANCE + fall) if last == ANGLES else 0
         front_end, back_begin = min(ANGLES // 2 + behind, last), last - behind
-        line[front_end:back_begin] = ELSEWHERE  # nothing advances there; rounding may leave one to be asked by itself
+        line[front_end:back_begin] = ELSEWHERE  # nothing advances there; rounding may leave one to be sampled
         for begin, end in ((0, front_end), (back_begin, last)):
             places = places_at(room, begin, end)
             lay_places(part_of(circle, begin, end), ring, heading, columns, places)
@@ -401,7 +401,7 @@ def share_out_steps(
     """Find where contact of row i begins or ends between two angles, and share that out; the range of its angles."""
     sines, cosines, rows, weights = circle.sines, circle.cosines, room.rows, room.weights
     fall = heading.climb * rows[i, COS_KAPPA]
-    known, steps = room.places.us[:last], room.places.vs[:last]  # the places are not needed any more
+    known, steps = room.places.us[:last], room.places.vs[:last]  # the places are no longer needed
     left = mark_steps(sines, heading.level, rows[i, SIN_KAPPA], fall, weights[i, :last], known, steps)
     begin, end = reach_of(known, steps)
     done = 0

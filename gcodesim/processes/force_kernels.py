@@ -79,7 +79,7 @@ class Teeth(NamedTuple):
 
 @kernel(lean=True)
 def power_table(exponent: Array, table: Array) -> None:
-    """Fill `table` (3, TABLE) with x**p on 0..1 for each exponent: a power costs more than all the rest."""
+    """Fill `table` (3, TABLE) with x**p on 0..1 for each exponent, because a power costs more than all the rest."""
     for component in range(3):
         for i in range(table.shape[1]):
             table[component, i] = (i / (table.shape[1] - 1.0)) ** exponent[component]
@@ -160,9 +160,9 @@ class ToothForce(NamedTuple):
 def add_row(row: Array, circle: Circle, unit: Array, weights: Array, force: ToothForce, sums: Array) -> None:
     """Force of one row on one tooth, and its part in `sums`.
 
-    Only angles FROM..TO of the row, the others carry none and are not written.
+    Only angles FROM..TO of the row are written; the others carry no force.
 
-    Sums over rows stay apart by angle: so this loop has no dependence between its turns.
+    Sums over rows are kept separately for each angle, so this loop has no dependence between its iterations.
     """
     r, z, width, begin, end = row[RADIUS], row[HEIGHT], row[EDGE_WIDTH], int(row[FROM]), int(row[TO])
     # slices, because an index of which the compiler cannot see that it is not negative keeps it to one angle at a time
@@ -206,7 +206,7 @@ def cutting_force(
     height = min(teeth.height, top - tip[2])
     if height <= min(STEEPEST * coarsest(field) * climb, 0.0):
         return 0
-    height = max(height, 1.0e-9)  # downwards the lowest rows ask for what is still below the tip
+    height = max(height, 1.0e-9)  # downwards the lowest rows sample material that is still below the tip
     last = ANGLES if climb < 0.0 else ANGLES // 2  # nothing behind the tool cuts unless it goes down
     law, pieces, rows = teeth.law, teeth.pieces, room.rows
     scale = Scale(scale_of(law, TANGENTIAL, chip), scale_of(law, NORMAL, chip), scale_of(law, AXIAL, chip))
@@ -223,7 +223,7 @@ def cutting_force(
             level * rows[end, SIN_KAPPA] - climb * rows[end, COS_KAPPA],
         )
         if most_advance <= LEAST_ADVANCE:
-            continue  # no angle at which this piece advances: a flat bottom in a level cut
+            continue  # there is no angle at which this piece advances: a flat bottom in a level cut
         straight = pieces[piece, ARC] == 0.0
         if straight and rows[first, COS_KAPPA] < UPRIGHT:
             touched = contact_of_cylinder(field, teeth.circle, tip, heading, room, first, number)
@@ -329,7 +329,7 @@ def peaks_of(teeth: Teeth, room: Room, used: int) -> tuple[float, float]:
             for k in range(inner.shape[0]):
                 inner[k] = inner[k] + (1.0 - part) * here[k] + part * earlier[k]
             target[end] += part * source[end - 1]
-    for axis in range(4):  # both halves in one, and the first angles again behind them for what turns past the end
+    for axis in range(4):  # both halves in one, then the first angles again, for values that turn past the end
         one, all_teeth = turning[axis, : 2 * ANGLES + 1], turning[axis, 2 * ANGLES + 1 : 3 * ANGLES + 1]
         for k in range(ANGLES):
             one[k] += one[ANGLES + k]

@@ -1,14 +1,14 @@
 """Milling over a window of steps in one compiled call: force, deflection, removal, misuse.
 
-A step: ask the stock, as the steps before left it, where the displaced cutter is in material; solve wrench and
-deflection together; remove what the displaced cutter sweeps; look whether shank or holder touch.
+A step: find, in the stock as earlier steps have left it, where the displaced cutter is in material; solve wrench and
+deflection together; remove what the displaced cutter sweeps; check whether shank or holder touch.
 
 Deflection. delta = C F(p + delta), with chips as the tip then travels (`travel_kernels`), is solved from the
 last step's delta by relaxation, with the factor taken from the last two residuals (Aitken 1937; for vectors Irons and
 Tuck 1969). With constant engagement the first residual is already small: then one more relaxed step follows without
-asking again, so delta goes to C F without overshoot, however soft the machine. `F/C` one step late would ring as soon
+sampling again, so delta goes to C F without overshoot, however soft the machine. `F/C` one step late would ring as soon
 as the cut is stiffer than the machine. A machine so soft that it has no balance nearby (a narrow shoulder that slips
-to the side) travels on towards the best that was found, no faster than the feed.
+to the side) moves on towards the best solution found, no faster than the feed.
 """
 
 from __future__ import annotations
@@ -72,19 +72,19 @@ LEAST_SPEED = 1.0e-7  # [m/s]; slower is a dwell
 LEAST_LEVEL = 1.0e-6  # share of the speed that is horizontal, below which a tool goes straight up or down
 LEAST_TOUCH = 1.0e-6  # [m] of depth below which a tool only touches the surface
 LARGEST_TILT = 1.0e-3  # [-] horizontal part of the axis from which on a tool is not upright
-CLEARANCE = 1.0e-6  # [m] by which a shank is taken to be thinner, so that it does not rub in its own cut
+CLEARANCE = 1.0e-6  # [m] by which a shank is assumed to be thinner, so that it does not rub in its own cut
 
-# A tool that passes by material must not feel it because force looks a cell ahead. It feels something as long as it
-# has moved less than CREDIT_CELLS since it last removed: a section of PLAIN_SECTION cells, a column cut by COLUMN_CUT
-# of a cell, or anything at all when looked at closely.
+# Force is looked up one cell ahead of the tool, so a tool that only passes by would feel material. Force therefore
+# counts only within CREDIT_CELLS of the last removal: a section of PLAIN_SECTION cells, a column cut by COLUMN_CUT
+# of a cell, or, under a closer look, anything at all.
 CREDIT_CELLS = 1.5
 PLAIN_SECTION = 0.5
 COLUMN_CUT = 0.02
-SMALL_BEND = 0.25  # a tool that is bent by more cells leans on the material, even where it slides along it
+SMALL_BEND = 0.25  # a tool that is bent by more cells than this leans on the material, even where it slides along it
 LEAST_VOLUME = 1.0e-15  # [m³]; less is rounding
 
-EVALUATIONS = 10  # looks at the stock for one step, at most
-CLOSE_RELATIVE = 0.01  # residual, as a share of the deflection, up to which the stock is not asked again
+EVALUATIONS = 10  # most samplings of the stock for one step
+CLOSE_RELATIVE = 0.01  # residual, as a share of the deflection, up to which the stock is not sampled again
 CLOSE_ABSOLUTE = 0.2e-6  # [m] the same, absolute
 CLOSE_ADVANCE = 0.02  # residual along the feed, as a share of the feed, since the chip depends on it
 RELAX_LEAST, RELAX_MOST = 0.01, 1.0
@@ -116,9 +116,9 @@ class Motion(NamedTuple):
 
 
 class State(NamedTuple):
-    """What is remembered from step to step and from window to window; `STATE` numbers, see `state_of`."""
+    """The memory from step to step and from window to window; `STATE` numbers, see `state_of`."""
 
-    numbers: Array  # see above: how `solve_step` went, whether the tool may cut, where a broken off call goes on
+    numbers: Array  # see above: how `solve_step` went, whether the tool may cut, where an interrupted call goes on
     delta: Array  # (3,) bend of the tip [m], and
     before: Array  # (3,) that before the step
     tip: Array  # (3,) where the tip was commanded last [m]
@@ -228,7 +228,7 @@ def look(
     heading = Heading(travel.travel[0], travel.travel[1], step.level, step.climb)
     used = cutting_force(field, teeth, place, heading, asked * step.chip, step.top, room, result)
     if used == 0:
-        travel.travel[0], travel.travel[1] = travel.feed[0], travel.feed[1]  # nothing holds it on another way
+        travel.travel[0], travel.travel[1] = travel.feed[0], travel.feed[1]  # nothing holds it on another path
         return used, asked, 1.0
     if step.way <= 0.0:
         return used, asked, 1.0
@@ -272,13 +272,13 @@ def solve_step(
     travel = Travel(compliance, left, begin, feed, state.travel, level, climb, way, exponent, moves)
     wrenches = Wrenches(state.edges, state.chips)
     turned = begin[0] != feed[0] or begin[1] != feed[1]
-    if way > 0.0 and turned and numbers[CUTTING] > 0.0:  # where the forces of the last step would let it go
+    if way > 0.0 and turned and numbers[CUTTING] > 0.0:  # where it would go under the forces of the last step
         advance = solve_travel(travel, wrenches, advance)
     asked, best_asked, ratio = advance, advance, 1.0
     least = np.inf
     used = 0
     for turn in range(EVALUATIONS + 1):
-        if turn == EVALUATIONS:  # no fixed point found: on from the best place seen, no faster than the feed
+        if turn == EVALUATIONS:  # no fixed point found: move on from the best place seen, no faster than the feed
             advance = best_asked
             travel.travel[0], travel.travel[1] = best_travel[0], best_travel[1]
         for axis in range(3):
@@ -342,7 +342,7 @@ def find_way(motion: Motion, k: int, state: State, way: Way) -> bool:
 
 @kernel(lean=True, inlined=True)
 def depth_of(field: Field, start: Array, end: Array, shape: Shape) -> float:
-    """How deep [m] a part of the tool is in material from `start` to `end`; 0 of one that is missing."""
+    """How deep [m] a part of the tool is in material from `start` to `end`; 0 for a missing part."""
     return touch_piece(field, start, end, shape)[1] if shape.radius > 0.0 else 0.0
 
 
@@ -366,7 +366,7 @@ def point_feed(motion: Motion, k: int, state: State) -> tuple[float, float, floa
 
 @kernel(lean=True, inlined=True)
 def may_feel(field: Field, cutter: Shape, way: Way, state: State) -> bool:
-    """Whether a tool that is fed may feel material: it cuts, leans on it, or runs through some in this step."""
+    """Whether a tool at feed may feel material: it cuts, leans on it, or runs through some in this step."""
     cell = coarsest(field)
     if state.numbers[CREDIT] > 0.0 or bend(state) >= SMALL_BEND * cell:
         return True
@@ -415,10 +415,10 @@ def feel(
             used, ratio = solve_step(field, tool.teeth, motion.compliance[k], step, room, trial, state, result)
     elif not rapid:
         unbend(state)
-    if level == 0.0:  # straight up or down: what comes then begins afresh
+    if level == 0.0:  # straight up or down: what follows begins afresh
         heading[0], heading[1] = 0.0, 0.0
-    # a rapid keeps the bend until the tool is out: springing back inside its own cut would gouge the wall,
-    # which a tool that still turns would resist
+    # a rapid keeps the deflection until the tool is out: springing back inside its own cut would gouge the wall,
+    # which a tool that is still turning would resist
     numbers[CUTTING] = 1.0 if used > 0 else 0.0
     if used > 0:
         for component in range(6):
@@ -465,7 +465,7 @@ def cut(
 
 @kernel(lean=True, inlined=True)
 def settle(field: Field, motion: Motion, k: int, way: Way, state: State, out: Array) -> None:
-    """What the volume that step k has removed means for the next ones, and for misuse."""
+    """The consequences of the volume that step k has removed, for the next steps and for misuse."""
     cell = coarsest(field)
     length = travel_between(way, state)
     if out[REMOVED] > min(PLAIN_SECTION * length, COLUMN_CUT * cell) * cell * cell and length > 0.0:
@@ -490,7 +490,7 @@ def is_tilted(motion: Motion, k: int) -> bool:
 
 @kernel(lean=True, inlined=True)
 def is_free(field: Field, tool: MillingTool, tip: Array) -> bool:
-    """Whether no part stands in material: a long tool may stand through the stock with its edges below it."""
+    """Whether no part is in material: a long tool may go through the stock with its edges below it."""
     deepest = max(depth_of(field, tip, tip, tool.cutter), 0.0)
     deepest = max(deepest, depth_of(field, tip, tip, tool.shank))
     deepest = max(deepest, depth_of(field, tip, tip, tool.holder))

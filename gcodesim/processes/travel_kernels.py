@@ -1,9 +1,9 @@
-"""Where a tool that gives way really travels in a step: its chips are cut there, and are as thick as it goes far.
+"""How a tool that yields really travels in a step: that is where its chips are cut, and how thick they are.
 
 While a cut grows the tip is pushed back against the feed, so that it advances less than commanded and its chips are
-thinner; while the cut fades the bend is worked off through thicker ones. Where the feed turns, the tip does not turn at
-once: its bend swings round with the force, by cutting its way. The way of the tip in a step is the commanded one and
-the growth of its bend delta, and force F follows that way v:
+thinner; while the cut fades the bend is reduced through thicker ones. Where the feed turns, the tip does not turn at
+once: its bend swings round with the force, as fast as the tip cuts. The way of the tip is the commanded one plus
+the growth of its bend delta, and force F depends on that way v:
 
     delta = C F(v),   v = commanded + (delta - delta before)
 
@@ -32,18 +32,18 @@ from gcodesim.processes.engagement_kernels import (
 )
 from gcodesim.processes.force_kernels import AXIAL, NORMAL, TANGENTIAL, TORQUE, Teeth
 
-LEAST, MOST = 1.0e-3, 4.0  # advance over feed within which a chip is reckoned with
-SAME_WAY = 1.0 - 0.5 * 0.05 * 0.05  # cosine of the angle by which a contact may turn before it is asked again
+LEAST, MOST = 1.0e-3, 4.0  # range of advance over feed for which chips are computed
+SAME_WAY = 1.0 - 0.5 * 0.05 * 0.05  # cosine of the angle by which a contact may turn before it is sampled again
 ARRIVED = 1.0e-7  # [rad] from the feed, less than rounding of directions leaves
 ROUNDS, LARGEST_TURN = 40, 0.5  # of Newton's method; [rad] in one of them
 
 
 class Travel(NamedTuple):
-    """A step of a tip that gives way.
+    """A step of a tip that yields.
 
     left [m]: way commanded in this step less the bend at its beginning, so that left + bend is the way of the tip;
-    horizontal directions: `begin`, where the tip went before, `feed`, the command, and `travel`, between them, which is
-    looked for.
+    horizontal directions: `begin`, where the tip went before, `feed`, the command, and `travel`, in between, which is
+    to be found.
     """
 
     compliance: Array  # (3, 6) translation of the tip
@@ -59,7 +59,7 @@ class Travel(NamedTuple):
 
 
 class Wrenches(NamedTuple):
-    """The two parts of a wrench (>= 6,): of the edges, which no chip changes (the torque behind it), and of chips."""
+    """The two parts of a wrench (>= 6,): of the edges, which no chip changes (then its torque), and of chips."""
 
     edges: Array
     chips: Array
@@ -67,7 +67,7 @@ class Wrenches(NamedTuple):
 
 @kernel(lean=True)
 def edge_wrench(teeth: Teeth, heading: Heading, room: Room, used: int, wrench: Array) -> None:
-    """The part of `cutting_force` that no chip changes, from the contact that it has found: wrench (7,), torque last.
+    """The part of `cutting_force` that no chip changes, from the contact it has found: wrench (7,), torque last.
 
     The edge forces E of a law are the same at all angles, so that each row needs three sums over its contact.
     """
@@ -144,8 +144,8 @@ def solve_travel(step: Travel, wrenches: Wrenches, asked: float) -> float:
     the advance to the power `exponent`.
 
     Solves left + C W(travel, advance) = advance way travel, along the travel and across it, by Newton's method; the
-    travel stays between `begin` and `feed`. Chips that pull the tool on, for ever thicker chips, are taken at the
-    commanded feed, and a force that turns it further and further in the commanded direction: what holds it then, and
+    travel stays between `begin` and `feed`. If chips pull the tool on, towards ever thicker ones, they are taken at the
+    commanded feed, and a force that turns it further and further in the commanded direction. What holds it then, and
     keeps it from weaving about a straight line, is inertia.
     """
     compliance, left, begin, feed, travel, level, climb, way, exponent, moves = step

@@ -9,7 +9,7 @@ from gcodesim.compiled import kernel
 
 @kernel(lean=True)
 def trim(begin: Any, end: Any, data: Any, plain: Any) -> None:
-    """Move `begin` and `end` (n,) past what `str.strip` takes away; `plain` (n,) is whether a line is all ASCII."""
+    """Move `begin` and `end` (n,) past what `str.strip` removes; `plain` (n,) says whether a line is all ASCII."""
     for i in range(len(begin)):
         a, b = begin[i], end[i]
         plain[i] = True

@@ -1,4 +1,4 @@
-"""Poses and what is told by comparing them, for all log instants of a window at once."""
+"""Poses and figures from comparing them, for all log instants of a window at once."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def write_poses(X: Any, which: Any, first: int, out: Any) -> None:
 def bend(X_WB: Any, deflection: Any, X: Any) -> None:
     """Poses `X` (n, 4, 4) in B, moved and turned by `deflection` (n, 6) in B about their origins, become poses in W.
 
-    The turn is by a rotation vector [rad] (Rodrigues 1840); none leaves a pose as it is.
+    The turn is a rotation vector [rad] (Rodrigues 1840); zero leaves a pose unchanged.
     """
     for i in range(X.shape[0]):
         pose, bent = X[i], deflection[i]
@@ -94,9 +94,9 @@ def compare(target: Any, actual: Any, part: Any, errors: Any, local: Any) -> Non
 
 @kernel(lean=True)
 def most_used(value: Any, middle: Any, limit: Any, out: Any) -> None:
-    """The greatest share (n,) that any of `value` (n, j) has of its `limit` (j,) to both sides of `middle` (j,).
+    """The greatest share (n,) that any of `value` (n, j) takes of its `limit` (j,) on either side of `middle` (j,).
 
-    A limit of 0 or infinity is none.
+    A limit of 0 or infinity means no limit.
     """
     for i in range(len(value)):
         most = 0.0

@@ -13,7 +13,7 @@ _NEVER_FACTOR = 100.0
 _SMALLEST_RADIUS = 1.27e-6
 _FULL_CIRCLE_ANGLE = 1e-6 * (math.pi / 180.0)
 
-# what is nearer than this to a limit is left to the grammar's lane, which measures by `math.dist`
+# anything closer than this to a limit is left to the grammar's lane, which measures by `math.dist`
 _SURE = 1e-9
 
 

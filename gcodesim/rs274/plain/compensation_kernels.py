@@ -1,7 +1,7 @@
 """Moves beside the programmed path: `rs274/compensation.py` in compiled form, step by step the same.
 
-Here one move in the plane waits for the next one. Where anything else waits, and
-where a corner is a fault, the line is left.
+Here one move in the plane waits for the next one. Where anything else waits, or
+a corner is a fault, the line is left.
 """
 
 from __future__ import annotations
@@ -100,7 +100,7 @@ def meets(numbers: Column, modes: Column, motion: int) -> bool:
 def go_beside(
     numbers: Column, modes: Column, moves: Column, facts: Column, shapes: Column, kind: int, linear: bool
 ) -> None:
-    """Emit the move that waits and what goes round the corner; the move to the target waits from now on."""
+    """Emit the move that waits and the moves round the corner; from now on the move to the target waits."""
     first, second, _ = plane_axes(modes[PLANE])
     corner_x, corner_y = numbers[CURRENT + first], numbers[CURRENT + second]
     for axis in range(6):
@@ -223,7 +223,7 @@ def _runs_forward(numbers: Column, modes: Column, x: float, y: float) -> bool:
 def _intersection(
     numbers: Column, modes: Column, end_x: float, end_y: float, x: float, y: float, next_radius: float
 ) -> tuple[bool, float, float]:
-    """Where the two offset paths meet, of two points the one that a control takes; `next_radius` is 0 for a line.
+    """Where the two offset paths meet; of two points, the one that a control takes; `next_radius` is 0 for a line.
 
     The path at hand leaves the programmed corner `x`, `y`.
     """

@@ -1,4 +1,4 @@
-"""Moves of `rs274/control.py` on arrays: where the machine goes from the target point, and the rows that say so."""
+"""Moves of `rs274/control.py` on arrays: where the machine goes from the target point, and the rows for that."""
 
 from __future__ import annotations
 

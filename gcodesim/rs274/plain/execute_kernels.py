@@ -1,6 +1,6 @@
-"""Lines executed on arrays: `rs274/execute.py`, the loop of `run.py` and `motions.py` for what programs mostly are.
+"""Executes lines on arrays: `rs274/execute.py`, the loop of `run.py` and `motions.py` for the bulk of programs.
 
-A line is executed here only when it is certain what it does and that it is
+A line is executed here only if it is certain what it does and that it is
 right; every other line, and so every finding, belongs to the grammar's lane.
 A line that is left has changed nothing.
 """
@@ -141,7 +141,7 @@ def run_lines(
 
 @kernel
 def _find_place(text: Column, begin: int, stop: int, modes: Column, tables: Column, index: int) -> None:
-    """Place of the written part of a line; its block number is there already."""
+    """The place of the written part of a line; its block number is already set."""
     at = begin
     while at < stop and (text[at] == 32 or text[at] == 9):
         at += 1

@@ -1,6 +1,6 @@
 """Values of words and expressions out of the text: `rs274/expressions.py` in compiled form, to the last bit.
 
-Where a value is a fault, no number, or not surely what the grammar makes of the
+Where a value is a fault, not a number, or not certainly what the grammar makes of the
 text, the line is left. Nothing is changed here.
 """
 
@@ -48,7 +48,7 @@ LEFT_OUT = -1
 _MOST_DIGITS = 15
 _MOST_PLACES = 22
 _POWERS = np.array([10.0**n for n in range(_MOST_PLACES + 1)])
-_NEAR = 1e-4  # a parameter's number may be so far from a whole one
+_NEAR = 1e-4  # how far a parameter's number may be from a whole one
 
 
 @kernel
@@ -146,7 +146,7 @@ def value_at(text: Column, at: int, stop: int, numbers: Column, modes: Column, m
                     operators += 2
             signed = False
             continue
-        # behind a value: first what stands in front of it and binds it alone
+        # after a value: first the operators in front of it that bind it alone
         while operators > 0:
             top = modes[OPERATORS + operators - 1]
             if top == NEGATIVE:
@@ -208,7 +208,7 @@ def value_at(text: Column, at: int, stop: int, numbers: Column, modes: Column, m
 
 @kernel
 def _reduced(binding: int, operators: int, values: int, numbers: Column, modes: Column) -> tuple[int, int]:
-    """Apply operators of two values that bind at least so tightly; sizes of both stacks, -1 when the line is left."""
+    """Apply operators of two values that bind at least this tightly; sizes of both stacks, -1 if the line is left."""
     while operators > 0:
         top = modes[OPERATORS + operators - 1]
         if top < OF_TWO or top // 10 < binding:
@@ -223,7 +223,7 @@ def _reduced(binding: int, operators: int, values: int, numbers: Column, modes: 
 
 @kernel
 def whole_number(value: float) -> int:
-    """The number of a parameter meant by a value; 0 when it is none."""
+    """The number of a parameter meant by a value; 0 if it is not a parameter's number."""
     if not 0.0 <= value <= LAST_NUMBER + 1.0:
         return 0
     number = int(value + 0.5)
@@ -255,7 +255,7 @@ def _parameter(value: float, numbers: Column, modes: Column, memory: Column) -> 
 
 @kernel
 def name_at(text: Column, at: int, stop: int, modes: Column, tables: Column) -> int:
-    """Read a name behind its `<` into NAME; returns where it ends, behind its `>`."""
+    """Read a name after its `<` into NAME; returns where it ends, after its `>`."""
     if not modes[IS_EXTENDED]:
         return LEFT_OUT
     return find_name(text, at, stop, modes, tables)
@@ -263,7 +263,7 @@ def name_at(text: Column, at: int, stop: int, modes: Column, tables: Column) -> 
 
 @kernel
 def _exists_at(text: Column, at: int, stop: int, numbers: Column, modes: Column, memory: Column, tables: Column) -> int:
-    """Behind `exists [`: the answer about a named parameter into RESULT."""
+    """After `exists [`: put the answer about a named parameter into RESULT."""
     at = behind_blanks(text, at, stop)
     if at >= stop or text[at] != 35:
         return LEFT_OUT

@@ -1,7 +1,7 @@
 """O-words on arrays: `rs274/flow.py` in compiled form, for what has a row in the table of O-words.
 
-Where a control would refuse an O-word, or something outside the tables is asked
-for (another file, M70, a subroutine that nobody has looked for), the line is left and nothing is changed.
+Where a control would refuse an O-word, or something outside the tables is needed
+(another file, M70, a subroutine that nobody has looked for yet), the line is left and nothing is changed.
 """
 
 from __future__ import annotations
@@ -128,7 +128,7 @@ def _row_of(index: int, modes: Column, tables: Column) -> int:
 
 @kernel
 def _operands(text: Column, at: int, stop: int, numbers: Column, modes: Column, memory: Column, tables: Column) -> int:
-    """Compute what stands in brackets behind the keyword; how many there are, -1 when the line is left."""
+    """Compute the bracketed expressions after the keyword; returns how many there are, -1 if the line is left."""
     count = 0
     while True:
         at = behind_blanks(text, at, stop)

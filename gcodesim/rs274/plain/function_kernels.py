@@ -18,7 +18,7 @@ from gcodesim.rs274.plain.text_kernels import behind_blanks, byte_at
 NOTHING = -1
 """Where nothing ends: the text is no operator or function that these kernels know."""
 
-# on the stack of operators: what stands in front of one value, then operators of two values, whose tens say how
+# on the stack of operators: operators in front of one value, then operators of two values, whose tens say how
 # tightly they bind
 BRACKET, NEGATIVE, HASH, ATAN, ATAN_OF = 1, 2, 3, 4, 5
 EXISTS = 6
@@ -38,7 +38,7 @@ _NEAR = 1e-4  # EQ and NE
 
 @kernel
 def _letter(text: Column, at: int, stop: int) -> int:
-    """A letter from 0 for A; -1 when it is none."""
+    """A letter as a number, 0 for A; -1 if it is not a letter."""
     if at >= stop:
         return -1
     char = byte_at(text, at) | 32

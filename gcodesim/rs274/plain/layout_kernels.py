@@ -1,7 +1,7 @@
-"""Where things stand in the arrays that the kernels of this package share.
+"""The layout of the arrays that the kernels of this package share.
 
-Few arrays, because each one is passed on with eight words at every call. (No
-kernel stands here; the name puts these constants under the hash of kernels.)
+There are few arrays, because each one is passed as eight words at every call. (No
+kernel is here; the file's name makes these constants part of the hash of kernels.)
 """
 
 from __future__ import annotations
@@ -83,7 +83,7 @@ MOST_CODES: Final = 8
 # the program: where it is, and what its O-words and parameters did
 NEXT: Final = 46  # index of the line to execute next, and of the last one executed
 LAST: Final = 47
-END: Final = 48  # behind the last line of the file
+END: Final = 48  # after the last line of the file
 LEVEL: Final = 49  # of calls: 0 in the main program; the lowest one since the kernel was called
 LOWEST: Final = 50
 LOOP: Final = 51  # index of the line last jumped back to, -1 for none
@@ -179,7 +179,7 @@ FLOW: Final = 14
 FLOW_AT: Final = 0  # index of the line
 KEYWORD: Final = 1  # 0 where the line is left
 GROUP: Final = 2  # first row of the same label in the same subroutine; it keeps the label's state
-BEHIND: Final = 3  # where the text behind the keyword begins
+BEHIND: Final = 3  # where the text after the keyword begins
 FOLLOWING: Final = 4  # row of the next O-word of the label, -1 where the way there is left
 FLOW_SCOPE: Final = 5  # subroutine in whose text it stands
 SUB: Final = 6  # of a call: index of the line with `sub`, -1 when unknown, its scope, the end of its file

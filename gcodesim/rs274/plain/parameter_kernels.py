@@ -1,4 +1,4 @@
-"""Parameters with names, and what a line sets: `rs274/parameters.py` on arrays."""
+"""Named parameters, and what a line sets: `rs274/parameters.py` on arrays."""
 
 from __future__ import annotations
 
@@ -142,7 +142,7 @@ def may_be_set(numbers: Column, modes: Column, memory: Column, tables: Column) -
 
 @kernel
 def settle(numbers: Column, modes: Column, memory: Column, tables: Column) -> None:
-    """What the line sets takes effect."""
+    """Put what the line sets into effect."""
     for each in range(modes[SET]):
         target, value = modes[SET + 1 + each], numbers[SETTINGS + each]
         if target > 0:

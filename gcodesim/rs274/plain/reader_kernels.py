@@ -148,7 +148,7 @@ def behind_comment(text: Column, at: int, stop: int) -> int:
 def _setting_at(
     text: Column, at: int, stop: int, numbers: Column, modes: Column, memory: Column, tables: Column
 ) -> int:
-    """Behind the `#` of `#index=value`: note what is to be set; returns where it ends, -1 when the line is left."""
+    """After the `#` of `#index=value`: note what is to be set; returns where it ends, -1 if the line is left."""
     count = modes[SET]
     if count == MOST_SET:
         return -1
