@@ -1,4 +1,4 @@
-"""The cell: everything that stands in it and every setting of a run, frozen, in SI."""
+"""The cell: everything in it and every setting of a run, frozen, in SI."""
 
 from __future__ import annotations
 
@@ -78,8 +78,8 @@ class Cell:
 
     Fields declared by `key` are keys of the file; those below are derived. `frames` gives X_W of every frame that
     stands still (`world`, those of `frames:`, `machine`, `<robot>/base`), `carried` the link of those that do not. In
-    `robots` and `machine` the bases are resolved. Places of stock and target, which may depend on work offsets, are the
-    business of `placement.place`.
+    `robots` and `machine` the bases are resolved. Places of stock and target, which may depend on work offsets, are
+    found by `placement.place`.
     """
 
     gcodesim: int = key(Whole(), "version of the cell format", default=FORMAT)
@@ -120,19 +120,19 @@ class Cell:
     defaults_used: tuple[Default, ...] = field(default=(), compare=False, repr=False)
 
     def span(self, *path: str | int) -> Span:
-        """Where `path` stands in the file, such as ``span("tools", 7, "diameter")``; else what is around it."""
+        """The place of `path` in the file, such as ``span("tools", 7, "diameter")``; else of what is around it."""
         for length in range(len(path), 0, -1):
             if path[:length] in self.spans:
                 return self.spans[path[:length]]
         return Span(self.name)
 
     def severity(self, code: str) -> Severity | None:
-        """What `checks` says for a code; the most exact pattern counts. None: what the catalogue says."""
+        """What `checks` says for a code; the most specific pattern counts. None: as in the catalogue."""
         found = [pattern for pattern in self.checks if matches(pattern, code)]
         return self.checks[max(found, key=lambda p: len(p.rstrip("x")))] if found else None
 
     def material(self, stock: StockSpec) -> Material | None:
-        """The material of a stock: one of `materials`, else of the library; None when it names none."""
+        """The material of a stock: one of `materials`, else of the library; None if it names none."""
         if stock.material is None:
             return None
         from gcodesim.processes.materials import LIBRARY
@@ -149,19 +149,19 @@ class Cell:
 
     @property
     def link_names(self) -> tuple[str, ...]:
-        """All links of its robots and its machine, as the log calls them: `arm/flange`, `machine/table`."""
+        """All links of its robots and its machine, by their names in the log: `arm/flange`, `machine/table`."""
         movers = ([(MACHINE, self.machine)] if self.machine is not None else []) + [*self.robots.items()]
         return tuple(f"{name}/{link}" for name, mover in movers for link in mover.link_names)
 
     def channel_span(self, channel: str, *path: str | int) -> Span:
-        """Where a key of a channel stands: under `channels`, or at top level in a cell with one robot."""
+        """The place of a key of a channel: under `channels`, or at top level in a cell with one robot."""
         nested = ("channels", channel, *path)
         return self.span(*nested) if nested[:2] in self.spans else self.span(*path)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LoadedCell:
-    """What came of reading a cell.
+    """The result of reading a cell.
 
     `cell` is None when a finding is an error; `files` are all inputs with hashes, the cell first.
     """

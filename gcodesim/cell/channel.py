@@ -34,7 +34,7 @@ _AXIS = re.compile(r"\s*([+-]?)\s*([XYZxyz])(?:\s+of\s+(\S+))?\s*")
 _PATH_CONTROL = re.compile(r"\s*[Gg]\s*(61\.1|61|64)\s*(?:[Pp]\s*([0-9.]+))?\s*(?:[Qq]\s*([0-9.]+))?\s*")
 
 VERBS: Final[dict[str, tuple[str, ...]]] = {"tool": ("activate", "deactivate"), "gripper": ("open", "close")}
-"""What an M-code may do to what, before processes of third parties add to it."""
+"""What an M-code may do, and to what, before processes of third parties add to it."""
 
 
 def all_verbs() -> dict[str, tuple[str, ...]]:
@@ -116,7 +116,7 @@ class _Spin(Kind):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Orientation:
-    """How an arm holds the tool in a program that has no angles. `spin` None: free, chosen near the previous joints."""
+    """How an arm holds the tool in a program without angles. `spin` None: free, chosen near the previous joints."""
 
     tool_axis: ToolAxis = key(
         _AxisOf(), "direction of the tool's Z, from holder to tip", default=ToolAxis(axis=(0.0, 0.0, -1.0), frame=None)
@@ -126,7 +126,7 @@ class Orientation:
 
 @dataclass(frozen=True, slots=True)
 class _DialectKind(Kind):
-    """A dialect of the language reader; one that is only planned is a finding of its own."""
+    """A dialect of the program reader; one that is only planned gives a finding of its own."""
 
     @property
     def expected(self) -> str:
@@ -204,7 +204,7 @@ class _ActionKind(Kind):
 
 
 def m_code(text: str) -> str | None:
-    """`m62p1` → `M62 P1`; None when it is no M-code."""
+    """`m62p1` → `M62 P1`; None if it is not an M-code."""
     try:
         return canonical_m_code(text)
     except ValueError:
@@ -248,7 +248,7 @@ class _PathControl(Kind):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Channel:
-    """One program's surroundings. Lengths P and Q of `path_control` are in mm, as on the control."""
+    """The settings of one program. Lengths P and Q of `path_control` are in mm, as on the control."""
 
     robot: str | None = key(Text(form="the name of a robot, or `machine`"), "who runs the program", default=None)
     dialect: str = key(_DialectKind(), "which control's language", default="linuxcnc")

@@ -21,7 +21,7 @@ STIFFNESSES: Final = ("stiffness", "torsional stiffness")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointValue:
-    """A number as written; what it measures is known when the machine is."""
+    """A number as written; what it measures is only known once the machine is."""
 
     node: Scalar
     number: Measured
@@ -77,7 +77,7 @@ class JointList(Kind):
 def in_si(
     values: Sequence[JointValue], quantities: Sequence[Quantity], to: Reading, *, is_list: bool = True
 ) -> tuple[float, ...] | Unread:
-    """SI values, one a joint; in a list the unit of the last entry holds for those without one, where it fits."""
+    """SI values, one per joint; in a list the unit of the last entry also applies to those without one if it fits."""
     parts: list[tuple[Scalar, Measured | Unread, Path]] = [(v.node, v.number, v.path) for v in values]
     inherited = last_unit(parts, [q.dimension for q in quantities]) if is_list else None
     if is_list and inherited is None and lacks_unit(parts, quantities):

@@ -24,7 +24,7 @@ NOTHING_LEFT: Final = "name the folder that `gcodesim run --out` wrote"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Leftover:
-    """What an earlier run left of its stock: the folder as the cell names it, the file, its least and greatest corner
+    """What an earlier run left of its stock: the folder as named in the cell, the file, its least and greatest corner
     [m] in the stock's own frame."""
 
     name: str
@@ -34,9 +34,9 @@ class Leftover:
 
 
 def leftover(folder: FileValue, stock: str, to: Reading, path: Path) -> Leftover | Unread:
-    """What lies in `folder` for the stock called `stock`: the file of that name, else the only one there is.
+    """The file in `folder` for the stock called `stock`: the one of that name, else the only one there is.
 
-    The file is hashed like all others. GS410 when there is none, or none that can be read.
+    The file is hashed like all others. GS410 if there is none, or none that can be read.
     """
     from gcodesim.material.stock_file import SUFFIX, StockFileError, stock_from_bytes
 
@@ -56,7 +56,7 @@ def leftover(folder: FileValue, stock: str, to: Reading, path: Path) -> Leftover
 
 
 def no_stock(folder: str, file: str, fault: Exception | str) -> str:
-    """Why there is no stock to go on with."""
+    """The finding that says why there is no stock to go on with."""
     text = fault.strerror if isinstance(fault, OSError) and fault.strerror else str(fault)
     return f"`{short(folder)}` has no stock to go on with: {file}: {text}"
 

@@ -14,7 +14,7 @@ from gcodesim.declarations.reading import Reading, Unread
 from gcodesim.declarations.record import Record
 from gcodesim.diagnostics import Findings, SourceText
 
-# what other keys are read with
+# keys that decide how others are read
 _FIRST = ("units", "packages")
 
 ROOT = Record(Cell, "the cell", lenient=True)
@@ -31,7 +31,7 @@ def load_cell(path: Path | str, allow_paths: Sequence[Path] = (), *, name: str |
 
 
 def read_cell(source: SourceText, path: Path, allow_paths: Sequence[Path] = ()) -> LoadedCell:
-    """As `load_cell`, from a text that stands at `path`."""
+    """Like `load_cell`, from a text whose file is at `path`."""
     findings = Findings()
     shelf = Shelf(folder=path.parent, allowed=(*allow_paths, *folders_of_the_user()))
     to = Reading(file=source.name, findings=findings, shelf=shelf)

@@ -1,4 +1,4 @@
-"""A machine tool: a shipped model, or one's own described by its axes."""
+"""A machine tool: a shipped model, or one that is described by its axes."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 LINEAR: Final = ("X", "Y", "Z")
 ROTARY: Final = ("A", "B", "C")
-SPIN_UP: Final = 0.25  # s to full speed, where nobody names an acceleration
+SPIN_UP: Final = 0.25  # s to full speed, where no acceleration is given
 UNLIMITED: Final = (-math.inf, math.inf)
 
 Side = Literal["tool", "table"]
@@ -42,7 +42,7 @@ Side = Literal["tool", "table"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LinearAxis:
-    """An axis X, Y or Z as the cell writes it."""
+    """An axis X, Y or Z as written in the cell."""
 
     travel: tuple[float, float] | None = key(
         Vector(Quantity("length", WITHIN_REACH), 2, "[0, 600 mm]"), "least and greatest position", default=None
@@ -63,7 +63,7 @@ class LinearAxis:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RotaryAxis:
-    """An axis A, B or C as the cell writes it."""
+    """An axis A, B or C as written in the cell."""
 
     travel: tuple[float, float] | None = key(
         Either((("unlimited", UNLIMITED),), Vector(Quantity("angle"), 2, "[-120, 120 deg]")),
@@ -171,7 +171,7 @@ class _AxesKind(Kind):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MachineForm:
-    """A machine tool as the cell writes it: `model`, or all its `axes`."""
+    """A machine tool as written in the cell: `model`, or all its `axes`."""
 
     model: str | None = key(
         Text(form="the name of a shipped machine"), "a machine that ships with gcodesim", default=None
@@ -224,7 +224,7 @@ class MachineForm:
         return (*path, "home", letter if isinstance(self.home, dict) else index)
 
     def _with_home(self, axes: tuple[MachineAxis, ...], to: Reading, path: Path) -> tuple[MachineAxis, ...] | Unread:
-        """The axes with the machine's own `home` in them."""
+        """The axes with the machine's own `home` entered."""
         if self.home is None:
             return axes
         values: dict[str, JointValue]
@@ -266,7 +266,7 @@ def _bounds(form: AxisForm, letter: str, to: Reading, path: Path) -> tuple[float
 
 
 def _home_default(lower: float, upper: float) -> float:
-    """0 when that is within the travel, else the nearer end."""
+    """0 if that is within the travel, else the nearer end."""
     return min(max(0.0, lower), upper)
 
 
@@ -315,7 +315,7 @@ def _own_axes(forms: Mapping[str, AxisForm], to: Reading, path: Path) -> tuple[M
 def _model_axes(
     chain: Chain, home: tuple[float, ...], forms: Mapping[str, AxisForm], to: Reading, path: Path
 ) -> tuple[MachineAxis, ...] | Unread:
-    """Axes of a shipped machine, with what the cell changes."""
+    """Axes of a shipped machine, with the changes of the cell."""
     joints = chain.driven_joints
     strangers = [letter for letter in forms if letter not in joints.names]
     for letter in strangers:
@@ -361,7 +361,7 @@ def _model_axes(
 def _agrees(
     form: AxisForm, letter: str, side: Side, point: tuple[float, float, float] | None, to: Reading, path: Path
 ) -> bool:
-    """Whether the cell leaves the build of a shipped machine as it is; limits may change, the chain may not."""
+    """Whether the cell keeps the structure of a shipped machine; limits may change, the chain may not."""
     given = {"side": form.side, "at": form.at if isinstance(form, RotaryAxis) else None}
     shipped_as = {"side": side, "at": point}
     changed = [name for name, value in given.items() if value is not None and not _near(value, shipped_as[name])]
@@ -400,7 +400,7 @@ def chain_point(chain: Chain, driven: int) -> tuple[float, float, float]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MachineTool:
-    """A machine tool that stands in the cell. `shipped` is what the URDF of its `model` says, None for one's own."""
+    """A machine tool of the cell. `shipped` is the content of the URDF of its `model`, None without a model."""
 
     model: str | None
     axes: tuple[MachineAxis, ...]
@@ -421,7 +421,7 @@ class MachineTool:
 
     @property
     def link_names(self) -> tuple[str, ...]:
-        """What can carry something: base, links and flange."""
+        """Everything that can carry something: base, links and flange."""
         if self.shipped is not None:
             return self.shipped.carriers
         return (BASE, *(f"link_{axis.letter}" for axis in self.axes), FLANGE, "table")
@@ -431,7 +431,7 @@ class MachineTool:
 
     @property
     def chain(self) -> Chain:
-        """The machine for the kinematics, with the limits that hold here; built anew on each call.
+        """The machine for the kinematics, with the limits that apply here; built again at each call.
 
         Importing the kinematics of machine tools loads the compiler, so reading a cell does not do it.
         """
@@ -473,7 +473,7 @@ class MachineTool:
 
 
 def _kinematic(axis: MachineAxis, kind: type[KinematicAxis]) -> KinematicAxis:
-    """`axis` as the kinematics takes it."""
+    """`axis` in the form that the kinematics takes."""
     return kind(
         letter=axis.letter,
         lower=axis.lower,

@@ -1,4 +1,4 @@
-"""Materials of one's own: constants of a cutting-force law, as tables print them."""
+"""Custom materials: constants of a cutting-force law, as printed in tables."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ _FORM: Final = Record(MaterialForm, "the material")
 
 @dataclass(frozen=True, slots=True)
 class MaterialKind(Kind):
-    """A material of one's own."""
+    """A custom material."""
 
     @property
     def expected(self) -> str:

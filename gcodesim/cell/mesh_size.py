@@ -1,4 +1,4 @@
-"""How large a mesh file is, of the common formats found without a mesh library."""
+"""The size of a mesh; for common formats it is found without a mesh library."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def bounds(path: Path, raw: bytes) -> tuple[Point, Point] | str:
 
 
 def _stl(raw: bytes) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]] | None:
-    """Corners (n, 3) of a binary or ASCII STL; None when a binary one is shorter than it says."""
+    """Corners (n, 3) of a binary or ASCII STL; None if a binary one is shorter than it claims."""
     count = int.from_bytes(raw[80:_STL_HEADER], "little") if len(raw) >= _STL_HEADER else 0
     size = _STL_HEADER + _STL_FACET * count
     if raw.lstrip()[:5].lower() == b"solid" and b"facet" in raw[:4096] and len(raw) != size:

@@ -1,4 +1,4 @@
-"""Shipped machines and users' URDFs as the cell sees them: chains with limits, and what a URDF cannot say."""
+"""Shipped machines and users' URDFs for the cell: chains with limits, and what a URDF cannot say."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def shipped(name: str, kind: Literal["arm", "machine"], to: Reading, path: KeyPath) -> ShippedModel | Unread:
-    """The shipped model of that name, or a finding that names similar ones."""
+    """The shipped model of this name, or a finding that names similar ones."""
     from gcodesim.kinematics.models import MODELS
 
     model: ShippedModel | None = MODELS.get(name)
@@ -51,7 +51,7 @@ def shipped_chain(name: str) -> Chain:
 
 
 def user_chain(file: FileValue, to: Reading, path: KeyPath) -> Chain | Unread:
-    """The chain of a user's URDF; its findings stand in its own lines. The meshes it names are hashed too."""
+    """The chain of a user's URDF; findings about it point to its own lines. The meshes it names are hashed too."""
     from gcodesim.kinematics.urdf import load_urdf
 
     chain, findings = load_urdf(file.path, name=file.name, packages=to.shelf.packages, may_read=to.shelf.may_read)

@@ -13,7 +13,7 @@ from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread
 
 @dataclass(frozen=True, slots=True)
 class PackageFolder(Kind):
-    """The folder of a package, below the cell's own or in one that the user allows."""
+    """The folder of a package, below the folder of the cell or one that the user allows."""
 
     @property
     def expected(self) -> str:

@@ -1,4 +1,4 @@
-"""Where the work stands: work systems in the machine, stock, fixtures and target in the world.
+"""Where the work is: work systems in the machine; stock, fixtures and target in the world.
 
 On a machine tool M is machine zero. On an arm M is the base frame B, except that
 M is turned about B's origin when the work systems are tilted in B: G-code knows
@@ -33,18 +33,18 @@ Corners = tuple[tuple[float, float, float], tuple[float, float, float]]
 
 STOCK: Final = "stock"
 FIXTURE: Final = "fixture"
-CLEARANCE: Final = 0.1  # m that the longest tool clears the stock's top by, at the top of Z
+CLEARANCE: Final = 0.1  # m by which the longest tool clears the stock's top, at the top of Z
 _UPRIGHT: Final = 1e-9  # Z axes whose dot product is nearer to 1 than this count as parallel
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Placement:
-    """Where everything stands that depends on the work systems.
+    """The places of everything that depends on the work systems.
 
     `X_WM` is M of the channel in the world; `work_offsets` X_MP of systems 1 (G54) to 9 (G59.3), and of Fanuc's
     additional ones that the cell names (101 is G54.1 P1); they turn about Z of M only. `stocks`, `fixtures` and
     `target` are X_W of the bodies' own frames, without those that stand on a link: these are `carried`, by names such
-    as `stock/plate` and `fixture/clamp`. `given` are the systems that the cell names, `automatic` says that G54 was
+    as `stock/plate` and `fixture/clamp`. `given` are the systems that the cell names; `automatic`: G54 was
     chosen by the rule for stock without a place.
     """
 
@@ -66,7 +66,7 @@ class Placement:
         return self.X_WM @ self.work_offsets.get(system_index(name), Pose.identity())
 
     def parameters(self, systems: Iterable[int] | None = None) -> dict[int, float]:
-        """Offsets of `systems` (default all) as the control keeps them.
+        """Offsets of `systems` (default: all) in the control's parameters.
 
         5221 X, 5222 Y, 5223 Z [mm], 5230 turn about Z [deg], the next system 20 further; Fanuc's additional ones
         from 7001 and 14961 on, without a turn.
@@ -82,14 +82,14 @@ class Placement:
         return values
 
     def tool_axis(self, orientation: Orientation | None, system: int = 1) -> Array:
-        """Direction of the tool's Z in the world (3,), as an arm's `orientation` asks; default −Z of `system`."""
+        """Direction of the tool's Z in the world (3,), by an arm's `orientation`; default −Z of `system`."""
         wanted = (orientation or Orientation()).tool_axis
         X_WA = self.X_WM @ self.work_offsets[system] if wanted.frame is None else self.X_W(wanted.frame)
         return X_WA.rotate(np.array(wanted.axis))
 
 
 def place(cell: Cell, channel: str = MAIN) -> Placement:
-    """Where the work of `channel` stands, by the rules of the cell file; pure.
+    """Where the work of `channel` is, by the rules of the cell file; a pure function.
 
     Findings: GS725 (a note on what was chosen), GS726 (a tilted system on a machine).
     """
@@ -158,7 +158,7 @@ def _standing(placement: Placement, standing: Standing, default: str) -> Pose:
 
 
 def _on_link(cell: Cell, standing: Standing) -> Carried | None:
-    """On which link it stands; None when it stands still."""
+    """The link on which it stands; None if it is at rest."""
     name = standing.frame or ""
     if name in cell.carried:
         return Carried(cell.carried[name].link, cell.carried[name].X @ standing.X)
@@ -166,7 +166,7 @@ def _on_link(cell: Cell, standing: Standing) -> Carried | None:
 
 
 def _offset(cell: Cell, X_WM: Pose, mover: MachineTool | Robot, standing: Standing) -> Pose:
-    """X_MP of a work offset; without `in:` it is seen from machine zero, on an arm from the base."""
+    """X_MP of a work offset; without `in:` it counts from machine zero, on an arm from the base."""
     if standing.frame is None:
         X_WP = mover.X_WB @ standing.X
     else:
@@ -175,7 +175,7 @@ def _offset(cell: Cell, X_WM: Pose, mover: MachineTool | Robot, standing: Standi
 
 
 def _cleaned(X: Pose) -> Pose:
-    """A rotation that differs from an axis by rounding alone, as that axis."""
+    """A rotation, set to an axis from which it differs only by rounding."""
     whole = np.round(X.R)
     return Pose(X.p, whole + 0.0) if np.abs(X.R - whole).max() < 1e-12 else X
 
@@ -230,7 +230,7 @@ def _automatic(cell: Cell, machine: MachineTool | Robot) -> tuple[Pose, Diagnost
 
 
 def _at_machine_zero(cell: Cell) -> list[Diagnostic]:
-    """A note when stock stands in a work system that nobody has placed."""
+    """A note if stock is in a work system that nobody has placed."""
     for name, stock in cell.stocks.items():
         if stock.place.frame in SYSTEMS:
             path = ("stock", name, "in") if ("stock", name, "in") in cell.spans else ("stock", "in")

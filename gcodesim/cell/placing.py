@@ -27,7 +27,7 @@ def _plain_name(text: str) -> str | None:
 
 
 def names_of(what: str) -> NameRule:
-    """Names that a user chooses: letters, digits, `_` and `-`; the words that frames of ours have are taken."""
+    """Names that a user chooses: letters, digits, `_` and `-`; the names of our own frames are taken."""
     return NameRule(
         what=f"{what} name (letters, digits, `_`, `-`; not {', '.join(RESERVED[:2])} …)",
         pattern=_NAME,
@@ -40,7 +40,7 @@ SYSTEM_NAMES: Final = NameRule(what="work system", pattern=SYSTEM_PATTERN, canon
 
 @dataclass(frozen=True, slots=True)
 class _FrameName(Kind):
-    """The name of a frame; whether there is one is asked when the whole cell is read."""
+    """The name of a frame; its existence is checked once the whole cell has been read."""
 
     @property
     def expected(self) -> str:
@@ -68,7 +68,7 @@ _ZERO = (0.0, 0.0, 0.0)
 class Place:
     """A pose in a frame: `xyz`, then `rpy` about the fixed axes X, Y, Z of that frame.
 
-    `frame` None: what that means depends on the owner (the world; for stock G54).
+    `frame` None: the meaning depends on the owner (the world; for stock, G54).
     """
 
     frame: str | None = key(FRAME, "what it stands in", name="in", default=None)
@@ -93,7 +93,7 @@ class Carried:
 
 @dataclass(slots=True)
 class FrameTree:
-    """All frames by name, each placed in another one or on one of `links`; where they are is found on demand."""
+    """All frames by name, each placed in another one or on one of `links`; their places are found on demand."""
 
     placed: Mapping[str, tuple[Place, Path]]
     links: Container[str]
@@ -104,14 +104,14 @@ class FrameTree:
     def resolve(self) -> None:
         """Fill `poses`, X_W of every frame that stands still, `world` first, and `carried`, those on links.
 
-        Circles become findings, unknown frames count as the world.
+        Cycles become findings; unknown frames count as the world.
         """
         self.poses[WORLD] = Pose.identity()
         for name in self.placed:
             self._place(name, ())
 
     def _place(self, name: str, below: tuple[str, ...]) -> None:
-        """Find where the frame `name` is, unless that is known."""
+        """Find where the frame `name` is, unless that is already known."""
         if name in self.poses or name in self.carried:
             return
         own, path = self.placed[name]

@@ -1,4 +1,4 @@
-"""Stock that the machine cannot come to, wherever the program goes: most often a slip of units or of a sign."""
+"""Stock that the machine cannot reach whatever the program: most often a slip of units or of a sign."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def reach_findings(cell: Cell, channel: str, placement: Placement) -> Iterator[Diagnostic]:
-    """GS734 for each stock that no tool of the cell can touch, by bounds that are certain, not tight."""
+    """GS734 for each stock that no tool of the cell can touch, by bounds that are certain but not tight."""
     if not cell.tools:
         return
     mover = cell.machine_of(channel)
@@ -50,9 +50,9 @@ def reach_findings(cell: Cell, channel: str, placement: Placement) -> Iterator[D
 def _beyond_travel(
     axes: Sequence[MachineAxis], X_MS: Pose, corners: Corners, longest: float, widest: float
 ) -> tuple[str, float, float] | None:
-    """The axis whose travel ends before the stock: what to say, where the stock begins, where the travel ends [m]."""
+    """The axis whose travel ends before the stock: its wording, where the stock begins, where the travel ends [m]."""
     if any(axis.rotary and axis.at is not None for axis in axes):
-        return None  # the stock turns, or the tool does
+        return None  # the stock or the tool turns
     cloud = X_MS.apply(np.array(list(product(*zip(*corners, strict=True)))))
     for k, letter in enumerate("XYZ"):
         axis = next((axis for axis in axes if axis.letter == letter), None)
@@ -70,7 +70,7 @@ def _beyond_travel(
 
 
 def _beyond_arm(tree: Tree, X_BS: Pose, corners: Corners, tool: float) -> tuple[str, float, float] | None:
-    """How far the stock is from the first joint [m], and how far the arm comes at the most, when that is less."""
+    """How far the stock is from the first joint [m], and how far the arm reaches at most, if that is less."""
     if tree.prismatic.any():
         return None
     links = np.linalg.norm(tree.before[tree.path.astype(bool)][1:, :3, 3], axis=1)

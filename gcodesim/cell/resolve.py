@@ -1,4 +1,4 @@
-"""What the parts of a cell mean for each other: frames, channels, materials, steps. Findings for what does not fit."""
+"""References between the parts of a cell: frames, channels, materials, steps; findings where they do not fit."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def _with_channels(cell: Cell, to: Reading) -> Cell:
     """Channels by name, each with the name of its robot, `machine` for the machine tool."""
     movers = [*([MACHINE] if (MACHINE,) in to.keys else []), *to.names_in("robots")]
     if not movers and (("robots",) in to.broken or ("robots",) in to.spans):
-        return cell  # there is one, and what is wrong with it has been said
+        return cell  # there is one, and its faults have been reported
     if not movers:
         message = "the cell has neither a machine nor a robot"
         to.fault("GS722", Span(to.file, 1, 1, 1, 2), message, "write `machine: gantry_xyz`, or a robot under `robots:`")
@@ -140,7 +140,7 @@ def _check_taken(channels: dict[str, Channel], nested: bool, to: Reading) -> Non
 
 
 def _check_frames(cell: Cell, to: Reading) -> None:
-    """Every `in:` names a frame or a link; what stands still stands in what stands still."""
+    """Every `in:` names a frame or a link; anything at rest stands on something at rest."""
     if ("frames",) in to.broken:
         return
     fixed = [WORLD, *to.names_in("frames"), *([MACHINE] if (MACHINE,) in to.keys else [])]
@@ -176,7 +176,7 @@ def _fault_of_frame(cell: Cell, name: str, fixed: list[str], path: Path, to: Rea
 
 
 def _is_on_unknown(cell: Cell, name: str, to: Reading) -> bool:
-    """Whether `name` is a link of something whose links are not known, because it has a fault that was said."""
+    """Whether `name` is a link of something whose links are unknown because of a fault that has been reported."""
     mover, slash, _ = name.partition("/")
     if mover == MACHINE:
         return bool(slash) and (MACHINE,) in to.keys and cell.machine is None
@@ -201,12 +201,12 @@ def _check_loaded_tools(cell: Cell, to: Reading) -> None:
 
 
 def _check_systems(cell: Cell, to: Reading) -> None:
-    """Additional systems are Fanuc's."""
+    """Additional work systems exist only on Fanuc."""
     for name, channel in cell.channels.items():
         own: Path = ("channels", name)
         path: Path = (*own, "dialect") if (*own, "dialect") in to.keys else ("dialect",)
         if path not in to.keys or channel.dialect == "fanuc":
-            continue  # where no dialect is written, the command line may name it
+            continue  # if no dialect is written, the command line may name it
         for system in channel.work_offsets:
             if system not in SYSTEMS:
                 to.fault(
@@ -237,7 +237,7 @@ def _check_stock_on_arm(cell: Cell, to: Reading) -> None:
 
 
 def _check_materials(to: Reading) -> None:
-    """Materials are one's own or in the library."""
+    """Materials are defined in the cell or in the library."""
     from gcodesim.processes.materials import LIBRARY
 
     if ("materials",) in to.broken:
@@ -265,7 +265,7 @@ def _check_materials(to: Reading) -> None:
 
 
 def _check_mesh_sizes(cell: Cell, to: Reading) -> None:
-    """A mesh a hundred times larger or smaller than what it stands with mostly has another unit."""
+    """A mesh a hundred times larger or smaller than its surroundings mostly has another unit."""
     meshes: list[tuple[Shape | None, Path]] = [
         (f.shape, ("fixtures", name, "mesh")) for name, f in cell.fixtures.items()
     ]
@@ -294,7 +294,7 @@ def _check_mesh_sizes(cell: Cell, to: Reading) -> None:
 
 
 def _size_of_cell(cell: Cell) -> float:
-    """A length that says how large things are here [m]: the longest side of stock, else the longest travel."""
+    """A length that is typical of this cell [m]: the longest side of stock, else the longest travel."""
     boxes = (stock.shape for stock in cell.stocks.values())
     sides = [side for shape in boxes if isinstance(shape, Box) for side in shape.size]
     if sides:
@@ -304,7 +304,7 @@ def _size_of_cell(cell: Cell) -> float:
 
 
 def _check_codes(cell: Cell, to: Reading) -> None:
-    """A pattern under `checks` or a suppressed code that no finding has is a slip."""
+    """A pattern under `checks`, or a suppressed code, that matches no code is a slip."""
     wanted: list[tuple[str, Path]] = [(pattern, ("checks", pattern)) for pattern in cell.checks]
     wanted += [(entry.code, ("suppress", index, "code")) for index, entry in enumerate(cell.suppress)]
     for pattern, path in wanted:

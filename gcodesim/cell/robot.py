@@ -1,4 +1,4 @@
-"""A robot of the cell: a shipped model or a URDF, where it stands, where it starts, how it gives way."""
+"""A robot of the cell: a shipped model or a URDF, where it stands, where it starts, and how stiff it is."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Payload:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RobotForm:
-    """A robot as the cell writes it."""
+    """A robot as written in the cell."""
 
     model: str | None = key(Text(form="the name of a shipped model"), "a model that ships with gcodesim", default=None)
     urdf: FileValue | None = key(File("a URDF file"), "a robot description of one's own", default=None)
@@ -160,15 +160,15 @@ def measures_of(chain: Chain) -> tuple[Measure, ...]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Robot:
-    """A robot that stands in the cell.
+    """A robot in the cell.
 
-    `model` names a shipped one, else `urdf` is the file's name as the cell writes it; `description` is where that file
-    lies and `chain` what it says. `home` [rad] or [m],
+    `model` names a shipped one, else `urdf` is the file's name as written in the cell; `description` is where that file
+    is, and `chain` its content. `home` [rad] or [m],
     `stiffness` of the gears [N·m/rad] or [N/m], or None for rigid ones; `X_WB` is its base in the world.
     """
 
     axes: ClassVar[tuple[MachineAxis, ...]] = ()
-    """Axes that a program names by their letters: a robot has none."""
+    """Axes that a program names by letters: a robot has none."""
 
     name: str
     model: str | None
@@ -183,7 +183,7 @@ class Robot:
 
     @property
     def link_names(self) -> tuple[str, ...]:
-        """What can carry something: base, links and flange."""
+        """Everything that can carry something: base, links and flange."""
         return self.chain.carriers
 
     def axis(self, letter: str) -> MachineAxis | None:

@@ -1,4 +1,4 @@
-"""The JSON Schema of cell files, out of what the reader itself uses."""
+"""The JSON Schema of cell files, from the same declarations that the reader uses."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from gcodesim.declarations.kind import SCHEMA_DIALECT, Json
 
 
 def cell_schema() -> Json:
-    """JSON Schema (2020-12) of a cell, for editors; what it cannot say is checked on reading."""
+    """JSON Schema (2020-12) of a cell, for editors; rules that it cannot express are checked on reading."""
     definitions: dict[str, Json] = {}
     root = ROOT.schema(definitions)
     return {

@@ -1,4 +1,4 @@
-"""The cell's settings that are no bodies: limits, severities, time steps, tool magazine."""
+"""Settings of the cell other than bodies: limits, severities, time steps, tool magazine."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _LONGEST_PERIOD: Final = 10.0  # s
 
 @dataclass(frozen=True, slots=True)
 class _UnitOf(Kind):
-    """The unit that plain numbers have."""
+    """The unit of plain numbers."""
 
     dimension: str
 
@@ -51,7 +51,7 @@ class _UnitOf(Kind):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Units:
-    """What a number without unit means."""
+    """The meaning of numbers without a unit."""
 
     length: str = key(_UnitOf("length"), "unit of plain lengths", default="mm", quiet=True)
     angle: str = key(_UnitOf("angle"), "unit of plain angles", default="deg", quiet=True)
@@ -65,7 +65,7 @@ class Units:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Limits:
-    """What the spindle and the process may ask at most; None: unlimited."""
+    """The most that spindle and process may need; None: unlimited."""
 
     spindle_power: float | None = key(Quantity("power", POSITIVE), "greatest spindle power", default=None)
     spindle_speed: float | None = key(Quantity("rotational speed", POSITIVE), "greatest spindle speed", default=None)
@@ -187,7 +187,7 @@ class Simulation:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LogSettings:
-    """How densely the run is written down."""
+    """How densely the run is recorded."""
 
     period: float = key(
         Quantity("time", Range(above=0.0, most=_LONGEST_PERIOD)),
@@ -199,7 +199,7 @@ class LogSettings:
 
 
 def with_step(simulation: Simulation, log: LogSettings, to: Reading) -> tuple[Simulation, LogSettings]:
-    """Both with whole nanoseconds; a finding when the step is none or does not divide the log period."""
+    """Both in whole nanoseconds; a finding if the step is not a whole number or does not divide the log period."""
     period_ns = round(log.period * NS)
     span = to.span(("log", "period")) if ("log", "period") in to.spans else to.span(("simulation", "rate"))
     if period_ns < _SHORTEST_STEP_NS or abs(log.period * NS - period_ns) > 1e-3:

@@ -23,7 +23,7 @@ _DEFAULT: Final = "default"
 
 
 def cell_as_text(cell: Cell) -> str:
-    """The cell as YAML with every default written out and marked; what follows from it stands below as comments."""
+    """The cell as YAML with every default written out and marked; derived values follow as comments."""
     marks = {default.path: f"{_DEFAULT}: {default.why}" if default.why else _DEFAULT for default in cell.defaults_used}
     lines = [f"# {one_line(cell.name)} as gcodesim understands it; what is marked {_DEFAULT} is not written there"]
     _tree(ROOT.show(_as_written(cell)), (), "", marks, lines)
@@ -35,7 +35,7 @@ def cell_as_text(cell: Cell) -> str:
 
 
 def cell_as_json(cell: Cell) -> Json:
-    """The same for programs: units in the names, defaults by path, places resolved."""
+    """The same in JSON: units in the names, defaults by path, places resolved."""
     placement = place(cell, next(iter(cell.channels)))
     poses = _poses(cell, placement)
     return {
@@ -50,7 +50,7 @@ def cell_as_json(cell: Cell) -> Json:
 
 
 def _as_written(cell: Cell) -> Cell:
-    """The keys of a single channel stand at top level, as in the file."""
+    """The keys of a single channel at top level, as in the file."""
     if ("channels",) in cell.spans:
         return cell
     return replace(cell, only_channel=cell.channels[MAIN], channels={})

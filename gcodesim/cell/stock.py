@@ -60,14 +60,14 @@ Shape = Box | Cylinder | MeshShape | Leftover
 
 
 def solid_of(shape: Shape) -> Solid | None:
-    """The solid that a shape of the cell is; None for what an earlier run left, which is a stock and no solid."""
+    """A shape of the cell as a solid; None for what an earlier run left, which is a stock."""
     if isinstance(shape, Leftover):
         return None
     return shape.solid if isinstance(shape, MeshShape) else shape
 
 
 def zero_fractions(text: str) -> Point | None:
-    """`top-front-left` → where that point of a box lies, as parts of its edges: (0, 0, 1)."""
+    """`top-front-left` → that point of a box, as fractions of its edges: (0, 0, 1)."""
     parts: dict[int, float] = {}
     words = text.lower().replace("_", "-").split("-")
     centres = 0
@@ -87,7 +87,7 @@ def zero_fractions(text: str) -> Point | None:
 
 @dataclass(frozen=True, slots=True)
 class _Corner(Kind):
-    """The point of a box that stands at its place."""
+    """The point of a box that is at its place."""
 
     @property
     def expected(self) -> str:
@@ -202,7 +202,7 @@ class ShapeKeys:
 
 
 def _shape_of(body: ShapeKeys, what: str, extra: tuple[str, ...], to: Reading, path: Path) -> Shape | Unread | None:
-    """The one shape that a body names; None when it is one of `extra`."""
+    """The one shape that a body names; None if it is one of `extra`."""
     corner = ("min", "max")
     given = [name for name in ("box", "cylinder", "mesh", *corner) if getattr(body, name) is not None] + list(extra)
     shapes = list(dict.fromkeys("min/max" if name in corner else name for name in given))
@@ -327,7 +327,7 @@ def _mesh(file: FileValue, unit: str | None, to: Reading, path: Path) -> MeshSha
 
 @dataclass(frozen=True, slots=True)
 class _MaterialName(Kind):
-    """The name of a material; whether there is one is asked when the whole cell is read."""
+    """The name of a material; its existence is checked once the whole cell has been read."""
 
     @property
     def expected(self) -> str:
@@ -393,7 +393,7 @@ class Fixture(ShapeKeys):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Target:
-    """The part as it should become."""
+    """The part as it is meant to become."""
 
     mesh: FileValue = key(File("a mesh file"), "the finished part")
     unit: str | None = key(LENGTH_UNIT, "unit of the mesh file", default=None)
@@ -414,7 +414,7 @@ _SHAPE_KEYS: Final = ("box", "cylinder", "mesh", "min", "max", "from")
 
 @dataclass(frozen=True, slots=True)
 class StockKind(Kind):
-    """One stock, when a shape key stands in the mapping, else stock by name."""
+    """One stock if the mapping has a key of a shape, else stock by name."""
 
     @property
     def expected(self) -> str:
@@ -437,7 +437,7 @@ class StockKind(Kind):
         known = all_keys(StockSpec)
         if any(get_close_matches(name, _SHAPE_KEYS, n=1, cutoff=NEARLY) for name in own):
             return True
-        # no shape, but nothing that could be a stock of its own either: one stock whose shape is missing or misspelled
+        # no shape, but no entry that could be a stock either: one stock whose shape is missing or misspelled
         return bool(own) and not any(
             isinstance(value, MappingNode)
             for name, value in node.entries

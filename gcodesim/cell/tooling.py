@@ -29,7 +29,7 @@ TOOL_NUMBERS: Final = NameRule(what="tool number (1 to 99999)", pattern=r"0*[1-9
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _ToolKind(Variant):
-    """A tool of the family; its number is the name under which it stands."""
+    """A tool of the family; its number is the name of its entry."""
 
     def member(
         self, record: Record, entries: tuple[tuple[Scalar, Node], ...], to: Reading, path: Path
@@ -47,7 +47,7 @@ def _possible(tool: Any, to: Reading, path: Path) -> Tool | Unread:
     written = [problem for problem in problems if (*path, *problem[0].split(".")) in to.spans]
     cls: type = type(tool)
     known = all_keys(cls)
-    for name, message in written or problems:  # a default that follows from a wrong value is no fault of its own
+    for name, message in written or problems:  # a default that follows from a wrong value is not a separate fault
         key = name.split(".")[0]
         hint = f"the default of `{name}` does not fit the other keys; write it"
         if written and key in known:

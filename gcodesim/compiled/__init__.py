@@ -17,12 +17,12 @@ from typing import Any, Final, TypeVar, cast, overload
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-# A call about so many rows is interpreted, where a kernel allows it: some 50 µs a row, while loading
+# A call about this many rows is interpreted, where a kernel allows it: some 50 µs per row, while loading
 # machine code for the first time takes 0.05 s.
 SHORT: Final = 256
 
-# what is called before a long compilation, so that nobody has to wait in silence; it gets the reason why code cannot be
-# kept, empty when it can
+# called before a long compilation, so that nobody has to wait in silence; it gets the reason why code cannot be
+# kept, empty if it can
 when_cold: Callable[[str], None] | None = None
 
 
@@ -37,8 +37,8 @@ class Kernel:
     memory that it writes. So it is compiled without reference counting, which is
     an atomic operation at every slice and every call and was a third of the time
     of small hot kernels, and its loops may work on several elements at a time.
-    The compiler refuses one that makes an array; that arguments are apart is on
-    who calls it.
+    The compiler refuses one that makes an array; separate arguments are the responsibility of
+    the caller.
 
     An `inlined` kernel becomes a part of each kernel that calls it: a section of a long one that has a name of its own
     for the reader. Where many arrays would have to be handed on, a call costs more than the work of a short kernel.
@@ -75,7 +75,7 @@ class Kernel:
         return self.by_numba(*arguments) if result is NotImplemented else result
 
     def _entry_for(self, arguments: tuple[Any, ...]) -> Callable[..., Any]:
-        """A function that answers arguments of these types, and others by NotImplemented."""
+        """A function for arguments of these types, which returns NotImplemented for others."""
         if is_compiler_off():
             return self.py_func
         from gcodesim.compiled.arguments import argument_of
@@ -87,7 +87,7 @@ class Kernel:
 
     @cached_property
     def by_numba(self) -> Callable[..., Any]:
-        """The function as numba calls it, of whatever types: for those that `arguments` does not know."""
+        """The function called by way of numba, for types that `arguments` does not know."""
         from gcodesim.compiled.compiling import dispatcher_of
 
         return cast(Callable[..., Any], dispatcher_of(self))
@@ -104,18 +104,18 @@ class Kernel:
             if name in function.__code__.co_names
         }
         plain = FunctionType(function.__code__, names, function.__name__, function.__defaults__)
-        return np.errstate(all="ignore")(plain)  # as the compiled one: infinity, no warning
+        return np.errstate(all="ignore")(plain)  # like the compiled one: infinity, no warning
 
     @property
     def _numba_type_(self) -> Any:
-        """What a kernel is to numba when another kernel calls it."""
+        """The kernel in the form that numba needs when another kernel calls it."""
         from gcodesim.compiled.compiling import part_of
 
         return part_of(self)._numba_type_
 
 
 def is_compiler_off() -> bool:
-    """Whether kernels shall run as Python, as is good for looking into them."""
+    """Whether kernels are to run as Python, which helps with debugging."""
     return os.environ.get("NUMBA_DISABLE_JIT", "0") != "0"
 
 

@@ -1,4 +1,4 @@
-"""How numba makes machine code of kernels. This file and `entry` are the only ones that know numba.
+"""Machine code of kernels by numba. This file and `entry` are the only ones that know numba.
 
 A kernel that Python calls is compiled with all that it calls into one piece of
 code. Kernels that others call get no code of their own and no wrappers for
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 def compile_entry(kernel: Kernel, arguments: Arguments, symbol: str) -> ObjectCode | None:
     """Code of the kernel for these types, with an entry for Python.
 
-    None when it returns what an entry cannot, or this numba is not one that we know.
+    None if it returns a type that an entry cannot, or if this version of numba is unknown to us.
     """
     return _compile_entry(kernel, arguments, symbol) if _knows_this_numba() else None
 
@@ -65,7 +65,7 @@ def _compile_entry(kernel: Kernel, arguments: Arguments, symbol: str) -> ObjectC
 def dispatcher_of(kernel: Kernel) -> Any:
     """The kernel as numba calls it, for arguments and results that an entry cannot take.
 
-    It is compiled anew in each process, since numba keeps what it made as a pickle, which can be anything when read.
+    It is compiled again in each process, since numba would keep it as a pickle, which could run anything when read.
     """
     return _jit(kernel, "whole", nogil=True)
 
@@ -91,14 +91,14 @@ def _jit(kernel: Kernel, kind: str, **options: bool) -> Any:
 
 @cache
 def _knows_this_numba() -> bool:
-    """Whether numba makes entries as it did when this was written: parts of it are used that it may change."""
+    """Whether numba still makes entries as expected: parts of it are used that it may change."""
     from gcodesim.compiled.object_code import load
 
     kernel = compiled.Kernel(_second)
     try:
         code = _compile_entry(kernel, (Argument("f8", 1),), "gcodesim_second")
         entry = None if code is None else load(code)
-    except Exception:  # of any kind: what numba has become cannot be known
+    except Exception:  # of any kind: nobody knows how numba has changed
         return False
     import numpy as np
 
@@ -154,7 +154,7 @@ def _quiet(codegen: Any) -> Any:
 
 
 def _no_executable(library: Any, description: Any, environment: Any) -> Any:
-    """Stands for the function that numba would make for Python: it wants one of C for each overload, as its name."""
+    """Replaces the function that numba would make for Python: it needs a C function, by name, for each overload."""
     return [description].index
 
 
@@ -172,7 +172,7 @@ def _type_of(numba: Any, argument: Argument) -> Any:
 
 @cache
 def _numba() -> Any:
-    """numba; that something is going to be compiled is said, should nothing be kept yet."""
+    """The module numba; if no code is kept yet, announces that something is going to be compiled."""
     import numba
 
     _load_without_scipy()

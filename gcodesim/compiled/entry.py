@@ -1,9 +1,9 @@
 """The entry of a kernel: a function in machine code that takes Python's objects.
 
-It is of the kind METH_FASTCALL of Python's C interface. It looks first whether
-there are as many arguments as wanted and of the very types, and answers by
-NotImplemented where not. Then it takes numbers and arrays out of them, calls the
-kernel while other threads may run, and makes Python's objects of what comes out.
+It is of the kind METH_FASTCALL of Python's C interface. It first checks whether
+the number and the types of the arguments are exactly right, and returns
+NotImplemented if not. Then it takes numbers and arrays out of them, calls the
+kernel while other threads may run, and makes Python objects of the results.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Where machine code is kept: a folder whose name says for which sources, versions and processor it was made.
+"""The folder for machine code; its name says for which sources, versions and processor the code was made.
 
 numba's own check does not see that a kernel in another file has changed, and
 would take code that was made on a processor with other instructions.
@@ -21,19 +21,19 @@ from gcodesim.files.own_folder import OwnFolder
 from gcodesim.files.user_cache import kept_folders, refusals, user_cache
 
 _COMPILERS: Final = {"numba": "_version.py", "llvmlite": "_version.py", "numpy": "version.py"}
-"""Packages that make machine code or tell how arrays lie in memory, and their files that say which version it is."""
+"""Packages that make machine code or define how arrays lie in memory, and their files with the version."""
 
 
 _ROOT: Final = Path(__file__).parents[1]
 
 
 def folders() -> Iterator[OwnFolder]:
-    """Where code may be, that to be preferred first; some may be read only."""
+    """Folders that may hold code, the preferred one first; some may be read-only."""
     return kept_folders(_name())
 
 
 def writable_folder() -> OwnFolder | None:
-    """Where code can be kept; None when nothing can be kept anywhere."""
+    """The folder in which code can be kept; None if nothing can be kept anywhere."""
     return user_cache(_name())
 
 
@@ -56,7 +56,7 @@ def _name() -> str:
 
 @cache
 def source_beside(function: CodeType) -> bytes:
-    """Source of a function that is none of this package, and so not in the name of the folder."""
+    """Source of a function outside this package, which does not count in the name of the folder."""
     path = Path(function.co_filename)
     if path.is_relative_to(_ROOT):
         return b""
@@ -84,7 +84,7 @@ def _kernel_files(folder: Path) -> Iterator[Path]:
 
 
 def _version(name: str) -> bytes:
-    """The file with the version: reading the package's metadata takes longer than the rest of this file."""
+    """The file with the version; reading the package's metadata would take longer than the rest of this module."""
     try:
         return (package(name) / _COMPILERS[name]).read_bytes()
     except OSError:

@@ -71,7 +71,7 @@ def _file(kernel: Kernel, arguments: Arguments) -> str:
 
 
 def _symbol(kernel: Kernel, arguments: Arguments) -> str:
-    """Another one for each kernel and each combination of types."""
+    """A different file for each kernel and each combination of types."""
     function = kernel.py_func
     signature = f"{function.__module__} {function.__qualname__} {kernel.lean} {as_text(arguments)}"
     code = hashlib.sha256(signature.encode() + source_beside(cast(FunctionType, function).__code__))
@@ -79,7 +79,7 @@ def _symbol(kernel: Kernel, arguments: Arguments) -> str:
 
 
 def _read(folder: OwnFolder, name: str) -> ObjectCode | None:
-    """None when there is no such file, somebody else can write it, or it is damaged."""
+    """None if there is no such file, if somebody else can write it, or if it is damaged."""
     data = folder.read(name)
     if data is None:
         return None
@@ -98,7 +98,7 @@ def _sealed(known: ObjectCode) -> bytes:
 
 
 def load(known: ObjectCode) -> Callable[..., Any] | None:
-    """The function as Python calls it; None when the code wants what is not here."""
+    """The function as Python calls it; None if the code needs a symbol that is not here."""
     if not all(map(_is_there, known.wanted)):
         return None
     import llvmlite.binding as llvm
@@ -128,7 +128,7 @@ class _Method(ctypes.Structure):
 
 _FASTCALL: Final = 0x80  # METH_FASTCALL
 _LOCK: Final = Lock()
-_KEPT: Final[list[object]] = []  # what lives as long as the process
+_KEPT: Final[list[object]] = []  # objects that live as long as the process
 
 _new_function = ctypes.pythonapi.PyCFunction_NewEx
 _new_function.restype = ctypes.py_object
@@ -158,7 +158,7 @@ def _is_there(name: str) -> bool:
 
 
 def address_of(name: str) -> int | None:
-    """Where the thing is that code calls so, which has to be where numba has it; None when there is none."""
+    """The address of a symbol of the code, the same one that numba uses; None if there is none."""
     if name in OBJECTS:
         return id(OBJECTS[name])
     if is_named(name):

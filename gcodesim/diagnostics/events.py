@@ -1,4 +1,4 @@
-"""Rows that belong to one event: a fault that goes on is one finding, not one a row."""
+"""Rows that belong to one event: a fault that lasts is one finding, not one per row."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One finding: a stable code, one line of text, the place, a way out."""
+"""One finding: a stable code, one line of text, the place, a remedy."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from enum import IntEnum
 
 
 class Severity(IntEnum):
-    """How bad it is; comparable, so that `--fail-on` is one comparison."""
+    """How bad a finding is; comparable, so that `--fail-on` is one comparison."""
 
     NOTE = 1
     WARNING = 2
@@ -45,7 +45,7 @@ class Span:
 
     @staticmethod
     def of_line(file: str, line: int, text: str, callers: tuple[Caller, ...] = ()) -> Span:
-        """The written part of a whole line."""
+        """A whole line without the blanks around it."""
         start = len(text) - len(text.lstrip()) + 1
         return Span(file, line, start, line, max(start + 1, len(text.rstrip()) + 1), callers)
 
@@ -55,7 +55,7 @@ class Diagnostic:
     """A finding. `severity` None means: what the catalogue says for this code.
 
     `value` and `limit` carry the two numbers in `unit`; `time` is simulated
-    time [s]; `count` how often the same event came (the first one is shown);
+    time [s]; `count` how often the same event occurred (the first one is shown);
     `bodies` are the two that touch, in a collision.
     """
 
@@ -89,12 +89,12 @@ class Diagnostic:
 
 @dataclass(slots=True)
 class Findings:
-    """A growing list of findings that folds repeats of one event into one finding with a count."""
+    """A growing list of findings that folds repetitions of one event into one finding with a count."""
 
     _items: dict[tuple[object, ...], Diagnostic] = field(default_factory=dict)
 
     def add(self, finding: Diagnostic, *, key: tuple[object, ...] | None = None) -> None:
-        """Add `finding`; a later one with the same `key` (default: code, message and place) only counts."""
+        """Add `finding`; a later one with the same `key` (default: code, message and place) only raises the count."""
         key = key or (finding.code, finding.message, finding.span)
         known = self._items.get(key)
         self._items[key] = finding if known is None else replace(known, count=known.count + finding.count)
@@ -104,7 +104,7 @@ class Findings:
             self.add(finding)
 
     def change(self, changed: Mapping[Diagnostic, Diagnostic]) -> None:
-        """Put others in the place of findings: what was known before a run may weigh more after it."""
+        """Replace findings by others: what was known before a run may be more severe after it."""
         self._items = {key: changed.get(finding, finding) for key, finding in self._items.items()}
 
     def __iter__(self) -> Iterator[Diagnostic]:

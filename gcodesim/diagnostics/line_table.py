@@ -1,4 +1,4 @@
-"""The lines of a long file: where each one begins, and its text when somebody asks."""
+"""The lines of a long file: where each one begins, and its text on demand."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-r"""Text of others made fit for a stream: what a terminal, a build server or a reader would take for something else.
+r"""Makes text of others harmless: text that a terminal, build server or reader would take for something else.
 
-Names, comments and messages come from programs and cells that may be a stranger's. A control character of theirs moves
-the cursor or hides what stands there, a mark of writing direction turns words round, and a line that begins with `::`,
+Names, comments and messages come from programs and cells that may be a stranger's. A control character in them moves
+the cursor or hides text, a mark of writing direction reverses words, and a line that begins with `::`,
 or holds `##[`, is a command to a build server. Each is shown as its number, `\u001b`, which JSON and YAML read back.
 """
 
@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from typing import Any, Final
 
-# control characters but tab and line feed; line and paragraph separators; writing direction; what nobody sees
+# control characters except tab and line feed; line and paragraph separators; writing direction; invisible characters
 _HIDDEN: Final = (
     "\x00-\x08\x0b-\x1f\x7f-\x9f\u00ad\u061c\u180e\u200b\u200e\u200f\u2028-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb"
     "\U000e0000-\U000e0fff"
@@ -33,7 +33,7 @@ def lines(text: str) -> str:
 
 
 def excerpt_of(text: str) -> str:
-    """A line of a file, character by character, with a sign in place of each that is unfit; tabs stay."""
+    """A line of a file, character by character, with a sign in place of each unfit character; tabs stay."""
     shown = "".join(c if c == "\t" or c.isprintable() else _UNKNOWN for c in text)
     return _UNFIT.sub(_UNKNOWN, shown) if "##" in shown else shown
 
@@ -60,7 +60,7 @@ _FORMULA: Final = tuple("=+-@\t\r\n\uff1d\uff0b\uff0d\uff20")
 
 
 def table_text(text: str) -> str:
-    """A text for a cell of CSV that no spreadsheet takes for a formula: `'` stands before one that looks so."""
+    """A text for a CSV cell that no spreadsheet takes for a formula: `'` is put before one that looks like one."""
     return f"'{text}" if text.lstrip("'").startswith(_FORMULA) else text
 
 
@@ -70,7 +70,7 @@ def text_of_table(text: str) -> str:
 
 
 class PlainStream:
-    """A stream whose text is made fit; what is ours, such as colour and commands that are meant, goes to `raw`."""
+    """A stream whose text is made harmless; our own colours and commands go to `raw`."""
 
     def __init__(self, raw: Any) -> None:
         self.raw = raw

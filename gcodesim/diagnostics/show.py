@@ -19,7 +19,7 @@ def place(span: Span) -> str:
 
 
 def excerpt(span: Span, text: str) -> list[str]:
-    """The guilty line and a caret line below it; long lines are cut around the place."""
+    """The faulty line and a caret line below it; long lines are cut around the place."""
     if not text.strip():
         return []
     first = max(span.column - 1, 0)
@@ -57,7 +57,7 @@ def as_text(finding: Diagnostic, sources: Mapping[str, SourceText]) -> str:
 
 
 def as_json(finding: Diagnostic) -> dict[str, Any]:
-    """A finding as it stands in `results.json`."""
+    """A finding in the form of `results.json`."""
     span = finding.span
     return {
         "code": finding.code,

@@ -1,4 +1,4 @@
-"""The places of many moves as columns; a `Span` is made when somebody asks for one."""
+"""The places of many moves as columns; a `Span` is made on demand."""
 
 from __future__ import annotations
 

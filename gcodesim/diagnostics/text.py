@@ -19,7 +19,7 @@ _LINE_END = re.compile(r"\r\n|\n|\r")
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 
 LONG: Final = 200_000
-"""Bytes from which on a text is long: its lines are then no list of strings, and compiling their way pays."""
+"""Bytes from which on a text is long: then its lines are not a list of strings, and the compiled lane pays."""
 
 
 def shown_name(path: Path) -> str:
@@ -31,7 +31,7 @@ def shown_name(path: Path) -> str:
 class SourceText:
     """A file as it was read: `name` is how findings call it (no folder of this machine), `raw` its bytes.
 
-    `folder` is where it lies, and files that it names may lie; None for a text that is no file.
+    `folder` is where it is, and where files that it names may be; None for a text that is not a file.
     """
 
     name: str
@@ -40,7 +40,7 @@ class SourceText:
 
     @staticmethod
     def read(path: Path, name: str | None = None) -> SourceText:
-        """Read a file; OSError when it cannot be read, or is a pipe or device, which may never end."""
+        """Read a file; OSError if it cannot be read, or is a pipe or device, which may never end."""
         if path.exists() and not path.is_file() and not path.is_dir():
             raise OSError(errno.EINVAL, "it is no regular file")
         return SourceText(name or shown_name(path), path.read_bytes(), path.parent)
@@ -63,13 +63,13 @@ class SourceText:
 
     @property
     def _begin(self) -> int:
-        """Where the text begins: a byte order mark is none of it, unless the bytes are no UTF-8."""
+        """Where the text begins: after a byte order mark, unless the bytes are not UTF-8."""
         marked = self.raw.startswith(_BYTE_ORDER_MARK) and self.encoding == "utf-8"
         return len(_BYTE_ORDER_MARK) if marked else 0
 
     @cached_property
     def lines(self) -> Sequence[str]:
-        """Lines without their ends. Only LF, CRLF and CR end a line; an end after the last line opens no new one."""
+        """Lines without their ends. Only LF, CRLF and CR end a line; an end after the last line opens no other."""
         if len(self.raw) >= LONG:
             return self.table
         lines = _LINE_END.split(self.text)

@@ -1,4 +1,4 @@
-"""Machines: pose to joints and back, one file per family. Knows no time and no material.
+"""Machines: pose to joints and back, with one file for each family. Knows no time and no material.
 
 Names load on first use: reading a URDF needs no compiler.
 """

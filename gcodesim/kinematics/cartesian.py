@@ -30,8 +30,8 @@ class Axis:
     the opposite for a linear axis of the table, so that +X always moves the tool
     towards +X of the work (ISO 841). A rotary axis on the table side turns the
     work right-handed about `vector`, as LinuxCNC has it; give −`vector` for a
-    machine whose letter means the tool's motion as seen from the work. `point` None: somewhere, only time is
-    known: it turns and moves nothing. `side` default: X, Y, Z tool, A, B, C table.
+    machine whose letter means the tool's motion as seen from the work. `point` None: its place is unknown, only time is
+    known and it moves nothing. `side` default: X, Y, Z tool, A, B, C table.
     """
 
     letter: str
@@ -91,7 +91,7 @@ def chain_of_axes(axes: Sequence[Axis], name: str = "machine") -> Chain:
                     effort=axis.effort,
                 )
             )
-            if not (rotary and axis.point is None):  # else nobody knows where the axis is: it carries nothing
+            if not (rotary and axis.point is None):  # otherwise the axis has no known place and carries nothing
                 ends[side] = child, point
     for link, (parent, at), X in (("flange", ends["tool"], nose), ("table", ends["table"], np.eye(4))):
         back = Pose(-at, np.eye(3)).matrix
@@ -124,8 +124,8 @@ class Cartesian(Machine):
     def inverse(self, X_BF: Array, seed: Array, *, on_path: bool = False) -> tuple[Array, Statuses]:
         """Joints (n, j) and status (n,) of spindle nose poses (n, 4, 4) in M; table axes stay at `seed` (j,).
 
-        Linear axes are solved at once; with rotary axes in the head the numeric
-        way of any serial arm is taken.
+        Linear axes are solved directly; with rotary axes in the head the numeric
+        method of any serial arm is used.
         """
         X = poses(X_BF)
         if self._rotary_head:

@@ -107,7 +107,7 @@ class Joints:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LinkShape:
-    """A solid of a link as scene and collision checks want it: `link` indexes `link_names`."""
+    """A solid of a link, for scene and collision checks: `link` indexes `link_names`."""
 
     link: int
     placed: Placed
@@ -157,7 +157,7 @@ class Chain:
 
     @property
     def carriers(self) -> tuple[str, ...]:
-        """Names of what can carry something, as the log has them: the root is `base`, and there is a `flange`."""
+        """Names in the log of everything that can carry something: the root is `base`, and there is a `flange`."""
         return tuple(dict.fromkeys((BASE, *self.link_names[1:], FLANGE)))
 
     @cached_property
@@ -213,7 +213,7 @@ class Chain:
         )
 
     def shapes(self, what: Literal["visual", "collision"] = "visual") -> tuple[LinkShape, ...]:
-        """All bodies; a link that has only the other kind of body shows that one."""
+        """All bodies; if a link has only bodies of the other kind, those are shown."""
         found = []
         for index, link in enumerate(self.links):
             first, second = (link.visuals, link.collisions) if what == "visual" else (link.collisions, link.visuals)

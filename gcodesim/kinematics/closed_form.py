@@ -1,4 +1,4 @@
-"""What the closed forms of six-axis arms share: geometry in the plane of the arm, path, branches, reasons."""
+"""The common part of closed forms of six-axis arms: geometry in the plane of the arm, path, branches, reasons."""
 
 from __future__ import annotations
 

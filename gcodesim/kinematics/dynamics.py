@@ -1,4 +1,4 @@
-"""Which efforts a motion takes: inverse dynamics with gravity, payload and process wrench."""
+"""The efforts that a motion takes: inverse dynamics with gravity, payload and process wrench."""
 
 from __future__ import annotations
 

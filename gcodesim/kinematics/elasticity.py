@@ -1,4 +1,4 @@
-"""Elastic gears: how far the tip gives way under a wrench, links being rigid."""
+"""Elastic gears: how far the tip yields under a wrench while links are rigid."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def compliance(J: Array, stiffness: Array | None) -> Array:
 
     C times a wrench (force [N], torque [N·m]) is the small displacement
     (position [m], rotation vector [rad]) of the same point (Salisbury 1980, eq. 7
-    inverted). None is a rigid machine: zeros. An infinite stiffness is a rigid joint.
+    inverted). None means a rigid machine and gives zeros. An infinite stiffness is a rigid joint.
     """
     if stiffness is None:
         return np.zeros((len(J), 6, 6))

@@ -13,12 +13,12 @@ from gcodesim.kinematics.tree_kernels import jacobians_along, poses_along
 
 
 def rows(q: Array) -> Array:
-    """Joint values (n, j) as the kernels want them; a read-only array would be compiled for once more."""
+    """Joint values (n, j) in the form for kernels; for a read-only array they would be compiled once more."""
     return np.require(np.atleast_2d(q), np.float64, ["C", "W"])
 
 
 def poses(X: Array) -> Array:
-    """Poses (n, 4, 4) as the kernels want them."""
+    """Poses (n, 4, 4) in the form for kernels."""
     return np.require(np.reshape(X, (-1, 4, 4)), np.float64, ["C", "W"])
 
 
@@ -70,7 +70,7 @@ class Machine:
     def table_travel(self, q: Array) -> Array:
         """How far (n, 3) [m] in B the table's linear axes have carried it; turns of the table left out.
 
-        A work system goes along with that, and not with the turns: a control adds
+        A work system moves with that, but not with the turns, because a control adds
         its offsets to the positions of the axes.
         """
         q = rows(q)

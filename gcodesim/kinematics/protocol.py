@@ -1,4 +1,4 @@
-"""What every machine family offers, and how it says that a pose cannot be had."""
+"""What every machine family offers, and how it reports a pose that is out of reach."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ Statuses = NDArray[np.uint8]
 
 
 class Status(IntEnum):
-    """What became of one pose of a path.
+    """The outcome for one pose of a path.
 
     OK: joints found. REACH: no joint vector has this pose; the row repeats the
     joints before. LIMIT: the row holds the solution that goes on from the row
     before, and it breaks a joint limit. SINGULAR: joints found, but here some
     joint speeds are unbounded. FLIP: joints found within limits, but only by a
-    jump from the row before (on another branch), and nothing smooth is there.
+    jump from the row before (on another branch), because there is no smooth way.
     The first row of a path takes the nearest solution within limits, however far.
     """
 
@@ -35,7 +35,7 @@ class Status(IntEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Reason:
-    """Why a pose has its status: `what` in words, `value` against `limit` in `unit`, the guilty joint or None."""
+    """Why a pose has its status: `what` in words, `value` against `limit` in `unit`, the joint at fault or None."""
 
     status: Status
     what: str
@@ -46,7 +46,7 @@ class Reason:
 
 
 class Kinematics(Protocol):
-    """A machine: joints to poses and back. A row a step; q (n, j) [rad] or [m], poses (n, 4, 4) in B (or M)."""
+    """A machine: joints to poses and back. One row per step; q (n, j) [rad] or [m], poses (n, 4, 4) in B (or M)."""
 
     @property
     def chain(self) -> Chain: ...

@@ -62,7 +62,7 @@ def load_urdf(
 
 
 class _Reader:
-    """One file being read; findings are collected, guilty parts left out."""
+    """One file being read; findings are collected, faulty parts left out."""
 
     def __init__(
         self, path: Path, file: str, packages: Mapping[str, Path], may_read: Callable[[Path], bool] | None
@@ -208,7 +208,7 @@ class _Reader:
     # joints
 
     def joint(self, e: LinedElement) -> Joint | None:
-        """One <joint>; None with a finding when nothing can be made of it."""
+        """One <joint>; None with a finding if it cannot be used."""
         name, kind = e.get("name", ""), e.get("type", "")
         ends = [e.child("parent"), e.child("child")]
         parent, child = ("" if end is None else end.get("link", "") for end in ends)

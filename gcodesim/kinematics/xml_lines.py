@@ -8,7 +8,7 @@ from xml.parsers import expat
 
 
 class XmlError(Exception):
-    """Text that is no XML; `line` and `column` count from 1."""
+    """Text that is not XML; `line` and `column` count from 1."""
 
     def __init__(self, message: str, line: int, column: int) -> None:
         super().__init__(message)

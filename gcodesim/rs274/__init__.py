@@ -1,4 +1,4 @@
-"""RS274 programs: text in, canonical events and findings out. Knows no cell and no machine."""
+"""RS274 programs: text in, canonical events and findings out. Does not know cells or machines."""
 
 from gcodesim.rs274.parameters import parameter_text, read_parameters
 from gcodesim.rs274.run import Run, interpret, lint

@@ -11,7 +11,7 @@ Place = tuple[int, int]  # first column and the one after the last, from 0
 
 @dataclass(frozen=True, slots=True)
 class Signed:
-    """A sign before a value that is no plain number."""
+    """A sign before a value that is not a plain number."""
 
     sign: float
     operand: Node
@@ -91,7 +91,7 @@ class Flow(NamedTuple):
 
 @dataclass(slots=True)
 class Block:
-    """A line that has been read. `places` gives each word's columns; plain lines find them when asked."""
+    """A line that has been read. `places` gives the columns of each word; plain lines find them on demand."""
 
     line: int
     text: str
@@ -102,9 +102,9 @@ class Block:
     deleted: bool = False
     plain: bool = False
     slash: int | None = None
-    """Column of a slash inside the line, on controls that skip what stands behind it."""
+    """Column of a slash inside the line, on controls that skip what follows it."""
     odd: tuple[tuple[str, str, Place], ...] | None = None
-    """What `odd_numbers` finds in it, once it was asked."""
+    """What `odd_numbers` finds in it, once it has been asked."""
     _places: list[Place] | None = None
     _find: Callable[[str], list[Place]] | None = field(default=None, repr=False)
 
@@ -117,7 +117,7 @@ class Block:
 
     @property
     def comments(self) -> tuple[Note, ...]:
-        """The comments in parentheses: what follows a semicolon never acts."""
+        """The comments in parentheses; text after a semicolon never acts."""
         return self.notes and tuple(note for note in self.notes if self.text[note.place[0]] == "(")
 
     def place_of(self, letter: str, nth: int = 0) -> Place | None:

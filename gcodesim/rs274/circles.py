@@ -1,4 +1,4 @@
-"""An arc in the active plane, and the small geometry that arcs, corners and cutter compensation share."""
+"""An arc in the active plane, and simple geometry that arcs, corners and cutter compensation share."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class PlaneCircle:
 
 
 def apart(a: tuple[float, float], b: tuple[float, float]) -> float:
-    """Distance by the plain square root, which compiled code has to the same last bit (`math.dist` it has not)."""
+    """Distance by the plain square root, which compiled code reproduces to the last bit (unlike `math.dist`)."""
     dx, dy = b[0] - a[0], b[1] - a[1]
     return math.sqrt(dx * dx + dy * dy)
 

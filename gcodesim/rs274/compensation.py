@@ -27,7 +27,7 @@ from gcodesim.units import DEG, MM
 PLANE = {170: (0, 1, 2), 180: (2, 0, 1), 190: (1, 2, 0)}
 STRAIGHT_ON = 0.05  # [rad] corners flatter than this are passed without an arc or an intersection
 _SWEEP_SLACK_MM = 0.0254
-_AT_ONCE = (canon.ToolSelect, canon.ToolNumber, canon.Message, canon.Print, canon.Log)  # no held move delays these
+_AT_ONCE = (canon.ToolSelect, canon.ToolNumber, canon.Message, canon.Print, canon.Log)  # not delayed by a held move
 # lathe tools: where the controlled point lies from the centre of the nose, by orientation, in radii along X and Z
 _NOSE_X = {1: -1.0, 2: -1.0, 6: -1.0, 3: 1.0, 4: 1.0, 8: 1.0}
 _NOSE_Z = {2: -1.0, 3: -1.0, 7: -1.0, 1: 1.0, 4: 1.0, 5: 1.0}
@@ -50,7 +50,7 @@ class Held(canon.Event):
 
 
 class CornerRule(Protocol):
-    """How another control than LinuxCNC enters the compensation and goes round corners."""
+    """How a control other than LinuxCNC enters the compensation and goes round corners."""
 
     def enters(self, control: Control, end: Vector, length: float, *, rapid: bool) -> bool:
         """Whether a first straight move of `length` in the plane begins the compensation; else it has been made."""
@@ -124,7 +124,7 @@ def _tool_of(words: Words, control: Control, *, dynamic: bool, at: str) -> tuple
 
 
 def leave(control: Control) -> None:
-    """G40 and the end of the program: what waits is emitted as it is."""
+    """G40 and the end of the program: waiting moves are emitted as they are."""
     state = control.state
     if not state.side:
         return
@@ -139,10 +139,10 @@ def leave(control: Control) -> None:
 
 
 def pause(control: Control) -> None:
-    """Before a stop: what waits is emitted as it is, and the compensation goes on afterwards."""
+    """Before a stop: waiting moves are emitted as they are, and the compensation goes on afterwards."""
     if control.state.side:
         settle(control)
-        before, control.out[:] = list(control.out), []  # the block at hand may have moved, too
+        before, control.out[:] = list(control.out), []  # the current block may have moved as well
         flush(control)
         control.out[:0] = before
 
@@ -344,7 +344,7 @@ def _corner(
             emit(control, around)
         state.comp_endpoint = offset_start
     elif not any(type(event) is Held for event in state.held):
-        flush(control)  # after a stop nothing waits, and an inside corner is left as it is
+        flush(control)  # after a stop nothing waits, and an inside corner stays as it is
     else:
         flush(control, corner=intersection(control, op, following, turns))
 
@@ -374,7 +374,7 @@ def held_moves(control: Control) -> list[Held]:
 def _held_move(control: Control) -> Held:
     """The move in the plane that waits; those across the plane follow it.
 
-    After a stop only some across the plane may wait: then a move that ended here in the direction of the one before.
+    After a stop only moves across the plane may wait; then it is a move that ended here in the direction before it.
     """
     waiting = held_moves(control)
     if waiting:
@@ -443,7 +443,7 @@ def _dot(a: Point, b: Point) -> float:
 
 
 def scale(control: Control, factor: float) -> None:
-    """After a change of unit: what waits is meant as it was."""
+    """After a change of unit, waiting moves keep their meaning."""
     state = control.state
     state.held = tuple(_scaled(event, factor) if type(event) is Held else event for event in state.held)
     state.comp_emitted = scaled(state.comp_emitted, factor)
@@ -460,9 +460,9 @@ def _scaled(move: Held, factor: float) -> Held:
 
 
 def flush(control: Control, corner: Point | None = None, *, lenient: bool = False) -> None:
-    """Emit what waits, before the events of the block in hand; `corner` is where the held move must end.
+    """Emit waiting moves, before the events of the current block; `corner` is where the held move must end.
 
-    A held move that would run backwards is a fault; a control does not look where the next one goes straight on or
+    A held move that would run backwards is a fault; a control does not check this if the next one goes straight on or
     is an arc round an outside corner: then (`lenient`) it is a warning.
     """
     state = control.state

@@ -1,7 +1,7 @@
-"""The control: executes one block after the other and says what the machine is asked to do.
+"""The control: executes block after block and says what the machine is told to do.
 
-A block is checked before anything changes; where a fault shows only half-way,
-the run puts the state back (`Control.begin`, `Control.roll_back`).
+A block is checked before anything changes; if a fault shows only half-way,
+the run restores the state (`Control.begin`, `Control.roll_back`).
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _PATH_MODES: dict[int, str] = {610: "exact_path", 611: "exact_stop", 640: "blend
 
 
 class Control:
-    """State, memory and tool table of a control, and the events of the block in hand (`out`)."""
+    """State, memory and tool table of a control, and the events of the current block (`out`)."""
 
     state: State
     span: Span
@@ -54,7 +54,7 @@ class Control:
         self.last_system: canon.WorkSystem | None = None
         self.not_simulated: dict[str, tuple[int, Span]] = {}
         self.corner_rule: CornerRule | None = None  # of cutter compensation; None for RS274's
-        self.auto_length = False  # M6 takes the length along: nothing in the program is about lengths
+        self.auto_length = False  # M6 also applies the length: nothing in the program is about lengths
         self.length_cancelled = False  # G49 is all that the program says about them
         self.sub_level = 0
         self.finished = False
@@ -168,7 +168,7 @@ class Control:
             self.out.append(event)
 
     def _restore_systems(self) -> None:
-        """What a parameter file says about offsets is in force from the start."""
+        """Put the offsets of a parameter file in force from the start."""
         get = self.parameters.get
         index = round(get(numbers.ACTIVE_SYSTEM))
         state = self.state
@@ -185,7 +185,7 @@ class Control:
         get = self.parameters.get
         return tuple(self.program_units(get(numbers.G92_OFFSET + axis), axis) for axis in range(9))  # type: ignore[return-value]
 
-    # -- what programs may ask
+    # -- what programs may ask for
 
     def _read_only(self, number: int) -> float:
         state = self.state
@@ -305,12 +305,12 @@ class Control:
         return self.state.g92
 
     def skip(self, word: str, place: Place | None = None) -> None:
-        """Count a word that is read but not simulated; it stands at `place` of the line."""
+        """Count a word that is read but not simulated; it is at `place` in the line."""
         count, first = self.not_simulated.get(word, (0, None))
         self.not_simulated[word] = (count + 1, first or self._span_of(place))
 
     def _span_of(self, place: Place | None) -> Span:
-        """A place in the line at hand; all of the line when it is None."""
+        """A place in the current line; the whole line if it is None."""
         span = self.span
         if place is None:
             return span

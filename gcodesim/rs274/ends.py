@@ -13,7 +13,7 @@ _AXIS_OF = {letter: axis for axis, letter in enumerate(AXES)}
 
 
 def start_point(control: Control) -> Vector:
-    """Where the program believes to be: with cutter compensation the programmed point, not the offset one."""
+    """Where the program believes it is: with cutter compensation the programmed point, not the offset one."""
     state = control.state
     return state.comp_programmed if state.side and not state.comp_first else state.current
 
@@ -21,7 +21,7 @@ def start_point(control: Control) -> Vector:
 def end_point(words: Words, control: Control, *, start: Vector | None = None) -> Vector:
     """The programmed end in the active work system; axes without a word stay.
 
-    `start` is the point to go on from where that is not the current one.
+    `start` is the point to go on from, if that is not the current one.
     """
     state = control.state
     values = words.values

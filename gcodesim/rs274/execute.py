@@ -12,10 +12,10 @@ from gcodesim.rs274.motions import MOTIONS
 from gcodesim.rs274.words import Words, check_use, is_used
 
 NOT_MODELLED = "uvw"
-_NO_Q = -1.0  # by which LinuxCNC tells that a block has no Q
+_NO_Q = -1.0  # LinuxCNC's mark for a block without Q
 _CLAIMS_AXES = frozenset((100, 280, 300, 520, 920))
 _LENGTH_NEEDS_NO_MOTION = frozenset((431, 432))  # of these only G43.1 keeps the axis words to itself
-_ARCS = frozenset((20, 30))  # a modal one goes on where only its centre is given
+_ARCS = frozenset((20, 30))  # a modal one continues if only its centre is given
 # motions that make sense without any axis word
 _NEEDS_NO_AXES = frozenset((0, 10, 20, 30, 52))
 
@@ -74,7 +74,7 @@ def motion_of(words: Words, control: Control) -> int:
 
 
 def _check_polar(words: Words, control: Control) -> None:
-    """The plane is that of before the block, as on the control."""
+    """The plane is the one in force before the block, as on the control."""
     at = "@" if "@" in words.values else "^"
     if control.state.plane != 170:
         raise Fault("GS185", "polar coordinates work in the XY plane only", at=at, hint="say G17 in a block before")
@@ -155,7 +155,7 @@ def execute(words: Words, control: Control) -> None:
 
 
 def _notice_moves(control: Control) -> None:
-    """Once a move was made the program is where it believes to be."""
+    """Once a move has been made, the program is where it believes it is."""
     strayed = control.state.strayed
     if strayed is None or strayed[0] == control.block_number:
         return
@@ -189,7 +189,7 @@ def is_plain_move(words: Words, control: Control) -> bool:
 
 
 def execute_move(words: Words, control: Control) -> None:
-    """What `execute` does, for a plain move: all that can change before a fault is the feed."""
+    """What `execute` does, for a plain move: only the feed can change before a fault."""
     state = control.state
     motion = motion_of(words, control)
     check_use(words, control.dialect, g_name(motion) if motion >= 0 else "")

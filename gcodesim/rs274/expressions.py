@@ -11,7 +11,7 @@ from gcodesim.rs274.functions import arc, logarithm, nearest, root
 from gcodesim.rs274.parameters import Parameters
 
 _NEAR = 1e-4  # EQ and NE treat numbers nearer than this as equal
-LARGEST = 1e30  # beyond this a number means nothing on any machine, and its square may be no number
+LARGEST = 1e30  # beyond this a number is meaningless on any machine, and its square may not be a number
 
 
 def evaluate(node: Node, parameters: Parameters) -> float:
@@ -33,12 +33,12 @@ def _operation(node: Binary, parameters: Parameters) -> float:
 
 
 def loose(node: Node, parameters: Parameters) -> float:
-    """Like `evaluate` for what stands alone in brackets, as after an O-word or a function: it may be no number."""
+    """Like `evaluate` for an expression alone in brackets, as after an O-word or a function: it may not be a number."""
     return _operation(node, parameters) if type(node) is Binary else evaluate(node, parameters)
 
 
 def _why(node: Node, parameters: Parameters) -> str:
-    """What made the value of `node` infinite or no number; empty when its operators do not tell."""
+    """What made the value of `node` infinite or not a number; empty if its operators do not show it."""
     if type(node) is not Binary:
         return ""
     for side in (node.left, node.right):

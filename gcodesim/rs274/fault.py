@@ -1,4 +1,4 @@
-"""A fault of the program on its way from where it is seen to where it becomes a finding."""
+"""A fault of the program, on its way from where it is detected to where it becomes a finding."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ class Fault(Exception):  # noqa: N818  (a fault of the user's, never seen outsid
 
     `at` says where: a place, a word's letter (`"x"`), a code as written in
     `gcodes` (`"g43"`), or None for the whole block. `span` is the line that is
-    guilty where that is another one than the line at which the control stops.
+    at fault, if that is not the line at which the control stops.
     """
 
     def __init__(

@@ -28,7 +28,7 @@ LOCAL_WORDS = frozenset(KEYWORDS) - {"sub", "endsub", "call", "return"}  # their
 
 
 class Stopped(Fault):
-    """A fault after which a control knows no next line; `index` is where its reading stood."""
+    """A fault after which a control has no next line; `index` is the line that it was reading."""
 
     def __init__(self, code: str, message: str, *, index: int | None = None, hint: str = "") -> None:
         super().__init__(code, message, hint=hint)
@@ -65,7 +65,7 @@ class FlowControl:
 
     @property
     def reads_on(self) -> bool:
-        """Whether what is left of a program with calls is only read for its further faults, each subroutine once."""
+        """Whether the rest of a program with calls is only read for further faults, each subroutine once."""
         return self.failed and self._has_calls
 
     @cached_property
@@ -75,7 +75,7 @@ class FlowControl:
     # -- O-words
 
     def execute(self, flow: Flow, index: int) -> None:
-        """Execute the O-word of the line at hand; sets where to go on."""
+        """Execute the O-word of the current line, and set where to go on."""
         self.changes += 1
         arrived, self.arrived = self.arrived, False
         label = self._label(flow.label)
@@ -136,7 +136,7 @@ class FlowControl:
         return known
 
     def _skip_to(self, label: str, index: int, *keywords: str) -> None:
-        """Go on at the next O-word of `label`, which should have one of `keywords`; what lies between is not read."""
+        """Go on at the next O-word of `label`, which should have one of `keywords`; lines in between are not read."""
         found = self.frame.file.find_flow(index, label, LOCAL_WORDS)
         self._pass_over(self.frame.file, index, None if found is None else found.at)
         if found is None:
@@ -155,7 +155,7 @@ class FlowControl:
             raise Stopped(fault.code, message, index=index, hint=fault.hint)
 
     def skipped_of(self, file: ProgramFile) -> Skipped:
-        """What a control that skips lines of `file` finds broken."""
+        """The faults that a control finds while it skips lines of `file`."""
         skipped = self.skipped.get(file.name)
         if skipped is None:
             longest = self.control.dialect.longest_line
@@ -164,7 +164,7 @@ class FlowControl:
         return skipped
 
     def _broken_call(self, file: ProgramFile, index: int) -> Fault | None:
-        """What is wrong with the words of a line with M98; they are computed even where it is passed over."""
+        """What is wrong with the words of a line with M98, which are computed even if the line is skipped."""
         control = self.control
         try:
             block = file.block(index)
@@ -220,7 +220,7 @@ class FlowControl:
     def _endif(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
         del flow, index, arrived
         self._opened(label, "endif", "if")
-        self.taken = True  # this very line would not run, had an outer branch not been taken
+        self.taken = True  # this very line would not run if an outer branch had not been taken
 
     # loops; a skip stops at every O-word of its label, which then acts as on a control that is skipping
 
@@ -338,7 +338,7 @@ class FlowControl:
             operands = () if flow is None else flow.operands
             value = loose(operands[0], control.parameters) if operands else 0.0
         except Fault as fault:
-            if fault.code in ("GS008", "GS120"):  # more stands behind it, or a name has no value yet
+            if fault.code in ("GS008", "GS120"):  # more text follows it, or a name has no value yet
                 return
             message = f"line {index + 1} cannot be computed where its subroutine is defined: {fault.message}"
             raise Stopped(fault.code, message, index=index, hint=fault.hint) from None
@@ -346,7 +346,7 @@ class FlowControl:
 
     def _endsub(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
         del index, arrived
-        if len(self.frames) == 1 or self.frame.by_m98:  # as on the control, the label is not looked at
+        if len(self.frames) == 1 or self.frame.by_m98:  # as on the control, the label is not checked
             raise Fault("GS130", f"`endsub` {show(label)} has no `sub` before it")
         self._return(flow)
 
@@ -412,7 +412,7 @@ class FlowControl:
     def _find(self, label: str, index: int, *, by_m98: bool) -> tuple[ProgramFile, int]:
         """File and line index of a subroutine or program: known, in a file of its name, or further down.
 
-        The control looks for both kinds at once and refuses the wrong one where it stands.
+        The control looks for both kinds at once and refuses the wrong one where it finds it.
         """
         known = (self.programs if by_m98 else self.subs).get(label)
         if known is not None:
@@ -470,7 +470,7 @@ class FlowControl:
         return None
 
     def _is_within(self, path: Path) -> bool:
-        """Whether a file of a folder lies there or in another one, and is no link to a file of somebody else."""
+        """Whether a file of a folder is in it or in another one of them, and not a link to somebody else's file."""
         real = Path(os.path.realpath(path))
         return any(real.is_relative_to(os.path.realpath(folder)) for folder in self.folders)
 

@@ -1,4 +1,4 @@
-"""What belongs to one call of a subroutine."""
+"""The data of one call of a subroutine."""
 
 from __future__ import annotations
 

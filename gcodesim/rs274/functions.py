@@ -1,4 +1,4 @@
-"""Functions that the expressions of all dialects have in common; angles in degrees."""
+"""Functions that are common to the expressions of all dialects; angles in degrees."""
 
 from __future__ import annotations
 

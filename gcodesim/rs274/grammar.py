@@ -43,7 +43,7 @@ class Unreadable(Exception):  # noqa: N818
 
 @v_args(inline=True)
 class _Build(Transformer[Token, Any]):
-    """Turns rules into the values of `block.py` while the parser runs; no tree is ever built."""
+    """Turns rules into the values of `block.py` while the parser runs, without ever building a tree."""
 
     def start(self, *parts: Any) -> Parsed:
         words: list[tuple[int, Word]] = []
@@ -170,7 +170,7 @@ def _lark_of(name: str) -> Lark:
     folder = user_cache("grammars")
     known = None if folder is None else folder.read(file)
     if known is not None:
-        with suppress(Exception):  # of any kind: what stands in a damaged file cannot be known
+        with suppress(Exception):  # of any kind: the contents of a damaged file are unknown
             return _from_tables(known)
     parser = Lark(text, transformer=_Build(), **_OPTIONS)
     if folder is not None:
@@ -213,7 +213,7 @@ def parser_of(name: str) -> Callable[[str], Parsed]:
     known = _lark_of(name)
 
     def expected(before: str) -> frozenset[str]:
-        """The terminals that may stand behind `before`; the table of the parser alone names some that may not."""
+        """The terminals that may follow `before`; the parser's table alone names some that may not."""
         try:
             parser = known.parse_interactive(before)
             parser.exhaust_lexer()

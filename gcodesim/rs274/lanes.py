@@ -1,4 +1,4 @@
-"""Which lane reads the next line: the compiled one costs its import, so short programs do without."""
+"""Which lane reads the next line: the compiled one costs an import, so short programs do without it."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ _MANY_BLOCKS: Final = 6_000
 """Blocks after which a short program, which then has a loop, has cost as much as the import."""
 
 _BLOCKS_OF_HOLE: Final = 8
-"""The block of a canned cycle costs so many others."""
+"""A block of a canned cycle costs as much as this many others."""
 
 _WORTH_COMPILING: Final = 5_000_000
-"""Bytes from which on compiling the lane, which is done once for a version, is not much longer than doing without."""
+"""Bytes from which on compiling the lane, once for each version, takes little longer than doing without it."""
 
 _BLOCKS_WORTH_COMPILING: Final = 1_000_000
 
 
 class Lanes:
-    """The compiled lane of one run, opened when it pays."""
+    """The compiled lane of one run, opened once it pays."""
 
     def __init__(self, source: SourceText, settings: Settings, control: Control, flow: FlowControl) -> None:
         self._control, self._flow = control, flow
@@ -43,7 +43,7 @@ class Lanes:
                 return None
             if block < self._from and (self._control.state.cycle < 0 or block * _BLOCKS_OF_HOLE < self._from):
                 return None
-            from gcodesim.rs274.plain.lane import PlainLane, is_ready  # brings numpy, perhaps the compiler
+            from gcodesim.rs274.plain.lane import PlainLane, is_ready  # imports numpy, and perhaps the compiler
 
             if not (self._may_compile or is_ready() or block >= _BLOCKS_WORTH_COMPILING):
                 self._from = _BLOCKS_WORTH_COMPILING

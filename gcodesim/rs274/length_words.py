@@ -1,4 +1,4 @@
-"""Whether a program speaks of tool lengths at all: how it is meant depends on that."""
+"""Whether a program mentions tool lengths at all, since its meaning depends on that."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ import re
 
 from gcodesim.diagnostics import SourceText
 
-# one search a letter: with a literal first byte a search skips everything else quickly
+# one search per letter: with a literal first byte a search skips everything else quickly
 _WORDS = [re.compile(letter + rb"[ \t]*0*4[ \t]*[39]") for letter in (b"G", b"g")]
 _NOTE = re.compile(rb"\([^)]*\)?|;.*")
 
 
 def length_words(source: SourceText) -> set[bytes]:
-    """Last digits of the words about tool length that the program says: 3 of G43 and its kin, 9 of G49."""
+    """Last digits of the words about tool length in the program: 3 for G43 and its relatives, 9 for G49."""
     raw = source.raw
     said: set[bytes] = set()
     for word in _WORDS:

@@ -142,7 +142,7 @@ def _wait_for_input(words: Words, control: Control) -> None:
 
 
 def heard(control: Control, reply: canon.Heard | None) -> None:
-    """Take over what an input read; -1 when the time for waiting ran out."""
+    """Store what an input read; -1 if the time for waiting ran out."""
     value = 0.0 if reply is None else -1.0 if reply.value is None else reply.value
     control.parameters.changes += 1
     control.parameters.numbers[INPUT_RESULT] = value
@@ -184,7 +184,7 @@ def change_tool(words: Words, control: Control) -> None:
 
 
 def load_first_tool(control: Control) -> None:
-    """The tool that stands in the spindle before the first block; as after M61, nothing moves."""
+    """Put a tool into the spindle before the first block; as with M61, nothing moves."""
     number = control.settings.loaded_tool
     if not number:
         return
@@ -330,7 +330,7 @@ def overrides(words: Words, control: Control) -> None:
 
 
 def user_codes(words: Words, control: Control) -> None:
-    """M codes that the cell maps, and those that a control would run a program for."""
+    """M codes that the cell maps, and those for which a control would run a program."""
     m = words.m.get(USER)
     if m is None or _act(control, m, words):
         return

@@ -88,7 +88,7 @@ def diameter(words: Words, control: Control) -> None:
         return
     now = code == 70
     if now != control.state.diameter and "x" in words.values:
-        words.values["x"] *= 0.5 if now else 2.0  # it was read as before the change
+        words.values["x"] *= 0.5 if now else 2.0  # it was read as it was before the change
     control.state.diameter = now
 
 

@@ -1,4 +1,4 @@
-"""Comments that do something: MSG, DEBUG, PRINT, LOG, ABORT; and those that would on a control, but not here."""
+"""Comments that act: MSG, DEBUG, PRINT, LOG, ABORT; and those that would act on a control, but not here."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ _UNSIMULATED = re.compile(r"[ \t]*(PROBEOPEN|PROBECLOSE|LOGOPEN|LOGAPPEND|LOGCLO
 _FORMAT = re.compile(r"%(?:(d|f)|\.([0-9])f)")
 _PARAMETER = re.compile(r"#(?:<([^>]*)>|([0-9]+))")
 _UNKNOWN = "######"
-_NOTHING = 1e-4  # what is nearer to 0 is shown as 0
+_NOTHING = 1e-4  # values nearer to 0 are shown as 0
 _LONGEST = 30  # characters of a value, as on the control
 
 
 def execute_all(notes: Sequence[Note], control: Control) -> None:
-    """The comments of a block, of which a control keeps the last only."""
+    """The comments of a block, of which a control keeps only the last."""
     for note in notes[:-1]:
         match = _KEY.fullmatch(note.text) or _UNSIMULATED.match(note.text)
         if match is not None and (match[1].lower() in _ACTING or match.re is _UNSIMULATED):
@@ -75,7 +75,7 @@ def filled(text: str, control: Control) -> str:
             places = int(form[2]) if form[2] is not None else (0 if form[1] == "d" else 4)
             at = form.end()
         elif char == "%" and text[at + 1 : at + 2] == ".":
-            out.append(".")  # a form that is none: the control drops its %
+            out.append(".")  # not a valid form: the control drops its %
             at += 2
         elif parameter:
             value = _value(parameter, control)
@@ -95,7 +95,7 @@ def _shown(value: float, places: int) -> str:
 
 
 def _value(parameter: re.Match[str], control: Control) -> float | None:
-    """The value of #n or #<name>, None when there is none."""
+    """The value of #n or #<name>; None if it has none."""
     name, number = parameter[1], parameter[2]
     if name is not None:
         squeezed = re.sub(r"\s", "", name).lower()

@@ -1,4 +1,4 @@
-"""Numbers that controls read, but hardly as they were meant: with a blank inside, or with two signs."""
+"""Numbers that controls read, but probably not as they were meant: with a blank inside, or with two signs."""
 
 from __future__ import annotations
 

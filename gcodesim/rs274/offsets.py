@@ -1,4 +1,4 @@
-"""Offsets: tool length, work systems, G10, G28, G30, G52, G92. Nothing moves when one changes, but for G28 and G30."""
+"""Offsets: tool length, work systems, G10, G28, G30, G52, G92. Except for G28 and G30, nothing moves."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def work_system(words: Words, control: Control) -> None:
             hint="say G40 first",
         )
     index = _SYSTEM_INDEX.get(code, control.state.system)
-    if index != control.state.system:  # a program that wrote #5221 itself has to change the system to see it
+    if index != control.state.system:  # a program that sets #5221 itself has to change the system for it to take effect
         control.use_system(index)
 
 
@@ -269,7 +269,7 @@ def _go_home(first: int, code: int) -> Callable[[Words, Control], None]:
 
 
 def _name_home(control: Control, first: int, word: str) -> None:
-    """A home that nobody stored is named, so that an arm may go to its joint home instead."""
+    """A home that nobody has stored is marked by name, so that an arm may go to its joint home instead."""
     if any(first + axis in control.parameters.numbers for axis in range(9)):
         return
     from gcodesim import canon

@@ -1,4 +1,4 @@
-"""Programs that were written for another kind of machine or control, known by words that no mill's program has."""
+"""Programs that were written for another kind of machine or control, recognised by words that no mill uses."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from gcodesim.rs274.dialects import Lathe
 
 Kind = Literal["printer", "Klartext", "Sinumerik", "lathe"]
 
-_HEAD: Final = 120_000  # bytes that are looked at: posts and people say at the beginning what they write for
+_HEAD: Final = 120_000  # bytes that are searched: posts and people say at the beginning what a program is for
 _NOTES = re.compile(rb"\([^)\r\n]*\)?|;[^\r\n]*")
 _LINE_END = re.compile(rb"\r\n|\n|\r")
 

@@ -29,9 +29,9 @@ FIRST_ADDITIONAL, FIRST_FURTHER = 7001, 14961  # Fanuc's G54.1 P1 to P48 and P49
 INPUT_RESULT = 5399
 TOOL = 5400
 POSITION = 5420
-DEBUG_ON = 5599  # 1 from the start; at 0 a DEBUG comment says nothing
+DEBUG_ON = 5599  # 1 from the start; at 0 DEBUG comments are silent
 
-# what LinuxCNC keeps from run to run, besides what its parameter file lists
+# parameters that LinuxCNC keeps from run to run, besides those listed in its parameter file
 KEPT = (
     *(number for first in (G28_HOME, G30_HOME) for number in range(first, first + 9)),
     *range(G92_ON, ACTIVE_SYSTEM + 1),
@@ -78,7 +78,7 @@ class Parameters:
         """Counts what may have changed a value, for those who keep a copy."""
 
     def index(self, value: float) -> int:
-        """The number meant by `#value`: within 1e-4 of an integer counts as that integer."""
+        """The number meant by `#value`: a value within 1e-4 of an integer counts as that integer."""
         number = round(value)
         if abs(value - number) > 1e-4:
             raise Fault("GS121", f"#{value:g} is no parameter: the number must be whole")
@@ -132,7 +132,7 @@ class Parameters:
         self.set(number, value)
 
     def set(self, number: int, value: float) -> None:
-        """Store a number, in a way that `roll_back` takes back."""
+        """Store a number so that `roll_back` can undo it."""
         self.changes += 1
         self.undo.append((self.numbers, number, self.numbers.get(number)))
         self.numbers[number] = value
@@ -142,7 +142,7 @@ class Parameters:
         return tuple(map(self.numbers.get, _OF_CALL, NO_ARGUMENTS))
 
     def set_first(self, values: tuple[float, ...]) -> None:
-        """Store those, as `set` does; most of them are what they were, to the very object."""
+        """Store those, like `set`; most of them are unchanged, down to the object."""
         self.changes += 1
         numbers = self.numbers
         for number, old, value in zip(_OF_CALL, map(numbers.get, _OF_CALL), values, strict=True):
@@ -169,11 +169,11 @@ class Parameters:
         return KEPT
 
     def commit(self) -> None:
-        """What was set stays."""
+        """Keep everything that was set."""
         self.undo.clear()
 
     def roll_back(self) -> None:
-        """Take back everything set since the last commit."""
+        """Undo everything that was set since the last commit."""
         self.changes += 1
         for store, key, value in reversed(self.undo):
             if value is None:

@@ -46,7 +46,7 @@ def probe(words: Words, control: Control, code: int) -> None:
 
 
 def tripped(control: Control, event: canon.ProbeMove, reply: canon.Touched | canon.Axes | None) -> Fault | None:
-    """Take over where the probe tripped and stopped; the fault with which a control would stop there.
+    """Store where the probe tripped and stopped; returns the fault with which a control would stop there.
 
     A `reply` of axes is both places in one; None: it trips at the programmed end.
     """

@@ -13,7 +13,7 @@ from gcodesim.rs274.block import Block
 from gcodesim.rs274.outline import Outline
 from gcodesim.rs274.reader import Reader
 
-# possessive quantifiers: a line of a million blanks is passed over once
+# possessive quantifiers: a line of a million blanks is scanned only once
 _FLOW = re.compile(
     r"\s*+(?:/\s*+)?(?:[Nn][\d\s.]*+)?[Oo]\s*+([0-9][0-9\s]*+(?:\.[0\s]*+)?|<[^>]*+>|\[.*?\](?=\s*+[A-Za-z])"
     r"|#(?:<[^>]*+>|[0-9\s]++|\[.*?\](?=\s*+[A-Za-z])))\s*+([A-Za-z\s]*+)(.?)",
@@ -75,7 +75,7 @@ class ProgramFile:
 
     @cached_property
     def flows(self) -> list[FlowLine]:
-        """All lines with an O-word, found by their look: skipped lines are never read in earnest."""
+        """All lines with an O-word, found by their form, because skipped lines are never parsed."""
         found = []
         for index in self._lines_with_o():
             match = _FLOW.match(self.lines[index])
@@ -109,7 +109,7 @@ def _line(flow: FlowLine) -> int:
 
 
 def _keyword(text: str, behind: str) -> str:
-    """The keyword that `text` begins with, as a control that passes over the line looks for it; else the text."""
+    """The keyword with which `text` begins, as seen by a control that skips the line; else the text."""
     squeezed = re.sub(r"\s", "", text, flags=re.ASCII).lower()
     if not squeezed:
         return "" if behind in ("", "(", ";") else "?"
@@ -117,7 +117,7 @@ def _keyword(text: str, behind: str) -> str:
 
 
 def plain_label(text: str) -> str:
-    """`100`, `<name>` as they are compared; empty for a computed one."""
+    """`100`, `<name>` in the form in which labels are compared; empty for a computed one."""
     squeezed = re.sub(r"\s", "", text, flags=re.ASCII).lower()
     if squeezed.startswith("<"):
         return squeezed[1:-1]

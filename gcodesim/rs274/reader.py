@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 _NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)"
 _LETTERS = "A-MP-Za-mp-z@^"
-# possessive quantifiers, so that a line that does not fit is left after one pass
+# possessive quantifiers, so that a line that does not match is given up after one pass
 _PLAIN = re.compile(rf"[ \t]*+(?:[Nn][0-9]++[ \t]*+)?+(?:[{_LETTERS}]{_NUMBER}[ \t]*+)*+")
 _WORD = re.compile(rf"([{_LETTERS}])({_NUMBER})")
 _BLANK = re.compile(r"[ \t]*\Z")
@@ -146,7 +146,7 @@ class Reader:
 
 
 def _whole_comment(squeezed: str) -> str | None:
-    """What a line that is one comment and nothing else has to say."""
+    """The comment of a line that is one comment and nothing else."""
     if squeezed[0] == ";":
         return ""  # after a semicolon nothing is active
     return squeezed[1:-1] if squeezed.find(")") == len(squeezed) - 1 else None

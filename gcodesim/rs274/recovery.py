@@ -1,4 +1,4 @@
-"""Going on after a fault: what the guilty block would have done as far as it is certain, and what follows from it."""
+"""Going on after a fault: what the faulty block would have done, as far as certain, and what follows from it."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ _BY_MODE = frozenset(("GS101", "GS104", "GS150", "GS170", "GS191"))
 _BY_FLOW = frozenset(("GS130", "GS132"))
 _NOT_FOUND = "GS131"
 _AXES = frozenset("xyzabcuvw")
-_MOST_WORDS = 100  # of a line that are looked at; a longer one is no block
+_MOST_WORDS = 100  # characters of a line that are read; a longer line is not a block
 
 
 class Recovery:
-    """Knows what is in doubt since the first fault."""
+    """Keeps track of what is in doubt since the first fault."""
 
     def __init__(self, control: Control) -> None:
         self.control = control
@@ -60,7 +60,7 @@ class Recovery:
         )
 
     def after(self, fault: Fault, block: Block | None, text: str) -> None:
-        """Carry over what is certain of the guilty block, and remember what is not."""
+        """Carry out what is certain of the faulty block, and remember what is not."""
         squeezed = re.sub(r"\([^)]*\)?|;.*", "", text).lower()
         self._doubt(squeezed, block)
         words = self._salvage(block, text)
@@ -126,7 +126,7 @@ class Recovery:
         return None
 
     def _carry_over(self, words: Words) -> None:
-        """Feed, speed, modes and the end point are taken over without any event."""
+        """Set feed, speed, modes and the end point without any event."""
         control = self.control
         state = control.state
         from gcodesim.rs274 import machine_codes, modes, offsets

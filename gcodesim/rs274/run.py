@@ -39,7 +39,7 @@ Feedback = canon.Answer | canon.Axes | None
 _CHECK_CLOCK_EVERY = 4096
 # blocks that a program may execute, by the dialect's speed, and events; so many, and so many a line
 _MOST_BLOCKS, _MOST_SLOW_BLOCKS, _MOST_EVENTS, _MOST_ROUNDS = 20_000_000, 1_000_000, 2_000_000, 10
-_MOST_FINDINGS = 1000  # a file that is no program would fill the screen
+_MOST_FINDINGS = 1000  # a file that is not a program would fill the screen
 _MOST_ALIKE = 20  # findings with the same words; further ones are counted
 _OF_ONE_CAUSE = frozenset(("GS012", "GS013", "GS107", "GS131", "GS160", "GS915"))  # one remedy for all places
 _MOST_KINDS = 100  # messages of one warning that differ in a number or name
@@ -137,12 +137,12 @@ class Executor:
 
     @property
     def folders(self) -> tuple[Path, ...]:
-        """Where files of subroutines may lie: the given folders, and beside the program."""
+        """Folders in which subroutine files may be: the given ones, and that of the program."""
         beside = self.run.source.folder
         return (*self.settings.subroutines, *(() if beside is None else (beside,)))
 
     def _parts(self, source: SourceText) -> tuple[ProgramFile, Control, FlowControl]:
-        """The program, the control that runs it and what moves between its lines, of this dialect."""
+        """The program, the control that runs it and its flow control, for this dialect."""
         file = ProgramFile(source, self.reader)
         control = Control(self.settings, self.dialect)
         return file, control, FlowControl(control, file, self.reader, self.folders)
@@ -217,10 +217,10 @@ class Executor:
                 break
         self._finish()
 
-    # -- the answers of whoever listens
+    # -- answers of the caller
 
     def _hear(self, event: canon.ProbeMove | canon.Input, reply: Feedback, index: int) -> bool:
-        """Take over the answer to `event` of line `index`; false when a probe that failed ends the program there."""
+        """Store the answer to `event` of line `index`; false if a probe that failed ends the program there."""
         if type(event) is canon.ProbeMove:
             assert not isinstance(reply, canon.Heard)
             fault = tripped(self.control, event, reply)
@@ -232,7 +232,7 @@ class Executor:
         return True
 
     def _forgive(self, seconds: float) -> None:
-        """The time of the answer is none of reading."""
+        """Leave the time of the answer out of the time for reading."""
         if self.deadline is not None:
             self.deadline += seconds
 
@@ -393,7 +393,7 @@ class Executor:
 
     def _report(self, finding: Diagnostic, line: int | None) -> None:
         if finding.level >= Severity.ERROR and self.run.failed is None and (other := self._of_other_control()):
-            finding = other  # the whole file is in another language: nothing else is worth telling
+            finding = other  # the whole file is in another language: nothing else is worth reporting
             self.control.finished = True
         span, what = finding.span, (finding.code, finding.message)
         places = self.told.setdefault(what, set())
@@ -409,7 +409,7 @@ class Executor:
             self.flow.failed = True
 
     def _of_other_control(self) -> Diagnostic | None:
-        """What to say in place of the first error of a program for another kind of control."""
+        """What to report in place of the first error of a program for another kind of control."""
         foreign = foreign_of(self.run.source)
         return None if foreign is None else self._foreign("GS016", foreign, *_OTHER_CONTROLS[foreign.kind])
 
@@ -431,7 +431,7 @@ class Executor:
         return Diagnostic(code=code, message=message.format(word=foreign.word), span=span, hint=hint)
 
     def _hand_over_notes(self) -> None:
-        """Warnings of blocks become findings: one a message, and after many of one code one for all further ones."""
+        """Turn warnings of blocks into findings: one per message, and after many of one code, one for all others."""
         for note in self.control.notes:
             kinds = self.kinds.setdefault(note.code, set())
             if note.message not in kinds and len(kinds) >= _MOST_KINDS:
@@ -524,7 +524,7 @@ class Executor:
         return f"{what} may have no end; {more}"
 
     def _is_late(self) -> bool:
-        """Whether the time is used up; the clock is looked at now and then only."""
+        """Whether the time is used up; the clock is read only now and then."""
         if self.deadline is None or self.blocks < self.next_clock:
             return False
         self.next_clock = self.blocks + _CHECK_CLOCK_EVERY
@@ -564,7 +564,7 @@ class Executor:
 
 
 def _executor_of(dialect: Dialect) -> type[Executor]:
-    """What runs programs of the dialect: this module's executor, or one of the dialect's own."""
+    """The class that runs programs of the dialect: this module's executor, or one of its own."""
     if not dialect.executor:
         return Executor
     from importlib import import_module
@@ -590,7 +590,7 @@ def _declare(block: Block, control: Control) -> None:
 
 
 def _evaluated(block: Block, parameters: Parameters) -> list[tuple[int | str, float, tuple[int, int]]]:
-    """What the settings of a block set; all values are those of before the block."""
+    """Carry out the settings of a block; all values are those from before the block."""
     out: list[tuple[int | str, float, tuple[int, int]]] = []
     for index, value, place in block.settings:
         try:

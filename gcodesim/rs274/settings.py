@@ -1,4 +1,4 @@
-"""What a program's reading depends on besides its text."""
+"""What the reading of a program depends on besides its text."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Settings:
     `m_codes` maps `M10` or `M62 P1` to actions. `wired` are outputs that the cell
     listens to, digital such as `P1`, analog such as `E0`. `auto_length` gives the true
     length [m] of each tool of the cell; with `tool_length="auto"` a program
-    without any G43 or G49 takes it at M6. `path_control` is what stands before
+    without any G43 or G49 applies it at M6. `path_control` is in force before
     the program's first G61 or G64. `has_cell` makes user M-codes legal.
     `loaded_tool` is in the spindle before the first block, 0 for none; in a program
     without G43 its length counts from there on.
@@ -38,7 +38,7 @@ class Settings:
     `decimal_point` says what X10 is to Fanuc: 10 mm, or 10 increments of 0.001 mm.
     `lane` "grammar" reads every line by itself, "compiled" all that its kernels know as arrays; "auto" chooses by the
     length of the text and by how much has been executed.
-    Both say the same.
+    Both give the same result.
     `max_blocks` and `time_limit` [s] end an endless program; without the first, the
     dialect and the program's length say how much is too much.
     """
@@ -66,7 +66,7 @@ class Settings:
 
 
 def canonical_m_code(text: str) -> str:
-    """`m62p1`, `M062 P1.0` → `M62 P1`; ValueError when it is no M-code with at most a P."""
+    """`m62p1`, `M062 P1.0` → `M62 P1`; ValueError if it is not an M-code with at most a P."""
     match = re.fullmatch(r"\s*[Mm]\s*0*(\d{1,3})(?:\s*[Pp]\s*(\d+)(?:\.0*)?)?\s*", text, re.ASCII)
     if match is None:
         raise ValueError(f"`{text}` is no M-code")

@@ -1,4 +1,4 @@
-"""Lines that differ in their numbers only are parsed once.
+"""Lines that differ only in their numbers are parsed once.
 
 A line's shape is the line with each number replaced by its place in the line,
 1 for the first. The grammar parses the shape, in which it sees a number
@@ -25,7 +25,7 @@ _MOST_SHAPES = 1000
 
 
 class _Shape(NamedTuple):
-    """What the grammar made of a shape, and for the column of each part how many numbers stand before it."""
+    """The parsed form of a shape, and for the column of each part, how many numbers come before it."""
 
     parsed: Parsed
     numbers_before: dict[int, int]
@@ -40,7 +40,7 @@ class Shapes:
         self._known: dict[tuple[str, ...], _Shape | None] = {}
 
     def parsed(self, line: str) -> Parsed:
-        """What the parser makes of a prepared line; raises what it raises."""
+        """The parts of a prepared line, like the parser's; raises the same exceptions."""
         if "(" in line or ";" in line or "<" in line or line[:1] in "/o:":
             return self._parse(line)
         head = _HEAD.match(line)
@@ -98,7 +98,7 @@ def _filled(shape: _Shape, begin: int, numbers: list[str]) -> Parsed:
 
 
 def _with(values: list[float], node: Node) -> Node:
-    """`node` with places replaced by values; a 0 is none of them, but a part that is not written."""
+    """`node` with places replaced by values; a 0 is not a place, but a part that is not written."""
     if isinstance(node, float):
         if node == 0.0:
             return node

@@ -1,4 +1,4 @@
-"""What a control still reads of lines that it passes over on the way to an O-word.
+"""What a control still reads of the lines that it skips on the way to an O-word.
 
 A branch not taken is not executed, but every line goes through the reader of
 lines, the line number and the label of an O-word are read, and the words of an
@@ -24,7 +24,7 @@ _INTERESTING = re.compile(r"[(%]|^[ \t]*/?[ \t]*[nNoO]|^[ \t]*/?[ \t]*(?:[nN][0-
 
 
 class Defect(NamedTuple):
-    """A line that cannot be passed over; `fault` gives what is wrong, None when nothing is at the moment."""
+    """A line that cannot be skipped; `fault` gives what is wrong, None if nothing is at the moment."""
 
     at: int
     while_defining: bool  # also on the way from a `sub` to its `endsub`

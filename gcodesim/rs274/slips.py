@@ -1,4 +1,4 @@
-"""Slips of the keyboard, of posts and of word processors: what was probably meant where a line cannot be read."""
+"""Slips of keyboards, posts and word processors: what was probably meant where a line cannot be read."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ _SLIPS: tuple[tuple[re.Pattern[str], str], ...] = tuple(
         (r"\A ?|>[0-9.]", "a number belongs behind a letter, as in X{here}"),
     )
 )
-# letters of other alphabets that look like ours, and signs that word processors put in place of ours
+# letters of other alphabets that look like ours, and characters that word processors substitute
 _TWINS = dict(zip("АВСЕНІЈКМОРЅТХУаеорсхуіјΑΒΕΖΗΙΚΜΝΟΡΤΥΧ", "ABCEHIJKMOPSTXYaeopcxyijABEZHIKMNOPTYX", strict=True))
 _SIGNS = {**dict.fromkeys("\u2010\u2011\u2012\u2013\u2014\u2212\ufe63", "-"), "\u00d7": "*", "\u2044": "/"}
 _QUOTES = "\u2018\u2019\u201a\u201c\u201d\u201e\u00ab\u00bb\u00b4\u2032\u2033"
 
 
 def slip_at(squeezed: str, columns: list[int], at: int) -> str:
-    """What was probably meant, when the character at `at` of a prepared line cannot stand there; else empty."""
+    """What was probably meant if the character at `at` of a prepared line is not allowed there; else empty."""
     if at < len(squeezed) and not squeezed[at].isascii():
         return _foreign(squeezed[at])
     marked = ""
@@ -55,7 +55,7 @@ def slip_at(squeezed: str, columns: list[int], at: int) -> str:
 
 
 def _foreign(char: str) -> str:
-    """What to type in place of a character that is none of ours."""
+    """What to type in place of a foreign character."""
     code = f"U+{ord(char):04X}"
     if char == "\ufeff":
         return f"{code} is a mark that an editor leaves behind: delete it"

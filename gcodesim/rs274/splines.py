@@ -66,7 +66,7 @@ def nurbs_start(words: Words, control: Control, code: int) -> None:
     _check(words, control, "G5.2")
     state = control.state
     at = "g5.2" if "g5.2" in words.names else None
-    opening = not state.nurbs_points  # as on the control, also points that are about to be dropped count here
+    opening = not state.nurbs_points  # as on the control, even points that are about to be dropped count here
     has_end = "x" in words.values or "y" in words.values
     if opening and not has_end and words.values.get("p", 0.0) <= 0.0:
         words.values["p"] = 1.0  # of the start, where P may be missing

@@ -1,4 +1,4 @@
-"""What a control remembers between blocks.
+"""The state that a control keeps between blocks.
 
 Lengths are in the program's active unit (`unit` [m]), angles in degrees:
 expressions read positions back, and G21's 10 must read as exactly 10. Events
@@ -24,7 +24,7 @@ _SWITCHES = {"feed": True, "speed": True, "adaptive": False, "hold": True}
 
 @dataclass(slots=True)
 class Modes:
-    """What M70 saves and M72 restores."""
+    """The modes that M70 saves and M72 restores."""
 
     plane: int = 170
     incremental: bool = False
@@ -71,7 +71,7 @@ class State(Modes):
     cycle_start: float = 0.0
     cycle_dwell: float = 0.0  # the last P of a cycle, which G74 and G84 take when they have none
     switches: Mapping[str, bool] = field(default_factory=lambda: _SWITCHES)  # of overrides, as the machine has them
-    # after G88 the program believes to be where the operator brings the tool: the block, and where it really stands
+    # after G88 the program believes it is where the operator brings the tool: the block, and the real position
     strayed: tuple[int, Axes] | None = None
     # cutter compensation: side +1 left, -1 right; `comp_first` until its first move is made
     side: int = 0
@@ -83,7 +83,7 @@ class State(Modes):
     comp_normal: tuple[float, float] = (0.0, 0.0)
     comp_endpoint: tuple[float, float] | None = None  # where the move before the held one ended
     comp_emitted: Vector = ZERO
-    held: tuple[Event, ...] = ()  # moves that wait for the next corner, and what follows them
+    held: tuple[Event, ...] = ()  # moves that wait for the next corner, and the events after them
     # G5: end tangent of the spline before, G5.2: control points collected so far
     spline_tangent: tuple[float, float] | None = None
     nurbs_order: int = 0
@@ -95,13 +95,13 @@ class State(Modes):
         return 0 if self.oriented else self.spindle
 
     def copy(self) -> Self:
-        """A state that changes on its own."""
+        """An independent copy of the state."""
         twin = object.__new__(type(self))
         twin.restore(self)
         return twin
 
     def restore(self, earlier: State) -> None:
-        """Become what `earlier` is."""
+        """Take all values from `earlier`."""
         for name in self.__dataclass_fields__:  # of subclasses too
             setattr(self, name, getattr(earlier, name))
 

@@ -24,7 +24,7 @@ def _check_spindle(words: Words, control: Control, who: str) -> None:
 
 
 def _thread_hint(words: Words) -> str:
-    """A block without K, as `G33.0 Z3`, is most likely a slip for a rapid move."""
+    """A block without K, such as `G33.0 Z3`, is most likely a slip for a rapid move."""
     if "k" in words.values:
         return ""
     for letter in "zxy":

@@ -49,9 +49,9 @@ class ToolTable(Mapping[int, ToolEntry]):
 
     @staticmethod
     def read(source: SourceText, *, inch: bool = False) -> tuple[ToolTable, list[Diagnostic]]:
-        """Read a `tool.tbl`: one tool a line, as `T1 P1 Z50 D6 ;comment`; lengths in mm, or in inch when asked.
+        """Read a `tool.tbl`: one tool per line, such as `T1 P1 Z50 D6 ;comment`; lengths in mm, or in inches if asked.
 
-        Lines that cannot be read are left out and named in the findings.
+        Lines that cannot be read are left out and listed in the findings.
         """
         entries: dict[int, ToolEntry] = {}
         findings: list[Diagnostic] = []

@@ -1,4 +1,4 @@
-"""Why a line cannot be read: the finding for a line that breaks the grammar, with the slip that it may be."""
+"""Why a line cannot be read: the finding for a line that breaks the grammar, with the likely slip."""
 
 from __future__ import annotations
 

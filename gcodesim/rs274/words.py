@@ -22,7 +22,7 @@ _EXPONENT: Final = re.compile(r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)[Ee][+-]?[0-9]{1,2}(
 
 
 class Words:
-    """Values by letter, G codes (times ten) and M codes by modal group, and their names as written in `users`."""
+    """Values by letter, G codes (times ten) and M codes by modal group, and their names in the form of `users`."""
 
     __slots__ = ("block", "g", "m", "m_codes", "names", "values")
 
@@ -44,7 +44,7 @@ class Words:
         return "@" in self.values or "^" in self.values
 
     def need(self, letter: str, code: str, who: str, hint: str = "") -> float:
-        """The value of `letter`, or a fault that `who` lacks it."""
+        """The value of `letter`, or a fault because `who` needs it."""
         value = self.values.get(letter)
         if value is None:
             raise Fault(code, f"{who} needs the word {letter.upper()}", at=who.split(" ")[0].lower(), hint=hint)
@@ -64,7 +64,7 @@ class Words:
 def read_words(
     block: Block, dialect: Dialect, parameters: Parameters, mapped: Mapping[str, object], has_cell: bool
 ) -> Words:
-    """Evaluate the words of `block` from left to right and check what can be checked without the state.
+    """Evaluate the words of `block` from left to right, and check what can be checked without the state.
 
     Raises `Fault` at the first word that cannot stand.
     """
@@ -128,13 +128,13 @@ def is_used(words: Words, letter: str, dialect: Dialect, motion: str) -> bool:
 
 
 def exponent(block: Block) -> str:
-    """What to write in place of 1.5e3; empty when the line holds no such number."""
+    """What to write in place of 1.5e3; empty if the line has no such number."""
     number = _EXPONENT.search(block.text)
     return "" if number is None else f"numbers have no exponent: write {float(number.group()):.12g}"
 
 
 def elsewhere(knows: Callable[[Dialect], bool], own: Dialect) -> str:
-    """Which other dialects know something, as a hint; empty when none does."""
+    """A hint at other dialects that know something; empty if none does."""
     names = [name for name in DIALECTS if name != own.name and knows(DIALECTS[name])]
     if not names:
         return ""
@@ -196,7 +196,7 @@ def _add_g(words: Words, position: int, value: float, dialect: Dialect) -> None:
 
 
 def _near_g(value: float, dialect: Dialect) -> str:
-    """Who knows the code, or what is near it."""
+    """A hint at dialects that know the code, or at similar codes."""
     tenths = round(value * 10.0)
     if abs(value * 10.0 - tenths) <= 1e-3 and (others := elsewhere(lambda other: tenths in other.g_groups, dialect)):
         return others

@@ -1,1 +1,1 @@
-"""What `gcodesim init` writes: the example that ships, or a first cell for a program that is there."""
+"""What `gcodesim init` writes: the shipped example, or a first cell for an existing program."""

@@ -1,4 +1,4 @@
-"""A first cell for a program that is there, as text with comments: what `gcodesim init --from` writes."""
+"""A first cell for an existing program, as text with comments: what `gcodesim init --from` writes."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from gcodesim.units import INCH, MM
 
 _ROUTER: Final = (1.2, 0.8)  # m, travel of the shipped router in X and Y
 _ROUTER_Z: Final = 0.4
-_ABOVE: Final = 0.09  # m, what the router leaves above the stock where nothing says where the work stands
+_ABOVE: Final = 0.09  # m, left above the stock on the router where nothing says where the work is
 _GAP: Final = 50.0 * MM
-_THIN: Final = 1.0 * MM  # a cut that is less deep says nothing of the thickness
+_THIN: Final = 1.0 * MM  # a shallower cut says nothing about the thickness
 _NEAR_A_SIDE: Final = 0.25
 _SHEET: Final = 3.0 * MM
 _GUESSED: Final = {"drill": 5.0 * MM, "flat_end_mill": 6.0 * MM}
 
 
 class NoCellError(Exception):
-    """There is no sense in a cell for this program; says why."""
+    """A cell for this program would make no sense; the text says why."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,9 +41,9 @@ class _Tool:
 
 
 def cell_for(program: SourceText) -> bytes:
-    """A cell in which `program` runs: dialect, machine, stock and tools as its moves, words and comments tell.
+    """A cell in which `program` runs: dialect, machine, stock and tools from its moves, words and comments.
 
-    What nothing tells is guessed and marked so. NoCellError for a program that no dialect reads.
+    Everything else is guessed and marked as a guess. NoCellError for a program that no dialect can read.
     """
     found, seen = scan(program), survey(program)
     if seen.foreign:
@@ -299,7 +299,7 @@ class _Writer:
 
 
 def _around(low: list[float], high: list[float], size: list[float]) -> tuple[list[float], list[float]]:
-    """A box of this size [m] in the likeliest place about what is cut: a zero in a corner or in the middle."""
+    """A box of this size [m] in the most likely place around the cuts: with a zero in a corner or in the middle."""
     least, most = [0.0] * 3, [0.0] * 3
     for k in range(2):
         centred = low[k] < -0.05 * size[k]
@@ -314,7 +314,7 @@ def _around(low: list[float], high: list[float], size: list[float]) -> tuple[lis
 
 
 def _keep_out(point: tuple[float, float], radius: float, low: list[float], high: list[float]) -> None:
-    """Move that side of a box by which a tool comes down in a rapid, when it does so near to a side."""
+    """Move a side of the box near which a tool comes down in a rapid."""
     if any(not a - radius < p < b + radius for p, a, b in zip(point, low, high, strict=False)):
         return
     costs = [(point[k] + radius - low[k], k, True) for k in range(2)]

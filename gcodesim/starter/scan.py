@@ -1,4 +1,4 @@
-"""Tools and stock out of a program's words and comments, as CAM systems write them; a guess, never a reading.
+"""Tools and stock from a program's words and comments, as CAM systems write them; always only a guess.
 
 Known forms: `(T1 D=6. CR=0. - ZMIN=-2. - flat end mill)` of Fusion posts,
 `(T1 | 6mm end mill | D6)`, `( T2 | 1/4 DRILL )` and alike, `(TOOL/MILL,6.35, 0.00, …)` of Carbide Create,
@@ -78,7 +78,7 @@ class ScannedTool:
 class Scan:
     """What was found; lengths in the program's unit. `corners` are the least and greatest corner of the stock.
 
-    `offsets` are numbers of H and D words that are no tool's, with the tool that was called before them, 0 for none.
+    `offsets` are numbers of H and D words that belong to no tool, with the tool called before them, 0 for none.
     """
 
     inch: bool
@@ -90,7 +90,7 @@ class Scan:
 
 
 def scan(program: SourceText) -> Scan:
-    """Tools in the order of their numbers, those that are called before those that are only told of; stock."""
+    """Tools in the order of their numbers, called ones before those that are only mentioned; stock."""
     notes, words = _split(program)
     inch = any(_INCH.search(text) for text in words)
     called: dict[int, ScannedTool] = {}
@@ -146,7 +146,7 @@ def _split(program: SourceText) -> tuple[list[str], list[str]]:
 
 
 def _better(called: ScannedTool | None, told: ScannedTool | None) -> ScannedTool:
-    """What a list of tools says comes before what stands beside the call."""
+    """A list of tools overrides comments beside the call."""
     if told is None or (called is not None and told.diameter is None):
         assert called is not None
         return called

@@ -67,8 +67,8 @@ class _Moves:
 class Reach:
     """Where the program goes in a work system [m]: the box of all moves, and that of the material cut, when it is told.
 
-    `cut` is flat in Z when nothing is cut into a depth. `plunges` (n, 3) are x, y and tool number of the places at
-    which a rapid ends below its top: there can be no material.
+    `cut` is flat in Z if nothing is cut in depth. `plunges` (n, 3) are x, y and tool number of the places at
+    which a rapid ends below its top, where there can be no material.
     """
 
     all: Box
@@ -133,7 +133,7 @@ def survey(program: SourceText) -> Survey:
 
 
 def _dialect_of(program: SourceText) -> tuple[str, str]:
-    """The dialect that understands most of the program, and why it was taken."""
+    """The dialect that understands most of the program, and why it was chosen."""
     said, reason = _told_dialect(program)
     head = program
     if len(program.raw) > _TRIED:
@@ -238,12 +238,12 @@ class _Walk:
                 self.machine.append(event.end[:3])
             self._at, self._risen = end[:3], True
             return
-        start = self._at or (*end[:2], max(end[2], 0.0))  # nobody knows where it begins: above, most likely
+        start = self._at or (*end[:2], max(end[2], 0.0))  # its start is unknown: most likely above
         moves = self.systems.setdefault(self._system, _Moves())
         sideways, rise = math.hypot(end[0] - start[0], end[1] - start[1]), end[2] - start[2]
         if isinstance(event, canon.Rapid):
             if event.word in _HOLES or _place(end) in self._fed:
-                moves.rapids.extend((*end[:2], max(end[2], start[2]), self._tool))  # down into what is cut already
+                moves.rapids.extend((*end[:2], max(end[2], start[2]), self._tool))  # down into an existing cut
             else:
                 moves.rapids.extend((*end[:3], self._tool))
             if abs(rise) > _TINY:

@@ -1,4 +1,4 @@
-"""Dialects: what one control accepts that another does not. One file each."""
+"""Dialects: what one control accepts and another does not. One file each."""
 
 from gcodesim.family import Family
 from gcodesim.rs274.dialects.dialect import Dialect, Lathe, g_name

@@ -48,10 +48,10 @@ class Dialect:
 
     `g_groups` and `m_groups` give each code's modal group; `users` says which
     codes use a letter (`g43`, `m66` …), so that a word that nothing uses is a
-    finding; letters that stand in no entry are always allowed. `unsimulated`
+    finding; letters without an entry are always allowed. `unsimulated`
     says what codes do that the control has and the simulation has not. `computes`
-    tells of parameters and expressions, `open_m_codes` that machine builders
-    use up `user_m_codes` as they like, so that no program is wrong because of
+    says whether there are parameters and expressions, `open_m_codes` that machine builders
+    use `user_m_codes` as they like, so that no program is wrong because of
     one, `passes_over_far_centres` that K beside I and J in the XY plane is no
     fault. `arcs_name_axes` says that an arc names an axis of its plane even
     where it is a full circle, and `arc_miss` how far [mm] its end may be off its

@@ -6,7 +6,7 @@ import re
 
 from gcodesim.rs274.dialects.dialect import Dialect, Lathe
 
-# modal groups as in the LinuxCNC user manual, "G-code overview"; numbers are ours only as far as they are names
+# modal groups as in the LinuxCNC user manual, "G-code overview"; the numbers serve only as names
 NON_MODAL, MOTION, PLANE, DISTANCE, CENTRE, FEED_MODE, UNITS, COMPENSATION, LENGTH = 0, 1, 2, 3, 4, 5, 6, 7, 8
 CANCEL_CYCLES = 800  # G80, which may stand twice in a block
 RETRACT, SYSTEM, PATH, SPINDLE_MODE, DIAMETER, CANCEL, SHIFT = 10, 12, 13, 14, 15, 16, 17

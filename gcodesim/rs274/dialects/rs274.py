@@ -1,4 +1,4 @@
-"""RS274/NGC version 3 (Kramer, Proctor and Messina 2000, NISTIR 6556): what came later is an error."""
+"""RS274/NGC version 3 (Kramer, Proctor and Messina 2000, NISTIR 6556); later additions are errors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Cutter compensation: rapids below the safe height, and on when the program ends."""
+"""Cutter compensation: rapids below the safe height, and compensation still on when the program ends."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _ENDS = frozenset((2, 30))
 class RapidInCompensation(Watch):
     """GS154: a rapid goes sideways on the offset path, lower than where rapids went before it was switched on.
 
-    Whoever offsets the path from the contour is at the contour.
+    A path that is offset from the contour is at the contour.
     """
 
     def __init__(self) -> None:

@@ -21,7 +21,7 @@ _LETTERS = "XYZABCUVW"
 class OffsetsLeftOn(Watch):
     """GS187: a shift (G52, G92) or a figure, such as a turn or mirror image, is in force when the program ends.
 
-    A control keeps them for the next program. G54 comes back by itself, so the work system is no matter.
+    A control keeps them for the next program. G54 comes back by itself, so the work system does not matter.
     """
 
     def __init__(self) -> None:

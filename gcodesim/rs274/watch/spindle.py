@@ -33,8 +33,8 @@ class _Low(NamedTuple):
 class FeedWithoutSpindle(Watch):
     """GS176: a cut with the spindle off, in a program that cuts with it on.
 
-    A program alone does not tell what is a cut. One that feeds sideways, or
-    down and up again, surely is one no higher than where the same program does
+    A program alone does not say what is a cut. A move that feeds sideways, or
+    down and up again, certainly is one if it is no higher than where the same program does
     so with the spindle on after having fed down from a rapid; and below part
     zero, when all those cuts lie below it. A program that never turns a
     spindle (extruder, plotter) has no such height, nor has one that only
@@ -108,7 +108,7 @@ class FeedWithoutSpindle(Watch):
             self._columns(batch)
 
     def _columns(self, batch: MoveBatch) -> None:
-        """What `event` does, where no fall waits for the next move."""
+        """Handle `event` while no fall waits for the next move."""
         import numpy as np
 
         rapid = batch.kind == 0

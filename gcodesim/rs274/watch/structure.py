@@ -1,4 +1,4 @@
-"""What of a program never runs: subroutines that nothing calls, lines behind the end."""
+"""Parts of a program that never run: subroutines that nothing calls, lines after the end."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.outline import bare
 from gcodesim.rs274.program_file import ProgramFile
 
-_MOST_READ = 100  # lines behind the end that are looked at
+_MOST_READ = 100  # lines after the end that are searched
 
 
 def structure_findings(file: ProgramFile, end: Span) -> Iterator[Diagnostic]:
@@ -63,11 +63,11 @@ def _unused(file: ProgramFile) -> Iterator[Diagnostic]:
 
 
 def _unreachable(file: ProgramFile, end: int) -> tuple[int | None, int]:
-    """Index of the first line behind the end that holds a block and that nothing leads to, and how many there are."""
+    """Index of the first line after the end that holds a block and to which nothing leads, and how many there are."""
     if not file.lines:
         return None, 0
     if bare(file.lines[end]).startswith(("/", "%")):
-        return None, 0  # a switch decides, or the mark behind which there is no program
+        return None, 0  # a switch decides, or it is the mark after which there is no program
     behind = file.outline.behind(end)
     lines = [index for index in behind if bare(file.lines[index])]
     for at, index in enumerate(lines[:_MOST_READ]):
@@ -77,7 +77,7 @@ def _unreachable(file: ProgramFile, end: int) -> tuple[int | None, int]:
 
 
 def _is_block(file: ProgramFile, index: int) -> bool:
-    """Whether the line can be read; some keep prose behind the end, where no control looks."""
+    """Whether the line can be read; some people keep prose after the end, where no control looks."""
     try:
         block = file.block(index)
     except Fault:

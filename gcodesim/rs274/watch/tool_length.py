@@ -68,8 +68,8 @@ def _is_second_set(number: int, tool: int) -> bool:
 class MoveWithoutLength(Watch):
     """GS162: after a tool change the tool moves in Z or cuts before G43, in a program that uses G43.
 
-    A probe that measures the tool comes without; so do G28, G30 and G53, which
-    are places of the machine.
+    A probe that measures the tool has no length yet; nor have G28, G30 and G53, which
+    name places of the machine.
     """
 
     def __init__(self) -> None:

@@ -21,7 +21,7 @@ _NAMES = {200: "inches", 210: "millimetres"}
 class UnitChange(Watch):
     """GS186: moves in one unit after cuts in the other.
 
-    A header may name both as long as nothing moved, and the last lines may put back what the shop is used to.
+    A header may name both as long as nothing has moved, and the last lines may restore the unit of the shop.
     """
 
     def __init__(self) -> None:

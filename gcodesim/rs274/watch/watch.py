@@ -1,4 +1,4 @@
-"""One rule that looks on while a program runs."""
+"""One rule that watches while a program runs."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from gcodesim.rs274.control import Control
 
 FEEDS = (canon.LinearFeed, canon.ArcFeed, canon.SplineFeed)
-TINY = 1e-6  # [m], what no machinist would call a move
+TINY = 1e-6  # [m], below what any machinist would call a move
 
 
 class Watch:

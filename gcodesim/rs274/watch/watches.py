@@ -1,4 +1,4 @@
-"""All rules at once, as the executor feeds them."""
+"""All rules together, as called by the executor."""
 
 from __future__ import annotations
 
