@@ -83,7 +83,7 @@ class Cell:
     """
 
     gcodesim: int = key(Whole(), "version of the cell format", default=FORMAT)
-    units: Units = key(Record(Units, "`units`"), "what plain numbers mean", default=Units(), quiet=True)
+    units: Units = key(Record(Units, "`units`"), "units of plain numbers", default=Units(), quiet=True)
     placed_frames: Mapping[str, Place] = key(
         _FRAMES, "frames, in the world or on a link", name="frames", default={}, quiet=True
     )
@@ -98,21 +98,21 @@ class Cell:
         _MAGAZINE, "where tools wait, and how long a change takes", default=Magazine(place=Place())
     )
     stocks: Mapping[str, StockSpec] = key(StockKind(), "material to work on", name="stock", default={}, quiet=True)
-    materials: Mapping[str, Material] = key(_MATERIALS, "materials of one's own", default={}, quiet=True)
+    materials: Mapping[str, Material] = key(_MATERIALS, "custom materials", default={}, quiet=True)
     target: Target | None = key(
         Record(Target, "the target"),
-        "the part as it should become; this version reads and places it, and compares nothing with it",
+        "the part as it is meant to become; this version reads and places it, but compares nothing with it",
         default=None,
     )
     fixtures: Mapping[str, Fixture] = key(FixtureKind(), "bodies that must not be touched", default={}, quiet=True)
-    limits: Limits = key(Record(Limits, "`limits`"), "what may be asked at most", default=Limits(), quiet=True)
-    checks: Mapping[str, Severity] = key(_CHECKS, "severities changed for this cell", default={}, quiet=True)
+    limits: Limits = key(Record(Limits, "`limits`"), "limits of spindle and process", default=Limits(), quiet=True)
+    checks: Mapping[str, Severity] = key(_CHECKS, "severities that differ in this cell", default={}, quiet=True)
     suppress: tuple[Suppression, ...] = key(
-        ListOf(Record(Suppression, "the entry")), "findings that were looked at", default=(), quiet=True
+        ListOf(Record(Suppression, "the entry")), "findings that somebody has looked at", default=(), quiet=True
     )
-    packages: Mapping[str, FileValue] = key(_PACKAGES, "folders of package:// names", default={}, quiet=True)
-    simulation: Simulation = key(_SIMULATION, "world and step", default=Simulation())
-    log: LogSettings = key(Record(LogSettings, "`log`"), "how densely the run is written down", default=LogSettings())
+    packages: Mapping[str, FileValue] = key(_PACKAGES, "folders for package:// names", default={}, quiet=True)
+    simulation: Simulation = key(_SIMULATION, "world, time step and seed", default=Simulation())
+    log: LogSettings = key(Record(LogSettings, "`log`"), "how densely the run is recorded", default=LogSettings())
     name: str = ""
     frames: Mapping[str, Pose] = field(default_factory=dict, compare=False)
     carried: Mapping[str, Carried] = field(default_factory=dict, compare=False)

@@ -251,7 +251,7 @@ class Channel:
     """The settings of one program. Lengths P and Q of `path_control` are in mm, as on the control."""
 
     robot: str | None = key(Text(form="the name of a robot, or `machine`"), "who runs the program", default=None)
-    dialect: str = key(_DialectKind(), "which control's language", default="linuxcnc")
+    dialect: str = key(_DialectKind(), "the control whose language is used", default="linuxcnc")
     work_offsets: Mapping[str, Place] = key(
         MapOf(
             SYSTEM_NAMES,
@@ -265,8 +265,8 @@ class Channel:
     orientation: Orientation | None = key(
         Record(Orientation, "an orientation"), "how an arm holds the tool", default=None
     )
-    path_control: str = key(_PathControl(), "path control until the program's own", default=DEFAULT_PATH_CONTROL)
-    tool_table: FileValue | None = key(File("a tool table"), "tool lengths as the control believes them", default=None)
+    path_control: str = key(_PathControl(), "path control until the program sets its own", default=DEFAULT_PATH_CONTROL)
+    tool_table: FileValue | None = key(File("a tool table"), "tool lengths that the control uses", default=None)
     parameters: FileValue | None = key(File("a parameter file"), "values of # parameters at the start", default=None)
     subroutines: tuple[FileValue, ...] = key(
         ListOf(File("a folder of subroutines", is_folder=True), single=True),
@@ -292,7 +292,7 @@ class Channel:
         quiet=True,
     )
     signals: Mapping[str, SignalSource] = key(
-        SIGNALS, "words of the program that tell the tools' processes something", default={}, quiet=True
+        SIGNALS, "words of the program that give values to processes of the tools", default={}, quiet=True
     )
     inputs: Mapping[str, InputSource] = key(
         MapOf(INPUTS, InputKind(), "inputs and what they read"),
@@ -304,5 +304,5 @@ class Channel:
         Choice(("auto", "strict")), "`auto`: in a program without G43 and G49, M6 acts like M6 G43", default="auto"
     )
     loaded_tool: int | None = key(
-        Whole(), "number of the tool that is in the spindle at the start; default none", default=None, quiet=True
+        Whole(), "number of the tool in the spindle at the start; default: none", default=None, quiet=True
     )

@@ -79,7 +79,7 @@ class RotaryAxis:
     )
     side: Side | None = key(Choice(("tool", "table")), "what the axis moves", default=None)
     at: tuple[float, float, float] | None = key(
-        POINT, "a point on the axis; without it the axis gives time only", default=None, example="[300, 200, -350 mm]"
+        POINT, "a point on the axis; without it the axis only takes time", default=None, example="[300, 200, -350 mm]"
     )
     moving_mass: float | None = key(Quantity("mass", POSITIVE), "mass that the axis moves", default=None)
     effort: float | None = key(

@@ -38,7 +38,7 @@ class MaterialForm:
     Kre: float | None = key(_EDGE, "radial edge coefficient", default=None, example="10 N/mm")
     Kac: float | None = key(_CUTTING, "axial cutting coefficient", default=None, example="50 N/mm^2")
     Kae: float | None = key(_EDGE, "axial edge coefficient", default=None, example="2 N/mm")
-    source: str = key(Text(), "where the constants are from", default="", quiet=True)
+    source: str = key(Text(), "source of the constants", default="", quiet=True)
 
     def checked(self, to: Reading, path: Path) -> Material | Unread:
         kienzle = [name for name in (*_KIENZLE, "normal_ratio", "axial_ratio") if getattr(self, name) is not None]

@@ -51,7 +51,7 @@ class RobotForm:
     """A robot as written in the cell."""
 
     model: str | None = key(Text(form="the name of a shipped model"), "a model that ships with gcodesim", default=None)
-    urdf: FileValue | None = key(File("a URDF file"), "a robot description of one's own", default=None)
+    urdf: FileValue | None = key(File("a URDF file"), "your own robot description", default=None)
     base: Place = key(Record(Place, "a place"), "where the base stands", default=Place(), quiet=True)
     home: Any = key(JointList(), "joints at the start", default=None)
     stiffness: Any = key(

@@ -180,8 +180,8 @@ class Simulation:
     world: Literal["bullet", "kinematic"] | None = key(
         Choice(("bullet", "kinematic")), "where the robot moves", default=None
     )
-    rate: float = key(Quantity("frequency", POSITIVE), "steps a second", default=DEFAULT_RATE)
-    seed: int = key(Whole(Range(least=0.0, most=2.0**63 - 1)), "start of all random numbers", default=1)
+    rate: float = key(Quantity("frequency", POSITIVE), "steps per second", default=DEFAULT_RATE)
+    seed: int = key(Whole(Range(least=0.0, most=2.0**63 - 1)), "seed of all random numbers", default=1)
     step_ns: int = field(default=round(NS / DEFAULT_RATE))
 
 
@@ -241,7 +241,7 @@ class Magazine:
     """Where tools wait, and how long a change takes. `place.frame` None and no `xyz`: no place was given."""
 
     place: Place = inline(Place)
-    pitch: float = key(Quantity("length", POSITIVE), "distance of two pockets along X", default=0.12, example="120 mm")
+    pitch: float = key(Quantity("length", POSITIVE), "distance between pockets along X", default=0.12, example="120 mm")
     change_time: float = key(Quantity("time", NOT_NEGATIVE), "time of one tool change", default=0.0)
     placed: bool = False
 

@@ -28,7 +28,7 @@ def finding() -> Json:
     """A finding in all of our JSON."""
     return record(
         "what is wrong, where, and what to do about it",
-        code=text("stable code `GSnnn`, of other packages `NAME-nnn`; `gcodesim explain` tells more")
+        code=text("stable code `GSnnn`, of other packages `NAME-nnn`; `gcodesim explain` says more")
         | {"pattern": f"^({PATTERN})$"},
         severity=choice("how bad it is in this cell", "error", "warning", "note"),
         message=text("one line, with both numbers"),
@@ -42,10 +42,10 @@ def finding() -> Json:
             "the calls that led to a subprogram, outermost first",
             record("a call", file=text("where"), line=whole("where"), name=text("what was called")),
         ),
-        count=whole("how often the same event came; the first is described", least=1),
+        count=whole("how often the same event occurred; the first is described", least=1),
         time_s=nullable(number("simulated time of the first event")),
         value=nullable(number("what it is, in `unit`")),
-        limit=nullable(number("what it should be at most or least, in `unit`")),
+        limit=nullable(number("the greatest or least allowed value, in `unit`")),
         unit=nullable(text("unit of `value` and `limit`")),
     )
 
@@ -90,7 +90,7 @@ def _results() -> Json:
                 deposited_mm3=number("put on"),
                 remaining_mm3=number("volume at the end"),
                 resolution_mm=number("distance of its columns"),
-                error_bound_mm3=number("how wrong the volumes may be"),
+                error_bound_mm3=number("by how much the volumes may be wrong"),
             ),
         ),
         tools=array(
@@ -130,7 +130,7 @@ def _results() -> Json:
             ),
         ),
         not_simulated=array(
-            "words that were read and have no effect here",
+            "words that were read but have no effect here",
             record("a word", word=text("such as `M8`"), count=whole("how often", least=1), first_line=whole("where")),
         ),
         probings=array(
@@ -207,9 +207,9 @@ def _test() -> Json:
                 file=text("the test file, or the program where there is none"),
                 program=text("path from the folder of the run"),
                 cell=nullable(text("path from the folder of the run; null: the program alone")),
-                status=choice("what came of it", *get_args(Status)),
+                status=choice("the outcome", *get_args(Status)),
                 quantities=array("names of all that differs from what was accepted", text("a quantity")),
-                findings=array("all that was said", ref("said", "a finding")),
+                findings=array("all findings", ref("said", "a finding")),
                 comparison=nullable(ref("comparison", "against what was accepted; null: nothing was")),
                 results=nullable(ref("results", "null: nothing ran")),
             ),
@@ -244,7 +244,7 @@ def _mutants() -> Json:
                     file=text("the program or cell that is changed, from the folder of the run"),
                     operator=text("the kind of change"),
                     change=text("what is changed"),
-                    fate=choice("what became of it", *fates),
+                    fate=choice("its fate", *fates),
                     quantities=array("names of all that differs", text("a quantity")),
                 ),
             ),
@@ -283,9 +283,9 @@ def _info() -> Json:
         complete=truth("whether the file is whole, nothing in it is damaged, and the run came to its end"),
         state=choice("how the run ended", "finished", "failed", "interrupted", "running", "unknown"),
         problem=nullable(text("what is wrong with the file")),
-        missing=array("what a whole log would have, in words", text("a part")),
+        missing=array("what is missing from a complete log, in words", text("a part")),
         damage=array(
-            "what is there and cannot be read",
+            "what is there but cannot be read",
             record(
                 "a record that is damaged",
                 what=text("`chunk`, the name of an attachment, or `record`"),
