@@ -10,9 +10,10 @@ import numpy as np
 from google.protobuf.message import DecodeError
 from numpy.typing import NDArray
 
+from gcodesim.log.description import ProcessField
 from gcodesim.log.fields import parse_path, value_at
 from gcodesim.log.logfile import LogFile, LogReadError, RawMessage
-from gcodesim.log.schema import decoder
+from gcodesim.log.schema import FIRST_MORE, decoder
 
 
 def read_attachment(path: Path, name: str) -> bytes:
@@ -63,6 +64,15 @@ def decoded(
     decode = decoder_of(log, channel)
     for message in log.messages([channel], last_ns=last_ns, backwards=backwards):
         yield message.t_ns, decode(message)
+
+
+def process_fields_of(log: LogFile) -> tuple[ProcessField, ...]:
+    """The fields of `/process` that only this log has, as its schema names them."""
+    message = next((message for _, message in decoded(log, "/process")), None)
+    if message is None:
+        return ()
+    more = [field for field in message.DESCRIPTOR.fields if field.number >= FIRST_MORE]
+    return tuple(ProcessField(name=field.name, flag=field.type == field.TYPE_BOOL) for field in more)
 
 
 def decoder_of(log: LogFile, channel: int) -> Callable[[RawMessage], Any]:

@@ -255,7 +255,7 @@ def _layout(path: Path, kind: str) -> str:
     """The layout that the log carries, or one of `kind` for its contents."""
     from gcodesim.log.layout import KINDS, layout, view_of
     from gcodesim.log.logfile import LogFile, LogReadError
-    from gcodesim.log.reader import decoded
+    from gcodesim.log.reader import decoded, process_fields_of
 
     if kind and kind not in KINDS:
         raise UsageError(f"there is no layout '{kind}'; there are {', '.join(KINDS)}")
@@ -269,7 +269,7 @@ def _layout(path: Path, kind: str) -> str:
     joints = next((state.joints for _, state in decoded(log, "/joint_states")), ())
     last = next((program for _, program in decoded(log, "/program", backwards=True)), None)
     outputs = [] if last is None else [output.name for output in last.outputs]
-    return layout(kind, [joint.name for joint in joints], outputs, view_of(own)).decode()
+    return layout(kind, [joint.name for joint in joints], outputs, view_of(own), process_fields_of(log)).decode()
 
 
 def _extract(log: Path, folder: Path, *, said: bool) -> None:
