@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from gcodesim.frames import Array
 from gcodesim.planning.axis_posing import AxisPosing
-from gcodesim.planning.fixed_attitude import FixedAttitude
 from gcodesim.planning.posing import Posing
 from gcodesim.shop import Shop
+
+if TYPE_CHECKING:
+    from gcodesim.planning.fixed_attitude import FixedAttitude
 
 
 def posing_of(shop: Shop) -> Posing:
@@ -20,6 +24,8 @@ def posing_of(shop: Shop) -> Posing:
 
 def _fixed_attitude(shop: Shop) -> FixedAttitude:
     """The frame O for every work system, in base axes: T's Z is along the axis that the cell names."""
+    from gcodesim.planning.fixed_attitude import FixedAttitude
+
     own = shop.cell.channels[shop.channel].orientation
     R_BW = shop.X_WB.inverse().R
     frames = {
