@@ -71,8 +71,8 @@ def process_fields_of(log: LogFile) -> tuple[ProcessField, ...]:
     message = next((message for _, message in decoded(log, "/process")), None)
     if message is None:
         return ()
-    more = [field for field in message.DESCRIPTOR.fields if field.number >= FIRST_MORE]
-    return tuple(ProcessField(name=field.name, flag=field.type == field.TYPE_BOOL) for field in more)
+    more = [one for one in message.DESCRIPTOR.fields if one.number >= FIRST_MORE]
+    return tuple(ProcessField(name=one.name, flag=one.type == one.TYPE_BOOL) for one in more)
 
 
 def decoder_of(log: LogFile, channel: int) -> Callable[[RawMessage], Any]:
