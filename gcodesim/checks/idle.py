@@ -6,13 +6,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from gcodesim.canon import AXIS_LETTERS
 from gcodesim.cell import Cell
 from gcodesim.cell.placing import MACHINE
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.motion.tool_path import ToolPath
 from gcodesim.scene import Mover
-
-_LETTERS = "XYZABC"
 
 
 def idle_findings(cell: Cell, channel: str) -> Iterator[Diagnostic]:
@@ -65,7 +64,7 @@ def blind_axis_findings(path: ToolPath, mover: Mover) -> Iterator[Diagnostic]:
     if not len(path):
         return
     for letter in mover.timed_only:
-        column = _LETTERS.index(letter)
+        column = AXIS_LETTERS.index(letter)
         moved = np.flatnonzero(np.abs(path.end[:, column] - path.start[:, column]) > 1e-12)
         if len(moved):
             yield Diagnostic(

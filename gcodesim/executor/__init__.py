@@ -13,7 +13,7 @@ __all__ = ["Execution", "Progress", "execute"]
 def __getattr__(name: str) -> Any:
     """Load the loop when it is asked for: results and checks need the totals alone."""
     if name not in __all__:
-        raise AttributeError(name)
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from gcodesim.executor import loop
 
     return getattr(loop, name)

@@ -26,7 +26,7 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     """Load what only arms need when it is asked for."""
     if name != "FixedAttitude":
-        raise AttributeError(name)
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from gcodesim.planning.fixed_attitude import FixedAttitude
 
     return FixedAttitude
