@@ -57,7 +57,7 @@ class Family(Mapping[str, Any]):
     def __getitem__(self, key: str) -> Any:
         if key not in self._loaded:
             place = self._entries.get(key)
-            self._loaded[key] = _at(place) if place is not None else self._from(key, self._others[key])
+            self._loaded[key] = object_at(place) if place is not None else self._from(key, self._others[key])
         return self._loaded[key]
 
     def _from(self, key: str, points: list[EntryPoint]) -> Any:
@@ -73,7 +73,7 @@ class Family(Mapping[str, Any]):
             reason = " ".join(str(error).split())
             raise ExtensionError(f"{said}, which cannot be loaded: {type(error).__name__}: {reason}") from error
         if self._of:
-            base = _at(self._of)
+            base = object_at(self._of)
             if not (issubclass(found, base) if isinstance(found, type) else isinstance(found, base)):
                 raise ExtensionError(f"{said}, which is no {base.__name__}")
         if self._called and getattr(found, self._called) != key:
@@ -124,7 +124,7 @@ def _all_added() -> dict[str, list[EntryPoint]]:
     return {group: list(found.select(group=group)) for group in found.groups if group.startswith(_GROUP)}
 
 
-def _at(place: str) -> Any:
+def object_at(place: str) -> Any:
     """What stands at `module:attribute`."""
     module, _, attribute = place.partition(":")
     return getattr(import_module(module), attribute)

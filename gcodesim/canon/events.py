@@ -29,7 +29,7 @@ __all__ = [
     "LinearFeed",
     "Log",
     "Message",
-    "Motion",
+    "Move",
     "OptionalStop",
     "Orient",
     "Output",
@@ -70,7 +70,7 @@ class Event:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Motion(Event):
+class Move(Event):
     """A move of the controlled point to `end`. `block` counts executed blocks; `word` is the motion word, as G1."""
 
     end: Axes
@@ -79,14 +79,14 @@ class Motion(Event):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Rapid(Motion):
+class Rapid(Move):
     """Move at full speed. `home` names the stored position (G28, G30) when the target is one that was never stored."""
 
     home: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class LinearFeed(Motion):
+class LinearFeed(Move):
     """Straight cut at `feed` in `feed_unit`; in threading `pitch` [m/rev] rules instead and `feed` is 0."""
 
     feed: float
@@ -95,7 +95,7 @@ class LinearFeed(Motion):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ArcFeed(Motion):
+class ArcFeed(Move):
     """Arc or helix about `center` (at the height of the end along `normal`).
 
     `sweep` [rad] is signed, counterclockwise about `normal` positive, full
@@ -112,7 +112,7 @@ class ArcFeed(Motion):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SplineFeed(Motion):
+class SplineFeed(Move):
     """A spline as control points and as a polyline `points` that stays within 2 um of it."""
 
     points: tuple[Point, ...]
@@ -122,7 +122,7 @@ class SplineFeed(Motion):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ProbeMove(Motion):
+class ProbeMove(Move):
     """Straight move until the probe trips: G38.2 to G38.5."""
 
     feed: float
@@ -132,7 +132,7 @@ class ProbeMove(Motion):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Tap(Motion):
+class Tap(Move):
     """Rigid tap: synchronous to `end` and back to where it began; `pitch` [m/rev]."""
 
     pitch: float

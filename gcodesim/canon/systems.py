@@ -1,4 +1,4 @@
-"""Work systems by number and name: 1 to 9 are G54 to G59.3, 101 to 400 Fanuc's additional ones, G54.1 P1 to P300."""
+"""Work systems by number and name: 1 to 9 are G54 to G59.3, and 101 to 400 are G54.1 P1 to P300."""
 
 from __future__ import annotations
 

@@ -11,6 +11,7 @@ from gcodesim.cell.cell import MAIN
 from gcodesim.cell.channel import Channel
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText
 from gcodesim.rs274 import MappedAction, Settings, ToolEntry, ToolTable, read_parameters
+from gcodesim.rs274.dialects import DIALECTS
 from gcodesim.units import MM
 
 _UNTURNED: Final = 1e-6  # deg
@@ -54,7 +55,7 @@ def settings_of_cell(
         parameters = placement.parameters()
     else:  # the cell's own work offsets override those of the file
         parameters |= placement.parameters(placement.given)
-    if own.dialect == "fanuc":
+    if not DIALECTS[own.dialect].turned_systems:
         findings += _turned(cell, channel, placement)
     settings = Settings(
         dialect=own.dialect,
@@ -70,8 +71,7 @@ def settings_of_cell(
         loaded_tool=own.loaded_tool or 0,
         auto_length=lengths,
         path_control=own.path_control,
-        decimal_point=own.decimal_point,
-        compensation_start=own.compensation_start,
+        options={"decimal_point": own.decimal_point, "compensation_start": own.compensation_start},
     )
     return settings, findings
 
@@ -95,8 +95,9 @@ def _wired(channel: Channel) -> frozenset[str]:
 
 
 def _turned(cell: Cell, channel: str, placement: Placement) -> list[Diagnostic]:
-    """An error for each work system that is turned about Z, which is impossible on Fanuc."""
+    """An error for each work system that is turned about Z, which the control of the channel cannot do."""
     found = []
+    dialect = cell.channels[channel].dialect
     for index in placement.given:
         R = placement.work_offsets[index].R
         if abs(turn := degrees(atan2(float(R[1, 0]), float(R[0, 0])))) > _UNTURNED:
@@ -106,7 +107,7 @@ def _turned(cell: Cell, channel: str, placement: Placement) -> list[Diagnostic]:
                     code="GS726",
                     severity=Severity.ERROR,
                     span=cell.channel_span(channel, "work_offsets", name),
-                    message=f"{name} is turned by {turn:.6g} deg about Z, and Fanuc's work systems are only shifted",
+                    message=f"{name} is turned by {turn:.6g} deg about Z; work systems of `{dialect}` are only shifted",
                     hint="let the program turn it (G68 X0 Y0 R…), or turn the stock and what holds it",
                 )
             )

@@ -13,11 +13,10 @@ from gcodesim.declarations.file_kind import FileValue
 from gcodesim.declarations.files import Refused
 from gcodesim.declarations.kind import short
 from gcodesim.declarations.reading import Path, Reading, Unread
+from gcodesim.solids import Point
 
 if TYPE_CHECKING:
     from gcodesim.material.stock import Stock
-
-Point = tuple[float, float, float]
 
 NOTHING_LEFT: Final = "name the folder that `gcodesim run --out` wrote"
 

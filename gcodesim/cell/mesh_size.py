@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-Point = tuple[float, float, float]
+from gcodesim.solids import Point
 
 MESH_SUFFIXES: Final = (".stl", ".obj", ".ply", ".off", ".glb")
 _STL_HEADER: Final = 84

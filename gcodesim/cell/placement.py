@@ -22,14 +22,14 @@ from gcodesim.cell.machine import MachineTool
 from gcodesim.cell.placing import Carried
 from gcodesim.cell.placing import Place as Standing
 from gcodesim.cell.robot import Robot
-from gcodesim.cell.stock import Shape
+from gcodesim.cell.stock import StockShape
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.frames import Array, Pose
-from gcodesim.rs274.parameters import first_of_system
+from gcodesim.rs274.dialects.systems import first_of_system
 from gcodesim.solids import Box, Cylinder
 from gcodesim.units import DEG, MM
 
-Corners = tuple[tuple[float, float, float], tuple[float, float, float]]
+Bounds = tuple[tuple[float, float, float], tuple[float, float, float]]
 
 STOCK: Final = "stock"
 FIXTURE: Final = "fixture"
@@ -41,7 +41,7 @@ _UPRIGHT: Final = 1e-9  # Z axes whose dot product is nearer to 1 than this coun
 class Placement:
     """The places of everything that depends on the work systems.
 
-    `X_WM` is M of the channel in the world; `work_offsets` X_MP of systems 1 (G54) to 9 (G59.3), and of Fanuc's
+    `X_WM` is M of the channel in the world; `work_offsets` X_MP of systems 1 (G54) to 9 (G59.3), and of
     additional ones that the cell names (101 is G54.1 P1); they turn about Z of M only. `stocks`, `fixtures` and
     `target` are X_W of the bodies' own frames, without those that stand on a link: these are `carried`, by names such
     as `stock/plate` and `fixture/clamp`. `given` are the systems that the cell names; `automatic`: G54 was
@@ -68,8 +68,8 @@ class Placement:
     def parameters(self, systems: Iterable[int] | None = None) -> dict[int, float]:
         """Offsets of `systems` (default: all) in the control's parameters.
 
-        5221 X, 5222 Y, 5223 Z [mm], 5230 turn about Z [deg], the next system 20 further; Fanuc's additional ones
-        from 7001 and 14961 on, without a turn.
+        5221 X, 5222 Y, 5223 Z [mm], 5230 turn about Z [deg], the next system 20 further; additional ones
+        where their dialect says, without a turn.
         """
         values: dict[int, float] = {}
         for index in self.work_offsets if systems is None else systems:
@@ -191,7 +191,7 @@ def _upright_base(cell: Cell, channel: Channel, robot: MachineTool | Robot) -> P
     return Pose(robot.X_WB.p, robot.X_WB.R @ R_BP)
 
 
-def bounds_of(shape: Shape) -> Corners:
+def bounds_of(shape: StockShape) -> Bounds:
     """Least and greatest corner [m] of a shape in its own frame."""
     return shape.bounds if isinstance(shape, Box | Cylinder) else (shape.lower, shape.upper)
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gcodesim.cell.cell import Cell
-from gcodesim.cell.placement import Corners, Placement, bounds_of
+from gcodesim.cell.placement import Bounds, Placement, bounds_of
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.frames import Pose
 from gcodesim.units import MM
@@ -48,7 +48,7 @@ def reach_findings(cell: Cell, channel: str, placement: Placement) -> Iterator[D
 
 
 def _beyond_travel(
-    axes: Sequence[MachineAxis], X_MS: Pose, corners: Corners, longest: float, widest: float
+    axes: Sequence[MachineAxis], X_MS: Pose, corners: Bounds, longest: float, widest: float
 ) -> tuple[str, float, float] | None:
     """The axis whose travel ends before the stock: its wording, where the stock begins, where the travel ends [m]."""
     if any(axis.rotary and axis.at is not None for axis in axes):
@@ -69,7 +69,7 @@ def _beyond_travel(
     return None
 
 
-def _beyond_arm(tree: Tree, X_BS: Pose, corners: Corners, tool: float) -> tuple[str, float, float] | None:
+def _beyond_arm(tree: Tree, X_BS: Pose, corners: Bounds, tool: float) -> tuple[str, float, float] | None:
     """How far the stock is from the first joint [m], and how far the arm reaches at most, if that is less."""
     if tree.prismatic.any():
         return None

@@ -6,18 +6,20 @@ from dataclasses import replace
 from importlib.util import find_spec
 from typing import Final
 
-from gcodesim.canon.systems import SYSTEMS, system_name
+from gcodesim.canon.systems import SYSTEMS, system_index, system_name
 from gcodesim.cell.cell import FORMAT, MAIN, Cell
 from gcodesim.cell.channel import Channel
 from gcodesim.cell.placing import MACHINE, FrameTree, Place
 from gcodesim.cell.receivers import with_signals
 from gcodesim.cell.settings import matches, with_step
-from gcodesim.cell.stock import MeshShape, Shape
+from gcodesim.cell.stock import MeshShape, StockShape
 from gcodesim.declarations.keys import keys
 from gcodesim.declarations.reading import Path, Reading, suggestion
 from gcodesim.declarations.record import list_default
 from gcodesim.diagnostics import Diagnostic, Severity, Span, codes
 from gcodesim.frames import WORLD
+from gcodesim.rs274.dialects import DIALECTS
+from gcodesim.rs274.dialects.systems import dialect_with
 from gcodesim.solids import Box
 from gcodesim.units import MM
 
@@ -201,18 +203,19 @@ def _check_loaded_tools(cell: Cell, to: Reading) -> None:
 
 
 def _check_systems(cell: Cell, to: Reading) -> None:
-    """Additional work systems exist only on Fanuc."""
+    """Additional work systems exist only where the dialect has them."""
     for name, channel in cell.channels.items():
         own: Path = ("channels", name)
         path: Path = (*own, "dialect") if (*own, "dialect") in to.keys else ("dialect",)
-        if path not in to.keys or channel.dialect == "fanuc":
+        if path not in to.keys or DIALECTS[channel.dialect].further_systems:
             continue  # if no dialect is written, the command line may name it
         for system in channel.work_offsets:
             if system not in SYSTEMS:
+                having = dialect_with(system_index(system))
                 to.fault(
                     "GS719",
                     to.span((*path[:-1], "work_offsets", system)),
-                    f"{system} is a work system of `fanuc`, and the dialect is `{channel.dialect}`",
+                    f"{system} is a work system of `{having}`, and the dialect is `{channel.dialect}`",
                     "G54 to G59.3 are there in every dialect but `grbl`, which ends at G59",
                     related=to.span(path),
                 )
@@ -266,7 +269,7 @@ def _check_materials(to: Reading) -> None:
 
 def _check_mesh_sizes(cell: Cell, to: Reading) -> None:
     """A mesh a hundred times larger or smaller than its surroundings mostly has another unit."""
-    meshes: list[tuple[Shape | None, Path]] = [
+    meshes: list[tuple[StockShape | None, Path]] = [
         (f.shape, ("fixtures", name, "mesh")) for name, f in cell.fixtures.items()
     ]
     meshes += [(cell.target.shape, ("target", "mesh"))] if cell.target is not None else []

@@ -22,9 +22,7 @@ from gcodesim.declarations.reading import UNREAD, Path, Reading, Reference, Unre
 from gcodesim.declarations.record import FREE, NEARLY, Record
 from gcodesim.declarations.units import find, names, shown
 from gcodesim.diagnostics import Diagnostic
-from gcodesim.solids import Box, Cylinder, Mesh, MeshFile, Solid
-
-Point = tuple[float, float, float]
+from gcodesim.solids import Box, Cylinder, Mesh, MeshFile, Point, Solid
 
 _WORDS: Final = {
     "bottom": (2, 0.0),
@@ -50,16 +48,15 @@ class MeshShape:
     lower: Point
     upper: Point
 
-
     @property
     def solid(self) -> Mesh:
         return Mesh(source=MeshFile(path=self.path, scale=(self.scale, self.scale, self.scale)))
 
 
-Shape = Box | Cylinder | MeshShape | Leftover
+StockShape = Box | Cylinder | MeshShape | Leftover
 
 
-def solid_of(shape: Shape) -> Solid | None:
+def solid_of(shape: StockShape) -> Solid | None:
     """A shape of the cell as a solid; None for what an earlier run left, which is a stock."""
     if isinstance(shape, Leftover):
         return None
@@ -201,7 +198,9 @@ class ShapeKeys:
     unit: str | None = key(LENGTH_UNIT, "unit of the mesh file", default=None)
 
 
-def _shape_of(body: ShapeKeys, what: str, extra: tuple[str, ...], to: Reading, path: Path) -> Shape | Unread | None:
+def _shape_of(
+    body: ShapeKeys, what: str, extra: tuple[str, ...], to: Reading, path: Path
+) -> StockShape | Unread | None:
     """The one shape that a body names; None if it is one of `extra`."""
     corner = ("min", "max")
     given = [name for name in ("box", "cylinder", "mesh", *corner) if getattr(body, name) is not None] + list(extra)
@@ -235,7 +234,7 @@ def _shape_of(body: ShapeKeys, what: str, extra: tuple[str, ...], to: Reading, p
     return _single_shape(body, to, path)
 
 
-def _single_shape(body: ShapeKeys, to: Reading, path: Path) -> Shape | Unread:
+def _single_shape(body: ShapeKeys, to: Reading, path: Path) -> StockShape | Unread:
     default_zero = "bottom-front-left" if body.box is not None else "bottom-center"
     if body.zero is None and (body.box is not None or body.cylinder is not None):
         to.default((*path, "zero"), default_zero)
@@ -276,7 +275,7 @@ def _sound_box(box: Box, name: str, to: Reading, path: Path) -> Box | Unread:
     )
 
 
-def _box_between(body: ShapeKeys, to: Reading, path: Path) -> Shape | Unread:
+def _box_between(body: ShapeKeys, to: Reading, path: Path) -> StockShape | Unread:
     for name, other in (("min", "max"), ("max", "min")):
         if getattr(body, name) is None:
             return to.fault(
@@ -357,7 +356,7 @@ class StockSpec(ShapeKeys):
         _MaterialName(), "id or alias of a material; without one it is cut without force", default=None
     )
     resolution: float | None = key(Quantity("length", _GRID), "grid of the stock", default=None, example="0.2 mm")
-    shape: Shape = field(default=Box(lower=(0.0, 0.0, 0.0), upper=(0.0, 0.0, 0.0)))
+    shape: StockShape = field(default=Box(lower=(0.0, 0.0, 0.0), upper=(0.0, 0.0, 0.0)))
 
     def checked(self, to: Reading, path: Path) -> StockSpec | Unread:
         shape = _shape_of(self, "stock", ("from",) if self.leftover is not None else (), to, path)
@@ -380,7 +379,7 @@ class Fixture(ShapeKeys):
 
     name: str = ""
     place: Place = inline(Place)
-    shape: Shape = field(default=Box(lower=(0.0, 0.0, 0.0), upper=(0.0, 0.0, 0.0)))
+    shape: StockShape = field(default=Box(lower=(0.0, 0.0, 0.0), upper=(0.0, 0.0, 0.0)))
 
     def checked(self, to: Reading, path: Path) -> Fixture | Unread:
         shape = _shape_of(self, "the fixture", (), to, path)

@@ -62,7 +62,7 @@ class Language:
             "parameters": {**settings.parameters, **self.parameters} if self.parameters else None,
             "subroutines": (*settings.subroutines, *given.subs) if given.subs else None,
             "block_delete": given.block_delete,
-            "decimal_point": given.decimal_point,
+            "options": {**settings.options, "decimal_point": given.decimal_point} if given.decimal_point else None,
             "max_blocks": given.max_blocks,
             "time_limit": given.time_limit,
         }

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from gcodesim.executor.targets import Box
+from gcodesim.executor.targets import Bounds
 from gcodesim.executor.tasks import RowColumns, Task
 from gcodesim.executor.window import StepWindow
 from gcodesim.frames import Array
@@ -126,7 +126,7 @@ def _into(X: Array, points: Array) -> Array:
     return local
 
 
-def _is_near(task: Task, start: Array, stop: Array, axis: Array, box: Box | None) -> bool:
+def _is_near(task: Task, start: Array, stop: Array, axis: Array, box: Bounds | None) -> bool:
     """Whether the process may act on something in `box` while its tip goes along pieces (c, 3); see `Zone`."""
     return box is None or task.process.zone.meets(start, stop, axis, *box, NEAR)
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from gcodesim.processes.materials import Material
     from gcodesim.processes.protocol import ActsOn
 
-Box = tuple[Array, Array]
+Bounds = tuple[Array, Array]
 """Least and greatest corner (3,) [m]."""
 
 
@@ -44,10 +44,10 @@ class TaskTarget(Protocol):
         """What the process is given; see `processes.protocol`."""
 
     @property
-    def room(self) -> Box | None:
+    def room(self) -> Bounds | None:
         """A box in S that the target never leaves; None: the process is asked wherever its tool is."""
 
-    def filled(self) -> Box | None:
+    def filled(self) -> Bounds | None:
         """The box that holds the target as it is now; at most `room`."""
 
     def memento(self) -> Callable[[], None]:
@@ -89,10 +89,10 @@ class StockTarget:
         return self.placed.stock
 
     @property
-    def room(self) -> Box:
+    def room(self) -> Bounds:
         return self.placed.stock.bounds
 
-    def filled(self) -> Box:
+    def filled(self) -> Bounds:
         low, high = self.room
         return low, np.append(high[:2], self.placed.stock.top)
 
@@ -109,7 +109,7 @@ class SkinTarget(StockTarget):
         return self
 
     @property
-    def box(self) -> Box:
+    def box(self) -> Bounds:
         return self.filled()
 
     def triangles(self) -> tuple[Array, NDArray[np.int32]]:
@@ -135,11 +135,11 @@ class BodiesTarget:
         return self.bodies
 
     @property
-    def room(self) -> Box:
+    def room(self) -> Bounds:
         lows, highs = zip(*(body.box for body in self.bodies), strict=True)
         return np.min(lows, axis=0), np.max(highs, axis=0)
 
-    def filled(self) -> Box:
+    def filled(self) -> Bounds:
         return self.room
 
     def memento(self) -> Callable[[], None]:
@@ -173,7 +173,7 @@ class StandingBody:
 
     name: str
     role: str
-    box: Box
+    box: Bounds
     _shape: Callable[[], tuple[Array, NDArray[np.int32]]]
 
     def triangles(self) -> tuple[Array, NDArray[np.int32]]:
@@ -213,7 +213,7 @@ def _moved(X: Pose, shape: Callable[[], tuple[Array, NDArray[np.int32]]]) -> tup
     return X.apply(points), faces
 
 
-def _box_around(X: Pose, low: Sequence[float] | Array, high: Sequence[float] | Array) -> Box:
+def _box_around(X: Pose, low: Sequence[float] | Array, high: Sequence[float] | Array) -> Bounds:
     """The upright box that encloses the corners of a box given in the frame at `X`."""
     corners = X.apply(np.array(list(product(*zip(low, high, strict=True)))))
     return corners.min(axis=0), corners.max(axis=0)

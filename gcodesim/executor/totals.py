@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from gcodesim.executor.record import StepRecord
     from gcodesim.processes.sheet import Sheet
 
-Rows = NDArray[np.int64]
+RowNumbers = NDArray[np.int64]
 
 TREMBLE: Final = 1e-9
 """[m, rad] by which a motor at rest may be off its place without a new extreme of the joint."""
@@ -66,14 +66,14 @@ class JointTotals:
 
     least: Array
     most: Array
-    least_row: Rows
-    most_row: Rows
+    least_row: RowNumbers
+    most_row: RowNumbers
     speed: Array
     acceleration: Array
     effort: Array
-    effort_row: Rows
-    saturated_row: Rows = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
-    saturated_steps: Rows = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    effort_row: RowNumbers
+    saturated_row: RowNumbers = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    saturated_steps: RowNumbers = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 
     @staticmethod
     def start(q: Array) -> JointTotals:
@@ -93,7 +93,9 @@ class JointTotals:
             saturated_steps=np.zeros(count, dtype=np.int64),
         )
 
-    def add(self, q: Array, qd: Array, qdd: Array, effort: Array, saturated: NDArray[np.bool_], rows: Rows) -> None:
+    def add(
+        self, q: Array, qd: Array, qdd: Array, effort: Array, saturated: NDArray[np.bool_], rows: RowNumbers
+    ) -> None:
         """Add n steps: columns (n, j) and the row (n,) of each step."""
         if not len(q):
             return

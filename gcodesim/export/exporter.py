@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any, BinaryIO, ClassVar, Literal, TextIO
 from gcodesim.export.select import TimeRange
 
 if TYPE_CHECKING:
-    from gcodesim.playback.columns import Units
+    from gcodesim.playback.columns import UnitSystem
     from gcodesim.playback.recording import Recording
 
-Target = TextIO | BinaryIO | Path
+Destination = TextIO | BinaryIO | Path
 
 Option = Literal["topics", "time", "lines", "period", "units", "at", "stock", "world"]
 
@@ -31,7 +31,7 @@ class Request:
 
     topics: tuple[str, ...] = ()
     part: TimeRange = field(default_factory=TimeRange)
-    units: Units = "si"
+    units: UnitSystem = "si"
     at_ns: int | None = None
     stock: str | None = None
     world: bool = False

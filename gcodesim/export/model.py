@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.export.exporter import Exporter, Option, Request
+from gcodesim.log.shapes import Color
 from gcodesim.playback.frames import RecordedFrames
 from gcodesim.playback.recording import Recording
 from gcodesim.playback.scenes import Drawing
@@ -20,8 +21,6 @@ _Z_UP: Final = [-(0.5**0.5), 0.0, 0.0, 0.5**0.5]  # in glTF Y is up: a quarter t
 _FLOAT, _UINT = 5126, 5125
 _VERTICES, _INDICES = 34962, 34963
 _TRIANGLES, _LINES = 4, 1
-
-Color = tuple[float, float, float, float]
 
 
 def scene_glb(recording: Recording, t_ns: int) -> bytes:

@@ -18,7 +18,7 @@ TOPICS: Final = ("/tf_static", "/tf", "/joint_states", "/target", "/tcp", "/moti
 _LEVELS: Final = {"note": 20, "warning": 30, "error": 40}  # rcl_interfaces/msg/Log
 _NO_FRAME = "world"
 
-Message = tuple[int, str, str, Any]  # time [ns], topic, type, content
+BagMessage = tuple[int, str, str, Any]  # time [ns], topic, type, content
 
 
 class NoRosError(NoExportError):
@@ -88,7 +88,7 @@ class RosBag(Exporter):
             raise NoExportError(str(error)) from None
 
 
-def _messages(recording: Recording, types: Any, topics: Sequence[str], part: TimeRange) -> Iterator[Message]:
+def _messages(recording: Recording, types: Any, topics: Sequence[str], part: TimeRange) -> Iterator[BagMessage]:
     """All messages, topic by topic in the order of `TOPICS`."""
     ros = _Types(types)
     for name in recording.log.attachments:
@@ -99,7 +99,7 @@ def _messages(recording: Recording, types: Any, topics: Sequence[str], part: Tim
             if model is not None:
                 text = model.decode("utf-8", "replace")
                 yield part.first_ns, topic, "std_msgs/msg/String", types["std_msgs/msg/String"](data=text)
-    writers: dict[str, Callable[[Recording, _Types, TimeRange], Iterator[Message]]] = {
+    writers: dict[str, Callable[[Recording, _Types, TimeRange], Iterator[BagMessage]]] = {
         "/tf_static": _static,
         "/tf": _moving,
         "/joint_states": _joints,
@@ -144,7 +144,7 @@ class _Types:
         )
 
 
-def _static(recording: Recording, ros: _Types, part: TimeRange) -> Iterator[Message]:
+def _static(recording: Recording, ros: _Types, part: TimeRange) -> Iterator[BagMessage]:
     from gcodesim.frames import quaternion_from_rotation
 
     tree = recording.frames()
@@ -168,7 +168,7 @@ def _moving_frames(recording: Recording) -> dict[str, str]:
     }
 
 
-def _moving(recording: Recording, ros: _Types, part: TimeRange) -> Iterator[Message]:
+def _moving(recording: Recording, ros: _Types, part: TimeRange) -> Iterator[BagMessage]:
     series, frames = recording.series("/tf"), _moving_frames(recording)
     fields = [f"translation.{a}" for a in "xyz"] + [f"rotation.{a}" for a in "xyzw"]
     columns = [series.columns(*(f"transforms[{child}].{field}" for field in fields)) for child in frames]
@@ -182,7 +182,7 @@ def _moving(recording: Recording, ros: _Types, part: TimeRange) -> Iterator[Mess
         yield t_ns, "/tf", kind, ros.types[kind](transforms=transforms)
 
 
-def _joints(recording: Recording, ros: _Types, part: TimeRange) -> Iterator[Message]:
+def _joints(recording: Recording, ros: _Types, part: TimeRange) -> Iterator[BagMessage]:
     series = recording.series("/joint_states")
     names = [name for key, (name, *_) in series.texts.items() if key.endswith("].name")]
     position, velocity, effort = (
@@ -197,8 +197,8 @@ def _joints(recording: Recording, ros: _Types, part: TimeRange) -> Iterator[Mess
         yield t_ns, "/joint_states", kind, content
 
 
-def _pose(topic: str) -> Callable[[Recording, _Types, TimeRange], Iterator[Message]]:
-    def messages(recording: Recording, ros: _Types, part: TimeRange) -> Iterator[Message]:
+def _pose(topic: str) -> Callable[[Recording, _Types, TimeRange], Iterator[BagMessage]]:
+    def messages(recording: Recording, ros: _Types, part: TimeRange) -> Iterator[BagMessage]:
         series = recording.series(topic)
         position = series.columns(*(f"pose.position.{a}" for a in "xyz"))
         orientation = series.columns(*(f"pose.orientation.{a}" for a in "xyzw"))
@@ -215,7 +215,7 @@ def _pose(topic: str) -> Callable[[Recording, _Types, TimeRange], Iterator[Messa
     return messages
 
 
-def _wrench(recording: Recording, ros: _Types, part: TimeRange) -> Iterator[Message]:
+def _wrench(recording: Recording, ros: _Types, part: TimeRange) -> Iterator[BagMessage]:
     series = recording.series("/wrench")
     force = series.columns(*(f"force.{a}" for a in "xyz"))
     torque = series.columns(*(f"torque.{a}" for a in "xyz"))
@@ -226,8 +226,8 @@ def _wrench(recording: Recording, ros: _Types, part: TimeRange) -> Iterator[Mess
         yield t_ns, "/wrench", kind, ros.types[kind](header=ros.header(t_ns, frame), wrench=wrench)
 
 
-def _numbers(topic: str) -> Callable[[Recording, _Types, TimeRange], Iterator[Message]]:
-    def messages(recording: Recording, ros: _Types, part: TimeRange) -> Iterator[Message]:
+def _numbers(topic: str) -> Callable[[Recording, _Types, TimeRange], Iterator[BagMessage]]:
+    def messages(recording: Recording, ros: _Types, part: TimeRange) -> Iterator[BagMessage]:
         series, kind = recording.series(topic), "std_msgs/msg/Float64"
         chosen = part.chosen(series.t_ns)
         for name, column in zip(series.names, series.values.T, strict=True):
@@ -237,7 +237,7 @@ def _numbers(topic: str) -> Callable[[Recording, _Types, TimeRange], Iterator[Me
     return messages
 
 
-def _log(recording: Recording, ros: _Types, part: TimeRange) -> Iterator[Message]:
+def _log(recording: Recording, ros: _Types, part: TimeRange) -> Iterator[BagMessage]:
     kind = "rcl_interfaces/msg/Log"
     timeline = recording.timeline
     texts = [

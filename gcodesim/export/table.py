@@ -15,7 +15,7 @@ from gcodesim.export.select import TimeRange
 from gcodesim.log.fields import leaves, parse_path, value_at
 from gcodesim.log.reader import decoder_of
 from gcodesim.numbers import rounded
-from gcodesim.playback.columns import Units, column_of, joint_kinds
+from gcodesim.playback.columns import UnitSystem, column_of, joint_kinds
 from gcodesim.playback.recording import PERIODIC_TOPICS, Recording
 from gcodesim.units import NS_PER_SECOND
 
@@ -33,7 +33,11 @@ def seconds_text(t_ns: int) -> str:
 
 
 def write_table(
-    recording: Recording, out: TextIO, topics: Sequence[str] = (), part: TimeRange | None = None, units: Units = "si"
+    recording: Recording,
+    out: TextIO,
+    topics: Sequence[str] = (),
+    part: TimeRange | None = None,
+    units: UnitSystem = "si",
 ) -> int:
     """Rows of CSV with a head of names that end in units; returns how many rows.
 
@@ -68,7 +72,9 @@ class Csv(Exporter):
         return counted(write_table(recording, out, request.topics, request.part, request.units), "row")
 
 
-def _write_periodic(recording: Recording, out: TextIO, topics: Sequence[str], part: TimeRange, units: Units) -> int:
+def _write_periodic(
+    recording: Recording, out: TextIO, topics: Sequence[str], part: TimeRange, units: UnitSystem
+) -> int:
     kinds = joint_kinds(recording)
     t_ns = recording.series(topics[0]).t_ns
     index = part.chosen(t_ns)

@@ -9,9 +9,9 @@ from typing import Final
 from gcodesim.diagnostics import Caller, Diagnostic, Span
 from gcodesim.formats.places import FilePlaces
 from gcodesim.regress.baseline import entry_of
-from gcodesim.regress.verdicts import JudgedFinding, State, SuiteVerdict
+from gcodesim.regress.verdicts import FindingState, JudgedFinding, SuiteVerdict
 
-_WEIGHTS: Final[tuple[State, ...]] = ("suppressed", "baseline", "accepted", "expected", "told", "counts")
+_WEIGHTS: Final[tuple[FindingState, ...]] = ("suppressed", "baseline", "accepted", "expected", "told", "counts")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -23,7 +23,7 @@ class Item:
     """
 
     finding: Diagnostic
-    state: State
+    state: FindingState
     reason: str
     cases: tuple[str, ...]
     fingerprint: str

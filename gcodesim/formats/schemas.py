@@ -183,13 +183,13 @@ def _diff() -> Json:
 
 
 def _test() -> Json:
-    from gcodesim.regress.verdicts import State, Status
+    from gcodesim.regress.verdicts import CaseStatus, FindingState
 
     definitions: dict[str, Json] = {"finding": finding(), "results": _results()}
     definitions["comparison"] = _comparison(definitions)
     said = record(
         "a finding and what it does to the verdict",
-        state=choice("`counts` makes the case fail; `docs/output-formats.md` has all", *get_args(State)),
+        state=choice("`counts` makes the case fail; `docs/output-formats.md` has all", *get_args(FindingState)),
         reason=text("why it is suppressed, or why it counts; may be empty"),
         **finding()["properties"],
     )
@@ -207,7 +207,7 @@ def _test() -> Json:
                 file=text("the test file, or the program where there is none"),
                 program=text("path from the folder of the run"),
                 cell=nullable(text("path from the folder of the run; null: the program alone")),
-                status=choice("the outcome", *get_args(Status)),
+                status=choice("the outcome", *get_args(CaseStatus)),
                 quantities=array("names of all that differs from what was accepted", text("a quantity")),
                 findings=array("all findings", ref("said", "a finding")),
                 comparison=nullable(ref("comparison", "against what was accepted; null: nothing was")),

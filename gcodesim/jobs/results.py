@@ -23,7 +23,7 @@ from gcodesim.processes.column import FORCE, POWER, REMOVED, TORQUE, Column
 from gcodesim.units import DEG, MM, MM3, MM_PER_MINUTE
 
 SCHEMA: Final = "gcodesim-results/1"
-Status = Literal["ok", "findings", "failed"]
+RunStatus = Literal["ok", "findings", "failed"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -102,7 +102,7 @@ class Times:
 class Results:
     """The results of a run or a check. `as_json` is the content of `results.json`."""
 
-    status: Status
+    status: RunStatus
     stopped_at: Span | None
     inputs: Mapping[str, Any]
     findings: Sequence[Diagnostic]
@@ -151,7 +151,7 @@ class Results:
 
 
 Ints = np.ndarray[Any, np.dtype[np.int64]]
-Stand = tuple[int, Span, float]
+LineEnd = tuple[int, Span, float]
 """The machine stands: before which path row, for which program line, how long [s]."""
 
 
@@ -198,7 +198,7 @@ def line_rows(
     time: Array,
     distance: Array,
     totals: RowTotals | None,
-    stands: Sequence[Stand] = (),
+    stands: Sequence[LineEnd] = (),
     ran: int | None = None,
     columns: Sequence[Column] = (),
 ) -> LineRows:
@@ -247,7 +247,7 @@ def _by_group(column: Column, totals: RowTotals | None, group: Ints, count: int)
     return values
 
 
-def _lines_of(path: ToolPath, stands: Sequence[Stand]) -> tuple[list[str], Ints, Ints, Ints, Ints]:
+def _lines_of(path: ToolPath, stands: Sequence[LineEnd]) -> tuple[list[str], Ints, Ints, Ints, Ints]:
     """The lines in the order in which they first ran: names of files, which of them, line numbers; and the index of the
 
     line of each path row and of each stand.

@@ -6,7 +6,7 @@ from gcodesim.log.container import LogWriteError
 from gcodesim.log.description import LogDescription, MotionColumns, ProcessColumns, ProcessField, StaticFrame
 from gcodesim.log.layout import Camera, View, layout
 from gcodesim.log.messages import OutputState, ProgramShown
-from gcodesim.log.shapes import DrawnMesh, DrawnSolid, Entity, Polylines, Shape
+from gcodesim.log.shapes import DrawnMesh, DrawnShape, DrawnSolid, Entity, Polylines
 from gcodesim.log.writer import LogWriter
 
 __all__ = [
@@ -15,6 +15,7 @@ __all__ = [
     "ByteStrings",
     "Camera",
     "DrawnMesh",
+    "DrawnShape",
     "DrawnSolid",
     "Entity",
     "LogDescription",
@@ -26,7 +27,6 @@ __all__ = [
     "ProcessColumns",
     "ProcessField",
     "ProgramShown",
-    "Shape",
     "StaticFrame",
     "View",
     "layout",

@@ -18,7 +18,7 @@ from gcodesim.log.topics import MOST_TILES, topic_table
 KINDS: Final = ("milling", "robot", "process")
 
 Json = dict[str, Any]
-Node = str | Json
+LayoutNode = str | Json
 """A panel by its name, or two of these side by side."""
 
 _VOLUME: Final = "Plot!volume"
@@ -112,7 +112,7 @@ def _cameras(view: View) -> dict[str, Camera]:
 # ---- what each kind shows
 
 
-def _milling(joints: Sequence[str]) -> tuple[Json, Node]:
+def _milling(joints: Sequence[str]) -> tuple[Json, LayoutNode]:
     panels = {
         "Plot!force": _plot("force [N], power [W]", _LOAD),
         "Plot!feed": _plot("feed [m/s]", _FEED),
@@ -122,13 +122,11 @@ def _milling(joints: Sequence[str]) -> tuple[Json, Node]:
         _VOLUME: _plot("removed [m3]", {"removed": "/process.removed_m3"}),
         "Plot!axes": _plot("axes [m, rad]", _of_joints(joints, "position")),
     }
-    right = _column(
-        _row("Plot!force", "Plot!feed"), _row("Plot!spindle", _VOLUME), _row("Plot!axes", _TEXTS), _LOG
-    )
+    right = _column(_row("Plot!force", "Plot!feed"), _row("Plot!spindle", _VOLUME), _row("Plot!axes", _TEXTS), _LOG)
     return panels, right
 
 
-def _robot(joints: Sequence[str]) -> tuple[Json, Node]:
+def _robot(joints: Sequence[str]) -> tuple[Json, LayoutNode]:
     panels = {
         "Plot!joints": _plot("joints [rad, m]", _of_joints(joints, "position")),
         "Plot!efforts": _plot("effort [N m, N]", _of_joints(joints, "effort")),
@@ -149,7 +147,7 @@ def _robot(joints: Sequence[str]) -> tuple[Json, Node]:
     return panels, right
 
 
-def _process(joints: Sequence[str]) -> tuple[Json, Node]:
+def _process(joints: Sequence[str]) -> tuple[Json, LayoutNode]:
     panels = {
         _VOLUME: _plot("removed [m3]; below 0 added", {"volume": "/process.removed_m3"}),
         "Plot!feed": _plot("feed [m/s]", _FEED),
@@ -286,7 +284,8 @@ def _scene(panel: str, camera: Camera) -> Json:
 
 # ---- arrangement
 
-def _split(direction: str, nodes: Sequence[Node]) -> Node:
+
+def _split(direction: str, nodes: Sequence[LayoutNode]) -> LayoutNode:
     """Panels of equal size, side by side or one above another."""
     first, *others = nodes
     if not others:
@@ -299,15 +298,15 @@ def _split(direction: str, nodes: Sequence[Node]) -> Node:
     }
 
 
-def _row(*nodes: Node) -> Node:
+def _row(*nodes: LayoutNode) -> LayoutNode:
     return _split("row", nodes)
 
 
-def _column(*nodes: Node) -> Node:
+def _column(*nodes: LayoutNode) -> LayoutNode:
     return _split("column", nodes)
 
 
-def _whole(scenes: Sequence[str], right: Node) -> Node:
+def _whole(scenes: Sequence[str], right: LayoutNode) -> LayoutNode:
     left = {
         "direction": "column",
         "splitPercentage": 70,

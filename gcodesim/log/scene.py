@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from gcodesim.log.byte_strings import ByteStrings
 from gcodesim.log.mesh_kernels import put_points, round_points
-from gcodesim.log.shapes import Array, Color, DrawnMesh, Entity, Polylines, Shape
+from gcodesim.log.shapes import Array, Color, DrawnMesh, DrawnShape, Entity, Polylines
 from gcodesim.log.template import Template, TemplatePiece, double_slot, nested, stamp_slot
 from gcodesim.log.wire import BYTES, Part, chunk, double, packed_fixed32, stamp, tag, text, unsigned, wrap
 from gcodesim.solids import Box, Cone, Cylinder, Sphere
@@ -80,7 +80,7 @@ def _pose(p: Sequence[float] | Array, q: Sequence[float] | Array) -> bytes:
 _IDENTITY: Final = _pose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
 
 
-def _shape(shape: Shape) -> list[Part]:
+def _shape(shape: DrawnShape) -> list[Part]:
     """The primitive fields of a SceneEntity that draw `shape`, in parts: a mesh is copied no more than it has to be."""
     pose = _pose(shape.p, shape.q)
     if isinstance(shape, DrawnMesh):
@@ -139,15 +139,15 @@ def entities_update(t_ns: int, entities: Sequence[Entity]) -> bytes:
     raise ValueError(f"a scene takes {len(update)} bytes; {MOST_MESSAGE_BYTES} are possible")
 
 
-def _compact(shape: Shape) -> Shape:
+def _compact(shape: DrawnShape) -> DrawnShape:
     return shape.compact() if isinstance(shape, DrawnMesh) else shape
 
 
-def _coarser(shape: Shape, size: float) -> Shape:
+def _coarser(shape: DrawnShape, size: float) -> DrawnShape:
     return shape.coarser(size) if isinstance(shape, DrawnMesh) and len(shape.points) else shape
 
 
-def _extent(shape: Shape) -> float:
+def _extent(shape: DrawnShape) -> float:
     """The longest side of a mesh [m]."""
     return float(np.ptp(shape.points, axis=0).max()) if isinstance(shape, DrawnMesh) and len(shape.points) else 0.0
 

@@ -79,7 +79,7 @@ class DrawnMesh:
         return replace(self, points=self.points[first], triangles=triangles, tight=False).compact()
 
 
-Shape = DrawnSolid | DrawnMesh
+DrawnShape = DrawnSolid | DrawnMesh
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -88,7 +88,7 @@ class Entity:
 
     id: str
     frame: str
-    shapes: tuple[Shape, ...]
+    shapes: tuple[DrawnShape, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

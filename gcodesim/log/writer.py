@@ -45,7 +45,7 @@ from gcodesim.log.messages import (
 from gcodesim.log.rows import RecordRows, RowBuilder
 from gcodesim.log.scene import entities_update, force_updates, path_update, polyline_update
 from gcodesim.log.schema import PROCESS, schema_data
-from gcodesim.log.shapes import DrawnMesh, Entity, Polylines, Shape
+from gcodesim.log.shapes import DrawnMesh, DrawnShape, Entity, Polylines
 from gcodesim.log.topics import PERIODIC, tile_topic, topic_table
 from gcodesim.version import __version__
 
@@ -237,7 +237,7 @@ class LogWriter:
         """The path (n, 3) [m] of the block that begins; arcs in pieces. No points: nothing is shown."""
         self._add_one("/scene/block", t_ns, polyline_update(t_ns, "block", self._frame(frame), points))
 
-    def tool(self, t_ns: int, shapes: Sequence[Shape], frame: str = "tool") -> None:
+    def tool(self, t_ns: int, shapes: Sequence[DrawnShape], frame: str = "tool") -> None:
         """The tool in the spindle from now on; no shapes: the spindle is empty."""
         entity = Entity(id="tool", frame=self._frame(frame), shapes=tuple(shapes))
         self._add_one("/scene/tool", t_ns, entities_update(t_ns, [entity] if shapes else []))

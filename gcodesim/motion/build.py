@@ -19,7 +19,7 @@ from gcodesim.canon import (
     LinearFeed,
     Log,
     Message,
-    Motion,
+    Move,
     Output,
     Override,
     PathMode,
@@ -105,7 +105,7 @@ class PathBuilder:
             self._linear(event)
         elif type(event) is MoveBatch:
             self._batch(event)
-        elif isinstance(event, Motion):
+        elif isinstance(event, Move):
             self._motion(event)
         elif isinstance(event, Event):
             self._other(event)
@@ -161,7 +161,7 @@ class PathBuilder:
         else:
             self._row(LINE, event, event.end, self._speed(event.feed, event.feed_unit), event.feed_unit[0] == "r")
 
-    def _motion(self, event: Motion) -> None:
+    def _motion(self, event: Move) -> None:
         if isinstance(event, Rapid):
             self._row(HOME if event.home else RAPID, event, event.end, np.inf, False)
         elif isinstance(event, ArcFeed):
@@ -213,9 +213,7 @@ class PathBuilder:
             self._offset(event.offset)
         elif isinstance(event, WorkSystem):
             self._set(
-                replace(
-                    now, system=event.index, system_offset=event.offset, g92=event.g92, rotation=event.rotation
-                )
+                replace(now, system=event.index, system_offset=event.offset, g92=event.g92, rotation=event.rotation)
             )
         elif isinstance(event, Action) and event.target == "tool":
             self.tags = self.tags._replace(active=event.verb == "activate")
@@ -256,7 +254,7 @@ class PathBuilder:
     def _speed(self, feed: float, unit: str) -> float:
         return feed * self._revolutions() if unit.endswith("rev") else feed
 
-    def _tilt(self, event: Motion) -> Pose | None:
+    def _tilt(self, event: Move) -> Pose | None:
         if not self.tilts or event.word.startswith(("G53", "G28", "G30")):
             return None
         return self.tilts.get(self.current.system)
@@ -270,7 +268,7 @@ class PathBuilder:
         p = tilt.p + tilt.R.T @ (np.array(self.at[:3]) - tilt.p)
         return (float(p[0]), float(p[1]), float(p[2]), *self.at[3:])
 
-    def _row(self, kind: int, event: Motion, end: Axes, feed: float, rotary: bool) -> None:
+    def _row(self, kind: int, event: Move, end: Axes, feed: float, rotary: bool) -> None:
         if self.tilts:
             tilt = self._tilt(event)
             if tilt is not None and kind != HOME:

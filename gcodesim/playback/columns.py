@@ -11,7 +11,7 @@ from gcodesim.log.series import Series
 from gcodesim.playback.recording import Recording
 from gcodesim.units import DEG, MM, MM3, MM_PER_MINUTE, RPM
 
-Units = Literal["si", "mm"]
+UnitSystem = Literal["si", "mm"]
 
 _JOINT: Final = re.compile(r"joints\[(.+)\]\.(position|velocity|effort)")
 _FRAME: Final = re.compile(r"transforms\[(.+)\]\.(translation|rotation)\.([xyzw])")
@@ -70,7 +70,7 @@ def joint_kinds(recording: Recording) -> dict[str, str]:
     }
 
 
-def column_of(topic: str, field: str, kinds: Mapping[str, str], units: Units = "si") -> TableColumn:
+def column_of(topic: str, field: str, kinds: Mapping[str, str], units: UnitSystem = "si") -> TableColumn:
     """The column of a field of a periodic topic, such as `force_n` of `/process`: `process.force_N`."""
     name = _si_name(topic, field, kinds)
     if units == "mm":

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.log import DrawnMesh, DrawnSolid, Shape
+from gcodesim.log import DrawnMesh, DrawnShape, DrawnSolid
 from gcodesim.log.shapes import STEEL, Color
 from gcodesim.solids import Box, Cone, Cylinder, Sphere
 
@@ -35,7 +35,7 @@ class Drawing:
 
     id: str
     frame: str
-    shapes: tuple[Shape, ...]
+    shapes: tuple[DrawnShape, ...]
     lines: tuple[Lines, ...]
 
 
@@ -52,7 +52,7 @@ def drawing_of(update: Any) -> tuple[Drawing, ...]:
     )
 
 
-def _shapes(entity: Any) -> Iterator[Shape]:
+def _shapes(entity: Any) -> Iterator[DrawnShape]:
     for cube in entity.cubes:
         size = (cube.size.x, cube.size.y, cube.size.z)
         yield DrawnSolid(solid=Box.about_origin(size), **_place(cube))
@@ -74,7 +74,7 @@ def _shapes(entity: Any) -> Iterator[Shape]:
         yield from _model(model)
 
 
-def _model(model: Any) -> Iterator[Shape]:
+def _model(model: Any) -> Iterator[DrawnShape]:
     """The meshes of an embedded file, such as a GLB."""
     import trimesh
 

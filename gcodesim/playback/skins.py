@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.frames import rotation_from_quaternion
-from gcodesim.log import DrawnMesh, Shape
+from gcodesim.log import DrawnMesh, DrawnShape
 from gcodesim.log.shapes import Color
 from gcodesim.solids import Box, Cone, Cylinder, Sphere
 
@@ -25,14 +25,14 @@ class EntitySkin(NamedTuple):
     color: Color
 
 
-def skin_of(shape: Shape) -> EntitySkin:
+def skin_of(shape: DrawnShape) -> EntitySkin:
     """The triangles of a shape, in the frame of its entity."""
     points, triangles = _own(shape)
     moved = points @ rotation_from_quaternion(shape.q).T + shape.p
     return EntitySkin(moved, np.asarray(triangles, dtype=np.int64), shape.color)
 
 
-def _own(shape: Shape) -> tuple[Array, NDArray[np.integer]]:
+def _own(shape: DrawnShape) -> tuple[Array, NDArray[np.integer]]:
     from trimesh import creation
 
     if isinstance(shape, DrawnMesh):

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from gcodesim.log import DrawnMesh, DrawnSolid, Entity, Shape
+from gcodesim.log import DrawnMesh, DrawnShape, DrawnSolid, Entity
+from gcodesim.log.shapes import Color
 from gcodesim.recorder.frames import Frames
 from gcodesim.solids import Box, Cone, Cylinder, Hulls, Placed, Sphere, triangles_of
 from gcodesim.tools.parts import body_part
@@ -12,8 +13,6 @@ from gcodesim.tools.parts import body_part
 if TYPE_CHECKING:
     from gcodesim.material.surface import Tile
     from gcodesim.tools.tool import Tool
-
-Color = tuple[float, float, float, float]
 
 FIXTURE: Final[Color] = (0.45, 0.36, 0.28, 1.0)
 RAW: Final[Color] = (0.62, 0.64, 0.67, 1.0)
@@ -23,7 +22,7 @@ CUT: Final[Color] = (0.86, 0.74, 0.42, 1.0)
 def cell_entities(frames: Frames) -> tuple[Entity, ...]:
     """Links of the robot or machine, each in its frame, and fixtures in the frame that carries them."""
     shop = frames.shop
-    by_link: dict[int, list[Shape]] = {}
+    by_link: dict[int, list[DrawnShape]] = {}
     for own in shop.kinematics.link_shapes:
         shape = drawn(own.placed, own.rgba)
         by_link.setdefault(own.link, []).extend([] if shape is None else [shape])
@@ -42,7 +41,7 @@ def cell_entities(frames: Frames) -> tuple[Entity, ...]:
     return tuple(entities)
 
 
-def drawn(placed: Placed, color: Color) -> Shape | None:
+def drawn(placed: Placed, color: Color) -> DrawnShape | None:
     """A solid as the log draws it; None if it cannot be drawn."""
     solid = placed.solid
     if isinstance(solid, Box | Cylinder | Cone | Sphere):
@@ -57,7 +56,7 @@ def drawn(placed: Placed, color: Color) -> Shape | None:
     return DrawnMesh(points=skin.points, triangles=skin.faces, p=placed.X.p, q=placed.X.q, color=color)
 
 
-def tool_shapes(tool: Tool | None) -> tuple[Shape, ...]:
+def tool_shapes(tool: Tool | None) -> tuple[DrawnShape, ...]:
     """The tool in the spindle, in frame `tool`: the tip at the origin, the body along −Z."""
     if tool is None:
         return ()

@@ -7,18 +7,18 @@ when lines move. An entry covers as many findings as its count says.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Final
 
 from gcodesim.diagnostics import Diagnostic, SourceText
 from gcodesim.numbers import read_json
 from gcodesim.regress.findings import without_numbers
+from gcodesim.regress.moves import LineText
 
 SCHEMA: Final = "gcodesim-baseline/1"
 
-LineText = Callable[[str, int], str]
-Entry = tuple[str, str, str, str]
+FindingKey = tuple[str, str, str, str]
 """File, code, words of the line, message without numbers."""
 
 
@@ -26,7 +26,7 @@ class BaselineError(ValueError):
     """The file is not a baseline; the text says why."""
 
 
-def entry_of(finding: Diagnostic, text: LineText) -> Entry:
+def entry_of(finding: Diagnostic, text: LineText) -> FindingKey:
     """The key of a finding in a baseline; `text` gives the line of a file."""
     span = finding.span
     line = " ".join(text(span.file, span.line).split()) if span.line else ""
@@ -37,7 +37,7 @@ def entry_of(finding: Diagnostic, text: LineText) -> Entry:
 class Baseline:
     """Known findings, and how many of each are still to be found."""
 
-    left: dict[Entry, int]
+    left: dict[FindingKey, int]
 
     @staticmethod
     def read(source: SourceText) -> Baseline:
@@ -46,7 +46,7 @@ class Baseline:
             value = read_json(source.raw)
             if not isinstance(value, dict) or value.get("schema") != SCHEMA:
                 raise BaselineError(f"it does not have the form {SCHEMA}")
-            left: dict[Entry, int] = {}
+            left: dict[FindingKey, int] = {}
             for one in value["findings"]:
                 entry = (str(one["file"]), str(one["code"]), str(one["line"]), str(one["message"]))
                 left[entry] = left.get(entry, 0) + int(one.get("count", 1))
@@ -76,7 +76,7 @@ class Baseline:
 
 def baseline_text(findings: Iterable[Diagnostic], text: LineText) -> str:
     """The file for these findings: sorted, one a line."""
-    counts: dict[Entry, int] = {}
+    counts: dict[FindingKey, int] = {}
     for finding in findings:
         entry = entry_of(finding, text)
         counts[entry] = counts.get(entry, 0) + 1
@@ -85,7 +85,7 @@ def baseline_text(findings: Iterable[Diagnostic], text: LineText) -> str:
     return f'{{\n "schema": {json.dumps(SCHEMA)},\n "findings": {body}\n}}\n'
 
 
-def _line(entry: Entry, count: int) -> str:
+def _line(entry: FindingKey, count: int) -> str:
     file, code, line, message = entry
     value: dict[str, Any] = {"file": file, "code": code, "line": line, "message": message}
     return json.dumps(value | ({"count": count} if count > 1 else {}), ensure_ascii=False)

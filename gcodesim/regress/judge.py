@@ -28,7 +28,7 @@ from gcodesim.regress.golden import GoldenError, read_golden
 from gcodesim.regress.motion import steps_of
 from gcodesim.regress.places import files_read, relocated
 from gcodesim.regress.tolerance import Tolerance, quantity_of
-from gcodesim.regress.verdicts import NOTHING_ACCEPTED, CaseVerdict, JudgedFinding, State
+from gcodesim.regress.verdicts import NOTHING_ACCEPTED, CaseVerdict, FindingState, JudgedFinding
 from gcodesim.rs274 import Settings, interpret
 from gcodesim.rs274.assumed import assumed_tools
 from gcodesim.rs274.dialects import DIALECTS
@@ -253,7 +253,7 @@ def _without_expected(comparison: Comparison, expected: Sequence[Mapping[str, An
 
 def _state(
     finding: Diagnostic, taken: Sequence[Diagnostic], comparison: Comparison | None, fail_on: str
-) -> tuple[State, str]:
+) -> tuple[FindingState, str]:
     """The effect of a finding of the run on the verdict, and why."""
     if any(finding is one for one in taken):
         return "expected", ""

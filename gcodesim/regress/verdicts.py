@@ -9,8 +9,8 @@ from typing import Any, Final, Literal
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.regress.changes import Comparison
 
-State = Literal["counts", "told", "expected", "accepted", "baseline", "suppressed"]
-Status = Literal["passed", "failed", "not_run"]
+FindingState = Literal["counts", "told", "expected", "accepted", "baseline", "suppressed"]
+CaseStatus = Literal["passed", "failed", "not_run"]
 
 NOTHING_ACCEPTED: Final = "GS607"
 """The code for a case without accepted results."""
@@ -31,7 +31,7 @@ class JudgedFinding:
     """
 
     finding: Diagnostic
-    state: State
+    state: FindingState
     reason: str = ""
 
 
@@ -51,7 +51,7 @@ class CaseVerdict:
     file: str
     program: str
     cell: str | None
-    status: Status
+    status: CaseStatus
     found: tuple[JudgedFinding, ...] = ()
     comparison: Comparison | None = None
     results: Mapping[str, Any] | None = None
@@ -84,7 +84,7 @@ class SuiteVerdict:
     found: tuple[JudgedFinding, ...] = ()
     gone: tuple[str, ...] = ()
 
-    def with_status(self, status: Status) -> tuple[CaseVerdict, ...]:
+    def with_status(self, status: CaseStatus) -> tuple[CaseVerdict, ...]:
         return tuple(case for case in self.cases if case.status == status)
 
     @property

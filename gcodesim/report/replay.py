@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.frames import quaternion_from_rotation
-from gcodesim.log import DrawnMesh, Shape
+from gcodesim.log import DrawnMesh, DrawnShape
 from gcodesim.playback import Drawing, RecordedFrames, Recording
 from gcodesim.report.motion import key_moments
 from gcodesim.report.pack import Pack
@@ -163,7 +163,7 @@ def _entity(drawing: Drawing, pack: Pack) -> dict[str, Any]:
     return {"id": drawing.id, "frame": drawing.frame, "shapes": shapes}
 
 
-def _shape(shape: Shape, pack: Pack) -> dict[str, Any]:
+def _shape(shape: DrawnShape, pack: Pack) -> dict[str, Any]:
     place = {"p": shape.p.tolist(), "q": shape.q.tolist(), "color": list(shape.color)}
     if isinstance(shape, DrawnMesh):
         points, triangles = pack.numbers(shape.points), pack.integers(shape.triangles)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-Place = tuple[int, int]  # first column and the one after the last, from 0
+ColumnRange = tuple[int, int]  # first column and the one after the last, from 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -14,7 +14,7 @@ class Signed:
     """A sign before a value that is not a plain number."""
 
     sign: float
-    operand: Node
+    operand: Expression
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,8 +22,8 @@ class Binary:
     """An operation; `closed` when brackets of its own stand around it."""
 
     operator: str
-    left: Node
-    right: Node
+    left: Expression
+    right: Expression
     closed: bool = False
 
 
@@ -32,8 +32,8 @@ class Function:
     """A function of one value; `atan` has two."""
 
     name: str
-    argument: Node
-    divisor: Node = 0.0
+    argument: Expression
+    divisor: Expression = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,46 +47,46 @@ class Name:
 class Parameter:
     """`#index`: a numbered parameter, or a named one."""
 
-    index: Node
+    index: Expression
 
 
 @dataclass(frozen=True, slots=True)
 class Exists:
-    index: Node
+    index: Expression
 
 
-Node = float | Signed | Binary | Function | Name | Parameter | Exists
+Expression = float | Signed | Binary | Function | Name | Parameter | Exists
 
 
 class Word(NamedTuple):
     """A letter and its value: a number, or an expression that yields one."""
 
     letter: str
-    value: Node
+    value: Expression
 
 
 class Setting(NamedTuple):
     """`#index=value`; takes effect after its block has been read."""
 
-    parameter: Node
-    value: Node
-    place: Place
+    parameter: Expression
+    value: Expression
+    place: ColumnRange
 
 
 class Note(NamedTuple):
     """A comment: its text without parentheses or semicolon."""
 
     text: str
-    place: Place
+    place: ColumnRange
 
 
 class Flow(NamedTuple):
     """An O-word. `keyword` is empty for a bare O1000, which opens a program for M98."""
 
-    label: Node
+    label: Expression
     keyword: str
-    operands: tuple[Node, ...]
-    place: Place
+    operands: tuple[Expression, ...]
+    place: ColumnRange
 
 
 @dataclass(slots=True)
@@ -103,13 +103,13 @@ class Block:
     plain: bool = False
     slash: int | None = None
     """Column of a slash inside the line, on controls that skip what follows it."""
-    odd: tuple[tuple[str, str, Place], ...] | None = None
+    odd: tuple[tuple[str, str, ColumnRange], ...] | None = None
     """What `odd_numbers` finds in it, once it has been asked."""
-    _places: list[Place] | None = None
-    _find: Callable[[str], list[Place]] | None = field(default=None, repr=False)
+    _places: list[ColumnRange] | None = None
+    _find: Callable[[str], list[ColumnRange]] | None = field(default=None, repr=False)
 
     @property
-    def places(self) -> list[Place]:
+    def places(self) -> list[ColumnRange]:
         """Columns of each word, in the order of `words`."""
         if self._places is None:
             self._places = self._find(self.text) if self._find else []
@@ -120,7 +120,7 @@ class Block:
         """The comments in parentheses; text after a semicolon never acts."""
         return self.notes and tuple(note for note in self.notes if self.text[note.place[0]] == "(")
 
-    def place_of(self, letter: str, nth: int = 0) -> Place | None:
+    def place_of(self, letter: str, nth: int = 0) -> ColumnRange | None:
         """Columns of the nth word with `letter`."""
         for word, place in zip(self.words, self.places, strict=False):
             if word[0] == letter:

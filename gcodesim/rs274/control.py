@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING, Literal
 from gcodesim import canon
 from gcodesim.diagnostics import Diagnostic, Severity, Span
 from gcodesim.rs274 import parameters as numbers
-from gcodesim.rs274.block import Place
+from gcodesim.rs274.block import ColumnRange
 from gcodesim.rs274.dialects import Dialect
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.frame import Frame
 from gcodesim.rs274.parameters import Parameters
 from gcodesim.rs274.settings import Settings
-from gcodesim.rs274.state import AXES, LINEAR, State, Vector, add, scaled, subtract
+from gcodesim.rs274.state import AXES, LINEAR, ModalState, Vector, add, scaled, subtract
 from gcodesim.rs274.tool_table import ToolEntry
 from gcodesim.units import DEG, MINUTE, MM, RPM
 
@@ -32,7 +32,7 @@ _PATH_MODES: dict[int, str] = {610: "exact_path", 611: "exact_stop", 640: "blend
 class Control:
     """State, memory and tool table of a control, and the events of the current block (`out`)."""
 
-    state: State
+    state: ModalState
     span: Span
     sub_level: int
     returned: float
@@ -63,8 +63,8 @@ class Control:
         self.value_returned = False
         self._restore_systems()
 
-    def _first_state(self) -> State:
-        return State()
+    def _first_state(self) -> ModalState:
+        return ModalState()
 
     def _memory(self) -> Parameters:
         return Parameters(self._read_only, self._predefined)
@@ -304,19 +304,19 @@ class Control:
         """What G92 and G52 add, in program units."""
         return self.state.g92
 
-    def skip(self, word: str, place: Place | None = None) -> None:
+    def skip(self, word: str, place: ColumnRange | None = None) -> None:
         """Count a word that is read but not simulated; it is at `place` in the line."""
         count, first = self.not_simulated.get(word, (0, None))
         self.not_simulated[word] = (count + 1, first or self._span_of(place))
 
-    def _span_of(self, place: Place | None) -> Span:
+    def _span_of(self, place: ColumnRange | None) -> Span:
         """A place in the current line; the whole line if it is None."""
         span = self.span
         if place is None:
             return span
         return Span(span.file, span.line, place[0] + 1, span.line, place[1] + 1, span.callers)
 
-    def warn(self, code: str, message: str, hint: str = "", place: Place | None = None) -> None:
+    def warn(self, code: str, message: str, hint: str = "", place: ColumnRange | None = None) -> None:
         """A finding that does not stop the block, about `place` in its line or all of it."""
         span = self._span_of(place)
         self.notes.append(Diagnostic(code=code, message=message, span=span, hint=hint, severity=Severity.WARNING))

@@ -21,7 +21,7 @@ They all go through the grammar's lane.
 """
 _MOST_NAMED: Final = 3
 
-Place = tuple[ProgramFile, int, tuple[Caller, ...]]
+ProgramPlace = tuple[ProgramFile, int, tuple[Caller, ...]]
 
 
 class Situation(NamedTuple):
@@ -44,7 +44,7 @@ class Endless:
         self._kept: Situation | None = None
         self._again: Situation | None = None  # what was known when the line of `_kept` came again
         self._count, self._next = 0, 1
-        self._loops: dict[tuple[int, int], Place] = {}  # by depth of calls and line
+        self._loops: dict[tuple[int, int], ProgramPlace] = {}  # by depth of calls and line
         self.period = 0  # blocks after which everything is as it was; 0 while that is not known
 
     def is_looking(self, blocks: int) -> bool:
@@ -80,7 +80,7 @@ class Endless:
         return False
 
     @property
-    def loop(self) -> Place | None:
+    def loop(self) -> ProgramPlace | None:
         """The outermost line that the watched blocks jumped back to, and who called it."""
         if self._loops:
             return self._loops[min(self._loops)]

@@ -159,7 +159,7 @@ def _notice_moves(control: Control) -> None:
     strayed = control.state.strayed
     if strayed is None or strayed[0] == control.block_number:
         return
-    if any(isinstance(event, canon.Motion) for event in control.out):
+    if any(isinstance(event, canon.Move) for event in control.out):
         control.state.strayed = None
 
 

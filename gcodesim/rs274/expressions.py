@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from gcodesim.rs274.block import Binary, Exists, Function, Name, Node, Parameter, Signed
+from gcodesim.rs274.block import Binary, Exists, Expression, Function, Name, Parameter, Signed
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.functions import arc, logarithm, nearest, root
 from gcodesim.rs274.parameters import Parameters
@@ -14,7 +14,7 @@ _NEAR = 1e-4  # EQ and NE treat numbers nearer than this as equal
 LARGEST = 1e30  # beyond this a number is meaningless on any machine, and its square may not be a number
 
 
-def evaluate(node: Node, parameters: Parameters) -> float:
+def evaluate(node: Expression, parameters: Parameters) -> float:
     """The value of `node`, a finite number; raises `Fault` where a function or operator has none."""
     value = _operation(node, parameters) if type(node) is Binary else _single(node, parameters)
     if not math.isfinite(value):
@@ -32,12 +32,12 @@ def _operation(node: Binary, parameters: Parameters) -> float:
     )
 
 
-def loose(node: Node, parameters: Parameters) -> float:
+def loose(node: Expression, parameters: Parameters) -> float:
     """Like `evaluate` for an expression alone in brackets, as after an O-word or a function: it may not be a number."""
     return _operation(node, parameters) if type(node) is Binary else evaluate(node, parameters)
 
 
-def _why(node: Node, parameters: Parameters) -> str:
+def _why(node: Expression, parameters: Parameters) -> str:
     """What made the value of `node` infinite or not a number; empty if its operators do not show it."""
     if type(node) is not Binary:
         return ""
@@ -55,7 +55,7 @@ def _why(node: Node, parameters: Parameters) -> str:
     return ""
 
 
-def _single(node: Node, parameters: Parameters) -> float:
+def _single(node: Expression, parameters: Parameters) -> float:
     if type(node) is float:
         return node
     if isinstance(node, Parameter):
@@ -77,7 +77,7 @@ def _single(node: Node, parameters: Parameters) -> float:
     return float(node)  # type: ignore[arg-type]
 
 
-def checked(node: Node, parameters: Parameters) -> float:
+def checked(node: Expression, parameters: Parameters) -> float:
     """Like `evaluate`, and the value is one that a machine can be given."""
     try:
         value = evaluate(node, parameters)
@@ -88,7 +88,7 @@ def checked(node: Node, parameters: Parameters) -> float:
     return value
 
 
-def names_in(node: Node, name: str) -> bool:
+def names_in(node: Expression, name: str) -> bool:
     """Whether the value of `node` needs the named parameter `name`; a question with EXISTS does not."""
     if isinstance(node, Parameter):
         return node.index.name == name if isinstance(node.index, Name) else names_in(node.index, name)
@@ -99,7 +99,7 @@ def names_in(node: Node, name: str) -> bool:
     return names_in(node.operand, name) if isinstance(node, Signed) else False
 
 
-def _parameter(index: Node, parameters: Parameters) -> float:
+def _parameter(index: Expression, parameters: Parameters) -> float:
     if isinstance(index, Name):
         return parameters.get_named(index.name)
     return parameters.get(parameters.index(evaluate(index, parameters)))

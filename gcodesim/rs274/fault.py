@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from gcodesim.diagnostics import Span
-from gcodesim.rs274.block import Place
+from gcodesim.rs274.block import ColumnRange
 
 
 class Fault(Exception):  # noqa: N818  (a fault of the user's, never seen outside this package)
@@ -19,7 +19,7 @@ class Fault(Exception):  # noqa: N818  (a fault of the user's, never seen outsid
         code: str,
         message: str,
         *,
-        at: Place | str | None = None,
+        at: ColumnRange | str | None = None,
         hint: str = "",
         value: float | None = None,
         limit: float | None = None,

@@ -9,7 +9,7 @@ from functools import cached_property
 from pathlib import Path
 
 from gcodesim.diagnostics import Caller, SourceText
-from gcodesim.rs274.block import Flow, Name, Node
+from gcodesim.rs274.block import Expression, Flow, Name
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.expressions import checked, loose
 from gcodesim.rs274.fault import Fault
@@ -85,7 +85,7 @@ class FlowControl:
             return
         _COMMANDS[flow.keyword](self, label, flow, index, arrived)
 
-    def _label(self, node: Node) -> str:
+    def _label(self, node: Expression) -> str:
         if isinstance(node, Name):
             return node.name
         value = checked(node, self.control.parameters)

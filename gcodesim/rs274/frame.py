@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from gcodesim.diagnostics import Caller
 from gcodesim.rs274.program_file import ProgramFile
-from gcodesim.rs274.state import State
+from gcodesim.rs274.state import ModalState
 
 
 @dataclass(slots=True)
@@ -31,7 +31,7 @@ class Frame:
     arguments: tuple[float, ...] = ()  # the caller's #1 to #30
     named: dict[str, float] = field(default_factory=dict)  # the caller's named parameters
     callers: tuple[Caller, ...] = ()
-    saved: State | None = None  # M70, M73
+    saved: ModalState | None = None  # M70, M73
     saved_g92: bool = False  # whether G92 was in force then
     restores: bool = False  # M73
 

@@ -17,17 +17,18 @@ from lark import Lark, Token, Transformer, UnexpectedCharacters, UnexpectedInput
 from lark.grammar import Rule
 from lark.lexer import TerminalDef
 
+from gcodesim.family import object_at
 from gcodesim.files.user_cache import user_cache
-from gcodesim.rs274.block import Binary, Exists, Function, Name, Node, Parameter, Signed, Word
+from gcodesim.rs274.block import Binary, Exists, Expression, Function, Name, Parameter, Signed, Word
 
 
 class Parsed(NamedTuple):
     """The parts of a prepared line; `start` are the columns at which words, settings and notes begin."""
 
     words: list[tuple[int, Word]]
-    settings: list[tuple[int, Node, Node]]
+    settings: list[tuple[int, Expression, Expression]]
     notes: list[tuple[int, str]]
-    flow: tuple[int, Node, str, tuple[Node, ...]] | None
+    flow: tuple[int, Expression, str, tuple[Expression, ...]] | None
     deleted: bool
 
 
@@ -42,12 +43,12 @@ class Unreadable(Exception):  # noqa: N818
 
 
 @v_args(inline=True)
-class _Build(Transformer[Token, Any]):
+class LineParts(Transformer[Token, Any]):
     """Turns rules into the values of `block.py` while the parser runs, without ever building a tree."""
 
     def start(self, *parts: Any) -> Parsed:
         words: list[tuple[int, Word]] = []
-        settings: list[tuple[int, Node, Node]] = []
+        settings: list[tuple[int, Expression, Expression]] = []
         notes: list[tuple[int, str]] = []
         flow = None
         deleted = False
@@ -62,107 +63,82 @@ class _Build(Transformer[Token, Any]):
                 settings.append(value)
             elif kind == "note":
                 notes.append(value)
-            elif kind == "then":
-                flow, then = value
-                settings.append(then)
             else:
-                flow, tail = value
-                notes += tail
+                flow, its_notes, its_settings = value
+                notes += its_notes
+                settings += its_settings
         return Parsed(words, settings, notes, flow, deleted)
 
-    def word(self, letter: Token, value: Node) -> tuple[str, Any]:
+    def word(self, letter: Token, value: Expression) -> tuple[str, Any]:
         return "word", (letter.start_pos, Word(letter.value, value))
 
-    def corner_word(self, comma: Token, letter: Token, value: Node) -> tuple[str, Any]:
+    def corner_word(self, comma: Token, letter: Token, value: Expression) -> tuple[str, Any]:
         return "word", (comma.start_pos, Word(f",{letter.value}", value))
 
-    def setting(self, hash_sign: Token, index: Node, value: Node) -> tuple[str, Any]:
+    def setting(self, hash_sign: Token, index: Expression, value: Expression) -> tuple[str, Any]:
         return "setting", (hash_sign.start_pos, index, value)
 
     def note(self, text: Token) -> tuple[str, Any]:
         body = text.value[1:-1] if text.value.startswith("(") else ""  # after a semicolon nothing is active
         return "note", (text.start_pos, body)
 
-    def flow(self, letter: Token, label: Node, *rest: Any) -> tuple[str, Any]:
+    def flow(self, letter: Token, label: Expression, *rest: Any) -> tuple[str, Any]:
         keyword = rest[0].value if rest and isinstance(rest[0], Token) else ""
         notes = [part[1] for part in rest if isinstance(part, tuple) and part[0] == "note"]
         operands = tuple(
             part for part in rest if not isinstance(part, Token) and not (isinstance(part, tuple) and part[0] == "note")
         )
-        return "flow", ((letter.start_pos, label, keyword, operands), notes)
+        return "flow", ((letter.start_pos, label, keyword, operands), notes, [])
 
-    def label_number(self, number: Token) -> Node:
+    def label_number(self, number: Token) -> Expression:
         return float(number)
 
-    def label_name(self, name: Token) -> Node:
+    def label_name(self, name: Token) -> Expression:
         return Name(name.value[1:-1])
 
-    def label_computed(self, value: Node) -> Node:
+    def label_computed(self, value: Expression) -> Expression:
         return value
 
-    # statements of custom macros (fanuc.lark)
-
-    def program(self, letter: Token, number: Token) -> tuple[str, Any]:
-        return "flow", ((letter.start_pos, float(number), "program", ()), [])
-
-    def goto(self, word: Token, target: Node) -> tuple[str, Any]:
-        return "flow", ((word.start_pos, target, "goto", ()), [])
-
-    def if_goto(self, word: Token, condition: Node, _: Token, target: Node) -> tuple[str, Any]:
-        return "flow", ((word.start_pos, target, "goto", (condition,)), [])
-
-    def if_then(self, word: Token, condition: Node, _: Token, then: tuple[str, Any]) -> tuple[str, Any]:
-        return "then", ((word.start_pos, 0.0, "then", (condition,)), then[1])
-
-    def while_loop(self, word: Token, condition: Node, _: Token, number: Token) -> tuple[str, Any]:
-        return "flow", ((word.start_pos, float(number), "do", (condition,)), [])
-
-    def loop(self, word: Token, number: Token) -> tuple[str, Any]:
-        return "flow", ((word.start_pos, float(number), "do", ()), [])
-
-    def loop_end(self, word: Token, number: Token) -> tuple[str, Any]:
-        return "flow", ((word.start_pos, float(number), "end", ()), [])
-
-    def bracket(self, value: Node) -> Node:
+    def bracket(self, value: Expression) -> Expression:
         if not isinstance(value, Binary):
             return value
         return Signed(1.0, value) if value.closed else replace(value, closed=True)  # brackets in brackets are a value
 
-    def binary(self, left: Node, operator: Token, right: Node) -> Node:
+    def binary(self, left: Expression, operator: Token, right: Expression) -> Expression:
         return Binary(operator.value, left, right)
 
-    def number(self, text: Token) -> Node:
+    def number(self, text: Token) -> Expression:
         return float(text)
 
-    def signed(self, sign: Token, value: Node) -> Node:
+    def signed(self, sign: Token, value: Expression) -> Expression:
         factor = -1.0 if sign.value == "-" else 1.0
         return factor * value if isinstance(value, float) else Signed(factor, value)
 
-    def parameter(self, _: Token, index: Node) -> Node:
+    def parameter(self, _: Token, index: Expression) -> Expression:
         return Parameter(index)
 
-    def function(self, name: Token, argument: Node) -> Node:
+    def function(self, name: Token, argument: Expression) -> Expression:
         return Function(name.value, argument)
 
-    def arctangent(self, *parts: Any) -> Node:
+    def arctangent(self, *parts: Any) -> Expression:
         first, second = (part for part in parts if not isinstance(part, Token))
         return Function("atan", first, second)
 
-    def function_of_two(self, name: Token, *parts: Any) -> Node:
+    def function_of_two(self, name: Token, *parts: Any) -> Expression:
         first, second = (part for part in parts if not isinstance(part, Token))
         return Function(name.value, first, second)
 
-    def exists(self, _: Token, index: Node) -> Node:
+    def exists(self, _: Token, index: Expression) -> Expression:
         return Exists(index)
 
-    def name(self, text: Token) -> Node:
+    def name(self, text: Token) -> Expression:
         return Name(text.value[1:-1])
 
 
 _OPTIONS: Final = {"parser": "lalr", "lexer": "contextual", "maybe_placeholders": False}
 
 
-def _lark_of(name: str) -> Lark:
+def _lark_of(name: str, parts: str) -> Lark:
     """Lark's parser; its tables take 40 ms to make and 4 ms to read, so they are kept, as text that can do nothing."""
     text = files("gcodesim.rs274").joinpath("grammars", f"{name}.lark").read_text(encoding="utf-8")
     made_of = json.dumps([text, _OPTIONS, lark.__version__, sys.version, _TABLES_FORM])
@@ -171,13 +147,18 @@ def _lark_of(name: str) -> Lark:
     known = None if folder is None else folder.read(file)
     if known is not None:
         with suppress(Exception):  # of any kind: the contents of a damaged file are unknown
-            return _from_tables(known)
-    parser = Lark(text, transformer=_Build(), **_OPTIONS)
+            return _from_tables(known, _maker_of(parts))
+    parser = Lark(text, transformer=_maker_of(parts), **_OPTIONS)
     if folder is not None:
         tables = _tables(parser)
         if tables is not None:
             folder.write(file, tables)
     return parser
+
+
+def _maker_of(parts: str) -> LineParts:
+    made: type[LineParts] = object_at(parts) if parts else LineParts
+    return made()
 
 
 _TABLES_FORM: Final = 1
@@ -193,13 +174,13 @@ def _tables(parser: Lark) -> bytes | None:
         return None
 
 
-def _from_tables(known: bytes) -> Lark:
+def _from_tables(known: bytes, maker: LineParts) -> Lark:
     """The parser of kept tables; JSON knows no numbers as keys and no tuples."""
     data, memo = json.loads(known)
     table = data["parser"]["parser"]
     table["tokens"] = _numbered(table["tokens"])
     table["states"] = {state: _numbered(row) for state, row in _numbered(table["states"]).items()}
-    parser: Lark = Lark._load_from_dict(data, _numbered(memo), transformer=_Build())  # type: ignore[no-untyped-call]
+    parser: Lark = Lark._load_from_dict(data, _numbered(memo), transformer=maker)  # type: ignore[no-untyped-call]
     return parser
 
 
@@ -208,9 +189,12 @@ def _numbered(table: dict[str, Any]) -> dict[int, Any]:
 
 
 @cache
-def parser_of(name: str) -> Callable[[str], Parsed]:
-    """The parser of `grammars/<name>.lark`; its call raises `Unreadable`."""
-    known = _lark_of(name)
+def parser_of(name: str, parts: str = "") -> Callable[[str], Parsed]:
+    """The parser of `grammars/<name>.lark`; its call raises `Unreadable`.
+
+    `parts` names the class (`module:Class`) that makes the parts of a line, where the grammar has rules of its own.
+    """
+    known = _lark_of(name, parts)
 
     def expected(before: str) -> frozenset[str]:
         """The terminals that may follow `before`; the parser's table alone names some that may not."""

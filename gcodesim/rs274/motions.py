@@ -15,7 +15,7 @@ from gcodesim.rs274.splines import cubic_spline, nurbs_start, quadratic_spline
 from gcodesim.rs274.threads import rigid_tap, thread, thread_cycle
 from gcodesim.rs274.words import Words
 
-Motion = Callable[[Words, Control, int], None]
+MotionCode = Callable[[Words, Control, int], None]
 
 
 def straight(words: Words, control: Control, code: int) -> None:
@@ -46,7 +46,7 @@ def _end_cycles(_: Words, control: Control, code: int) -> None:
     control.state.cycle = -1
 
 
-def _ending_cycles(motion: Motion) -> Motion:
+def _ending_cycles(motion: MotionCode) -> MotionCode:
     """Any motion but a cycle ends the chain of cycles."""
 
     def act(words: Words, control: Control, code: int) -> None:
@@ -56,7 +56,7 @@ def _ending_cycles(motion: Motion) -> Motion:
     return act
 
 
-MOTIONS: dict[int, Motion] = {
+MOTIONS: dict[int, MotionCode] = {
     0: _ending_cycles(straight),
     10: _ending_cycles(straight),
     20: _ending_cycles(arc),

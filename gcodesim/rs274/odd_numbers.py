@@ -5,13 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from gcodesim.rs274.block import Block, Place
+from gcodesim.rs274.block import Block, ColumnRange
 
 _TWO_SIGNS = re.compile(r"[+-][ \t]*[+-]")
 _DIVIDED = re.compile(r"[0-9.][ \t]+[0-9.]")
 
 
-def odd_numbers(block: Block) -> Iterator[tuple[str, str, Place]]:
+def odd_numbers(block: Block) -> Iterator[tuple[str, str, ColumnRange]]:
     """Message, hint and place for each odd number of a block that is more than plain words."""
     for (letter, value), (first, last) in zip(block.words, block.places, strict=True):
         text = block.text[first:last].rstrip()

@@ -9,7 +9,7 @@ from typing import Final, Literal
 from gcodesim.diagnostics import SourceText
 from gcodesim.rs274.dialects import Lathe
 
-Kind = Literal["printer", "Klartext", "Sinumerik", "lathe"]
+ForeignKind = Literal["printer", "Klartext", "Sinumerik", "lathe"]
 
 _HEAD: Final = 120_000  # bytes that are searched: posts and people say at the beginning what a program is for
 _NOTES = re.compile(rb"\([^)\r\n]*\)?|;[^\r\n]*")
@@ -35,7 +35,7 @@ _TOOL_CHANGE = re.compile(rb"[mM][ \t]*0*6(?![0-9])")
 class Foreign:
     """What gave the kind away: `word`, in `line` (from 1) at `column` (from 1)."""
 
-    kind: Kind
+    kind: ForeignKind
     word: str
     line: int
     column: int
@@ -78,7 +78,7 @@ def _without_notes(text: bytes) -> bytes:
     return _NOTES.sub(lambda note: b" " * len(note.group()), text)
 
 
-def _found(kind: Kind, match: re.Match[bytes], text: bytes, group: int = 1) -> Foreign:
+def _found(kind: ForeignKind, match: re.Match[bytes], text: bytes, group: int = 1) -> Foreign:
     at = match.start(group)
     ends = [end.end() for end in _LINE_END.finditer(text, 0, at)]
     line = text[ends[-1] if ends else 0 : at].decode("utf-8", "replace")

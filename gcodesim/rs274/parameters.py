@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterable, Mapping
 from math import isfinite
 from typing import Any
 
-from gcodesim.canon.systems import ADDITIONAL
 from gcodesim.diagnostics import Diagnostic, SourceText, Span
 from gcodesim.rs274.fault import Fault
 
@@ -25,7 +24,6 @@ G92_ON = 5210
 G92_OFFSET = 5211
 ACTIVE_SYSTEM = 5220
 FIRST_SYSTEM = 5221  # nine systems of 20 numbers: 9 offsets, then the rotation
-FIRST_ADDITIONAL, FIRST_FURTHER = 7001, 14961  # Fanuc's G54.1 P1 to P48 and P49 to P300, 20 numbers apart
 INPUT_RESULT = 5399
 TOOL = 5400
 POSITION = 5420
@@ -39,17 +37,6 @@ KEPT = (
 )
 
 
-def first_of_system(index: int) -> int:
-    """The parameter that holds X of a work system; the numbers of systems are those of `canon.systems`."""
-    additional = index - ADDITIONAL
-    if additional <= 0:
-        return FIRST_SYSTEM + 20 * (index - 1)
-    if additional <= _NEAR:
-        return FIRST_ADDITIONAL + 20 * (additional - 1)
-    return FIRST_FURTHER + 20 * (additional - 1 - _NEAR)
-
-
-_NEAR = 48  # additional systems that every control has
 _READ_ONLY = frozenset([*range(5400, 5414), *range(5420, 5429)])
 
 

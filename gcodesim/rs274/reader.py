@@ -11,7 +11,7 @@ from bisect import bisect_right
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from gcodesim.rs274.block import Block, Flow, Note, Place, Setting, Word
+from gcodesim.rs274.block import Block, ColumnRange, Flow, Note, Setting, Word
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.shapes import Shapes
 
@@ -29,7 +29,7 @@ _NO_BLANKS = str.maketrans("", "", " \t")
 _MOST_BRACKETS = 200
 
 
-def _plain_places(text: str) -> list[Place]:
+def _plain_places(text: str) -> list[ColumnRange]:
     line_number = re.match(r"[ \t]*[Nn][0-9]+", text)
     return [m.span() for m in _WORD.finditer(text, line_number.end() if line_number else 0)]
 
@@ -119,7 +119,7 @@ class Reader:
         if self._parse is None:
             from gcodesim.rs274.grammar import parser_of  # Lark costs 50 ms, so only when a line needs it
 
-            self._parse = Shapes(parser_of(self._dialect.grammar)).parsed
+            self._parse = Shapes(parser_of(self._dialect.grammar, self._dialect.grammar_parts)).parsed
         from gcodesim.rs274.grammar import Unreadable
 
         try:
@@ -160,10 +160,10 @@ def _to_block(line: int, text: str, squeezed: str, columns: list[int], parsed: P
         + [len(squeezed)]
     )
 
-    def place(start: int) -> Place:
+    def place(start: int) -> ColumnRange:
         return columns[start], columns[starts[bisect_right(starts, start)] - 1] + 1
 
-    def places(_: str) -> list[Place]:
+    def places(_: str) -> list[ColumnRange]:
         return [place(start) for start, _ in parsed.words]
 
     flow = None

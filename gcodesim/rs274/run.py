@@ -10,10 +10,12 @@ from pathlib import Path
 from gcodesim import canon
 from gcodesim.canon.batch import MoveBatch
 from gcodesim.diagnostics import Diagnostic, Findings, Severity, SourceText, Span
+from gcodesim.family import object_at
 from gcodesim.rs274 import notes
 from gcodesim.rs274.block import Block, Name
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.dialects import DIALECTS, Dialect
+from gcodesim.rs274.dialects.foreign import FOREIGN
 from gcodesim.rs274.dialects.linuxcnc import STOPPING
 from gcodesim.rs274.endless import Endless
 from gcodesim.rs274.execute import execute, execute_move, is_plain_move
@@ -411,7 +413,7 @@ class Executor:
     def _of_other_control(self) -> Diagnostic | None:
         """What to report in place of the first error of a program for another kind of control."""
         foreign = foreign_of(self.run.source)
-        return None if foreign is None else self._foreign("GS016", foreign, *_OTHER_CONTROLS[foreign.kind])
+        return None if foreign is None else self._foreign("GS016", foreign, *FOREIGN[foreign.kind])
 
     def _tell_of_lathe(self) -> None:
         lathe = self.control.dialect.lathe
@@ -567,10 +569,8 @@ def _executor_of(dialect: Dialect) -> type[Executor]:
     """The class that runs programs of the dialect: this module's executor, or one of its own."""
     if not dialect.executor:
         return Executor
-    from importlib import import_module
-
-    module, _, name = dialect.executor.partition(":")
-    return getattr(import_module(module), name)  # type: ignore[no-any-return]
+    own: type[Executor] = object_at(dialect.executor)
+    return own
 
 
 def _declare(block: Block, control: Control) -> None:
@@ -619,22 +619,6 @@ _SKIPPED = (
     (("U", "V", "W"), "GS908", ""),
     (_PROBES, "GS913", "what the probe meets is not looked at: it trips at the end of the move"),
 )
-
-
-_OTHER_CONTROLS = {
-    "printer": (
-        "this is a program for the control of a 3D printer (`{word}`): no dialect here reads it yet",
-        "simulate programs of mills and routers; beads are made by an `extruder` that M-codes of the cell switch",
-    ),
-    "Klartext": (
-        "this is Heidenhain's Klartext (`{word}`): no dialect here reads it",
-        "let the post write DIN/ISO blocks, for a Fanuc control as an example",
-    ),
-    "Sinumerik": (
-        "this is a program for a Sinumerik (`{word}`): no dialect here reads it",
-        "let the post write plain blocks, for a Fanuc control as an example",
-    ),
-}
 
 
 def _code_of_skipped(word: str, dialect: Dialect) -> tuple[str, str]:

@@ -7,7 +7,7 @@ from gcodesim.rs274.dialects import g_name
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.parameters import G92_ON
 from gcodesim.rs274.reader import read_plain
-from gcodesim.rs274.state import ZERO, State
+from gcodesim.rs274.state import ZERO, ModalState
 from gcodesim.rs274.words import read_words
 from gcodesim.units import INCH
 
@@ -38,7 +38,7 @@ def save_for_return(control: Control) -> None:
     control.frames[-1].restores = True
 
 
-def bring_back(control: Control, saved: State, g92: bool) -> bool:
+def bring_back(control: Control, saved: ModalState, g92: bool) -> bool:
     """The modes of `saved` come back by codes, as on the control: first the unit, then one block and M codes.
 
     So G43 means the tool in the spindle again, F comes back with one decimal and S with none, and what a code
@@ -65,7 +65,7 @@ def _execute(text: str, control: Control) -> None:
         raise Fault(fault.code, message, hint=fault.hint) from None
 
 
-def _codes_back(now: State, saved: State, g92_now: bool, g92: bool) -> list[str]:
+def _codes_back(now: ModalState, saved: ModalState, g92_now: bool, g92: bool) -> list[str]:
     """The blocks that lead from the modes of now to those saved."""
     first: list[str] = []
     feed, feed_now = (state.feed * state.feed_unit / state.unit for state in (saved, now))
@@ -81,7 +81,7 @@ def _codes_back(now: State, saved: State, g92_now: bool, g92: bool) -> list[str]
     return [" ".join([*first, *rest[:1]]), *rest[1:]] if first or rest else []
 
 
-def _g_modes(state: State, g92: bool) -> tuple[str, ...]:
+def _g_modes(state: ModalState, g92: bool) -> tuple[str, ...]:
     side = {0: "G40", 1: "G41", -1: "G42"}[state.side]
     return (
         g_name(state.plane).upper(),
@@ -98,7 +98,7 @@ def _g_modes(state: State, g92: bool) -> tuple[str, ...]:
     )
 
 
-def _path_back(now: State, saved: State) -> list[str]:
+def _path_back(now: ModalState, saved: ModalState) -> list[str]:
     if saved.path != 640:
         return [] if saved.path == now.path else [g_name(saved.path).upper()]
     if (now.path, now.path_tolerance, now.path_naive) == (saved.path, saved.path_tolerance, saved.path_naive):
@@ -106,7 +106,7 @@ def _path_back(now: State, saved: State) -> list[str]:
     return [f"G64 P{saved.path_tolerance / saved.unit:f} Q{saved.path_naive / saved.unit:f}"]
 
 
-def _m_codes_back(now: State, saved: State) -> list[str]:
+def _m_codes_back(now: ModalState, saved: ModalState) -> list[str]:
     """As on the control: flood alone is not switched off, M52 and M53 come back only where they were in force,
     and of the overrides that of the feed decides."""
     codes = []

@@ -34,8 +34,8 @@ class Settings:
     `answered`: whoever iterates the run answers each `canon.ProbeMove` and
     `canon.Input`; else a probe trips at the end of its move and inputs read 0.
     `start` [m, rad] is where the axes stand before the first block.
-    `compensation_start` is the type of start-up and cancel of Fanuc's cutter compensation.
-    `decimal_point` says what X10 is to Fanuc: 10 mm, or 10 increments of 0.001 mm.
+    `options` are settings that one kind of control alone has, as its dialect declares them
+    (`Dialect.options`); those of other dialects are passed over.
     `lane` "grammar" reads every line by itself, "compiled" all that its kernels know as arrays; "auto" chooses by the
     length of the text and by how much has been executed.
     Both give the same result.
@@ -58,8 +58,7 @@ class Settings:
     loaded_tool: int = 0
     auto_length: Mapping[int, float] | None = None
     path_control: str = "G64"
-    decimal_point: Literal["calculator", "increments"] = "calculator"
-    compensation_start: Literal["A", "B"] = "A"
+    options: Mapping[str, str] = field(default_factory=dict)
     lane: Literal["auto", "grammar", "compiled"] = "auto"
     max_blocks: int | None = None
     time_limit: float | None = None

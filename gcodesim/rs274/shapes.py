@@ -14,7 +14,7 @@ from collections.abc import Callable
 from itertools import accumulate
 from typing import TYPE_CHECKING, NamedTuple
 
-from gcodesim.rs274.block import Binary, Exists, Function, Node, Parameter, Signed, Word
+from gcodesim.rs274.block import Binary, Exists, Expression, Function, Parameter, Signed, Word
 
 if TYPE_CHECKING:
     from gcodesim.rs274.grammar import Parsed
@@ -97,7 +97,7 @@ def _filled(shape: _Shape, begin: int, numbers: list[str]) -> Parsed:
     return parsed._replace(words=words, settings=settings)
 
 
-def _with(values: list[float], node: Node) -> Node:
+def _with(values: list[float], node: Expression) -> Expression:
     """`node` with places replaced by values; a 0 is not a place, but a part that is not written."""
     if isinstance(node, float):
         if node == 0.0:

@@ -46,7 +46,7 @@ class Modes:
 
 
 @dataclass(slots=True)
-class State(Modes):
+class ModalState(Modes):
     """The whole modal state. Copied before a block that may fail half-way, so vectors are replaced, never changed."""
 
     unit: float = 1e-3  # [m] per program unit: G21 or G20
@@ -100,7 +100,7 @@ class State(Modes):
         twin.restore(self)
         return twin
 
-    def restore(self, earlier: State) -> None:
+    def restore(self, earlier: ModalState) -> None:
         """Take all values from `earlier`."""
         for name in self.__dataclass_fields__:  # of subclasses too
             setattr(self, name, getattr(earlier, name))

@@ -6,6 +6,7 @@ import re
 from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
+from gcodesim.rs274.dialects import DIALECTS
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.program_file import KEYWORDS
 from gcodesim.rs274.slips import slip_at
@@ -48,7 +49,8 @@ def explain(problem: Unreadable, squeezed: str, columns: list[int], dialect: Dia
         word = statement[1].upper()
         own = "o1 if [#1 GT 2] … o1 endif is the way here; " if dialect.flow_words else ""
         place = (columns[statement.start(1)], columns[statement.end(1) - 1] + 1)
-        hint = f"{own}fanuc knows {word} (--dialect fanuc)"
+        other = next((name for name in (*DIALECTS.own(), *DIALECTS) if DIALECTS[name].statements), "")
+        hint = f"{own}{other} knows {word} (--dialect {other})"
         return Fault("GS008", f"{word} is no word of {dialect.name}", at=place, hint=hint)
     if not dialect.statements and (flow := _FLOW.match(squeezed)) is not None:
         if not dialect.flow_words:

@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Mapping
 from typing import Final
 
-from gcodesim.rs274.block import Block, Place
+from gcodesim.rs274.block import Block, ColumnRange
 from gcodesim.rs274.dialects import DIALECTS, Dialect, g_name
 from gcodesim.rs274.dialects.linuxcnc import CANCEL_CYCLES, USER
 from gcodesim.rs274.expressions import checked
@@ -145,7 +145,7 @@ def _code_order(name: str) -> tuple[str, float]:
     return name[0], float(name[1:])
 
 
-def place_of(block: Block, at: Place | str | None) -> Place | None:
+def place_of(block: Block, at: ColumnRange | str | None) -> ColumnRange | None:
     """Columns of what a fault names: a place, a letter, or a code such as `g43`."""
     if at is None or isinstance(at, tuple):
         return at

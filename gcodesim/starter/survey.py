@@ -36,7 +36,7 @@ _FANUC_FLOW = re.compile(r"\bIF\s*\[.*GOTO|\bWHILE\s*\[.*\bDO\s*[123]|(?<![A-Za-
 _GRBL = re.compile(r"\bgrbl\b", re.IGNORECASE)
 _HOLES: Final = frozenset(f"G{number}" for number in (73, 74, 76, *range(81, 90)))
 
-Box = tuple[Array, Array]
+Bounds = tuple[Array, Array]
 
 
 @dataclass(slots=True)
@@ -71,8 +71,8 @@ class Reach:
     which a rapid ends below its top, where there can be no material.
     """
 
-    all: Box
-    cut: Box | None
+    all: Bounds
+    cut: Bounds | None
     plunges: Array
 
 
@@ -89,7 +89,7 @@ class Survey:
     foreign: str
     failed: Diagnostic | None
     systems: dict[int, Reach]
-    machine: Box | None
+    machine: Bounds | None
     uses: dict[int, ToolUse]
     changes: bool
     rotary: str
@@ -218,7 +218,7 @@ class _Walk:
         self._fed: set[tuple[int, int]] = set()  # places that a feed has been to, in 10 um
 
     def take(self, event: canon.Event) -> None:
-        if isinstance(event, canon.Motion):
+        if isinstance(event, canon.Move):
             self._move(event)
         elif isinstance(event, canon.WorkSystem):
             old = self._offset
@@ -230,7 +230,7 @@ class _Walk:
         elif isinstance(event, canon.ToolChange | canon.ToolNumber):
             self._tool, self.changes = event.tool, self.changes or event.tool > 0
 
-    def _move(self, event: canon.Motion) -> None:
+    def _move(self, event: canon.Move) -> None:
         end = tuple(e - o for e, o in zip(event.end, self._offset, strict=True))
         self.rotary |= {letter for letter, value in zip("ABC", event.end[3:], strict=True) if abs(value) > 1e-9}
         if self._is_of_machine(event):
@@ -259,7 +259,7 @@ class _Walk:
 
     def _feed(
         self,
-        event: canon.Motion,
+        event: canon.Move,
         start: tuple[float, ...],
         end: tuple[float, ...],
         moves: _Moves,
@@ -278,7 +278,7 @@ class _Walk:
             moves.risen.append(self._risen and abs(rise) < _TINY)
             before = point
 
-    def _is_of_machine(self, event: canon.Motion) -> bool:
+    def _is_of_machine(self, event: canon.Move) -> bool:
         if event.span.file != self._program.name:
             return False
         return _MACHINE.search(self._text(event.span.line)) is not None
@@ -323,7 +323,7 @@ def _reach(moves: _Moves) -> Reach | None:
     return Reach(all=_box(cloud), cut=cut, plunges=deep[:, [0, 1, 3]])
 
 
-def _cut(feeds: Array) -> Box | None:
+def _cut(feeds: Array) -> Bounds | None:
     """The box of all feeds under the top of the material."""
     if not len(feeds):
         return None
@@ -350,5 +350,5 @@ def _top(feeds: Array) -> float:
     return min(0.0, float(level.max())) if lowest < -_TINY else float(level.max()) - 2.0 * MM
 
 
-def _box(points: Array) -> Box:
+def _box(points: Array) -> Bounds:
     return points.min(axis=0), points.max(axis=0)

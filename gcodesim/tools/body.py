@@ -13,7 +13,7 @@ STEEL_DENSITY: Final = 7850.0
 """Density of tool steel [kg/m³]; a solid carbide cutter weighs nearly twice that, so give its `mass`."""
 
 
-Simple = Cylinder | Cone | Sphere
+RoundSolid = Cylinder | Cone | Sphere
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +28,7 @@ class Primitive:
     placed: Placed
 
     @property
-    def solid(self) -> Simple:
+    def solid(self) -> RoundSolid:
         assert isinstance(self.placed.solid, Cylinder | Cone | Sphere)
         return self.placed.solid
 

@@ -91,11 +91,11 @@ def tool_body(tool: Tool) -> ToolBody:
     )
 
 
-Simple = Box | Cylinder | Sphere
+Primitive = Box | Cylinder | Sphere
 """Solids that the physics engine knows besides meshes."""
 
 
-def centred(placed: Placed) -> tuple[Simple, Pose]:
+def centred(placed: Placed) -> tuple[Primitive, Pose]:
     """A solid in a form that the physics engine knows, and where its middle is.
 
     Other bodies of revolution are replaced by the cylinder of their greatest radius.

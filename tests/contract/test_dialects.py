@@ -1,7 +1,11 @@
 """Every dialect reads the plain core of the language alike, and its tables are consistent."""
 
+import re
+from pathlib import Path
+
 import pytest
 
+from gcodesim import rs274
 from gcodesim.canon.listing import as_json
 from gcodesim.diagnostics import SourceText
 from gcodesim.rs274 import Settings, interpret
@@ -36,3 +40,36 @@ def test_extensions_are_errors_in_plain_rs274(text):
 
     assert run.failed is not None
     assert run.failed.span.line == 2
+
+
+OF_ONE_CONTROL = {"fanuc": "fanuc/", "grbl": "grbl.py"}
+"""Dialects whose blocks mean something else than in RS274, and where in `rs274` that lives."""
+
+
+def test_the_common_interpreter_names_no_control():
+    """It asks the dialect. A maker's name in it would be a special case that no other dialect can have."""
+    top = Path(rs274.__file__).parent
+    houses = ("dialects/", *OF_ONE_CONTROL.values())
+    common = [path for path in top.rglob("*.py") if not path.relative_to(top).as_posix().startswith(houses)]
+    names = re.compile(rf"{'|'.join(OF_ONE_CONTROL)}|haas|{'|'.join(DIALECTS['fanuc'].options)}", re.IGNORECASE)
+
+    assert len(common) > 50
+    assert {path.name: found for path in common if (found := names.findall(path.read_text(encoding="utf-8")))} == {}
+    assert {name for name in DIALECTS.own() if DIALECTS[name].executor} == set(OF_ONE_CONTROL)
+
+
+@pytest.mark.parametrize("name", DIALECTS)
+def test_an_option_has_a_usual_value_and_refuses_others(name):
+    dialect = DIALECTS[name]
+    for option, values in dialect.options.items():
+        assert dialect.option(option, {"of another control": "x"}) == values[0]
+        assert [dialect.option(option, {option: value}) for value in values] == list(values)
+        with pytest.raises(ValueError, match=f"{option} of {name} is one of"):
+            dialect.option(option, {option: "?"})
+
+
+def test_no_two_dialects_have_the_same_further_system():
+    """So that the number of a system says where its offset is kept, whatever the dialect."""
+    numbers = [index for name in DIALECTS for block in DIALECTS[name].further_systems for index in block.systems]
+    assert len(numbers) == len(set(numbers)) >= 300
+    assert min(numbers) > 9

@@ -1,7 +1,7 @@
 """Dialects: what one control accepts and another does not. One file each."""
 
 from gcodesim.family import Family
-from gcodesim.rs274.dialects.dialect import Dialect, Lathe, g_name
+from gcodesim.rs274.dialects.dialect import Dialect, Lathe, SystemBlock, g_name
 
 DIALECTS = Family(
     "dialects",
@@ -13,4 +13,4 @@ DIALECTS = Family(
     rs274="gcodesim.rs274.dialects.rs274:RS274",
 )
 
-__all__ = ["DIALECTS", "Dialect", "Lathe", "g_name"]
+__all__ = ["DIALECTS", "Dialect", "Lathe", "SystemBlock", "g_name"]

@@ -18,6 +18,13 @@ class Unsimulated(NamedTuple):
     hint: str
 
 
+class SystemBlock(NamedTuple):
+    """Work systems besides G54 to G59.3, numbered as in `canon.systems`; parameter `first` has X of the first."""
+
+    systems: range
+    first: int
+
+
 class Figure(NamedTuple):
     """A modal way to draw all that follows differently: its code that switches it on, and the names of both."""
 
@@ -64,6 +71,10 @@ class Dialect:
     control alone that are read and not simulated; `figures` says by modal group what draws
     differently and outlives the program, `shift_off` how G52 and G92 are cancelled
     where not by codes of RS274; `lathe` how programs of its lathes are known.
+    `grammar_parts` names the class (`module:Class`, below `grammar.LineParts`) that makes the parts of a line where the
+    grammar has rules of its own. `further_systems` are work systems besides G54 to G59.3, and `turned_systems` says
+    whether one may be turned about Z. `options` are settings that this control alone has, each with what it may be, the
+    usual one first.
     """
 
     name: str
@@ -92,6 +103,18 @@ class Dialect:
     figures: Mapping[int, Figure] = field(default_factory=dict)
     shift_off: str = ""
     lathe: Lathe | None = None
+    grammar_parts: str = ""
+    further_systems: tuple[SystemBlock, ...] = ()
+    turned_systems: bool = True
+    options: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    def option(self, name: str, given: Mapping[str, str]) -> str:
+        """What an option of this control is set to, by the settings `given`; ValueError if it cannot be that."""
+        known = self.options[name]
+        value = given.get(name, known[0])
+        if value not in known:
+            raise ValueError(f"{name} of {self.name} is one of {', '.join(known)}, not {value}")
+        return value
 
 
 def g_name(code: int) -> str:

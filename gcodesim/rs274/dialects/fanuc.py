@@ -3,6 +3,7 @@
 | Question | Fanuc | where |
 | --- | --- | --- |
 | structure of a file | `%`, O numbers or names, several programs in one file or folder | `program.py`, `names.py` |
+| statements | which lines of a program are no blocks of words | `statements.py` |
 | going elsewhere | GOTO, IF, WHILE DO END, M98, M99 P, G65, G66, G66.1, G67 | `flow.py` |
 | arguments of macros | lists I and II | `arguments.py` |
 | variables | vacant ones, levels, system variables | `variables.py`, `expressions.py` |
@@ -21,7 +22,8 @@ from __future__ import annotations
 
 import re
 
-from gcodesim.rs274.dialects.dialect import Dialect, Figure, Lathe, Unsimulated
+from gcodesim.canon.systems import ADDITIONAL, MOST_ADDITIONAL
+from gcodesim.rs274.dialects.dialect import Dialect, Figure, Lathe, SystemBlock, Unsimulated
 from gcodesim.rs274.dialects.linuxcnc import (
     CANCEL,
     CHANGING,
@@ -45,6 +47,10 @@ from gcodesim.rs274.dialects.linuxcnc import (
 
 # groups that RS274 does not have
 SCALING, MIRROR, TURN, MACRO, STROKE, POLAR = 21, 22, 23, 24, 25, 26
+
+_NEAR = 48  # additional systems that every control has
+NEAR_SYSTEMS = SystemBlock(range(ADDITIONAL + 1, ADDITIONAL + 1 + _NEAR), 7001)  # G54.1 P1 to P48
+FAR_SYSTEMS = SystemBlock(range(ADDITIONAL + 1 + _NEAR, ADDITIONAL + 1 + MOST_ADDITIONAL), 14961)  # P49 to P300
 
 CYCLES = (730, 740, 760, 810, 820, 830, 840, 850, 860, 870, 880, 890)
 
@@ -181,4 +187,11 @@ FANUC = Dialect(
     },
     shift_off="G92 or G52 of zero",
     lathe=_LATHE,
+    grammar_parts="gcodesim.rs274.fanuc.statements:MacroParts",
+    further_systems=(NEAR_SYSTEMS, FAR_SYSTEMS),
+    turned_systems=False,
+    options={
+        "decimal_point": ("calculator", "increments"),  # X10 is 10 mm, or 10 increments of 0.001 mm
+        "compensation_start": ("A", "B"),  # how cutter compensation starts and is cancelled
+    },
 )

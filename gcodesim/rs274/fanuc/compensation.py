@@ -90,7 +90,7 @@ class FanucCorners:
         state = self._fanuc.state
         turn = turn_of(state.comp_normal, normal, state.side)
         starting, state.comp_starting = state.comp_starting, False
-        if starting and (turn <= _TANGENT or control.settings.compensation_start == "A"):
+        if starting and (turn <= _TANGENT or not self._fanuc.goes_round):
             flush(control, corner=offset_start)
         elif abs(turn) <= _TANGENT:
             flush(control, lenient=True)
@@ -170,7 +170,7 @@ def leave(control: FanucControl, end: Vector | None, *, rapid: bool) -> None:
     """G40. `end` is where the block goes that says it; by type B the tool goes round the corner between them."""
     state = control.state
     settle(control)
-    if end is not None and control.settings.compensation_start == "B" and is_on(control) and not state.comp_first:
+    if end is not None and control.goes_round and is_on(control) and not state.comp_first:
         first, second, _ = PLANE[state.plane]
         op = (state.comp_programmed[first], state.comp_programmed[second])
         goal = (end[first], end[second])

@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any
 
 from gcodesim.canon.systems import ADDITIONAL
 from gcodesim.rs274.control import Control
+from gcodesim.rs274.dialects.systems import first_of_system
 from gcodesim.rs274.fanuc import variables as numbers
 from gcodesim.rs274.fanuc.variables import Variables
 from gcodesim.rs274.fault import Fault
-from gcodesim.rs274.parameters import first_of_system
-from gcodesim.rs274.state import ZERO, State, Vector, add, scaled, subtract
+from gcodesim.rs274.state import ZERO, ModalState, Vector, add, scaled, subtract
 from gcodesim.units import MM
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ _XY = (0, 1)
 
 
 @dataclass(slots=True)
-class FanucState(State):
+class FanucState(ModalState):
     """What Fanuc remembers besides."""
 
     preset: Vector = ZERO  # G92
@@ -66,6 +66,8 @@ class FanucControl(Control):
 
     def __init__(self, settings: Settings, dialect: Dialect) -> None:
         super().__init__(settings, dialect)
+        self.in_increments = dialect.option("decimal_point", settings.options) == "increments"
+        self.goes_round = dialect.option("compensation_start", settings.options) == "B"  # at its start, and at G40
         from gcodesim.rs274.fanuc.compensation import FanucCorners
 
         self.corner_rule = FanucCorners(self)
@@ -73,7 +75,7 @@ class FanucControl(Control):
     def situation(self) -> tuple[object, ...]:
         return (*super().situation(), self.sequence, self.via, self.writing)
 
-    def _first_state(self) -> State:
+    def _first_state(self) -> ModalState:
         return FanucState()
 
     def _memory(self) -> Variables:

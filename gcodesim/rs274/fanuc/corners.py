@@ -34,7 +34,7 @@ _SLACK = 1e-9  # of a length: what fits exactly, fits
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Move:
+class CornerMove:
     """A feed as programmed, in program units: G code (times ten), ends, the arc of G2 and G3, and where it stands."""
 
     code: int
@@ -50,7 +50,7 @@ class Move:
 class Corner:
     """A move that waits for the next one, and the size of what comes between: `,C` or `,R` [program units]."""
 
-    move: Move
+    move: CornerMove
     rounded: bool
     size: float
 
@@ -91,7 +91,9 @@ def move(words: Words, control: FanucControl, code: int) -> None:
     end = end_point(words, control, start=start)
     arc = None if code == _LINE else arc_of(words, control, start, end, code)
     feed = (state.feed, state.feed_unit)
-    here = Move(code=code, start=start, end=end, arc=arc, feed=feed, span=control.span, block=control.block_number)
+    here = CornerMove(
+        code=code, start=start, end=end, arc=arc, feed=feed, span=control.span, block=control.block_number
+    )
     following = _corner_of(words, control, here)
     done: list[Event] = []
     if waiting is not None:
@@ -119,7 +121,7 @@ def _letter(words: Words) -> str | None:
     return next((letter for letter in LETTERS if letter in words.values), None)
 
 
-def _corner_of(words: Words, control: FanucControl, here: Move) -> Corner | None:
+def _corner_of(words: Words, control: FanucControl, here: CornerMove) -> Corner | None:
     """The corner at the end of a move."""
     sizes = {letter: words.values[letter] for letter in sorted(LETTERS) if letter in words.values}
     if not sizes:
@@ -135,7 +137,7 @@ def _corner_of(words: Words, control: FanucControl, here: Move) -> Corner | None
     return Corner(move=here, rounded=letter == ",r", size=size * factor) if size else None
 
 
-def _make(words: Words, control: FanucControl, piece: Move) -> None:
+def _make(words: Words, control: FanucControl, piece: CornerMove) -> None:
     """Let the control make the move, as if a block of its own said so."""
     state = control.state
     own = Words(words.block)
@@ -158,7 +160,9 @@ def _make(words: Words, control: FanucControl, piece: Move) -> None:
 # -- geometry in the plane
 
 
-def _joined(control: FanucControl, corner: Corner, following: Move) -> tuple[Move, Move | None, Move]:
+def _joined(
+    control: FanucControl, corner: Corner, following: CornerMove
+) -> tuple[CornerMove, CornerMove | None, CornerMove]:
     """The move before, what comes between, and the move behind, each as far as it is left."""
     before = corner.move
     plane = PLANE_AXES[control.state.plane]
@@ -198,7 +202,7 @@ def _with(point: Vector, plane: tuple[int, int, int], place: Point) -> Vector:
     return tuple(out)  # type: ignore[return-value]
 
 
-def _direction(one: Move, plane: tuple[int, int, int], *, at_end: bool) -> Point:
+def _direction(one: CornerMove, plane: tuple[int, int, int], *, at_end: bool) -> Point:
     """Unit vector along the move at its end or start."""
     start, end = _flat(one.start, plane), _flat(one.end, plane)
     if one.arc is None:
@@ -212,10 +216,12 @@ def _direction(one: Move, plane: tuple[int, int, int], *, at_end: bool) -> Point
     return (-out[1], out[0]) if one.arc.turns > 0 else (out[1], -out[0])
 
 
-def _centre(corner: Corner, before: Move, following: Move, plane: tuple[int, int, int], *, left: bool) -> Point:
+def _centre(
+    corner: Corner, before: CornerMove, following: CornerMove, plane: tuple[int, int, int], *, left: bool
+) -> Point:
     """The centre of a rounding: as far from both moves as its radius, on the inside of the corner."""
 
-    def beside(one: Move, *, at_end: bool) -> Line | PlaneCircle:
+    def beside(one: CornerMove, *, at_end: bool) -> Line | PlaneCircle:
         at = _flat(one.end if at_end else one.start, plane)
         if one.arc is not None:
             inwards = (one.arc.turns > 0) == left
@@ -231,7 +237,7 @@ def _centre(corner: Corner, before: Move, following: Move, plane: tuple[int, int
     return min(found, key=lambda centre: apart(centre, _flat(before.end, plane)))
 
 
-def _foot(one: Move, plane: tuple[int, int, int], centre: Point, direction: Point) -> Point:
+def _foot(one: CornerMove, plane: tuple[int, int, int], centre: Point, direction: Point) -> Point:
     """Where a circle about `centre` touches the move."""
     if one.arc is None:
         at = _flat(one.end, plane)
@@ -242,7 +248,7 @@ def _foot(one: Move, plane: tuple[int, int, int], centre: Point, direction: Poin
     return middle[0] + (centre[0] - middle[0]) * factor, middle[1] + (centre[1] - middle[1]) * factor
 
 
-def _at_distance(corner: Corner, one: Move, plane: tuple[int, int, int], away: Point) -> Point:
+def _at_distance(corner: Corner, one: CornerMove, plane: tuple[int, int, int], away: Point) -> Point:
     """The point of the move that is `corner.size` from the corner, which it leaves in direction `away`."""
     at = _flat(corner.move.end, plane)
     if one.arc is None:
@@ -255,7 +261,7 @@ def _at_distance(corner: Corner, one: Move, plane: tuple[int, int, int], away: P
 
 
 def _check_fits(
-    control: FanucControl, corner: Corner, one: Move, plane: tuple[int, int, int], place: Point, *, at_end: bool
+    control: FanucControl, corner: Corner, one: CornerMove, plane: tuple[int, int, int], place: Point, *, at_end: bool
 ) -> None:
     """Raise a fault where the corner needs more of the move than there is."""
     start, end = _flat(one.start, plane), _flat(one.end, plane)

@@ -172,12 +172,12 @@ class FanucExecutor(Executor):
             self.flow.call_modal(index, _arguments(block, 0, whole=True))
             return
         block = self._without_superseded(block)
-        if self.settings.decimal_point == "increments":
+        if self.control.in_increments:
             block = in_increments(block, self.control)
         block = rounded(block, self.control)
         words = read_words(block, self.dialect, self.control.parameters, self.settings.m_codes, self.settings.has_cell)
         self._execute(words, index)
-        moved = any(isinstance(event, canon.Motion) for event in self.control.out)
+        moved = any(isinstance(event, canon.Move) for event in self.control.out)
         if calls and moved and not self.control.finished and not calls[-1].every_block:
             self.flow.call_modal(index)
 

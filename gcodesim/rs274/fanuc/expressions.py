@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from gcodesim.rs274.block import Binary, Function, Node, Parameter, Signed
+from gcodesim.rs274.block import Binary, Expression, Function, Parameter, Signed
 from gcodesim.rs274.expressions import LARGEST
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.functions import arc, logarithm, nearest, root
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _SAME = 1e-10  # values nearer than this, for their size, are rounding
 
 
-def value_of(node: Node, variables: Variables) -> float | None:
+def value_of(node: Expression, variables: Variables) -> float | None:
     """The value of `node`, None where it is a vacant variable; raises `Fault` where there is none."""
     try:
         value = _value(node, variables)
@@ -28,12 +28,12 @@ def value_of(node: Node, variables: Variables) -> float | None:
     return value
 
 
-def number_of(node: Node, variables: Variables) -> float:
+def number_of(node: Expression, variables: Variables) -> float:
     """Like `value_of`, and a vacant variable is 0."""
     return value_of(node, variables) or 0.0
 
 
-def _value(node: Node, variables: Variables) -> float | None:
+def _value(node: Expression, variables: Variables) -> float | None:
     if type(node) is float:
         return node
     if isinstance(node, Parameter):

@@ -9,7 +9,7 @@ from gcodesim import canon
 from gcodesim.rs274.block import Block, Flow, Name
 
 if TYPE_CHECKING:
-    from gcodesim.rs274.block import Place
+    from gcodesim.rs274.block import ColumnRange
     from gcodesim.rs274.fanuc.control import FanucControl
 
 _STATEMENT = re.compile(
@@ -33,7 +33,7 @@ def statement(line: int, text: str) -> Block | None:
 def execute(flow: Flow, control: FanucControl) -> None:
     """DPRNT prints; the others are told as not simulated."""
     if flow.keyword != "dprnt":
-        place: Place = flow.place
+        place: ColumnRange = flow.place
         control.skip(flow.keyword.upper(), place)
         return
     assert isinstance(flow.label, Name)

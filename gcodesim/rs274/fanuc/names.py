@@ -9,7 +9,7 @@ import re
 from typing import Final
 from zlib import crc32
 
-from gcodesim.rs274.block import Place
+from gcodesim.rs274.block import ColumnRange
 
 _NAME: Final = r"<([^<>]{1,32})>"
 _HEAD = re.compile(rf"\s*+(?:[Oo]\s*+)?{_NAME}\s*+(?:[(;].*)?")
@@ -28,7 +28,7 @@ def head_name(text: str) -> str | None:
     return None if match is None else match[1].strip()
 
 
-def called_name(text: str) -> tuple[str, Place] | None:
+def called_name(text: str) -> tuple[str, ColumnRange] | None:
     """The name that a line calls, and the place of its angle brackets."""
     match = _CALL.search(text)
     return None if match is None else (match[1].strip(), (match.start(1) - 1, match.end(1) + 1))

@@ -9,12 +9,12 @@ from gcodesim.canon.systems import ADDITIONAL, MOST_ADDITIONAL
 from gcodesim.rs274 import parameters as homes
 from gcodesim.rs274.dialects import g_name
 from gcodesim.rs274.dialects.linuxcnc import LENGTH, NON_MODAL, SYSTEM
+from gcodesim.rs274.dialects.systems import first_of_system
 from gcodesim.rs274.ends import end_point
 from gcodesim.rs274.fanuc import polar
 from gcodesim.rs274.fanuc import variables as numbers
 from gcodesim.rs274.fanuc.control import FanucControl
 from gcodesim.rs274.fault import Fault
-from gcodesim.rs274.parameters import first_of_system
 from gcodesim.rs274.state import AXES, ZERO, Vector, add, subtract
 from gcodesim.rs274.words import Words, place_of
 

@@ -9,9 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Final
 
-from gcodesim.canon.systems import MOST_ADDITIONAL
+from gcodesim.rs274.dialects.fanuc import FAR_SYSTEMS, NEAR_SYSTEMS
+from gcodesim.rs274.dialects.systems import APART
 from gcodesim.rs274.fault import Fault
-from gcodesim.rs274.parameters import FIRST_ADDITIONAL, FIRST_FURTHER, FIRST_SYSTEM, Parameters
+from gcodesim.rs274.parameters import FIRST_SYSTEM, Parameters
 
 if TYPE_CHECKING:
     from gcodesim.rs274.fanuc.control import FanucControl
@@ -27,8 +28,7 @@ _COMMON: Final = (range(100, 200), range(500, 1000))
 _OFFSETS: Final = (
     range(EXTERNAL, EXTERNAL + 6),
     *(range(FIRST_SYSTEM + 20 * n, FIRST_SYSTEM + 20 * n + 6) for n in range(6)),
-    range(FIRST_ADDITIONAL, FIRST_ADDITIONAL + 20 * 48),
-    range(FIRST_FURTHER, FIRST_FURTHER + 20 * (MOST_ADDITIONAL - 48)),
+    *(range(block.first, block.first + APART * len(block.systems)) for block in (NEAR_SYSTEMS, FAR_SYSTEMS)),
 )
 _TOOL_OFFSETS: Final = tuple(range(first + 1, first + 1 + MOST_OFFSETS) for first in (10000, 11000, 12000, 13000))
 _SIGNALS: Final = (range(1000, 1036), range(1100, 1136))
@@ -59,7 +59,7 @@ class Variables(Parameters):
             0 <= number <= 33
             or any(number in part for part in (*_COMMON, *_OFFSETS, *_TOOL_OFFSETS, *_SIGNALS, _MODES, _POSITIONS))
             or 2001 <= number <= 2400
-            or FIRST_OF_ALL <= number < FIRST_FURTHER
+            or FIRST_OF_ALL <= number < FAR_SYSTEMS.first
             or number in _CLOCKS
             or number in (ALARM, STOP)
         )
@@ -133,8 +133,8 @@ def _where_kept(number: int) -> int:
 
     #2001–#2400 are the first 100 of each kind of tool offset in the larger memory, #14001–#14960 G54.1 P1 to P48.
     """
-    if FIRST_OF_ALL <= number < FIRST_FURTHER:
-        return FIRST_ADDITIONAL + number - FIRST_OF_ALL
+    if FIRST_OF_ALL <= number < FAR_SYSTEMS.first:
+        return NEAR_SYSTEMS.first + number - FIRST_OF_ALL
     if 2001 <= number <= 2400:
         kind, tool = divmod(number - 2001, 100)
         first = (LENGTH_WEAR, LENGTH_GEOMETRY, RADIUS_WEAR, RADIUS_GEOMETRY)[kind]

@@ -22,7 +22,7 @@ _KEYWORDS: Final = {
     "sub": at.SUB_WORD, "endsub": at.ENDSUB, "return": at.RETURN, "call": at.CALL,
 }  # fmt: skip
 KINDS: Final = {number: word for word, number in _KEYWORDS.items()}
-Key = tuple[str, str, str]
+TextKey = tuple[str, str, str]
 
 
 class ProgramText:
@@ -69,7 +69,7 @@ class FlowTable:
 
     def __init__(self) -> None:
         self.labels: list[str] = []
-        self.groups: dict[Key, int] = {}  # row that keeps the state of a label
+        self.groups: dict[TextKey, int] = {}  # row that keeps the state of a label
         self.scopes: dict[tuple[str, str], int] = {}
         self._scope_names: list[tuple[str, str]] = []
         self._files = 0
@@ -82,7 +82,7 @@ class FlowTable:
             self._scope_names.append((file, name))
         return number
 
-    def key_of(self, group: int, scope: int) -> Key:
+    def key_of(self, group: int, scope: int) -> TextKey:
         """File, subroutine and label of a group."""
         file, name = self._scope_names[scope]
         return file, name, self.labels[group]

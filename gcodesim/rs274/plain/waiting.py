@@ -9,12 +9,12 @@ from gcodesim.diagnostics.span_table import Origin
 from gcodesim.rs274.compensation import Held
 from gcodesim.rs274.plain import layout_kernels as at
 from gcodesim.rs274.plain.columns import Column
-from gcodesim.rs274.state import State, Vector
+from gcodesim.rs274.state import ModalState, Vector
 
 _KINDS = ("rapid", "line", "arc")
 
 
-def is_known(state: State) -> bool:
+def is_known(state: ModalState) -> bool:
     """Whether exactly one move waits, of a kind that the kernels know, and the tool is not one of a lathe."""
     if state.comp_first or len(state.held) != 1 or state.feed_mode == 930:
         return False
@@ -26,7 +26,7 @@ def is_known(state: State) -> bool:
     return move.kind == "rapid" or (move.feed_unit in ("m/rev", "rad/rev")) == (state.feed_mode == 950)
 
 
-def write(state: State, numbers: Column, modes: Column, index: int, origin: int) -> None:
+def write(state: ModalState, numbers: Column, modes: Column, index: int, origin: int) -> None:
     """What the kernels have to know of the move that waits, in the line with `index`, and of the one before."""
     (move,) = state.held
     assert type(move) is Held
@@ -42,7 +42,9 @@ def write(state: State, numbers: Column, modes: Column, index: int, origin: int)
     )  # fmt: skip
 
 
-def take_over(state: State, numbers: Column, modes: Column, origin_of: Callable[[int], tuple[Origin, int]]) -> None:
+def take_over(
+    state: ModalState, numbers: Column, modes: Column, origin_of: Callable[[int], tuple[Origin, int]]
+) -> None:
     """What waits after a run of lines; `origin_of` a number gives file and callers, and the index of line 0."""
 
     def point(first: int) -> Vector:

@@ -47,7 +47,7 @@ class RapidInCompensation(Watch):
     def event(self, event: canon.Event) -> None:
         if isinstance(event, canon.WorkSystem):
             self._zero = event.offset[2] + event.g92[2]
-        if not isinstance(event, canon.Motion):
+        if not isinstance(event, canon.Move):
             return
         at, self._at = self._at, event.end
         if not isinstance(event, canon.Rapid):

@@ -40,7 +40,7 @@ class SpindleWithoutSpeed(Watch):
         self._has_speed = self._has_speed or "s" in words.values
 
     def event(self, event: canon.Event) -> None:
-        if isinstance(event, canon.Motion):
+        if isinstance(event, canon.Move):
             self._move(event.end[:3], event.span, feeds=isinstance(event, FEEDS))
         elif isinstance(event, canon.Spindle):
             starts = event.direction != "off"

@@ -53,7 +53,7 @@ class FeedWithoutSpindle(Watch):
 
     def event(self, event: canon.Event) -> None:
         kind = type(event)
-        if isinstance(event, canon.Motion):
+        if isinstance(event, canon.Move):
             end = event.end[:3]
             if kind is canon.Rapid:
                 self._turn_up(end[2])
@@ -185,7 +185,7 @@ class FeedWithoutSpindle(Watch):
 
 
 class SpindleLeftOn(Watch):
-    """GS177: the closing %, on Grbl the end of the file, ends the program, but stops nothing."""
+    """GS177: the closing %, or with some controls the end of the file, ends the program, but stops nothing."""
 
     def __init__(self) -> None:
         self._speed = 0.0

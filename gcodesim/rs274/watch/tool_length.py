@@ -109,7 +109,7 @@ class MoveWithoutLength(Watch):
     def event(self, event: canon.Event) -> None:
         if isinstance(event, canon.ToolOffset):
             self._added = event.offset[2]
-        if not isinstance(event, canon.Motion):
+        if not isinstance(event, canon.Move):
             return
         before, self._z = self._z, event.end[2] + self._added
         of_machine = self._machine or (isinstance(event, canon.Rapid) and event.word in ("G28", "G30"))

@@ -49,7 +49,7 @@ class UnitChange(Watch):
         self._cut = None
 
     def event(self, event: canon.Event) -> None:
-        if not isinstance(event, canon.Motion):
+        if not isinstance(event, canon.Move):
             return
         if self._change is not None and event.word not in ("G28", "G30"):
             self._found.append(self._change)

@@ -43,7 +43,7 @@ class Watch:
         while done < len(batch) and not ready():
             event = next(events)
             self.event(event)
-            done += isinstance(event, canon.Motion)
+            done += isinstance(event, canon.Move)
         return batch.after(done)
 
     def findings(self, *, finished: bool) -> Iterable[Diagnostic]:

@@ -39,7 +39,7 @@ def test_every_event_can_be_printed():
     """A new event needs a line in the listing."""
     kinds = {cls for cls in vars(canon.events).values() if isinstance(cls, type) and issubclass(cls, canon.Event)}
 
-    assert kinds - {canon.Event, canon.Motion} == set(listing._KINDS)
+    assert kinds - {canon.Event, canon.Move} == set(listing._KINDS)
 
 
 def test_text_form_is_one_line():

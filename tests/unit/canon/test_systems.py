@@ -3,7 +3,7 @@
 import pytest
 
 from gcodesim.canon.systems import name_of_system, system_index, system_name
-from gcodesim.rs274.parameters import first_of_system
+from gcodesim.rs274.dialects.systems import first_of_system
 
 
 @pytest.mark.parametrize(

@@ -198,7 +198,7 @@ def test_every_kind_of_event_has_its_record() -> None:
     kinds = {cls.__name__ for cls in vars(ev).values() if isinstance(cls, type) and issubclass(cls, ev.Event)}
     from gcodesim.canon.listing import _KINDS
 
-    assert {cls.__name__ for cls in _KINDS} == kinds - {"Event", "Motion"}
+    assert {cls.__name__ for cls in _KINDS} == kinds - {"Event", "Move"}
     assert {kind for kind, _ in _KINDS.values()} == set(EVENTS)
 
 

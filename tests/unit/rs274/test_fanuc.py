@@ -156,7 +156,7 @@ def test_numbers_without_a_point_in_increments(fanuc):
     """IS-B: 0.001 mm, 0.0001 inch; feeds in mm/min as written; dwell X in milliseconds."""
     text = body("G90 G00 X1000 Y1.", "G01 Z-500 F100", "G02 X2000 I500", "G04 X1500", "G20 G00 X10000", "M30")
 
-    done = fanuc(text, decimal_point="increments")
+    done = fanuc(text, options={"decimal_point": "increments"})
 
     assert done.ends == [[1, 1, 0], [1, 1, -0.5], [2, 1, -0.5], [25.4, 1, -0.5]]
     assert done.acts("line")[0]["feed"] == 100
@@ -166,7 +166,9 @@ def test_numbers_without_a_point_in_increments(fanuc):
 
 def test_corners_and_polar_angles_in_increments(fanuc):
     """,R2000 is 2 mm; under G16 Y90000 is 90 degrees."""
-    done = fanuc(body("G90 G01 X20. F100 ,R2000", "Y10.", "G16 X20. Y90000", "M30"), decimal_point="increments")
+    done = fanuc(
+        body("G90 G01 X20. F100 ,R2000", "Y10.", "G16 X20. Y90000", "M30"), options={"decimal_point": "increments"}
+    )
 
     assert done.ends == [[18, 0, 0], [20, 2, 0], [20, 10, 0], [pytest.approx(0, abs=1e-9), 20, 0]]
 

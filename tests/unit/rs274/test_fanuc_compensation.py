@@ -13,7 +13,7 @@ def ends(program):
 
     def of(*lines, start="A"):
         text = "%\nO1\n" + "\n".join(lines) + "\nM30\n%\n"
-        done = program(text, dialect="fanuc", compensation_start=start)
+        done = program(text, dialect="fanuc", options={"compensation_start": start})
         assert not done.errors
         return [end[:2] for end in done.ends][1:]
 

@@ -10,9 +10,11 @@ import pytest
 
 from gcodesim.files import user_cache
 from gcodesim.rs274 import grammar
+from gcodesim.rs274.dialects import DIALECTS
 from gcodesim.rs274.grammar import parser_of
 
 NAMES = sorted(path.name.removesuffix(".lark") for path in files("gcodesim.rs274").joinpath("grammars").iterdir())
+PARTS = {dialect.grammar: dialect.grammar_parts for dialect in DIALECTS.values()}
 LINES = ("g1x[1+2]", "n10 #<a>=[sin[30]*2] (a note)", "/m3s100", "g1 x", "#1=", "if [#1 eq 2] goto 5", "o1 call [2]")
 
 
@@ -24,7 +26,7 @@ def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def answers(name: str) -> list[str]:
-    parse = parser_of.__wrapped__(name)
+    parse = parser_of.__wrapped__(name, PARTS.get(name, ""))
     out = []
     for line in LINES:
         try:

@@ -4,6 +4,7 @@ import random
 
 import pytest
 
+from gcodesim.rs274.dialects import DIALECTS
 from gcodesim.rs274.grammar import Unreadable, parser_of
 from gcodesim.rs274.shapes import Shapes
 
@@ -33,7 +34,8 @@ def outcome(parse, line):
 def test_a_remembered_shape_gives_what_the_parser_gives(grammar):
     """Each line twice over, with numbers of other lengths and values, by the shapes and by the parser alone."""
     rng = random.Random(3)
-    parse, shapes = parser_of(grammar), Shapes(parser_of(grammar))
+    parse = parser_of(grammar, DIALECTS[grammar].grammar_parts)
+    shapes = Shapes(parse)
     for _ in range(60):
         for line in LINES[grammar]:
             out = ""

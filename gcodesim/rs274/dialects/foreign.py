@@ -1,0 +1,21 @@
+"""Languages of controls that no dialect here reads: what to say to those who bring a program in one of them."""
+
+from __future__ import annotations
+
+from typing import Final
+
+FOREIGN: Final = {
+    "printer": (
+        "this is a program for the control of a 3D printer (`{word}`): no dialect here reads it yet",
+        "simulate programs of mills and routers; beads are made by an `extruder` that M-codes of the cell switch",
+    ),
+    "Klartext": (
+        "this is Heidenhain's Klartext (`{word}`): no dialect here reads it",
+        "let the post write DIN/ISO blocks, for a Fanuc control as an example",
+    ),
+    "Sinumerik": (
+        "this is a program for a Sinumerik (`{word}`): no dialect here reads it",
+        "let the post write plain blocks, for a Fanuc control as an example",
+    ),
+}
+"""Message and hint of GS016 by the kind that `other_machines.foreign_of` finds; `{word}` is what gave it away."""
