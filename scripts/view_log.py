@@ -41,7 +41,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from gcodesim.log.reader import read_attachment
+from gcodesim.log.logfile import LogFile
 
 PACKAGES = ("@foxglove/studio-base@1.48.0", "react@17.0.2", "react-dom@17.0.2")
 PARTS = {
@@ -52,6 +52,8 @@ PARTS = {
 OLD_NAME, NEW_NAME = b"foxglove.websocket.v1", b"foxglove.sdk.v1"
 OWN = Path(__file__).parent / "viewer"
 MOMENTS = (0.0, 0.5, 1.0, 0.5, 0.25, 0.0)
+
+
 def fetch_viewer(folder: Path) -> Path:
     """The web pages of the viewer in `folder`; fetched when they are not there."""
     pages = folder / "pages-2"
@@ -298,7 +300,7 @@ def main() -> int:
         for log in arguments.logs:
             layout = Path(scratch) / "layout.json"
             layout.write_bytes(
-                arguments.layout.read_bytes() if arguments.layout else read_attachment(log, "layout.json")
+                arguments.layout.read_bytes() if arguments.layout else LogFile.open(log).attachment("layout.json")
             )
             with served({"run.mcap": log, "layout.json": layout}, pages) as site:
                 page = browser.new_page(viewport={"width": 1720, "height": 1000})

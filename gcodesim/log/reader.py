@@ -2,23 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from google.protobuf.message import DecodeError
-from numpy.typing import NDArray
 
 from gcodesim.log.description import ProcessField
-from gcodesim.log.fields import parse_path, value_at
 from gcodesim.log.logfile import LogFile, LogReadError, RawMessage
 from gcodesim.log.schema import FIRST_MORE, decoder
-
-
-def read_attachment(path: Path, name: str) -> bytes:
-    """A file that the log carries. KeyError if it carries none of this name."""
-    return LogFile.open(path).attachment(name)
 
 
 def read_messages(path: Path, topic: str) -> Iterator[tuple[int, Any]]:
@@ -27,31 +19,6 @@ def read_messages(path: Path, topic: str) -> Iterator[tuple[int, Any]]:
     if log.channel_id(topic) is None:
         raise KeyError(topic)
     return decoded(log, topic)
-
-
-def read_columns(path: Path, topic: str, fields: Sequence[str]) -> dict[str, NDArray[Any]]:
-    """Numbers and texts of a topic over time: `t_ns` (n,) and one array for each of `fields`.
-
-    A field is a path such as `force_n`, `force.x`, `joints[2].position` or
-    `joints[arm/joint_1].position`. A repeated field without an item gives an
-    axis: `joints.position` is (n, j).
-    KeyError when the log has no such topic, ValueError when its messages have
-    no such field, or not equally many of a repeated one.
-    """
-    paths = [parse_path(field) for field in fields]
-    times: list[int] = []
-    values: list[list[Any]] = [[] for _ in fields]
-    for t_ns, message in read_messages(path, topic):
-        times.append(t_ns)
-        for column, parts in zip(values, paths, strict=True):
-            column.append(value_at(message, parts))
-    columns: dict[str, NDArray[Any]] = {"t_ns": np.array(times, dtype=np.int64)}
-    for name, column in zip(fields, values, strict=True):
-        try:
-            columns[name] = np.array(column, dtype=object if _holds_text(column) else None)
-        except ValueError as error:
-            raise ValueError(f"{topic}: not equally many of '{name}' in every message") from error
-    return columns
 
 
 def decoded(
@@ -92,9 +59,3 @@ def decoder_of(log: LogFile, channel: int) -> Callable[[RawMessage], Any]:
             raise LogReadError(f"{topic} at {message.t_ns * 1e-9:.3f} s does not agree with its schema") from error
 
     return decode
-
-
-def _holds_text(column: Any) -> bool:
-    while isinstance(column, list) and column:
-        column = column[0]
-    return isinstance(column, str)

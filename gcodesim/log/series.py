@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 class Series:
     """A topic over time: `t_ns` (n,), numbers `values` (n, k) of the fields `names` (k), texts by field and message.
 
-    Paths are those of `read_columns`: `force_n`, `joints[arm/joint_1].position`.
+    Paths as in `log/fields.py`: `force_n`, `joints[arm/joint_1].position`.
     A field that a message leaves out is 0, as protobuf has it.
     """
 

@@ -348,10 +348,6 @@ class Stock:
 
         return float(occupancy(self.field, x, y, z0, z1))
 
-    def height_at(self, x: float, y: float) -> float:
-        """Height [m] of the highest material in the column of (x, y); -inf where there is none."""
-        return max((high for _, high in self.intervals_at(x, y)), default=-np.inf)
-
     def intervals_at(self, x: float, y: float) -> list[tuple[float, float]]:
         """The intervals [m] of material in the column of (x, y), from below."""
         lo, hi, count = self.field.columns

@@ -20,6 +20,8 @@ from gcodesim.tools.cutter import Cutter
 from gcodesim.units import MM, MM3, UM
 
 Array = NDArray[np.float64]
+Event = NDArray[np.intp]
+"""Numbers of the rows of one event."""
 
 RUB: Final = 2.0 * UM
 """[m] of its own wall that an arm may take when it comes back with a different deflection than before."""
@@ -50,6 +52,24 @@ def cutter_findings(rows: Rows) -> list[Diagnostic]:
     return [*_folded(found), *_blind(rows)]
 
 
+def _told(
+    rows: Rows, event: Event, code: str, message: str, value: float, unit: str, *, limit: float = 0.0, hint: str = ""
+) -> Diagnostic:
+    """The finding for the rows of one event, at the first of them."""
+    first = int(event[0])
+    return Diagnostic(
+        code=code,
+        message=message,
+        span=rows.span(first),
+        hint=hint,
+        count=len(event),
+        time=float(rows.time[first]),
+        value=value,
+        limit=limit,
+        unit=unit,
+    )
+
+
 def _least(rows: Rows) -> Array:
     """What each row (n,) may remove [m³] without counting as a cut: a cell, or rubbing at the tool's own wall."""
     least = np.full(len(rows), rows.grain)
@@ -75,40 +95,25 @@ def _blind(rows: Rows) -> list[Diagnostic]:
     removed = rows["removed"]
     for letter, turns in rows.turns.items():
         for event in runs(turns & (removed > 0.0)):
-            first, taken = int(event[0]), float(removed[event].sum()) / MM3
-            found.append(
-                Diagnostic(
-                    code="GS407",
-                    message=f"{taken:.1f} mm³ of stock are cut while axis {letter} turns, whose place is not known; "
-                    "the cut is computed as if it stood still",
-                    span=rows.span(first),
-                    hint=f"give axis {letter} of the machine its `at: [x, y, z]`, a point on the axis",
-                    count=len(event),
-                    time=float(rows.time[first]),
-                    value=taken,
-                    limit=0.0,
-                    unit="mm^3",
-                )
+            taken = float(removed[event].sum()) / MM3
+            message = (
+                f"{taken:.1f} mm³ of stock are cut while axis {letter} turns, whose place is not known; "
+                "the cut is computed as if it stood still"
             )
+            hint = f"give axis {letter} of the machine its `at: [x, y, z]`, a point on the axis"
+            found.append(_told(rows, event, "GS407", message, taken, "mm^3", hint=hint))
     return _folded(found)
 
 
 def _rapids(rows: Rows, cut: Array, bound: Array) -> Iterator[Diagnostic]:
     for event in rows.events(rows.rapid & (cut > bound)):
-        first = int(event[0])
         volume, allowed = cut[event].sum() / MM3, bound[event].sum() / MM3
-        yield Diagnostic(
-            code="GS401",
-            message=f"rapid move of {rows.tool_name(first)} takes {volume:.1f} mm³ of stock away; "
-            f"{allowed:.1f} mm³ could be an error of the grid",
-            span=rows.span(first),
-            hint="retract before the move, or make it a feed move",
-            count=len(event),
-            time=float(rows.time[first]),
-            value=volume,
-            limit=allowed,
-            unit="mm^3",
+        message = (
+            f"rapid move of {rows.tool_name(int(event[0]))} takes {volume:.1f} mm³ of stock away; "
+            f"{allowed:.1f} mm³ could be an error of the grid"
         )
+        hint = "retract before the move, or make it a feed move"
+        yield _told(rows, event, "GS401", message, volume, "mm^3", limit=allowed, hint=hint)
 
 
 def _inside(rows: Rows, inside: Array) -> Iterator[Diagnostic]:
@@ -139,34 +144,17 @@ _IN_STOCK: Final = {
 def _in_stock(rows: Rows, part: str, depth: Array, away: Flags) -> Iterator[Diagnostic]:
     code, hint = _IN_STOCK[part]
     for event in rows.events(depth > 0.0, away):
-        first, worst = int(event[0]), float(depth[event].max()) / MM
-        yield Diagnostic(
-            code=code,
-            message=f"{part} of {rows.tool_name(first)} runs into stock, {worst:.3f} mm deep",
-            span=rows.span(first),
-            hint=hint,
-            count=len(event),
-            time=float(rows.time[first]),
-            value=worst,
-            limit=0.0,
-            unit="mm",
-        )
+        worst = float(depth[event].max()) / MM
+        message = f"{part} of {rows.tool_name(int(event[0]))} runs into stock, {worst:.3f} mm deep"
+        yield _told(rows, event, code, message, worst, "mm", hint=hint)
 
 
 def _tilted(rows: Rows, away: Flags) -> Iterator[Diagnostic]:
     tilted = rows["tilted"]
     for event in rows.events(tilted > 0.0, away):
-        first, spent = int(event[0]), float(tilted[event].sum())
-        yield Diagnostic(
-            code="GS406",
-            message=f"{rows.tool_name(first)} leans in the stock; it cuts nothing for {spent:.3f} s",
-            span=rows.span(first),
-            count=len(event),
-            time=float(rows.time[first]),
-            value=spent,
-            limit=0.0,
-            unit="s",
-        )
+        spent = float(tilted[event].sum())
+        message = f"{rows.tool_name(int(event[0]))} leans in the stock; it cuts nothing for {spent:.3f} s"
+        yield _told(rows, event, "GS406", message, spent, "s")
 
 
 _TURNS: Final = {
@@ -179,17 +167,8 @@ def _spindle(rows: Rows, code: str, volume: Array, bound: Array) -> Iterator[Dia
     how, hint = _TURNS[code]
     never = np.zeros(len(rows), dtype=np.bool_)  # one cause, until tool or spindle change
     for event in rows.events(volume > 0.0, never):
-        first, taken = int(event[0]), float(volume[event].sum()) / MM3
+        taken = float(volume[event].sum()) / MM3
         if volume[event].sum() <= bound[event].max():
             continue  # a tap on its way out, in its own thread: below what the grid can show
-        yield Diagnostic(
-            code=code,
-            message=f"{rows.tool_name(first)} feeds through {taken:.1f} mm³ of stock with {how}",
-            span=rows.span(first),
-            hint=hint,
-            count=len(event),
-            time=float(rows.time[first]),
-            value=taken,
-            limit=0.0,
-            unit="mm^3",
-        )
+        message = f"{rows.tool_name(int(event[0]))} feeds through {taken:.1f} mm³ of stock with {how}"
+        yield _told(rows, event, code, message, taken, "mm^3", hint=hint)

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from gcodesim import canon
 from gcodesim.diagnostics import Span
@@ -49,6 +49,21 @@ class Held(canon.Event):
     word: str = ""
 
 
+class NextMove(NamedTuple):
+    """What a corner needs of the move behind it, which leaves the programmed point `op` with `normal` for `goal`.
+
+    Its offset path `path` begins at `offset_start`; `turns` are those of an arc, 0 of a line.
+    """
+
+    op: Point
+    normal: Point
+    offset_start: Point
+    path: Line | PlaneCircle
+    goal: Vector
+    turns: int = 0
+    rapid: bool = False
+
+
 class CornerRule(Protocol):
     """How a control other than LinuxCNC enters the compensation and goes round corners."""
 
@@ -58,18 +73,7 @@ class CornerRule(Protocol):
     def refuse_arc(self, code: int) -> None:
         """Raise a fault where the first move may not be an arc."""
 
-    def join(
-        self,
-        control: Control,
-        op: Point,
-        normal: Point,
-        offset_start: Point,
-        following: Line | PlaneCircle,
-        goal: Vector,
-        *,
-        turns: int = 0,
-        rapid: bool = False,
-    ) -> None:
+    def join(self, control: Control, to: NextMove) -> None:
         """Join the held move with the next one; see `_corner`."""
 
 
@@ -205,7 +209,7 @@ def straight(words: Words, control: Control, end: Vector, *, rapid: bool) -> Non
     offset_start = beside(op, normal, radius)
     if not state.comp_first:
         join = _corner if rule is None else rule.join
-        join(control, op, normal, offset_start, Line(offset_start, direction), end, rapid=rapid)
+        join(control, NextMove(op, normal, offset_start, Line(offset_start, direction), end, rapid=rapid))
     offset_end = with_plane(end, control, beside(goal, normal, radius))
     control.out.append(replace(move, end=offset_end, direction=direction))
     state.current, state.comp_programmed, state.comp_normal = offset_end, end, normal
@@ -257,7 +261,7 @@ def arc(words: Words, control: Control, end: Vector, code: int) -> None:
         offset_start = beside(op, in_normal, radius)
         circle = PlaneCircle(shape.centre, arc_radius + sign * radius)
         join = _corner if rule is None else rule.join
-        join(control, op, in_normal, offset_start, circle, end, turns=shape.turns)
+        join(control, NextMove(op, in_normal, offset_start, circle, end, turns=shape.turns))
     control.out.append(
         Held(
             span=control.span,
@@ -303,30 +307,20 @@ def _too_short(length: float, radius: float, control: Control) -> None:
 # -- corners
 
 
-def _corner(
-    control: Control,
-    op: Point,
-    normal: Point,
-    offset_start: Point,
-    following: Line | PlaneCircle,
-    goal: Vector,
-    *,
-    turns: int = 0,
-    rapid: bool = False,
-) -> None:
-    """Join the held move with the next one, which leaves `op` with `normal` for `goal`.
+def _corner(control: Control, to: NextMove) -> None:
+    """Join the held move with the next one.
 
     As on the control, rotary axes reach their goal on the way round an outside corner.
     """
     state = control.state
-    turn = turn_outward(state.comp_normal, normal, state.side)
+    turn = turn_outward(state.comp_normal, to.normal, state.side)
     if -STRAIGHT_ON <= turn <= STRAIGHT_ON:
         flush(control, lenient=True)
-    elif STRAIGHT_ON < turn <= _outside_limit(control, turns):
+    elif STRAIGHT_ON < turn <= _outside_limit(control, to.turns):
         held_end = state.current
-        flush(control, lenient=turns != 0)
-        end = (*with_plane(held_end, control, offset_start)[:3], *goal[3:])
-        if rapid:
+        flush(control, lenient=to.turns != 0)
+        end = (*with_plane(held_end, control, to.offset_start)[:3], *to.goal[3:])
+        if to.rapid:
             emit(control, Held(span=control.span, kind="rapid", end=end, block=control.block_number, word="G0"))
         else:
             feed, unit = control.feed(linear=True)
@@ -334,7 +328,7 @@ def _corner(
                 span=control.span,
                 kind="arc",
                 end=end,
-                centre=op,
+                centre=to.op,
                 turns=-1 if state.side > 0 else 1,
                 feed=feed,
                 feed_unit=unit,
@@ -342,11 +336,11 @@ def _corner(
                 word="G2" if state.side > 0 else "G3",
             )
             emit(control, around)
-        state.comp_endpoint = offset_start
+        state.comp_endpoint = to.offset_start
     elif not any(type(event) is Held for event in state.held):
         flush(control)  # after a stop nothing waits, and an inside corner stays as it is
     else:
-        flush(control, corner=intersection(control, op, following, turns))
+        flush(control, corner=intersection(control, to))
 
 
 def _outside_limit(control: Control, following_turns: int) -> float:
@@ -391,12 +385,13 @@ def turn_outward(before: Point, after: Point, side: int) -> float:
     return turn + 2.0 * math.pi if turn < -math.pi / 2.0 else turn
 
 
-def intersection(control: Control, op: Point, following: Line | PlaneCircle, turns: int) -> Point:
-    """Where the held offset path meets the next one, which leaves `op`: an arc of `turns`, or a line.
+def intersection(control: Control, to: NextMove) -> Point:
+    """Where the held offset path meets the next one.
 
-    As on the control, the centre of an arc that meets a line is taken to be as far from `op` as from the arc's other
-    end, where it need not quite be; and of two points the one counts that the side of the tool calls for.
+    As on the control, the centre of an arc that meets a line is taken to be as far from the corner as from the arc's
+    other end, though it may be a little off; and of two points the one counts that the side of the tool calls for.
     """
+    op, following, turns = to.op, to.path, to.turns
     state = control.state
     move = _held_move(control)
     first, second, _ = PLANE[state.plane]

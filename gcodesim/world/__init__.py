@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from gcodesim.family import Family
-from gcodesim.world.body import RobotBody, StaticBody, ToolBody, tool_body
+from gcodesim.world.body import RobotBody, ToolBody, tool_body
 from gcodesim.world.protocol import STANDARD_GRAVITY, Couple, World, WorldSteps, WorldUnavailable
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 WORLDS = Family(
     "worlds",
@@ -24,18 +21,17 @@ def open_world(
     step_ns: int,
     *,
     gravity: tuple[float, float, float] = STANDARD_GRAVITY,
-    bodies: Sequence[StaticBody] = (),
 ) -> World:
     """Open the world `name` of WORLDS around one robot or machine; the caller closes it.
 
-    `step_ns` is the fixed step in whole nanoseconds, `gravity` [m/s²] in W,
-    `bodies` what stands around it. Raises `WorldUnavailable` when the world
+    `step_ns` is the fixed step in whole nanoseconds, `gravity` [m/s²] in W. What stands around the machine is no part
+    of a world: `checks` find what it runs into. Raises `WorldUnavailable` when the world
     needs something that is not installed, KeyError for an unknown name.
     """
     if step_ns <= 0:
         raise ValueError(f"the step is {step_ns} ns; it has to be positive")
     kind: Any = WORLDS[name]
-    world: World = kind(robot, step_ns, gravity=gravity, bodies=tuple(bodies))
+    world: World = kind(robot, step_ns, gravity=gravity)
     return world
 
 
@@ -51,7 +47,6 @@ __all__ = [
     "WORLDS",
     "Couple",
     "RobotBody",
-    "StaticBody",
     "ToolBody",
     "World",
     "WorldSteps",

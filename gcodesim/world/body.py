@@ -1,4 +1,4 @@
-"""Plain data about bodies: the robot, the tool on its flange, and their surroundings. SI throughout."""
+"""Plain data about bodies: the robot, and the tool on its flange. SI throughout."""
 
 from __future__ import annotations
 
@@ -20,21 +20,12 @@ Inertia = tuple[float, float, float, float, float, float]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class StaticBody:
-    """Something in the cell that can be run into, such as a table or a fixture. `X_WS` places it in W."""
-
-    name: str
-    solids: tuple[Placed, ...]
-    X_WS: Pose = field(default_factory=Pose.identity)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ToolBody:
     """A tool as a rigid body on the flange F, Z out of the flange.
 
     `length` [m] from the flange to the tip along Z, so X_FT has no turn;
     `mass` [kg]; `com` [m] centre of mass seen from F; `inertia` [kg·m²] about
-    it in axes of F; `solids` in F are the parts that can run into something.
+    it in axes of F; `solids` in F are what can be seen of it.
     """
 
     name: str

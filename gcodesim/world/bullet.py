@@ -26,8 +26,8 @@ import numpy as np
 
 from gcodesim.frames import Array, Pose, rotation_from_quaternion
 from gcodesim.kinematics.dynamics import inverse_dynamics
-from gcodesim.solids import Box, Cylinder, Mesh, Placed, Sphere
-from gcodesim.world.body import RobotBody, StaticBody, ToolBody, centred
+from gcodesim.solids import Box, Cylinder, Placed, Sphere
+from gcodesim.world.body import RobotBody, ToolBody, centred
 from gcodesim.world.model import BulletModel, joint_name, merged_model, payload_of
 from gcodesim.world.protocol import STANDARD_GRAVITY, Couple, WorldSteps, WorldUnavailable
 from gcodesim.world.reaction import tool_reaction
@@ -87,9 +87,8 @@ class BulletWorld(WorldBase):
         step_ns: int,
         *,
         gravity: tuple[float, float, float] = STANDARD_GRAVITY,
-        bodies: tuple[StaticBody, ...] = (),
     ) -> None:
-        super().__init__(robot, step_ns, gravity=gravity, bodies=bodies)
+        super().__init__(robot, step_ns, gravity=gravity)
         self._bullet = import_pybullet()
         self._limit = robot.effort_limit
         self._body = -1
@@ -109,8 +108,6 @@ class BulletWorld(WorldBase):
             physicsClientId=client,
         )
         p.setGravity(*self.gravity.tolist(), physicsClientId=client)
-        for body in bodies:
-            self._add_static(body)
         self._load(None)
 
     # building
@@ -118,7 +115,7 @@ class BulletWorld(WorldBase):
     def _load(self, tool: ToolBody | None) -> None:
         """Put robot and `tool` into the world as one multibody with the present state of the joints."""
         p, client = self._bullet, self._client
-        model = merged_model(self.robot.chain, tool, solids=bool(self.bodies))
+        model = merged_model(self.robot.chain, tool)
         if self._body >= 0:
             p.removeBody(self._body, physicsClientId=client)
         self._body = self._load_text(model.text)
@@ -162,19 +159,6 @@ class BulletWorld(WorldBase):
             X_LI = Pose(np.array(info[3]), rotation_from_quaternion(np.array(info[4])))
             self._p_tip = X_LI.inverse().apply(model.p_LT).tolist()
 
-    def _add_static(self, body: StaticBody) -> None:
-        p, client = self._bullet, self._client
-        for placed in body.solids:
-            arguments, X_WS = _collision(p, placed.at(body.X_WS))
-            number = p.createCollisionShape(**arguments, physicsClientId=client)
-            p.createMultiBody(
-                baseMass=0.0,
-                baseCollisionShapeIndex=number,
-                basePosition=X_WS.p.tolist(),
-                baseOrientation=X_WS.q.tolist(),
-                physicsClientId=client,
-            )
-
     # state
 
     def _write_state(self) -> None:
@@ -214,11 +198,6 @@ class BulletWorld(WorldBase):
         )
         return number
 
-    def pocket_pose(self, name: str) -> Pose:
-        """Where the parked tool `name` is: its flange side in W; KeyError when it is not parked."""
-        p, q = self._bullet.getBasePositionAndOrientation(self._pockets[name], physicsClientId=self._client)
-        return Pose(np.array(p), rotation_from_quaternion(np.array(q)))
-
     # stepping
 
     def run(self, q_command: Array, couple: Couple | Array | None = None) -> WorldSteps:
@@ -227,7 +206,7 @@ class BulletWorld(WorldBase):
         n, count = commands.shape
         q, qd, effort = np.empty((n + 1, count)), np.empty((n + 1, count)), np.empty((n, count))
         q[0], qd[0] = self._q, self._qd
-        wrench, contact = np.zeros((n, 6)), np.zeros((n, 6))
+        wrench = np.zeros((n, 6))
         if couple is not None and not callable(couple):
             wrench[:] = wrench_rows(couple, 0, commands)
         for first in range(0, n, CHUNK):
@@ -237,7 +216,7 @@ class BulletWorld(WorldBase):
                 push = self._push(commands[rows], wrench[rows], partial(couple_row, couple, first))
             elif couple is not None:
                 push = self._push(commands[rows], wrench[rows], None)
-            states = self._lean_loop(commands[rows], push, contact[rows] if self.bodies else None)
+            states = self._lean_loop(commands[rows], push)
             after = slice(first + 1, rows.stop + 1)
             joints = list(chain.from_iterable(states))
             for field, column in ((0, q[after]), (1, qd[after]), (3, effort[rows])):
@@ -249,18 +228,18 @@ class BulletWorld(WorldBase):
             qdd=np.diff(qd, axis=0) / self.dt,
             effort=effort,
             saturated=np.abs(effort) >= self._limit * SATURATED,
-            reaction=tool_reaction(self.machine, self.tool, q, qd, wrench + contact, self.gravity_B, self.dt),
+            reaction=tool_reaction(self.machine, self.tool, q, qd, wrench, self.gravity_B, self.dt),
         )
 
     def keeps_up(self, q_command: Array, wrench: Array) -> bool:
-        """Whether no motor will reach its limit; see `World.keeps_up`. With fixtures around nothing is promised.
+        """Whether no motor will reach its limit; see `World.keeps_up`.
 
         Motors deliver what Newton and Euler require in the state in which a step
         begins, so the answer is known without making a step.
         """
         commands = self._commands(q_command)
         wrench = wrench_rows(wrench, 0, commands)
-        if self.bodies or np.abs(self._q - self._commanded).max() > LATE:
+        if np.abs(self._q - self._commanded).max() > LATE:
             return False
         if not len(commands) or np.isinf(self._limit).all():
             return True
@@ -278,7 +257,7 @@ class BulletWorld(WorldBase):
         )
         return bool((np.abs(effort) < self._limit * ENOUGH).all())
 
-    def _lean_loop(self, commands: Array, push: Push | None, contact: Array | None) -> list[JointStates]:
+    def _lean_loop(self, commands: Array, push: Push | None) -> list[JointStates]:
         """Joint states after each step; the only Python code that runs once per step."""
         p, client, body, joints = self._bullet, self._client, self._body, self._joints
         command, step, read, mode = p.setJointMotorControlArray, p.stepSimulation, p.getJointStates, p.POSITION_CONTROL
@@ -303,8 +282,6 @@ class BulletWorld(WorldBase):
             step(client)
             state = read(body, joints, client)
             keep(state)
-            if contact is not None:
-                self._read_contacts(contact[k])
         return states
 
     def _push(self, commands: Array, wrench: Array, ask: Callable[[int, Array], Array] | None) -> Push:
@@ -336,26 +313,6 @@ class BulletWorld(WorldBase):
         tip: tuple[float, ...] = self._bullet.multiplyTransforms(centre[0], centre[1], self._p_tip, UPRIGHT)[0]
         return tip
 
-    def _read_contacts(self, row: Array) -> None:
-        """Add the contacts of the flange's link to `row` (6,): wrench on the tool at the tip, base axes."""
-        if self._tip_link is None:
-            return
-        p, client, body, link = self._bullet, self._client, self._body, self._tip_link
-        touches = p.getContactPoints(bodyA=body, linkIndexA=link, physicsClientId=client)
-        if not touches:
-            return
-        tip = np.array(self._tip_now())
-        force, torque = np.zeros(3), np.zeros(3)
-        for touch in touches:
-            # position on the tool, normal towards it, then normal force and two of friction with their directions
-            pull = sum(
-                size * np.array(way)
-                for size, way in ((touch[9], touch[7]), (touch[10], touch[11]), (touch[12], touch[13]))
-            )
-            force += pull
-            torque += np.cross(np.array(touch[5]) - tip, pull)
-        row[:3], row[3:] = self.robot.X_WB.R.T @ force, self.robot.X_WB.R.T @ torque
-
     def close(self) -> None:
         """Disconnect from Bullet."""
         if self._client >= 0:
@@ -380,23 +337,3 @@ def _visual(p: Any, placed: Placed) -> dict[str, Any]:
         "visualFramePositions": X.p.tolist(),
         "visualFrameOrientations": X.q.tolist(),
     }
-
-
-def _collision(p: Any, placed: Placed) -> tuple[dict[str, Any], Pose]:
-    """Arguments of createCollisionShape, and its pose; a mesh stays a set of triangles, never their hull."""
-    if isinstance(placed.solid, Mesh):
-        triangles = placed.solid.triangles
-        return {
-            "shapeType": p.GEOM_MESH,
-            "vertices": triangles.points.tolist(),
-            "indices": triangles.faces.ravel().tolist(),
-            "flags": p.GEOM_FORCE_CONCAVE_TRIMESH,
-        }, placed.X
-    shape, X = centred(placed)
-    match shape:
-        case Box():
-            return {"shapeType": p.GEOM_BOX, "halfExtents": [0.5 * edge for edge in shape.size]}, X
-        case Cylinder():
-            return {"shapeType": p.GEOM_CYLINDER, "radius": shape.radius, "height": shape.length}, X
-        case Sphere():
-            return {"shapeType": p.GEOM_SPHERE, "radius": shape.radius}, X

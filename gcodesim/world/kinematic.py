@@ -6,7 +6,7 @@ import numpy as np
 
 from gcodesim.frames import Array, Pose
 from gcodesim.kinematics.dynamics import inverse_dynamics
-from gcodesim.world.body import RobotBody, StaticBody, ToolBody
+from gcodesim.world.body import RobotBody, ToolBody
 from gcodesim.world.model import payload_of
 from gcodesim.world.protocol import STANDARD_GRAVITY, Couple, WorldSteps
 from gcodesim.world.reaction import tool_reaction
@@ -24,9 +24,8 @@ class KinematicWorld(WorldBase):
         step_ns: int,
         *,
         gravity: tuple[float, float, float] = STANDARD_GRAVITY,
-        bodies: tuple[StaticBody, ...] = (),
     ) -> None:
-        super().__init__(robot, step_ns, gravity=gravity, bodies=bodies)
+        super().__init__(robot, step_ns, gravity=gravity)
         self._limit = robot.effort_limit
         self._q = np.zeros(self.joint_count)
         self._qd = np.zeros(self.joint_count)

@@ -15,11 +15,10 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from gcodesim.frames import Array, Pose
+from gcodesim.frames import Array
 from gcodesim.kinematics.chain import Chain, Inertial
 from gcodesim.kinematics.dynamics import bodies
-from gcodesim.solids import Box, Cylinder, Mesh, Placed
-from gcodesim.world.body import ToolBody, centred
+from gcodesim.world.body import ToolBody
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -29,6 +28,7 @@ if TYPE_CHECKING:
 LEAST_MASS: Final = 1e-2
 LEAST_INERTIA: Final = 1e-5
 NOTHING: Final = Inertial(mass=0.0, com=np.zeros(3), inertia=np.zeros((3, 3)))
+
 
 def payload_of(tool: ToolBody | None) -> Inertial | None:
     """Mass properties of a tool in axes of F; None without one or without mass."""
@@ -47,17 +47,6 @@ def principal(inertia: Array) -> tuple[Array, Array]:
     return moments, axes
 
 
-def carried_solids(chain: Chain) -> list[list[Placed]]:
-    """Collision solids on each driven joint, at the end those of the base; mesh files are left out."""
-    tree = chain.tree
-    solids: list[list[Placed]] = [[] for _ in range(len(chain.driven) + 1)]
-    for link, carrier, offset in zip(chain.links, tree.carrier.tolist(), tree.offset, strict=True):
-        for shape in link.collisions:
-            if not isinstance(shape.solid, Mesh):
-                solids[carrier].append(Placed(shape.solid, Pose.from_matrix(offset @ shape.X)))
-    return solids
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BulletModel:
     """A URDF for Bullet, with links and joints named by place in the joint vector.
@@ -71,22 +60,19 @@ class BulletModel:
     p_LT: Array
 
 
-def merged_model(chain: Chain, tool: ToolBody | None, *, solids: bool) -> BulletModel:
-    """Robot and tool as one multibody; `solids` says whether collision bodies are wanted."""
+def merged_model(chain: Chain, tool: ToolBody | None) -> BulletModel:
+    """Robot and tool as one multibody, of masses alone: nothing in this world runs into anything."""
     tree = chain.tree
     masses = bodies(chain, payload_of(tool))
-    hulls = carried_solids(chain) if solids else [[] for _ in range(len(masses) + 1)]
     carrier, X_LF = tree.flange_carrier, tree.flange_offset
     X_LT = X_LF
     if tool is not None:
         X_LT = X_LF @ tool.X_FT.matrix
-        if solids:
-            hulls[carrier] += [placed.at(Pose.from_matrix(X_LF)) for placed in tool.solids]
     root = ET.Element("robot", name="machine")
     # the base never moves, so its mass does not matter; Bullet's inverse dynamics is wrong if it has turned axes
-    _add_link(root, "base", NOTHING, hulls[-1])
+    _add_link(root, "base", NOTHING)
     for i in range(len(chain.driven)):
-        _add_link(root, f"link{i}", masses[i], hulls[i])
+        _add_link(root, f"link{i}", masses[i])
         parent = "base" if tree.parent[i] < 0 else f"link{tree.parent[i]}"
         kind = "prismatic" if tree.prismatic[i] else "continuous"
         _add_joint(root, joint_name(i), kind, parent, f"link{i}", tree.before[i], tree.axis[i])
@@ -116,7 +102,7 @@ def _add_origin(parent: ET.Element, p: Array, R: Array) -> None:
     ET.SubElement(parent, "origin", xyz=_numbers(p), rpy=_numbers(_rpy(R)))
 
 
-def _add_link(root: ET.Element, name: str, body: Inertial, solids: list[Placed]) -> None:
+def _add_link(root: ET.Element, name: str, body: Inertial) -> None:
     link = ET.SubElement(root, "link", name=name)
     inertial = ET.SubElement(link, "inertial")
     if body.mass <= 0.0:
@@ -126,17 +112,6 @@ def _add_link(root: ET.Element, name: str, body: Inertial, solids: list[Placed])
     ET.SubElement(inertial, "mass", value=repr(float(body.mass)))
     xx, yy, zz = (repr(max(float(m), 0.0)) for m in moments)
     ET.SubElement(inertial, "inertia", ixx=xx, iyy=yy, izz=zz, ixy="0", ixz="0", iyz="0")
-    for placed in solids:
-        solid, X = centred(placed)
-        collision = ET.SubElement(link, "collision")
-        _add_origin(collision, X.p, X.R)
-        geometry = ET.SubElement(collision, "geometry")
-        if isinstance(solid, Box):
-            ET.SubElement(geometry, "box", size=_numbers(solid.size))
-        elif isinstance(solid, Cylinder):
-            ET.SubElement(geometry, "cylinder", radius=repr(float(solid.radius)), length=repr(float(solid.length)))
-        else:
-            ET.SubElement(geometry, "sphere", radius=repr(float(solid.radius)))
 
 
 def _add_joint(root: ET.Element, name: str, kind: str, parent: str, child: str, X: Array, axis: Array) -> None:

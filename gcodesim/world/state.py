@@ -9,23 +9,20 @@ import numpy as np
 
 from gcodesim.frames import Array, Pose
 from gcodesim.kinematics.machine import Machine
-from gcodesim.world.body import RobotBody, StaticBody, ToolBody
+from gcodesim.world.body import RobotBody, ToolBody
 from gcodesim.world.protocol import Couple
 
 
 class WorldBase:
     """State that does not depend on how a world moves its robot."""
 
-    def __init__(
-        self, robot: RobotBody, step_ns: int, *, gravity: tuple[float, float, float], bodies: tuple[StaticBody, ...]
-    ) -> None:
+    def __init__(self, robot: RobotBody, step_ns: int, *, gravity: tuple[float, float, float]) -> None:
         self.robot = robot
         self.step_ns = step_ns
         self.dt = step_ns * 1e-9
         self.gravity = np.array(gravity, dtype=float)
         self.gravity_B = robot.X_WB.R.T @ self.gravity
         self.machine = Machine(chain=robot.chain)
-        self.bodies = bodies
         self.joint_count = len(robot.chain.driven)
         self._tool: ToolBody | None = None
         self._parked: dict[str, tuple[ToolBody, Pose]] = {}

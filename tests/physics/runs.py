@@ -11,9 +11,10 @@ from gcodesim.cell.loader import read_cell
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText
 from gcodesim.executor import Execution
 from gcodesim.jobs.results import Results, StockResult
-from gcodesim.log.reader import read_columns
 from gcodesim.shop import Shop
 from gcodesim.simulation import Job, Options, prepare, run
+from tests.log_columns import read_columns
+from tests.tops import top_at
 
 ARM_HOME = "[0, -90, 90, 0, 90, 0]"
 
@@ -75,4 +76,4 @@ def run_texts(
 def height_at(ran: Ran, x: float, y: float) -> float:
     """Top of the material [m] in stock coordinates, in the column that holds (x, y); -inf where there is none."""
     (placed,) = ran.shop.stocks.values()
-    return placed.stock.height_at(x, y)
+    return top_at(placed.stock, x, y)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from gcodesim.material import Stock, shape
+from tests.tops import top_at
 
 MM = 1e-3
 MM3 = 1e-9
@@ -196,7 +197,7 @@ def test_a_short_tool_leaves_the_roof_standing():
     stock = plate(0.5)
     removed = cut(stock, [[-10, 25, -8], [40, 25, -8]], shape.flat(10 * MM, 3 * MM))
     assert removed == pytest.approx(3.0 * (10.0 * 40.0 + math.pi / 2 * 25.0), rel=0.01)
-    assert stock.height_at(20 * MM, 25.1 * MM) == 0.0
+    assert top_at(stock, 20 * MM, 25.1 * MM) == 0.0
 
 
 def test_pocket_of_overlapping_rows():
@@ -256,4 +257,4 @@ def test_bead_round_a_circle_and_in_layers():
         laid = stock.add_bead(ring[:-1], ring[1:], 6 * MM, 3 * MM)
         nominal, added = nominal + laid.nominal.sum(), added + laid.volume.sum()
     assert added == pytest.approx(nominal, rel=0.005)
-    assert stock.height_at(100 * MM, 60 * MM) == pytest.approx(9 * MM, abs=1e-12)
+    assert top_at(stock, 100 * MM, 60 * MM) == pytest.approx(9 * MM, abs=1e-12)

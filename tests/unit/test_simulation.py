@@ -9,8 +9,8 @@ import pytest
 import gcodesim
 from gcodesim.cell.loader import read_cell
 from gcodesim.diagnostics import SourceText
-from gcodesim.log.reader import read_columns
 from gcodesim.simulation import check, layout_findings, prepare, run
+from tests.log_columns import read_columns
 
 PROGRAM = "G21 G90\nT1 M6\nS9000 M3\nG0 X0 Y5 Z5\nG1 Z-1 F200\nG1 X60 F600\nG0 Z5\nM5\nM2\n"
 CELL = """

@@ -25,6 +25,7 @@ from gcodesim.rs274.compensation import (
     PLANE,
     STRAIGHT_ON,
     Held,
+    NextMove,
     beside,
     emit,
     flush,
@@ -73,34 +74,22 @@ class FanucCorners:
         hint = "lead in with G0 or G1"
         raise Fault("GS151", "an arc cannot start the compensation", at=name.lower(), hint=hint)
 
-    def join(
-        self,
-        control: Control,
-        op: Point,
-        normal: Point,
-        offset_start: Point,
-        following: Line | PlaneCircle,
-        goal: Vector,
-        *,
-        turns: int = 0,
-        rapid: bool = False,
-    ) -> None:
-        """Join the held move with the next one, which leaves `op` with `normal`."""
-        del goal
+    def join(self, control: Control, to: NextMove) -> None:
+        """Join the held move with the next one."""
         state = self._fanuc.state
-        turn = turn_of(state.comp_normal, normal, state.side)
+        turn = turn_of(state.comp_normal, to.normal, state.side)
         starting, state.comp_starting = state.comp_starting, False
         if starting and (turn <= _TANGENT or not self._fanuc.goes_round):
-            flush(control, corner=offset_start)
+            flush(control, corner=to.offset_start)
         elif abs(turn) <= _TANGENT:
             flush(control, lenient=True)
         elif turn > 0.0:
-            ends_at = offset_start if isinstance(following, PlaneCircle) else None
-            go_round(control, op, normal, turn, ends_at=ends_at, rapid=rapid)
+            ends_at = to.offset_start if isinstance(to.path, PlaneCircle) else None
+            go_round(control, to.op, to.normal, turn, ends_at=ends_at, rapid=to.rapid)
         elif not any(type(event) is Held for event in state.held):
             flush(control)  # after a stop nothing waits, and an inside corner is left as it is
         else:
-            flush(control, corner=_inside(control, op, normal, following, turn, turns))
+            flush(control, corner=_inside(control, to, turn))
 
 
 def turn_of(before: Point, after: Point, side: int) -> float:
@@ -109,16 +98,14 @@ def turn_of(before: Point, after: Point, side: int) -> float:
     return turn - 2.0 * math.pi if turn > math.pi + _REVERSED else turn
 
 
-def _inside(
-    control: Control, op: Point, normal: Point, following: Line | PlaneCircle, turn: float, turns: int
-) -> Point | None:
+def _inside(control: Control, to: NextMove, turn: float) -> Point | None:
     """Where the offset paths of an inside corner meet."""
     state = control.state
     waiting = held_moves(control)
-    if isinstance(following, Line) and (not waiting or waiting[0].kind != "arc"):
-        return _where_tangents_meet(op, state.comp_normal, normal, state.comp_radius)
+    if isinstance(to.path, Line) and (not waiting or waiting[0].kind != "arc"):
+        return _where_tangents_meet(to.op, state.comp_normal, to.normal, state.comp_radius)
     try:
-        return intersection(control, op, following, turns)
+        return intersection(control, to)
     except Fault:
         if turn < -STRAIGHT_ON:
             raise

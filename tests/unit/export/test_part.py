@@ -7,8 +7,8 @@ import pytest
 import trimesh
 
 from gcodesim.export.part import NoPartError, write_part
-from gcodesim.log.reader import read_columns
 from gcodesim.playback import Recording
+from tests.log_columns import read_columns
 
 BLOCK = 60 * 40 * 12  # mm³
 

@@ -7,7 +7,7 @@ from rosbags.highlevel import AnyReader
 from gcodesim.export.rosbag import write_bag
 from gcodesim.export.select import TimeRange
 from gcodesim.export.table import NoTableError
-from gcodesim.log.reader import read_columns
+from tests.log_columns import read_columns
 
 TENTH = TimeRange(period_ns=100_000_000)
 

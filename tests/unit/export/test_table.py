@@ -8,7 +8,7 @@ import pytest
 
 from gcodesim.export.select import TimeRange
 from gcodesim.export.table import NoTableError, seconds_text, write_table
-from gcodesim.log.reader import read_columns
+from tests.log_columns import read_columns
 
 
 def table(recording, topics=(), part=None, units="si"):

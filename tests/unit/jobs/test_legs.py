@@ -12,8 +12,8 @@ from gcodesim.diagnostics import SourceText
 from gcodesim.executor import Progress
 from gcodesim.jobs.job import Job
 from gcodesim.jobs.results import Results
-from gcodesim.log.reader import read_columns
 from gcodesim.simulation import RunInterrupted, check, prepare, run
+from tests.log_columns import read_columns
 
 CELL = """gcodesim: 1
 machine: gantry_xyz
@@ -176,7 +176,8 @@ def test_the_log_is_one_run_and_shows_the_trips(tmp_path: Path) -> None:
     _, results = ran(HEAD + "G38.2 Z-5\nG0 Z5\nX35\nG38.3 Z2\nG0 Z5\nM2\n", tmp_path)
     columns = read_columns(tmp_path / "run.mcap", "/event", ["code", "message", "line"])
     told = [
-        (int(line), text) for code, text, line in zip(*(columns[k] for k in ("code", "message", "line")), strict=True)
+        (int(line), text)
+        for code, text, line in zip(*(columns[k] for k in ("code", "message", "line")), strict=True)
         if code == "probe"
     ]
     assert [line for line, _ in told] == [7, 10]

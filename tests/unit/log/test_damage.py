@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from gcodesim.log.logfile import LogFile, LogReadError
-from gcodesim.log.reader import read_columns
 from gcodesim.log.series import read_series
 from gcodesim.log.summary import summary
+from tests.log_columns import read_columns
 
 MS = 1_000_000
 

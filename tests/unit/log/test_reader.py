@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from gcodesim.log.logfile import LogFile, LogReadError
-from gcodesim.log.reader import read_attachment, read_columns, read_messages
+from gcodesim.log.reader import read_messages
 from gcodesim.log.summary import summary
+from tests.log_columns import read_columns
 
 MS = 1_000_000
 
@@ -141,9 +142,9 @@ def test_fields_that_come_unequally_often_are_refused(run, tmp_path):
 
 def test_attachments_and_messages_can_be_read(run, tmp_path):
     path = run.write(tmp_path / "run.mcap")
-    assert read_attachment(path, "program.nc") == run.PROGRAM
+    assert LogFile.open(path).attachment("program.nc") == run.PROGRAM
     with pytest.raises(KeyError):
-        read_attachment(path, "nothing")
+        LogFile.open(path).attachment("nothing")
     times = [t for t, _ in read_messages(path, "/scene/tool")]
     assert times == [0, 500 * MS]
     file = LogFile.open(path)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from gcodesim.log.logfile import LogFile
-from gcodesim.log.reader import read_columns
 from gcodesim.log.series import read_series
+from tests.log_columns import read_columns
 
 
 @pytest.fixture(scope="module")

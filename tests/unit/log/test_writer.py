@@ -10,8 +10,9 @@ import pytest
 
 from gcodesim.log import BlockColumns, BlockMessages, ByteStrings, ProgramShown
 from gcodesim.log.logfile import LogFile
-from gcodesim.log.reader import read_columns, read_messages
+from gcodesim.log.reader import read_messages
 from gcodesim.log.summary import summary
+from tests.log_columns import read_columns
 
 MS = 1_000_000
 

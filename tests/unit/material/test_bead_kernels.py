@@ -10,6 +10,7 @@ import pytest
 from gcodesim.material import Stock
 from gcodesim.material.bead_kernels import bead_thickness, unite
 from gcodesim.material.field_kernels import Columns
+from tests.tops import top_at
 
 MM = 1e-3
 
@@ -63,7 +64,7 @@ def test_a_wall_of_layers_is_one_solid():
         line[:, 2] = 2.5 * MM * layer + 3e-16
         stock.add_bead(line[:1], line[1:], 6 * MM, 2.5 * MM)
     assert stock.field.columns.number[60, 20] == 1
-    assert stock.height_at(30 * MM, 10 * MM) == pytest.approx(20 * MM, abs=1e-9)
+    assert top_at(stock, 30 * MM, 10 * MM) == pytest.approx(20 * MM, abs=1e-9)
 
 
 def test_neighbouring_beads_share_the_room_of_their_layer():
@@ -82,9 +83,9 @@ def test_outside_of_a_corner_holds_what_its_inside_lacks():
     stock = Stock.empty((0, 0, 0), (60 * MM, 60 * MM, 4 * MM), 0.1 * MM)
     path = np.array([[10.0, 10.0, 2.0], [40.0, 10.0, 2.0], [40.0, 40.0, 2.0]]) * MM
     laid = stock.add_bead(path[:-1], path[1:], 6 * MM, 2 * MM)
-    assert stock.height_at(41.5 * MM, 8.5 * MM) == pytest.approx(2 * MM, abs=0.02 * MM)
-    assert stock.height_at(42.9 * MM, 7.1 * MM) > 1.0 * MM
-    assert stock.height_at(43.2 * MM, 7.1 * MM) == -np.inf
+    assert top_at(stock, 41.5 * MM, 8.5 * MM) == pytest.approx(2 * MM, abs=0.02 * MM)
+    assert top_at(stock, 42.9 * MM, 7.1 * MM) > 1.0 * MM
+    assert top_at(stock, 43.2 * MM, 7.1 * MM) == -np.inf
     area = (4.0 * 2.0 + np.pi) * MM**2
     assert laid.volume.sum() == pytest.approx(area * 60 * MM, rel=1e-3)
 

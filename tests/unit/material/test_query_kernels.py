@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from gcodesim.material import Stock, kernels, shape
+from tests.tops import top_at
 
 MM = 1e-3
 
@@ -72,8 +73,8 @@ def test_intervals_and_heights(carved):
         at = int(x / carved.field.grid.dx), int(y / carved.field.grid.dy)
         n = number[at]
         assert carved.intervals_at(x, y) == list(zip(lo[at][:n], hi[at][:n], strict=True))
-        assert carved.height_at(x, y) == (hi[at][n - 1] if n else -np.inf)
-    assert carved.intervals_at(-1 * MM, 5 * MM) == [] and carved.height_at(-1 * MM, 5 * MM) == -np.inf
+        assert top_at(carved, x, y) == (hi[at][n - 1] if n else -np.inf)
+    assert carved.intervals_at(-1 * MM, 5 * MM) == [] and top_at(carved, -1 * MM, 5 * MM) == -np.inf
 
 
 def test_kernels_say_the_same_without_the_compiler(carved):

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from gcodesim.log.reader import read_columns
 from gcodesim.playback.quantities import QUANTITIES, charts_of, thinned
+from tests.log_columns import read_columns
 
 
 def test_every_quantity_of_a_milling_run_can_be_drawn(slot):

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from gcodesim.log.reader import read_columns
 from gcodesim.playback import Recording, RecordingError
+from tests.log_columns import read_columns
 
 
 def test_folder_and_log_say_the_same(slot_folder):

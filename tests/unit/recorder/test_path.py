@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 import gcodesim
-from gcodesim.log.reader import read_columns, read_messages
+from gcodesim.log.reader import read_messages
 from gcodesim.playback import Recording
+from tests.log_columns import read_columns
 
 CHECK_LOG = Path(__file__).parents[2] / "data" / "log" / "check_log.py"
 PROGRAM = (

@@ -9,8 +9,9 @@ import pytest
 
 import gcodesim
 from gcodesim.log.logfile import LogFile
-from gcodesim.log.reader import read_columns, read_messages
+from gcodesim.log.reader import read_messages
 from gcodesim.recorder import instants
+from tests.log_columns import read_columns
 
 CELL = """gcodesim: 1
 machine: gantry_xyz

@@ -8,9 +8,9 @@ import zlib
 import numpy as np
 import pytest
 
-from gcodesim.log.reader import read_columns
 from gcodesim.report.page import write_page
 from gcodesim.report.replay import chosen_states
+from tests.log_columns import read_columns
 
 
 @pytest.fixture(scope="module")

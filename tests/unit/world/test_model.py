@@ -8,8 +8,6 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 
-from gcodesim.frames import Pose
-from gcodesim.solids import Box, Placed
 from gcodesim.world.body import ToolBody
 from gcodesim.world.model import LEAST_MASS, merged_model, payload_of, principal
 from tests.unit.world import machines
@@ -26,7 +24,7 @@ def test_principal_axes_give_the_inertia_back() -> None:
 
 def test_the_model_has_one_link_a_driven_joint_and_the_mass_of_everything() -> None:
     chain = machines.machine("kr10")
-    root = ET.fromstring(merged_model(chain, machines.SPINDLE, solids=False).text)
+    root = ET.fromstring(merged_model(chain, machines.SPINDLE).text)
 
     assert [joint.get("name") for joint in root.iter("joint")] == [f"joint{i}" for i in range(6)]
     total = sum(float(mass.get("value", "")) for mass in root.iter("mass"))
@@ -40,22 +38,14 @@ def test_a_link_without_mass_gets_the_least_that_can_move() -> None:
     chain = machines.machine("router")
     bare = replace(chain, links=tuple(replace(link, inertial=None) for link in chain.links))
 
-    root = ET.fromstring(merged_model(bare, None, solids=False).text)
+    root = ET.fromstring(merged_model(bare, None).text)
     assert [float(mass.get("value", "")) for mass in root.iter("mass")] == [LEAST_MASS] * 4
 
 
-def test_solids_of_the_tool_ride_on_the_flange() -> None:
+def test_the_tip_rides_on_the_flange() -> None:
     chain = machines.machine("kr10")
-    tool = ToolBody(
-        name="block",
-        length=0.1,
-        mass=1.0,
-        solids=(Placed(Box.about_origin((0.1, 0.2, 0.3)), Pose.from_xyz_rpy((0.0, 0.0, 0.05))),),
-    )
-    model = merged_model(chain, tool, solids=True)
-    origin = ET.fromstring(model.text).find("link[@name='link5']/collision/origin")
+    model = merged_model(chain, ToolBody(name="block", length=0.1, mass=1.0))
 
-    assert origin is not None
     # the flange of this arm is 90 mm out along X of joint 6, and Z of F points along it
-    assert [float(v) for v in origin.get("xyz", "").split()] == pytest.approx([0.09 + 0.05, 0.0, 0.0], abs=1e-12)
+    assert model.carrier == 5
     assert model.p_LT == pytest.approx([0.09 + 0.1, 0.0, 0.0], abs=1e-12)
