@@ -29,6 +29,7 @@ test: lint browser
 	$(BIN)/python -m pytest -n 2 --dist loadfile
 
 test-slow: setup browser
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test,test-slow]'
 	$(BIN)/python -m pytest -n 2 -m slow -rs
 
 # Tests of pages open them in a real browser. It is installed where that is allowed: on Debian, as root, with a network.

@@ -20,11 +20,10 @@ from gcodesim.cell.stock import StockSpec, solid_of
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.frames import WORLD, Array, Pose
 from gcodesim.kinematics import Cartesian, Chain, Inertial, Kinematics, Link, kinematics_of, model_path
-from gcodesim.kinematics.chain import BASE
 from gcodesim.processes.sheet import Sheet
 from gcodesim.processes.signal import Signal, signals_read_by
 from gcodesim.scene import WORK, Body, Mover, Scene, Stand
-from gcodesim.solids import Box, Cylinder, Mesh, MeshFile, Placed, read_mesh
+from gcodesim.solids import Box, Cylinder, Mesh, MeshError, MeshFile, Placed, read_mesh
 from gcodesim.units import MM
 
 if TYPE_CHECKING:
@@ -208,7 +207,7 @@ def _links(mover: Mover) -> Iterator[Body]:
     for shape in mover.kinematics.link_shapes:
         shapes.setdefault(shape.link, []).append(shape.placed)
     for index, solids in sorted(shapes.items()):
-        link = mover.kinematics.link_names[index] if index else BASE
+        link = mover.kinematics.link_names[index] if index else mover.kinematics.chain.base_name
         yield Body(name=f"{mover.name}/{link}", solids=tuple(solids), role="link")
 
 
@@ -279,9 +278,10 @@ def _undrawn(shop: Shop) -> list[Diagnostic]:
     for file in dict.fromkeys(mesh.path for mesh in meshes if isinstance(mesh, MeshFile)):
         try:
             read_mesh(file)
-        except ValueError as fault:
+        except MeshError as fault:
             message = f"a mesh of `{shop.name}` cannot be drawn: {fault}"
-            findings.append(Diagnostic(code="GS770", span=shop.cell.span("robots", shop.name), message=message))
+            span = shop.cell.span("robots", shop.name)
+            findings.append(Diagnostic(code="GS770", span=span, message=message, hint=fault.hint))
     return findings
 
 

@@ -50,11 +50,20 @@ def shipped_chain(name: str) -> Chain:
     return chain
 
 
-def user_chain(file: FileValue, to: Reading, path: KeyPath) -> Chain | Unread:
-    """The chain of a user's URDF; findings about it point to its own lines. The meshes it names are hashed too."""
-    from gcodesim.kinematics.urdf import load_urdf
+def user_chain(file: FileValue, to: Reading, path: KeyPath, flange: str | None = None) -> Chain | Unread:
+    """The chain of a user's URDF; findings about it point to its own lines. The meshes it names are hashed too.
 
-    chain, findings = load_urdf(file.path, name=file.name, packages=to.shelf.packages, may_read=to.shelf.may_read)
+    `flange` is the link that the cell names as such, beside the key at `path`.
+    """
+    from gcodesim.kinematics.urdf import NamedFlange, load_urdf
+
+    chain, findings = load_urdf(
+        file.path,
+        name=file.name,
+        packages=to.shelf.packages,
+        may_read=to.shelf.may_read,
+        flange=None if flange is None else NamedFlange(link=flange, span=to.span((*path[:-1], "flange"))),
+    )
     to.findings.extend(findings)
     if chain is None:
         return UNREAD

@@ -91,11 +91,19 @@ class Carried:
     X: Pose
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class FixedLink:
+    """A link of a robot that no joint moves: at `X` of the robot's base, the frame `frame`."""
+
+    frame: str
+    X: Pose
+
+
 @dataclass(slots=True)
 class FrameTree:
     """All frames by name, each placed in another one or on one of `links`; their places are found on demand."""
 
-    placed: Mapping[str, tuple[Place, Path]]
+    placed: Mapping[str, tuple[Place | FixedLink, Path]]
     links: Container[str]
     to: Reading
     poses: dict[str, Pose] = field(default_factory=dict)
@@ -121,7 +129,7 @@ class FrameTree:
         else:
             self.poses[name] = parent @ own.X
 
-    def _parent(self, own: Place, path: Path, chain: tuple[str, ...]) -> Pose | Carried:
+    def _parent(self, own: Place | FixedLink, path: Path, chain: tuple[str, ...]) -> Pose | Carried:
         parent = own.frame or WORLD
         if parent in chain:
             circle = " in ".join(f"`{name}`" for name in (*chain[chain.index(parent) :], parent))

@@ -9,7 +9,7 @@ from typing import Final
 from gcodesim.canon.systems import SYSTEMS, system_index, system_name
 from gcodesim.cell.cell import FORMAT, MAIN, Cell
 from gcodesim.cell.channel import Channel
-from gcodesim.cell.placing import MACHINE, FrameTree, Place
+from gcodesim.cell.placing import MACHINE, FixedLink, FrameTree, Place
 from gcodesim.cell.receivers import with_signals
 from gcodesim.cell.settings import matches, with_step
 from gcodesim.cell.stock import MeshShape, StockShape
@@ -18,6 +18,7 @@ from gcodesim.declarations.reading import Path, Reading, suggestion
 from gcodesim.declarations.record import list_default
 from gcodesim.diagnostics import Diagnostic, Severity, Span, codes
 from gcodesim.frames import WORLD
+from gcodesim.kinematics.chain import BASE
 from gcodesim.rs274.dialects import DIALECTS
 from gcodesim.rs274.dialects.systems import dialect_with
 from gcodesim.solids import Box
@@ -63,18 +64,20 @@ def _spans(cell: Cell, to: Reading) -> dict[Path, Span]:
 
 
 def _with_frames(cell: Cell, to: Reading) -> Cell:
-    placed: dict[str, tuple[Place, Path]] = {
+    placed: dict[str, tuple[Place | FixedLink, Path]] = {
         name: (place, ("frames", name)) for name, place in cell.placed_frames.items()
     }
     if cell.machine is not None:
         placed[MACHINE] = (cell.machine.base, ("machine", "base"))
     for name, robot in cell.robots.items():
-        placed[f"{name}/base"] = (robot.base, ("robots", name, "base"))
+        placed[robot.base_frame] = (robot.base, ("robots", name, "base"))
+        for link, X in robot.chain.fixed_links.items():
+            placed.setdefault(f"{name}/{link}", (FixedLink(robot.base_frame, X), ("robots", name)))
     tree = FrameTree(placed, cell.link_names, to)
     tree.resolve()
     bases = {name: tree.poses.get(name) or place.X for name, (place, _) in placed.items()}  # else a fault: see below
     machine = None if cell.machine is None else cell.machine.at(bases[MACHINE])
-    robots = {name: robot.at(bases[f"{name}/base"]) for name, robot in cell.robots.items()}
+    robots = {name: robot.at(bases[robot.base_frame]) for name, robot in cell.robots.items()}
     return replace(cell, frames=tree.poses, carried=tree.carried, machine=machine, robots=robots)
 
 
@@ -146,7 +149,8 @@ def _check_frames(cell: Cell, to: Reading) -> None:
     if ("frames",) in to.broken:
         return
     fixed = [WORLD, *to.names_in("frames"), *([MACHINE] if (MACHINE,) in to.keys else [])]
-    fixed += [f"{name}/base" for name in to.names_in("robots")]
+    fixed += [f"{name}/{BASE}" for name in to.names_in("robots")]
+    fixed += [name for name in cell.frames if name not in fixed]
     for reference in to.references:
         if reference.what != "frame":
             continue

@@ -52,6 +52,9 @@ class RobotForm:
 
     model: str | None = key(Text(form="the name of a shipped model"), "a model that ships with gcodesim", default=None)
     urdf: FileValue | None = key(File("a URDF file"), "your own robot description", default=None)
+    flange: str | None = key(
+        Text(form="the name of a link"), "the link of the URDF that carries the tool", default=None, quiet=True
+    )
     base: Place = key(Record(Place, "a place"), "where the base stands", default=Place(), quiet=True)
     home: Any = key(JointList(), "joints at the start", default=None)
     stiffness: Any = key(
@@ -74,9 +77,11 @@ class RobotForm:
             model = shipped(self.model, "arm", to, (*path, "model"))
             if isinstance(model, Unread):
                 return UNREAD
+            if self.flange is not None:
+                return to.fault("GS719", to.key((*path, "flange")), "`flange` is for a `urdf`; a model has its own")
             return self._robot(shipped_chain(model.name), model.path, model.home, model.stiffness, to, path)
         assert self.urdf is not None
-        chain = user_chain(self.urdf, to, (*path, "urdf"))
+        chain = user_chain(self.urdf, to, (*path, "urdf"), self.flange)
         if isinstance(chain, Unread):
             return UNREAD
         joints = chain.driven_joints
@@ -121,6 +126,7 @@ class RobotForm:
             name=str(path[-1]),
             model=self.model,
             urdf=None if self.urdf is None else self.urdf.name,
+            flange=self.flange,
             description=description,
             chain=chain,
             base=self.base,
@@ -162,8 +168,8 @@ def measures_of(chain: Chain) -> tuple[Measure, ...]:
 class Robot:
     """A robot in the cell.
 
-    `model` names a shipped one, else `urdf` is the file's name as written in the cell; `description` is where that file
-    is, and `chain` its content. `home` [rad] or [m],
+    `model` names a shipped one, else `urdf` is the file's name as written in the cell, and `flange` the link written
+    there; `description` is where that file is, and `chain` its content. `home` [rad] or [m],
     `stiffness` of the gears [N·m/rad] or [N/m], or None for rigid ones; `X_WB` is its base in the world.
     """
 
@@ -173,6 +179,7 @@ class Robot:
     name: str
     model: str | None
     urdf: str | None
+    flange: str | None
     description: FilePath
     chain: Chain = field(compare=False, repr=False)
     base: Place
@@ -186,6 +193,11 @@ class Robot:
         """Everything that can carry something: base, links and flange."""
         return self.chain.carriers
 
+    @property
+    def base_frame(self) -> str:
+        """The name of its base: `arm/base`."""
+        return f"{self.name}/{self.chain.base_name}"
+
     def axis(self, letter: str) -> MachineAxis | None:
         return None
 
@@ -197,6 +209,12 @@ def _show_stiffness(robot: Robot) -> list[str]:
     assert robot.stiffness is not None
     dimensions = [_STIFFNESS_OF[m] for m in measures_of(robot.chain)]
     return [Quantity(d).show(k) for d, k in zip(dimensions, robot.stiffness, strict=True)]
+
+
+def _description(robot: Robot) -> Json:
+    if robot.model:
+        return {"model": robot.model}
+    return {"urdf": robot.urdf} | ({} if robot.flange is None else {"flange": robot.flange})
 
 
 _FORM: Final = Record(RobotForm, "the robot", "model")
@@ -217,7 +235,7 @@ class RobotKind(Kind):
         return _FORM.schema(definitions)
 
     def show(self, value: Any) -> Any:
-        shown: Json = {"model": value.model} if value.model else {"urdf": value.urdf}
+        shown = _description(value)
         shown["base"] = Record(Place, "a place").show(value.base)
         shown["home"] = [Quantity(m).show(v) for m, v in zip(measures_of(value.chain), value.home, strict=True)]
         shown["stiffness"] = RIGID if value.stiffness is None else _show_stiffness(value)
@@ -227,7 +245,7 @@ class RobotKind(Kind):
 
     def plain(self, value: Any) -> tuple[str, Any]:
         measures = measures_of(value.chain)
-        shown: Json = {"model": value.model} if value.model else {"urdf": value.urdf}
+        shown = _description(value)
         shown["base"] = Record(Place, "a place").plain(value.base)[1]
         shown["joint_units"] = ["mm" if m == "length" else "deg" for m in measures]
         shown["home"] = [Quantity(m).plain(v)[1] for m, v in zip(measures, value.home, strict=True)]

@@ -57,7 +57,9 @@ def _as_written(cell: Cell) -> Cell:
 
 
 def _poses(cell: Cell, placement: Placement) -> list[tuple[str, str, Pose]]:
-    rows = [(name, "world", X) for name, X in cell.frames.items() if name != "world"]
+    seconds = {f"{name}/{robot.chain.links[0].name}" for name, robot in cell.robots.items()}
+    seconds -= {robot.base_frame for robot in cell.robots.values()}  # other names of bases
+    rows = [(name, "world", X) for name, X in cell.frames.items() if name != "world" and name not in seconds]
     systems = placement.given or ((1,) if placement.automatic else ())
     zero = "machine" if cell.machine else "base"
     rows += [(name_of_system(index), zero, placement.work_offsets[index]) for index in systems]

@@ -156,9 +156,26 @@ class Chain:
         return tuple(link.name for link in self.links)
 
     @property
+    def base_name(self) -> str:
+        """What the root is called in the log and in cells: `base`, or its own name if another link is called so."""
+        return self.links[0].name if BASE in self.link_names[1:] else BASE
+
+    @property
+    def flange_name(self) -> str:
+        """What F is called in the log and in cells: `flange`, or its own name if another link is called so."""
+        return self.flange if FLANGE in self.link_names else FLANGE
+
+    @property
     def carriers(self) -> tuple[str, ...]:
-        """Names in the log of everything that can carry something: the root is `base`, and there is a `flange`."""
-        return tuple(dict.fromkeys((BASE, *self.link_names[1:], FLANGE)))
+        """Names in the log of everything that can carry something, the root and the flange among them."""
+        return tuple(dict.fromkeys((self.base_name, *self.link_names[1:], self.flange_name)))
+
+    @property
+    def fixed_links(self) -> dict[str, Pose]:
+        """X_BL of the links that no joint moves, by their own names; the root is among them, the identity."""
+        tree = self.tree
+        still = np.flatnonzero(tree.carrier < 0)
+        return {self.links[i].name: Pose.from_matrix(tree.offset[i]) for i in still}
 
     @cached_property
     def driven_joints(self) -> Joints:

@@ -3,28 +3,33 @@
 Read are links with inertials, visuals and collisions (box, cylinder, capsule,
 sphere, mesh file), and joints with limits and mimic. The attribute
 `acceleration` of `<limit>` is an extension of ours ([rad/s²] or [m/s²]) that
-other readers skip. The flange F is the link `tool0`, else `flange`, else `tcp`,
+other readers skip. The flange F is the link that the cell names, else `tool0`, else `flange`, else `tcp`,
 else the end of the longest chain; a link `table` on a branch of its own is the
 work side of a machine tool.
 """
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 
-from gcodesim.diagnostics import Diagnostic, Severity, Span
+from gcodesim.declarations.reading import suggestion
+from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.frames import Array, Pose, rotation_from_rpy
 from gcodesim.kinematics.chain import GREY, Chain, Inertial, Joint, JointKind, Link, LinkSolid
-from gcodesim.kinematics.xml_lines import LinedElement, XmlError, parse_xml
+from gcodesim.kinematics.urdf_meshes import EXPAND, MeshFiles
+from gcodesim.kinematics.urdf_tree import TreeReader
+from gcodesim.kinematics.xml_lines import Faults, LinedElement, XmlError, parse_xml
 from gcodesim.solids import Box, Cylinder, Mesh, MeshFile, Sphere
 
-FLANGE_NAMES: Final = ("tool0", "flange", "tcp")
+LARGEST_XML: Final = 20_000_000
+_BODIES: Final = "box, cylinder, capsule, sphere or mesh"
+_OTHERS: Final = ("sdf", "mujoco", "mujocoinclude")
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _KINDS: Final[dict[str, JointKind]] = {
     "revolute": "revolute",
@@ -34,12 +39,21 @@ _KINDS: Final[dict[str, JointKind]] = {
 }
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NamedFlange:
+    """The link that a cell takes as the flange, and where the cell says so."""
+
+    link: str
+    span: Span
+
+
 def load_urdf(
     path: Path,
     *,
     name: str | None = None,
     packages: Mapping[str, Path] | None = None,
     may_read: Callable[[Path], bool] | None = None,
+    flange: NamedFlange | None = None,
 ) -> tuple[Chain | None, list[Diagnostic]]:
     """The chain that the file describes, and what is wrong with it; None when an error leaves no chain.
 
@@ -47,44 +61,35 @@ def load_urdf(
     names in package:// to folders; `may_read` says which mesh files are allowed.
     Mesh files are looked for, not read. Never raises for a fault of the file.
     """
-    reader = _Reader(path, name or path.name, packages or {}, may_read)
+    faults = Faults(name or path.name)
     try:
+        if path.stat().st_size > LARGEST_XML:
+            faults.find("GS760", f"`{faults.file}` is larger than {LARGEST_XML // 1_000_000} MB, no URDF is", None)
+            return None, faults.findings
         root = parse_xml(path.read_bytes())
     except OSError as error:
-        reader.find("GS760", f"`{reader.file}` cannot be read: {error.strerror}", None)
-        return None, reader.findings
+        faults.find("GS760", f"`{faults.file}` cannot be read: {error.strerror}", None)
+        return None, faults.findings
     except XmlError as error:
-        span = Span(reader.file, error.line, error.column, error.line, error.column + 1)
-        reader.findings.append(Diagnostic(code="GS760", message=f"the URDF is not well-formed XML: {error}", span=span))
-        return None, reader.findings
-    chain = reader.chain(root)
-    return (None if reader.failed else chain), reader.findings
+        span = Span(faults.file, error.line, error.column, error.line, error.column + 1)
+        message = f"the URDF is not well-formed XML: {error}"
+        faults.findings.append(Diagnostic(code="GS760", message=message, span=span, hint=error.hint))
+        return None, faults.findings
+    chain = _Reader(path, faults, MeshFiles(path, packages or {}, may_read, faults), flange).chain(root)
+    return (None if faults.failed else chain), faults.findings
 
 
 class _Reader:
     """One file being read; findings are collected, faulty parts left out."""
 
-    def __init__(
-        self, path: Path, file: str, packages: Mapping[str, Path], may_read: Callable[[Path], bool] | None
-    ) -> None:
+    def __init__(self, path: Path, faults: Faults, meshes: MeshFiles, flange: NamedFlange | None) -> None:
         self.path = path
-        self.file = file
-        self.packages = packages
-        self.may_read = may_read
-        self.findings: list[Diagnostic] = []
+        self.faults = faults
+        self.find = faults.find
+        self.meshes = meshes
+        self.flange = flange
         self.colours: dict[str, tuple[float, ...]] = {}
-        self.meshes: list[Path] = []
         self.places: dict[str, LinedElement] = {}
-
-    @property
-    def failed(self) -> bool:
-        return any(f.level >= Severity.ERROR for f in self.findings)
-
-    def find(self, code: str, message: str, at: LinedElement | None, hint: str = "") -> None:
-        span = Span(self.file)
-        if at is not None:
-            span = Span(self.file, at.line, at.column, at.line, at.column + len(at.tag) + 1)
-        self.findings.append(Diagnostic(code=code, message=message, span=span, hint=hint))
 
     # numbers
 
@@ -96,11 +101,11 @@ class _Reader:
         words = text.split()
         if len(words) != count or not all(_NUMBER.fullmatch(word) for word in words):
             wanted = "a number" if count == 1 else f"{count} numbers"
-            self.find("GS765", f'`{key}="{text}"` of <{e.tag}> should be {wanted}', e)
+            self.find("GS765", f'`{key}="{text}"` of <{e.tag}> should be {wanted}', e, _remedy(text, count))
             return default
         values = tuple(float(word) for word in words)
         if not all(np.isfinite(values)):
-            self.find("GS765", f'`{key}="{text}"` of <{e.tag}> is too large a number', e)
+            self.find("GS765", f'`{key}="{text}"` of <{e.tag}> is too large a number', e, "units are m, rad and kg")
             return default
         return values
 
@@ -125,7 +130,7 @@ class _Reader:
         mass_element, tensor = found.child("mass"), found.child("inertia")
         mass = self.number(mass_element, "value", 0.0) if mass_element is not None else 0.0
         if mass < 0.0:
-            self.find("GS765", f"a mass of {mass:g} kg cannot be", mass_element)
+            self.find("GS765", f"a mass of {mass:g} kg cannot be", mass_element, "0 if it is not known")
         tensor3 = np.zeros((3, 3))
         if tensor is not None:
             for r, c, key in ((0, 0, "ixx"), (1, 1, "iyy"), (2, 2, "izz"), (0, 1, "ixy"), (0, 2, "ixz"), (1, 2, "iyz")):
@@ -147,7 +152,8 @@ class _Reader:
         geometry = e.child("geometry")
         body = next((c for c in geometry if isinstance(c, LinedElement)), None) if geometry is not None else None
         if body is None:
-            self.find("GS765", f"<{e.tag}> has no <geometry> with a body", e)
+            hint = f"take the <{e.tag}> out, or put a body into it: {_BODIES}"
+            self.find("GS765", f"<{e.tag}> has no <geometry> with a body", e, hint)
             return []
         X = self.pose(e)
         r, g, b, a = self.colour(e) or GREY
@@ -167,37 +173,13 @@ class _Reader:
                     parts.append(LinkSolid(solid=Sphere(radius=radius), X=X @ shift, rgba=rgba))
             return parts
         if body.tag == "mesh":
-            mesh = self.mesh(body)
+            mesh = self.meshes.locate(body)
             x, y, z = self.numbers(body, "scale", 3, (1.0, 1.0, 1.0))
             if mesh is None:
                 return []
             return [LinkSolid(solid=Mesh(source=MeshFile(path=mesh, scale=(x, y, z))), X=X, rgba=rgba)]
-        self.find("GS765", f"<{body.tag}> is no body that URDF knows", body, "box, cylinder, capsule, sphere or mesh")
+        self.find("GS765", f"<{body.tag}> is no body that URDF knows", body, _BODIES)
         return []
-
-    def mesh(self, e: LinedElement) -> Path | None:
-        """The file that a <mesh> names, or None with a finding that names the path tried."""
-        text = e.get("filename", "")
-        if text.startswith("package://"):
-            package, _, inner = text.removeprefix("package://").partition("/")
-            if package not in self.packages:
-                known = ", ".join(f"`{p}`" for p in sorted(self.packages)) or "none"
-                hint = f"add `packages: {{{package}: folder}}` to the cell; packages known: {known}"
-                self.find("GS761", f"mesh `{text}`: the folder of package `{package}` is not known", e, hint)
-                return None
-            file = self.packages[package] / inner
-        else:
-            file = self.path.parent / text.removeprefix("file://")
-        tried = os.path.relpath(file, self.path.parent)
-        if self.may_read is not None and not self.may_read(file):
-            self.find("GS762", f"mesh `{text}` lies outside the folders that may be read (`{tried}`)", e)
-            return None
-        if not text or not file.is_file():
-            self.find("GS761", f"mesh `{text}` not found; tried `{tried}` from the folder of the URDF", e)
-            return None
-        if file not in self.meshes:
-            self.meshes.append(file)
-        return file
 
     def link(self, e: LinedElement) -> Link:
         visuals = [shape for v in e.children("visual") for shape in self.shapes(v)]
@@ -216,15 +198,9 @@ class _Reader:
             hint = "revolute, continuous, prismatic and fixed joints are simulated"
             self.find("GS766", f"joint `{name}` is of type `{kind}`, which is not simulated", e, hint)
             return None
-        axis = np.array([1.0, 0.0, 0.0])
-        axis_element = e.child("axis")
-        if axis_element is not None:
-            axis = np.array(self.numbers(axis_element, "xyz", 3, (1.0, 0.0, 0.0)))
-            length = float(np.linalg.norm(axis))
-            if length < 1e-9:
-                self.find("GS765", f"joint `{name}` has an axis without direction", axis_element)
-                return None
-            axis = axis / length
+        axis = self.axis(e, name) if _KINDS[kind] != "fixed" else np.array([1.0, 0.0, 0.0])
+        if axis is None:
+            return None
         lower, upper, speed, effort, acceleration = self.limits(e, name, kind)
         mimic = None
         follows = e.child("mimic")
@@ -245,6 +221,19 @@ class _Reader:
             effort=effort,
             mimic=mimic,
         )
+
+    def axis(self, e: LinedElement, name: str) -> Array | None:
+        """The unit vector (3,) about or along which a joint moves, X by default; None with a finding if it is zero."""
+        element = e.child("axis")
+        if element is None:
+            return np.array([1.0, 0.0, 0.0])
+        axis = np.array(self.numbers(element, "xyz", 3, (1.0, 0.0, 0.0)))
+        length = float(np.linalg.norm(axis))
+        if length < 1e-9:
+            hint = 'for a joint that does not move, write `type="fixed"`'
+            self.find("GS765", f"joint `{name}` has an axis without direction", element, hint)
+            return None
+        return axis / length
 
     def limits(self, e: LinedElement, name: str, kind: str) -> tuple[float, float, float, float, float | None]:
         """Lower, upper, speed, effort and acceleration of a joint. An effort or speed of 0 means: not known."""
@@ -271,121 +260,86 @@ class _Reader:
         acceleration = self.number(limit, "acceleration", 0.0)
         return lower, upper, speed if speed > 0.0 else inf, effort if effort > 0.0 else inf, acceleration or None
 
-    # the tree
+    # the whole
 
     def chain(self, root: LinedElement) -> Chain | None:
         """The whole robot; None when links and joints make no tree."""
         if root.tag != "robot":
-            self.find("GS760", f"a URDF begins with <robot>, this file with <{root.tag}>", root)
+            hint = "Gazebo's SDF and MuJoCo's MJCF are other formats: export a URDF" if root.tag in _OTHERS else ""
+            self.find("GS760", f"a URDF begins with <robot>, this file with <{root.tag}>", root, hint)
             return None
         if any(e.tag.startswith("xacro:") or "ros.org/wiki/xacro" in e.tag for e in root.iter()):
-            self.find("GS760", "this is a xacro template, not a URDF", root, "run `xacro FILE > robot.urdf` first")
+            self.find("GS760", "this is a xacro template, not a URDF", root, EXPAND)
             return None
         for material in root.children("material"):
             colour = material.child("color")
             if colour is not None:
                 self.colours[material.get("name", "")] = self.numbers(colour, "rgba", 4, GREY)
+        links = self.links(root)
+        joints = self.joints(root, links)
+        self.meshes.report_packages()
+        flange = None if self.flange is None else self.flange.link
+        if self.flange is not None and self.flange.link not in links:
+            message = f"the robot has no link `{self.flange.link}`"
+            hint = suggestion(self.flange.link, list(links))
+            self.faults.findings.append(Diagnostic(code="GS712", message=message, span=self.flange.span, hint=hint))
+        if self.faults.failed:
+            return None
+        tree = TreeReader(root, links, joints, self.places, self.faults).tree(flange)
+        if tree is None:
+            return None
+        return Chain(
+            name=root.get("name", self.path.stem),
+            links=tuple(links[name] for name in tree.links),
+            joints=tree.joints,
+            driven=tree.driven,
+            flange=tree.flange,
+            table=tree.table,
+            files=tuple(self.meshes.found),
+        )
+
+    def links(self, root: LinedElement) -> dict[str, Link]:
+        """All links by name."""
         links: dict[str, Link] = {}
         for e in root.children("link"):
             link = self.link(e)
             if link.name in links or not link.name:
-                self.find("GS764", f"link name `{link.name}` is empty or used before", e)
+                self.find("GS764", f"link name `{link.name}` is empty or used before", e, "each link has its own name")
                 continue
             links[link.name], self.places[link.name] = link, e
+        return links
+
+    def joints(self, root: LinedElement, links: Mapping[str, Link]) -> list[Joint]:
+        """The joints that can be used, in the order of the file."""
         joints: list[Joint] = []
+        held: set[str] = set()
         for e in root.children("joint"):
             joint = self.joint(e)
             if joint is None:
                 continue
             missing = [f"`{end}`" for end in (joint.parent, joint.child) if end not in links]
             if missing:
-                self.find(
-                    "GS764", f"joint `{joint.name}` names the link {' and '.join(missing)}, which is not there", e
-                )
-            elif joint.child in (j.child for j in joints):
-                self.find("GS764", f"joint `{joint.name}` hangs up the link `{joint.child}` a second time", e)
+                message = f"joint `{joint.name}` names the link {' and '.join(missing)}, which is not there"
+                near = suggestion(missing[0].strip("`"), list(links))
+                hint = near if near.startswith("did") else f'add `<link name="{missing[0].strip("`")}"/>`'
+                self.find("GS764", message, e, hint)
+            elif joint.child in held:
+                hint = "every link but the root is the child of exactly one joint"
+                self.find("GS764", f"joint `{joint.name}` hangs up the link `{joint.child}` a second time", e, hint)
             elif not joint.name or f"joint {joint.name}" in self.places:
-                self.find("GS764", f"joint name `{joint.name}` is empty or used before", e)
+                hint = "each joint has its own name"
+                self.find("GS764", f"joint name `{joint.name}` is empty or used before", e, hint)
             else:
                 joints.append(joint)
+                held.add(joint.child)
                 self.places[f"joint {joint.name}"] = e
-        if self.failed:
-            return None
-        return self.tree(root, links, joints)
+        return joints
 
-    def tree(self, root: LinedElement, links: dict[str, Link], joints: list[Joint]) -> Chain | None:
-        """Order from the root outwards, flange, driven joints."""
-        children = {joint.child for joint in joints}
-        roots = [name for name in links if name not in children]
-        if len(roots) != 1:
-            what = ", ".join(f"`{r}`" for r in roots) or "none (a ring of joints)"
-            self.find("GS764", f"a robot has one root link; this one has {what}", root)
-            return None
-        ordered: list[Joint] = []
-        depth = {roots[0]: 0}
-        reached = [roots[0]]
-        for link in reached:  # grows while it is walked: breadth first, in the order of the file
-            for joint in joints:
-                if joint.parent == link:
-                    ordered.append(joint)
-                    reached.append(joint.child)
-                    depth[joint.child] = depth[link] + 1
-        if len(reached) < len(links):
-            lost = ", ".join(f"`{name}`" for name in links if name not in depth)
-            self.find("GS764", f"the links {lost} hang on each other, not on the root", root)
-            return None
-        flange = next((n for n in FLANGE_NAMES if n in depth), max(reached, key=lambda n: depth[n]))
-        above = {joint.child: index for index, joint in enumerate(ordered)}
-        driven = self._driven(ordered, above, flange)
-        table = "table" if "table" in depth and self._driven(ordered, above, "table") else None
-        if table is not None:
-            driven += [i for i in self._driven(ordered, above, table) if i not in driven]
-        if not driven:
-            self.find("GS767", f"no joint between the root `{roots[0]}` and the flange `{flange}` can move", root)
-            return None
-        self._remark(ordered, driven, links)
-        return Chain(
-            name=root.get("name", self.path.stem),
-            links=tuple(links[name] for name in reached),
-            joints=tuple(ordered),
-            driven=tuple(driven),
-            flange=flange,
-            table=table,
-            files=tuple(self.meshes),
-        )
 
-    @staticmethod
-    def _driven(joints: list[Joint], above: Mapping[str, int], link: str) -> list[int]:
-        """Indices of the movable joints from the root to `link`."""
-        found: list[int] = []
-        while link in above:
-            index = above[link]
-            if joints[index].kind != "fixed":
-                found.insert(0, index)
-            link = joints[index].parent
-        return found
-
-    def _has_mass(self, link: str, joints: list[Joint], links: Mapping[str, Link]) -> bool:
-        """Whether `link`, or what is fixed to it, weighs anything."""
-        inertial = links[link].inertial
-        if inertial is not None and inertial.mass > 0.0:
-            return True
-        return any(self._has_mass(j.child, joints, links) for j in joints if j.parent == link and j.kind == "fixed")
-
-    def _remark(self, joints: list[Joint], driven: list[int], links: Mapping[str, Link]) -> None:
-        """Findings about a tree that holds together: followers in the chain, idle joints, links without mass."""
-        for index, joint in enumerate(joints):
-            at = self.places[f"joint {joint.name}"]
-            if index in driven:
-                if joint.mimic is not None:
-                    message = (
-                        f"joint `{joint.name}` follows `{joint.mimic[0]}`; followers inside the chain are not simulated"
-                    )
-                    self.find("GS766", message, at)
-                elif not self._has_mass(joint.child, joints, links):
-                    self.find("GS769", f"link `{joint.child}` has no mass: joint efforts leave it out", at)
-            elif joint.kind != "fixed":
-                follows = f", follows `{joint.mimic[0]}`" if joint.mimic is not None else ""
-                self.find(
-                    "GS768", f"joint `{joint.name}` is not on the way to the flange{follows}: it stands at zero", at
-                )
+def _remedy(text: str, count: int) -> str:
+    """What may be wrong with numbers that cannot be read."""
+    if "$" in text:
+        return EXPAND
+    if "," in text:
+        return "numbers are separated by spaces, and their decimal sign is a point"
+    return f"exactly {count} plain numbers, separated by spaces" if count > 1 else "a plain number such as 0.125"

@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, Final
 from xml.parsers import expat
+
+from gcodesim.diagnostics import Diagnostic, Severity, Span
+
+WELL_FORMED: Final = "mend this line; `--` may not stand in a comment, nor `<` or `&` by themselves in a text"
+_MISPLACED: Final = "not at start of entity"
 
 
 class XmlError(Exception):
-    """Text that is not XML; `line` and `column` count from 1."""
+    """Text that is not XML; `line` and `column` count from 1, `hint` says what to do."""
 
-    def __init__(self, message: str, line: int, column: int) -> None:
+    def __init__(self, message: str, line: int, column: int, hint: str = "") -> None:
         super().__init__(message)
         self.line = line
         self.column = column
+        self.hint = hint
 
 
 class LinedElement(ET.Element):
@@ -31,15 +38,39 @@ class LinedElement(ET.Element):
         return [e for e in self if isinstance(e, LinedElement) and e.tag == tag]
 
 
+@dataclass(slots=True)
+class Faults:
+    """What is wrong with one file of XML: findings at its elements."""
+
+    file: str
+    findings: list[Diagnostic] = field(default_factory=list)
+
+    @property
+    def failed(self) -> bool:
+        return any(f.level >= Severity.ERROR for f in self.findings)
+
+    def find(self, code: str, message: str, at: LinedElement | None, hint: str = "", count: int = 1) -> None:
+        """A finding at the tag of `at`; without one, at the file."""
+        span = Span(self.file)
+        if at is not None:
+            span = Span(self.file, at.line, at.column, at.line, at.column + len(at.tag) + 1)
+        self.findings.append(Diagnostic(code=code, message=message, span=span, hint=hint, count=count))
+
+
 def parse_xml(raw: bytes) -> LinedElement:
-    """The root element; XmlError on anything that is not well-formed, and on a document type (it can hide bombs)."""
+    """The root element; XmlError on anything that is not well-formed, and on a document type (it can hide bombs).
+
+    Blank lines before the declaration are passed over, as the readers of ROS and Bullet do.
+    """
+    text = raw.lstrip(b" \t\r\n")
+    skipped = raw[: len(raw) - len(text)].count(b"\n")
     parser = expat.ParserCreate()
     root: list[LinedElement] = []
     stack: list[LinedElement] = []
 
     def start(tag: str, attributes: dict[str, str]) -> None:
         element = LinedElement(tag, attributes)
-        element.line, element.column = parser.CurrentLineNumber, parser.CurrentColumnNumber + 1
+        element.line, element.column = parser.CurrentLineNumber + skipped, parser.CurrentColumnNumber + 1
         if stack:
             stack[-1].append(element)
         else:
@@ -47,15 +78,18 @@ def parse_xml(raw: bytes) -> LinedElement:
         stack.append(element)
 
     def refuse(*_: Any) -> None:
-        raise XmlError("a document type declaration is not read here", parser.CurrentLineNumber, 1)
+        message = "a document type declaration is not read here"
+        raise XmlError(message, parser.CurrentLineNumber + skipped, 1, "take out `<!DOCTYPE …>`")
 
     parser.StartElementHandler = start
     parser.EndElementHandler = lambda _: stack.pop()
     parser.StartDoctypeDeclHandler = refuse
     try:
-        parser.Parse(raw, True)
+        parser.Parse(text, True)
     except expat.ExpatError as error:
-        raise XmlError(expat.ErrorString(error.code), error.lineno, error.offset + 1) from None
+        message = expat.ErrorString(error.code)
+        hint = "" if _MISPLACED not in message else "nothing may stand before `<?xml … ?>`: take that line out"
+        raise XmlError(message, error.lineno + skipped, error.offset + 1, hint or WELL_FORMED) from None
     except ValueError as error:  # an encoding that expat does not know
-        raise XmlError(str(error), 1, 1) from None
+        raise XmlError(str(error), 1, 1, "save the file as UTF-8") from None
     return root[0]

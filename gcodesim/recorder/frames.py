@@ -37,7 +37,7 @@ def stock_frame(index: int, name: str) -> str:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Frames:
-    """Frames of one shop. `links` are the links that move or carry the flange, all but the root.
+    """Frames of one shop. `links` are the links that move or carry the flange, all but the root; `flange` is F.
 
     `stocks` maps the names of stocks' frames in the log to those in the scene; a cell without stock has one, at G54.
     """
@@ -61,7 +61,7 @@ class Frames:
         return Frames(
             shop=shop,
             links=links,
-            flange=f"{shop.name}/{chain.flange}",
+            flange=f"{shop.name}/{chain.flange_name}",
             stocks=stocks,
             moving_stocks=tuple(name for name, frame in stocks.items() if shop.scene.moves(frame)),
             moving_work=shop.scene.moves(f"{shop.name}/{WORK}"),
@@ -97,7 +97,7 @@ class Frames:
 
     @property
     def base(self) -> str:
-        return f"{self.shop.name}/base"
+        return f"{self.shop.name}/{self.shop.kinematics.chain.base_name}"
 
     def link_frame(self, index: int) -> str:
         """Name of the frame of a link; the root is the base."""
@@ -113,21 +113,17 @@ class Frames:
         """(parent, child) of all frames that move, in the order of `at`."""
         frames = [(self.base, self.link_frame(i)) for i in self.links]
         if self.flange_is_extra:
-            frames.append((self.base, self.flange_name))
-        frames += [(self.flange_name, "tool"), ("world", "tcp"), ("world", "part")]
+            frames.append((self.base, self.flange))
+        frames += [(self.flange, "tool"), ("world", "tcp"), ("world", "part")]
         frames += [("world", name) for name in self.moving_stocks]
         if self.moving_path:
             frames.append(("world", self.path_frame))
         return tuple(frames)
 
     @property
-    def flange_name(self) -> str:
-        return f"{self.shop.name}/flange"
-
-    @property
     def flange_is_extra(self) -> bool:
-        """Whether no link is called `flange`, so that the frame has to be added."""
-        return self.flange_name not in {self.link_frame(i) for i in self.links}
+        """Whether no link has the name of F, so that the frame has to be added."""
+        return self.flange not in {self.link_frame(i) for i in self.links}
 
     def at(self, q: Array, tcp: Array, tools: Array, part: Array) -> Array:
         """Poses (n, F, 7) of the moving frames in their parents.

@@ -12,7 +12,6 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from gcodesim.frames import WORLD, Array, Pose
-from gcodesim.kinematics.chain import BASE
 from gcodesim.scene.body import Body
 from gcodesim.scene.mover import Mover
 
@@ -92,7 +91,7 @@ class Scene:
         split = self._mover_of(frame)
         if split is not None:
             mover, link = split
-            if link == BASE:
+            if link == mover.kinematics.chain.base_name:
                 return mover.X_WB
             return mover.X_WB @ Pose.from_matrix(mover.seen_from_base(link, mover.home[None])[0])
         stand = self.frames[frame]
@@ -121,7 +120,7 @@ class Scene:
             return True
         split = self._mover_of(frame)
         if split is not None:
-            return split[1] != BASE
+            return split[1] != split[0].kinematics.chain.base_name
         return self._may_move(self.frames[frame].parent, holds)
 
     def _in_base(self, mover: Mover, frame: str, q: Mapping[str, Array]) -> Array | None:

@@ -6,7 +6,7 @@ Knows no cell, no machine and no tool; each of these has one place that says whi
 from gcodesim.solids.convex import hulls_of
 from gcodesim.solids.hull import Hull
 from gcodesim.solids.mass import moments
-from gcodesim.solids.mesh_file import MeshFile, Triangles, read_mesh
+from gcodesim.solids.mesh_file import MeshError, MeshFile, Triangles, read_mesh
 from gcodesim.solids.outline import outline_of, widest
 from gcodesim.solids.solid import Box, Cone, Cylinder, Hulls, Mesh, Placed, Point, Revolution, Solid, Sphere
 from gcodesim.solids.triangles import triangles_of
@@ -18,6 +18,7 @@ __all__ = [
     "Hull",
     "Hulls",
     "Mesh",
+    "MeshError",
     "MeshFile",
     "Placed",
     "Point",

@@ -3,15 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.frames import Array
 
+NEEDS_COLLADA: Final = "`pip install 'gcodesim[dae]'`, or convert the file to STL or OBJ"
 Faces = NDArray[np.int32]
+
+
+class MeshError(ValueError):
+    """A mesh file without triangles that can be read; `hint` says what helps."""
+
+    def __init__(self, message: str, hint: str = "") -> None:
+        super().__init__(message)
+        self.hint = hint
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -38,17 +49,19 @@ class MeshFile:
 def read_mesh(path: Path, scale: float = 1.0) -> tuple[Array, Faces]:
     """Vertices (v, 3) [m] and faces (f, 3) of an STL, OBJ, PLY … file whose unit is `scale` metres.
 
-    ValueError when the file cannot be read or holds no triangles; the text says why.
+    MeshError when the file cannot be read or holds no triangles; the text says why.
     """
     import trimesh
 
+    if path.suffix.lower() == ".dae" and find_spec("collada") is None:
+        raise MeshError(f"{path.name}: nothing that reads Collada is installed here", NEEDS_COLLADA)
     try:
         # the bytes, not the path: the readers would open whatever else a file names, such as materials
         mesh = trimesh.load(BytesIO(path.read_bytes()), file_type=path.suffix[1:].lower(), force="mesh", process=False)
     except Exception as fault:  # each kind of file has a reader that fails in its own ways
-        raise ValueError(f"{path.name}: {fault or type(fault).__name__}") from fault
+        raise MeshError(f"{path.name}: {fault or type(fault).__name__}") from fault
     vertices = np.ascontiguousarray(mesh.vertices, dtype=np.float64) * scale
     faces = np.ascontiguousarray(mesh.faces, dtype=np.int32)
     if len(faces) == 0:
-        raise ValueError(f"{path.name} holds no triangles")
+        raise MeshError(f"{path.name} holds no triangles")
     return vertices, faces

@@ -361,7 +361,7 @@ CODES += (
         why="Without a description there is no robot that could move.",
         remedy=(
             "Check the path and the line named here. A xacro template has to be expanded first: `xacro FILE > "
-            "robot.urdf`."
+            "robot.urdf`. The command comes with `pip install 'gcodesim[xacro]'`."
         ),
     ),
     Code(
@@ -370,7 +370,8 @@ CODES += (
         title="A mesh of the robot is missing",
         what="A <mesh> names a file that is not there, or a package whose folder is not known.",
         why="The link would be invisible and would collide with nothing.",
-        remedy="Correct the file name, or name the folder of a package:// address under `packages:` in the cell.",
+        remedy="Correct the file name, or name the folder of a package:// address under `packages:` in the cell. "
+        "A package is also found if its folder is above the URDF, or beside a folder above it.",
     ),
     Code(
         code="GS762",
@@ -406,8 +407,8 @@ CODES += (
         severity=Severity.ERROR,
         title="A value in the robot description cannot be",
         what=(
-            "An attribute is not a number or not as many numbers as it should be, a body is unknown, or an axis "
-            "is zero."
+            "An attribute is not a number or not as many numbers as it should be, a body is unknown, or the axis "
+            "of a joint that moves is zero."
         ),
         why="Guessing a dimension would move the tool somewhere else than on the real robot.",
         remedy="Write plain decimal numbers in m, rad and kg, separated by spaces.",
@@ -418,7 +419,8 @@ CODES += (
         title="A kind of joint that is not simulated",
         what="A joint is floating or planar, or follows another one inside the chain to the flange.",
         why="The flange would not go where the real one goes.",
-        remedy="Describe the robot with revolute, continuous, prismatic and fixed joints, each driven by itself.",
+        remedy="Describe the robot with revolute, continuous, prismatic and fixed joints, each driven by itself. If "
+        "the tool hangs on a link before the joint named here, write `flange: LINK` beside `urdf:`.",
     ),
     Code(
         code="GS767",
@@ -426,7 +428,8 @@ CODES += (
         title="Nothing in the robot description can move",
         what="All joints between the base and the flange are fixed.",
         why="A program needs at least one axis.",
-        remedy="Check the joint types, and that a link named `tool0`, `flange` or `tcp` stands at the end of the arm.",
+        remedy="Check the joint types, and that a link named `tool0`, `flange` or `tcp` stands at the end of the arm; "
+        "`flange: LINK` beside `urdf:` names another one. A body that nothing moves is a fixture.",
     ),
     Code(
         code="GS768",
@@ -452,6 +455,15 @@ CODES += (
         title="A body that cannot be drawn",
         what="A mesh file of the robot is damaged, or of a kind that cannot be read.",
         why="The robot moves as it should, but the log does not show this link.",
-        remedy="Convert the mesh to STL or OBJ.",
+        remedy="Convert the mesh to STL or OBJ. Collada files (.dae) are read with `pip install 'gcodesim[dae]'`.",
+    ),
+    Code(
+        code="GS771",
+        severity=Severity.NOTE,
+        title="Where the tool hangs was chosen",
+        what="No link of the robot description is called `tool0`, `flange` or `tcp`, and the cell names none; the tool "
+        "hangs on the end of the longest chain of links.",
+        why="On a description with fingers, the longest chain may end at a finger.",
+        remedy="Write `flange: LINK` beside `urdf:`, with the link whose Z axis points out of the flange.",
     ),
 )

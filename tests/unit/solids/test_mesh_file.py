@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import trimesh
 
-from gcodesim.solids import Mesh, MeshFile, read_mesh
+from gcodesim.solids import Mesh, MeshError, MeshFile, read_mesh
 
 MM = 1e-3
 
@@ -41,3 +41,14 @@ def test_a_file_without_triangles_is_refused(tmp_path: Path) -> None:
 
     with pytest.raises(ValueError, match=r"empty\.obj"):
         read_mesh(tmp_path / "empty.obj")
+
+
+def test_collada_is_read_with_its_extra_and_names_it_without(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    trimesh.creation.box((30, 20, 10)).export(tmp_path / "block.dae")
+    vertices, faces = read_mesh(tmp_path / "block.dae", MM)
+    assert Mesh.of(vertices, faces).volume == pytest.approx(6000 * MM**3, rel=1e-6)
+
+    monkeypatch.setattr("gcodesim.solids.mesh_file.find_spec", lambda _: None)
+    with pytest.raises(MeshError, match="Collada") as refused:
+        read_mesh(tmp_path / "block.dae")
+    assert "gcodesim[dae]" in refused.value.hint
