@@ -98,7 +98,7 @@ def _near(file: Path, text: str) -> str:
         names = sorted(entry.name for entry in os.scandir(file.parent))
     except OSError:
         return "names are relative to the URDF; `package://NAME/…` is relative to a package of the cell's `packages`"
-    by_lower = {name.lower(): name for name in names}
+    by_lower = {name.lower(): name for name in names if Path(name).suffix.lower() == file.suffix.lower()}
     close = difflib.get_close_matches(file.name.lower(), by_lower, n=1, cutoff=0.8)
     if not close:
         return "get the meshes that belong to the URDF, or take the <mesh> out"

@@ -9,8 +9,12 @@ from xml.parsers import expat
 
 from gcodesim.diagnostics import Diagnostic, Severity, Span
 
-WELL_FORMED: Final = "mend this line; `--` may not stand in a comment, nor `<` or `&` by themselves in a text"
-_MISPLACED: Final = "not at start of entity"
+_REMEDIES: Final = {
+    "not at start of entity": "nothing may stand before `<?xml … ?>`: take that line out",
+    "no element found": "the file is cut off, or an element is not closed",
+    "mismatched tag": "an element that begins before this line is not closed",
+}
+_OTHERWISE: Final = "`--` may not stand in a comment, nor `<` or `&` by themselves in a text"
 
 
 class XmlError(Exception):
@@ -88,8 +92,8 @@ def parse_xml(raw: bytes) -> LinedElement:
         parser.Parse(text, True)
     except expat.ExpatError as error:
         message = expat.ErrorString(error.code)
-        hint = "" if _MISPLACED not in message else "nothing may stand before `<?xml … ?>`: take that line out"
-        raise XmlError(message, error.lineno + skipped, error.offset + 1, hint or WELL_FORMED) from None
+        hint = next((remedy for what, remedy in _REMEDIES.items() if what in message), _OTHERWISE)
+        raise XmlError(message, error.lineno + skipped, error.offset + 1, hint) from None
     except ValueError as error:  # an encoding that expat does not know
         raise XmlError(str(error), 1, 1, "save the file as UTF-8") from None
     return root[0]
