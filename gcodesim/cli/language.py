@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gcodesim.cli.exits import UsageError
+from gcodesim.cli.nearest import no_such
 from gcodesim.cli.options import read_source
 from gcodesim.diagnostics import Diagnostic, SourceText
 from gcodesim.rs274 import Run, Settings, ToolTable, interpret, read_parameters
@@ -35,7 +36,7 @@ class Language:
 
         language = Language(arguments)
         if arguments.dialect is not None and arguments.dialect not in DIALECTS:
-            raise UsageError(f"there is no dialect {arguments.dialect}; there are {', '.join(DIALECTS)}")
+            raise UsageError(no_such("dialect", arguments.dialect, DIALECTS))
         for folder in arguments.subs:
             if not folder.is_dir():
                 raise UsageError(f"the folder of subroutines {folder} is not there")

@@ -17,6 +17,7 @@ from gcodesim.cli.overwriting import refuse_own_inputs
 from gcodesim.cli.parser import build_parser
 from gcodesim.cli.streams import drop_output
 from gcodesim.diagnostics.plain import PlainStream, raw
+from gcodesim.extras import ExtraMissingError
 from gcodesim.family import ExtensionError, package_at_fault
 
 # Imports create many objects that all stay; looking for garbage after every 700 takes a tenth of a short command.
@@ -56,7 +57,7 @@ def _run(argv: Sequence[str] | None) -> int:
             status = int(arguments.run(arguments))
             sys.stdout.flush()
             return status
-    except (UsageError, ExtensionError) as error:
+    except (UsageError, ExtensionError, ExtraMissingError) as error:
         return _refused(str(error))
     except KeyboardInterrupt as error:
         print("gcodesim: interrupted", file=sys.stderr)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import re
+import sys
 from collections.abc import Callable
 from functools import wraps
 from typing import TYPE_CHECKING, Final
@@ -105,10 +106,8 @@ def open_recording(path: object) -> Recording:
 def status_of_reading(*recordings: Recording) -> int:
     """After reading: report on stderr (stdout may hold a table) what could not be read; returns the exit status."""
     from gcodesim.cli.exits import status_of
-    from gcodesim.cli.output import note
-    from gcodesim.diagnostics.show import as_text
+    from gcodesim.cli.output import print_findings
 
     found = [finding for recording in recordings for finding in recording.findings]
-    for finding in found:
-        note(as_text(finding, {}))
+    print_findings(found, {}, sys.stderr)
     return status_of(found, "error")

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gcodesim.cli.exits import FAIL_ON, UsageError
+from gcodesim.cli.outline import may_be
 from gcodesim.diagnostics import SourceText
 
 if TYPE_CHECKING:
@@ -93,7 +94,10 @@ def add_allow_path(parser: argparse.ArgumentParser) -> None:
 def add_language(parser: argparse.ArgumentParser) -> None:
     """Options of the language reader; they override the keys of a cell."""
     group = parser.add_argument_group("language", "how the program is read; these come before what the cell says")
-    group.add_argument("--dialect", metavar="NAME", help="linuxcnc (default), rs274 …; see `gcodesim list dialects`")
+    dialect = group.add_argument(
+        "--dialect", metavar="NAME", help="linuxcnc (default), rs274 …; see `gcodesim list dialects`"
+    )
+    may_be(dialect, _dialects)
     group.add_argument("--tools", type=Path, metavar="FILE", help="tool table of the control (tool.tbl)")
     group.add_argument(
         "--subs",
@@ -120,6 +124,12 @@ def add_language(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument("--max-blocks", type=int, metavar="N", help="stop a program after N executed blocks")
     group.add_argument("--time-limit", type=float, metavar="S", help="stop reading a program after S seconds")
+
+
+def _dialects() -> list[str]:
+    from gcodesim.rs274.dialects import DIALECTS
+
+    return list(DIALECTS)
 
 
 def add_parameter_output(parser: argparse.ArgumentParser) -> None:

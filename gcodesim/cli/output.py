@@ -3,49 +3,47 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any, TextIO
 
+from gcodesim.cli.colour import paint_for, painted
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText
-from gcodesim.diagnostics.plain import one_line, raw
-from gcodesim.diagnostics.show import as_json, as_text
+from gcodesim.diagnostics.plain import one_line
+from gcodesim.diagnostics.show import Paint, as_json, as_text, role_of, unpainted
 from gcodesim.numbers import clean
 
-_COLOUR = {Severity.ERROR: "31;1", Severity.WARNING: "33;1", Severity.NOTE: "36"}
 
-
-def wants_colour(stream: TextIO) -> bool:
-    """Colour only on a terminal, and never when NO_COLOR is set."""
-    return stream.isatty() and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
-
-
-def print_findings(findings: Iterable[Diagnostic], sources: Mapping[str, SourceText]) -> None:
-    """All findings in order of their places, as text on stdout."""
-    colour = wants_colour(sys.stdout)
+def print_findings(
+    findings: Iterable[Diagnostic], sources: Mapping[str, SourceText], stream: TextIO | None = None
+) -> None:
+    """All findings in order of their places, as text on stdout, or on `stream`."""
+    stream = stream or sys.stdout
     for finding in findings:
-        text = as_text(finding, sources)
-        if colour:
-            word = finding.level.word
-            text = text.replace(f" {word} ", f" \033[{_COLOUR[finding.level]}m{word}\033[0m ", 1)
-        print(text, file=raw(sys.stdout) if colour else sys.stdout)
+        print(as_text(finding, sources, paint_for(stream)), file=painted(stream))
 
 
 def print_verdict(name: str, findings: Sequence[Diagnostic], sources: Mapping[str, SourceText]) -> None:
     """The findings of one program or cell, and a line that counts them."""
     print_findings(findings, sources)
-    print(f"{one_line(name)}: {verdict(findings)}")
+    print_count(name, findings)
 
 
-def verdict(findings: Iterable[Diagnostic]) -> str:
-    """`2 errors, no warnings, 1 note`."""
+def print_count(name: str, findings: Iterable[Diagnostic], remark: str = "") -> None:
+    """`part.nc: 2 errors, no warnings, 1 note`; a `remark` stands before the numbers."""
+    paint = paint_for(sys.stdout)
+    print(f"{paint('path', one_line(name))}: {remark}{verdict(findings, paint)}", file=painted(sys.stdout))
+
+
+def verdict(findings: Iterable[Diagnostic], paint: Paint = unpainted) -> str:
+    """`2 errors, no warnings, 1 note`; only what there is gets a colour."""
     levels = [finding.level for finding in findings]
     parts = []
     for severity in (Severity.ERROR, Severity.WARNING, Severity.NOTE):
         count = levels.count(severity)
         if count or severity is not Severity.NOTE:
-            parts.append(f"{count or 'no'} {severity.word}{'' if count == 1 else 's'}")
+            text = f"{count or 'no'} {severity.word}{'' if count == 1 else 's'}"
+            parts.append(paint(role_of(severity), text) if count else text)
     return ", ".join(parts)
 
 

@@ -6,6 +6,7 @@ import argparse
 from importlib import import_module
 
 from gcodesim import __version__
+from gcodesim.cli.argument_parser import Parser
 
 COMMANDS = (
     "run",
@@ -24,6 +25,7 @@ COMMANDS = (
     "explain",
     "list",
     "schema",
+    "completion",
     "warm_up",
 )
 
@@ -41,7 +43,7 @@ exit status: 0 clean, 1 findings (see --fail-on), 2 wrong usage, 70 fault of gco
 
 def build_parser() -> argparse.ArgumentParser:
     """The whole command line; building it imports no heavy package."""
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog="gcodesim",
         description="Simulate G-code programs in cells of robots and machine tools: "
         "motion, material, process forces, findings by line.",
@@ -52,4 +54,6 @@ def build_parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
     for name in COMMANDS:
         import_module(f"gcodesim.cli.commands.{name}").add_parser(commands)
+    for command in commands.choices.values():
+        command.root = parser
     return parser

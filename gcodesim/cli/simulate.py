@@ -22,7 +22,7 @@ from gcodesim.cli.interrupts import Interrupted, handled, interrupted_by
 from gcodesim.cli.judging import Met, ShownProgram, settle
 from gcodesim.cli.language import Language, files_of, write_parameters
 from gcodesim.cli.options import read_source
-from gcodesim.cli.output import note, print_findings, print_json, print_table, verdict
+from gcodesim.cli.output import note, print_count, print_findings, print_json, print_table
 from gcodesim.diagnostics import Severity
 from gcodesim.diagnostics.plain import raw
 from gcodesim.files.output_folder import IN_USE, LOG_NAME, OVERWRITES, names_of
@@ -121,8 +121,13 @@ def _live(arguments: argparse.Namespace) -> LiveView | None:
 
 
 def _run_program(arguments: argparse.Namespace, live: LiveView | None, begin: float) -> int:
-    from gcodesim.world import WorldUnavailable
+    from gcodesim.world import WorldUnavailable, require_world
 
+    if arguments.world is not None:
+        try:
+            require_world(arguments.world)  # before any work
+        except WorldUnavailable as reason:
+            raise UsageError(str(reason)) from None
     if arguments.out.exists() and not arguments.out.is_dir():
         raise UsageError(f"{arguments.out} is a file, not a folder")
     with _Bar() as bar:
@@ -258,7 +263,7 @@ def _print_verdict(
     print_findings(shown.findings, shown.met.sources)
     for remark in remarks:
         print(remark)
-    print(f"{shown.name}: {'interrupted, with ' if interrupted else ''}{verdict(shown.findings)}")
+    print_count(shown.name, shown.findings, "interrupted, with " if interrupted else "")
     stopped = results.stopped_at
     if not simulated:
         kept = any(finding.code in (OVERWRITES, IN_USE) for finding in results.findings)

@@ -8,9 +8,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
-from gcodesim.cli.output import wants_colour
+from gcodesim.cli.colour import coloured, paint_for, painted
 from gcodesim.diagnostics import SourceText
-from gcodesim.diagnostics.plain import one_line, raw
+from gcodesim.diagnostics.plain import one_line
 from gcodesim.diagnostics.show import as_text
 from gcodesim.formats.text import counting, found_text
 from gcodesim.regress.mutants import MutantVerdict
@@ -31,7 +31,7 @@ def print_suite(verdict: SuiteVerdict, root: Path, *, verbose: bool) -> None:
     """Failed cases with their findings, then the summary."""
     sources = Sources(root)
     for one in verdict.found:
-        print(as_text(one.finding, sources))
+        _print(as_text(one.finding, sources, paint_for(sys.stdout)))
     for case in verdict.cases:
         if case.status == "failed" or verbose:
             _print_case(case, sources, verbose=verbose)
@@ -58,7 +58,7 @@ def _print_case(case: CaseVerdict, sources: Mapping[str, SourceText], *, verbose
         shown += [one for one in case.found if one.state != "counts"]
     least = len(shown) if verbose else _MOST
     for one in shown[:least]:
-        print(textwrap.indent(found_text(one, sources), "  "))
+        _print(textwrap.indent(found_text(one, sources, paint_for(sys.stdout)), "  "))
     if len(shown) > least:
         print(f"  … and {len(shown) - least} more (-v shows all)")
     if shown:
@@ -93,9 +93,9 @@ def _print_summary(verdict: SuiteVerdict) -> None:
 
 
 def _print(text: str) -> None:
-    """Text with our colours, in which everything else is fit already."""
-    print(text, file=raw(sys.stdout))
+    """Text with our colours."""
+    print(text, file=painted(sys.stdout))
 
 
 def _coloured(text: str, status: str) -> str:
-    return f"\033[{_COLOUR[status]}m{text}\033[0m" if wants_colour(sys.stdout) else text
+    return coloured(text, _COLOUR[status], sys.stdout)

@@ -46,7 +46,8 @@ class Exporter:
 
     `says` tells in a line what comes out. `writes` is where to: `text` and `bytes` go into a stream, a `folder` is made
     by the exporter. A file without a name is called as the run, with `suffix` behind. `takes` names the options that
-    mean something here; others are refused before anything is read.
+    mean something here; others are refused before anything is read. `extra` names the one of `gcodesim.extras` that is
+    needed; whether it is installed is asked first.
     """
 
     kind: ClassVar[str] = ""
@@ -54,6 +55,7 @@ class Exporter:
     suffix: ClassVar[str] = ""
     writes: ClassVar[Literal["text", "bytes", "folder"]] = "text"
     takes: ClassVar[frozenset[Option]] = frozenset()
+    extra: ClassVar[str] = ""
 
     def write(self, recording: Recording, out: Any, request: Request) -> str:
         """Write into `out`, a stream or the path of a new folder; returns what was written, such as `12 rows`.

@@ -11,6 +11,7 @@ import numpy as np
 from gcodesim.export.exporter import RANGE, Exporter, NoExportError, Option, Request
 from gcodesim.export.select import TimeRange
 from gcodesim.export.table import NoTableError
+from gcodesim.extras import require_extra
 from gcodesim.playback.recording import Recording
 from gcodesim.units import NS_PER_SECOND
 
@@ -21,25 +22,20 @@ _NO_FRAME = "world"
 BagMessage = tuple[int, str, str, Any]  # time [ns], topic, type, content
 
 
-class NoRosError(NoExportError):
-    """The library that writes bags is not installed."""
-
-
 def write_bag(recording: Recording, folder: Path, topics: Sequence[str] = (), part: TimeRange | None = None) -> int:
     """Write a bag (version 9, MCAP storage, CDR) into the new `folder`; returns how many messages.
 
     `/motion` and `/process` become one `std_msgs/Float64` topic a number, and
     `/log` has the block texts and findings. URDFs of the run are on
     `robot_description`, kept for late readers like `/tf_static`. FileExistsError
-    if the folder exists; NoRosError without `rosbags`; NoTableError for a
+    if the folder exists; ExtraMissingError without `rosbags`; NoTableError for a
     topic that has no ROS message.
     """
-    try:
-        from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
-        from rosbags.rosbag2 import StoragePlugin, Writer
-        from rosbags.typesys import Stores, get_typestore
-    except ImportError:
-        raise NoRosError("ROS 2 bags need the package rosbags: pip install 'gcodesim[ros]'") from None
+    require_extra("ros", "a ROS 2 bag")
+    from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
+    from rosbags.rosbag2 import StoragePlugin, Writer
+    from rosbags.typesys import Stores, get_typestore
+
     for topic in topics:
         if topic not in TOPICS:
             raise NoTableError(f"{topic} has no message of ROS; there are {', '.join(TOPICS)}")
@@ -80,6 +76,7 @@ class RosBag(Exporter):
     suffix: ClassVar[str] = "_bag"
     writes: ClassVar[Literal["text", "bytes", "folder"]] = "folder"
     takes: ClassVar[frozenset[Option]] = RANGE
+    extra: ClassVar[str] = "ros"
 
     def write(self, recording: Recording, out: Path, request: Request) -> str:
         try:

@@ -7,7 +7,7 @@ from typing import Final
 
 from gcodesim.diagnostics import SourceText
 from gcodesim.diagnostics.plain import one_line
-from gcodesim.diagnostics.show import as_text
+from gcodesim.diagnostics.show import Paint, as_text, unpainted
 from gcodesim.regress.verdicts import CaseVerdict, JudgedFinding
 
 _ORDER: Final = ("", "GS601", "GS602", "GS603", "GS605", "GS606", "GS604")
@@ -23,12 +23,12 @@ def _rank(code: str) -> int:
     return _ORDER.index(code) if code in _ORDER else 0
 
 
-def found_text(found: JudgedFinding, sources: Mapping[str, SourceText]) -> str:
+def found_text(found: JudgedFinding, sources: Mapping[str, SourceText], paint: Paint = unpainted) -> str:
     """A finding with its excerpt, and its effect on the verdict where that is not obvious."""
     # the place of a result is that of the first difference in motion, which is quoted above it
     quoted = {} if found.finding.code in _OF_THE_WHOLE else sources
     remark = _remark(found)
-    return as_text(found.finding, quoted) + (f"\n  {remark}" if remark else "")
+    return as_text(found.finding, quoted, paint) + (f"\n  {remark}" if remark else "")
 
 
 def _remark(found: JudgedFinding) -> str:

@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from threading import Lock
 from typing import Any, Final
 
+from gcodesim.extras import require_extra
 from gcodesim.log.live_door import Door, hidden_host
 from gcodesim.log.rows import MESSAGE_HEAD, RECORD_HEAD, RecordRows
 from gcodesim.log.topics import Topic
@@ -23,21 +24,18 @@ _HEAD: Final = RECORD_HEAD + MESSAGE_HEAD
 
 
 class LiveViewError(Exception):
-    """The library is missing or the port is taken; the message says which and what to do."""
+    """The port is taken, or nothing may listen there; the message says what to do."""
 
 
 class LiveView:
     """A websocket on this machine, at `port`, to which a `Container` hands its messages as they come."""
 
     def __init__(self, port: int) -> None:
-        """Listen; port 0 is any free one. LiveViewError if that is impossible."""
-        try:
-            import foxglove
-            from foxglove.websocket import Capability
-        except ImportError:
-            raise LiveViewError(
-                "a live view needs the package foxglove-sdk: `pip install 'gcodesim[live]'` brings it"
-            ) from None
+        """Listen; port 0 is any free one. LiveViewError if that fails, ExtraMissingError without the library."""
+        require_extra("live", "a live view")
+        import foxglove
+        from foxglove.websocket import Capability
+
         self._context = foxglove.Context()
         self._channels: list[Any] = []
         self._numbers: dict[str, int] = {}

@@ -13,7 +13,7 @@ _CHART_FOLDER: Final = "metaflow_extensions/card_uplot/plugins/cards/uplot/uplot
 
 
 class LibraryMissingError(Exception):
-    """A script is not installed; the text says which package brings it."""
+    """An installed package does not have the script that it should; the text says which."""
 
 
 class WebLibrary(NamedTuple):
@@ -48,6 +48,4 @@ def _read(package: str, file: str) -> bytes:
         path = distribution(package).locate_file(file)
         return path.read_bytes()  # type: ignore[attr-defined, no-any-return]
     except (PackageNotFoundError, OSError):
-        raise LibraryMissingError(
-            f"the report needs {file.rpartition('/')[2]}: pip install 'gcodesim[report]'"
-        ) from None
+        raise LibraryMissingError(f"{package} is installed here without {file.rpartition('/')[2]}") from None

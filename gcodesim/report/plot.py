@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.diagnostics.plain import one_line
+from gcodesim.extras import require_extra
 from gcodesim.log.event import settled
 from gcodesim.playback.quantities import NEGLIGIBLE, Chart, thinned
 from gcodesim.playback.recording import Recording
@@ -53,7 +54,7 @@ _METADATA: Final[dict[str, dict[str, Any]]] = {
 
 
 class NoPlotError(Exception):
-    """The drawing library is not installed, or there is nothing to draw; the text says which."""
+    """There is nothing to draw."""
 
 
 def draw(
@@ -62,14 +63,13 @@ def draw(
     """A picture (`kind` svg, png or pdf) of charts one above the other over the time first ≤ t ≤ last.
 
     The same log gives the same bytes, with the same version of the library.
-    NoPlotError without matplotlib, or when no chart has a value in that time.
+    ExtraMissingError without matplotlib; NoPlotError when no chart has a value in that time.
     """
-    try:
-        import matplotlib
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise NoPlotError("charts need the package matplotlib: pip install 'gcodesim[plot]'") from None
+    require_extra("plot", "a chart")
+    import matplotlib
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
     last_ns = recording.end_ns if last_ns is None else last_ns
     shown = [chart for chart in charts if any(_within(c.t_ns, first_ns, last_ns).any() for c in chart.curves)]
     if not shown:

@@ -206,20 +206,10 @@ def test_a_log_of_others_is_known_as_such(run, damaged):
     assert status == 0 and out.splitlines()[0].endswith("other.mcap: an MCAP file, but no log of gcodesim")
 
 
-def test_a_missing_library_is_named(run, monkeypatch):
+def test_a_package_without_its_script_is_named(run, monkeypatch):
     from gcodesim.report import libraries
 
     monkeypatch.setattr(libraries, "_CHART_FOLDER", "nowhere")
     status, _, said = run("report")
 
-    assert status == 2 and "pip install 'gcodesim[report]'" in said
-
-
-def test_without_matplotlib_the_extra_is_named(run, monkeypatch):
-    import sys
-
-    monkeypatch.setitem(sys.modules, "matplotlib", None)
-
-    status, _, said = run("plot")
-
-    assert status == 2 and "gcodesim[plot]" in said
+    assert status == 2 and "metaflow-card-uplot" in said and "uPlot.iife.min.js" in said

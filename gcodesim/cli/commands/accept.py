@@ -33,8 +33,7 @@ def add_parser(commands: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from gcodesim.cli.output import findings_as_json, print_json
-    from gcodesim.diagnostics.show import as_text
+    from gcodesim.cli.output import findings_as_json, print_findings, print_json
     from gcodesim.regress.accept import propose, take
     from gcodesim.regress.sources import Sources
     from gcodesim.regress.workers import in_parallel
@@ -59,7 +58,7 @@ def run(arguments: argparse.Namespace) -> int:
         else:
             _print(proposals, arguments.dry_run)
             for one in collected.found:
-                print(as_text(one.finding, Sources(how.root)))
+                print_findings([one.finding], Sources(how.root))
         sys.stdout.flush()
     if not arguments.dry_run:
         for proposal in proposals:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import difflib
 import textwrap
 from typing import Any
 
 from gcodesim.cli.exits import OK, UsageError
+from gcodesim.cli.nearest import did_you_mean, nearest
+from gcodesim.cli.outline import may_be
 
 
 def add_parser(commands: Any) -> None:
@@ -17,8 +18,14 @@ def add_parser(commands: Any) -> None:
         description="Explain a finding by its code: what it means, why it matters, what to do, and a small example "
         "with what is printed about it. `gcodesim list codes` shows all.",
     )
-    parser.add_argument("code", metavar="CODE", help="a code such as GS203")
+    may_be(parser.add_argument("code", metavar="CODE", help="a code such as GS203"), _codes)
     parser.set_defaults(run=run)
+
+
+def _codes() -> list[str]:
+    from gcodesim.diagnostics import codes
+
+    return [code.code for code in codes()]
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -28,8 +35,7 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         code = code_of(wanted)
     except KeyError:
-        near = difflib.get_close_matches(wanted, [c.code for c in codes()], n=3)
-        guess = f"; did you mean {' or '.join(near)}?" if near else ""
+        guess = did_you_mean(nearest(wanted, [c.code for c in codes()]))
         raise UsageError(f"there is no finding {arguments.code}{guess} (`gcodesim list codes` names all)") from None
     print(f"{code.code}: {code.title} ({code.severity.word})")
     for head, text in (("", code.what), ("Why it matters", code.why), ("What to do", code.remedy)):

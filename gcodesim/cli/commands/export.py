@@ -12,6 +12,7 @@ from gcodesim.cli.exits import UsageError
 from gcodesim.cli.moments import add_range, chosen_range, nanoseconds, open_recording, reads_logs, status_of_reading
 from gcodesim.cli.overwriting import refuse_foreign
 from gcodesim.export import EXPORTERS
+from gcodesim.extras import require_extra
 
 if TYPE_CHECKING:
     from gcodesim.export.exporter import Exporter, Request
@@ -77,6 +78,8 @@ def run(arguments: argparse.Namespace) -> int:
     from gcodesim.export.select import TimeRange
 
     exporter: Exporter = EXPORTERS[arguments.to]()
+    if exporter.extra:
+        require_extra(exporter.extra, f"--to {arguments.to}")
     recording = open_recording(arguments.log)
     _refuse_useless(arguments, exporter)
     first_ns, last_ns = chosen_range(arguments, recording)

@@ -12,7 +12,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gcodesim.cli.exits import FINDINGS, OK, UsageError
+from gcodesim.cli.nearest import no_such
 from gcodesim.cli.options import add_format
+from gcodesim.cli.outline import may_be
 
 if TYPE_CHECKING:
     from gcodesim.log.summary import LogSummary, TopicSummary
@@ -54,7 +56,7 @@ def add_parser(commands: Any) -> None:
         metavar="DIR",
         help="also write the attached files there: program, cell, layout.json for the viewer",
     )
-    parser.add_argument(
+    layout = parser.add_argument(
         "--layout",
         metavar="KIND",
         nargs="?",
@@ -62,6 +64,7 @@ def add_parser(commands: Any) -> None:
         help="print the viewer's layout and nothing else: the one that the log carries, or one for milling, robot or "
         "process work",
     )
+    may_be(layout, _layouts)
     parser.set_defaults(run=run)
 
 
@@ -95,6 +98,12 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.extract is not None:
         _extract(arguments.log, arguments.extract, said=arguments.format != "json")
     return int(arguments.status)
+
+
+def _layouts() -> list[str]:
+    from gcodesim.log.layout import KINDS
+
+    return list(KINDS)
 
 
 def _print(facts: LogSummary) -> None:
@@ -258,7 +267,7 @@ def _layout(path: Path, kind: str) -> str:
     from gcodesim.log.reader import decoded, process_fields_of
 
     if kind and kind not in KINDS:
-        raise UsageError(f"there is no layout '{kind}'; there are {', '.join(KINDS)}")
+        raise UsageError(no_such("layout", kind, KINDS))
     log = LogFile.open(path, lenient=True)
     try:
         own = log.attachment("layout.json")

@@ -8,7 +8,9 @@ from typing import Any
 
 from gcodesim.cli.exits import UsageError
 from gcodesim.cli.moments import add_range, chosen_range, open_recording, reads_logs, status_of_reading
+from gcodesim.cli.nearest import no_such
 from gcodesim.cli.overwriting import refuse_foreign
+from gcodesim.extras import require_extra
 
 _USUAL = ("force", "power", "removal", "feed", "error")
 
@@ -33,6 +35,7 @@ def add_parser(commands: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
+    require_extra("plot", "a chart")
     from gcodesim.files.whole_file import write_whole
     from gcodesim.playback.columns import own_fields
     from gcodesim.playback.quantities import charts_of, quantities_of
@@ -43,7 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
     known = quantities_of(recording)
     for name in what:
         if name not in known:
-            raise UsageError(f"there is no quantity {name}; there are {', '.join(known)}")
+            raise UsageError(no_such("quantity", name, known))
     out = arguments.out if arguments.out is not None else Path(f"{Path(recording.name).stem}.svg")
     kind = out.suffix.lower().lstrip(".")
     if kind not in FORMATS:

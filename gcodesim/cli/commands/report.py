@@ -10,6 +10,7 @@ from gcodesim.cli.exits import UsageError
 from gcodesim.cli.moments import open_recording, reads_logs, status_of_reading
 from gcodesim.cli.options import add_format
 from gcodesim.cli.overwriting import refuse_foreign
+from gcodesim.extras import require_extra
 
 if TYPE_CHECKING:
     from gcodesim.report.times import TimeReport
@@ -36,6 +37,8 @@ def add_parser(commands: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
+    if not arguments.times and arguments.format != "json":
+        require_extra("report", "a page")
     recordings = [open_recording(path) for path in (arguments.log, arguments.other) if path is not None]
     if arguments.times:
         from gcodesim.cli.output import print_json

@@ -7,6 +7,8 @@ import json
 from typing import Any
 
 from gcodesim.cli.exits import OK, UsageError
+from gcodesim.cli.nearest import no_such
+from gcodesim.cli.outline import may_be
 
 _NAMES = ("results", "findings", "test", "diff", "canon", "baseline", "cell", "test-file")
 
@@ -19,7 +21,7 @@ def add_parser(commands: Any) -> None:
         "findings: lint and cell validate; test, diff, canon: these commands; baseline, cell, test-file: files that "
         "are read.",
     )
-    parser.add_argument("name", metavar="NAME", help=", ".join(_NAMES))
+    may_be(parser.add_argument("name", metavar="NAME", help=", ".join(_NAMES)), lambda: _NAMES)
     parser.set_defaults(run=run)
 
 
@@ -27,6 +29,6 @@ def run(arguments: argparse.Namespace) -> int:
     from gcodesim.formats.schemas import SCHEMAS, schema_of
 
     if arguments.name not in SCHEMAS:
-        raise UsageError(f"there is no schema {arguments.name}; there are {', '.join(SCHEMAS)}")
+        raise UsageError(no_such("schema", arguments.name, SCHEMAS))
     print(json.dumps(schema_of(arguments.name), indent=2, ensure_ascii=False))
     return OK

@@ -1,12 +1,13 @@
 """What a viewer at the websocket sees: the log, message by message; and nobody waits for it."""
 
 import socket
-import sys
 import time
 
 import numpy as np
 import pytest
 
+from gcodesim import extras
+from gcodesim.extras import ExtraMissingError
 from gcodesim.log import LogWriter
 from gcodesim.log.live import LiveView, LiveViewError
 from gcodesim.log.logfile import LogFile
@@ -119,6 +120,6 @@ def test_a_port_that_is_taken(live):
 
 
 def test_without_the_package_it_says_which(monkeypatch):
-    monkeypatch.setitem(sys.modules, "foxglove", None)
-    with pytest.raises(LiveViewError, match=r"pip install 'gcodesim\[live\]'"):
+    monkeypatch.setitem(extras.EXTRAS, "live", ("foxglove-that-is-not-there",))
+    with pytest.raises(ExtraMissingError, match=r"pip install 'gcodesim\[live\]'"):
         LiveView(0)
