@@ -34,7 +34,7 @@ class Viewer:
         try:
             with connect(self._address, subprotocols=["foxglove.sdk.v1"], max_size=None) as self._socket:
                 while True:
-                    self._take(self._socket.recv(timeout=60))
+                    self._take(self._socket.recv(timeout=600))
         except ConnectionClosed:
             pass
         except Exception as error:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from random import Random
 from typing import TYPE_CHECKING, Any, Final, Literal
+from uuid import uuid4
 
 from gcodesim.diagnostics import SourceText
 from gcodesim.regress.case import Case, shown_path
@@ -15,6 +17,7 @@ from gcodesim.regress.tolerance import DEFAULTS, Tolerance
 from gcodesim.regress.workers import in_parallel
 
 if TYPE_CHECKING:
+    from gcodesim.regress.facts import Facts
     from gcodesim.regress.judge import Judging
 
 SCHEMA: Final = "gcodesim-mutants/1"
@@ -74,30 +77,50 @@ def _draw_one(cases: Sequence[Case], root: Path, random: Random) -> Mutant | Non
 def judge_mutants(
     mutants: Sequence[Mutant], how: Judging, *, jobs: int = 1, progress: Callable[[Mutant], None] | None = None
 ) -> tuple[MutantVerdict, ...]:
-    """The fate of each mutant, in order, found by `jobs` processes."""
-    fates = in_parallel(_fate, [mutant.case for mutant in mutants], how, jobs)
-    verdicts = []
+    """The fate of each mutant, in order, found by `jobs` processes.
+
+    The mutants of one case are judged one after another, so that each process runs an original only once.
+    """
+    order = sorted(range(len(mutants)), key=lambda index: mutants[index].case.name)
+    run = uuid4().hex
+    fates = in_parallel(partial(_fate, run), [mutants[index].case for index in order], how, jobs)
+    verdicts: dict[int, MutantVerdict] = {}
     try:
-        for mutant in mutants:
+        for index in order:
             fate, quantities = next(fates)
-            verdicts.append(MutantVerdict(mutant=mutant, fate=fate, quantities=quantities))
+            verdicts[index] = MutantVerdict(mutant=mutants[index], fate=fate, quantities=quantities)
             if progress is not None:
-                progress(mutant)
+                progress(mutants[index])
     finally:
         fates.close()
-    return tuple(verdicts)
+        _ORIGINALS.clear()
+    return tuple(verdicts[index] for index in range(len(mutants)))
 
 
-def _fate(case: Case, how: Judging) -> tuple[Fate, tuple[str, ...]]:
+def _fate(run: str, case: Case, how: Judging) -> tuple[Fate, tuple[str, ...]]:
     from gcodesim.regress.facts import compare
     from gcodesim.regress.judge import judge
 
     verdict, outcome = judge(case, how)
     if verdict.status == "failed":
         return "seen", verdict.quantities
-    original = judge(replace(case, edits={}), how)[1]
-    comparison = compare(original.facts, outcome.facts, _EXACT)
+    comparison = compare(_original(run, case, how), outcome.facts, _EXACT)
     return ("no_effect", ()) if comparison.same else ("not_seen", comparison.quantities)
+
+
+_ORIGINALS: Final[dict[tuple[str, str], Facts]] = {}
+"""What the original of the latest unseen mutant showed in this process; by the call of `judge_mutants` and the case."""
+
+
+def _original(run: str, case: Case, how: Judging) -> Facts:
+    """The facts of the case without its change; a run of them is kept until another case comes."""
+    from gcodesim.regress.judge import judge
+
+    key = (run, case.name)
+    if key not in _ORIGINALS:
+        _ORIGINALS.clear()
+        _ORIGINALS[key] = judge(replace(case, edits={}), how)[1].facts
+    return _ORIGINALS[key]
 
 
 def mutants_as_json(verdicts: Sequence[MutantVerdict], seed: int) -> dict[str, Any]:

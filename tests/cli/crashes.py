@@ -1,8 +1,9 @@
-"""Runs that die: of SIGKILL at a given moment, or of a file that may not grow.
+"""Runs that die: of SIGKILL at a given place, or of a file that may not grow.
 
     python crashes.py DEATHS PROGRAM CELL
 
-`DEATHS` is JSON: a list of {"out": folder, "killed": s} (after the share s of the time of a whole run) or
+`DEATHS` is JSON: a list of {"out": folder, "killed": s} (as soon as the log has the share s of a whole one; below 0 at
+once, from 1 on when it has got its name) or
 {"out": folder, "full": s} (no file may grow beyond 4 kB and the share s of a whole log, which acts like a full disk;
 Python ignores the signal that comes with it). A whole run into `whole` comes first. The answer is a JSON list: status,
 words, and how much of the log could be read just before the end.
@@ -18,6 +19,7 @@ import resource
 import signal
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -37,7 +39,21 @@ def run(out: Path, program: str, cell: str) -> int:
     return main(["run", program, "--cell", cell, "--out", str(out)])
 
 
-def die(death: dict[str, Any], seconds: float, program: str, cell: str) -> dict[str, Any]:
+def has_logged(out: Path, share: float) -> bool:
+    """Whether the log of a folder has come to the share of a whole one."""
+    if share < 0.0 or (out / "run.mcap").exists():
+        return True
+    with suppress(FileNotFoundError):
+        return share < 1.0 and (out / "run.mcap.part").stat().st_size >= share * os.stat("whole/run.mcap").st_size
+    return False
+
+
+def is_alive(child: int) -> bool:
+    """Whether it has not ended; if it has, it can still be killed and waited for."""
+    return os.waitid(os.P_PID, child, os.WEXITED | os.WNOHANG | os.WNOWAIT) is None
+
+
+def die(death: dict[str, Any], program: str, cell: str) -> dict[str, Any]:
     out = Path(death["out"])
     out.mkdir()
     said = out.with_suffix(".txt")
@@ -54,7 +70,8 @@ def die(death: dict[str, Any], seconds: float, program: str, cell: str) -> dict[
         os._exit(status)
     seen = 0
     if "killed" in death:
-        time.sleep(death["killed"] * seconds)
+        while not has_logged(out, death["killed"]) and is_alive(child):
+            time.sleep(0.001)
         seen = readable(out)
         os.kill(child, signal.SIGKILL)
     status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
@@ -63,10 +80,8 @@ def die(death: dict[str, Any], seconds: float, program: str, cell: str) -> dict[
 
 def deaths(asked: list[dict[str, Any]], program: str, cell: str) -> list[dict[str, Any]]:
     run(Path("warm"), program, cell)
-    begin = time.perf_counter()
     assert run(Path("whole"), program, cell) == 0
-    seconds = time.perf_counter() - begin
-    return [die(death, seconds, program, cell) for death in asked]
+    return [die(death, program, cell) for death in asked]
 
 
 if __name__ == "__main__":

@@ -46,8 +46,8 @@ def _final_files_are_whole(out: Path) -> set[str]:
     return names
 
 
-def _log_is_the_begin_of_the_whole(out: Path, seen: int) -> LogFile | None:
-    """What is left of the log: at least `seen` bytes, and as far as it reads the begin of the whole one."""
+def _log_is_the_start_of_the_whole(out: Path, seen: int) -> LogFile | None:
+    """What is left of the log: at least `seen` bytes, and as far as it reads the start of the whole one."""
     if not (out / "run.mcap.part").exists():
         return None
     log = LogFile.open(out / "run.mcap")
@@ -76,14 +76,14 @@ def _info_names_what_is_missing(cli, log: LogFile) -> None:
 
 
 def _killed(crash, cli, tmp_path: Path, count: int, seed: int) -> list[int]:
-    """Kill `count` runs at drawn moments of their life; how many chunks each left behind."""
+    """Kill `count` runs at drawn places of their log; how many chunks each left behind."""
     draw = random.Random(seed)
-    deaths = [{"out": f"killed{i}", "killed": draw.uniform(0.0, 1.05)} for i in range(count)]
+    deaths = [{"out": f"killed{i}", "killed": draw.uniform(-0.05, 1.05)} for i in range(count)]
     chunks = []
     for death, found in zip(deaths, crash(deaths), strict=True):
         out = tmp_path / death["out"]
         names = _final_files_are_whole(out)
-        log = _log_is_the_begin_of_the_whole(out, found["seen"])
+        log = _log_is_the_start_of_the_whole(out, found["seen"])
         if "files in" in found["said"]:
             assert names == FINAL and log is None
         if log is not None and log.complete:  # killed just before it got its name
@@ -102,7 +102,7 @@ def test_five_kills(crash, cli, tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_fifty_kills(crash, cli, tmp_path: Path) -> None:
     chunks = _killed(crash, cli, tmp_path, 50, 2)
-    assert len(set(chunks)) > 5, "the moments are not spread"
+    assert len(set(chunks)) > 5, "the places are not spread"
 
 
 def test_full_disks(crash, cli, tmp_path: Path) -> None:
@@ -113,7 +113,7 @@ def test_full_disks(crash, cli, tmp_path: Path) -> None:
         assert found["status"] == 2 and "Traceback" not in found["said"], found["said"]
         assert "the log cannot be written: File too large; what was logged so far is in" in found["said"]
         assert [path.name for path in out.iterdir()] == ["run.mcap.part"]
-        log = _log_is_the_begin_of_the_whole(out, 0)
+        log = _log_is_the_start_of_the_whole(out, 0)
         assert log is not None
         _info_names_what_is_missing(cli, log)
         assert log.size == log.whole, "half a record was left"

@@ -1,7 +1,7 @@
 """A package of somebody else, installed beside us, extends gcodesim at every place that `docs/extending.md` names.
 
-It adds a tool with a part and keys of its own, a process with a column in a unit of its own, a dialect, a machine, a
-finding and an exporter, each by one line of its `pyproject.toml`; the real command line then knows them all.
+It adds a tool with a part and keys of its own, a process with a signal and a column in a unit of its own, a dialect, a
+machine, a finding and an exporter, each by one line of its `pyproject.toml`; the real command line then knows them all.
 """
 
 from __future__ import annotations
@@ -99,15 +99,16 @@ def test_its_keys_are_checked_as_ours(shop: Shop) -> None:
     done = shop("cell", "validate", "engraver.yaml")
 
     assert done.status == 1
-    assert "engraver.yaml:8:30: error GS709: `power` is 40 mm, a length; a power such as `40 W` is expected" in done.out
+    assert "engraver.yaml:9:30: error GS709: `power` is 40 mm, a length; a power such as `40 W` is expected" in done.out
 
 
 def test_its_dialect_reads_the_program(shop: Shop) -> None:
     shop.write("sign.nc", "(the beam burns a line, then another)", "(the beam burns a line, and then another one)")
 
-    assert "sign.nc:1:41: error GS002: the line has 45 characters; 40 are allowed" in shop(
-        "lint", "sign.nc", "--dialect", "bright"
-    ).out
+    assert (
+        "sign.nc:1:41: error GS002: the line has 45 characters; 40 are allowed"
+        in shop("lint", "sign.nc", "--dialect", "bright").out
+    )
 
 
 def test_run_knows_its_process_its_column_and_its_finding(ran: tuple[Shop, Done]) -> None:
@@ -122,9 +123,30 @@ def test_run_knows_its_process_its_column_and_its_finding(ran: tuple[Shop, Done]
     assert "greatest dose" in done.out and "J/mm²" in done.out
     assert [finding["code"] for finding in results["findings"]] == ["ENGRAVER-101"]
     assert float(line["burnt_energy_J"]) == pytest.approx(16.0, rel=0.01)  # 80 % of 20 W for 1 s
-    assert float(line["removed_mm3"]) == pytest.approx(20.0 * 0.4 * 0.3, rel=0.1)
+    assert float(line["removed_mm3"]) == pytest.approx(20.0 * 0.4 * (0.3 + 0.1), rel=0.1)  # 2 mm - 1.7 mm, and Q
     assert 2.5 <= float(line["max_dose_J_mm2"]) <= 2.7  # 20 W / (20 mm/s · 0.4 mm), more while it slows down
     assert tool["max_dose_J_mm2"] >= float(line["max_dose_J_mm2"])
+
+
+def test_a_word_that_the_cell_names_sets_its_signal(shop: Shop) -> None:
+    """`per` scales it; without the entry it has its default, and the word is told as not simulated."""
+
+    def burnt() -> tuple[float, str]:
+        done = shop("run", "sign.nc", "--cell", "engraver.yaml", "--out", "out")
+        with (shop.folder / "out" / "lines.csv").open() as file:
+            return next(float(row["removed_mm3"]) for row in csv.DictReader(file) if row["line"] == "8"), done.out
+
+    shop.write("engraver.yaml", "per: 1 mm", "per: 2 mm")
+    assert "signals:\n  lowered:\n    word: M67 E0\n    per: 2 mm\n" in shop("cell", "show", "engraver.yaml").out
+    assert burnt()[0] == pytest.approx(20.0 * 0.4 * (0.3 + 0.2), rel=0.1)
+    shop.write("engraver.yaml", "signals: {lowered: {word: M67 E0, per: 2 mm}}\n", "")
+    removed, said = burnt()
+    assert removed == pytest.approx(20.0 * 0.4 * 0.3, rel=0.1)
+    assert "sign.nc:7:1: note GS904: M67 E0 is read, but not simulated" in said
+    shop.write("engraver.yaml", "tools:\n", "signals: {lowered: {word: M67 E0, per: 1 W}}\ntools:\n")
+    assert (
+        "7:40: error GS709: `per` is 1 W; the signal `lowered` is in m" in shop("cell", "validate", "engraver.yaml").out
+    )
 
 
 def test_its_exporter_writes_the_doses(ran: tuple[Shop, Done]) -> None:

@@ -61,7 +61,7 @@ def test_a_server_with_a_door(live: LiveView) -> None:
     def comes_in(address: str, origin: str | None) -> bool:
         try:
             with connect(address, origin=origin, subprotocols=["foxglove.sdk.v1"]) as viewer:  # type: ignore[arg-type,list-item]
-                return "serverInfo" in str(viewer.recv(timeout=10))
+                return "serverInfo" in str(viewer.recv(timeout=600))
         except InvalidStatus as refused:
             assert refused.response.status_code == 403
             return False

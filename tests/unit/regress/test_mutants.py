@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from gcodesim.cli import main
-from gcodesim.regress.case import collect
+from gcodesim.regress import CaseVerdict, judge
+from gcodesim.regress.case import Case, collect
 from gcodesim.regress.judge import Judging
 from gcodesim.regress.mutants import draw, judge_mutants
 
@@ -33,6 +35,28 @@ def test_accepted_results_see_changes_and_nothing_is_written(suite: Path) -> Non
     assert contents(suite) == before
     assert sum(one.fate == "seen" for one in verdicts) >= 4
     assert all(one.quantities for one in verdicts if one.fate == "not_seen")
+
+
+def test_an_original_runs_once_for_all_its_changes(suite: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Changes of two cases, drawn to and fro, none of them seen: two runs of originals, and the order stays."""
+    for golden in suite.glob("*.golden.json"):
+        golden.unlink()
+    cases = collect([suite], suite).cases[:2]
+    mutants = draw(cases, suite, 8, 3)
+    ran: list[tuple[str, bool]] = []
+
+    def counted(case: Case, how: Judging) -> tuple[CaseVerdict, Any]:
+        ran.append((case.name, bool(case.edits)))
+        return judged(case, how)
+
+    judged = judge.judge
+    monkeypatch.setattr(judge, "judge", counted)
+    verdicts = judge_mutants(mutants, Judging(root=suite))
+
+    unseen = {one.mutant.case.name for one in verdicts if one.fate != "seen"}
+    assert sum(one.fate != "seen" for one in verdicts) > len(unseen) == 2
+    assert sorted(name for name, changed in ran if not changed) == sorted(unseen)
+    assert [one.mutant for one in verdicts] == list(mutants)
 
 
 def test_a_suite_that_compares_nothing_sees_little(

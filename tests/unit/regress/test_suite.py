@@ -344,5 +344,5 @@ def test_an_interrupt_of_workers_that_are_starting_leaves_no_trace(suite: Path) 
         assert done.poll() is None
         time.sleep(0.01)
     os.killpg(done.pid, signal.SIGINT)  # as a terminal does
-    out, said = done.communicate(timeout=60)
+    out, said = done.communicate(timeout=600)
     assert (done.returncode, out, said) == (130, "", "gcodesim: interrupted\n")

@@ -23,14 +23,17 @@ Array = NDArray[np.float64]
 
 SQUARE_MM = 1e-6
 
+LOWERED = Signal("lowered", "m")
+MOST_LOWERED = 1e-3  # m
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Engraving(Process):
-    """Takes what is in the spot near the focus while S and M3 switch the beam on."""
+    """Takes what is in the spot near the focus while S and M3 switch the beam on; a word may lower the focus."""
 
     kind: ClassVar[str] = "engraving"
     takes: ClassVar[bool] = True
-    reads: ClassVar[tuple[Signal, ...]] = (SPINDLE,)
+    reads: ClassVar[tuple[Signal, ...]] = (SPINDLE, LOWERED)
     writes: ClassVar[tuple[Column, ...]] = (
         REMOVED,
         ENGAGED,
@@ -47,7 +50,7 @@ class Engraving(Process):
 
     @property
     def zone(self) -> Zone:
-        return Zone(radius=0.5 * self.beam.spot, below=self.beam.focus)
+        return Zone(radius=0.5 * self.beam.spot, below=self.beam.focus + MOST_LOWERED)
 
     def begin(self) -> ProcessState:
         return ProcessState(values=np.zeros(1))
@@ -57,7 +60,8 @@ class Engraving(Process):
         power = share * self.beam.power
         lit = power[window.piece_step] > 0.0
         step = window.piece_step[lit]
-        down = self.beam.focus * window.axis[step]
+        lowered = np.clip(window.signals[LOWERED.name], 0.0, MOST_LOWERED)
+        down = (self.beam.focus + lowered[step])[:, None] * window.axis[step]
         found = stock.remove(
             window.piece_start[lit] - down,
             window.piece_end[lit] - down,
