@@ -1,4 +1,4 @@
-"""Opens logs in a real viewer, a headless one, and looks whether it shows them; also takes the picture of the README.
+"""Open logs in a real, headless viewer and check that it shows them; also take the picture of the README.
 
     python scripts/view_log.py LOG.mcap ...                      start, middle, end, and back again
     python scripts/view_log.py LOG.mcap --picture docs/replay.png --at 0.6

@@ -49,7 +49,7 @@ class ListOf(Kind):
 
 @dataclass(frozen=True, slots=True)
 class Either(Kind):
-    """One of a few words that mean a fixed value, else the value of another kind."""
+    """One of a few words that mean a fixed value, or a value of another kind."""
 
     words: tuple[tuple[str, Any], ...]
     other: Kind

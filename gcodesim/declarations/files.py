@@ -18,7 +18,7 @@ _LARGEST: Final = 2_000_000_000  # bytes of a file that a cell names; a hole in 
 
 
 def folders_of_the_user() -> tuple[Path, ...]:
-    """What `GCODESIM_ALLOW_PATH` allows; only absolute folders, since others would be those of whoever is judged."""
+    """What `GCODESIM_ALLOW_PATH` allows; only absolute folders, since whoever is judged could choose the others."""
     named = os.environ.get(VARIABLE, "").split(os.pathsep)
     return tuple(Path(folder) for folder in named if os.path.isabs(folder))
 

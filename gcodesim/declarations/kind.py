@@ -67,7 +67,7 @@ def key_name(path: Path) -> str:
 
 
 def scalar(kind: Kind, node: Node, to: Reading, path: Path) -> Scalar | Unread:
-    """`node` as a scalar with something in it."""
+    """`node` as a scalar that is not empty."""
     if not isinstance(node, Scalar):
         return to.fault("GS706", node.span, f"`{key_name(path)}` is {article_of(node)}; {kind.expected} is expected")
     if node.empty:

@@ -3,7 +3,7 @@
 Built on the parser's events instead of its object constructor, because a cell
 is stricter than YAML: duplicate keys, merge keys, tags, several documents and
 aliases that blow up are findings, and `on`, dates and numbers are read by the
-kinds (`kinds.py`) that know what is expected.
+kinds (`kind.py`) that know what is expected.
 """
 
 from __future__ import annotations

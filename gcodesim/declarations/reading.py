@@ -85,7 +85,7 @@ class Reading:
         return UNREAD
 
     def span(self, path: Path) -> Span:
-        """The place of `path`, else of what is around it."""
+        """The place of `path`, or of what is around it if it has none."""
         for length in range(len(path), 0, -1):
             if path[:length] in self.spans:
                 return self.spans[path[:length]]
@@ -122,7 +122,7 @@ def dotted(path: Iterable[str | int]) -> str:
 
 
 def suggestion(word: str, known: Sequence[str]) -> str:
-    """`did you mean …` when a known word is near, else the known words when they are few."""
+    """`did you mean …` if a known word is near, otherwise the known words if they are few."""
     by_lower = {k.lower(): k for k in reversed(known)}
     close = difflib.get_close_matches(word.lower(), by_lower, n=1, cutoff=0.6)
     if close:

@@ -69,7 +69,7 @@ class Record(Kind):
         return _checked(instance, to, path)
 
     def _arguments(self, cls: type, values: dict[str, Any], to: Reading, path: Path) -> dict[str, Any]:
-        """Constructor arguments of `cls` out of what was read, with defaults; UNREAD for what is missing."""
+        """Constructor arguments of `cls` from what was read, with defaults; UNREAD for what is missing."""
         arguments: dict[str, Any] = {}
         for name, declared in keys(cls).items():
             if name in values:

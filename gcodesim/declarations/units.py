@@ -42,7 +42,7 @@ class Dimension:
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """A unit: times `factor` plus `offset` a number in it is SI; `aliases` are other spellings."""
+    """A unit: a number in it, times `factor` plus `offset`, is in SI; `aliases` are other spellings."""
 
     name: str
     dimension: str

@@ -84,7 +84,7 @@ class Timeline:
         return tuple(dict.fromkeys(self.modals[i].file for i in self.modal if self.modals[i].file))
 
     def span_of_lines(self, first: int, last: int, end_ns: int, file: str | None = None) -> tuple[int, int] | None:
-        """Begin of the first and end of the last block [ns] of the lines first ≤ line ≤ last; None when none ran."""
+        """Start of the first and end of the last block [ns] of the lines first ≤ line ≤ last; None when none ran."""
         files = np.array([modal.file for modal in self.modals])
         inside = (self.line >= first) & (self.line <= last)
         if len(files):

@@ -33,7 +33,7 @@ class Recovery:
 
     def __init__(self, control: Control) -> None:
         self.control = control
-        self.axes: set[str] = set()  # letters of those of which nobody knows where they stand
+        self.axes: set[str] = set()  # letters of the axes whose position nobody knows
         self.feed = False
         self.spindle = False
         self.parameters = False

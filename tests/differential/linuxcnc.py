@@ -1,6 +1,6 @@
 """LinuxCNC's own interpreter, run on one program after the other.
 
-`rs274` of Debian's package `linuxcnc-uspace` is started once a program, which
+`rs274` of Debian's package `linuxcnc-uspace` is started once for each program, which
 costs it 15 ms; everything around it (a private copy of the executable, ini
 file, tool table) is made once. What it prints is brought into the form of the
 conformance corpus by the corpus' own `oracle.py`.

@@ -26,7 +26,7 @@ MOST_FINDINGS = 20
 def add_parser(commands: Any) -> None:
     parser = commands.add_parser(
         "info",
-        help="what a log is, from what it came, whether it is whole",
+        help="what a log is, what it was made from, whether it is complete",
         description="Say what a log holds: program, cell, duration, findings, topics, attached files; "
         "and whether it is whole, was cut off or is damaged, and then what is missing.",
     )

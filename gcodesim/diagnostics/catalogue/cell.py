@@ -12,7 +12,7 @@ CODES += (
         severity=Severity.ERROR,
         title="The cell is not YAML",
         what="The text breaks a rule of YAML, so nothing behind this place could be read.",
-        why="A cell that is read half would be another cell.",
+        why="Half of a cell would be a different cell.",
         remedy=(
             "Look at the line named here and at the one above: brackets and quotes closed, spaces instead of "
             "tabs, one column for the keys of one mapping, quotes around a text that contains `: ` or begins with"
@@ -42,7 +42,7 @@ CODES += (
         code="GS704",
         severity=Severity.ERROR,
         title="Unknown key",
-        what="A key that gcodesim does not read here, mostly a slip of spelling or a wrong indentation.",
+        what="A key that gcodesim does not read here, usually a misspelling or wrong indentation.",
         why="A misspelled key that is skipped would leave its default in force.",
         remedy=(
             "Take the suggestion, or see `gcodesim cell schema`. Keys that begin with `x-` are free for notes of "
@@ -63,7 +63,7 @@ CODES += (
         title="A value of the wrong form",
         what=(
             "A list where a text is expected, a mapping where a number is, a list with too few or too many "
-            "entries, or no `true` or `false`."
+            "entries, or something else where `true` or `false` is expected."
         ),
         why="The value cannot be understood.",
         remedy="Write it as the message shows. YAML 1.2 knows `true` and `false`, not `on` and `yes`.",
@@ -93,7 +93,7 @@ CODES += (
         code="GS709",
         severity=Severity.ERROR,
         title="A wrong or unknown unit",
-        what="The unit measures something else than the key does, or is none.",
+        what="The unit measures something other than the key does, or does not exist.",
         why="A length of 10 deg has no meaning.",
         remedy="Take a unit that the message names; `gcodesim cell schema` prints the table.",
     ),
@@ -188,8 +188,8 @@ CODES += (
         severity=Severity.ERROR,
         title="An impossible tool",
         what=(
-            "The tool's values contradict each other or geometry: a corner radius greater than the tool, flutes "
-            "longer than the tool, a point angle that is none."
+            "The tool's values contradict each other or geometry: a corner radius greater than the tool, "
+            "flutes longer than the tool, an impossible point angle."
         ),
         why="Such a tool cannot be made; a simulation with another one in its place would be worth nothing.",
         remedy="Correct the value; `gcodesim cell show` prints what follows from the others.",
@@ -233,11 +233,11 @@ CODES += (
         severity=Severity.NOTE,
         title="A work system was placed by a rule",
         what=(
-            "The cell does not say where G54 is. With stock that has no place either, it is put in the middle of "
-            "the travel; else it is at machine zero."
+            "The cell does not say where G54 is. With stock that has no place either, it is put in the "
+            "middle of the travel; otherwise it is at machine zero."
         ),
         why="On the real machine you touch off the part; limits and rapids depend on where it lies.",
-        remedy="Nothing, if only the part matters. Else give `work_offsets: {G54: {xyz: […]}}`.",
+        remedy="Nothing, if only the part matters. Otherwise give `work_offsets: {G54: {xyz: […]}}`.",
     ),
     Code(
         code="GS726",
@@ -263,7 +263,7 @@ CODES += (
         severity=Severity.ERROR,
         title="The bullet world is not available",
         what="The cell asks for `world: bullet`, and pybullet is not installed.",
-        why="Gravity, inertia and contacts come from pybullet.",
+        why="What gravity, inertia and the limits of motors do to the motion comes from pybullet.",
         remedy="Install pybullet (there are wheels for Python 3.11 on x86-64 Linux), or write `world: kinematic`.",
     ),
     Code(
@@ -290,7 +290,8 @@ CODES += (
         severity=Severity.NOTE,
         title="The kinematic world runs, because pybullet is not there",
         what="The cell names no world and pybullet is not installed, so the robot follows its program exactly.",
-        why="Gravity, inertia and contacts are left out; process forces and elastic gears are not.",
+        why="What gravity, inertia and the limits of motors do to the motion is left out; process forces and"
+        " elastic gears are not.",
         remedy="Install pybullet (there are wheels for Python 3.11 on x86-64 Linux), or write `world: kinematic`.",
     ),
     Code(
@@ -298,15 +299,15 @@ CODES += (
         severity=Severity.WARNING,
         title="The tool table believes another length",
         what="The control's tool table and `tools:` of the cell give one tool different lengths.",
-        why="The tip goes off by the difference, on the machine as in the simulation: into the part or into the air.",
+        why="The tip is off by the difference, on the machine as in the simulation: into the part or into the air.",
         remedy="Measure the tool, and correct the tool table or `length` in the cell.",
     ),
     Code(
         code="GS733",
         severity=Severity.NOTE,
         title="A suppression without effect",
-        what="An entry of `suppress` is about this program, or any, and none of its findings falls under it.",
-        why="It may hide tomorrow what nobody has looked at; or the finding stands at another place by now.",
+        what="An entry of `suppress` covers this program, or all programs, and matches none of its findings.",
+        why="It may hide tomorrow what nobody has looked at; or the finding has moved by now.",
         remedy="Remove the entry, or correct its code, line, N number or block.",
     ),
     Code(
@@ -336,9 +337,9 @@ CODES += (
         code="GS750",
         severity=Severity.ERROR,
         title="The run would overwrite a file",
-        what="A file that the run writes stands in the output folder already. It is one that the run reads, or one "
-        "that gcodesim did not write.",
-        why="A mesh of one's own, or the stock of the run before, would be gone. Nothing was simulated.",
+        what="The output folder already has a file that the run would write. It is one that the run reads, or"
+        " one that gcodesim did not write.",
+        why="Your own mesh, or the stock of an earlier run, would be lost. Nothing was simulated.",
         remedy="Name another folder with `--out`. With `--force` the file is overwritten.",
     ),
     Code(

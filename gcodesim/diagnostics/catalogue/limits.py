@@ -8,8 +8,8 @@ CODES: tuple[Code, ...] = (
         code="GS201",
         severity=Severity.ERROR,
         title="Travel exceeded",
-        what="A move takes an axis beyond its travel. Judged is the axis itself, that is the programmed point plus the"
-        " active tool length offset, in machine coordinates; arcs count with their bulge.",
+        what="A move takes an axis beyond its travel. What counts is the axis itself, that is, the programmed"
+        " point plus the active tool length offset, in machine coordinates; arcs count with their bulge.",
         why="The control refuses the block or the axis runs into its limit switch, often late in a long job.",
         remedy="Shift the part as the hint says, choose a shorter tool, or set the program's zero elsewhere."
         " Check `travel` of the axis in the cell and the active work offset.",
@@ -72,7 +72,7 @@ CODES: tuple[Code, ...] = (
         severity=Severity.ERROR,
         title="Feed is zero",
         what="A feed move has no speed: F is 0, or the feed is per revolution and the spindle stands.",
-        why="The machine would wait in this block for ever. Here the block is run as slowly as 1 mm/min.",
+        why="The machine would wait in this block forever. Here the block is run as slowly as 1 mm/min.",
         remedy="Program F, or start the spindle before the block.",
     ),
     Code(

@@ -9,8 +9,8 @@ CODES: tuple[Code, ...] = (
         severity=Severity.ERROR,
         title="Rapid move through stock",
         what="A G0 move took away more material than the error bound of the simulated stock can explain.",
-        why="At rapid speed a chip is many times thicker than a cutter stands: it breaks, or pulls the part "
-        "out of the vise.",
+        why="At rapid speed a chip is many times thicker than a cutter can stand: the cutter breaks, or "
+        "pulls the part out of the vise.",
         remedy="Retract higher before the move, or make it a feed move (G1). Check work offset and tool length if the "
         "height looks right; on machines that move rapids axis by axis, the path is not the straight line.",
     ),
@@ -27,7 +27,7 @@ CODES: tuple[Code, ...] = (
         code="GS403",
         severity=Severity.ERROR,
         title="Tool inside stock after a tool change",
-        what="A tool was changed, or its length offset became true, where the new tool stands in the stock.",
+        what="A tool was changed, or its length offset took effect, where the new tool stands in the stock.",
         why="The new tool would have to be pushed into solid material. It cuts nothing until it has left the stock.",
         remedy="Retract before M6, far enough for the longest tool.",
     ),
@@ -44,7 +44,7 @@ CODES: tuple[Code, ...] = (
         severity=Severity.ERROR,
         title="Holder in stock",
         what="The tool holder ran into material.",
-        why="The holder collides with full force of the drives; tool, spindle or part are damaged.",
+        why="The holder collides with the full force of the drives; tool, spindle or part are damaged.",
         remedy="Use a longer tool or a slimmer holder, or cut less deep beside a wall; check `length` and `holder`.",
     ),
     Code(

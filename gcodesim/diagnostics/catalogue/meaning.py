@@ -60,7 +60,7 @@ CODES: tuple[Code, ...] = (
         severity=Severity.ERROR,
         title="Feed missing",
         what="A feed move starts and F is 0, or under G93 the block has no F of its own.",
-        why="The machine would stand still for ever.",
+        why="The machine would stand still forever.",
         remedy="Write F before the move. G93, G94 and G95 discard the F before them when the mode changes.",
     ),
     Code(
@@ -69,7 +69,7 @@ CODES: tuple[Code, ...] = (
         title="Spindle does not turn",
         what="The move depends on the spindle, but it stands still or turns the wrong way.",
         why="Feeds per revolution, threads and taps need a turning spindle.",
-        remedy="Write S and M3 or M4 before.",
+        remedy="Write S and M3 or M4 before the move.",
     ),
     Code(
         code="GS109",
@@ -113,9 +113,9 @@ CODES: tuple[Code, ...] = (
         code="GS120",
         severity=Severity.ERROR,
         title="Parameter without a value",
-        what="A named parameter is read that was never set.",
+        what="The program reads a named parameter that was never set.",
         why="Taking it for 0 would move the machine to a place that nobody chose.",
-        remedy="Set it before, or ask with EXISTS[#<name>].",
+        remedy="Set it first, or ask with EXISTS[#<name>].",
     ),
     Code(
         code="GS121",
@@ -184,8 +184,9 @@ CODES: tuple[Code, ...] = (
         severity=Severity.ERROR,
         title="Program does not end",
         what=(
-            "Everything that the control knows came back as it was, so the program goes on for ever; or it executed "
-            "more blocks, or made more moves, than the budget allows, and the hint says what still changes."
+            "The control is in exactly the state in which it was before, so the program goes on forever; or "
+            "it executed more blocks, or made more moves, than the budget allows, and the hint says what "
+            "still changes."
         ),
         why="Mostly a loop whose condition never becomes false.",
         remedy="Correct the loop; where it does end, raise --max-blocks.",
@@ -243,7 +244,7 @@ CODES: tuple[Code, ...] = (
         title="Refused in cutter compensation",
         what="The code cannot be executed while cutter compensation is on.",
         why="The offset path would jump.",
-        remedy="Switch the compensation off with G40 before.",
+        remedy="Switch the compensation off with G40 first.",
     ),
     Code(
         code="GS151",
@@ -267,7 +268,7 @@ CODES: tuple[Code, ...] = (
         title="Cutter compensation cannot be switched on",
         what="The plane does not allow it, it is on already, or the diameter is missing.",
         why="The control would refuse the block.",
-        remedy="Use G17 or G18, G40 before a new side, D with a tool of the table.",
+        remedy="Use G17 or G18, write G40 before the other side, and give D the number of a tool in the table.",
     ),
     Code(
         code="GS160",
@@ -346,12 +347,12 @@ CODES: tuple[Code, ...] = (
         severity=Severity.WARNING,
         title="Words that the control passes over",
         what=(
-            "A block with M98 holds other codes, or L0; a block with M72 holds more than that; Grbl, which has no "
-            "switch for it, meets M1; or a slash stands inside a block of Fanuc's."
+            "A block with M98 holds other codes, or L0; a block with M72 holds more than that; Grbl, which "
+            "has no switch for it, meets M1; or a Fanuc block has a slash inside."
         ),
         why=(
-            "What stands there is never done. L0 calls nothing, and yet the next M99 comes back to this block. "
-            "Grbl does not stop at M1. Behind a slash inside a block many Fanuc controls read nothing."
+            "What stands there is never done. L0 calls nothing, and yet the next M99 comes back to this "
+            "block. Grbl does not stop at M1. Many Fanuc controls read nothing behind such a slash."
         ),
         remedy="Put the other words into a block of their own; on Grbl write M0 to stop.",
     ),
@@ -429,10 +430,10 @@ CODES += (
         severity=Severity.WARNING,
         title="Tool without its length",
         what=(
-            "After a tool change the tool moves along Z or cuts before G43, in a program that uses G43 elsewhere. "
-            "Moves to machine places (G28, G30, G53) and probing do not count."
+            "After a tool change the tool moves along Z or cuts before G43, in a program that uses G43 "
+            "elsewhere. Moves to machine positions (G28, G30, G53) and probing do not count."
         ),
-        why="M6 leaves the length of the tool before in force; the new tip is off by the difference.",
+        why="M6 leaves the length of the previous tool in force; the new tip is off by the difference.",
         remedy="Say G43 H… in the first move along Z after each tool change.",
     ),
     Code(
@@ -440,10 +441,10 @@ CODES += (
         severity=Severity.WARNING,
         title="Cut with the spindle off",
         what=(
-            "The tool is fed sideways or down into a hole with the spindle off, where the same program cuts with it "
-            "on: no higher, or below part zero when all its cuts are. Or it is fed after M3 or M4 without any S. "
-            "A note, where no cell says what the tool is: it goes down and along below part zero in a program that "
-            "never says M3 or M4."
+            "The spindle is off, and the tool is fed sideways, or down into a hole, no higher than where the"
+            " same program cuts with the spindle on (or below part zero if all its cuts are). Or it is fed "
+            "after M3 or M4 without any S. It is only a note if no cell says what the tool is, and a program"
+            " that never says M3 or M4 goes down and along below part zero."
         ),
         why="A standing cutter is pushed into the material. M6 stops the spindle, so it has to be started again.",
         remedy="Write S and M3 or M4 before the cut.",
@@ -452,7 +453,7 @@ CODES += (
         code="GS177",
         severity=Severity.WARNING,
         title="Spindle on after the end",
-        what="The program ends by the closing % (Grbl: by its last line), which unlike M2 and M30 stops nothing.",
+        what="The program ends with the closing % (Grbl: with its last line), which, unlike M2 and M30, stops nothing.",
         why="The spindle goes on turning when the operator opens the door.",
         remedy="Write M5, or end with M2 or M30.",
     ),
@@ -492,9 +493,10 @@ CODES += (
         code="GS198",
         severity=Severity.NOTE,
         title="Tool without its length, as the program has it",
-        what="The program says G49 and never G43, and the tool in the spindle is long. It is an error where that tool "
-        "cuts and the zero of its work system is not as much higher.",
-        why="The programmed places are those of the spindle's nose then: the tip stands deeper by the length.",
+        what="The program says G49 and never G43, and the tool in the spindle is long. It is an error if that"
+        " tool cuts and the zero of its work system is not higher by as much.",
+        why="The programmed positions are then those of the spindle nose, and the tip is lower by the length"
+        " of the tool.",
         remedy="Say G43 H… after M6. Where Z is touched off with the tool, put its length into the work offset.",
     ),
 )

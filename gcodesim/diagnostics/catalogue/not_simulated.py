@@ -96,7 +96,7 @@ CODES += (
         severity=Severity.NOTE,
         title="A part of the cell has no effect",
         what="The cell describes something that this run leaves out.",
-        why="Who wrote it counts on it.",
+        why="Whoever wrote it counts on it.",
         remedy="Do what the hint says, or make it an error with `checks: {GS9xx: error}`.",
     ),
     Code(
@@ -105,7 +105,7 @@ CODES += (
         title="A channel does not run",
         what="The cell has several channels; a run carries out one program in one of them.",
         why="Robots that work beside each other may meet, and this run cannot see it.",
-        remedy="Run each program by itself, and look at the common room by hand.",
+        remedy="Run each program by itself, and check the space that they share by hand.",
     ),
     Code(
         code="GS911",
@@ -135,14 +135,15 @@ CODES += (
             "On LinuxCNC (PROBEOPEN …), (LOGOPEN, …), (LOGAPPEND, …) write files and (PY, …) runs code. A simulation "
             "does neither."
         ),
-        why="Who reads that file after the run does not find it.",
+        why="Whoever looks for that file after the run does not find it.",
         remedy="Texts of (LOG, …) are events in the log of a run; `gcodesim canon` lists them, and where probes end.",
     ),
     Code(
         code="GS913",
         severity=Severity.NOTE,
         title="A G code is not simulated",
-        what="The code is read, but what it does on the control is not modelled: look-ahead, stroke limits, and such.",
+        what="The code is read, but what it does on the control is not modelled: look-ahead, stroke limits, "
+        "and the like.",
         why="What depends on it on the real machine is not in the results.",
         remedy="The hint says what the simulation does instead. `checks: {GS9xx: error}` makes it an error.",
     ),
@@ -158,7 +159,7 @@ CODES += (
         code="GS916",
         severity=Severity.WARNING,
         title="Turning is not simulated",
-        what="The program is one for a lathe: it has codes of turning and never names Y.",
+        what="The program is for a lathe: it has codes of turning and never names Y.",
         why="The work stands still here, and a tool is a cutter that turns. Material, forces and collisions would be "
         "those of milling.",
         remedy="Look at paths and times of such a program only; leave out the stock.",
@@ -168,7 +169,8 @@ CODES += (
         severity=Severity.NOTE,
         title="Probes of uncut stock",
         what="`gcodesim check` lets the program's probes meet the stock as it comes into the cell, and cuts nothing.",
-        why="Where the program probes what it has cut itself, `run` comes to other places, and perhaps to other lines.",
+        why="Where the program probes what it has cut itself, `run` trips at other places, and may go on in "
+        "other lines.",
         remedy="Use `gcodesim run` for such a program.",
     ),
     Code(
@@ -176,7 +178,7 @@ CODES += (
         severity=Severity.NOTE,
         title="Lines left out by block delete",
         what="Lines that begin with a slash are left out, because the switch for them is on.",
-        why="On a machine whose switch is off they run, and the part is another one.",
+        why="On a machine whose switch is off they run, and the part comes out different.",
         remedy="Set the switch as it stands on the machine; without `--block-delete` the lines run.",
     ),
 )

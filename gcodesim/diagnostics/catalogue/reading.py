@@ -8,7 +8,7 @@ CODES: tuple[Code, ...] = (
         code="GS001",
         severity=Severity.ERROR,
         title="Character that cannot stand here",
-        what="The line holds a character or word that the language has no place for at this spot.",
+        what="The line has a character or word that cannot stand at this place.",
         why="The control would stop at this line, or worse, take the rest for something else.",
         remedy="Remove it, or put it into a comment in parentheses. A line number N has to come first in its line.",
     ),
@@ -73,7 +73,7 @@ CODES: tuple[Code, ...] = (
         severity=Severity.ERROR,
         title="Word twice in one block",
         what="A letter other than G and M stands twice in a block.",
-        why="Which of the two is meant nobody can say.",
+        why="Nobody can say which of the two is meant.",
         remedy="Drop one of the two, or split the block.",
     ),
     Code(

@@ -11,15 +11,15 @@ CODES: tuple[Code, ...] = (
         what="A test file or a comment of the program says that a finding comes here, and none does.",
         why="A check that has gone silent no longer protects anybody.",
         remedy=(
-            "If the fault is mended, delete the expectation. If it moved, correct the line. Else find out why the "
-            "check no longer sees it; `gcodesim run` shows what it does see."
+            "If the fault is mended, delete the expectation. If it moved, correct the line. Otherwise find "
+            "out why the check no longer sees it; `gcodesim run` shows what it does see."
         ),
     ),
     Code(
         code="GS602",
         severity=Severity.ERROR,
         title="Value is not as expected",
-        what="A quantity of the results lies outside of what the test file allows under `expect: values`.",
+        what="A quantity of the results lies outside what the test file allows under `expect: values`.",
         why="Somebody wrote down what this program has to do.",
         remedy="Mend the program or the cell, or correct the test file when the new value is right.",
     ),
@@ -28,10 +28,11 @@ CODES: tuple[Code, ...] = (
         severity=Severity.ERROR,
         title="Motion differs from what was accepted",
         what=(
-            "A move or a state of the machine was put in, taken away or changed beyond tolerance. Numbering, comments, "
-            "blanks and number formats do not count, nor do moves that are only divided otherwise."
+            "A move or a state of the machine was added, removed or changed beyond tolerance. Numbering, "
+            "comments, blanks and number formats do not count, nor do moves that are only divided "
+            "differently."
         ),
-        why="The machine will do something else than it did when somebody looked at it.",
+        why="The machine will not do what it did when somebody looked at it.",
         remedy="Look at the pair of lines. `gcodesim accept` takes the new motion over, after showing what it takes.",
     ),
     Code(
@@ -86,7 +87,7 @@ CODES: tuple[Code, ...] = (
         title="Accepted results cannot be read",
         what="The file of accepted results is damaged, of another form, or was changed by hand.",
         why="Nothing can be compared with it.",
-        remedy="Take the file of the version control again, or `gcodesim accept` the case anew.",
+        remedy="Take the file from version control again, or `gcodesim accept` the case anew.",
     ),
     Code(
         code="GS610",
@@ -128,10 +129,10 @@ CODES: tuple[Code, ...] = (
             "A chunk or an attached file of a log does not agree with its checksum, or (a warning) the log ends before "
             "its time. What could be read was used."
         ),
-        why="Tables, charts and pages have a gap there, and the part may look older than it is behind it.",
+        why="Tables, charts and pages have a gap there, and behind it the part may look older than it is.",
         remedy=(
-            "`gcodesim info` tells what is damaged and which time it was about. Copy the file again, or run the "
-            "program again: the same inputs give the same log."
+            "`gcodesim info` tells what is damaged and which time it covers. Copy the file again, or run the"
+            " program again: the same inputs give the same log."
         ),
     ),
     Code(
@@ -139,7 +140,7 @@ CODES: tuple[Code, ...] = (
         severity=Severity.ERROR,
         title="Two tests have one name",
         what="Two test files, or two programs of one, would keep their accepted results in the same file.",
-        why="Each would be compared with what was accepted of the other; so only the first one runs.",
+        why="Each would be compared with what was accepted for the other; so only the first one runs.",
         remedy="Rename a test file (NAME.test.yaml, NAME.test.yml) or a program.",
     ),
     Code(

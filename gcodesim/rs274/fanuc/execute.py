@@ -293,7 +293,7 @@ def _letters_of(words: Words) -> frozenset[str]:
 
 
 def _name_unused(words: Words, control: FanucControl, used: frozenset[str]) -> None:
-    """Words that a control passes over without a word."""
+    """Words that a control passes over without a message."""
     for letter in words.values:
         if letter not in used:
             name = letter.upper()

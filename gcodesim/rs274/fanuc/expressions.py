@@ -29,7 +29,7 @@ def value_of(node: Expression, variables: Variables) -> float | None:
 
 
 def number_of(node: Expression, variables: Variables) -> float:
-    """Like `value_of`, and a vacant variable is 0."""
+    """Like `value_of`, except that a vacant variable is 0."""
     return value_of(node, variables) or 0.0
 
 
@@ -71,7 +71,7 @@ def _divide(a: float, b: float) -> float:
 
 
 def _modulo(a: float, b: float) -> float:
-    """The rest of whole numbers, with the sign of the dividend."""
+    """The remainder of whole numbers, with the sign of the dividend."""
     divisor = nearest(b)
     if divisor == 0.0:
         raise Fault("GS123", "MOD by zero")
@@ -89,7 +89,7 @@ def _bits(act: Callable[[int, int], int]) -> Callable[[float, float], float]:
 
 
 def _from_decimal_digits(a: float) -> float:
-    """BIN: each four bits are a decimal digit."""
+    """BIN: every four bits are a decimal digit."""
     digits = f"{abs(round(a)):x}"
     if not digits.isdigit():
         raise Fault("GS123", f"BIN of {a:g}: it is no number in decimal digits")

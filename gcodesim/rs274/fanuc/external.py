@@ -43,7 +43,7 @@ def execute(flow: Flow, control: FanucControl) -> None:
 def printed(text: str, control: FanucControl) -> str:
     """The text with `#n[ab]` as numbers of at most a digits before the point and b behind it; `*` is a blank.
 
-    A vacant variable prints nothing. Leading blanks, which a parameter of the control puts in, are left away.
+    A vacant variable prints nothing. Leading blanks, which a parameter of the control puts in, are left out.
     """
 
     def shown(match: re.Match[str]) -> str:

@@ -41,7 +41,7 @@ def _refuse_in_compensation(control: FanucControl, who: str) -> None:
 
 
 def _centre(words: Words, control: FanucControl) -> list[float]:
-    """The named point, in G90 and in G91 alike absolute; axes not named: where the tool stands."""
+    """The named point, absolute in G90 and G91 alike; axes not named: where the tool stands."""
     return [words.values.pop(letter, control.state.current[axis]) for axis, letter in enumerate("xyz")]
 
 

@@ -1,4 +1,4 @@
-"""Least increments: lengths and angles are whole numbers of them, and so may X10 be where the control is set so."""
+"""Least increments: lengths and angles are whole numbers of them, and a control may be set to read X10 as ten."""
 
 from __future__ import annotations
 

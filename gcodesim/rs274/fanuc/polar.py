@@ -88,6 +88,6 @@ def repeats(words: Words, control: FanucControl, code: int) -> Iterator[Words]:
 
 
 def refuse(words: Words, control: FanucControl, who: str) -> None:
-    """Codes to whose words no manual gives a meaning in polar coordinates."""
+    """Codes whose words have no meaning in polar coordinates in any manual."""
     if control.state.polar is not None and words.has_axes():
         raise Fault("GS106", f"{who} is not simulated in polar coordinates", at=who.lower(), hint="say G15 before")

@@ -169,7 +169,7 @@ class FanucFile(ProgramFile):
         return found
 
     def sequence(self, number: int, index: int) -> int | None:
-        """The line of block N`number` in the program of line `index`: the next one, else the first from the top."""
+        """The line of block N`number` in the program of line `index`: the next, or the first from the top."""
         part = self.part_at(index)
         lines = [at for at in self._sequences.get(number, ()) if part.first <= at < part.end]
         return next((at for at in lines if at > index), lines[0] if lines else None)
