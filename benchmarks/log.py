@@ -70,7 +70,7 @@ def columns(n: int) -> dict[str, Any]:
     names = ("spindle", "force", "torque", "power", "removal", "removed", "max_force", "max_torque", "max_power")
     process = ProcessColumns(kind=np.ones(n, dtype=int), engaged=t > 0, **{name: np.cos(t) for name in names})
     poses = {"target": tf[:, 0], "tcp": tf[:, 1]}
-    joints = {"joint_position": q, "joint_velocity": -q, "joint_effort": 10 * q}
+    joints = {"joint_position": q, "joint_velocity": -q, "joint_effort": 10 * q, "joint_command": q}
     return {"tf": tf, **poses, **joints, "motion": motion, "process": process, "wrench": wrench}
 
 

@@ -20,6 +20,8 @@ N_PER_MM2: Final = 1e6
 N_PER_MM: Final = 1e3
 KW: Final = 1e3
 MM3: Final = 1e-9
+CM3: Final = 1e-6
+CM3_PER_MINUTE: Final = CM3 / MINUTE
 
 NS_PER_SECOND: Final = 1_000_000_000
 """Times are counted in whole nanoseconds."""

@@ -9,9 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.frames import Array
+from gcodesim.processes.column import FINDINGS, HOUSE, LINES, RESULTS
 
 if TYPE_CHECKING:
     from gcodesim.executor.record import StepRecord
+    from gcodesim.processes.column import Column
     from gcodesim.processes.sheet import Sheet
 
 RowNumbers = NDArray[np.int64]
@@ -38,6 +40,12 @@ class RowTotals:
         """A column (n,)."""
         return self.columns[column]
 
+    @property
+    def _added(self) -> tuple[Column, ...]:
+        """The columns that someone asks for by rows: what only the log shows costs nothing here."""
+        own = self.sheet.shown_in(LINES | RESULTS | FINDINGS)
+        return tuple(dict.fromkeys((*HOUSE, *own)))
+
     def grow(self, count: int) -> None:
         """Further rows, up to `count` in all."""
         for name, values in self.columns.items():
@@ -46,7 +54,7 @@ class RowTotals:
     def add(self, record: StepRecord) -> None:
         """Add the steps of a record, in order."""
         rows = record.window.row
-        for column in self.sheet.columns:
+        for column in self._added:
             values, total = record[column.name], self.columns[column.name]
             if column.of == "last":
                 total[rows] = values  # for repeated rows the last one counts

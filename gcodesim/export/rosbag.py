@@ -12,6 +12,7 @@ from gcodesim.export.exporter import RANGE, Exporter, NoExportError, Option, Req
 from gcodesim.export.select import TimeRange
 from gcodesim.export.table import NoTableError
 from gcodesim.extras import require_extra
+from gcodesim.log.shop_units import without_twins
 from gcodesim.playback.recording import Recording
 from gcodesim.units import NS_PER_SECOND
 
@@ -102,7 +103,7 @@ def _messages(recording: Recording, types: Any, topics: Sequence[str], part: Tim
         "/joint_states": _joints,
         "/target": _pose("/target"),
         "/tcp": _pose("/tcp"),
-        "/motion": _numbers("/motion"),
+        "/motion": _motion,
         "/process": _numbers("/process"),
         "/wrench": _wrench,
         "/log": _log,
@@ -194,6 +195,21 @@ def _joints(recording: Recording, ros: _Types, part: TimeRange) -> Iterator[BagM
         yield t_ns, "/joint_states", kind, content
 
 
+def _motion(recording: Recording, ros: _Types, part: TimeRange) -> Iterator[BagMessage]:
+    """Its numbers, and the commanded joints as ROS has them."""
+    yield from _numbers("/motion")(recording, ros, part)
+    series, kind = recording.series("/motion"), "sensor_msgs/msg/JointState"
+    names = [name for key, (name, *_) in series.texts.items() if key.endswith("].name")]
+    position = series.columns(*(f"joints[{name}].command" for name in names)) if names else np.zeros((0, 0))
+    none = np.zeros(0)
+    for i in part.chosen(series.t_ns) if names else ():
+        t_ns = int(series.t_ns[i])
+        content = ros.types[kind](
+            header=ros.header(t_ns, ""), name=names, position=position[i], velocity=none, effort=none
+        )
+        yield t_ns, "/joint_commands", kind, content
+
+
 def _pose(topic: str) -> Callable[[Recording, _Types, TimeRange], Iterator[BagMessage]]:
     def messages(recording: Recording, ros: _Types, part: TimeRange) -> Iterator[BagMessage]:
         series = recording.series(topic)
@@ -227,7 +243,10 @@ def _numbers(topic: str) -> Callable[[Recording, _Types, TimeRange], Iterator[Ba
     def messages(recording: Recording, ros: _Types, part: TimeRange) -> Iterator[BagMessage]:
         series, kind = recording.series(topic), "std_msgs/msg/Float64"
         chosen = part.chosen(series.t_ns)
-        for name, column in zip(series.names, series.values.T, strict=True):
+        for name in without_twins(series.names):
+            if "[" in name:  # of joints, which have messages of their own
+                continue
+            column = series.column(name)
             for i in chosen:
                 yield int(series.t_ns[i]), f"{topic}/{name}", kind, ros.types[kind](data=float(column[i]))
 

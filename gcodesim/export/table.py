@@ -14,12 +14,13 @@ from gcodesim.export.exporter import RANGE, Exporter, NoExportError, Option, Req
 from gcodesim.export.select import TimeRange
 from gcodesim.log.fields import leaves, parse_path, value_at
 from gcodesim.log.reader import decoder_of
+from gcodesim.log.shop_units import without_twins
 from gcodesim.numbers import rounded
 from gcodesim.playback.columns import UnitSystem, column_of, joint_kinds
 from gcodesim.playback.recording import PERIODIC_TOPICS, Recording
 from gcodesim.units import NS_PER_SECOND
 
-USUAL_TOPICS: Final = ("/motion", "/process", "/wrench", "/tcp", "/joint_states")
+USUAL_TOPICS: Final = ("/motion", "/process", "/wrench", "/target", "/tcp", "/joint_states")
 _DIGITS: Final = 9  # of numbers that were converted
 
 
@@ -95,7 +96,8 @@ def _write_periodic(
         rows = np.searchsorted(series.t_ns, times)
         if len(series.t_ns) != len(t_ns) or not np.array_equal(series.t_ns, t_ns):
             raise NoTableError(f"{topic} and {topics[0]} were not logged at the same times; export them one by one")
-        for name, column in zip(series.names, series.values.T, strict=True):
+        for name in without_twins(series.names):
+            column = series.column(name)
             shown, divisor = column_of(topic, name, kinds, units)
             head.append(shown)
             columns.append(_numbers(column[rows], divisor))

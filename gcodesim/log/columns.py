@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from gcodesim.frames import canonical_quaternion
 from gcodesim.log.description import PROCESS_COLUMNS, LogDescription, MotionColumns, array_of
 from gcodesim.log.row_kernels import NOT_FINITE, UNIT, fault_of
+from gcodesim.log.shop_units import JOINTS_SHOWN, MOTION_TWINS, PROCESS_TWINS
 
 BATCH: Final = 512  # instants: about 1 MB of records, a chunk
-_JOINTS: Final = ("joint_position", "joint_velocity", "joint_effort")
+_JOINTS: Final = ("joint_position", "joint_velocity", "joint_effort", "joint_command", *JOINTS_SHOWN)
 _POSES: Final = ("tf", "target", "tcp")
 _AT_PARENT: Final = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
@@ -30,6 +31,7 @@ class ColumnBatch:
     def __init__(self, description: LogDescription) -> None:
         widths = dict.fromkeys([*(field.name for field in fields(MotionColumns)), *PROCESS_COLUMNS], 1)
         widths |= {"position": 3, "wrench": 6, "tf": 7 * len(description.moving_frames), "target": 7, "tcp": 7}
+        widths |= dict.fromkeys((twin.field for twin in (*MOTION_TWINS, *PROCESS_TWINS)), 1)
         widths |= dict.fromkeys(_JOINTS, len(description.joint_names))
         widths |= dict.fromkeys((array_of(field.name) for field in description.process_fields), 1)
         ends = np.cumsum(list(widths.values())).tolist()

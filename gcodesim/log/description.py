@@ -29,10 +29,13 @@ class ProcessField:
     """A field of `/process` that only this log has, a number or a `flag`; its name ends in the unit.
 
     One that begins with `max_` holds the greatest of the field with the rest of its name since the instant before.
+    `twin_of` names a field in SI of which this one is the same in units of the shop floor: divided by `divisor`.
     """
 
     name: str
     flag: bool = False
+    twin_of: str = ""
+    divisor: float = 1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,7 +45,8 @@ class LogDescription:
     `run` is the metadata record: program, program_sha256, cell, cell_sha256,
     seed, step_ns, log_period_ns, versions; `log_format` and `gcodesim` are
     added; `records` are further ones by name. `moving_frames` are (parent, child) in the order of the columns given
-    to `LogWriter.window`. `wrench_frame` names the frame whose axes the wrench
+    to `LogWriter.window`; `joint_scale` is 1 mm or 1 degree in SI for each of the
+    joints, as people read them. `wrench_frame` names the frame whose axes the wrench
     follows. `process_kinds` is the list into which the column `kind` points,
     `process_fields` come in `/process` after the fields that it always has.
     `cell` has the robot links and fixtures, `feed_path` and `rapid_path` the
@@ -54,6 +58,7 @@ class LogDescription:
     static_frames: tuple[StaticFrame, ...]
     moving_frames: tuple[tuple[str, str], ...]
     joint_names: tuple[str, ...]
+    joint_scale: tuple[float, ...] = ()
     cell: tuple[Entity, ...] = ()
     feed_path: Polylines = field(default_factory=Polylines.none)
     rapid_path: Polylines = field(default_factory=Polylines.none)

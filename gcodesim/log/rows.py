@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from gcodesim.log.description import LogDescription, array_of
 from gcodesim.log.schema import FIRST_MORE
+from gcodesim.log.shop_units import MOTION_TWINS, PROCESS_TWINS
 from gcodesim.log.template import Slot, Template, TemplatePiece, bool_slot, double_slot, nested, stamp_slot, text_piece
 from gcodesim.log.topics import PERIODIC
 
@@ -62,10 +63,17 @@ def _messages(description: LogDescription, kind: str) -> tuple[TemplatePiece, ..
     motion += bool_slot(10, "limit")
     for number, array in enumerate(("travel_used", "speed_used", "effort_used"), start=11):
         motion += double_slot(number, array)
+    for number, twin in enumerate(MOTION_TWINS, start=14):
+        motion += double_slot(number, twin.field)
+    for i, name in enumerate(description.joint_names):
+        numbers = ((2, "joint_command"), (3, "joint_shown"), (4, "joint_command_shown"))
+        motion += nested(21, text_piece(1, name), *(double_slot(number, array, i) for number, array in numbers))
     process = stamp_slot(1) + text_piece(2, kind) + bool_slot(3, "engaged")
     arrays = ("spindle", "force", "torque", "power", "removal", "removed", "max_force", "max_torque", "max_power")
     for number, array in enumerate(arrays, start=4):
         process += double_slot(number, array)
+    for number, twin in enumerate(PROCESS_TWINS, start=13):
+        process += double_slot(number, twin.field)
     for number, field in enumerate(description.process_fields, start=FIRST_MORE):
         slot = bool_slot if field.flag else double_slot
         process += slot(number, array_of(field.name))

@@ -46,6 +46,7 @@ from gcodesim.log.rows import RecordRows, RowBuilder
 from gcodesim.log.scene import entities_update, force_updates, path_update, polyline_update
 from gcodesim.log.schema import PROCESS, schema_data
 from gcodesim.log.shapes import DrawnMesh, DrawnShape, Entity, Polylines
+from gcodesim.log.shop_units import twins_of
 from gcodesim.log.topics import PERIODIC, tile_topic, topic_table
 from gcodesim.version import __version__
 
@@ -126,6 +127,7 @@ class LogWriter:
         joint_position: Array,
         joint_velocity: Array,
         joint_effort: Array,
+        joint_command: Array,
         target: Array,
         tcp: Array,
         motion: MotionColumns,
@@ -136,8 +138,8 @@ class LogWriter:
 
         `t_ns` (n,) increasing; `tf` (n, F, 7) poses x y z qx qy qz qw [m] of
         the moving frames in their parents; joints (n, j) [rad or m, per s, N·m
-        or N]; `target` and `tcp` (n, 7) in world; `wrench` (n, 6) [N, N·m] on
-        the tool at the tip, in the axes of `wrench_frame`.
+        or N], `joint_command` where they were told to be; `target` and `tcp`
+        (n, 7) in world; `wrench` (n, 6) [N, N·m] on the tool at the tip, in the axes of `wrench_frame`.
         """
         times = np.asarray(t_ns, dtype=np.int64)
         columns = {
@@ -145,6 +147,7 @@ class LogWriter:
             "joint_position": joint_position,
             "joint_velocity": joint_velocity,
             "joint_effort": joint_effort,
+            "joint_command": joint_command,
             "target": target,
             "tcp": tcp,
             "wrench": wrench,
@@ -152,6 +155,8 @@ class LogWriter:
             **{name: getattr(process, name) for name in PROCESS_COLUMNS},
             **{array_of(name): values for name, values in process.fields.items()},
         }
+        d = self._description
+        columns |= twins_of(columns, d.joint_scale or (1.0,) * len(d.joint_names), d.process_fields)
         before = self._last_ns
         self._take(times, columns)
         waiting = self._batch.first_ns

@@ -8,12 +8,13 @@ from typing import Final, Literal, NamedTuple
 
 from gcodesim.log.description import with_peaks
 from gcodesim.log.series import Series
+from gcodesim.log.shop_units import without_twins
 from gcodesim.playback.recording import Recording
 from gcodesim.units import DEG, MM, MM3, MM_PER_MINUTE, RPM
 
 UnitSystem = Literal["si", "mm"]
 
-_JOINT: Final = re.compile(r"joints\[(.+)\]\.(position|velocity|effort)")
+_JOINT: Final = re.compile(r"joints\[(.+)\]\.(position|velocity|effort|command)")
 _FRAME: Final = re.compile(r"transforms\[(.+)\]\.(translation|rotation)\.([xyzw])")
 _POSE: Final = re.compile(r"pose\.(position|orientation)\.([xyzw])")
 _VECTOR: Final = re.compile(r"(force|torque)\.([xyz])")
@@ -86,7 +87,8 @@ def column_of(topic: str, field: str, kinds: Mapping[str, str], units: UnitSyste
 
 def own_fields(recording: Recording) -> list[str]:
     """The numbers of `/process` that only this run's processes have, by their names in the log; without peaks."""
-    return [name for name in with_peaks(recording.series("/process").names) if name not in HOUSE_FIELDS]
+    names = without_twins(recording.series("/process").names)
+    return [name for name in with_peaks(names) if name not in HOUSE_FIELDS]
 
 
 def peak_of(series: Series, field: str) -> str:
@@ -110,7 +112,7 @@ def _si_name(topic: str, field: str, kinds: Mapping[str, str]) -> str:
         if slides is None:
             return f"joint.{joint}.{what}"
         unit = {"position": "m" if slides == "prismatic" else "rad", "effort": "N" if slides == "prismatic" else "Nm"}
-        unit["velocity"] = f"{unit['position']}_s"
+        unit["velocity"], unit["command"] = f"{unit['position']}_s", unit["position"]
         return f"joint.{joint}.{what}_{unit[what]}"
     if found := _FRAME.fullmatch(field):
         frame, what, axis = found.groups()

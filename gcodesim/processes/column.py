@@ -141,6 +141,18 @@ class Column:
         return f"max_{self.field}"
 
     @property
+    def drawn_field(self) -> str:
+        """The field of the log that a chart shows: the peak, where there is one."""
+        return self.peak_field if self.of == "greatest" else self.field
+
+    @property
+    def shop_field(self) -> str:
+        """The name in the log of `drawn_field` in units of the shop floor; "" where those are the same as in SI."""
+        if self.divisor == 1.0:
+            return ""
+        return ("max_" if self.of == "greatest" else "") + _joined(self.name, self.shop_unit)
+
+    @property
     def adds(self) -> bool:
         """Whether values of one step are added up over processes and stocks."""
         return (self.together or self.of) == "sum"

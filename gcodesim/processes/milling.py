@@ -54,11 +54,14 @@ class Milling(Process):
         POWER,
         Column("peak_force", "N", "greatest", LOG | RESULTS, "within a revolution", "sum"),
         Column("peak_torque", "N·m", "greatest", LOG | RESULTS, "within a revolution", "sum"),
-        Column("axial_depth", "m", "greatest", Shown.NOWHERE, "of the cut; 0 where nothing is cut, like the next four"),
-        Column("radial_width", "m", "greatest", Shown.NOWHERE, "of the cut"),
+        Column("axial_depth", "m", "greatest", LOG, "of the cut; 0 where nothing is cut, like what follows"),
+        Column("radial_width", "m", "greatest", LOG, "of the cut"),
+        Column("chip_thickness", "m", "greatest", LOG, "the greatest of a revolution"),
+        Column("feed_force", "N", "greatest", LOG, "on the tool, along the feed", "sum"),
+        Column("side_force", "N", "greatest", LOG, "on the tool, to the left of the feed seen from the holder", "sum"),
+        Column("axial_force", "N", "greatest", LOG, "on the tool, along its axis, towards the holder", "sum"),
         Column("entry", "rad", "last", Shown.NOWHERE, "angle at which a tooth enters, clockwise from left of the feed"),
         Column("exit", "rad", "last", Shown.NOWHERE, "angle at which it leaves"),
-        Column("chip", "m", "greatest", Shown.NOWHERE, "greatest chip thickness"),
         Column("shank_depth", "m", "greatest", FINDINGS, "how deep the shank is in material"),
         Column("holder_depth", "m", "greatest", FINDINGS, "how deep the holder is in material"),
         Column("stopped_cut", "m^3", "sum", FINDINGS, "taken with the spindle at rest, without force"),
@@ -140,7 +143,10 @@ class Milling(Process):
                 "radial_width": out[:, m.OUT_WIDTH],
                 "entry": out[:, m.OUT_ENTRY],
                 "exit": out[:, m.OUT_EXIT],
-                "chip": out[:, m.OUT_CHIP],
+                "chip_thickness": out[:, m.OUT_CHIP],
+                "feed_force": out[:, m.FEED_FORCE],
+                "side_force": out[:, m.SIDE_FORCE],
+                "axial_force": out[:, m.WRENCH + 2],
                 "shank_depth": out[:, m.SHANK],
                 "holder_depth": out[:, m.HOLDER],
                 "stopped_cut": np.where(out[:, m.STOPPED] > 0.0, removed, 0.0),
@@ -266,7 +272,7 @@ def _of_steps(parts: Array, turns: Turns) -> Array:
     if not turns.any:
         return parts
     out: Array = np.maximum.reduceat(parts, turns.first, axis=0)
-    means = [*range(m.WRENCH, m.WRENCH + 6), m.OUT_TORQUE, m.POWER]
+    means = [*range(m.WRENCH, m.WRENCH + 6), m.OUT_TORQUE, m.POWER, m.FEED_FORCE, m.SIDE_FORCE]
     out[:, means] = np.add.reduceat(parts[:, means] * turns.share[:, None], turns.first, axis=0)
     out[:, m.REMOVED] = np.add.reduceat(parts[:, m.REMOVED], turns.first)
     ends = np.append(turns.first[1:], len(parts)) - 1

@@ -61,9 +61,9 @@ Flags = NDArray[np.bool_]
 # columns of `out` (n, OUTPUTS)
 (
     WRENCH, PEAK, OUT_TORQUE, POWER, REMOVED, ENGAGED, DEFLECTION, OUT_DEPTH, OUT_WIDTH, OUT_ENTRY, OUT_EXIT, OUT_CHIP,
-    SHANK, HOLDER, STOPPED, REVERSED, INSIDE, TILTED, PEAK_TORQUE,
-) = (0, 6, 7, 8, 9, 10, 11, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25)  # fmt: skip
-OUTPUTS = 26
+    SHANK, HOLDER, STOPPED, REVERSED, INSIDE, TILTED, PEAK_TORQUE, FEED_FORCE, SIDE_FORCE,
+) = (0, 6, 7, 8, 9, 10, 11, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27)  # fmt: skip
+OUTPUTS = 28
 # places in `State.numbers`
 RELAXATION, ADVANCE, FREEDOM, CUTTING, HAS_TIP, STEP, PIECE, CREDIT = 0, 1, 2, 3, 4, 5, 6, 7
 PLACED, BLOCKED, FREE = 0.0, 1.0, 2.0  # values of FREEDOM
@@ -423,6 +423,9 @@ def feel(
     if used > 0:
         for component in range(6):
             out[WRENCH + component] = result[component]
+        ux, uy = state.feed[0], state.feed[1]
+        out[FEED_FORCE] = ux * result[0] + uy * result[1]
+        out[SIDE_FORCE] = ux * result[1] - uy * result[0]
         force, torque = peaks_of(tool.teeth, room, used)
         out[PEAK], out[PEAK_TORQUE] = ratio * force, ratio * torque
         out[OUT_TORQUE] = result[TORQUE]

@@ -74,6 +74,7 @@ class Instants:
             before=np.where(at > 0, place[at - 1], self._ends),
             qd=world.qd[at],
             effort=world.effort[at],
+            command=window.q[at],
             saturated=np.any(world.saturated[at], axis=1),
             row=row,
             tool=window.tool[at],

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from importlib.metadata import version
@@ -23,7 +23,7 @@ from gcodesim.jobs.job import BULLET
 from gcodesim.jobs.results import Results
 from gcodesim.log import LogDescription, LogWriter, MotionColumns, ProcessColumns, ProcessField, layout
 from gcodesim.motion.tool_path import HOME, RAPID
-from gcodesim.processes.column import FORCE, LOG, POWER, RESULTS, TORQUE
+from gcodesim.processes.column import FORCE, LOG, POWER, RESULTS, TORQUE, Column
 from gcodesim.recorder.blocks import Blocks
 from gcodesim.recorder.bodies import cell_entities, tile_meshes, tool_shapes
 from gcodesim.recorder.frames import Frames, seven, stock_frame, work_systems
@@ -34,6 +34,7 @@ from gcodesim.recorder.pose_kernels import bend, compare
 from gcodesim.recorder.reporter import Reporter
 from gcodesim.recorder.texts import Texts
 from gcodesim.recorder.ways import Ways
+from gcodesim.units import DEG, MM
 
 if TYPE_CHECKING:
     from gcodesim.executor import Execution
@@ -127,15 +128,8 @@ class Recorder:
         if urdf is not None:
             attachments[f"{self._shop.name}.urdf"] = urdf
         view = view_of(self._shop, self._plan, ways, rapid)
-        fields = tuple(
-            field
-            for column in self._sheet.own(LOG)
-            for field in (
-                ProcessField(name=column.field, flag=column.of == "any"),
-                *([ProcessField(name=column.peak_field)] if column.of == "greatest" else []),
-            )
-        )
-        self._own = [field.name for field in fields]
+        fields = tuple(field for column in self._sheet.own(LOG) for field in _fields_of(column))
+        self._own = [field.name for field in fields if not field.twin_of]
         kind = layout_kind(self._shop)
         attachments["layout.json"] = layout(kind, self._shop.joint_names, self._blocks.outputs, view, fields)
         run = {
@@ -154,6 +148,7 @@ class Recorder:
             static_frames=self._frames.static,
             moving_frames=self._frames.moving,
             joint_names=self._shop.joint_names,
+            joint_scale=tuple(MM if kind == "prismatic" else DEG for kind in self._shop.kinematics.joints.kinds),
             cell=cell_entities(self._frames),
             feed_path=ways.polylines(~rapid),
             rapid_path=ways.polylines(rapid),
@@ -299,6 +294,7 @@ class Recorder:
             joint_position=q,
             joint_velocity=qd,
             joint_effort=effort,
+            joint_command=came["command"],
             target=seven(target),
             tcp=seven(X_WT),
             motion=MotionColumns(
@@ -419,6 +415,15 @@ class Recorder:
         with suppress(Exception):  # the fault itself may come from work that waits to be written
             self._write_instants()
         self._writer.abandon()
+
+
+def _fields_of(column: Column) -> Iterator[ProcessField]:
+    """What the log says of a column of a process: the value, its peak since the last instant, and what people read."""
+    yield ProcessField(name=column.field, flag=column.of == "any")
+    if column.of == "greatest":
+        yield ProcessField(name=column.peak_field)
+    if column.shop_field:
+        yield ProcessField(name=column.shop_field, twin_of=column.drawn_field, divisor=column.divisor)
 
 
 def _is_rapid(plan: Plan) -> NDArray[np.bool_]:

@@ -105,11 +105,11 @@ def test_a_tool_that_is_pushed_back_cuts_thinner_chips() -> None:
     found, _ = cut(arm() / 0.3, STEEL, -4e-3, LENGTH, 20e-3, 1e-3)
     retreat = np.diff(found.deflection[:, 0]) / (FEED * DT)
     full = FEED * math.pi / SPINDLE  # feed per tooth of two
-    busy = np.flatnonzero(found["chip"][1:] > 0.2 * found["chip"].max())
+    busy = np.flatnonzero(found["chip_thickness"][1:] > 0.2 * found["chip_thickness"].max())
 
-    assert found["chip"][-1] == pytest.approx(full, rel=2e-3)
+    assert found["chip_thickness"][-1] == pytest.approx(full, rel=2e-3)
     assert retreat[busy].min() < -0.2
-    assert found["chip"][1:][busy] / full == pytest.approx(1.0 + retreat[busy], abs=0.05)
+    assert found["chip_thickness"][1:][busy] / full == pytest.approx(1.0 + retreat[busy], abs=0.05)
 
 
 def test_a_slot_in_a_soft_arm_settles_at_the_balance_of_depth_and_bend() -> None:

@@ -283,7 +283,7 @@ def test_slot_in_stock(kind, law, cells):
     assert found["peak_force"][late].mean() == pytest.approx(wanted.peak, rel=0.05)
     assert found["peak_torque"][late].mean() == pytest.approx(wanted.peak_torque, rel=0.05)
     assert found["axial_depth"][late] == pytest.approx(3e-3, rel=0.01)
-    assert found["chip"][late].mean() == pytest.approx(CHIP, rel=0.02) or kind == "ball_end_mill"
+    assert found["chip_thickness"][late].mean() == pytest.approx(CHIP, rel=0.02) or kind == "ball_end_mill"
     assert found["removed"].sum() == pytest.approx(wanted.mrr * window.steps * window.dt, rel=0.3 / cells)
 
 

@@ -37,6 +37,17 @@ def test_joints_are_those_of_the_log(bag, slot):
     assert messages[10][1].header.stamp.sec * 10**9 + messages[10][1].header.stamp.nanosec == messages[10][0]
 
 
+def test_commanded_joints_are_messages_of_their_own(bag, slot):
+    messages = read(bag, "/joint_commands")
+    truth = read_columns(slot.log.path, "/motion", ["joints.command", "joints.name"])
+    rows = np.searchsorted(truth["t_ns"], [t for t, _ in messages])
+
+    assert messages[0][1].name == list(truth["joints.name"][0])
+    assert np.array_equal([m.position for _, m in messages], truth["joints.command"][rows])
+    with AnyReader([bag]) as reader:
+        assert not [c.topic for c in reader.connections if "[" in c.topic or c.topic.endswith("_mm_min")]
+
+
 def test_wrench_and_frames_come_along(bag, slot):
     force = read_columns(slot.log.path, "/wrench", ["force.x"])
     wrench = read(bag, "/wrench")

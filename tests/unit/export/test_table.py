@@ -41,6 +41,19 @@ def test_units_of_the_shop_floor_follow_in_name_and_number(slot):
     assert "joint.machine/X.position_mm" in floor[0] and "joint.machine/X.position_m" in si[0]
 
 
+def test_commands_stand_beside_what_was_reached_and_nothing_stands_twice(slot):
+    rows = table(slot)
+
+    assert np.allclose(column(rows, "target.x_m"), column(rows, "tcp.x_m"), atol=1e-9)
+    assert np.array_equal(column(rows, "joint.machine/X.command_m"), column(rows, "joint.machine/X.position_m"))
+    for units in ("si", "mm"):
+        with io.StringIO() as out:
+            write_table(slot, out, units=units)
+            head = out.getvalue().splitlines()[0].split(",")
+        assert len(set(head)) == len(head) and not any(name.endswith("_shown") for name in head)
+    assert "motion.feed_mm_min" not in rows[0] and "process.removed_cm3" not in rows[0]
+
+
 def test_each_row_names_the_line_that_runs(slot):
     rows = table(slot, ["/process"])
     # line 9 is the first cut along X

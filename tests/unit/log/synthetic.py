@@ -86,6 +86,7 @@ def columns(t_ns, joints=6, kind=1):
         "joint_position": q,
         "joint_velocity": -np.sin(t[:, None] * np.arange(1, joints + 1)),
         "joint_effort": 10.0 * q,
+        "joint_command": q + 1e-4,
         "target": pose,
         "tcp": pose + np.array([1e-5, 0, 0, 0, 0, 0, 0]),
         "wrench": wrench,

@@ -42,7 +42,7 @@ def test_own_messages_have_the_fields_of_the_definition():
 
 def test_the_reader_of_definitions_refuses_what_it_does_not_know():
     assert [m.name for m in read_proto(proto_text()).message_type] == (
-        ["Program", "Output", "Motion", "Process", "Wrench", "Vector", "Event"]
+        ["Program", "Output", "Motion", "Joint", "Process", "Wrench", "Vector", "Event"]
     )
     with pytest.raises(ValueError, match="oneof"):
         read_proto("message A {\n oneof x {\n}\n")

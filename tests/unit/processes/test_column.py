@@ -58,9 +58,12 @@ def test_a_cell_with_mills_and_nozzles_has_the_columns_of_both() -> None:
     sheet = Sheet.of([mill, mill])
     assert sheet.columns[: len(HOUSE)] == HOUSE
     assert {"shank_depth", "rapid_cut"} <= {column.name for column in sheet.columns}
-    assert "chip" not in {column.name for column in sheet.columns}  # shown to nobody
-    assert [column.name for column in sheet.own(LOG)] == ["peak_force", "peak_torque"]
-    assert sheet.own(LOG) == sheet.own(RESULTS) and sheet.own(LINES) == ()
+    assert "entry" not in {column.name for column in sheet.columns}  # shown to nobody
+    assert [column.name for column in sheet.own(RESULTS)] == ["peak_force", "peak_torque"]
+    logged = [column.name for column in sheet.own(LOG)]
+    cut, tool_axes = ["axial_depth", "radial_width", "chip_thickness"], ["feed_force", "side_force", "axial_force"]
+    assert logged == ["peak_force", "peak_torque", *cut, *tool_axes]
+    assert sheet.own(LINES) == ()
 
 
 def test_one_name_has_one_meaning(monkeypatch: pytest.MonkeyPatch) -> None:

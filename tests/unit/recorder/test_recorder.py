@@ -143,6 +143,27 @@ def test_joints_have_limits_and_tell_how_much_of_them_is_used(log):
     assert 0.9 < used["speed_used"].max() <= 1.0 + 1e-9  # rapids go as fast as the axes can
 
 
+def test_the_log_says_where_the_joints_were_told_to_be(log):
+    told = read_columns(log, "/motion", ["joints.command", "joints.command_shown"])
+    is_at = read_columns(log, "/joint_states", ["joints.position"])["joints.position"]
+
+    assert np.array_equal(told["joints.command"], is_at)  # the kinematic world follows exactly
+    assert np.ptp(is_at[:, 0]) > 0.05
+    assert told["joints.command_shown"] == pytest.approx(1e3 * is_at)
+
+
+def test_the_cut_is_in_the_log_with_forces_in_axes_of_the_tool(log):
+    names = ["axial_depth_m", "max_axial_depth_mm", "feed_force_n", "side_force_n", "axial_force_n", "force_n"]
+    cut = read_columns(log, "/process", names)
+    busy = cut["axial_depth_m"] > 0.0
+
+    assert cut["axial_depth_m"].max() == pytest.approx(1e-3, rel=0.01)
+    assert cut["max_axial_depth_mm"].max() == pytest.approx(1.0, rel=0.01)
+    parts = np.stack([cut[f"{name}_force_n"] for name in ("feed", "side", "axial")])
+    assert np.linalg.norm(parts, axis=0) == pytest.approx(cut["force_n"], abs=1e-9)
+    assert busy.sum() > 100 and (parts[0][busy] < 0.0).mean() > 0.9  # the work holds the tool back
+
+
 def test_the_log_carries_what_it_came_from(log):
     opened = LogFile.open(log)
     assert list(opened.attachments) == [
