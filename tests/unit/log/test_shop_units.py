@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from gcodesim.log import ProcessField
-from gcodesim.log.reader import read_columns
 from gcodesim.log.shop_units import without_twins
+from tests.log_columns import read_columns
 
 MS = 1_000_000
 
