@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -114,9 +114,8 @@ class LinkShape:
     rgba: tuple[float, float, float, float]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Tree:
-    """The chain without fixed joints, joints j in the order of q, every array C-contiguous.
+class Tree(NamedTuple):
+    """The chain without fixed joints, in the form that kernels take: joints j in the order of q, arrays in C order.
 
     Joint i hangs on joint `parent[i]` (−1: on the base) at `before[i]` (4, 4)
     and moves about or along `axis[i]`; `prismatic[i]` is 1 or 0. Link l rides on
@@ -226,7 +225,7 @@ class Chain:
             carrier=np.array([carrier[link.name] for link in self.links], dtype=np.int64),
             offset=np.array([offset[link.name] for link in self.links]),
             flange_carrier=carrier[self.flange],
-            flange_offset=offset[self.flange],
+            flange_offset=np.ascontiguousarray(offset[self.flange]),
         )
 
     def shapes(self, what: Literal["visual", "collision"] = "visual") -> tuple[LinkShape, ...]:

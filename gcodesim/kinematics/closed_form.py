@@ -13,7 +13,7 @@ from gcodesim.kinematics.chain import Chain, Indices
 from gcodesim.kinematics.closed_form_kernels import inverse_path, solve_family
 from gcodesim.kinematics.machine import Machine, poses
 from gcodesim.kinematics.path_kernels import JUMP, nearest_anywhere
-from gcodesim.kinematics.plane_kernels import NEAR
+from gcodesim.kinematics.plane_kernels import NEAR, PlaneArm
 from gcodesim.kinematics.protocol import Reason, Status, Statuses
 from gcodesim.kinematics.reasons import jump_reason, limit_reason
 
@@ -33,21 +33,18 @@ def angle_about(axis: Array, start: Array, end: Array) -> float:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ClosedForm(Machine):
-    """A six-axis arm with eight closed-form branches; `arm` and the rotations are packed as in `plane_kernels`."""
+    """A six-axis arm with eight closed-form branches."""
 
-    arm: Array
-    R_PB: Array
-    R_EP: Array
-    R_FE: Array
+    arm: PlaneArm
     family: ClassVar[int]
     centre_name: ClassVar[str]
     wrist_name: ClassVar[str]
 
     @staticmethod
-    def packed(
+    def plane_arm(
         o: Array, u: Array, X_BF: Array, centre: Array, joints: Array, first: Array
-    ) -> tuple[Array, Array, Array, Array] | None:
-        """`arm`, R_PB, R_EP, R_FE, or None when two joints of the plane coincide.
+    ) -> PlaneArm | None:
+        """The arm in its plane, or None when two joints of the plane coincide.
 
         `o`, `u` (6, 3) are points and directions of the axes at zero, `joints`
         (k, 3) the points in the plane of the arm after joint 2, `first` (3,) the
@@ -63,21 +60,38 @@ class ClosedForm(Machine):
         p_FC = X_BF[:3, :3].T @ (centre - X_BF[:3, 3])
         x2, lateral = R_PB[0] @ (o[1] - origin), R_PB[1] @ (centre - origin)
         a, b, c = [*steps, np.zeros(3)][:3]
-        signs = np.sign(u[1] @ u[2]), np.sign(u[1] @ u[3])
-        arm = [*origin, *p_FC, x2, lateral, a[2], a[0], b[2], b[0], signs[0], zero, c[2], c[0], signs[1]]
-        arm += [math.hypot(a[2], a[0]), math.hypot(b[2], b[0]), math.atan2(a[0], a[2]) - math.atan2(b[0], b[2])]
         R_FE = X_BF[:3, :3].T @ rotation_about(u[4], zero) @ R_BE
-        return np.array(arm), R_PB, np.ascontiguousarray(R_BE.T @ R_PB.T), np.ascontiguousarray(R_FE)
+        return PlaneArm(
+            p_BP=origin,
+            p_FC=np.array(p_FC),
+            x2=float(x2),
+            lateral=float(lateral),
+            upper_z=float(a[2]),
+            upper_x=float(a[0]),
+            fore_z=float(b[2]),
+            fore_x=float(b[0]),
+            last_z=float(c[2]),
+            last_x=float(c[0]),
+            sign3=float(np.sign(u[1] @ u[2])),
+            sign4=float(np.sign(u[1] @ u[3])),
+            zero6=float(zero),
+            upper_length=math.hypot(a[2], a[0]),
+            fore_length=math.hypot(b[2], b[0]),
+            straight=math.atan2(a[0], a[2]) - math.atan2(b[0], b[2]),
+            R_PB=R_PB,
+            R_EP=np.ascontiguousarray(R_BE.T @ R_PB.T),
+            R_FE=np.ascontiguousarray(R_FE),
+        )
 
     @property
     def reach(self) -> float:
         """Greatest length [m] of the two long links together, from joint 2."""
-        return float(self.arm[17] + self.arm[18])
+        return self.arm.upper_length + self.arm.fore_length
 
     def centre(self, X_BF: Array) -> Array:
         """The point (n, 3) in B where the last axes meet, of flange poses (n, 4, 4)."""
         X = poses(X_BF)
-        found: Array = X[:, :3, 3] + X[:, :3, :3] @ self.arm[3:6]
+        found: Array = X[:, :3, 3] + X[:, :3, :3] @ self.arm.p_FC
         return found
 
     def inverse(self, X_BF: Array, seed: Array, *, on_path: bool = False) -> tuple[Array, Statuses]:
@@ -87,7 +101,7 @@ class ClosedForm(Machine):
         start = np.array(seed, dtype=np.float64)
         limits = self.joints.lower, self.joints.upper
         branch = self._branch_of(start) if on_path else -1
-        inverse_path(self.family, X, start, branch, self.arm, self.R_PB, self.R_EP, self.R_FE, *limits, q, status)
+        inverse_path(self.family, X, start, branch, self.arm, *limits, q, status)
         return q, status
 
     def _solve(self, X_BF: Array, previous: Array) -> tuple[Array, Indices]:
@@ -95,7 +109,7 @@ class ClosedForm(Machine):
         out, flags = np.empty((8, 6)), np.zeros(8, dtype=np.int64)
         room = np.empty((3, 3, 3))
         X = poses(X_BF)[0]
-        solve_family(self.family, X, -1, self.arm, self.R_PB, self.R_EP, self.R_FE, previous, room, out, flags)
+        solve_family(self.family, X, -1, self.arm, previous, room, out, flags)
         return out, flags
 
     def _branch_of(self, q: Array) -> int:
@@ -126,13 +140,13 @@ class ClosedForm(Machine):
 
     def _out_of_reach(self, X_BF: Array) -> Reason:
         arm = self.arm
-        w = self.R_PB @ (self.centre(X_BF)[0] - arm[:3])
-        radius, lateral = math.hypot(w[0], w[1]), abs(arm[7])
+        w = arm.R_PB @ (self.centre(X_BF)[0] - arm.p_BP)
+        radius, lateral = math.hypot(w[0], w[1]), abs(arm.lateral)
         if radius < lateral:
             what = f"{self.centre_name} distance from axis 1"
             return Reason(status=Status.REACH, what=what, value=radius, limit=lateral, unit="m")
         distances = [math.hypot(*end) for end in self._elbow_ends(X_BF)]
-        least = abs(float(arm[17] - arm[18]))
+        least = abs(arm.upper_length - arm.fore_length)
         value, limit = (max(distances), least) if max(distances) < least else (min(distances), self.reach)
         what = f"{self.centre_name} distance from joint 2"
         return Reason(status=Status.REACH, what=what, value=value, limit=limit, unit="m")
@@ -140,11 +154,11 @@ class ClosedForm(Machine):
     def _singular(self, q: Array) -> Reason:
         """The smallest of the three distances from singular."""
         arm = self.arm
-        w = self.R_PB @ (self.centre(self.forward(q))[0] - arm[:3])
-        forward = math.sqrt(max(0.0, w[0] ** 2 + w[1] ** 2 - arm[7] ** 2))
-        bend = arm[12] * q[2] - arm[19]
+        w = arm.R_PB @ (self.centre(self.forward(q))[0] - arm.p_BP)
+        forward = math.sqrt(max(0.0, w[0] ** 2 + w[1] ** 2 - arm.lateral**2))
+        bend = arm.sign3 * q[2] - arm.straight
         found = [
-            (abs(math.sin(q[4] + arm[13])), self.wrist_name, "rad", 4),
+            (abs(math.sin(q[4] + arm.zero6)), self.wrist_name, "rad", 4),
             (abs(math.sin(bend)), "angle of the elbow from straight", "rad", 2),
             (forward, f"{self.centre_name} distance from above axis 1", "m", 0),
         ]

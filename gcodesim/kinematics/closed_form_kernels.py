@@ -9,7 +9,7 @@ from gcodesim.frames import Array
 from gcodesim.kinematics.chain import Indices
 from gcodesim.kinematics.parallel_axes_kernels import solve as solve_parallel_axes
 from gcodesim.kinematics.path_kernels import OK, REACH, SINGULAR, choose, square_distance
-from gcodesim.kinematics.plane_kernels import EXISTS
+from gcodesim.kinematics.plane_kernels import EXISTS, PlaneArm
 from gcodesim.kinematics.protocol import Statuses
 from gcodesim.kinematics.spherical_wrist_kernels import solve as solve_spherical_wrist
 from gcodesim.kinematics.tree_kernels import copy_row
@@ -22,10 +22,7 @@ def solve_family(
     family: int,
     X: Array,
     only: int,
-    arm: Array,
-    R_PB: Array,
-    R_EP: Array,
-    R_FE: Array,
+    arm: PlaneArm,
     previous: Array,
     room: Array,
     out: Array,
@@ -33,8 +30,8 @@ def solve_family(
 ) -> float:
     """`solve` of the family."""
     if family == PARALLEL_AXES:
-        return solve_parallel_axes(X, only, arm, R_PB, R_EP, R_FE, previous, room, out, flags)
-    return solve_spherical_wrist(X, only, arm, R_PB, R_EP, R_FE, previous, room, out, flags)
+        return solve_parallel_axes(X, only, arm, previous, room, out, flags)
+    return solve_spherical_wrist(X, only, arm, previous, room, out, flags)
 
 
 @kernel
@@ -43,10 +40,7 @@ def inverse_path(
     X: Array,
     seed: Array,
     branch: int,
-    arm: Array,
-    R_PB: Array,
-    R_EP: Array,
-    R_FE: Array,
+    arm: PlaneArm,
     lower: Array,
     upper: Array,
     out: Array,
@@ -67,14 +61,14 @@ def inverse_path(
         # the arm mostly keeps its shoulder and elbow branch; then the other branches need not be computed
         state = REACH
         if branch >= 0:
-            apart = solve_family(family, X[k], branch, arm, R_PB, R_EP, R_FE, previous, room, candidates, flags)
+            apart = solve_family(family, X[k], branch, arm, previous, room, candidates, flags)
             found, state = choose(candidates, flags, previous, lower, upper, revolute, branch, out[k])
             if state == OK and square_distance(out[k], previous) < 0.25 * apart * apart:
                 branch = found
             else:
                 state = REACH
         if state == REACH:
-            solve_family(family, X[k], -1, arm, R_PB, R_EP, R_FE, previous, room, candidates, flags)
+            solve_family(family, X[k], -1, arm, previous, room, candidates, flags)
             branch, state = choose(candidates, flags, previous, lower, upper, revolute, branch, out[k])
         if state == OK and flags[branch] != EXISTS:
             state = SINGULAR

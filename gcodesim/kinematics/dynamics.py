@@ -58,7 +58,7 @@ def inverse_dynamics(
     Newton–Euler (Luh, Walker, Paul 1980). Friction and the rotors' own inertia
     are left out, and so are links without <inertial>.
     """
-    from gcodesim.kinematics.dynamics_kernels import efforts_along
+    from gcodesim.kinematics.dynamics_kernels import MovedBodies, efforts_along
 
     q, tree = rows(q), chain.tree
     qd, qdd = (rows(np.broadcast_to(v, q.shape)) for v in (qd, qdd))
@@ -73,14 +73,12 @@ def inverse_dynamics(
         qdd,
         w,
         np.array(gravity, dtype=np.float64),
-        np.array([b.mass for b in moved], dtype=np.float64),
-        np.array([b.com for b in moved]),
-        np.array([b.inertia for b in moved]),
-        tree.parent,
-        tree.before,
-        tree.axis,
-        tree.prismatic,
-        tree.flange_carrier,
+        MovedBodies(
+            np.array([b.mass for b in moved], dtype=np.float64),
+            np.array([b.com for b in moved]),
+            np.array([b.inertia for b in moved]),
+        ),
+        tree,
         np.ascontiguousarray(tree.flange_offset @ X_FT),
         out,
     )

@@ -2,12 +2,44 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from gcodesim.compiled import kernel
 from gcodesim.frames import Array
-from gcodesim.kinematics.chain import Indices
+from gcodesim.kinematics.chain import Tree
 from gcodesim.kinematics.tree_kernels import copy_row, joint_frames, place
+
+
+class MovedBodies(NamedTuple):
+    """What each joint moves by itself, in joint axes: mass (j,), centre (j, 3), inertia (j, 3, 3) about that."""
+
+    mass: Array
+    com: Array
+    inertia: Array
+
+
+class EffortRoom(NamedTuple):
+    """What efforts of j joints are worked out in; vectors (j, 3) in base axes, of each body or joint.
+
+    Joint `frames` (j, 4, 4), directions `z` of the axes, centres of mass `c` from the joints; angular velocity
+    `spin`, its rate, and the acceleration of the joint's `origin`; force and moment that act on the body.
+    Four vectors (3,) for whatever is at hand.
+    """
+
+    frames: Array
+    z: Array
+    c: Array
+    spin: Array
+    spin_rate: Array
+    origin: Array
+    force: Array
+    moment: Array
+    arm: Array
+    vector: Array
+    I_spin: Array
+    I_rate: Array
 
 
 @kernel
@@ -28,6 +60,103 @@ def add_carried(out: Array, spin: Array, spin_rate: Array, arm: Array, room: Arr
     add_cross(out, spin_rate, arm)
 
 
+@kernel(inlined=True)
+def room_for(count: int) -> EffortRoom:
+    """Room for a tree of `count` joints."""
+    frames, z, c = np.empty((count, 4, 4)), np.empty((count, 3)), np.empty((count, 3))
+    spin, spin_rate, origin = np.empty((count, 3)), np.empty((count, 3)), np.empty((count, 3))
+    force, moment = np.empty((count, 3)), np.empty((count, 3))
+    return EffortRoom(
+        frames, z, c, spin, spin_rate, origin, force, moment, np.empty(3), np.empty(3), np.empty(3), np.empty(3)
+    )
+
+
+@kernel(inlined=True)
+def move_body(
+    i: int, speed: float, acceleration: float, tree: Tree, com: Array, gravity: Array, room: EffortRoom
+) -> None:
+    """Motion of body `i` from that of the one that carries it and from its own joint."""
+    axis, frames, vector = tree.axis, room.frames, room.vector
+    z, c, spin, spin_rate, origin, arm = room.z, room.c, room.spin, room.spin_rate, room.origin, room.arm
+    p = tree.parent[i]
+    for r in range(3):
+        z[i, r] = frames[i, r, 0] * axis[i, 0] + frames[i, r, 1] * axis[i, 1] + frames[i, r, 2] * axis[i, 2]
+        c[i, r] = frames[i, r, 0] * com[i, 0] + frames[i, r, 1] * com[i, 1] + frames[i, r, 2] * com[i, 2]
+        spin[i, r] = spin[p, r] if p >= 0 else 0.0
+        spin_rate[i, r] = spin_rate[p, r] if p >= 0 else 0.0
+        origin[i, r] = origin[p, r] if p >= 0 else -gravity[r]
+        arm[r] = frames[i, r, 3] - (frames[p, r, 3] if p >= 0 else 0.0)
+    add_carried(origin[i], spin[i], spin_rate[i], arm, vector)
+    for r in range(3):
+        vector[r] = z[i, r] * speed
+    if tree.prismatic[i] == 1:
+        add_cross(origin[i], spin[i], vector)
+        add_cross(origin[i], spin[i], vector)  # twice: Coriolis
+        for r in range(3):
+            origin[i, r] += z[i, r] * acceleration
+    else:
+        add_cross(spin_rate[i], spin[i], vector)
+        for r in range(3):
+            spin_rate[i, r] += z[i, r] * acceleration
+            spin[i, r] += vector[r]
+
+
+@kernel(inlined=True)
+def balance_body(i: int, mass: float, inertia: Array, room: EffortRoom) -> None:
+    """Force and moment that keep body `i` in its motion; `inertia` (3, 3) of that body."""
+    frames, c, spin, spin_rate, force, moment = room.frames, room.c, room.spin, room.spin_rate, room.force, room.moment
+    arm, vector, I_spin, I_rate = room.arm, room.vector, room.I_spin, room.I_rate
+    copy_row(room.origin[i], force[i])
+    add_carried(force[i], spin[i], spin_rate[i], c[i], vector)
+    for r in range(3):
+        force[i, r] *= mass
+    for r in range(3):
+        arm[r] = frames[i, 0, r] * spin[i, 0] + frames[i, 1, r] * spin[i, 1] + frames[i, 2, r] * spin[i, 2]
+        vector[r] = (
+            frames[i, 0, r] * spin_rate[i, 0] + frames[i, 1, r] * spin_rate[i, 1] + frames[i, 2, r] * spin_rate[i, 2]
+        )
+    for r in range(3):
+        I_spin[r] = inertia[r, 0] * arm[0] + inertia[r, 1] * arm[1] + inertia[r, 2] * arm[2]
+        I_rate[r] = inertia[r, 0] * vector[0] + inertia[r, 1] * vector[1] + inertia[r, 2] * vector[2]
+    for r in range(3):
+        arm[r] = frames[i, r, 0] * I_spin[0] + frames[i, r, 1] * I_spin[1] + frames[i, r, 2] * I_spin[2]
+        moment[i, r] = frames[i, r, 0] * I_rate[0] + frames[i, r, 1] * I_rate[1] + frames[i, r, 2] * I_rate[2]
+    add_cross(moment[i], spin[i], arm)
+    add_cross(moment[i], c[i], force[i])
+
+
+@kernel(inlined=True)
+def load_tip(carrier: int, tip: Array, wrench: Array, X_tip: Array, room: EffortRoom) -> None:
+    """Take `wrench` (6,), which acts at the tip, off the force and moment of the body that carries it."""
+    frames, force, moment, arm, vector = room.frames, room.force, room.moment, room.arm, room.vector
+    place(frames, carrier, tip, X_tip)
+    for r in range(3):
+        arm[r] = X_tip[r, 3] - frames[carrier, r, 3]
+        vector[r] = -wrench[r]
+        moment[carrier, r] -= wrench[3 + r]
+        force[carrier, r] += vector[r]
+    add_cross(moment[carrier], arm, vector)
+
+
+@kernel(inlined=True)
+def gather_efforts(tree: Tree, room: EffortRoom, out: Array) -> None:
+    """From the tips inwards: the effort `out` (j,) of each joint, and what it hands on to the one that carries it."""
+    parent, prismatic = tree.parent, tree.prismatic
+    frames, z, force, moment, arm = room.frames, room.z, room.force, room.moment, room.arm
+    for i in range(out.shape[0] - 1, -1, -1):
+        p = parent[i]
+        total = 0.0
+        for r in range(3):
+            total += z[i, r] * (force[i, r] if prismatic[i] == 1 else moment[i, r])
+        out[i] = total
+        if p >= 0:
+            for r in range(3):
+                arm[r] = frames[i, r, 3] - frames[p, r, 3]
+                force[p, r] += force[i, r]
+                moment[p, r] += moment[i, r]
+            add_cross(moment[p], arm, force[i])
+
+
 @kernel
 def efforts_along(
     q: Array,
@@ -35,91 +164,23 @@ def efforts_along(
     qdd: Array,
     wrench: Array,
     gravity: Array,
-    mass: Array,
-    com: Array,
-    inertia: Array,
-    parent: Indices,
-    before: Array,
-    axis: Array,
-    prismatic: Indices,
-    carrier: int,
+    bodies: MovedBodies,
+    tree: Tree,
     tip: Array,
     out: Array,
 ) -> None:
     """Efforts `out` (n, j) along q, qd, qdd (n, j) under `wrench` (n, 6) at the tip, base axes, acting on the tool.
 
-    `mass` (j,), `com` (j, 3), `inertia` (j, 3, 3) about it, of the body that each
-    joint moves, in joint axes. `tip` (4, 4) rides on joint `carrier`. Luh, Walker,
-    Paul 1980: motion outwards with the base falling up, forces inwards. All
-    vectors in base axes.
+    `tip` (4, 4) rides on the joint that carries the flange. Luh, Walker, Paul 1980: motion outwards with the
+    base falling up, forces inwards. All vectors in base axes.
     """
-    count = q.shape[1]
-    frames, X_tip = np.empty((count, 4, 4)), np.empty((4, 4))
-    z, c = np.empty((count, 3)), np.empty((count, 3))
-    spin, spin_rate, origin = np.empty((count, 3)), np.empty((count, 3)), np.empty((count, 3))
-    force, moment = np.empty((count, 3)), np.empty((count, 3))
-    arm, room, I_spin, I_rate = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
+    room, X_tip = room_for(q.shape[1]), np.empty((4, 4))
+    carrier = tree.flange_carrier
     for k in range(q.shape[0]):
-        joint_frames(q[k], parent, before, axis, prismatic, frames)
-        for i in range(count):
-            p = parent[i]
-            for r in range(3):
-                z[i, r] = frames[i, r, 0] * axis[i, 0] + frames[i, r, 1] * axis[i, 1] + frames[i, r, 2] * axis[i, 2]
-                c[i, r] = frames[i, r, 0] * com[i, 0] + frames[i, r, 1] * com[i, 1] + frames[i, r, 2] * com[i, 2]
-                spin[i, r] = spin[p, r] if p >= 0 else 0.0
-                spin_rate[i, r] = spin_rate[p, r] if p >= 0 else 0.0
-                origin[i, r] = origin[p, r] if p >= 0 else -gravity[r]
-                arm[r] = frames[i, r, 3] - (frames[p, r, 3] if p >= 0 else 0.0)
-            add_carried(origin[i], spin[i], spin_rate[i], arm, room)
-            for r in range(3):
-                room[r] = z[i, r] * qd[k, i]
-            if prismatic[i] == 1:
-                add_cross(origin[i], spin[i], room)
-                add_cross(origin[i], spin[i], room)  # twice: Coriolis
-                for r in range(3):
-                    origin[i, r] += z[i, r] * qdd[k, i]
-            else:
-                add_cross(spin_rate[i], spin[i], room)
-                for r in range(3):
-                    spin_rate[i, r] += z[i, r] * qdd[k, i]
-                    spin[i, r] += room[r]
-            # the body's own balance
-            copy_row(origin[i], force[i])
-            add_carried(force[i], spin[i], spin_rate[i], c[i], room)
-            for r in range(3):
-                force[i, r] *= mass[i]
-            for r in range(3):
-                arm[r] = frames[i, 0, r] * spin[i, 0] + frames[i, 1, r] * spin[i, 1] + frames[i, 2, r] * spin[i, 2]
-                room[r] = (
-                    frames[i, 0, r] * spin_rate[i, 0]
-                    + frames[i, 1, r] * spin_rate[i, 1]
-                    + frames[i, 2, r] * spin_rate[i, 2]
-                )
-            for r in range(3):
-                I_spin[r] = inertia[i, r, 0] * arm[0] + inertia[i, r, 1] * arm[1] + inertia[i, r, 2] * arm[2]
-                I_rate[r] = inertia[i, r, 0] * room[0] + inertia[i, r, 1] * room[1] + inertia[i, r, 2] * room[2]
-            for r in range(3):
-                arm[r] = frames[i, r, 0] * I_spin[0] + frames[i, r, 1] * I_spin[1] + frames[i, r, 2] * I_spin[2]
-                moment[i, r] = frames[i, r, 0] * I_rate[0] + frames[i, r, 1] * I_rate[1] + frames[i, r, 2] * I_rate[2]
-            add_cross(moment[i], spin[i], arm)
-            add_cross(moment[i], c[i], force[i])
+        joint_frames(q[k], tree.parent, tree.before, tree.axis, tree.prismatic, room.frames)
+        for i in range(q.shape[1]):
+            move_body(i, qd[k, i], qdd[k, i], tree, bodies.com, gravity, room)
+            balance_body(i, bodies.mass[i], bodies.inertia[i], room)
         if carrier >= 0:
-            place(frames, carrier, tip, X_tip)
-            for r in range(3):
-                arm[r] = X_tip[r, 3] - frames[carrier, r, 3]
-                room[r] = -wrench[k, r]
-                moment[carrier, r] -= wrench[k, 3 + r]
-                force[carrier, r] += room[r]
-            add_cross(moment[carrier], arm, room)
-        for i in range(count - 1, -1, -1):
-            p = parent[i]
-            total = 0.0
-            for r in range(3):
-                total += z[i, r] * (force[i, r] if prismatic[i] == 1 else moment[i, r])
-            out[k, i] = total
-            if p >= 0:
-                for r in range(3):
-                    arm[r] = frames[i, r, 3] - frames[p, r, 3]
-                    force[p, r] += force[i, r]
-                    moment[p, r] += moment[i, r]
-                add_cross(moment[p], arm, force[i])
+            load_tip(carrier, tip, wrench[k], X_tip, room)
+        gather_efforts(tree, room, out[k])

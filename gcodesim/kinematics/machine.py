@@ -44,7 +44,7 @@ class Machine:
         q, tree = rows(q), self.chain.tree
         out = np.empty((len(q), len(carrier), 4, 4))
         frames = np.empty((q.shape[1], 4, 4))
-        poses_along(q, tree.parent, tree.before, tree.axis, tree.prismatic, carrier, offset, frames, out)
+        poses_along(q, tree, carrier, offset, frames, out)
         return out
 
     def links(self, q: Array) -> Array:
@@ -89,7 +89,7 @@ class Machine:
     def forward(self, q: Array) -> Array:
         """X_BF (n, 4, 4) of joints (n, j)."""
         tree = self.chain.tree
-        poses = self._poses(q, np.array([tree.flange_carrier]), np.ascontiguousarray(tree.flange_offset[None]))
+        poses = self._poses(q, np.array([tree.flange_carrier]), tree.flange_offset[None])
         flange: Array = poses[:, 0]
         return flange
 
@@ -98,17 +98,6 @@ class Machine:
         q, tree = rows(q), self.chain.tree
         count = q.shape[1]
         out = np.empty((len(q), 6, count))
-        room = np.empty((count, 4, 4)), np.empty((4, 4))
-        jacobians_along(
-            q,
-            tree.parent,
-            tree.before,
-            tree.axis,
-            tree.prismatic,
-            tree.path,
-            tree.flange_carrier,
-            tree.flange_offset,
-            *room,
-            out,
-        )
+        frames, flange = np.empty((count, 4, 4)), np.empty((4, 4))
+        jacobians_along(q, tree, frames, flange, out)
         return out

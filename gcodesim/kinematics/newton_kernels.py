@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from gcodesim.compiled import kernel
 from gcodesim.frames import Array
-from gcodesim.kinematics.chain import Indices
+from gcodesim.kinematics.chain import Tree
 from gcodesim.kinematics.tree_kernels import fill_jacobian, joint_frames, place
 
 DONE = 1e-11  # [m], [rad] of residual at which the steps end: further ones would only change rounding
@@ -17,6 +18,25 @@ LONGEST = 0.5  # [rad], [m] of the longest step of one joint: keeps a distant st
 DAMPING = 1e-2  # times the squared residual: Newton at the end, careful far away
 PATIENCE = 6  # steps in which the residual falls by less than a hundredth, after which the pose counts as out of reach
 LEAST_DAMPING = 1e-14  # share of the trace: keeps the matrix regular where the arm is singular
+
+
+class NewtonRoom(NamedTuple):
+    """What Newton steps of j joints work in.
+
+    Joint `frames` (j, 4, 4), `jacobian` (6, j), the equations A y = e with A (6, 6), e (6,), and the pose X (4, 4).
+    """
+
+    frames: Array
+    jacobian: Array
+    A: Array
+    e: Array
+    X: Array
+
+
+@kernel
+def room_for(count: int) -> NewtonRoom:
+    """Room for an arm of `count` joints."""
+    return NewtonRoom(np.empty((count, 4, 4)), np.empty((6, count)), np.empty((6, 6)), np.empty(6), np.empty((4, 4)))
 
 
 @kernel
@@ -81,29 +101,16 @@ def solve_square(A: Array, x: Array) -> float:
 
 
 @kernel
-def newton(
-    target: Array,
-    q: Array,
-    parent: Indices,
-    before: Array,
-    axis: Array,
-    prismatic: Indices,
-    path: Indices,
-    carrier: int,
-    offset: Array,
-    frames: Array,
-    J: Array,
-    A: Array,
-    X: Array,
-    e: Array,
-) -> tuple[float, float]:
-    """Drive q (j,), in place, to the pose `target` (4, 4) of the rider at `offset` on joint `carrier`.
+def newton(target: Array, q: Array, tree: Tree, room: NewtonRoom) -> tuple[float, float]:
+    """Drive q (j,), in place, to the pose `target` (4, 4) of the flange.
 
     Returns the residual and the smallest pivot of J Jᵀ (0: singular). Steps are
     Jᵀ (J Jᵀ + λ)⁻¹ e (Wampler 1986), the shortest ones where there are more
     joints than needed.
-    `frames` (j, 4, 4), J (6, j), A (6, 6), X (4, 4), e (6,) are room to work in.
     """
+    parent, before, axis, prismatic, path = tree.parent, tree.before, tree.axis, tree.prismatic, tree.path
+    carrier, offset = tree.flange_carrier, tree.flange_offset
+    frames, J, A, e, X = room
     count = q.shape[0]
     pivot = 1.0
     residual, least_residual, waited = np.inf, np.inf, 0

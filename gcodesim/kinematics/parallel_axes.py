@@ -38,24 +38,21 @@ class ParallelAxes(ClosedForm):
         skew = max(float(np.linalg.norm(np.cross(u[1], u[i]))) for i in (2, 3))
         if centre is None or max(map(abs, square)) > SQUARE or skew > SQUARE:
             return None
-        packed = ClosedForm.packed(o, u, X_BF, centre, np.array([o[2], o[3], centre]), u[1])
-        if packed is None:
-            return None
-        arm, R_PB, R_EP, R_FE = packed
-        return ParallelAxes(chain=chain, arm=arm, R_PB=R_PB, R_EP=R_EP, R_FE=R_FE)
+        arm = ClosedForm.plane_arm(o, u, X_BF, centre, np.array([o[2], o[3], centre]), u[1])
+        return None if arm is None else ParallelAxes(chain=chain, arm=arm)
 
     def _elbow_ends(self, X_BF: Array) -> list[tuple[float, float]]:
         arm, X = self.arm, np.reshape(X_BF, (4, 4))
-        w = self.R_PB @ (self.centre(X)[0] - arm[:3])
-        forward = math.sqrt(max(0.0, w[0] ** 2 + w[1] ** 2 - arm[7] ** 2))
+        w = arm.R_PB @ (self.centre(X)[0] - arm.p_BP)
+        forward = math.sqrt(max(0.0, w[0] ** 2 + w[1] ** 2 - arm.lateral**2))
         ends = []
         for reach in (forward, -forward):
-            q1 = math.atan2(w[1], w[0]) - math.atan2(arm[7], reach)
+            q1 = math.atan2(w[1], w[0]) - math.atan2(arm.lateral, reach)
             c, s = math.cos(q1), math.sin(q1)
-            left = self.R_EP @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]]) @ self.R_PB @ X[:3, :3] @ self.R_FE
+            left = arm.R_EP @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]]) @ arm.R_PB @ X[:3, :3] @ arm.R_FE
             turn = math.atan2(left[1, 2], left[0, 2])
             for angle in (turn, turn + math.pi):
-                rest = complex(w[2], reach - arm[6]) - complex(arm[14], arm[15]) * complex(
+                rest = complex(w[2], reach - arm.x2) - complex(arm.last_z, arm.last_x) * complex(
                     math.cos(angle), math.sin(angle)
                 )
                 ends.append((rest.real, rest.imag))

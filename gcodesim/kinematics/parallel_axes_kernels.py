@@ -2,7 +2,7 @@
 
 The point where axes 5 and 6 meet gives joint 1, the rotation that is left gives
 the turn of links 2 to 4 together, joints 5 and 6, and a triangle joints 2 and 3
-(Hawkins 2013 for the Universal Robots arms). Packing of `arm`: `plane_kernels`.
+(Hawkins 2013 for the Universal Robots arms). The arm: `PlaneArm`.
 """
 
 from __future__ import annotations
@@ -13,16 +13,14 @@ from gcodesim.compiled import kernel
 from gcodesim.frames import Array
 from gcodesim.kinematics.chain import Indices
 from gcodesim.kinematics.plane_kernels import (
-    ELBOW,
-    EXISTS,
     LOCK,
     NEAR,
     REACH_SLACK,
-    SHOULDER,
     WRIST,
+    PlaneArm,
     bend_of_elbow,
     centre_in_plane,
-    elbow_is_straight,
+    flags_of,
     heading,
     rotate_three,
     shoulder_turn,
@@ -36,16 +34,7 @@ TURNED_OVER = (
 
 @kernel
 def solve(
-    X: Array,
-    only: int,
-    arm: Array,
-    R_PB: Array,
-    R_EP: Array,
-    R_FE: Array,
-    previous: Array,
-    room: Array,
-    out: Array,
-    flags: Indices,
+    X: Array, only: int, arm: PlaneArm, previous: Array, room: Array, out: Array, flags: Indices
 ) -> float:
     """All eight joint vectors `out` (8, 6) of the flange pose X (4, 4); branch = 4 backward + 2 elbow + wrist.
 
@@ -53,14 +42,15 @@ def solve(
     axis 6 from axis 2. `flags`, `only`, `room` and the return as for the spherical wrist.
     """
     wrist, turned, left = room[0], room[1], room[2]
+    R_PB, R_EP = arm.R_PB, arm.R_EP
     for b in range(8):
         flags[b] = 0
-    wx, wy, wz = centre_in_plane(X, arm, R_PB)
-    radius, lateral = math.sqrt(wx * wx + wy * wy), arm[7]
+    wx, wy, wz = centre_in_plane(X, arm.p_BP, arm.p_FC, R_PB)
+    radius, lateral = math.sqrt(wx * wx + wy * wy), arm.lateral
     if radius < abs(lateral) - REACH_SLACK:
         return 0.0
     forward = math.sqrt(max(0.0, (radius - lateral) * (radius + lateral)))
-    rotate_three(R_PB, X, R_FE, left, wrist)
+    rotate_three(R_PB, X, arm.R_FE, left, wrist)
     apart = abs(math.pi - 2.0 * math.atan2(abs(lateral), forward)) if lateral != 0.0 else math.pi
     for shoulder in range(2):
         if only >= 0 and only // 4 != shoulder:
@@ -84,28 +74,24 @@ def solve(
         turn = math.atan2(-s6 * left[0, 0] - c6 * left[0, 1], s6 * left[1, 0] + c6 * left[1, 1])
         for flipped in range(2):
             c, s = math.cos(turn), math.sin(turn)
-            dx = reach - arm[6] - (c * arm[15] + s * arm[14])
-            dz = wz - (c * arm[14] - s * arm[15])
-            bend = bend_of_elbow(dz, dx, arm[17], arm[18])
+            dx = reach - arm.x2 - (c * arm.last_x + s * arm.last_z)
+            dz = wz - (c * arm.last_z - s * arm.last_x)
+            bend = bend_of_elbow(dz, dx, arm.upper_length, arm.fore_length)
             if bend >= 0.0:
-                flag = EXISTS
-                if forward < NEAR:
-                    flag |= SHOULDER
-                if elbow_is_straight(bend):
-                    flag |= ELBOW
+                flag = flags_of(forward, bend)
                 if sine < NEAR:
                     flag |= WRIST
                 apart = min(apart, 2.0 * bend, 2.0 * (math.pi - bend), TURNED_OVER)
                 for elbow in range(2):
                     if only >= 0 and only // 2 % 2 != elbow:
                         continue
-                    turn3 = (bend if elbow == 0 else -bend) + arm[19]
+                    turn3 = (bend if elbow == 0 else -bend) + arm.straight
                     real, imaginary, _, _ = shoulder_turn(dz, dx, turn3, arm)
                     q2 = math.atan2(imaginary, real)
                     b = 4 * shoulder + 2 * elbow + flipped
                     row = out[b]
-                    row[0], row[1], row[2] = q1, q2, arm[12] * turn3
-                    row[3], row[4], row[5] = arm[16] * (turn - q2 - turn3), bent - arm[13], q6
+                    row[0], row[1], row[2] = q1, q2, arm.sign3 * turn3
+                    row[3], row[4], row[5] = arm.sign4 * (turn - q2 - turn3), bent - arm.zero6, q6
                     flags[b] = flag
             if sine >= LOCK:
                 turn += math.pi

@@ -1,17 +1,12 @@
 """Compiled steps that closed forms share: the arm seen in its own plane frame P, Z along axis 1, Y along axis 2.
 
-`arm` is packed as follows: origin of P in B (0..2), the centre — where the last
-axes meet — in F (3..5), x of joint 2 in P (6), lateral offset of the centre (7),
-vectors z, x from joint 2 to 3 (8, 9) and from joint 3 on (10, 11), sign of axis
-3 along axis 2 (12), angle of axis 6 at zero (13), and where needed the vector
-z, x from joint 4 to the centre (14, 15) and the sign of axis 4 (16); then the
-lengths of the two long links (17, 18) and the turn of joint 3 from zero to
-straight (19). In the plane a turn about Y multiplies the complex number z + i x by exp(i angle).
+In the plane a turn about Y multiplies the complex number z + i x by exp(i angle).
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from gcodesim.compiled import kernel
 from gcodesim.frames import Array
@@ -22,12 +17,44 @@ LOCK = 1e-10  # [rad], [m] from singular: the free joint keeps its last value, t
 EXISTS, SHOULDER, ELBOW, WRIST = 1, 2, 4, 8  # flags of a branch: it exists, and which part of it is singular
 
 
+class PlaneArm(NamedTuple):
+    """Geometry of an arm in the plane of axes 2 and 3; lengths [m], angles [rad].
+
+    p_BP (3,) is the origin of P, p_FC (3,) the centre, where the last axes meet; `x2` is x of joint 2 in P and
+    `lateral` the offset of the centre along Y. Vectors z, x lead from joint 2 to 3 (`upper`), from joint 3 to the
+    next point of the plane (`fore`) and, where there is a third link in it, from joint 4 to the centre (`last`); the
+    lengths are those of the two long links. `sign3`, `sign4` are +1 where the axis points along axis 2, `zero6` is
+    the angle of axis 6 at zero, and `straight` the turn of joint 3 from zero to straight.
+    R_PB, R_EP, R_FE (3, 3); E belongs to the axes of the wrist, see `solve` of the family.
+    """
+
+    p_BP: Array
+    p_FC: Array
+    x2: float
+    lateral: float
+    upper_z: float
+    upper_x: float
+    fore_z: float
+    fore_x: float
+    last_z: float
+    last_x: float
+    sign3: float
+    sign4: float
+    zero6: float
+    upper_length: float
+    fore_length: float
+    straight: float
+    R_PB: Array
+    R_EP: Array
+    R_FE: Array
+
+
 @kernel
-def centre_in_plane(X: Array, arm: Array, R_PB: Array) -> tuple[float, float, float]:
+def centre_in_plane(X: Array, p_BP: Array, p_FC: Array, R_PB: Array) -> tuple[float, float, float]:
     """The centre in P of the flange pose X (4, 4), joint 1 at zero."""
-    cx = X[0, 0] * arm[3] + X[0, 1] * arm[4] + X[0, 2] * arm[5] + X[0, 3] - arm[0]
-    cy = X[1, 0] * arm[3] + X[1, 1] * arm[4] + X[1, 2] * arm[5] + X[1, 3] - arm[1]
-    cz = X[2, 0] * arm[3] + X[2, 1] * arm[4] + X[2, 2] * arm[5] + X[2, 3] - arm[2]
+    cx = X[0, 0] * p_FC[0] + X[0, 1] * p_FC[1] + X[0, 2] * p_FC[2] + X[0, 3] - p_BP[0]
+    cy = X[1, 0] * p_FC[0] + X[1, 1] * p_FC[1] + X[1, 2] * p_FC[2] + X[1, 3] - p_BP[1]
+    cz = X[2, 0] * p_FC[0] + X[2, 1] * p_FC[1] + X[2, 2] * p_FC[2] + X[2, 3] - p_BP[2]
     return (
         R_PB[0, 0] * cx + R_PB[0, 1] * cy + R_PB[0, 2] * cz,
         R_PB[1, 0] * cx + R_PB[1, 1] * cy + R_PB[1, 2] * cz,
@@ -66,14 +93,14 @@ def bend_of_elbow(dz: float, dx: float, length_a: float, length_b: float) -> flo
     return math.acos(min(1.0, max(-1.0, cosine)))
 
 
-@kernel
-def shoulder_turn(dz: float, dx: float, turn3: float, arm: Array) -> tuple[float, float, float, float]:
+@kernel(inlined=True)
+def shoulder_turn(dz: float, dx: float, turn3: float, arm: PlaneArm) -> tuple[float, float, float, float]:
     """Joint 2 from the triangle as complex numbers: d = exp(i q2) (a + exp(i turn3) b).
 
     Returns exp(i q2) times a length, and exp(i turn3), each as real and imaginary part.
     """
     c, s = math.cos(turn3), math.sin(turn3)
-    ez, ex = arm[8] + c * arm[10] - s * arm[11], arm[9] + c * arm[11] + s * arm[10]
+    ez, ex = arm.upper_z + c * arm.fore_z - s * arm.fore_x, arm.upper_x + c * arm.fore_x + s * arm.fore_z
     return dz * ez + dx * ex, dx * ez - dz * ex, c, s
 
 
@@ -96,3 +123,14 @@ def heading(
 def elbow_is_straight(bend: float) -> bool:
     """Whether the arm is stretched out or folded, where joint speeds are unbounded."""
     return bend < NEAR or math.pi - bend < NEAR
+
+
+@kernel
+def flags_of(forward: float, bend: float) -> int:
+    """The flags of a branch that its shoulder and elbow decide: `forward` is the centre's distance from axis 1."""
+    flags = EXISTS
+    if forward < NEAR:
+        flags |= SHOULDER
+    if elbow_is_straight(bend):
+        flags |= ELBOW
+    return flags

@@ -53,24 +53,11 @@ class SerialArm(Machine):
 
     def inverse(self, X_BF: Array, seed: Array, *, on_path: bool = False) -> tuple[Array, Statuses]:
         """Joints (n, j) and status (n,) along flange poses (n, 4, 4), continuous from `seed` (j,) on."""
-        targets, tree, joints = poses(X_BF), self.chain.tree, self.joints
+        targets, joints = poses(X_BF), self.joints
         q, status = np.empty((len(targets), len(joints))), np.empty(len(targets), dtype=np.uint8)
+        start = np.array(seed, dtype=np.float64)
         inverse_path(
-            targets,
-            np.array(seed, dtype=np.float64),
-            int(on_path),
-            self.starts,
-            joints.lower,
-            joints.upper,
-            tree.parent,
-            tree.before,
-            tree.axis,
-            tree.prismatic,
-            tree.path,
-            tree.flange_carrier,
-            np.ascontiguousarray(tree.flange_offset),
-            q,
-            status,
+            targets, start, int(on_path), self.starts, joints.lower, joints.upper, self.chain.tree, q, status
         )
         return q, status
 
@@ -78,19 +65,7 @@ class SerialArm(Machine):
         """The different joint vectors (b, j) of one pose (4, 4) that a search finds, in the order of its starts."""
         tree, starts = self.chain.tree, self.starts
         out, found = np.empty_like(starts), np.zeros(len(starts), dtype=np.int64)
-        all_solutions(
-            poses(X_BF)[0],
-            starts,
-            tree.parent,
-            tree.before,
-            tree.axis,
-            tree.prismatic,
-            tree.path,
-            tree.flange_carrier,
-            tree.flange_offset,
-            out,
-            found,
-        )
+        all_solutions(poses(X_BF)[0], starts, tree, out, found)
         revolute = tree.prismatic == 0
         kept: list[Array] = []
         for q in out[found == 1]:

@@ -6,8 +6,8 @@ import numpy as np
 
 from gcodesim.compiled import kernel
 from gcodesim.frames import Array
-from gcodesim.kinematics.chain import Indices
-from gcodesim.kinematics.newton_kernels import newton
+from gcodesim.kinematics.chain import Indices, Tree
+from gcodesim.kinematics.newton_kernels import newton, room_for
 from gcodesim.kinematics.path_kernels import FLIP, JUMP, LIMIT, LIMIT_SLACK, OK, REACH, SINGULAR, nearest_turn
 from gcodesim.kinematics.protocol import Statuses
 from gcodesim.kinematics.tree_kernels import copy_row
@@ -47,33 +47,24 @@ def inverse_path(
     starts: Array,
     lower: Array,
     upper: Array,
-    parent: Indices,
-    before: Array,
-    axis: Array,
-    prismatic: Indices,
-    path: Indices,
-    carrier: int,
-    offset: Array,
+    tree: Tree,
     out: Array,
     status: Statuses,
 ) -> None:
-    """Joints `out` (n, j) and `status` (n,) along poses `targets` (n, 4, 4) of the rider at `offset` on `carrier`.
+    """Joints `out` (n, j) and `status` (n,) along poses `targets` (n, 4, 4) of the flange.
 
     Each row starts from the one before. The first row, and a row where that
     fails, tries all `starts` (s, j) and takes the solution nearest to the row
     before. `on_path` = 1 when `seed` is a row of the same path, so that no path begins here.
     """
-    count = seed.shape[0]
-    frames, J, A = np.empty((count, 4, 4)), np.empty((6, count)), np.empty((6, 6))
-    X, e = np.empty((4, 4)), np.empty(6)
+    count, prismatic = seed.shape[0], tree.prismatic
+    room = room_for(count)
     previous, q, best = np.empty(count), np.empty(count), np.empty(count)
     copy_row(seed, previous)
     lost, most = 0, 0.0
     for k in range(targets.shape[0]):
         copy_row(previous, q)
-        residual, pivot = newton(
-            targets[k], q, parent, before, axis, prismatic, path, carrier, offset, frames, J, A, X, e
-        )
+        residual, pivot = newton(targets[k], q, tree, room)
         going = k > 0 or on_path == 1
         state, least = REACH, np.inf
         if residual < GOOD:
@@ -86,9 +77,7 @@ def inverse_path(
             found = state
             for s in range(starts.shape[0]):
                 copy_row(starts[s], q)
-                miss, pivot2 = newton(
-                    targets[k], q, parent, before, axis, prismatic, path, carrier, offset, frames, J, A, X, e
-                )
+                miss, pivot2 = newton(targets[k], q, tree, room)
                 if miss > GOOD:
                     continue
                 inside, distance, turn = settle(q, previous, lower, upper, prismatic, False)
@@ -111,24 +100,10 @@ def inverse_path(
 
 
 @kernel
-def all_solutions(
-    target: Array,
-    starts: Array,
-    parent: Indices,
-    before: Array,
-    axis: Array,
-    prismatic: Indices,
-    path: Indices,
-    carrier: int,
-    offset: Array,
-    out: Array,
-    found: Indices,
-) -> None:
+def all_solutions(target: Array, starts: Array, tree: Tree, out: Array, found: Indices) -> None:
     """Where each of the `starts` (s, j) leads: joints `out` (s, j), and `found` (s,) 1 where the pose was reached."""
-    count = starts.shape[1]
-    frames, J, A = np.empty((count, 4, 4)), np.empty((6, count)), np.empty((6, 6))
-    X, e = np.empty((4, 4)), np.empty(6)
+    room = room_for(starts.shape[1])
     for s in range(starts.shape[0]):
         copy_row(starts[s], out[s])
-        miss, _ = newton(target, out[s], parent, before, axis, prismatic, path, carrier, offset, frames, J, A, X, e)
+        miss, _ = newton(target, out[s], tree, room)
         found[s] = 1 if miss < GOOD else 0

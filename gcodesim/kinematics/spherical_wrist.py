@@ -39,13 +39,10 @@ class SphericalWrist(ClosedForm):
         square = (u[0] @ u[1], u[3] @ u[4], u[4] @ u[5])
         if centre is None or max(map(abs, square)) > SQUARE or np.linalg.norm(np.cross(u[1], u[2])) > SQUARE:
             return None
-        packed = ClosedForm.packed(o, u, X_BF, centre, np.array([o[2], centre]), u[3])
-        if packed is None:
-            return None
-        arm, R_PB, R_EP, R_FE = packed
-        return SphericalWrist(chain=chain, arm=arm, R_PB=R_PB, R_EP=R_EP, R_FE=R_FE)
+        arm = ClosedForm.plane_arm(o, u, X_BF, centre, np.array([o[2], centre]), u[3])
+        return None if arm is None else SphericalWrist(chain=chain, arm=arm)
 
     def _elbow_ends(self, X_BF: Array) -> list[tuple[float, float]]:
-        w = self.R_PB @ (self.centre(X_BF)[0] - self.arm[:3])
-        forward = math.sqrt(max(0.0, w[0] ** 2 + w[1] ** 2 - self.arm[7] ** 2))
-        return [(w[2], reach - self.arm[6]) for reach in (forward, -forward)]
+        w = self.arm.R_PB @ (self.centre(X_BF)[0] - self.arm.p_BP)
+        forward = math.sqrt(max(0.0, w[0] ** 2 + w[1] ** 2 - self.arm.lateral**2))
+        return [(w[2], reach - self.arm.x2) for reach in (forward, -forward)]

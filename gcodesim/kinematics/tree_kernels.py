@@ -6,7 +6,7 @@ import math
 
 from gcodesim.compiled import kernel
 from gcodesim.frames import Array
-from gcodesim.kinematics.chain import Indices
+from gcodesim.kinematics.chain import Indices, Tree
 
 
 @kernel
@@ -91,18 +91,9 @@ def fill_jacobian(
 
 
 @kernel
-def poses_along(
-    q: Array,
-    parent: Indices,
-    before: Array,
-    axis: Array,
-    prismatic: Indices,
-    carrier: Indices,
-    offset: Array,
-    frames: Array,
-    out: Array,
-) -> None:
+def poses_along(q: Array, tree: Tree, carrier: Indices, offset: Array, frames: Array, out: Array) -> None:
     """Poses `out` (n, m, 4, 4) of m riders along a joint path q (n, j); `frames` (j, 4, 4) is room to work in."""
+    parent, before, axis, prismatic = tree.parent, tree.before, tree.axis, tree.prismatic
     for k in range(q.shape[0]):
         joint_frames(q[k], parent, before, axis, prismatic, frames)
         for m in range(carrier.shape[0]):
@@ -110,20 +101,10 @@ def poses_along(
 
 
 @kernel
-def jacobians_along(
-    q: Array,
-    parent: Indices,
-    before: Array,
-    axis: Array,
-    prismatic: Indices,
-    path: Indices,
-    carrier: int,
-    offset: Array,
-    frames: Array,
-    flange: Array,
-    out: Array,
-) -> None:
+def jacobians_along(q: Array, tree: Tree, frames: Array, flange: Array, out: Array) -> None:
     """Jacobians `out` (n, 6, j) at the flange along a joint path; `frames` (j, 4, 4), `flange` (4, 4) are room."""
+    parent, before, axis, prismatic, path = tree.parent, tree.before, tree.axis, tree.prismatic, tree.path
+    carrier, offset = tree.flange_carrier, tree.flange_offset
     for k in range(q.shape[0]):
         joint_frames(q[k], parent, before, axis, prismatic, frames)
         place(frames, carrier, offset, flange)
