@@ -20,8 +20,11 @@ from gcodesim.motion.blend_kernels import (
     NORMAL_SHARE,
     OPEN_END_SHARE,
     OVERLAPPED,
+    PASS,
     ROUNDED,
     TANGENTIAL_SHARE,
+    JointColumns,
+    Tangents,
     corners,
     merge_chords,
     overlaps,
@@ -195,52 +198,44 @@ def _join(
     row_last: NDArray[np.int32],
 ) -> Pieces:
     n = len(curves)
-    first, last = curves.end_tangents()
-    table = limits.arrays
+    tangents = Tangents(*curves.end_tangents())
     speed, acceleration, bending = along_limits(curves, limits)
     speed = np.minimum(speed, path.feed[row_first])
     step = curves.end - curves.start
     turning = np.any(step[:, 3:] != 0.0, axis=1)
     blended = path.mode[row_last] == BLEND
-    kind = np.zeros(n, dtype=np.uint8)
-    trim_end, trim_start, cap, reduction = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
-    corner_acceleration, ratio, duration = np.zeros(n), np.ones(n), np.zeros(n)
-    arc = np.zeros((n, 10))
+    joints = JointColumns(
+        kind=np.zeros(n, dtype=np.uint8),
+        trim_end=np.zeros(n),
+        trim_start=np.zeros(n),
+        cap=np.zeros(n),
+        reduction=np.zeros(n),
+        acceleration=np.zeros(n),
+        arc=np.zeros((n, 10)),
+        ratio=np.ones(n),
+        duration=np.zeros(n),
+    )
     tolerance = path.tolerance[row_last]
     corners(
-        open_end | apart, blended, first, last, turning, speed, tolerance, table, curves.kind, curves.end,
-        curves.radial, curves.sideways, curves.lift, curves.sweep, curves.growth, curves.length,
-        kind, trim_end, trim_start, cap, corner_acceleration, reduction, arc,
-    )  # fmt: skip
-    overlapped = kind == OVERLAPPED
+        open_end | apart, blended, turning, speed, tolerance, tangents, limits.arrays, curves.arrays, joints
+    )
+    overlapped = joints.kind == OVERLAPPED
     beside = overlapped.copy()
     beside[1:] |= overlapped[:-1]
     speed = np.where(beside, np.minimum(speed, bending * OPEN_END_SHARE**0.5), speed)
     shared = beside | (open_end & blended)
-    acceleration = acceleration * (1.0 - reduction) * np.where(shared, OPEN_END_SHARE, 1.0)
+    acceleration = acceleration * (1.0 - joints.reduction) * np.where(shared, OPEN_END_SHARE, 1.0)
     if overlapped.any():
-        left = curves.length - trim_start - trim_end
-        overlaps(
-            kind, first, last, left, speed, acceleration, tolerance, trim_end, trim_start, cap, ratio, duration
-        )
-    return _assemble(
-        path, limits, curves, kind, arc, trim_start, trim_end, cap, corner_acceleration, ratio, duration,
-        speed, acceleration, row_first, row_last,
-    )  # fmt: skip
+        left = curves.length - joints.trim_start - joints.trim_end
+        overlaps(left, speed, acceleration, tolerance, tangents, joints)
+    return _assemble(path, limits, curves, joints, speed, acceleration, row_first, row_last)
 
 
 def _assemble(
     path: ToolPath,
     limits: AxisLimits,
     curves: Curves,
-    kind: NDArray[np.uint8],
-    arc: Array,
-    trim_start: Array,
-    trim_end: Array,
-    cap: Array,
-    corner_acceleration: Array,
-    ratio: Array,
-    duration: Array,
+    joints: JointColumns,
     speed: Array,
     acceleration: Array,
     row_first: NDArray[np.int32],
@@ -248,8 +243,8 @@ def _assemble(
 ) -> Pieces:
     """Put pieces of curves and of joints in one line: curve i is at 2 i, the joint after it at 2 i + 1."""
     n = len(curves)
-    rounded, lapped = np.flatnonzero(kind == ROUNDED), np.flatnonzero(kind == OVERLAPPED)
-    bends = _corner_arcs(curves.end[rounded, 3:], arc[rounded])
+    rounded, lapped = np.flatnonzero(joints.kind == ROUNDED), np.flatnonzero(joints.kind == OVERLAPPED)
+    bends = _corner_arcs(curves.end[rounded, 3:], joints.arc[rounded])
     slots = 2 * n
     columns: dict[str, Column] = {
         name: np.zeros(slots) for name in ("begin", "length", "speed", "acceleration", "junction")
@@ -260,29 +255,29 @@ def _assemble(
     piece_kind = np.full(slots, PART, dtype=np.uint8)
 
     main = slice(0, slots, 2)
-    columns["begin"][main] = trim_start
-    columns["length"][main] = curves.length - trim_start - trim_end
+    columns["begin"][main] = joints.trim_start
+    columns["length"][main] = curves.length - joints.trim_start - joints.trim_end
     columns["speed"][main], columns["acceleration"][main] = speed, acceleration
-    columns["junction"][main] = np.where(kind <= 1, cap, np.inf)
+    columns["junction"][main] = np.where(joints.kind <= PASS, joints.cap, np.inf)
     whole["curve"][main] = np.arange(n)
     whole["row_first"][main], whole["row_last"][main] = row_first, row_last
 
-    for joints, lap in ((rounded, False), (lapped, True)):
-        at = 2 * joints + 1
-        whole["row_first"][at] = row_last[joints]
-        whole["row_last"][at] = row_first[joints + 1]
-        columns["speed"][at] = cap[joints]
+    for those, lap in ((rounded, False), (lapped, True)):
+        at = 2 * those + 1
+        whole["row_first"][at] = row_last[those]
+        whole["row_last"][at] = row_first[those + 1]
+        columns["speed"][at] = joints.cap[those]
         columns["junction"][at] = np.inf
         if lap:
             piece_kind[at] = OVERLAP
-            whole["curve"][at], whole["second"][at] = joints, joints + 1
-            columns["begin"][at] = curves.length[joints] - trim_end[joints]
-            columns["length"][at] = cap[joints] * duration[joints]
-            columns["ratio"][at] = ratio[joints]
+            whole["curve"][at], whole["second"][at] = those, those + 1
+            columns["begin"][at] = curves.length[those] - joints.trim_end[those]
+            columns["length"][at] = joints.cap[those] * joints.duration[those]
+            columns["ratio"][at] = joints.ratio[those]
         else:
-            whole["curve"][at] = n + np.arange(len(joints))
+            whole["curve"][at] = n + np.arange(len(those))
             columns["length"][at] = bends.length
-            columns["acceleration"][at] = TANGENTIAL_SHARE * corner_acceleration[joints]
+            columns["acceleration"][at] = TANGENTIAL_SHARE * joints.acceleration[those]
 
     joint = np.zeros(slots, dtype=bool)
     joint[1::2] = True

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from gcodesim.compiled import kernel
 from gcodesim.motion.columns import Column
 from gcodesim.motion.corner_kernels import corner_center, corner_radius, way_from_corner
-from gcodesim.motion.curve_kernels import ROUND, STRAIGHT
+from gcodesim.motion.curve_kernels import ACCELERATION, ROUND, SPEED, STRAIGHT, CurveColumns
 
 # Constants of the motion planner. They are those of LinuxCNC 2.9, measured on its own planner.
 # The two shares on arcs belong to any planner that reserves acceleration in curves; the others are specific to it
@@ -41,6 +41,34 @@ STAND = 0
 PASS = 1
 ROUNDED = 2
 OVERLAPPED = 3
+
+
+class Tangents(NamedTuple):
+    """Derivatives by s (c, 6) at the start and at the end of each curve."""
+
+    first: Column
+    last: Column
+
+
+class JointColumns(NamedTuple):
+    """What happens at the end of each of c curves, one row a curve.
+
+    `kind` STAND, PASS, ROUNDED or OVERLAPPED. The joint begins `trim_end` before the end of the curve and ends
+    `trim_start`, in the next curve's row, behind its start. `cap` is the greatest speed there [m/s] and `reduction` the
+    share of a curve's acceleration that a kink takes. Of a corner arc: what its plane allows as `acceleration`, and
+    `arc` (c, 10), its centre, the radius vectors at its start and a quarter turn on, and its angle. Of an overlap: its
+    `duration` [s], and the `ratio` of the speeds behind and before.
+    """
+
+    kind: Column
+    trim_end: Column
+    trim_start: Column
+    cap: Column
+    reduction: Column
+    acceleration: Column
+    arc: Column
+    ratio: Column
+    duration: Column
 
 
 @kernel(short=True)
@@ -117,24 +145,15 @@ def length_of(v: Column) -> float:
 
 
 @kernel
-def bend_of(
-    i: int,
-    n: Column,
-    at_end: bool,
-    kind: Column,
-    radial: Column,
-    sideways: Column,
-    lift: Column,
-    sweep: Column,
-    growth: Column,
-) -> tuple[float, float]:
+def bend_of(i: int, n: Column, at_end: bool, curves: CurveColumns) -> tuple[float, float]:
     """Radius (0: a line) and side about `n` (3,) of curve `i` at one of its ends; radius -1 when not in that plane."""
-    if kind[i] == STRAIGHT:
+    if curves.kind[i] == STRAIGHT:
         return 0.0, 1.0
-    if kind[i] != ROUND:
+    if curves.kind[i] != ROUND:
         return -1.0, 1.0
+    radial, sideways, growth = curves.radial, curves.sideways, curves.growth
     r = length_of(radial[i])
-    rise = length_of(lift[i])
+    rise = length_of(curves.lift[i])
     if rise > FLAT or abs(growth[i]) * r > FLAT:
         return -1.0, 1.0
     m0 = radial[i, 1] * sideways[i, 2] - radial[i, 2] * sideways[i, 1]
@@ -143,150 +162,155 @@ def bend_of(
     cosine = (m0 * n[0] + m1 * n[1] + m2 * n[2]) / (r * r)
     if abs(cosine) < 1.0 - 1e-9:
         return -1.0, 1.0
-    side = 1.0 if cosine * sweep[i] > 0.0 else -1.0
+    side = 1.0 if cosine * curves.sweep[i] > 0.0 else -1.0
     return (r * (1.0 + growth[i]) if at_end else r), side
+
+
+@kernel(inlined=True)
+def step_of_direction(i: int, tangents: Tangents, axis_limits: Column) -> tuple[float, float]:
+    """Share of the acceleration that each m/s takes at the end of curve `i`, and the cosine of the turn there."""
+    first, last = tangents
+    kink = 0.0
+    cosine = 0.0
+    for k in range(3):
+        kink = max(kink, abs(first[i + 1, k] - last[i, k]) / axis_limits[ACCELERATION, k])
+        cosine += last[i, k] * first[i + 1, k]
+    return kink / CYCLE, cosine
+
+
+@kernel(inlined=True)
+def axes_of_corner(i: int, cosine: float, tangents: Tangents, across: Column, normal: Column) -> None:
+    """The unit vectors to the side to which the path turns behind curve `i`, and of the corner's plane, both (3,)."""
+    first, last = tangents
+    size = 0.0
+    for k in range(3):
+        across[k] = first[i + 1, k] - cosine * last[i, k]
+        size += across[k] * across[k]
+    size = math.sqrt(size)
+    for k in range(3):
+        across[k] /= size
+    normal[0] = last[i, 1] * across[2] - last[i, 2] * across[1]
+    normal[1] = last[i, 2] * across[0] - last[i, 0] * across[2]
+    normal[2] = last[i, 0] * across[1] - last[i, 1] * across[0]
+
+
+@kernel(inlined=True)
+def round_corner(
+    i: int,
+    cosine: float,
+    reach: float,
+    kink_speed: float,
+    tolerance: Column,
+    tangents: Tangents,
+    axis_limits: Column,
+    curves: CurveColumns,
+    joints: JointColumns,
+    room: Column,
+) -> int:
+    """What becomes of the corner behind curve `i`: ROUNDED, with its arc; PASS if that is no faster; or OVERLAPPED."""
+    last = tangents.last
+    across, normal = room[0], room[1]
+    turn = math.acos(min(max(cosine, -1.0), 1.0))
+    if turn >= math.pi - SHARPEST_CORNER:
+        return OVERLAPPED
+    axes_of_corner(i, cosine, tangents, across, normal)
+    r1, side1 = bend_of(i, normal, True, curves)
+    r2, side2 = bend_of(i + 1, normal, False, curves)
+    if r1 < 0.0 or r2 < 0.0:
+        return OVERLAPPED
+    most = in_plane(normal[0], normal[1], normal[2], axis_limits[ACCELERATION])
+    a_n = NORMAL_SHARE * most
+    length1, length2 = curves.length[i], curves.length[i + 1]
+    p1 = tolerance[i] if tolerance[i] > 0.0 else TOLERANCE_SHARE * length1
+    p2 = tolerance[i + 1] if tolerance[i + 1] > 0.0 else TOLERANCE_SHARE * length2
+    v = min(reach, turned_speed(last[i], across, turn, axis_limits[SPEED]))
+    # not larger than the speed needs, but as long as two ramps to rest at half the acceleration would be
+    ramp = TANGENTIAL_SHARE * most
+    enough = max(v * v / a_n, v * v / (ramp * turn))
+    space = corner_radius(turn, r1, side1, r2, side2, min(p1, p2), 0.5 * length1, 0.5 * length2, enough)
+    v = min(v, math.sqrt(a_n * space))
+    slowed = min(v, math.sqrt(2.0 * ramp * space * math.tan(0.5 * turn)))
+    radius = max(v * v / a_n, min(space, v * slowed / (ramp * turn)))
+    if v <= kink_speed or radius <= 0.0:
+        return PASS
+    joints.cap[i] = v
+    joints.acceleration[i] = most
+    x, y = corner_center(turn, r1, side1, r2, side2, radius)
+    joints.trim_end[i] = -way_from_corner(x, y, 0.0, r1, side1)
+    joints.trim_start[i + 1] = way_from_corner(x, y, turn, r2, side2)
+    # directions of the path, as angles from X, where the arc begins and ends
+    begin = 0.0 if r1 == 0.0 else -side1 * joints.trim_end[i] / r1
+    leave = turn if r2 == 0.0 else turn + side2 * joints.trim_start[i + 1] / r2
+    c, s = math.cos(begin), math.sin(begin)
+    end, arc = curves.end, joints.arc
+    for k in range(3):
+        arc[i, k] = end[i, k] + x * last[i, k] + y * across[k]
+        arc[i, 3 + k] = radius * (s * last[i, k] - c * across[k])
+        arc[i, 6 + k] = radius * (c * last[i, k] + s * across[k])
+    arc[i, 9] = leave - begin
+    return ROUNDED
 
 
 @kernel(short=True)
 def corners(
     stop: Column,
     blended: Column,
-    first: Column,
-    last: Column,
     turning: Column,
     speed: Column,
     tolerance: Column,
+    tangents: Tangents,
     axis_limits: Column,
-    kind: Column,
-    end: Column,
-    radial: Column,
-    sideways: Column,
-    lift: Column,
-    sweep: Column,
-    growth: Column,
-    length: Column,
-    joint: Column,
-    trim_end: Column,
-    trim_start: Column,
-    cap: Column,
-    acceleration: Column,
-    reduction: Column,
-    arc: Column,
+    curves: CurveColumns,
+    joints: JointColumns,
 ) -> None:
-    """Decide what happens at the end of every curve but the last; results go into the last seven arguments.
+    """Decide what happens at the end of every curve but the last; results go into `joints`.
 
-    `first`, `last` (c, 6) are tangents, `turning` is set where a rotary axis
-    moves, `speed` is what each curve may reach. `joint` becomes STAND, PASS,
-    ROUNDED or OVERLAPPED. A corner arc touches the curves at `trim_end[i]`
-    before and `trim_start[i + 1]` behind the corner; `arc` (c, 10) is its centre,
-    the radius vectors at its start and a quarter turn on, and its angle.
-    `reduction` is the share of acceleration lost to a kink.
+    `turning` is set where a rotary axis moves, `speed` is what each curve may reach.
     """
-    across, normal = np.empty(3), np.empty(3)
+    room = np.empty((2, 3))
     for i in range(len(stop) - 1):
-        joint[i] = STAND
+        joints.kind[i] = STAND
         if stop[i]:
             continue
         if turning[i] or turning[i + 1]:
             if blended[i]:
-                joint[i] = OVERLAPPED
+                joints.kind[i] = OVERLAPPED
             continue
-        kink = 0.0
-        cosine = 0.0
-        for k in range(3):
-            kink = max(kink, abs(first[i + 1, k] - last[i, k]) / axis_limits[1, k])
-            cosine += last[i, k] * first[i + 1, k]
-        kink /= CYCLE  # share of acceleration for each m/s
+        kink, cosine = step_of_direction(i, tangents, axis_limits)
         reach = max(speed[i], speed[i + 1])
+        reduction = joints.reduction
         if kink * reach <= KINK_SHARE:
-            joint[i] = PASS
-            cap[i] = 1e30
+            joints.kind[i] = PASS
+            joints.cap[i] = 1e30
             reduction[i] = max(reduction[i], kink * reach)
             reduction[i + 1] = max(reduction[i + 1], kink * reach)
             continue
         kink_speed = KINK_SHARE / kink
+        kind = PASS
         if blended[i]:
-            joint[i] = OVERLAPPED
-            turn = math.acos(min(max(cosine, -1.0), 1.0))
-            if turn >= math.pi - SHARPEST_CORNER:
-                continue
-            size = 0.0
-            for k in range(3):
-                across[k] = first[i + 1, k] - cosine * last[i, k]
-                size += across[k] * across[k]
-            size = math.sqrt(size)
-            for k in range(3):
-                across[k] /= size
-            normal[0] = last[i, 1] * across[2] - last[i, 2] * across[1]
-            normal[1] = last[i, 2] * across[0] - last[i, 0] * across[2]
-            normal[2] = last[i, 0] * across[1] - last[i, 1] * across[0]
-            r1, side1 = bend_of(i, normal, True, kind, radial, sideways, lift, sweep, growth)
-            r2, side2 = bend_of(i + 1, normal, False, kind, radial, sideways, lift, sweep, growth)
-            if r1 < 0.0 or r2 < 0.0:
-                continue
-            most = in_plane(normal[0], normal[1], normal[2], axis_limits[1])
-            a_n = NORMAL_SHARE * most
-            p1 = tolerance[i] if tolerance[i] > 0.0 else TOLERANCE_SHARE * length[i]
-            p2 = tolerance[i + 1] if tolerance[i + 1] > 0.0 else TOLERANCE_SHARE * length[i + 1]
-            v = min(reach, turned_speed(last[i], across, turn, axis_limits[0]))
-            # not larger than the speed needs, but as long as two ramps to rest at half the acceleration would be
-            ramp = TANGENTIAL_SHARE * most
-            enough = max(v * v / a_n, v * v / (ramp * turn))
-            room = corner_radius(
-                turn, r1, side1, r2, side2, min(p1, p2), 0.5 * length[i], 0.5 * length[i + 1], enough
+            kind = round_corner(
+                i, cosine, reach, kink_speed, tolerance, tangents, axis_limits, curves, joints, room
             )
-            v = min(v, math.sqrt(a_n * room))
-            slowed = min(v, math.sqrt(2.0 * ramp * room * math.tan(0.5 * turn)))
-            radius = max(v * v / a_n, min(room, v * slowed / (ramp * turn)))
-            if v <= kink_speed or radius <= 0.0:
-                joint[i] = PASS
-            else:
-                joint[i] = ROUNDED
-                cap[i] = v
-                acceleration[i] = most
-                x, y = corner_center(turn, r1, side1, r2, side2, radius)
-                trim_end[i] = -way_from_corner(x, y, 0.0, r1, side1)
-                trim_start[i + 1] = way_from_corner(x, y, turn, r2, side2)
-                # directions of the path, as angles from X, where the arc begins and ends
-                begin = 0.0 if r1 == 0.0 else -side1 * trim_end[i] / r1
-                leave = turn if r2 == 0.0 else turn + side2 * trim_start[i + 1] / r2
-                c, s = math.cos(begin), math.sin(begin)
-                for k in range(3):
-                    arc[i, k] = end[i, k] + x * last[i, k] + y * across[k]
-                    arc[i, 3 + k] = radius * (s * last[i, k] - c * across[k])
-                    arc[i, 6 + k] = radius * (c * last[i, k] + s * across[k])
-                arc[i, 9] = leave - begin
-                continue
-        else:
-            joint[i] = PASS
-        cap[i] = kink_speed
-        reduction[i] = KINK_SHARE
-        reduction[i + 1] = KINK_SHARE
+        joints.kind[i] = kind
+        if kind == PASS:
+            joints.cap[i] = kink_speed
+            reduction[i] = KINK_SHARE
+            reduction[i + 1] = KINK_SHARE
 
 
 @kernel(short=True)
 def overlaps(
-    kind: Column,
-    first: Column,
-    last: Column,
-    left: Column,
-    speed: Column,
-    acceleration: Column,
-    tolerance: Column,
-    trim_end: Column,
-    trim_start: Column,
-    cap: Column,
-    ratio: Column,
-    duration: Column,
+    left: Column, speed: Column, acceleration: Column, tolerance: Column, tangents: Tangents, joints: JointColumns
 ) -> None:
-    """Fill the last five columns where the end of a curve overlaps with the start of the next.
+    """Fill in the joints where the end of a curve overlaps with the start of the next.
 
     `left` is what corner arcs leave of each curve, `acceleration` already the
     share that such blocks have. Both ramps last T; the corner is missed by
     v² cos t / (4 a), with half included angle t, which P limits.
     """
-    for i in range(len(kind) - 1):
-        if kind[i] != OVERLAPPED:
+    first, last = tangents
+    for i in range(len(left) - 1):
+        if joints.kind[i] != OVERLAPPED:
             continue
         a1, a2 = acceleration[i], acceleration[i + 1]
         v1 = min(speed[i], math.sqrt(a1 * left[i]))
@@ -303,8 +327,8 @@ def overlaps(
                 v1, v2 = min(v1, most), min(v2, most)
         ramp = v1 / a1
         v2 = min(v2, a2 * ramp)
-        duration[i] = ramp
-        cap[i] = v1
-        ratio[i] = v2 / v1
-        trim_end[i] = 0.5 * v1 * ramp
-        trim_start[i + 1] = 0.5 * v2 * ramp
+        joints.duration[i] = ramp
+        joints.cap[i] = v1
+        joints.ratio[i] = v2 / v1
+        joints.trim_end[i] = 0.5 * v1 * ramp
+        joints.trim_start[i + 1] = 0.5 * v2 * ramp

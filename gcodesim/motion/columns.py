@@ -5,4 +5,3 @@ from typing import Any
 from numpy.typing import NDArray
 
 Column = NDArray[Any]
-Columns = tuple[Column, ...]

@@ -1,16 +1,34 @@
-"""Points and tangents of curves; arrays and scalars in and out. Column meanings: `curves.Curves`."""
+"""Points and tangents of curves; arrays and scalars in and out."""
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from gcodesim.compiled import kernel
-from gcodesim.motion.columns import Column, Columns
+from gcodesim.motion.columns import Column
 
 STRAIGHT = 0
 ROUND = 1
 TIMED = 2  # every axis runs its own trapezoid from rest to rest; the parameter is time [s]
 OWN = 3  # a law of its own, such as a move in joint space; the parameter is time [s], points are nominal: on a line
+
+SPEED, ACCELERATION = 0, 1  # rows of a table of axis limits (2, 6)
+
+
+class CurveColumns(NamedTuple):
+    """The columns of `curves.Curves`, which says what they mean."""
+
+    kind: Column
+    start: Column
+    end: Column
+    center: Column
+    radial: Column
+    sideways: Column
+    lift: Column
+    sweep: Column
+    growth: Column
+    length: Column
 
 
 @kernel
@@ -36,17 +54,14 @@ def axis_travel(distance: float, speed: float, acceleration: float, t: float) ->
 
 @kernel
 def curve_point(
-    i: int, s: float, curves: Columns, axis_limits: Column, position: Column, tangent: Column
+    i: int, s: float, curves: CurveColumns, axis_limits: Column, position: Column, tangent: Column
 ) -> None:
-    """Write position (6,) and derivative by s (6,) of curve `i` at `s` into the last two arguments.
-
-    `curves` are the columns of `curves.Curves` in its order.
-    """
+    """Write position (6,) and derivative by s (6,) of curve `i` at `s` into the last two arguments."""
     kind, start, end, center, radial, sideways, lift, sweep, growth, length = curves
     if kind[i] == TIMED:
         for k in range(6):
             step = end[i, k] - start[i, k]
-            done, speed = axis_travel(abs(step), axis_limits[0, k], axis_limits[1, k], s)
+            done, speed = axis_travel(abs(step), axis_limits[SPEED, k], axis_limits[ACCELERATION, k], s)
             sign = 1.0 if step >= 0.0 else -1.0
             position[k] = start[i, k] + sign * done
             tangent[k] = sign * speed

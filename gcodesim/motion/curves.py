@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.frames import Array
-from gcodesim.motion.curve_kernels import ROUND, STRAIGHT
+from gcodesim.motion.curve_kernels import ROUND, STRAIGHT, CurveColumns
 from gcodesim.motion.tool_path import ARC, ToolPath
 
 
@@ -68,9 +68,9 @@ class Curves:
         return len(self.kind)
 
     @property
-    def arrays(self) -> tuple[NDArray[np.uint8], Array, Array, Array, Array, Array, Array, Array, Array, Array]:
-        """The columns in the order the kernels take them."""
-        return (
+    def arrays(self) -> CurveColumns:
+        """The columns as kernels take them."""
+        return CurveColumns(
             self.kind,
             self.start,
             self.end,

@@ -1,22 +1,40 @@
-"""Points of pieces, and of a trajectory along them; arrays in and out.
-
-Columns come as tuples in the order of `pieces.Pieces.arrays`, `curves.Curves.arrays` and `trajectory.Phases`.
-"""
+"""Points of pieces, and of a trajectory along them; arrays in and out."""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 
 from gcodesim.compiled import kernel
-from gcodesim.motion.columns import Column, Columns
-from gcodesim.motion.curve_kernels import curve_point
+from gcodesim.motion.columns import Column
+from gcodesim.motion.curve_kernels import CurveColumns, curve_point
+from gcodesim.motion.timing_kernels import PhaseColumns
 
 OVERLAP = 1
 
 
+class PieceColumns(NamedTuple):
+    """Those columns of `pieces.Pieces` that say where it leads, and the limits (2, 6) of the axes."""
+
+    kind: Column
+    curve: Column
+    second: Column
+    begin: Column
+    length: Column
+    ratio: Column
+    axis_limits: Column
+
+
 @kernel
 def piece_point(
-    i: int, s: float, pieces: Columns, curves: Columns, position: Column, tangent: Column, spare: Column
+    i: int,
+    s: float,
+    pieces: PieceColumns,
+    curves: CurveColumns,
+    position: Column,
+    tangent: Column,
+    spare: Column,
 ) -> None:
     """Write position (6,) and derivative by s (6,) of piece `i` at `s`; `spare` (2, 6) is overwritten."""
     kind, curve, second, begin, length, ratio, axis_limits = pieces
@@ -31,14 +49,14 @@ def piece_point(
     s2 = 0.5 * ratio[i] * length[i] * u * u
     curve_point(a, s1, curves, axis_limits, position, tangent)
     curve_point(b, s2, curves, axis_limits, spare[0], spare[1])
-    start = curves[1]
+    start = curves.start
     for k in range(6):
         position[k] += spare[0, k] - start[b, k]
         tangent[k] = tangent[k] * (1.0 - u) + spare[1, k] * ratio[i] * u
 
 
 @kernel
-def points(piece: Column, s: Column, pieces: Columns, curves: Columns) -> tuple[Column, Column]:
+def points(piece: Column, s: Column, pieces: PieceColumns, curves: CurveColumns) -> tuple[Column, Column]:
     """Positions (k, 6) and derivatives by s (k, 6) at `s` (k,) on pieces `piece` (k,)."""
     n = len(s)
     position = np.empty((n, 6))
@@ -51,11 +69,11 @@ def points(piece: Column, s: Column, pieces: Columns, curves: Columns) -> tuple[
 
 @kernel
 def sample(
-    t: Column, phase: Column, phases: Columns, pieces: Columns, curves: Columns
+    t: Column, phase: Column, phases: PhaseColumns, pieces: PieceColumns, curves: CurveColumns
 ) -> tuple[Column, Column, Column, Column]:
     """Position (n, 6), velocity (n, 6), place in the piece (n,) and ds/dt (n,) at times `t` in phases `phase`."""
     phase_time, phase_duration, phase_piece, phase_s, phase_speed, phase_acceleration = phases
-    length = pieces[4]
+    length = pieces.length
     n = len(t)
     position = np.empty((n, 6))
     velocity = np.empty((n, 6))

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.frames import Array
 from gcodesim.motion.curves import Curves
-from gcodesim.motion.piece_kernels import points
+from gcodesim.motion.piece_kernels import PieceColumns, points
 from gcodesim.motion.tool_path import ToolPath
 
 # kinds of pieces
@@ -76,9 +76,9 @@ class Pieces:
         )
 
     @property
-    def arrays(self) -> tuple[Any, ...]:
-        """The columns in the order the kernels take them, and the limits; those of `curves` come beside them."""
-        return (
+    def arrays(self) -> PieceColumns:
+        """The columns that kernels take, and the limits; those of `curves` come beside them."""
+        return PieceColumns(
             self.kind,
             self.curve,
             self.second,

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from gcodesim.canon import Dwell, Event, ToolChange
 from gcodesim.frames import Array
 from gcodesim.motion.pieces import Pieces
-from gcodesim.motion.timing_kernels import end_speeds, times_at, trapezoids
+from gcodesim.motion.timing_kernels import PhaseColumns, end_speeds, times_at, trapezoids
 from gcodesim.motion.trajectory import Phases, TimedEvent, Trajectory
 
 
@@ -140,12 +140,7 @@ def _row_times(phases: Phases, pieces: Pieces) -> tuple[Array, Array]:
         ends[row] = times_at(
             piece,
             s,
-            phases.piece[moving],
-            phases.time[moving],
-            phases.duration[moving],
-            phases.s[moving],
-            phases.speed[moving],
-            phases.acceleration[moving],
+            PhaseColumns(*(getattr(phases, name)[moving] for name in PhaseColumns._fields)),
         )
     # a row that does not move ends together with the row before it
     ends = np.maximum.accumulate(np.concatenate([[0.0], ends]))[1:]

@@ -3,11 +3,23 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from gcodesim.compiled import kernel
 from gcodesim.motion.columns import Column
+
+
+class PhaseColumns(NamedTuple):
+    """Those columns of `trajectory.Phases` that say how it moves."""
+
+    time: Column
+    duration: Column
+    piece: Column
+    s: Column
+    speed: Column
+    acceleration: Column
 
 
 @kernel(short=True)
@@ -84,17 +96,9 @@ def trapezoids(
 
 
 @kernel(short=True)
-def times_at(
-    boundary_piece: Column,
-    boundary_s: Column,
-    phase_piece: Column,
-    phase_time: Column,
-    phase_duration: Column,
-    phase_s: Column,
-    phase_speed: Column,
-    phase_acceleration: Column,
-) -> Column:
+def times_at(boundary_piece: Column, boundary_s: Column, phases: PhaseColumns) -> Column:
     """Times (b,) at which places (piece, s), given in order of motion, are reached; s infinite: the piece's end."""
+    phase_time, phase_duration, phase_piece, phase_s, phase_speed, phase_acceleration = phases
     out = np.empty(len(boundary_s))
     p = 0
     n = len(phase_piece)

@@ -143,6 +143,7 @@ class Trajectory:
         if not len(self.phases.time):
             return self._nothing(t)
         from gcodesim.motion.piece_kernels import sample
+        from gcodesim.motion.timing_kernels import PhaseColumns
 
         p = self.phases
         phase = np.clip(np.searchsorted(p.time, t, side="right") - 1, 0, len(p.time) - 1)
@@ -150,7 +151,7 @@ class Trajectory:
         position, velocity, s, speed = sample(
             t,
             phase,
-            (p.time, p.duration, p.piece, p.s, p.speed, p.acceleration),
+            PhaseColumns(p.time, p.duration, p.piece, p.s, p.speed, p.acceleration),
             pieces.arrays,
             pieces.curves.arrays,
         )
