@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,6 +11,27 @@ from gcodesim.compiled import kernel
 from gcodesim.motion.columns import Column
 
 SMALLEST_PIVOT = 1e-9
+
+
+class SegmentRates(NamedTuple):
+    """Joint rates q' (k, j) at the start and the end of each segment, and on average."""
+
+    start: Column
+    end: Column
+    mean: Column
+
+
+class JointCaps(NamedTuple):
+    """Columns (k,), one row a segment: what joints allow.
+
+    `wanted` is the speed that the program asks for; what the speed limits alone allow comes back in it.
+    `speed` and `acceleration` are the caps, `joint` the one whose speed limit is nearest.
+    """
+
+    wanted: Column
+    speed: Column
+    acceleration: Column
+    joint: Column
 
 
 @kernel
@@ -76,26 +98,19 @@ def joint_rates(jacobian: Column, first: Column, last: Column) -> tuple[Column, 
 
 @kernel
 def joint_caps(
-    start_rate: Column,
-    end_rate: Column,
-    mean_rate: Column,
+    rates: SegmentRates,
     length: Column,
-    wanted: Column,
     bending_share: float,
     speed_limit: Column,
     acceleration_limit: Column,
-    speed: Column,
-    acceleration: Column,
-    joint: Column,
+    caps: JointCaps,
 ) -> None:
-    """Caps of each segment under joint limits (j,), into the last three columns (k,).
+    """Caps of each segment of `length` (k,) under joint limits (j,), into `caps`.
 
-    Rates q' (k, j) at both ends and on average; q'' is their difference over the
-    length. Joint acceleration is q' a + q'' v²: `bending_share` of the limit may
-    go into the second term, the rest of it stays for a. `joint` is the one whose
-    speed limit is nearest, `wanted` the speed that the program asks for; what
-    the speed limit alone allows comes back in it.
+    q'' is the difference of the rates at both ends over the length. Joint acceleration is q' a + q'' v²:
+    `bending_share` of the limit may go into the second term, the rest of it stays for a.
     """
+    start_rate, end_rate, mean_rate = rates
     for k in range(len(length)):
         v_rate, v_bend = 1e30, 1e30
         guilty = -1
@@ -107,7 +122,7 @@ def joint_caps(
             bend = abs(end_rate[k, j] - start_rate[k, j]) / length[k]
             if bend > 1e-12:
                 v_bend = min(v_bend, math.sqrt(bending_share * acceleration_limit[j] / bend))
-        v = min(wanted[k], v_rate, v_bend)
+        v = min(caps.wanted[k], v_rate, v_bend)
         a = 1e30
         for j in range(start_rate.shape[1]):
             rate = max(abs(start_rate[k, j]), abs(end_rate[k, j]))
@@ -115,7 +130,7 @@ def joint_caps(
                 bend = abs(end_rate[k, j] - start_rate[k, j]) / length[k]
                 left = acceleration_limit[j] - bend * v * v
                 a = min(a, left / rate)
-        wanted[k] = v_rate
-        speed[k] = v
-        acceleration[k] = min(acceleration[k], a)
-        joint[k] = guilty
+        caps.wanted[k] = v_rate
+        caps.speed[k] = v
+        caps.acceleration[k] = min(caps.acceleration[k], a)
+        caps.joint[k] = guilty

@@ -26,7 +26,7 @@ from gcodesim.motion.timing import Caps
 from gcodesim.motion.tool_path import HOME, Commanded, ToolPath
 from gcodesim.motion.trajectory import Samples
 from gcodesim.planning import joint_moves
-from gcodesim.planning.arm_kernels import joint_caps, joint_rates
+from gcodesim.planning.arm_kernels import JointCaps, SegmentRates, joint_caps, joint_rates
 from gcodesim.planning.axis_posing import offsets
 from gcodesim.planning.flange_poses import flange_origins, flange_poses, spin_of
 from gcodesim.planning.joint_rows import with_joint_rows
@@ -287,15 +287,17 @@ def _caps(
         np.where(bridge, mean_rate, np.clip(rate, -most, most)) for rate in (rates[0][i - 1], rates[1][i])
     )
     wanted = _wanted_speed(pieces)[piece]
-    possible, speed = wanted.copy(), np.empty(len(i))
-    acceleration = np.where(pieces.kind[piece] == OVERLAP, 0.0, np.inf)
-    slowest = np.empty(len(i), dtype=np.int64)
+    caps = JointCaps(
+        wanted=wanted.copy(),
+        speed=np.empty(len(i)),
+        acceleration=np.where(pieces.kind[piece] == OVERLAP, 0.0, np.inf),
+        joint=np.empty(len(i), dtype=np.int64),
+    )
     joint_caps(
-        start_rate, end_rate, mean_rate, length, possible, NORMAL_SHARE,
-        speed_limit, acceleration_limit, speed, acceleration, slowest,
-    )  # fmt: skip
+        SegmentRates(start_rate, end_rate, mean_rate), length, NORMAL_SHARE, speed_limit, acceleration_limit, caps
+    )
     exact = ~bridged[i]
-    report_slow_joints(kinematics, pieces, piece[exact], wanted[exact], possible[exact], slowest[exact], findings)
+    report_slow_joints(kinematics, pieces, piece[exact], wanted[exact], caps.wanted[exact], caps.joint[exact], findings)
     last = np.append(piece[1:] != piece[:-1], True)[: len(i)]
     junction = np.where(last, pieces.junction[piece], np.inf)
     fixed = np.flatnonzero(pieces.fixed)
@@ -305,8 +307,8 @@ def _caps(
         (piece, fixed),
         (begin, zeros),
         (length, pieces.length[fixed]),
-        (speed, zeros),
-        (acceleration, zeros),
+        (caps.speed, zeros),
+        (caps.acceleration, zeros),
         (junction, zeros),
     )
     return Caps(*(np.concatenate(pair)[order] for pair in columns))

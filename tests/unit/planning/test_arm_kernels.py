@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gcodesim.planning.arm_kernels import joint_caps, joint_rates
+from gcodesim.planning.arm_kernels import JointCaps, SegmentRates, joint_caps, joint_rates
 
 
 @pytest.mark.parametrize("count", [6, 7])
@@ -40,9 +40,8 @@ def test_caps_keep_speed_and_acceleration_of_every_joint() -> None:
     possible, speed, joint = wanted.copy(), np.empty(n), np.empty(n, dtype=np.int64)
     acceleration = np.full(n, np.inf)
 
-    joint_caps(
-        start, end, start, length, possible, share, speed_limit, acceleration_limit, speed, acceleration, joint
-    )
+    caps = JointCaps(possible, speed, acceleration, joint)
+    joint_caps(SegmentRates(start, end, start), length, share, speed_limit, acceleration_limit, caps)
 
     rate = np.maximum(np.abs(start), np.abs(end))
     bend = np.abs(end - start) / length[:, None]
