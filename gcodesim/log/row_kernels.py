@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,6 +14,22 @@ UNIT = 1.0e-6
 NOT_FINITE, NOT_UNIT, NOT_CANONICAL = 1, 2, 3
 
 
+class RowSlots(NamedTuple):
+    """What is filled in at which places of a row.
+
+    Doubles at `number_at` (s,) from the columns `number_from` (s,), likewise flags; stamps (12 bytes, both integers
+    in five), times (8) and sequences (4).
+    """
+
+    number_at: Any
+    number_from: Any
+    flag_at: Any
+    flag_from: Any
+    stamp_at: Any
+    time_at: Any
+    sequence_at: Any
+
+
 @kernel(lean=True)
 def put_integer(value: int, count: int, at: int, out: Any) -> None:
     """The first `count` bytes of an integer, low byte first, from place `at` on in `out`."""
@@ -23,27 +39,13 @@ def put_integer(value: int, count: int, at: int, out: Any) -> None:
 
 @kernel(lean=True)
 def fill_rows(
-    template: Any,
-    number_at: Any,
-    number_from: Any,
-    flag_at: Any,
-    flag_from: Any,
-    stamp_at: Any,
-    time_at: Any,
-    sequence_at: Any,
-    values: Any,
-    value_bytes: Any,
-    t_ns: Any,
-    sequence: Any,
-    at: Any,
-    data: Any,
+    template: Any, slots: RowSlots, values: Any, value_bytes: Any, t_ns: Any, sequence: Any, at: Any, data: Any
 ) -> None:
     """Copy `template` (w,) to each place of `at` (n,) in `data` and fill its slots.
 
-    From `values` (n, c), which are `value_bytes` (n, 8 c) too, `t_ns` (n,) and `sequence` (n,): doubles at `number_at`
-    (s,) from columns `number_from` (s,), likewise flags; stamps (12 bytes, both integers in five), times (8) and
-    sequences (4).
+    They come from `values` (n, c), which are `value_bytes` (n, 8 c) too, `t_ns` (n,) and `sequence` (n,).
     """
+    number_at, number_from, flag_at, flag_from, stamp_at, time_at, sequence_at = slots
     width = len(template)
     for i in range(len(at)):
         room, given = data[at[i] : at[i] + width], value_bytes[i]

@@ -15,7 +15,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.log.row_kernels import fill_rows
+from gcodesim.log.row_kernels import RowSlots, fill_rows
 from gcodesim.log.wire import BYTES, FIXED64, VARINT, tag, text, varint
 from gcodesim.units import NS_PER_SECOND
 
@@ -94,13 +94,23 @@ class Template:
         """`columns`: with which column each array of the slots begins; by default they stand in order of appearance."""
         self._bytes = np.frombuffer(bytearray(piece.data), dtype=np.uint8)
         begin = _side_by_side(piece.slots) if columns is None else columns
-        numbers = _slots(piece, "number"), _slots(piece, "flag")
-        self._slots: list[Any] = []
-        for slots in numbers:
-            self._slots.append(np.array([slot.offset for slot in slots], dtype=np.int64))
-            self._slots.append(np.array([begin[slot.array] + slot.column for slot in slots], dtype=np.int64))
-        for kind in ("stamp", "time", "sequence"):
-            self._slots.append(np.array([slot.offset for slot in _slots(piece, kind)], dtype=np.int64))
+
+        def at(kind: str) -> NDArray[np.int64]:
+            return np.array([slot.offset for slot in piece.slots if slot.kind == kind], dtype=np.int64)
+
+        def source(kind: str) -> NDArray[np.int64]:
+            columns = [begin[slot.array] + slot.column for slot in piece.slots if slot.kind == kind]
+            return np.array(columns, dtype=np.int64)
+
+        self._slots = RowSlots(
+            number_at=at("number"),
+            number_from=source("number"),
+            flag_at=at("flag"),
+            flag_from=source("flag"),
+            stamp_at=at("stamp"),
+            time_at=at("time"),
+            sequence_at=at("sequence"),
+        )
 
     @property
     def width(self) -> int:
@@ -123,17 +133,12 @@ class Template:
         """The same with sequences (n,), into `data` from each place of `at` (n,) on."""
         given = _plain(values, np.float64)
         numbers = _plain(t_ns, np.int64), _plain(sequence, np.int64), _plain(at, np.int64)
-        arguments: list[Any] = [*self._slots, given, given.view(np.uint8), *numbers, data]
-        fill_rows(self._bytes, *arguments)
+        fill_rows(self._bytes, self._slots, given, given.view(np.uint8), *numbers, data)
 
 
 def _plain(array: NDArray[Any], kind: Any) -> NDArray[Any]:
     """As the kernel wants it; an array that is read-only would be compiled for once more."""
     return np.require(array, kind, ["C", "W"])
-
-
-def _slots(piece: TemplatePiece, kind: str) -> list[Slot]:
-    return [slot for slot in piece.slots if slot.kind == kind]
 
 
 def _side_by_side(slots: tuple[Slot, ...]) -> dict[str, int]:
