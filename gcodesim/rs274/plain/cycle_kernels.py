@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from gcodesim.compiled import kernel
 from gcodesim.rs274.plain.arc_kernels import plane_axes
 from gcodesim.rs274.plain.columns import Column
@@ -46,6 +48,24 @@ _PLACES = (1 << 23) | (1 << 24) | (1 << 25)
 _UNDERSTOOD = _PLACES | (1 << 5) | (1 << 6) | (1 << 17)  # F, G and R
 _CLEARANCE_MM, _CLEARANCE_INCH = 0.254, 0.01  # as in cycles.py
 _MOST_PECKS = 100_000
+
+
+class Hole(NamedTuple):
+    """A hole of the cycle `code`, in the active work system.
+
+    Where it is in the plane, the level from which the cycle began, the one above the hole and the bottom, and how it
+    is pecked: by `step`, so many times; and whether the tool dwells at the bottom.
+    """
+
+    code: int
+    to_a: float
+    to_b: float
+    base: float
+    clear: float
+    bottom: float
+    step: float
+    pecks: float
+    dwells: bool
 
 
 @kernel
@@ -99,10 +119,22 @@ def hole(code: int, seen: int, numbers: Column, modes: Column, moves: Column, fa
     modes[RETRACT_TO_R] = modes[WANTS_R]
     if has_feed:
         numbers[FEED], numbers[FEED_UNIT] = rate, numbers[UNIT]
-    word = code // 10
-    a, b = numbers[CURRENT + first], numbers[CURRENT + second]
     to_a = _end(seen, numbers, first, incremental)
     to_b = _end(seen, numbers, second, incremental)
+    found = Hole(code, to_a, to_b, base, clear, bottom, step, pecks, dwells)
+    _drill(found, incremental, numbers, modes, moves, facts, acts)
+    return True
+
+
+@kernel
+def _drill(
+    hole: Hole, incremental: bool, numbers: Column, modes: Column, moves: Column, facts: Column, acts: Column
+) -> None:
+    """The moves of a hole, as rows."""
+    code, to_a, to_b, base, clear, bottom, step, pecks, dwells = hole
+    first, second, normal = plane_axes(modes[PLANE])
+    word = code // 10
+    a, b = numbers[CURRENT + first], numbers[CURRENT + second]
     if incremental:
         to_a, to_b = a + (to_a - a), b + (to_b - b)
     if base < clear:
@@ -135,7 +167,6 @@ def hole(code: int, seen: int, numbers: Column, modes: Column, moves: Column, fa
     _along(numbers, modes, moves, facts, normal, level, 1 if code == 890 else 0, word)
     if not modes[EXACT_PATH]:
         _act(modes, acts, BACK)
-    return True
 
 
 @kernel

@@ -8,6 +8,7 @@ A line that is left has changed nothing.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from gcodesim.compiled import kernel
 from gcodesim.rs274.plain.arc_kernels import apart, centre_by_radius, plane_axes, radii_agree, sweep_of
@@ -75,28 +76,41 @@ _CENTRE = (1 << 8) | (1 << 9) | (1 << 10)
 _OF_ARCS = _CENTRE | (1 << 15) | (1 << 17)
 
 
+class LaneText(NamedTuple):
+    """The lines of the program: all its bytes, and where each line starts (`LineTable`, `ProgramText`)."""
+
+    data: Column
+    starts: Column
+
+
+class LaneState(NamedTuple):
+    """The state of the control and of the program; the layout says what is where."""
+
+    numbers: Column
+    modes: Column
+    memory: Column
+    tables: Column
+
+
+class LaneRows(NamedTuple):
+    """Rows of what is executed, as in the layout: of moves `moves` and `facts`, of arcs `shapes`, of `acts` between."""
+
+    moves: Column
+    facts: Column
+    shapes: Column
+    acts: Column
+
+
 @kernel
-def run_lines(
-    text: Column,
-    starts: Column,
-    numbers: Column,
-    modes: Column,
-    moves: Column,
-    facts: Column,
-    shapes: Column,
-    acts: Column,
-    memory: Column,
-    tables: Column,
-    first: int,
-    most: int,
-    longest: int,
-) -> int:
+def run_lines(lines: LaneText, state: LaneState, rows: LaneRows, first: int, most: int, longest: int) -> int:
     """Execute up to `most` lines from index `first` on as far as they are understood; returns how many.
 
-    `text` with `starts` (see `LineTable`, `ProgramText`); `longest` is the most characters a line may have. `numbers`,
-    `modes`, `memory` and `tables` are the state before and after. Moves are appended to `moves` and `facts`, arcs to
-    `shapes` as well, what happens between them to `acts`; all as in the layout. A full array ends the run too.
+    `longest` is the most characters a line may have. `state` is the one before and after. What happens is appended
+    to `rows`; a full array ends the run too.
     """
+    text, starts = lines
+    numbers, modes, memory, tables = state
+    moves, facts, shapes, acts = rows
     modes[ROWS] = modes[ARCS] = modes[ACTS] = modes[STARTED] = modes[FLOWED] = modes[NAMED] = modes[CALLED] = 0
     modes[CHANGED] = 0
     modes[LOWEST] = modes[LEVEL]

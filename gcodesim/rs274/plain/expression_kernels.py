@@ -94,17 +94,7 @@ def value_at(text: Column, at: int, stop: int, numbers: Column, modes: Column, m
             if at >= stop or operators >= MOST_OPERATORS - 2 or values >= MOST_VALUES - 1:
                 return LEFT_OUT
             char = byte_at(text, at)
-            if 48 <= char <= 57 or char == 46:
-                at = number_at(text, at, stop, numbers)
-                if at < 0:
-                    return LEFT_OUT
-                behind = behind_blanks(text, at, stop)
-                if behind < stop and (48 <= text[behind] <= 57 or text[behind] == 46):
-                    return LEFT_OUT  # blanks mean nothing: 1 2 is 12
-                numbers[STACK + values] = numbers[RESULT]
-                values += 1
-                wants = False
-            elif char == 45 or char == 43:
+            if char == 45 or char == 43:
                 if signed:
                     return LEFT_OUT
                 signed = True
@@ -113,87 +103,29 @@ def value_at(text: Column, at: int, stop: int, numbers: Column, modes: Column, m
                     modes[OPERATORS + operators] = NEGATIVE
                     operators += 1
                 continue
-            elif char == 91:
-                modes[OPERATORS + operators] = BRACKET
-                operators += 1
-                at += 1
-            elif char == 35:
-                at = behind_blanks(text, at + 1, stop)
-                if at < stop and text[at] == 60:
-                    at = name_at(text, at + 1, stop, modes, tables)
-                    if at < 0 or named_value(numbers, modes, memory, tables) != FOUND:
-                        return LEFT_OUT
-                    numbers[STACK + values] = numbers[RESULT]
-                    values += 1
-                    wants = False
-                else:
-                    modes[OPERATORS + operators] = HASH
-                    operators += 1
-            else:
-                at, what = function_at(text, at, stop)
-                if at < 0:
-                    return LEFT_OUT
-                if what == EXISTS:
-                    at = _exists_at(text, at, stop, numbers, modes, memory, tables)
-                    if at < 0:
-                        return LEFT_OUT
-                    numbers[STACK + values] = numbers[RESULT]
-                    values += 1
-                    wants = False
-                else:
-                    modes[OPERATORS + operators] = what
-                    modes[OPERATORS + operators + 1] = BRACKET
-                    operators += 2
+            before = operators
+            at, operators = _operand(text, at, stop, operators, numbers, modes, memory, tables)
+            if at < 0:
+                return LEFT_OUT
+            if operators == before:  # no bracket, function or `#` that waits for what follows, but a value
+                numbers[STACK + values] = numbers[RESULT]
+                values += 1
+                wants = False
             signed = False
             continue
         # after a value: first the operators in front of it that bind it alone
-        while operators > 0:
-            top = modes[OPERATORS + operators - 1]
-            if top == NEGATIVE:
-                numbers[STACK + values - 1] = -1.0 * numbers[STACK + values - 1]
-            elif top == HASH:
-                if not _parameter(numbers[STACK + values - 1], numbers, modes, memory):
-                    return LEFT_OUT
-                numbers[STACK + values - 1] = numbers[RESULT]
-            else:
-                break
-            operators -= 1
+        operators = _bound(operators, values, numbers, modes, memory)
+        if operators < 0:
+            return LEFT_OUT
         if operators == 0:
             numbers[RESULT] = numbers[STACK]
             return at
         if at >= stop:
             return LEFT_OUT
         if text[at] == 93:
-            at += 1
-            operators, values = _reduced(0, operators, values, numbers, modes)
-            if operators <= 0 or modes[OPERATORS + operators - 1] != BRACKET:
+            at, operators, values, wants = _closed(text, at + 1, stop, operators, values, numbers, modes)
+            if at < 0:
                 return LEFT_OUT
-            operators -= 1
-            if operators == 0:
-                continue
-            top = modes[OPERATORS + operators - 1]
-            if FUNCTION <= top < OF_TWO:
-                if not apply_function(top, numbers[STACK + values - 1], numbers):
-                    return LEFT_OUT
-                numbers[STACK + values - 1] = numbers[RESULT]
-                operators -= 1
-            elif top == ATAN:
-                at = behind_blanks(text, at, stop)
-                if at >= stop or text[at] != 47:
-                    return LEFT_OUT
-                at = behind_blanks(text, at + 1, stop)
-                if at >= stop or text[at] != 91 or values >= MOST_VALUES - 1:
-                    return LEFT_OUT
-                at += 1
-                modes[OPERATORS + operators - 1] = ATAN_OF
-                modes[OPERATORS + operators] = BRACKET
-                operators += 1
-                wants = True
-            elif top == ATAN_OF:
-                values -= 1
-                a, b = numbers[STACK + values - 1], numbers[STACK + values]
-                numbers[STACK + values - 1] = math.atan2(a, b) * TO_DEGREES
-                operators -= 1
             continue
         at, what = operator_at(text, at, stop)
         if at < 0:
@@ -204,6 +136,100 @@ def value_at(text: Column, at: int, stop: int, numbers: Column, modes: Column, m
         modes[OPERATORS + operators] = what
         operators += 1
         wants = True
+
+
+@kernel(inlined=True)
+def _operand(
+    text: Column, at: int, stop: int, operators: int, numbers: Column, modes: Column, memory: Column, tables: Column
+) -> tuple[int, int]:
+    """Read what begins a value: a number or named parameter into RESULT, or a bracket, `#` or function as operators.
+
+    Returns where it ends, LEFT_OUT if the line is left, and the size of the stack of operators.
+    """
+    char = byte_at(text, at)
+    if 48 <= char <= 57 or char == 46:
+        at = number_at(text, at, stop, numbers)
+        if at < 0:
+            return LEFT_OUT, operators
+        behind = behind_blanks(text, at, stop)
+        if behind < stop and (48 <= text[behind] <= 57 or text[behind] == 46):
+            return LEFT_OUT, operators  # blanks mean nothing: 1 2 is 12
+        return at, operators
+    if char == 91:
+        modes[OPERATORS + operators] = BRACKET
+        return at + 1, operators + 1
+    if char == 35:
+        at = behind_blanks(text, at + 1, stop)
+        if at < stop and text[at] == 60:
+            at = name_at(text, at + 1, stop, modes, tables)
+            if at < 0 or named_value(numbers, modes, memory, tables) != FOUND:
+                return LEFT_OUT, operators
+            return at, operators
+        modes[OPERATORS + operators] = HASH
+        return at, operators + 1
+    at, what = function_at(text, at, stop)
+    if at < 0:
+        return LEFT_OUT, operators
+    if what == EXISTS:
+        return _exists_at(text, at, stop, numbers, modes, memory, tables), operators
+    modes[OPERATORS + operators] = what
+    modes[OPERATORS + operators + 1] = BRACKET
+    return at, operators + 2
+
+
+@kernel(inlined=True)
+def _bound(operators: int, values: int, numbers: Column, modes: Column, memory: Column) -> int:
+    """Apply the operators that stand directly in front of the last value; how many operators are left, or LEFT_OUT."""
+    while operators > 0:
+        top = modes[OPERATORS + operators - 1]
+        if top == NEGATIVE:
+            numbers[STACK + values - 1] = -1.0 * numbers[STACK + values - 1]
+        elif top == HASH:
+            if not _parameter(numbers[STACK + values - 1], numbers, modes, memory):
+                return LEFT_OUT
+            numbers[STACK + values - 1] = numbers[RESULT]
+        else:
+            break
+        operators -= 1
+    return operators
+
+
+@kernel(inlined=True)
+def _closed(
+    text: Column, at: int, stop: int, operators: int, values: int, numbers: Column, modes: Column
+) -> tuple[int, int, int, bool]:
+    """Compute what a bracket contains, which ends in front of `at`, and the function of it.
+
+    Returns where to read on, LEFT_OUT if the line is left, the sizes of both stacks, and whether a value comes next.
+    """
+    operators, values = _reduced(0, operators, values, numbers, modes)
+    if operators <= 0 or modes[OPERATORS + operators - 1] != BRACKET:
+        return LEFT_OUT, operators, values, False
+    operators -= 1
+    if operators == 0:
+        return at, operators, values, False
+    top = modes[OPERATORS + operators - 1]
+    if FUNCTION <= top < OF_TWO:
+        if not apply_function(top, numbers[STACK + values - 1], numbers):
+            return LEFT_OUT, operators, values, False
+        numbers[STACK + values - 1] = numbers[RESULT]
+        operators -= 1
+    elif top == ATAN:
+        at = behind_blanks(text, at, stop)
+        if at >= stop or text[at] != 47:
+            return LEFT_OUT, operators, values, False
+        at = behind_blanks(text, at + 1, stop)
+        if at >= stop or text[at] != 91 or values >= MOST_VALUES - 1:
+            return LEFT_OUT, operators, values, False
+        modes[OPERATORS + operators - 1] = ATAN_OF
+        modes[OPERATORS + operators] = BRACKET
+        return at + 1, operators + 1, values, True
+    elif top == ATAN_OF:
+        values -= 1
+        a, b = numbers[STACK + values - 1], numbers[STACK + values]
+        numbers[STACK + values - 1] = math.atan2(a, b) * TO_DEGREES
+        operators -= 1
+    return at, operators, values, False
 
 
 @kernel

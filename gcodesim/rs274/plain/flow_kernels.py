@@ -189,12 +189,9 @@ def _jump(flow: int, keyword: int, index: int, count: int, numbers: Column, mode
             return False
         _open(label, keyword, index, tables)
     elif keyword == REPEAT:
-        rounds = numbers[ARGUMENTS]
-        left = tables[label + LEFT] if opened == REPEAT else -1
-        if left < 0:
-            if np.floor(rounds) != rounds or abs(rounds) > 1e15:
-                return False
-            left = int(rounds)
+        known, left = _rounds_left(label, opened, numbers, tables)
+        if not known:
+            return False
         skips = left <= 0
         if not _may_open(label, keyword, index, tables) or (skips and not can_skip):
             return False
@@ -222,6 +219,18 @@ def _jump(flow: int, keyword: int, index: int, count: int, numbers: Column, mode
         modes[NEXT] = index + 1
     modes[ARRIVED] = skips
     return True
+
+
+@kernel(inlined=True)
+def _rounds_left(label: int, opened: int, numbers: Column, tables: Column) -> tuple[bool, int]:
+    """How many rounds of a `repeat` are left; False when that is no whole number."""
+    rounds = numbers[ARGUMENTS]
+    left = tables[label + LEFT] if opened == REPEAT else -1
+    if left < 0:
+        if np.floor(rounds) != rounds or abs(rounds) > 1e15:
+            return False, 0
+        left = int(rounds)
+    return True, left
 
 
 @kernel

@@ -10,7 +10,7 @@ import numpy as np
 
 from gcodesim.canon.batch import MoveBatch
 from gcodesim.compiled import Kernel
-from gcodesim.compiled.arguments import Argument
+from gcodesim.compiled.arguments import Argument, name_of
 from gcodesim.compiled.object_code import is_kept
 from gcodesim.diagnostics.span_table import Origin
 from gcodesim.rs274.arcs import PLANE_AXES
@@ -21,7 +21,7 @@ from gcodesim.rs274.flow import FlowControl
 from gcodesim.rs274.plain import layout_kernels as at
 from gcodesim.rs274.plain import waiting
 from gcodesim.rs274.plain.columns import Column
-from gcodesim.rs274.plain.execute_kernels import run_lines
+from gcodesim.rs274.plain.execute_kernels import LaneRows, LaneState, LaneText, run_lines
 from gcodesim.rs274.plain.program_state import ProgramState
 from gcodesim.rs274.program_file import ProgramFile
 from gcodesim.units import DEG, INCH, MINUTE
@@ -34,11 +34,14 @@ _SHORT_RUN = 6  # lines; below that the way through the door costs more than the
 _LONGEST_PAUSE = 64
 _WORTH_A_BATCH = 12  # moves; fewer are looked at faster one by one
 
+_REALS, _WHOLE = Argument("f8", 1), Argument("i8", 1)
 _TAKES: Final = (
-    Argument("u1", 1, readonly=True),
-    *(Argument("i8", 1), Argument("f8", 1), Argument("i8", 1)),
-    *(Argument("f8", 2), Argument("i4", 2), Argument("f8", 2), Argument("i4", 2)),
-    *(Argument("f8", 1), Argument("i8", 1)),
+    Argument(parts=(Argument("u1", 1, readonly=True), _WHOLE), named=name_of(LaneText) or ""),
+    Argument(parts=(_REALS, _WHOLE, _REALS, _WHOLE), named=name_of(LaneState) or ""),
+    Argument(
+        parts=(Argument("f8", 2), Argument("i4", 2), Argument("f8", 2), Argument("i4", 2)),
+        named=name_of(LaneRows) or "",
+    ),
     *[Argument("i8")] * 3,
 )
 """What `run_lines` is called with."""
@@ -73,9 +76,10 @@ class PlainLane:
         program = self._program
         self._run = partial(
             run_lines,
-            program.text.data, program.text.starts, self._numbers, self._modes,
-            self._moves, self._facts, self._shapes, self._acts, program.memory, program.tables,
-        )  # fmt: skip
+            LaneText(program.text.data, program.text.starts),
+            LaneState(self._numbers, self._modes, program.memory, program.tables),
+            LaneRows(self._moves, self._facts, self._shapes, self._acts),
+        )
 
     def is_open(self) -> bool:
         """Whether the line at hand may be tried: the state is one that the kernels know, and trying may pay."""
