@@ -152,8 +152,9 @@ class _Lattice(NamedTuple):
 
 def _mesh(drawn: _Drawn, lattice: _Lattice, span: ColumnSpan) -> tuple[Array, PatchTriangles, PatchTriangles]:
     """Points and triangles of the columns of a span; those of flat parts separately."""
+    from gcodesim.material.face_kernels import build_faces
     from gcodesim.material.flat_kernels import find_flat, flat_faces
-    from gcodesim.material.surface_kernels import Corners, build_chains, build_faces
+    from gcodesim.material.surface_kernels import Corners, build_chains
 
     columns, walls, original = drawn
     chains = build_chains(columns, walls, Corners(lattice.xs, lattice.ys), span, lattice.joined)
