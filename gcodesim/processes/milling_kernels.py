@@ -157,6 +157,14 @@ class Trial(NamedTuple):
     moves: Array  # (6, 3)
 
 
+class Bench(NamedTuple):
+    """What `feel` works in: room, the search of `solve_step`, and the numbers of the step that it felt."""
+
+    room: Room
+    trial: Trial
+    result: Array
+
+
 class Way(NamedTuple):
     """Where the tip is at the beginning and at the end of a step, and of a piece, with the bend: (3,) [m]."""
 
@@ -382,10 +390,11 @@ def may_feel(field: Field, cutter: Shape, way: Way, state: State) -> bool:
 
 @kernel(lean=True, inlined=True)
 def feel(
-    field: Field, tool: MillingTool, motion: Motion, k: int, way: Way, top: float, room: Room, trial: Trial,
-    state: State, result: Array, out: Array,
+    field: Field, tool: MillingTool, motion: Motion, k: int, way: Way, top: float, bench: Bench, state: State,
+    out: Array,
 ) -> None:  # fmt: skip
     """Force and deflection of step k, into `state` and `out` (OUTPUTS,)."""
+    room, trial, result = bench
     numbers, heading = state.numbers, state.travel
     for axis in range(3):
         state.before[axis] = state.delta[axis]
@@ -544,7 +553,7 @@ def mill(field: Field, tool: MillingTool, motion: Motion, room: Room, values: Ar
             first, resumed = int(numbers[PIECE]), False
             numbers[STEP] = 0.0
         else:
-            feel(field, tool, motion, k, way, top, room, trial, state, result, out[k])
+            feel(field, tool, motion, k, way, top, Bench(room, trial, result), state, out[k])
         if not cut(field, tool, motion, k, first, way, top, spare, state, out[k]):
             return k
         settle(field, motion, k, way, state, out[k])
