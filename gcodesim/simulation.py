@@ -17,12 +17,14 @@ from gcodesim.checks.idle import idle_findings
 from gcodesim.checks.missing_length import cutting_without_length
 from gcodesim.diagnostics import Diagnostic, Findings, Severity, SourceText, Span
 from gcodesim.files.output_folder import (
+    CELL_NAME,
     RESULTS_NAME,
     FolderInUseError,
     claimed,
     forget,
     in_use,
     names_of,
+    other_cell,
     overwriting,
 )
 from gcodesim.files.whole_file import write_whole
@@ -161,6 +163,8 @@ def run(
         with claimed(out):
             names = _names(job.shop)
             lost = [] if job.options.force else overwriting(out, names, _inputs(job), span)
+            if job.loaded.made and not job.options.force:
+                lost += other_cell(out, job.loaded.sources[job.loaded.files[0].name].raw, span)
             if lost:
                 return _refused(job, lost), None
             return _run(job, out, progress, live)
@@ -183,6 +187,8 @@ def _run(
     from gcodesim.executor import execute
     from gcodesim.jobs.inspection import Inspector
 
+    if out is not None and job.loaded.made:
+        write_whole(out / CELL_NAME, job.loaded.sources[job.loaded.files[0].name].raw)
     if job.shop is None or job.plan is None or job.cell is None:
         return _not_run(job, out), None
     assert job.legs is not None

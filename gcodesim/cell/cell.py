@@ -163,7 +163,8 @@ class Cell:
 class LoadedCell:
     """The result of reading a cell.
 
-    `cell` is None when a finding is an error; `files` are all inputs with hashes, the cell first.
+    `cell` is None when a finding is an error; `files` are all inputs with hashes, the cell first. A cell that was
+    `made` from the program is no file: a run writes it into its folder.
     """
 
     cell: Cell | None
@@ -171,3 +172,4 @@ class LoadedCell:
     sources: Mapping[str, SourceText]
     files: tuple[InputFile, ...]
     path: FilePath
+    made: bool = False

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 
 STDIN = Path("-")
+AUTO = Path("auto")
+"""In place of a cell: the one that is made from the program. A file of that name is `./auto`."""
 
 
 def add_format(parser: argparse.ArgumentParser) -> None:
@@ -74,10 +76,22 @@ def add_programs(parser: argparse.ArgumentParser) -> None:
 
 
 def add_cell(parser: argparse.ArgumentParser, *, required: bool) -> None:
-    parser.add_argument(
-        "--cell", type=Path, metavar="CELL", required=required, help="the cell file (YAML); `gcodesim init` writes one"
-    )
+    says = "the cell file (YAML); `gcodesim init` writes one"
+    if required:
+        says += "; auto: the one that `init --from` would write for this program"
+    argument = parser.add_argument("--cell", type=_cell if required else Path, metavar="CELL", help=says)
+    if required:  # but not by argparse: who has none is told what the program needs
+        may_be(argument, lambda: (str(AUTO),))
     add_allow_path(parser)
+
+
+def _cell(text: str) -> Path:
+    return AUTO if text == str(AUTO) else Path(text)
+
+
+def is_auto(cell: Path) -> bool:
+    """Whether the cell is to be made from the program. `./auto` is a file, so this is about the very object."""
+    return cell is AUTO
 
 
 def add_allow_path(parser: argparse.ArgumentParser) -> None:

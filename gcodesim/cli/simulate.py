@@ -21,11 +21,11 @@ from gcodesim.cli.formats import write_formats
 from gcodesim.cli.interrupts import Interrupted, handled, interrupted_by
 from gcodesim.cli.judging import Met, ShownProgram, settle
 from gcodesim.cli.language import Language, files_of, write_parameters
-from gcodesim.cli.options import read_source
+from gcodesim.cli.options import is_auto, read_source
 from gcodesim.cli.output import note, print_count, print_findings, print_json, print_table
-from gcodesim.diagnostics import Severity
+from gcodesim.diagnostics import Severity, SourceText
 from gcodesim.diagnostics.plain import raw
-from gcodesim.files.output_folder import IN_USE, LOG_NAME, OVERWRITES, names_of
+from gcodesim.files.output_folder import CELL_NAME, IN_USE, LOG_NAME, OVERWRITES, names_of
 from gcodesim.jobs.job import Job, Options
 from gcodesim.jobs.results import Results
 from gcodesim.report import summary_rows
@@ -37,13 +37,21 @@ if TYPE_CHECKING:
     from gcodesim.log.live import LiveView
 
 
-def _loaded(arguments: argparse.Namespace) -> LoadedCell:
+def _loaded(arguments: argparse.Namespace, program: SourceText) -> LoadedCell:
+    """The cell for `program`; UsageError without one, which tells what the program needs."""
+    if arguments.cell is None:
+        from gcodesim.cli.without_cell import needs_text
+
+        raise UsageError(needs_text(program, arguments.prog))
+    if is_auto(arguments.cell):
+        from gcodesim.cli.without_cell import made_cell
+
+        return made_cell(program, getattr(arguments, "out", None))
     read_source(arguments.cell, "cell")
     return load_cell(arguments.cell, arguments.allow_path)
 
 
-def _prepared(arguments: argparse.Namespace, path: Path, loaded: LoadedCell) -> Job:
-    program = read_source(path, "program")
+def _prepared(arguments: argparse.Namespace, program: SourceText, loaded: LoadedCell) -> Job:
     compiled.when_cold = _announce_compiling
     language = Language.of(arguments)
     options = Options(
@@ -63,7 +71,7 @@ def _met(arguments: argparse.Namespace, path: Path, loaded: LoadedCell, job: Job
     suppressed = suppressed_findings(job.findings, job.cell, job.program, job.options.today)
     return Met(
         program=path,
-        cell=arguments.cell,
+        cell=arguments.cell if not loaded.made else loaded.path if hasattr(arguments, "out") else None,
         findings=results.findings,
         suppressed=[(finding, entry.reason) for finding, entry in suppressed],
         sources=job.sources,
@@ -74,13 +82,15 @@ def _met(arguments: argparse.Namespace, path: Path, loaded: LoadedCell, job: Job
 
 def check_programs(arguments: argparse.Namespace) -> int:
     """`gcodesim check`."""
-    loaded = _loaded(arguments)
-    jobs = [_prepared(arguments, path, loaded) for path in arguments.programs]
+    programs = [read_source(path, "program") for path in arguments.programs]
+    one = None if arguments.cell is None or is_auto(arguments.cell) else _loaded(arguments, programs[0])
+    cells = [one or _loaded(arguments, program) for program in programs]
+    jobs = [_prepared(arguments, program, loaded) for program, loaded in zip(programs, cells, strict=True)]
     checked = [check(job) for job in jobs]
     settled = settle(
         [
             _met(arguments, path, loaded, job, results)
-            for path, job, results in zip(arguments.programs, jobs, checked, strict=True)
+            for path, loaded, job, results in zip(arguments.programs, cells, jobs, checked, strict=True)
         ],
         arguments,
     )
@@ -131,8 +141,9 @@ def _run_program(arguments: argparse.Namespace, live: LiveView | None, begin: fl
     if arguments.out.exists() and not arguments.out.is_dir():
         raise UsageError(f"{arguments.out} is a file, not a folder")
     with _Bar() as bar:
-        loaded = _loaded(arguments)
-        job = _prepared(arguments, arguments.program, loaded)
+        program = read_source(arguments.program, "program")
+        loaded = _loaded(arguments, program)
+        job = _prepared(arguments, program, loaded)
         with _Stop() as stop:
 
             def progress(now: Progress) -> None:
@@ -160,7 +171,7 @@ def _run_program(arguments: argparse.Namespace, live: LiveView | None, begin: fl
             settled.shown[0], results, settled.remarks, simulated=execution is not None, interrupted=interrupted
         )
         if execution is not None:
-            _print_files(arguments.out, results)
+            _print_files(arguments.out, results, [CELL_NAME] if loaded.made else [])
     write_formats(settled.verdict, arguments)
     if not interrupted:
         write_parameters(job.reading, arguments)
@@ -277,7 +288,7 @@ def _print_verdict(
     print_table(summary_rows(results))
 
 
-def _print_files(out: Path, results: Results) -> None:
+def _print_files(out: Path, results: Results, others: Sequence[str]) -> None:
     print()
-    print(f"  files in {out}: {', '.join(names_of(results.stocks))}")
+    print(f"  files in {out}: {', '.join([*names_of(results.stocks), *others])}")
     print(f"  look at it: open {out / LOG_NAME} in Foxglove or Lichtblick, with the layout that is inside")

@@ -19,6 +19,7 @@ except ImportError:  # not everywhere
 LOG_NAME: Final = "run.mcap"
 RESULTS_NAME: Final = "results.json"
 LINES_NAME: Final = "lines.csv"
+CELL_NAME: Final = "cell.yaml"
 STOCK_SUFFIXES: Final = (".stl", ".stock")
 OVERWRITES: Final = "GS750"
 IN_USE: Final = "GS751"
@@ -93,6 +94,21 @@ def overwriting(out: Path, names: Sequence[str], inputs: Iterable[Path], span: S
                     )
                 )
     return found
+
+
+def other_cell(out: Path, cell: bytes, span: Span) -> list[Diagnostic]:
+    """GS750 if a run that writes its `cell` into `out` would overwrite another one, which somebody may have changed."""
+    path = out / CELL_NAME
+    if not os.path.lexists(path) or (path.is_file() and path.read_bytes() == cell):
+        return []
+    return [
+        Diagnostic(
+            code=OVERWRITES,
+            span=span,
+            message=f"the run would overwrite `{CELL_NAME}` in the output folder, which is not the cell of this run",
+            hint="run in that one by `--cell`, give the run a folder of its own by `--out`, or overwrite it by `--force`",
+        )
+    ]
 
 
 def _reason(path: Path, kind: str, inputs: Sequence[Path]) -> str:

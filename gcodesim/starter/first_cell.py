@@ -28,7 +28,7 @@ class NoCellError(Exception):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Tool:
+class FirstTool:
     """A tool of the cell [m], and where its size comes from."""
 
     scanned: ScannedTool
@@ -45,27 +45,10 @@ def cell_for(program: SourceText) -> bytes:
 
     Everything else is guessed and marked as a guess. NoCellError for a program that no dialect can read.
     """
-    found, seen = scan(program), survey(program)
-    if seen.foreign:
-        raise NoCellError(f"{program.name} is a program for {seen.foreign}; no dialect of gcodesim reads it")
-    tools = _tools(found, seen)
-    writer = _Writer(found=found, seen=seen, tools=tools)
-    lines = [
-        f"# A cell for {program.name}, made from its moves, words and comments: look at every line.",
-        "gcodesim: 1",
-        *(["units: {length: in}"] if found.inch else []),
-        *writer.language(),
-        "",
-        *writer.machine(),
-        "",
-        *writer.stock(),
-        "",
-        *writer.tools_lines(),
-    ]
-    return ("\n".join(lines) + "\n").encode()
+    return FirstCell.of(program).text()
 
 
-def _tools(found: Scan, seen: Survey) -> list[_Tool]:
+def _tools(found: Scan, seen: Survey) -> list[FirstTool]:
     """The tools that the program calls; the one in the spindle when it calls none."""
     scanned = list(found.tools)
     if not scanned and any(use.sideways or use.down for use in seen.uses.values()) and _depth(seen) > 0.0:
@@ -77,12 +60,12 @@ def _tools(found: Scan, seen: Survey) -> list[_Tool]:
         if use is not None and use.makes_holes and tool.type == "flat_end_mill" and not tool.comment:
             tool = ScannedTool(number=tool.number, line=tool.line, type="drill")
         if tool.diameter is not None:
-            tools.append(_Tool(scanned=tool, diameter=tool.diameter * unit, guessed=False))
+            tools.append(FirstTool(scanned=tool, diameter=tool.diameter * unit, guessed=False))
             continue
         guess = 0.25 * INCH if found.inch else _GUESSED.get(tool.type, 6.0 * MM)
         if 0.0 < _depth(seen) < _THIN:
             guess = 0.5 * MM  # an engraving, or tracks of a board
-        tools.append(_Tool(scanned=tool, diameter=guess, guessed=True))
+        tools.append(FirstTool(scanned=tool, diameter=guess, guessed=True))
     return tools
 
 
@@ -91,12 +74,49 @@ def _depth(seen: Survey) -> float:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Writer:
-    """The parts of the cell as lines of text."""
+class FirstCell:
+    """What a program says about the cell that it needs, and that cell as lines of text."""
 
+    program: str
     found: Scan
     seen: Survey
-    tools: list[_Tool]
+    tools: list[FirstTool]
+
+    @staticmethod
+    def of(program: SourceText) -> FirstCell:
+        """From moves, words and comments; NoCellError for a program that no dialect can read."""
+        found, seen = scan(program), survey(program)
+        if seen.foreign:
+            raise NoCellError(f"{program.name} is a program for {seen.foreign}; no dialect of gcodesim reads it")
+        return FirstCell(program=program.name, found=found, seen=seen, tools=_tools(found, seen))
+
+    def text(self) -> bytes:
+        """The cell file."""
+        lines = [
+            f"# A cell for {self.program}, made from its moves, words and comments: look at every line.",
+            "gcodesim: 1",
+            *(["units: {length: in}"] if self.found.inch else []),
+            *self.language(),
+            "",
+            *self.machine(),
+            "",
+            *self.stock(),
+            "",
+            *self.tools_lines(),
+        ]
+        return ("\n".join(lines) + "\n").encode()
+
+    @property
+    def boxes(self) -> dict[int, tuple[list[float], list[float]]]:
+        """Least and greatest corner of the material in each work system that needs some [m]."""
+        reaches = self.seen.systems.items()
+        return {index: box for index, reach in reaches if (box := self._stock_box(reach)) is not None}
+
+    @property
+    def told_stock(self) -> int:
+        """The line in which the program tells the size of its stock; 0 if it is a guess from what is cut."""
+        told = self.found.corners is not None or self.found.stock is not None
+        return self.found.stock_line if told else 0
 
     @property
     def _unit(self) -> float:
@@ -233,9 +253,7 @@ class _Writer:
         return low, high
 
     def stock(self) -> list[str]:
-        boxes = {
-            index: box for index, reach in self.seen.systems.items() if (box := self._stock_box(reach)) is not None
-        }
+        boxes = self.boxes
         if not boxes:
             return [
                 "# nothing is fed into a depth: a beam, jet or pen, which are not simulated, or no cut at all",

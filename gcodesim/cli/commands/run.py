@@ -50,7 +50,7 @@ def add_parser(commands: Any) -> None:
     add_fail_on(parser)
     add_baseline(parser)
     add_today(parser)
-    parser.set_defaults(run=run)
+    parser.set_defaults(run=run, prog=parser.prog)
 
 
 def _port(text: str) -> int:

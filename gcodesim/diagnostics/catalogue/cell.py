@@ -350,6 +350,16 @@ CODES += (
         why="The files of both would be mixed. Nothing was simulated.",
         remedy="Wait for the other run, or name another folder with `--out`.",
     ),
+    Code(
+        code="GS752",
+        severity=Severity.NOTE,
+        title="The cell was made from the program",
+        what="`--cell auto` was given, so dialect, machine, tools and stock are those that `gcodesim init --from` "
+        "would write for this program. The message names what is only a guess.",
+        why="Forces, removed volume and collisions are those of the guessed tools and stock. The real ones may differ.",
+        remedy="The run writes this cell into its folder as `cell.yaml`. Check every line of it, and name it with "
+        "`--cell` from then on.",
+    ),
 )
 
 # robot descriptions (URDF)
