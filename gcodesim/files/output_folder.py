@@ -106,7 +106,7 @@ def other_cell(out: Path, cell: bytes, span: Span) -> list[Diagnostic]:
             code=OVERWRITES,
             span=span,
             message=f"the run would overwrite `{CELL_NAME}` in the output folder, which is not the cell of this run",
-            hint="run in that one by `--cell`, give the run a folder of its own by `--out`, or overwrite it by `--force`",
+            hint="run in that one by `--cell`, give the run a folder by `--out`, or overwrite it by `--force`",
         )
     ]
 
