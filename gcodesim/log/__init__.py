@@ -6,7 +6,7 @@ from gcodesim.log.container import LogWriteError
 from gcodesim.log.description import LogDescription, MotionColumns, ProcessColumns, ProcessField, StaticFrame
 from gcodesim.log.layout import Camera, View, layout
 from gcodesim.log.messages import OutputState, ProgramShown
-from gcodesim.log.shapes import DrawnMesh, DrawnShape, DrawnSolid, Entity, Polylines
+from gcodesim.log.shapes import DrawnMesh, DrawnShape, DrawnSolid, Entity, PathPart, Polylines
 from gcodesim.log.writer import LogWriter
 
 __all__ = [
@@ -23,6 +23,7 @@ __all__ = [
     "LogWriter",
     "MotionColumns",
     "OutputState",
+    "PathPart",
     "Polylines",
     "ProcessColumns",
     "ProcessField",

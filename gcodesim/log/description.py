@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.log.shapes import Entity, Polylines
+from gcodesim.log.shapes import Entity, PathPart, Polylines
 
 Array = NDArray[np.float64]
 
@@ -50,7 +50,8 @@ class LogDescription:
     follows. `process_kinds` is the list into which the column `kind` points,
     `process_fields` come in `/process` after the fields that it always has.
     `cell` has the robot links and fixtures, `feed_path` and `rapid_path` the
-    planned path in `path_frame`. `attachments` are the inputs by name:
+    planned path in `path_frame`, and `path_ahead` the feeds in parts, with
+    the times at which they are done. `attachments` are the inputs by name:
     program.nc, subprograms, cell.yaml, URDFs; layout.json is added when missing.
     """
 
@@ -62,6 +63,7 @@ class LogDescription:
     cell: tuple[Entity, ...] = ()
     feed_path: Polylines = field(default_factory=Polylines.none)
     rapid_path: Polylines = field(default_factory=Polylines.none)
+    path_ahead: tuple[PathPart, ...] = ()
     path_frame: str = "world"
     wrench_frame: str = "world"
     process_kinds: tuple[str, ...] = ("",)

@@ -1,8 +1,10 @@
 """Layouts of the viewer: the panels that show a log, for milling, for a robot, or for another process.
 
 A layout names every scene topic and every joint, because the viewer shows only
-what its layout names. Numbers stay SI, as the topics have them. Panel titles
-are written for Foxglove and for Lichtblick, which call the key differently.
+what its layout names. Charts are in units of the shop floor, which a log has
+beside SI: a viewer converts nothing. Legends stand to the left of charts that
+are some 280 pixels wide, so names in them are short. Panel titles are written
+for Foxglove and for Lichtblick, which call the key differently.
 """
 
 from __future__ import annotations
@@ -13,6 +15,8 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from gcodesim.log.description import ProcessField, with_peaks
+from gcodesim.log.labels import labels_of, short_names
+from gcodesim.log.shop_units import twins_among, without_twins
 from gcodesim.log.topics import MOST_TILES, topic_table
 
 KINDS: Final = ("milling", "robot", "process")
@@ -25,6 +29,10 @@ _VOLUME: Final = "Plot!volume"
 _OWN: Final = "Plot!own"
 _CELL: Final = "3D!cell"
 _PART: Final = "3D!part"
+
+_LEGEND_EDGE: Final = 56.0
+_LEGEND_LETTER: Final = 7.5
+"""Pixels of a legend beside its names, and of a letter."""
 
 _AXES: Final = 0.03
 """Length of the axes at the tip, as a share of the distance of the camera."""
@@ -40,14 +48,10 @@ class Camera:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class View:
-    """Camera of the cell, and one close to the part where the first is far; between which volumes [m³] the plot goes.
-
-    The volumes are needed because a viewer's axis is not finer than 0.001 by itself.
-    """
+    """Camera of the cell, and one close to the part where the first is far."""
 
     cell: Camera = Camera()
     part: Camera | None = None
-    volumes: tuple[float, float] | None = None
 
 
 def layout(
@@ -62,17 +66,8 @@ def layout(
     KeyError for another kind.
     """
     view = view or View()
-    panels, right = {"milling": _milling, "robot": _robot, "process": _process}[kind](joints)
-    drawn = with_peaks(field.name for field in fields if not field.flag)
-    numbers = {name: f"/process.{field}" for name, field in drawn.items()}
-    for name, panel in _BESIDE.items():  # what is of the kind of a figure that every log has stands beside it
-        if name in numbers and panel in panels:
-            panels[panel]["paths"].append(_curve(name.rpartition("_")[0].replace("_", " "), numbers.pop(name)))
-    if numbers:
-        panels[_OWN] = _plot("of the process [SI]", numbers)
-        right = {"direction": "column", "splitPercentage": 80, "first": right, "second": _OWN}
-    if view.volumes is not None and _VOLUME in panels:
-        panels[_VOLUME] |= {"minYValue": view.volumes[0], "maxYValue": view.volumes[1]}
+    own = _own_plots([field.name for field in fields if not field.flag])
+    panels, right = {"milling": _milling, "robot": _robot, "process": _process}[kind](joints, own)
     panels |= {name: _scene(name, camera) for name, camera in _cameras(view).items()}
     panels |= {
         "StateTransitions!program": _states(outputs, [field.name for field in fields if field.flag]),
@@ -93,10 +88,8 @@ def layout(
 def view_of(layout_json: bytes) -> View:
     """Where the camera of a layout looks; ValueError or KeyError if it is not one of our layouts."""
     panels = json.loads(layout_json)["configById"]
-    plot = panels.get(_VOLUME, {})
-    volumes = (plot["minYValue"], plot["maxYValue"]) if "minYValue" in plot else None
     part = _camera_of(panels[_PART]) if _PART in panels else None
-    return View(cell=_camera_of(panels[_CELL]), part=part, volumes=volumes)
+    return View(cell=_camera_of(panels[_CELL]), part=part)
 
 
 def _camera_of(panel: Json) -> Camera:
@@ -112,66 +105,100 @@ def _cameras(view: View) -> dict[str, Camera]:
 # ---- what each kind shows
 
 
-def _milling(joints: Sequence[str]) -> tuple[Json, LayoutNode]:
+def _milling(joints: Sequence[str], own: Json) -> tuple[Json, LayoutNode]:
     panels = {
-        "Plot!force": _plot("force [N], power [W]", _LOAD),
-        "Plot!feed": _plot("feed [m/s]", _FEED),
-        "Plot!spindle": _plot(
-            "spindle [rad/s], torque [N m]", {"spindle": "/process.spindle_rad_s", "torque": "/process.max_torque_nm"}
-        ),
-        _VOLUME: _plot("removed [m3]", {"removed": "/process.removed_m3"}),
-        "Plot!axes": _plot("axes [m, rad]", _of_joints(joints, "position")),
+        "Plot!force": _plot("force [N]", {"force": "/process.max_force_n"}),
+        "Plot!feed": _plot("feed [mm/min]", _FEED),
+        "Plot!torque": _plot("torque [N m]", {"torque": "/process.max_torque_nm"}),
+        "Plot!power": _plot("power [W], speed [rpm]", {"power": "/process.max_power_w", "rpm": "/process.spindle_rpm"}),
+        _VOLUME: _plot("removed [cm3]", {"removed": "/process.removed_cm3"}),
+        "Plot!tip": _plot("tip in work coordinates [mm]", _TIP),
     }
-    right = _column(_row("Plot!force", "Plot!feed"), _row("Plot!spindle", _VOLUME), _row("Plot!axes", _TEXTS), _LOG)
-    return panels, right
+    rows = [_row("Plot!force", "Plot!feed"), _row("Plot!torque", "Plot!power"), _row(_VOLUME, "Plot!tip")]
+    return _with_own(panels, own), _column(*rows, *_rows_of(own), _row(_TEXTS, _LOG))
 
 
-def _robot(joints: Sequence[str]) -> tuple[Json, LayoutNode]:
+def _robot(joints: Sequence[str], own: Json) -> tuple[Json, LayoutNode]:
     panels = {
-        "Plot!joints": _plot("joints [rad, m]", _of_joints(joints, "position")),
-        "Plot!efforts": _plot("effort [N m, N]", _of_joints(joints, "effort")),
+        "Plot!joints": _plot("joints [deg, mm]", _of_joints("/motion", joints, "position_shown")),
+        "Plot!efforts": _plot("effort [N m, N]", _of_joints("/joint_states", joints, "effort")),
         "Plot!limits": _plot("part of the limits that is used", _LIMITS, lines=(1.0,)),
         "Plot!following": _plot(
-            "following error [m], [rad]",
-            {"position": "/motion.position_error_m", "orientation": "/motion.orientation_error_rad"},
+            "following error [um, deg]", {"um": "/motion.position_error_um", "deg": "/motion.orientation_error_deg"}
         ),
-        "Plot!force": _plot("force [N], power [W]", _LOAD),
-        "Plot!feed": _plot("feed [m/s]", _FEED),
+        "Plot!force": _plot("force [N]", {"force": "/process.max_force_n"}),
+        "Plot!feed": _plot("feed [mm/min]", _FEED),
     }
-    right = _column(
+    rows = [
         _row("Plot!joints", "Plot!efforts"),
         _row("Plot!limits", "Plot!following"),
         _row("Plot!force", "Plot!feed"),
-        _row(_LOG, _TEXTS),
-    )
-    return panels, right
+    ]
+    return _with_own(panels, own), _column(*rows, *_rows_of(own), _row(_TEXTS, _LOG))
 
 
-def _process(joints: Sequence[str]) -> tuple[Json, LayoutNode]:
+def _process(joints: Sequence[str], own: Json) -> tuple[Json, LayoutNode]:
     panels = {
-        _VOLUME: _plot("removed [m3]; below 0 added", {"volume": "/process.removed_m3"}),
-        "Plot!feed": _plot("feed [m/s]", _FEED),
-        "Plot!height": _plot("tip in work coordinates [m]", {letter: f"/motion.{letter}_m" for letter in "xyz"}),
+        _VOLUME: _plot("removed [cm3]; below 0 added", {"volume": "/process.removed_cm3"}),
+        "Plot!feed": _plot("feed [mm/min]", _FEED),
+        "Plot!tip": _plot("tip in work coordinates [mm]", _TIP),
         "Plot!limits": _plot("part of the limits that is used", _LIMITS, lines=(1.0,)),
-        "Plot!joints": _plot("joints [rad, m]", _of_joints(joints, "position")),
+        "Plot!joints": _plot("joints [deg, mm]", _of_joints("/motion", joints, "position_shown")),
     }
-    right = _column(
-        _VOLUME,
-        _row("Plot!feed", "Plot!height"),
-        _row("Plot!limits", "Plot!joints"),
-        _row(_LOG, _TEXTS),
-    )
-    return panels, right
+    rows: list[LayoutNode] = [_VOLUME, _row("Plot!feed", "Plot!tip"), _row("Plot!limits", "Plot!joints")]
+    return _with_own(panels, own), _column(*rows, *_rows_of(own), _row(_TEXTS, _LOG))
 
 
-_BESIDE: Final = {"peak_force_n": "Plot!force", "peak_torque_nm": "Plot!spindle"}
-_LOAD: Final = {"force": "/process.max_force_n", "power": "/process.max_power_w"}
-_FEED: Final = {"tip": "/motion.feed_m_s", "command": "/motion.feed_command_m_s"}
+_FEED: Final = {"tip": "/motion.feed_mm_min", "set": "/motion.feed_command_mm_min"}
+_TIP: Final = {letter.upper(): f"/motion.{letter}_mm" for letter in "xyz"}
 _LIMITS: Final = {name: f"/motion.{name}_used" for name in ("travel", "speed", "effort")}
 
 
-def _of_joints(joints: Sequence[str], field: str) -> dict[str, str]:
-    return {name.rpartition("/")[2]: f'/joint_states.joints[:]{{name=="{name}"}}.{field}' for name in joints}
+def _of_joints(topic: str, joints: Sequence[str], field: str) -> dict[str, str]:
+    return {
+        label: f'{topic}.joints[:]{{name=="{name}"}}.{field}'
+        for name, label in zip(joints, short_names([name.rpartition("/")[2] for name in joints]), strict=True)
+    }
+
+
+# ---- figures that the processes of one log have
+
+_UNITS: Final = {"_mm": "mm", "_um": "um", "_n": "N", "_nm": "N m", "_w": "W", "_mm_min": "mm/min", "_mm3": "mm3"}
+_BESIDE: Final = {"peak_force_n": "Plot!force", "peak_torque_nm": "Plot!torque"}
+"""What is of the kind of a figure that every log has stands beside it, if there is such a chart."""
+
+
+def _own_plots(names: Sequence[str]) -> Json:
+    """For each unit the curves by label, in units of the shop floor where the log has them; "" for all others."""
+    twins, found = twins_among(names), Json()
+    for figure, field in with_peaks(without_twins(names)).items():
+        shown = twins.get(field, field)
+        unit = next((said for end, said in _UNITS.items() if shown.endswith(end)), "")
+        found.setdefault(unit, {})[figure] = f"/process.{shown}"
+    return found
+
+
+def _with_own(panels: Json, own: Json) -> Json:
+    """The panels, with the figures of the processes beside their like, and the rest by units in panels of their own."""
+    for unit, curves in own.items():
+        for figure in [name for name in curves if _BESIDE.get(name) in panels]:
+            path = curves.pop(figure)
+            panels[_BESIDE[figure]]["paths"].append(_curve("peak", path))
+            _fit_legend(panels[_BESIDE[figure]])
+        if curves:
+            title = f"of the process [{unit or 'SI'}]"
+            panels[_own_name(unit)] = _plot(title, dict(zip(labels_of(list(curves)), curves.values(), strict=True)))
+    return panels
+
+
+def _own_name(unit: str) -> str:
+    return f"{_OWN} {unit}" if unit else _OWN
+
+
+def _rows_of(own: Json) -> list[LayoutNode]:
+    """The panels of own figures, two in a row; they have been made by `_with_own`."""
+    names = [_own_name(unit) for unit, curves in own.items() if curves]
+    return [_row(*names[i : i + 2]) for i in range(0, len(names), 2)]
 
 
 # ---- panels
@@ -185,18 +212,25 @@ def _plot(title: str, paths: dict[str, str], lines: Sequence[float] = ()) -> Jso
     """Curves by label over time, and level lines at fixed values."""
     curves = [_curve(label, value) for label, value in paths.items()]
     curves += [{**_curve("limit", f"{line:g}"), "color": "#d02030"} for line in lines]
-    return {
+    panel = {
         **_titled(title),
         "paths": curves,
         "showXAxisLabels": True,
         "showYAxisLabels": True,
-        "showLegend": len(curves) > 1,
         "legendDisplay": "left",
         "showPlotValuesInLegend": False,
         "isSynced": True,
         "xAxisVal": "timestamp",
-        "sidebarDimension": 100,
     }
+    _fit_legend(panel)
+    return panel
+
+
+def _fit_legend(panel: Json) -> None:
+    """A legend as wide as its names need, and none for one curve."""
+    longest = max(len(path["label"]) for path in panel["paths"])
+    panel["showLegend"] = len(panel["paths"]) > 1
+    panel["sidebarDimension"] = round(_LEGEND_EDGE + _LEGEND_LETTER * longest)
 
 
 def _curve(label: str, value: str) -> Json:
@@ -204,7 +238,7 @@ def _curve(label: str, value: str) -> Json:
 
 
 def _states(outputs: Sequence[str], flags: Sequence[str]) -> Json:
-    paths = [(name, f"/program.{name}") for name in ("state", "tool", "motion", "line")]
+    paths = [(name, f"/program.{name}") for name in ("line", "tool", "motion", "state")]
     paths += [("engaged", "/process.engaged"), ("flood", "/program.flood")]
     paths += [(name, f"/process.{name}") for name in flags]
     for name in outputs:
@@ -309,7 +343,7 @@ def _column(*nodes: LayoutNode) -> LayoutNode:
 def _whole(scenes: Sequence[str], right: LayoutNode) -> LayoutNode:
     left = {
         "direction": "column",
-        "splitPercentage": 70,
+        "splitPercentage": 64,
         "first": _row(*scenes),
         "second": "StateTransitions!program",
     }

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from gcodesim.log.byte_strings import ByteStrings
 from gcodesim.log.mesh_kernels import put_points, round_points
-from gcodesim.log.shapes import Array, Color, DrawnMesh, DrawnShape, Entity, Polylines
+from gcodesim.log.shapes import Array, Color, DrawnMesh, DrawnShape, Entity, PathPart, Polylines
 from gcodesim.log.template import Template, TemplatePiece, double_slot, nested, stamp_slot
 from gcodesim.log.wire import BYTES, Part, chunk, double, packed_fixed32, stamp, tag, text, unsigned, wrap
 from gcodesim.solids import Box, Cone, Cylinder, Sphere
@@ -27,6 +27,8 @@ GRID: Final = 2.0**-20
 POINT_BYTES: Final = 29  # of a point in a repeated field
 MOST_LINE_POINTS: Final = 100_000  # 29 bytes each and 8 for two indices: below the 4 MB that a viewer should decode
 FEED_COLOR: Final[Color] = (0.10, 0.55, 0.85, 0.75)
+DONE_COLOR: Final[Color] = (0.10, 0.45, 0.70, 0.15)
+"""Of feeds that are done: a densely machined part stays visible."""
 RAPID_COLOR: Final[Color] = (0.90, 0.45, 0.10, 0.40)
 BLOCK_COLOR: Final[Color] = (1.00, 0.85, 0.10, 1.0)
 BLOCK_PIXELS: Final = 4.0
@@ -108,9 +110,11 @@ def _frustum(pose: bytes, bottom: float, top: float, length: float, color: Color
     return chunk(_CYLINDERS, pose + size + double(3, scales[0]) + double(4, scales[1]) + _color(5, color))
 
 
-def _entity(t_ns: int, id: str, frame: str, primitives: Sequence[Part]) -> list[Part]:
+def _entity(t_ns: int, id: str, frame: str, primitives: Sequence[Part], lifetime_ns: int = 0) -> list[Part]:
+    """An entity that the viewer takes away after a lifetime, if it has one."""
     locked = unsigned(5, 1)  # it moves with its frame, not only when a message arrives
-    return wrap(2, (stamp(1, t_ns) + text(2, frame) + text(3, id) + locked, *primitives))
+    lifetime = stamp(4, lifetime_ns) if lifetime_ns else b""  # a Duration is written like a Timestamp
+    return wrap(2, (stamp(1, t_ns) + text(2, frame) + text(3, id) + lifetime + locked, *primitives))
 
 
 def _delete_all(t_ns: int) -> bytes:
@@ -166,14 +170,30 @@ def _line(kind: int, points: Array, color: Color, pixels: float, segments: NDArr
     return b"".join(wrap(_LINES, [head, _points(5, points), _color(6, color), *indices]))
 
 
-def path_update(t_ns: int, frame: str, feed: Polylines, rapid: Polylines) -> bytes:
-    """The whole planned path in `frame`: one line list for feed, one for rapids; very long paths are drawn coarser."""
-    rapid = rapid.thinned(max(MOST_LINE_POINTS - len(feed.points), MOST_LINE_POINTS // 4))
-    feed = feed.thinned(MOST_LINE_POINTS - len(rapid.points))
+def path_update(
+    t_ns: int, frame: str, feed: Polylines, rapid: Polylines, ahead: Sequence[PathPart] = ()
+) -> bytes:
+    """The whole planned path in `frame`: one line list for feed, one for rapids; very long paths are drawn coarser.
+
+    `ahead` are the feeds once more in parts. Each is drawn strongly until its time has come, then the viewer takes it
+    away, and what is left is faint.
+    """
+    most = MOST_LINE_POINTS // 2 if ahead else MOST_LINE_POINTS
+    rapid = rapid.thinned(max(most - len(feed.points), most // 4))
+    feed = feed.thinned(most - len(rapid.points))
+    look = (DONE_COLOR, 1.0) if ahead else (FEED_COLOR, 2.0)
+    drawn = [("feed", feed, *look, 0), ("rapid", rapid, RAPID_COLOR, 1.0, 0)]
+    count = sum(len(part.lines.points) for part in ahead)
+    for number, part in enumerate(ahead):
+        if part.until_ns <= t_ns:
+            continue
+        lines = part.lines.thinned(max(most * len(part.lines.points) // max(count, 1), 2))
+        drawn.append((f"ahead {number}", lines, FEED_COLOR, 2.0, part.until_ns - t_ns))
     parts: list[Part] = [_delete_all(t_ns)]
-    for id, lines, color, pixels in (("feed", feed, FEED_COLOR, 2.0), ("rapid", rapid, RAPID_COLOR, 1.0)):
+    for id, lines, color, pixels, lifetime_ns in drawn:
         if len(lines.points):
-            parts += _entity(t_ns, id, frame, [_line(LINE_LIST, lines.points, color, pixels, lines.segments())])
+            line = _line(LINE_LIST, lines.points, color, pixels, lines.segments())
+            parts += _entity(t_ns, id, frame, [line], lifetime_ns)
     return b"".join(parts)
 
 

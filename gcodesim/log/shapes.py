@@ -145,3 +145,11 @@ class Polylines:
         jumps[1:] = np.linalg.norm(np.diff(self.points, axis=0), axis=1)
         jumps[np.asarray(self.starts, dtype=np.int64)] = 0.0
         return jumps
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PathPart:
+    """Lines of the planned path that lie ahead until a time [ns]."""
+
+    lines: Polylines
+    until_ns: int

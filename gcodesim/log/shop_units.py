@@ -78,12 +78,14 @@ def twins_of(columns: Mapping[str, Any], scale: Sequence[float], fields: Iterabl
     return made
 
 
+def twins_among(names: Iterable[str]) -> dict[str, str]:
+    """The fields that only repeat another one in other units, by that other one in SI."""
+    known = list(names)
+    pairs = ((name.removesuffix(shop) + si, name) for name in known for shop, si in _SAME if name.endswith(shop))
+    return {other: name for other, name in pairs if other in known}
+
+
 def without_twins(names: Sequence[str]) -> list[str]:
     """The fields of a topic without those that only repeat another one in other units."""
-    known = set(names)
-
-    def repeats(name: str) -> bool:
-        pairs = (name.removesuffix(shop) + si for shop, si in _SAME if name.endswith(shop))
-        return name.endswith(_SHOWN) or any(other in known for other in pairs)
-
-    return [name for name in names if not repeats(name)]
+    repeated = set(twins_among(names).values())
+    return [name for name in names if name not in repeated and not name.endswith(_SHOWN)]

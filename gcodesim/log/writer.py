@@ -45,7 +45,7 @@ from gcodesim.log.messages import (
 from gcodesim.log.rows import RecordRows, RowBuilder
 from gcodesim.log.scene import entities_update, force_updates, path_update, polyline_update
 from gcodesim.log.schema import PROCESS, schema_data
-from gcodesim.log.shapes import DrawnMesh, DrawnShape, Entity, Polylines
+from gcodesim.log.shapes import DrawnMesh, DrawnShape, Entity, PathPart, Polylines
 from gcodesim.log.shop_units import twins_of
 from gcodesim.log.topics import PERIODIC, tile_topic, topic_table
 from gcodesim.version import __version__
@@ -110,12 +110,14 @@ class LogWriter:
             self._container.add_attachment(name, 0, _media_type(name), data)
         self._add_one("/tf_static", 0, frames_message(0, d.static_frames))
         self._add_one("/scene/cell", 0, entities_update(0, d.cell))
-        self._add_one("/scene/path", 0, path_update(0, d.path_frame, d.feed_path, d.rapid_path))
+        self._add_one("/scene/path", 0, path_update(0, d.path_frame, d.feed_path, d.rapid_path, d.path_ahead))
         self.event(0, "start", f"{d.run.get('program', 'program')} starts")
 
-    def path(self, t_ns: int, frame: str, feed: Polylines, rapid: Polylines) -> None:
+    def path(
+        self, t_ns: int, frame: str, feed: Polylines, rapid: Polylines, ahead: Sequence[PathPart] = ()
+    ) -> None:
         """The planned path, once more of it is known than at the start."""
-        self._add_one("/scene/path", t_ns, path_update(t_ns, self._frame(frame), feed, rapid))
+        self._add_one("/scene/path", t_ns, path_update(t_ns, self._frame(frame), feed, rapid, ahead))
 
     # ---- every log period
 

@@ -9,16 +9,13 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.executor.tasks import RowColumns
 from gcodesim.frames import Array
 from gcodesim.log import Camera, View
 from gcodesim.processes import PROCESSES
 from gcodesim.processes.column import LOG
-from gcodesim.processes.signal import ACTIVE
 from gcodesim.recorder.ways import Ways
 
 if TYPE_CHECKING:
-    from gcodesim.planning import Plan
     from gcodesim.shop import Shop
 
 AROUND_WORK: Final = 3.0
@@ -42,21 +39,21 @@ def layout_kind(shop: Shop) -> str:
     return "robot" if shop.mover.seen_whole else "milling"
 
 
-def view_of(shop: Shop, plan: Plan, ways: Ways, rapid: NDArray[np.bool_]) -> View:
+def view_of(shop: Shop, ways: Ways, rapid: NDArray[np.bool_]) -> View:
     """The part from close by, and beside it the whole robot; without a part the paths of feeds, or of all rows."""
     work = _corners(shop)
     if not len(work):
         fed = ways.polylines(~rapid).points
         work = fed if len(fed) else ways.points
     if not len(work):
-        return View(volumes=_volumes(shop, plan))
+        return View()
     part = _camera(work, diagonals=AROUND_WORK)
     if shop.mover.seen_whole:
         robot = _camera(np.concatenate([work, _links(shop)]), diagonals=AROUND_ROBOT)
-        return View(cell=robot, part=part, volumes=_volumes(shop, plan))
+        return View(cell=robot, part=part)
     farthest = float(np.linalg.norm(ways.points - part.target, axis=1).max(initial=0.0))
     distance = max(part.distance, round(AROUND_WAYS * farthest, 3))
-    return View(cell=replace(part, distance=distance), volumes=_volumes(shop, plan))
+    return View(cell=replace(part, distance=distance))
 
 
 def _camera(points: Array, *, diagonals: float) -> Camera:
@@ -65,23 +62,6 @@ def _camera(points: Array, *, diagonals: float) -> Camera:
     x, y, z = (round(float(v), 3) for v in 0.5 * (low + high))
     distance = max(CLOSEST, diagonals * float(np.linalg.norm(high - low)))
     return Camera(target=(x, y, z), distance=round(distance, 3))
-
-
-def _volumes(shop: Shop, plan: Plan) -> tuple[float, float] | None:
-    """The least and greatest removed volume [m³] that is possible: minus what beads can add, and all of the stock."""
-    path = plan.path
-    added = 0.0
-    for number, tool in shop.cell.tools.items():
-        section = sum(PROCESSES[kind].of(tool, None).laid_section for kind in tool.processes)
-        if section > 0.0 and len(path):
-            rows = RowColumns.of(path, shop)
-            active = rows.signals[ACTIVE.name] > 0.0
-            added += section * float(path.length[(rows.tool == number) & active].sum())
-    takes = any(PROCESSES[kind].takes for kind in shop.sheet.kinds[1:])
-    stock = sum(placed.initial for placed in shop.stocks.values()) if takes else 0.0
-    if added == stock == 0.0:
-        return None
-    return (float(f"{-added:.2g}"), float(f"{stock:.2g}"))
 
 
 def _corners(shop: Shop) -> Array:

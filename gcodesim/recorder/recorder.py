@@ -127,7 +127,7 @@ class Recorder:
         urdf = self._urdf()
         if urdf is not None:
             attachments[f"{self._shop.name}.urdf"] = urdf
-        view = view_of(self._shop, self._plan, ways, rapid)
+        view = view_of(self._shop, ways, rapid)
         fields = tuple(field for column in self._sheet.own(LOG) for field in _fields_of(column))
         self._own = [field.name for field in fields if not field.twin_of]
         kind = layout_kind(self._shop)
@@ -152,6 +152,7 @@ class Recorder:
             cell=cell_entities(self._frames),
             feed_path=ways.polylines(~rapid),
             rapid_path=ways.polylines(rapid),
+            path_ahead=ways.ahead(self._plan, ~rapid),
             path_frame=self._frames.path_frame,
             process_kinds=self._sheet.kinds,
             process_fields=fields,
@@ -236,7 +237,8 @@ class Recorder:
         if len(plan.path) > WORTH_DRAWING * self._drawn or len(plan.path) < ALWAYS_DRAWN:
             self._drawn = len(plan.path)
             rapid = _is_rapid(plan)
-            self._writer.path(self._now_ns, frame, self._ways.polylines(~rapid), self._ways.polylines(rapid))
+            feed, rapids = self._ways.polylines(~rapid), self._ways.polylines(rapid)
+            self._writer.path(self._now_ns, frame, feed, rapids, self._ways.ahead(plan, ~rapid))
 
     def _draw(self, t_ns: int, index: int, tiles: Sequence[Tile]) -> None:
         first = sum(len(before) for before in self._tiles[:index])

@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.frames import Array
-from gcodesim.log import Polylines
+from gcodesim.log import PathPart, Polylines
 from gcodesim.motion.tool_path import ARC
 from gcodesim.shop import Shop
-from gcodesim.units import DEG
+from gcodesim.units import DEG, NS_PER_SECOND
 
 if TYPE_CHECKING:
     from gcodesim.planning import Plan
+
+PATH_PARTS = 100
+"""The planned path fades in so many steps of time as it is done."""
 
 _ARC_STEP = 5.0 * DEG
 _MOST_ARC_POINTS = 360
@@ -63,6 +67,24 @@ class Ways:
         chosen = np.repeat(rows, counts)
         starts = np.cumsum(counts[rows]) - counts[rows]
         return Polylines(self.points[chosen], starts)
+
+
+    def ahead(self, plan: Plan, rows: NDArray[np.bool_]) -> tuple[PathPart, ...]:
+        """The paths of the rows (n,) that are true, in parts that are done one after another."""
+        ends = plan.trajectory.row_end[rows]
+        if not len(ends):
+            return ()
+        lines = self.polylines(rows)
+        share = np.minimum((ends / max(float(ends[-1]), 1e-9) * PATH_PARTS).astype(np.int64), PATH_PARTS - 1)
+        firsts = np.flatnonzero(np.diff(share, prepend=-1))
+        points = np.append(lines.starts, len(lines.points))
+        return tuple(
+            PathPart(
+                lines=Polylines(lines.points[points[a] : points[b]], lines.starts[a:b] - points[a]),
+                until_ns=round(float(ends[b - 1]) * NS_PER_SECOND),
+            )
+            for a, b in pairwise([*firsts.tolist(), len(ends)])
+        )
 
 
 def _on_arcs(start: Array, end: Array, center: Array, normal: Array, sweep: Array, row: Array, u: Array) -> Array:

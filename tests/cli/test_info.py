@@ -75,7 +75,7 @@ def test_a_layout_of_any_kind_comes_out_of_the_log(cli, log, tmp_path):
     other = cli("info", "out/run.mcap", "--layout", "robot").json
     assert "Plot!efforts" in other["configById"] and "Plot!efforts" not in own["configById"]
     joints = [path["value"] for path in other["configById"]["Plot!joints"]["paths"]]
-    assert joints == [f'/joint_states.joints[:]{{name=="machine/{axis}"}}.position' for axis in "XYZ"]
+    assert joints == [f'/motion.joints[:]{{name=="machine/{axis}"}}.position_shown' for axis in "XYZ"]
     cameras = [layout["configById"]["3D!cell"]["cameraState"] for layout in (own, other)]
     assert cameras[0] == cameras[1]
 

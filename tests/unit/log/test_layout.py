@@ -4,6 +4,8 @@ import json
 
 import pytest
 
+from gcodesim.log import ProcessField
+from gcodesim.log.labels import LONGEST_LABEL, labels_of, short_names
 from gcodesim.log.layout import KINDS, Camera, View, layout, view_of
 from gcodesim.log.schema import message_class
 from gcodesim.log.topics import MOST_TILES, topic_table
@@ -13,7 +15,6 @@ OUTPUTS = ["analog 2", "digital 1", "gripper"]
 FAR = View(
     cell=Camera(target=(0.5, -0.25, 1.0), distance=3.5),
     part=Camera(target=(0.9, 0.0, 0.5), distance=0.4),
-    volumes=(-1e-5, 2e-4),
 )
 
 every_kind = pytest.mark.parametrize("kind", KINDS)
@@ -67,10 +68,10 @@ def test_panels_name_topics_and_fields_that_exist(kind):
 
 
 def test_joints_and_outputs_are_those_of_the_cell():
-    plot = made("milling")["configById"]["Plot!axes"]
+    plot = made("robot")["configById"]["Plot!joints"]
     assert [path["value"] for path in plot["paths"]] == [
-        '/joint_states.joints[:]{name=="mill/x"}.position',
-        '/joint_states.joints[:]{name=="mill/y"}.position',
+        '/motion.joints[:]{name=="mill/x"}.position_shown',
+        '/motion.joints[:]{name=="mill/y"}.position_shown',
     ]
     assert [path["label"] for path in plot["paths"]] == ["x", "y"]
     states = {path["label"]: path["value"] for path in made("robot")["configById"]["StateTransitions!program"]["paths"]}
@@ -81,7 +82,7 @@ def test_joints_and_outputs_are_those_of_the_cell():
 
 def test_each_kind_has_plots_of_its_own():
     plots = {kind: frozenset(name for name in made(kind)["configById"] if name.startswith("Plot!")) for kind in KINDS}
-    assert "Plot!spindle" in plots["milling"] - plots["robot"]
+    assert "Plot!torque" in plots["milling"] - plots["robot"]
     assert {"Plot!efforts", "Plot!limits"} <= plots["robot"] - plots["milling"]
     assert "Plot!volume" in plots["process"] - plots["robot"]
     with pytest.raises(KeyError):
@@ -100,3 +101,41 @@ def test_cameras_look_where_they_are_told_and_axes_are_small_to_them():
         state = panels[name]["cameraState"]
         assert state["targetOffset"] == list(camera.target) and state["distance"] == camera.distance
         assert panels[name]["topics"]["/tcp"]["axisScale"] < 0.05 * camera.distance
+
+
+FIGURES = [
+    *("peak_force_n", "max_peak_force_n", "axial_depth_m", "max_axial_depth_m", "max_axial_depth_mm"),
+    *("chip_thickness_m", "max_chip_thickness_m", "max_chip_thickness_mm", "feed_force_n", "heat_j"),
+]
+
+
+def test_figures_of_a_process_are_drawn_by_units_of_the_shop_floor():
+    fields = [ProcessField(name=name) for name in FIGURES]
+    panels = json.loads(layout("milling", JOINTS, fields=fields))["configById"]
+
+    def curves(panel):
+        return {path["label"]: path["value"] for path in panels[panel]["paths"]}
+
+    assert curves("Plot!force") == {"force": "/process.max_force_n", "peak": "/process.max_peak_force_n"}
+    wanted = {"depth": "/process.max_axial_depth_mm", "chip": "/process.max_chip_thickness_mm"}
+    assert curves("Plot!own mm") == wanted
+    assert list(curves("Plot!own N").values()) == ["/process.feed_force_n"]
+    assert list(curves("Plot!own").values()) == ["/process.heat_j"]
+
+
+def test_names_in_legends_are_short_and_tell_joints_apart():
+    assert short_names(["joint_1", "joint_2", "X", "joint_a3"]) == ["J1", "J2", "X", "A3"]
+    ur = ["shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint", "wrist_1_joint", "wrist_2_joint"]
+    assert short_names(ur) == ["sho pan", "sho lif", "elbow", "wrist 1", "wrist 2"]
+    assert short_names(["left_finger_of_one", "left_finger_of_two"]) == ["left_finger_of_one", "left_finger_of_two"]
+    assert all(len(name) <= LONGEST_LABEL for name in short_names(ur))
+    figures = ["axial_depth_m", "radial_width_m", "feed_force_n", "side_force_n"]
+    assert labels_of(figures) == ["depth", "width", "feed", "side"]
+
+
+def test_the_line_of_the_program_comes_first_and_legends_fit_their_names():
+    panels = made("robot", joints=["joint_1", "joint_2"])["configById"]
+
+    assert panels["StateTransitions!program"]["paths"][0]["value"] == "/program.line"
+    width = {name: panel["sidebarDimension"] for name, panel in panels.items() if name.startswith("Plot!")}
+    assert width["Plot!joints"] < width["Plot!limits"] <= 110

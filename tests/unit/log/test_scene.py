@@ -7,7 +7,7 @@ from foxglove_schemas_protobuf.SceneEntityDeletion_pb2 import SceneEntityDeletio
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 
 from gcodesim.frames import rotation_from_quaternion
-from gcodesim.log import DrawnMesh, DrawnSolid, Entity, Polylines
+from gcodesim.log import DrawnMesh, DrawnSolid, Entity, PathPart, Polylines
 from gcodesim.log.scene import GRID, entities_update, force_updates, path_update, polyline_update, rounded
 from gcodesim.solids import Box, Cone, Cylinder, Sphere
 
@@ -124,6 +124,22 @@ def test_a_path_is_one_list_of_lines_for_feed_and_one_for_rapids():
     assert list(line.indices) == [0, 1, 1, 2, 3, 4]
     assert [xyz(p) for p in line.points] == feed.points.tolist()
     assert not read(path_update(0, "world", Polylines.none(), Polylines.none())).entities
+
+
+def test_what_is_ahead_is_drawn_strongly_until_its_time_has_come():
+    first = Polylines(np.arange(6.0).reshape(2, 3), np.array([0]))
+    second = Polylines(np.arange(6.0, 15.0).reshape(3, 3), np.array([0]))
+    feed = Polylines(np.arange(15.0).reshape(5, 3), np.array([0, 2]))
+    ahead = [PathPart(lines=first, until_ns=4_500_000_000), PathPart(lines=second, until_ns=9_000_000_000)]
+
+    whole = read(path_update(0, "world", feed, Polylines.none(), ahead))
+    assert [e.id for e in whole.entities] == ["feed", "ahead 0", "ahead 1"]
+    assert [e.lifetime.ToNanoseconds() for e in whole.entities] == [0, 4_500_000_000, 9_000_000_000]
+    assert whole.entities[0].lines[0].color.a < 0.3 < whole.entities[1].lines[0].color.a
+    assert [xyz(p) for p in whole.entities[2].lines[0].points] == second.points.tolist()
+
+    later = read(path_update(5_000_000_000, "world", feed, Polylines.none(), ahead))
+    assert [(e.id, e.lifetime.ToNanoseconds()) for e in later.entities] == [("feed", 0), ("ahead 1", 4_000_000_000)]
 
 
 def test_a_path_of_a_million_points_stays_below_four_megabytes():
