@@ -2,7 +2,7 @@
 
     python scripts/view_log.py LOG.mcap ...                      start, middle, end, and back again
     python scripts/view_log.py LOG.mcap --picture docs/replay.png --at 0.6
-    python scripts/view_log.py --live 8765 LOG.mcap              follows a run that `gcodesim run --live` has begun
+    python scripts/view_log.py --live ADDRESS LOG.mcap           follows a run that `gcodesim run --live` has begun
 
 The viewer is the last published build of Foxglove Studio's open core, from
 which Lichtblick descends: the npm package `@foxglove/studio-base`. It is
@@ -35,6 +35,7 @@ from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from io import BytesIO
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 import chromium
 import numpy as np
@@ -286,7 +287,7 @@ def main() -> int:
 
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("logs", nargs="+", type=Path, metavar="LOG")
-    parser.add_argument("--live", metavar="PORT", help="follow a run at this port")
+    parser.add_argument("--live", metavar="ADDRESS", help="follow a run at the address that it printed")
     parser.add_argument("--picture", type=Path, help="only take a picture")
     parser.add_argument("--at", type=float, default=0.6, help="part of the log that the picture shows")
     parser.add_argument("--shots", type=Path, metavar="FOLDER", help="keep a picture of each moment")
@@ -306,7 +307,7 @@ def main() -> int:
                 page = browser.new_page(viewport={"width": 1720, "height": 1000})
                 source = f"ds=remote-file&ds.url={site}/run.mcap"
                 if arguments.live:
-                    source = f"ds=foxglove-websocket&ds.url=ws://127.0.0.1:{arguments.live}"
+                    source = f"ds=foxglove-websocket&ds.url={quote(arguments.live, safe='')}"
                 viewer = Viewer(page, site, source)
                 print(log)
                 if arguments.picture:

@@ -21,12 +21,12 @@ from websockets.sync.client import connect
 class Viewer:
     """Connects at once and reads until the server closes."""
 
-    def __init__(self, port: int) -> None:
+    def __init__(self, address: str) -> None:
         self.channels: dict[str, dict[str, Any]] = {}
         self.messages: list[tuple[str, int, bytes]] = []
         self.times: list[int] = []
         self.error: Exception | None = None
-        self._address = f"ws://127.0.0.1:{port}"
+        self._address = address
         self._thread = threading.Thread(target=self._read)
         self._thread.start()
 

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Literal
 from gcodesim.declarations.file_kind import FileValue
 from gcodesim.declarations.reading import UNREAD, Reading, Unread, suggestion
 from gcodesim.declarations.reading import Path as KeyPath
-from gcodesim.diagnostics import SourceText
 
 if TYPE_CHECKING:
     from gcodesim.kinematics.chain import Chain
@@ -70,7 +69,7 @@ def user_chain(file: FileValue, to: Reading, path: KeyPath, flange: str | None =
     for mesh in chain.files:
         name = Path(os.path.relpath(mesh, to.shelf.folder)).as_posix()
         try:
-            to.shelf.note(name, mesh, SourceText.read(mesh, name))
+            to.shelf.open(name, mesh)
         except OSError as error:
             return to.fault("GS714", to.span(path), f"mesh `{name}` of `{file.name}` cannot be read: {error.strerror}")
     return chain

@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from datetime import date
+from typing import Final
 
 from gcodesim.cell import Cell
 from gcodesim.cell.settings import Suppression, matches
 from gcodesim.diagnostics import Diagnostic, SourceText
+
+REFUSALS: Final = ("GS750", "GS751")
+"""A run with these is refused before it begins: nobody may overlook that."""
 
 
 def final_findings(
@@ -25,7 +29,7 @@ def final_findings(
     for finding in findings:
         if any(_suppresses(entry, finding, program, today) for entry in cell.suppress):
             continue
-        severity = cell.severity(finding.code)
+        severity = None if finding.code in REFUSALS else cell.severity(finding.code)
         finding = finding if severity is None else replace(finding, severity=severity)
         ended = [i for i, entry in enumerate(cell.suppress) if _fits(entry, finding, program)]
         shown.append(replace(finding, hint=_ended(cell, ended[0], finding.hint)) if ended else finding)
@@ -86,6 +90,8 @@ def _suppresses(entry: Suppression, finding: Diagnostic, program: SourceText, to
 
 def _fits(entry: Suppression, finding: Diagnostic, program: SourceText) -> bool:
     """Whether the entry is about this finding, on whatever day."""
+    if finding.code in REFUSALS:
+        return False
     if not matches(entry.code, finding.code) or (entry.program is not None and entry.program != finding.span.file):
         return False
     if entry.line is not None and entry.line != finding.span.line:

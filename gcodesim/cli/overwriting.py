@@ -1,9 +1,10 @@
-"""What a command writes must not be what it reads."""
+"""What a command writes must not be what it reads, nor a file's name an option."""
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+import os
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Final
@@ -16,6 +17,18 @@ _READ: Final = ("program", "programs", "paths", "cell", "old_cell", "tools", "lo
 _WRITTEN: Final = ("out", "junit", "sarif", "gitlab", "html", "write_parameters", "write_baseline")
 _OF_RUNS: Final = names_of(("*",))
 _HEAD: Final = 1 << 16
+
+
+def refuse_files_like_options(words: Sequence[str]) -> None:
+    """UsageError for a word that is an option by its first letter and a file by its name.
+
+    Hooks and patterns of a shell put the names of a repository's files on the command line; `--out=x.nc` may be one.
+    """
+    for word in words:
+        if word == "--":
+            return
+        if word.startswith("-") and os.path.lexists(word):
+            raise UsageError(f"{word} is the name of a file here; write ./{word} for the file, or rename it")
 
 
 def refuse_own_inputs(arguments: argparse.Namespace) -> None:

@@ -25,7 +25,7 @@ from gcodesim.cli.options import is_auto, read_source
 from gcodesim.cli.output import note, print_count, print_findings, print_json, print_table
 from gcodesim.diagnostics import Severity, SourceText
 from gcodesim.diagnostics.plain import raw
-from gcodesim.files.output_folder import CELL_NAME, IN_USE, LOG_NAME, OVERWRITES, names_of
+from gcodesim.files.output_folder import CELL_NAME, IN_USE, LOG_NAME, OVERWRITES, link_on_the_way, names_of
 from gcodesim.jobs.job import Job, Options
 from gcodesim.jobs.results import Results
 from gcodesim.report import summary_rows
@@ -125,8 +125,7 @@ def _live(arguments: argparse.Namespace) -> LiveView | None:
         live = LiveView(arguments.live)
     except LiveViewError as reason:
         raise UsageError(str(reason)) from None
-    where = f"live at ws://localhost:{live.port}: open a Foxglove WebSocket connection in Foxglove or Lichtblick"
-    note(f"{where}; a viewer on a web site needs {live.address}")
+    note(f"live at {live.address} : open this as a Foxglove WebSocket connection in Foxglove or Lichtblick")
     return live
 
 
@@ -140,6 +139,11 @@ def _run_program(arguments: argparse.Namespace, live: LiveView | None, begin: fl
             raise UsageError(str(reason)) from None
     if arguments.out.exists() and not arguments.out.is_dir():
         raise UsageError(f"{arguments.out} is a file, not a folder")
+    link = None if arguments.force else link_on_the_way(arguments.out)
+    if link is not None:
+        raise UsageError(
+            f"{link} is a link to another folder; name that folder itself with --out, or follow the link with --force"
+        )
     with _Bar() as bar:
         program = read_source(arguments.program, "program")
         loaded = _loaded(arguments, program)

@@ -60,7 +60,9 @@ def selected(arguments: argparse.Namespace) -> tuple[Collected, Judging]:
     if arguments.cell is not None:
         read_source(arguments.cell, "cell")
     try:
-        collected = collect(paths, root, cell=arguments.cell, names=arguments.names)
+        collected = collect(
+            paths, root, cell=arguments.cell, names=arguments.names, allow_paths=tuple(arguments.allow_path)
+        )
     except OSError as error:
         raise UsageError(f"{error.filename} cannot be read: {error.strerror}") from None
     if not collected.cases and not collected.found:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path as FilePath
-from typing import Any
+from typing import Any, Final
 
 from gcodesim.declarations.files import Refused
 from gcodesim.declarations.kind import Json, Kind, key_name, scalar, short
 from gcodesim.declarations.nodes import Node
 from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread, suggestion
+
+_WRONG: Final = {"folder": "is no folder", "file": "is a folder", "special": "is a pipe or a device"}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,7 +62,7 @@ class File(Kind):
                 f"the folder of package `{short(package)}` is not known",
                 suggestion(package, sorted(to.shelf.packages)) or f"add `packages: {{{package}: folder}}`",
             )
-        wrong = {"folder": "is no folder", "file": "is a folder"}.get(found.reason, "is not there")
+        wrong = _WRONG.get(found.reason, "is not there")
         return to.fault(
             "GS714",
             text.span,

@@ -34,7 +34,7 @@ class InputFile:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Refused:
-    """Why a file cannot be had: `outside` the allowed folders, `absent`, or not a `file` or `folder` as wanted."""
+    """Why a file cannot be had: `outside` the allowed folders, `absent`, `special`, or no `file` or `folder` as wanted."""
 
     reason: str
     tried: str
@@ -73,6 +73,8 @@ class Shelf:
             return Refused(reason="absent", tried=tried)
         if is_folder != path.is_dir():
             return Refused(reason="folder" if is_folder else "file", tried=tried)
+        if not is_folder and not path.is_file():
+            return Refused(reason="special", tried=tried)
         return path
 
     def open(self, name: str, path: Path) -> SourceText:

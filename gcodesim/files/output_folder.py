@@ -39,6 +39,15 @@ class FolderInUseError(Exception):
     """Another run that is still going writes into the folder."""
 
 
+def link_on_the_way(out: Path) -> Path | None:
+    """The first link through which the folder `out` would be reached; None if there is none.
+
+    The folders above an absolute path are the system's, those above a relative one may be a stranger's.
+    """
+    ways = [out] if out.is_absolute() else [*reversed(out.parents), out]
+    return next((way for way in ways if way.is_symlink()), None)
+
+
 def names_of(stocks: Iterable[str]) -> list[str]:
     """The files that a run with these stocks writes."""
     return [LOG_NAME, RESULTS_NAME, LINES_NAME, *(f"{name}{suffix}" for name in stocks for suffix in STOCK_SUFFIXES)]

@@ -1,8 +1,8 @@
 """The door of a live view. It decides who may connect to the viewer's server, which itself admits everybody.
 
-Any web page may open a websocket to this machine, and the browser sends along which site the page is from
-(RFC 6455, 10.2). So the door reads the request first. It forwards it only with the token of the printed address, or if
-it does not come from a web page but from a program, an installed viewer, or a page of this machine.
+Any web page may open a websocket to this machine, and so may the programs of other users. So the door reads the request
+first and forwards it only with the token of the printed address, which nobody else knows. On Linux the server behind it
+listens at an address of this machine that is not told; who may read the system's list of sockets can still find it.
 """
 
 from __future__ import annotations
@@ -18,10 +18,9 @@ from urllib.parse import parse_qs, urlsplit
 
 _LONGEST_HEAD: Final = 16_384  # bytes of a request
 _PATIENCE: Final = 30.0  # s to say who one is; a busy machine is slow to hear it
-_HERE: Final = ("localhost", "127.0.0.1", "::1")
 _REFUSED: Final = (
     b"HTTP/1.1 403 Forbidden\r\nContent-Type: text/plain; charset=utf-8\r\nConnection: close\r\n\r\n"
-    b"Open the address that gcodesim has printed, with its token: pages of other sites may not read this run.\n"
+    b"Open the address that gcodesim has printed, with its token: others may not read this run.\n"
 )
 
 
@@ -86,31 +85,13 @@ def hidden_host() -> str:
 
 
 def may_enter(head: bytes, token: str) -> bool:
-    """Whether the request with this head has the token or is not from a web page.
-
-    A browser always says which site a page is from; `null` is a page that hides it.
-    """
+    """Whether the request with this head has the token."""
     first, *lines = head.decode("latin-1").split("\r\n")
     words = first.split(" ")
     if len(words) != 3 or words[0] != "GET" or any(line[:1] in (" ", "\t") for line in lines):
         return False
     given = parse_qs(urlsplit(words[1]).query).get("token", [""])[0]
-    if hmac.compare_digest(given.encode(), token.encode()):
-        return True
-    fields = [line.partition(":") for line in lines]
-    origins = [value.strip().lower() for name, _, value in fields if name.strip().lower() == "origin"]
-    return all(map(_is_no_site, origins))
-
-
-def _is_no_site(origin: str) -> bool:
-    """Whether it is a page of this machine, or a program whose pages have a scheme of their own."""
-    try:
-        parts = urlsplit(origin)
-    except ValueError:
-        return False
-    if parts.scheme in ("http", "https"):
-        return parts.hostname in _HERE
-    return "://" in origin and parts.scheme not in ("", "ftp", "blob", "data")
+    return hmac.compare_digest(given.encode(), token.encode())
 
 
 def _head(guest: socket.socket) -> bytes | None:

@@ -16,6 +16,7 @@ from gcodesim.regress.case_file import SUFFIXES, CaseFile, CaseOptions, Expected
 from gcodesim.regress.expectation import expectations
 from gcodesim.regress.golden import SUFFIX as GOLDEN_SUFFIX
 from gcodesim.regress.programs import PROGRAMS, programs_in
+from gcodesim.regress.readable import Readable
 from gcodesim.regress.tolerance import DEFAULTS, Tolerance
 from gcodesim.regress.verdicts import JudgedFinding
 
@@ -62,13 +63,23 @@ def shown_path(path: Path, root: Path) -> str:
     return PurePosixPath(*Path(os.path.relpath(path, root)).parts).as_posix()
 
 
-def collect(paths: Iterable[Path], root: Path, *, cell: Path | None = None, names: Sequence[str] = ()) -> Collected:
+def collect(
+    paths: Iterable[Path],
+    root: Path,
+    *,
+    cell: Path | None = None,
+    names: Sequence[str] = (),
+    allow_paths: Sequence[Path] = (),
+) -> Collected:
     """The cases at `paths` (test files, programs, folders), ordered by name.
 
     A program is a case by its own test file, by one that names it, or, without either, if it is named itself, has
     expectations in comments, or `cell` is given. `names` keeps cases whose name contains one of them or matches it
-    as a pattern. OSError when a path cannot be read.
+    as a pattern. Test files, programs and cells may lie in `root`, in or beside `paths`, and in `allow_paths`; links
+    lead nowhere else. OSError when a path cannot be read.
     """
+    paths = list(paths)
+    readable = Readable.of(root, paths, allow_paths)
     files: dict[Path, None] = {}
     programs: dict[Path, bool] = {}
     for path in paths:
@@ -91,12 +102,15 @@ def collect(paths: Iterable[Path], root: Path, *, cell: Path | None = None, name
     # a program's own file overrides one that names it by a pattern
     own_first = sorted(files, key=lambda file: (_own_program(file) is None, file))
     for file in own_first:
+        if not readable.has(file):
+            found.append(JudgedFinding(finding=readable.link_fault(shown_path(file, root)), state="counts"))
+            continue
         source = SourceText.read(file, shown_path(file, root))
         read = read_case_file(source, file.parent)
         found += [JudgedFinding(finding=finding, state="counts") for finding in read.findings]
         if read.content is None:
             continue
-        made, faults = _cases_of(file, source.name, read.content, read.spans, root, cell, taken)
+        made, faults = _cases_of(file, source.name, read.content, read.spans, root, cell, taken, readable)
         for case in made:
             if goldens.setdefault(case.golden, case) is case:
                 cases[case.name] = case
@@ -106,6 +120,9 @@ def collect(paths: Iterable[Path], root: Path, *, cell: Path | None = None, name
         taken |= {case.program.resolve() for case in made}
     for program, is_named in programs.items():
         if program.resolve() in taken:
+            continue
+        if not readable.has(program):
+            found.append(JudgedFinding(finding=readable.link_fault(shown_path(program, root)), state="counts"))
             continue
         if is_named or cell is not None or expectations(SourceText.read(program))[0]:
             case = _case_of_program(program, root, cell)
@@ -181,6 +198,7 @@ def _cases_of(
     root: Path,
     default_cell: Path | None,
     taken: set[Path],
+    readable: Readable,
 ) -> tuple[list[Case], list[Diagnostic]]:
     """The cases of one test file: one, or one for each program if it names several."""
     stem = _stem(file)
@@ -190,6 +208,11 @@ def _cases_of(
     programs: list[Path] = []
     several = len(content.program) > 1 or any(_is_pattern(text) for text in content.program)
     for i, text in enumerate(content.program):
+        if not readable.has(file.parent / _plain_part(text)):
+            faults.append(
+                readable.fault(f"the program `{text}`", spans.get(("program", i), spans.get(("program",), span)))
+            )
+            continue
         matches = (
             sorted(p for p in file.parent.glob(text) if p.is_file()) if _is_pattern(text) else [file.parent / text]
         )
@@ -198,14 +221,20 @@ def _cases_of(
             message = f"the program `{text}` is not there"
             faults.append(Diagnostic(code="GS610", span=at, message=message, hint=_near(file.parent / text)))
             continue
+        faults += [readable.link_fault(shown_path(p, root)) for p in matches if not readable.has(p)]
+        matches = [p for p in matches if readable.has(p)]
         programs += [p for p in matches if p not in programs and not (_is_pattern(text) and p.resolve() in taken)]
     if not content.program:
         own = _own_program(file)
         if own is None:
             message = f"there is no program `{stem}{PROGRAMS[0]}` beside it"
             faults.append(Diagnostic(code="GS610", span=span, message=message, hint="name it: `program: part.nc`"))
+        elif not readable.has(own):
+            faults.append(readable.link_fault(shown_path(own, root)))
         else:
             programs.append(own)
+    if content.cell is not None and not readable.has(file.parent / content.cell):
+        return [], [*faults, readable.fault(f"the cell `{content.cell}`", spans.get(("cell",), span))]
     cell = default_cell if content.cell is None else file.parent / content.cell
     if content.options.mode != "lint" and (cell is None or not cell.is_file()):
         at = spans.get(("cell",), span)
@@ -218,6 +247,8 @@ def _cases_of(
         within = program.name if program.parent == file.parent else shown_path(program, file.parent)
         golden = file.with_name(stem + GOLDEN_SUFFIX)
         if several:
+            if not readable.has(file.with_name(stem + _GOLDENS)):
+                return [], [*faults, readable.link_fault(shown_path(file.with_name(stem + _GOLDENS), root))]
             golden = file.with_name(stem + _GOLDENS) / (within.replace("/", "_").replace("..", "_") + ".json")
         cases.append(
             Case(
@@ -244,6 +275,15 @@ def _near(path: Path) -> str:
     others = (other for other in path.parent.iterdir() if other.suffix == path.suffix and not is_test_file(other))
     names = sorted(other.name for other in others)
     return suggestion(path.name, names)
+
+
+def _plain_part(text: str) -> str:
+    """A name, or the folders before the first pattern in it."""
+    if not _is_pattern(text):
+        return text
+    parts = PurePosixPath(text).parts
+    first = next(i for i, part in enumerate(parts) if _is_pattern(part))
+    return str(PurePosixPath(*parts[:first]))
 
 
 def _is_pattern(text: str) -> bool:

@@ -10,6 +10,7 @@ from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from gcodesim.cell.verdict import REFUSALS
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.diagnostics.plain import lines
 from gcodesim.family import ExtensionError, package_at_fault
@@ -140,7 +141,8 @@ def with_baseline(verdict: CaseVerdict, baseline: Baseline, lines: Sources) -> C
 
 
 def _may_wait(found: JudgedFinding) -> bool:
-    return found.state == "counts" and not found.finding.code.startswith(_OURS)
+    code = found.finding.code
+    return found.state == "counts" and not code.startswith(_OURS) and code not in REFUSALS
 
 
 def baseline_of(verdict: SuiteVerdict, root: Path) -> str:

@@ -29,7 +29,7 @@ def test_a_viewer_follows_a_run_and_changes_nothing(cli, write, tmp_path: Path) 
     assert process.stderr is not None
     said = process.stderr.readline()
     assert said.startswith("live at ws://localhost:")
-    viewer = Viewer(int(said.split(":")[2]))
+    viewer = Viewer(said.split()[2])
     _, errors = process.communicate(timeout=600)
     viewer.end()
 

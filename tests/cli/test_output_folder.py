@@ -56,7 +56,36 @@ def test_an_input_is_known_under_any_name(cli, write, tmp_path: Path) -> None:
     (tmp_path / "folder").symlink_to(tmp_path)
     write("cell.yaml", CELL.format(stock="mesh: stock.stl, unit: mm"))
     (tmp_path / "own.stl").rename(tmp_path / "stock.stl")
-    assert "which it reads" in cli(*RUN, "--out", "folder").out
+    assert "which it reads" in cli(*RUN, "--out", str(Path("..", tmp_path.name))).out
+
+
+@pytest.mark.parametrize("out", ["out", "link/out", "{here}/out"])
+def test_a_folder_behind_a_link_is_not_written_to(cli, tmp_path: Path, out: str) -> None:
+    """A repository of somebody else may have one where the run writes by default."""
+    (tmp_path / "elsewhere" / "out").mkdir(parents=True)
+    (tmp_path / "link").symlink_to("elsewhere")
+    (tmp_path / "out").symlink_to("elsewhere/out")
+    done = cli(*RUN, "--out", out.format(here=tmp_path))
+    assert done.status == 2 and "is a link" in done.err and "--force" in done.err
+    assert list((tmp_path / "elsewhere" / "out").iterdir()) == []
+    assert cli(*RUN, "--out", out.format(here=tmp_path), "--force").status == 0
+    assert (tmp_path / "elsewhere" / "out" / "run.mcap").exists()
+
+
+@pytest.mark.parametrize("how", ["suppress: [{code: GS750, reason: quiet}]", "checks: {GS750: note}", "baseline"])
+def test_a_refused_run_is_never_a_good_one(cli, write, tmp_path: Path, how: str) -> None:
+    """Whatever the cell or a baseline says about the finding."""
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "results.json").write_text("mine")
+    options: tuple[str, ...] = ()
+    if how == "baseline":
+        cli(*RUN, "--write-baseline", "known.json")
+        options = ("--baseline", "known.json") if (tmp_path / "known.json").exists() else ()
+    else:
+        write("cell.yaml", (tmp_path / "cell.yaml").read_text() + how + "\n")
+    done = cli(*RUN, *options)
+    assert done.status == 1 and "error GS750" in done.out and "nothing was simulated" in done.out
+    assert (tmp_path / "out" / "results.json").read_text() == "mine"
 
 
 def test_a_run_does_not_replace_the_stock_it_goes_on_from(cli, write, tmp_path: Path) -> None:

@@ -143,9 +143,10 @@ CODES += (
         title="A file outside the allowed folders",
         what=(
             "A cell may read files in its own folder, and in those that whoever runs gcodesim allows by --allow-path "
-            "or GCODESIM_ALLOW_PATH. This holds for the folders of `packages:`, too, and behind symbolic links."
+            "or GCODESIM_ALLOW_PATH. This holds for the folders of `packages:`, too, and behind symbolic links. "
+            "Tests read programs and cells in the folder of the run, and where the command line names them."
         ),
-        why="A cell from elsewhere must not be able to read any file of this machine.",
+        why="A cell or a test from elsewhere must not be able to read any file of this machine.",
         remedy="Move the file beside the cell, or run with `--allow-path DIR`.",
     ),
     Code(

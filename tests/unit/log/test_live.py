@@ -37,7 +37,7 @@ def _stored(path):
 
 def test_a_viewer_gets_what_the_file_gets(run, live, tmp_path):
     log = LogWriter(tmp_path / "run.mcap", run.description(), live)
-    viewer = Viewer(live.port)
+    viewer = Viewer(live.address)
     viewer.wait(lambda: all(channel.has_sinks() for channel in live._channels))
     run.change_messages(log, 2_000 * MS)
     _windows(run, log, 0, 101)
@@ -57,7 +57,7 @@ def test_who_comes_late_sees_all_that_stands_there(run, live, tmp_path):
     run.change_messages(log, 1_000 * MS)
     _windows(run, log, 0, 101)
     log.flush_before(1_500 * MS)
-    viewer = Viewer(live.port)
+    viewer = Viewer(live.address)
     told_once = {"/event", "/log"}
     viewer.wait(lambda: {topic for topic, _, _ in viewer.messages} | told_once >= {*viewer.channels} > told_once)
     seen = {topic: (t_ns, data) for topic, t_ns, data in viewer.messages}
@@ -73,7 +73,7 @@ def test_who_comes_late_sees_all_that_stands_there(run, live, tmp_path):
 
 def test_the_log_is_the_same_with_viewers_and_without(run, live, tmp_path):
     run.write(tmp_path / "alone.mcap")
-    viewer = Viewer(live.port)
+    viewer = Viewer(live.address)
     log = LogWriter(tmp_path / "run.mcap", run.description(), live)
     run.change_messages(log, 2_000 * MS)
     for first in range(0, 101, 37):
@@ -90,7 +90,8 @@ def test_nobody_waits_for_a_viewer_that_does_not_read(run, live, tmp_path):
     log = LogWriter(tmp_path / "run.mcap", run.description(), live)
     with socket.create_connection(("127.0.0.1", live.port)) as mute:
         mute.sendall(
-            b"GET / HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+            f"GET /?{live.address.partition('?')[2]} HTTP/1.1\r\n".encode()
+            + b"Host: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
             b"Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13\r\n"
             b"Sec-WebSocket-Protocol: foxglove.sdk.v1\r\n\r\n"
         )

@@ -46,8 +46,11 @@ def test_a_page_of_another_site_needs_the_token(origin: str) -> None:
 @pytest.mark.parametrize(
     "origin", ["http://localhost:8080", "http://127.0.0.1", "http://[::1]:3000", "file://", "app://x"]
 )
-def test_a_page_of_this_machine_needs_none(origin: str) -> None:
-    assert may_enter(head("/", f"Origin: {origin}"), TOKEN) and may_enter(head(), TOKEN)
+def test_whoever_is_on_this_machine_needs_it_too(origin: str) -> None:
+    """Other users have programs and pages here as well; a program sends no origin."""
+    own = f"/?token={TOKEN}"
+    assert not may_enter(head("/", f"Origin: {origin}"), TOKEN) and not may_enter(head(), TOKEN)
+    assert may_enter(head(own, f"Origin: {origin}"), TOKEN) and may_enter(head(own), TOKEN)
 
 
 @pytest.mark.parametrize(
@@ -67,10 +70,10 @@ def test_a_server_with_a_door(live: LiveView) -> None:
             return False
 
     plain = f"ws://localhost:{live.port}"
-    assert comes_in(plain, None) and comes_in(plain, "http://localhost:8080")
+    assert not comes_in(plain, None) and not comes_in(plain, "http://localhost:8080")
     assert not comes_in(plain, "https://evil.example") and not comes_in(plain, "null")
     assert not comes_in(f"{plain}/?token=guess", "https://evil.example")
-    assert comes_in(live.address, "https://evil.example")
+    assert comes_in(live.address, "https://evil.example") and comes_in(live.address, None)
 
 
 def test_the_door_is_of_this_machine_only_and_patient_with_nobody(live: LiveView) -> None:

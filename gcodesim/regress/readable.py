@@ -1,0 +1,44 @@
+"""Which files the tests of a stranger may read: those in the folder of the run, in folders that the user names."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from gcodesim.declarations.files import folders_of_the_user
+from gcodesim.diagnostics import Diagnostic, Span
+
+
+@dataclass(frozen=True, slots=True)
+class Readable:
+    """`folders` with all links followed."""
+
+    folders: tuple[Path, ...]
+
+    @staticmethod
+    def of(root: Path, named: Iterable[Path], allowed: Sequence[Path]) -> Readable:
+        """The folder of the run, those that the command line names or in which what it names lies, and allowed ones."""
+        beside = (path if path.is_dir() else path.parent for path in named)
+        folders = (root, *beside, *allowed, *folders_of_the_user())
+        return Readable(tuple(dict.fromkeys(Path(os.path.realpath(folder)) for folder in folders)))
+
+    def has(self, path: Path) -> bool:
+        """Whether `path` lies in one of the folders, also after all links are followed."""
+        real = Path(os.path.realpath(path))
+        return any(real.is_relative_to(folder) for folder in self.folders)
+
+    @staticmethod
+    def fault(what: str, span: Span) -> Diagnostic:
+        """GS715 about `what`, which lies elsewhere."""
+        return Diagnostic(
+            code="GS715",
+            span=span,
+            message=f"{what} lies outside the folder of the run",
+            hint="only who runs gcodesim can open another one to tests: `--allow-path DIR`, or GCODESIM_ALLOW_PATH",
+        )
+
+    def link_fault(self, name: str) -> Diagnostic:
+        """GS715 about a file that was found by its name and leads elsewhere. It names no line, so that none is shown."""
+        return self.fault(f"`{name}` is a link; what it leads to", Span(name))
