@@ -34,7 +34,7 @@ class InputFile:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Refused:
-    """Why a file cannot be had: `outside` the allowed folders, `absent`, `special`, or no `file` or `folder` as wanted."""
+    """Why a file cannot be had: `outside` the allowed folders, `absent`, `special`, or no `file` or `folder`."""
 
     reason: str
     tried: str

@@ -40,5 +40,5 @@ class Readable:
         )
 
     def link_fault(self, name: str) -> Diagnostic:
-        """GS715 about a file that was found by its name and leads elsewhere. It names no line, so that none is shown."""
+        """GS715 about a file that was found by its name and leads elsewhere; no line of it is shown."""
         return self.fault(f"`{name}` is a link; what it leads to", Span(name))
