@@ -50,7 +50,7 @@ def test_what_is_no_port(cli, value: str) -> None:
 
 
 def test_without_the_package_nothing_is_begun(cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "foxglove", None)
+    monkeypatch.setattr("gcodesim.extras._is_installed", lambda package: package != "foxglove-sdk")
     done = cli("run", "slot.nc", "--cell", "cell.yaml", "--live")
-    assert done.status == 2 and "needs the package foxglove-sdk" in done.err
+    assert done.status == 2 and "needs the extra `live`" in done.err and "foxglove-sdk" in done.err
     assert not (tmp_path / "out").exists()
