@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 
-.PHONY: browser demo test test-slow lint bench setup clean
+.PHONY: browser demo docs test test-slow lint bench setup clean
 
 setup: $(STAMP)
 
@@ -36,6 +36,11 @@ test-slow: setup browser
 # Elsewhere those tests are reported by name as not run.
 browser:
 	@scripts/install_chromium.sh || echo "chromium is not installed and could not be: tests of pages will not run" >&2
+
+# The site of the documentation, in build/site; a broken link or a page without a place in the navigation fails.
+docs: setup
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build
+	@echo "open build/site/index.html; to search in it: $(BIN)/python -m http.server --directory build/site"
 
 # `make bench OLD=../before` also runs the same commands in another checkout, by turns.
 bench: setup

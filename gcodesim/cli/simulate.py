@@ -212,7 +212,7 @@ def _announce_compiling(obstacle: str) -> None:
     if obstacle:
         note(f"compiling the kernels, and again at the next run, since they cannot be kept: {obstacle}")
         return
-    note("compiling the kernels, once for this version: about a minute (`gcodesim warm-up` does it beforehand)")
+    note("compiling the kernels, once for this version: a minute or two (`gcodesim warm-up` does it beforehand)")
 
 
 class _Stop:
