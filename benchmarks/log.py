@@ -124,7 +124,11 @@ def by_objects(path: Path, n: int, topics: tuple[str, ...]) -> float:
     def numbers(message: Any, i: int, t_ns: int) -> None:
         message.timestamp.FromNanoseconds(t_ns)
         for field in message.DESCRIPTOR.fields[2 if "kind" in message.DESCRIPTOR.fields_by_name else 1 :]:
-            if field.name not in ("limit", "engaged"):
+            if field.name == "joints":
+                for k, name in enumerate(JOINTS):
+                    q, command = given["joint_position"][i][k], given["joint_command"][i][k]
+                    message.joints.add(name=name, command=command, position_shown=q, command_shown=command)
+            elif field.name not in ("limit", "engaged"):
                 setattr(message, field.name, 1.5)
 
     def wrench(message: Any, i: int, t_ns: int) -> None:
