@@ -20,13 +20,14 @@ from gcodesim.playback import Recording
 from gcodesim.playback.columns import own_fields
 from gcodesim.playback.quantities import Chart, charts_of, extremes
 from gcodesim.report.libraries import chart_library, scene_library
+from gcodesim.report.modes import modes_of
 from gcodesim.report.pack import Pack
 from gcodesim.report.replay import replay_of, ticks
 from gcodesim.report.times import end_of, slowest, time_report
 from gcodesim.units import MM, MM_PER_MINUTE, RPM
 
 CHARTS: Final = ("force", "power", "feed", "error", "removal", "joints", "speed", "effort")
-SCRIPTS: Final = ("data.js", "scene.js", "charts.js", "panels.js", "bar.js", "main.js")
+SCRIPTS: Final = ("data.js", "scene.js", "looking.js", "charts.js", "panels.js", "bar.js", "main.js")
 _SLOTS: Final = 3000  # time slots for which a chart shows least and greatest values, shared by its curves
 _LEAST_SLOTS: Final = 600
 _SLOWEST: Final = 40
@@ -124,6 +125,7 @@ def run_data(recording: Recording, name: str, pack: Pack) -> dict[str, Any]:
             }
             for modal in timeline.modals
         ],
+        "modes": [_modes(recording).get(file, []) for file in names],
         "replay": replay_of(recording, pack),
         "charts": [
             _chart(chart, pack)
@@ -138,6 +140,10 @@ def run_data(recording: Recording, name: str, pack: Pack) -> dict[str, Any]:
     }
     # only now, after everything was read, is it known what cannot be read
     return {**value, "findings": _findings(recording), "damaged": bool(recording.log.damage)}
+
+
+def _modes(recording: Recording) -> dict[str, list[tuple[int, list[str]]]]:
+    return modes_of({name: source.lines for name, source in recording.sources.items()})
 
 
 def _findings(recording: Recording) -> list[dict[str, Any]]:

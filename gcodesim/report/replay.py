@@ -11,10 +11,12 @@ from numpy.typing import NDArray
 from gcodesim.frames import quaternion_from_rotation
 from gcodesim.log import DrawnMesh, DrawnShape
 from gcodesim.playback import Drawing, RecordedFrames, Recording
+from gcodesim.playback.columns import peak_of
+from gcodesim.playback.quantities import NEGLIGIBLE
 from gcodesim.report.motion import key_moments
 from gcodesim.report.pack import Pack
 from gcodesim.solids import Box, Cone, Cylinder, Sphere
-from gcodesim.units import DEG, UM
+from gcodesim.units import DEG, MM_PER_MINUTE, UM
 
 Array = NDArray[np.float64]
 
@@ -31,6 +33,13 @@ _TIP_TOLERANCE: Final = 1.0 / 10_000.0  # of the extent of the work: less than a
 _LEAST_TOLERANCE: Final = 2e-6  # [m]
 _TURN_TOLERANCE: Final = 0.05 * DEG
 RAPID, FEED, CUT = 0, 1, 2
+
+COLOURS: Final = (
+    ("feed", "mm/min", "/motion", "feed_m_s", MM_PER_MINUTE),
+    ("force", "N", "/process", "force_n", 1.0),
+    ("deviation", "µm", "/motion", "position_error_m", UM),
+)
+"""What the path can be coloured by: name, unit, where it is in the log, SI in one unit."""
 
 
 def ticks(t_ns: NDArray[np.int64] | Sequence[int]) -> NDArray[np.int64]:
@@ -65,6 +74,7 @@ def replay_of(recording: Recording, pack: Pack) -> dict[str, Any]:
         ],
         "track": {"frame": home, "points": pack.numbers(track[kept]), "kind": pack.integers(kind[kept])},
         "force": pack.numbers(_force(recording, t_ns[kept], every_ns)),
+        "colours": _colours(recording, t_ns[kept], pack),
         "tip": pack.numbers(np.broadcast_to(X_WT[:, :3, 3], (len(t_ns), 3))[kept]),
         "work": pack.integers(np.rint(_work(recording, t_ns[kept], every_ns) / UM).astype(np.int64)),
         "stock": _stock(recording, pack),
@@ -124,6 +134,25 @@ def _kinds(recording: Recording, t_ns: NDArray[np.int64], every_ns: int) -> NDAr
     if "engaged" in process.names and len(process.t_ns) == len(t_ns):
         kind[process.column("engaged") > 0.0] = CUT
     return kind
+
+
+def _colours(recording: Recording, t_ns: NDArray[np.int64], pack: Pack) -> list[dict[str, Any]]:
+    """Figures by which the path can be coloured, for each kept moment the greatest since the one before.
+
+    A figure that is the same everywhere is left out: how far the tip is from its command, where a run has no such.
+    """
+    found = []
+    for name, unit, topic, field, divisor in COLOURS:
+        series = recording.series(topic)
+        field = peak_of(series, field)
+        if field not in series.names or not len(series.t_ns):
+            continue
+        last = np.clip(np.searchsorted(series.t_ns, t_ns, side="right"), 1, len(series.t_ns))
+        first = np.minimum(np.concatenate([[0], last[:-1]]), last - 1)
+        values = np.array([series.column(field)[a:b].max() for a, b in zip(first.tolist(), last.tolist(), strict=True)])
+        if np.ptp(values) > NEGLIGIBLE * divisor:
+            found.append({"name": name, "unit": unit, "values": pack.numbers(values / divisor)})
+    return found
 
 
 def _force(recording: Recording, t_ns: NDArray[np.int64], every_ns: int) -> Array:

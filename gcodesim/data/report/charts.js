@@ -42,6 +42,21 @@ G.lineName = (run, t) => {
   return modal.file > 0 ? `${run.files[modal.file].name}:${line}` : `${line}`;
 };
 
+// The greatest feed outside of rapids, where rapids are much faster: they do not set the scale; else null.
+G.workingFeed = (tables) => {
+  let most = 0, whole = 0;
+  for (const [run, [t, ...columns]] of tables) {
+    for (let i = 0; i < t.length; i++) {
+      const { modal } = G.blockAt(run, t[i] - 1e-6), rapid = !modal || /^(G0|G28|G30)?$/.test(modal.motion) || /^G(73|8[1-9])$/.test(modal.motion);
+      for (const column of columns) {
+        whole = Math.max(whole, column[i]);
+        if (!rapid) most = Math.max(most, column[i]);
+      }
+    }
+  }
+  return most > 0 && whole > 1.5 * most ? 1.1 * most : null;
+};
+
 G.chart = (box, parts, sync, withLines) => {
   const tables = [], series = [{ label: "time", value: (_, t) => t === null ? "–" : `${t.toFixed(3)} s` }];
   let ink = 0;
@@ -61,6 +76,8 @@ G.chart = (box, parts, sync, withLines) => {
       });
     }
   }
+  const cap = parts[0].chart.what === "feed" ? G.workingFeed(parts.map(({ run }, r) => [run, tables[r]])) : null;
+  if (cap !== null) box.querySelector("small").textContent += ` · rapids go off the top`;
   const data = tables.length > 1 ? uPlot.join(tables) : tables[0];
   const run = parts[0].run, grid = { stroke: "#e9edf1", width: 1 }, font = "11px system-ui, 'DejaVu Sans', sans-serif";
   const axes = [
@@ -74,7 +91,7 @@ G.chart = (box, parts, sync, withLines) => {
   const options = {
     width: Math.max(box.clientWidth - 8, 300), height: withLines ? 196 : 158, series, axes,
     scales: { x: { time: false, range: (_, low, high) => low === null ? [0, G.end] : [Math.max(low, 0), Math.min(high, G.end)] },
-      y: { range: (_, low, high) => { const room = 0.06 * (high - low) || Math.abs(high) * 0.1 || 1; return [low >= 0 ? 0 : low - room, high + room]; } } },
+      y: { range: (_, low, high) => { if (cap !== null) high = Math.min(high, cap); const room = 0.06 * (high - low) || Math.abs(high) * 0.1 || 1; return [low >= 0 ? 0 : low - room, high + room]; } } },
     cursor: { sync: { key: sync.key, setSeries: false }, drag: { x: true, y: false }, points: { size: 6 } },
     legend: { live: true }, padding: [withLines ? 2 : 8, 14, 0, 0],
   };

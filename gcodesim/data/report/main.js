@@ -15,8 +15,8 @@
   G.plots = G.charts(place("charts"));
   G.tables(place("tables"));
   const wishes = new URLSearchParams(location.hash.slice(1));
-  if (wishes.has("view")) G.views[0].look(wishes.get("view"));
   G.seek(+(wishes.get("t") || 0));
+  if (wishes.has("t") || wishes.has("view")) G.views[0].look(wishes.get("view") || "start");
   const frame = (at) => {
     G.tick(at);
     for (const view of G.views) view.render();

@@ -32,6 +32,7 @@ G.head = (place) => {
 G.ROW = 19;
 G.program = (place) => {
   const panel = place.appendChild(G.make("div", "panel program")), tabs = panel.appendChild(G.make("div", "tabs"));
+  const modals = panel.appendChild(G.make("div", "modals"));
   const box = panel.appendChild(G.make("div", "lines")), inside = box.appendChild(G.make("div"));
   const views = [];
   let shown = null, drawn = new Map(), now = 0, touched = -Infinity;
@@ -70,15 +71,45 @@ G.program = (place) => {
   new ResizeObserver(draw).observe(box);
   if (views.length) choose(views[0]);
   G.onTime((t) => {
-    const run = shown ? shown.run : G.runs[0], { line, modal } = G.blockAt(run, t);
+    const run = shown ? shown.run : G.runs[0], { line, modal, i } = G.blockAt(run, t);
     if (performance.now() - touched > 2500 && modal && modal.file >= 0) choose(views.find((v) => v.run === run && v.f === modal.file));
     now = shown && modal && modal.file === shown.f ? line : 0;
+    modals.replaceChildren(...G.modalsAt(run, line, modal, i).map(([text, title]) => Object.assign(G.make("span", "", text), { title })));
     const top = (now - 1) * G.ROW;
     if (now && performance.now() - touched > 2500 && (top < box.scrollTop + 2 * G.ROW || top > box.scrollTop + box.clientHeight - 4 * G.ROW)) {
       box.scrollTop = top - 0.4 * box.clientHeight;
     }
     draw();
   });
+};
+
+// What holds at a line: words of the program with what they mean.
+G.MEANINGS = {
+  G0: "rapid", G1: "straight feed", G2: "clockwise arc", G3: "counterclockwise arc", G17: "plane XY", G18: "plane ZX", G19: "plane YZ",
+  G20: "inches", G21: "millimetres", G90: "absolute positions", G91: "positions from where it stands",
+};
+// The feed in force at a block [mm/min]. The log has 0 for a block that begins with a rapid: then it is the word F of its
+// line, or what came before.
+G.feedAt = (run, i) => {
+  for (let at = i; at >= Math.max(i - 500, 0); at--) {
+    const modal = run.modals[run.blocks.modal[at]], file = run.files[modal.file], line = run.blocks.line[at];
+    if (modal.feed > 0) return modal.feed;
+    const said = file && (file.lines[line - 1] || "").replace(/\([^)]*\)?|;.*/g, "").match(/F\s*(\d+\.?\d*)/i);
+    if (said && !G.modesAt(run, line, modal).includes("G20")) return +said[1];
+  }
+  return 0;
+};
+G.modesAt = (run, line, modal) => {
+  const changes = run.modes[modal.file] || [], i = G.index(changes.map(([first]) => first), line);
+  return i < 0 ? [] : changes[i][1];
+};
+G.modalsAt = (run, line, modal, i) => {
+  if (!modal) return [];
+  const words = [modal.motion, modal.wcs, ...G.modesAt(run, line, modal)].filter(Boolean);
+  const found = words.map((word) => [word, G.MEANINGS[word] || (word === modal.wcs ? "work coordinates" : "motion")]);
+  found.push([`F ${G.number(G.feedAt(run, i), 0)}`, "programmed feed, mm/min"], [`S ${G.number(modal.spindle, 0)}`, "programmed speed, rpm"]);
+  found.push([`T${modal.tool}`, modal.tool ? modal.tool_name : "no tool"]);
+  return found;
 };
 
 G.programRow = ({ run, file, worst }, i) => {

@@ -36,6 +36,7 @@ G.View = class {
     this.buildControls();
     if (G.runs.length > 1) this.box.appendChild(G.make("div", "tag", run.name));
     this.buildState();
+    this.buildLooking();
     new ResizeObserver(() => this.resize()).observe(this.box);
     this.resize();
     this.look("start");
@@ -177,6 +178,8 @@ G.View = class {
   }
 
   buildStock() {
+    this.clip = [];
+    this.stockMaterials = new Set();
     this.tiles = this.run.replay.stock.tiles.map((states) => ({
       times: states.map((state) => state.t * this.run.scale), states, meshes: [], current: null,
     }));
@@ -191,6 +194,10 @@ G.View = class {
     tile.current = state;
     tile.meshes = state.parts.map((part) => {
       const material = this.material(part.color, { flatShading: true, side: THREE.DoubleSide, roughness: 0.5, metalness: 0.25 });
+      if (!this.stockMaterials.has(material)) {
+        this.stockMaterials.add(material);
+        material.clippingPlanes = this.clip;
+      }
       const mesh = new THREE.Mesh(this.meshOf(part), material);
       mesh.castShadow = mesh.receiveShadow = true;
       mesh.visible = this.shown.stock;
@@ -203,13 +210,9 @@ G.View = class {
 
   buildPath() {
     const { track } = this.run.replay, points = G.rows(track.points), kind = G.column(track.kind), n = kind.length;
-    const inks = [[0.93, 0.55, 0.15], [0.32, 0.62, 0.86], [0.06, 0.32, 0.66]].map((c) => new THREE.Color(...c).convertSRGBToLinear());
     const place = new Float32Array(6 * Math.max(n - 1, 0)), color = new Float32Array(place.length);
-    for (let i = 0; i + 1 < n; i++) {
-      place.set(points.subarray(3 * i, 3 * i + 6), 6 * i);
-      const ink = inks[kind[i + 1]];
-      for (const end of [0, 3]) ink.toArray(color, 6 * i + end);
-    }
+    for (let i = 0; i + 1 < n; i++) place.set(points.subarray(3 * i, 3 * i + 6), 6 * i);
+    this.kind = kind;
     const attributes = { position: new THREE.BufferAttribute(place, 3), color: new THREE.BufferAttribute(color, 3) };
     const line = (opacity) => {
       const geometry = new THREE.BufferGeometry();
@@ -294,9 +297,9 @@ G.View = class {
   }
 
   showState(t, i, share) {
-    const { modal } = G.blockAt(this.run, t), at = this.blend(this.work, i, share, new THREE.Vector3());
+    const { modal, i: block } = G.blockAt(this.run, t), at = this.blend(this.work, i, share, new THREE.Vector3());
     ["x", "y", "z"].forEach((axis) => { this.cells[axis.toUpperCase()].textContent = `${G.number(1000 * at[axis], 2)} mm`; });
-    this.cells.F.textContent = modal ? (modal.motion === "G0" ? "rapid" : `${G.number(modal.feed, 0)} mm/min`) : "–";
+    this.cells.F.textContent = modal ? (modal.motion === "G0" ? "rapid" : `${G.number(G.feedAt(this.run, block), 0)} mm/min`) : "–";
     this.cells.S.textContent = modal ? `${G.number(modal.spindle, 0)} rpm` : "–";
     this.cells.T.textContent = modal && modal.tool ? `${modal.tool} ${modal.tool_name !== `T${modal.tool}` ? modal.tool_name : ""}` : "–";
   }
@@ -353,6 +356,15 @@ G.View = class {
     this.scene.add(grid);
   }
 
+  // The tool of the moment and the body of the machine that is nearest to its tip.
+  holders() {
+    const tip = this.blend(this.tip, ...this.between(G.time), new THREE.Vector3()), box = new THREE.Box3();
+    const gap = (body) => box.setFromObject(body).distanceToPoint(tip);
+    const bodies = [...this.bodies].sort((a, b) => gap(a) - gap(b)).slice(0, 1);
+    const inside = this.tools.filter(({ from, to }) => G.time >= from && G.time < to).map(({ group }) => group);
+    return [...bodies, ...inside.filter((group) => group.children.length)];
+  }
+
   look(name) {
     const { cell, part } = this.extents(), whole = name === "cell";
     const box = whole ? cell : part.clone(), size = box.getSize(new THREE.Vector3());
@@ -360,8 +372,12 @@ G.View = class {
     const way = new THREE.Vector3(...(ways[name] || ways.part)).normalize();
     box.getCenter(this.target);
     let radius = 0.5 * size.length();
-    // at first the part with enough around it to see what holds the tool
-    if (name === "start") radius = Math.max(radius, Math.min(1.6 * radius, 0.22 * cell.getSize(new THREE.Vector3()).length()));
+    if (name === "start") { // the part together with the tool, or what will hold it
+      const bodies = this.holders(), both = box.clone();
+      for (const body of bodies) both.expandByObject(body);
+      both.getCenter(this.target);
+      radius = 0.55 * both.getSize(new THREE.Vector3()).length();
+    }
     const lens = Math.min(1, this.camera.aspect || 1) * Math.tan((Math.PI / 360) * this.camera.fov);
     const far = (radius / lens) * (whole ? 0.92 : 1.15);
     this.camera.position.copy(this.target).addScaledVector(way, far);

@@ -75,6 +75,44 @@ PROBE = r"""<script>
   document.querySelector(".difference.go").click();
   seen.difference = G.time;
   seen.differences = document.querySelector(".differences").innerText;
+  // a closer look: modals, colours, a section, picking and measuring
+  G.seek(seen.line);
+  const [view] = G.views, frame = view.frame(view.run.replay.track.frame);
+  seen.modals = document.querySelector(".modals").innerText;
+  const choice = document.querySelector("select.by"), before = view.trackColors.slice();
+  seen.choices = [...choice.options].map((option) => option.value);
+  choice.value = "force";
+  choice.dispatchEvent(new Event("change"));
+  seen.recoloured = view.trackColors.some((value, i) => value !== before[i]);
+  seen.legend = view.legend.innerText;
+  const screen = (point) => {
+    const spot = frame.localToWorld(point.clone()).project(view.camera);
+    return [(spot.x + 1) * 0.5 * view.box.clientWidth, (1 - spot.y) * 0.5 * view.box.clientHeight];
+  };
+  view.shown.path = true;
+  view.look("top");
+  view.render();
+  const i = [...view.kind.keys()].find((k) => view.kind[k] === 2 && view.times[k] > seen.line + 0.5);
+  const tip = new THREE.Vector3().fromArray(view.trackPoints, 3 * i);
+  view.click(...screen(tip));
+  seen.picked = [G.time, view.times[i], view.said.textContent];
+  view.shown.path = false;
+  G.seek(view.times[i] + 0.3); // what came last up to now counts: the way back goes through the same place
+  view.click(...screen(tip));
+  seen.worked = [G.time, document.querySelector(".lines .row.now")?.textContent];
+  view.measuring = [];
+  view.click(...screen(tip.clone().add(new THREE.Vector3(0, 0.01, 0))));
+  view.click(...screen(tip.clone().add(new THREE.Vector3(0.01, 0.01, 0))));
+  seen.measured = view.said.textContent;
+  view.measuring = null;
+  for (const tool of view.tools) tool.group.visible = false;
+  const whole = count(view, anything);
+  view.section("X", 0.5);
+  seen.section = [whole, count(view, anything), view.said.textContent];
+  view.section("none", 0);
+  seen.unsection = count(view, anything);
+  const feeds = G.plots.find(({ box }) => box.querySelector("h2").textContent.startsWith("Feed"));
+  seen.feeds = [feeds.plot.scales.y.max, Math.max(...feeds.plot.data.slice(1).flat().filter((v) => v !== null))];
   G.seek(seen.line);
   document.querySelector(".play").click();
   await pause(600);
@@ -162,3 +200,33 @@ def test_a_page_that_asked_would_be_noticed(tmp_path):
     _, asked = opened(f'<!DOCTYPE html><img src="{address}">', tmp_path)
 
     assert asked == {address}
+
+
+def test_what_holds_stands_beside_the_program(seen):
+    assert "G54" in seen["modals"] and "G21" in seen["modals"] and "T1" in seen["modals"]
+    assert re.search(r"F\s[1-9]", seen["modals"]) and re.search(r"S\s[1-9]", seen["modals"])
+
+
+def test_the_path_is_coloured_by_what_one_chooses(seen):
+    assert "force" in seen["choices"] and "feed" in seen["choices"]
+    assert "deviation" not in seen["choices"]  # this machine is where it was told to be
+    assert seen["recoloured"] and "force N" in seen["legend"]
+
+
+def test_a_click_on_path_or_part_leads_to_its_line(seen):
+    time, wanted, text = seen["picked"]
+    assert time == pytest.approx(wanted, abs=0.3) and "G1 X30" in text
+    assert "G1 X30" in seen["worked"][1]
+
+
+def test_two_clicks_measure_and_a_section_takes_half_away(seen):
+    distance = float(re.match(r"([\d.]+) mm", seen["measured"])[1])
+    assert distance == pytest.approx(10.0, abs=0.5) and "ΔX" in seen["measured"]
+    whole, half, text = seen["section"]
+    assert 0 < half < 0.9 * whole and "section at X" in text
+    assert seen["unsection"] == whole
+
+
+def test_rapids_do_not_set_the_scale_of_the_feed(seen):
+    shown, whole = seen["feeds"]
+    assert shown < 0.7 * whole
