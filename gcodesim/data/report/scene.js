@@ -194,6 +194,8 @@ G.View = class {
     tile.current = state;
     tile.meshes = state.parts.map((part) => {
       const material = this.material(part.color, { flatShading: true, side: THREE.DoubleSide, roughness: 0.5, metalness: 0.25 });
+      // the path runs in the surface that it has made: it is drawn over it
+      Object.assign(material, { polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 60 });
       if (!this.stockMaterials.has(material)) {
         this.stockMaterials.add(material);
         material.clippingPlanes = this.clip;
