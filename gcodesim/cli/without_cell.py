@@ -22,7 +22,7 @@ def needs_text(program: SourceText, command: str) -> str:
     width = max(len(row[0]) for row in rows)
     return "\n".join(
         [
-            f"{name} needs a cell, the file with machine, tools and stock: --cell CELL. The program asks for",
+            f"{name} needs a cell (--cell): machine, tools and stock. It asks for",
             *(f"  {what.ljust(width)}  {one_line(text)}" for what, text in rows),
             f"`gcodesim init DIR --from {name}` writes such a cell, to look at and to change;",
             f"`{command} {name} --cell auto` uses it as it is, with all its guesses",
