@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 
-.PHONY: browser demo docs test test-slow lint bench setup clean
+.PHONY: browser shells demo docs test test-slow lint bench setup clean
 
 setup: $(STAMP)
 
@@ -23,7 +23,7 @@ lint: setup
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
 
-test: lint browser
+test: lint browser shells
 	$(BIN)/gcodesim warm-up
 	$(BIN)/gcodesim test programs -j 2
 	$(BIN)/python -m pytest -n 2 --dist loadfile
@@ -35,7 +35,11 @@ test-slow: setup browser
 # Tests of pages open them in a real browser. It is installed where that is allowed: on Debian, as root, with a network.
 # Elsewhere those tests are reported by name as not run.
 browser:
-	@scripts/install_chromium.sh || echo "chromium is not installed and could not be: tests of pages will not run" >&2
+	@scripts/install_debian.sh chromium || echo "chromium is not installed and could not be: tests of pages will not run" >&2
+
+# Tests of completion ask real shells.
+shells:
+	@scripts/install_debian.sh bash zsh fish || echo "zsh or fish could not be installed: tests of completion there will not run" >&2
 
 # The site of the documentation, in build/site; a broken link or a page without a place in the navigation fails.
 docs: setup
