@@ -81,6 +81,11 @@ class RotaryAxis:
     at: tuple[float, float, float] | None = key(
         POINT, "a point on the axis; without it the axis only takes time", default=None, example="[300, 200, -350 mm]"
     )
+    direction: tuple[float, float, float] | None = key(
+        Vector(Quantity("ratio"), 3, "[0, 1, 1]"),
+        "what the axis carries turns right-handed about it (default: X, Y or Z by the letter); any length",
+        default=None,
+    )
     moving_mass: float | None = key(Quantity("mass", POSITIVE), "mass that the axis moves", default=None)
     effort: float | None = key(
         Either((("none", math.inf),), Quantity("torque", POSITIVE)), "greatest torque, `none`: unlimited", default=None
@@ -95,6 +100,7 @@ class MachineAxis:
     """One axis of a machine, complete. [m] or [rad], per s and s²; `effort` [N] or [N·m], infinite: unlimited.
 
     `at` is a point on a rotary axis in M [m]; None: its place is not known (the axis gives time only).
+    `direction` (3,) in M is what it turns right-handed about; None: by its letter.
     """
 
     letter: str
@@ -107,6 +113,7 @@ class MachineAxis:
     home: float
     side: Side
     at: tuple[float, float, float] | None = None
+    direction: tuple[float, float, float] | None = None
     moving_mass: float | None = None
     effort: float = math.inf
 
@@ -289,6 +296,10 @@ def _own_axes(forms: Mapping[str, AxisForm], to: Reading, path: Path) -> tuple[M
         if form.home is None:
             to.default((*at, "home"), home)
         rotary = letter in ROTARY
+        if isinstance(form, RotaryAxis) and form.direction is not None and not any(form.direction):
+            place = to.span((*path, letter, "direction"))
+            axes.append(to.fault("GS710", place, f"the direction of axis {letter} has no length", "such as [0, 1, 1]"))
+            continue
         side: Side = form.side or ("table" if rotary else "tool")
         if form.side is None:
             to.default((*at, "side"), side)
@@ -304,6 +315,7 @@ def _own_axes(forms: Mapping[str, AxisForm], to: Reading, path: Path) -> tuple[M
                 home=home,
                 side=side,
                 at=form.at if isinstance(form, RotaryAxis) else None,
+                direction=form.direction if isinstance(form, RotaryAxis) else None,
                 moving_mass=form.moving_mass,
                 effort=math.inf if form.effort is None else form.effort,
             )
@@ -362,8 +374,13 @@ def _agrees(
     form: AxisForm, letter: str, side: Side, point: tuple[float, float, float] | None, to: Reading, path: Path
 ) -> bool:
     """Whether the cell keeps the structure of a shipped machine; limits may change, the chain may not."""
-    given = {"side": form.side, "at": form.at if isinstance(form, RotaryAxis) else None}
-    shipped_as = {"side": side, "at": point}
+    rotary = isinstance(form, RotaryAxis)
+    given = {
+        "side": form.side,
+        "at": form.at if rotary else None,  # type: ignore[union-attr]
+        "direction": form.direction if rotary else None,  # type: ignore[union-attr]
+    }
+    shipped_as = {"side": side, "at": point, "direction": None}
     changed = [name for name, value in given.items() if value is not None and not _near(value, shipped_as[name])]
     for name in changed:
         message = f"`{name}` of axis {letter} belongs to the model and cannot be changed"
@@ -483,6 +500,7 @@ def _kinematic(axis: MachineAxis, kind: type[KinematicAxis]) -> KinematicAxis:
         effort=axis.effort,
         side=axis.side,
         point=axis.at,
+        vector=axis.direction,
         moving_mass=axis.moving_mass,
     )
 
@@ -536,7 +554,8 @@ def _show_axis(axis: MachineAxis) -> Json:
     row: Json = {"travel": "unlimited" if unlimited else [place.show(axis.lower), place.show(axis.upper)]}
     row |= {name: kind.show(value) for name, (kind, value) in _axis_kinds(axis).items() if value is not None}
     row["side"] = axis.side
-    return row | ({"at": POINT.show(axis.at)} if axis.at is not None else {})
+    row |= {"at": POINT.show(axis.at)} if axis.at is not None else {}
+    return row | ({"direction": list(axis.direction)} if axis.direction is not None else {})
 
 
 def _plain_axis(axis: MachineAxis) -> Json:
@@ -548,4 +567,5 @@ def _plain_axis(axis: MachineAxis) -> Json:
             unit, number = kind.plain(value)
             row[name + unit] = number
     row |= {"side": axis.side, "assumed_acceleration": axis.assumed_acceleration}
-    return row | ({"at_mm": POINT.plain(axis.at)[1]} if axis.at is not None else {})
+    row |= {"at_mm": POINT.plain(axis.at)[1]} if axis.at is not None else {}
+    return row | ({"direction": list(axis.direction)} if axis.direction is not None else {})

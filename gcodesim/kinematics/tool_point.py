@@ -1,0 +1,225 @@
+"""The tip of a tool in the work, on machine tools with rotary axes in the head, under the table, or both.
+
+The rotary axes come first: from words, or from the direction of the tool (two branches). With them fixed the tip is
+an affine function of the three linear axes, so these follow from one linear system for each point.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.canon import AXIS_LETTERS
+from gcodesim.frames import Array, rotation_about
+from gcodesim.kinematics.cartesian import Cartesian
+
+_FLAT: Final = 1e-9  # of unit vectors: smaller parts have no direction
+_TURN: Final = 2.0 * np.pi
+_SLACK: Final = 1e-9  # [rad] past the travel that is rounding
+
+
+class Turn(NamedTuple):
+    """A rotary joint as the tool's direction in the work sees it: which one, about which axis, in which sense."""
+
+    joint: int
+    axis: Array  # (3,) in C with all axes at zero, so that +angle turns the tool as seen from the work
+
+
+@dataclass(frozen=True, eq=False)
+class ToolPoint:
+    """Tip and axes of a machine tool `kinematics`.
+
+    Points are in C, the frame of the work, which lies on the base while the axes of the table stand at zero. A tool's
+    length offset (3,) [m] is what a control adds to the tip to give axes, as X, Y, Z of a spindle at zero.
+    """
+
+    kinematics: Cartesian
+
+    @staticmethod
+    def of(kinematics: object) -> ToolPoint | None:
+        """None where three linear axes or a rotary axis are missing, or the linear ones do not span space."""
+        if not isinstance(kinematics, Cartesian):
+            return None
+        found = ToolPoint(kinematics)
+        if len(found.linear) != 3 or not len(found.rotary):
+            return None
+        directions = found._affine(np.zeros((1, len(kinematics.joints))), np.zeros((1, 3)))[1][0]
+        return found if abs(np.linalg.det(directions)) > 1e-6 else None
+
+    @cached_property
+    def linear(self) -> NDArray[np.intp]:
+        """Which joints are X, Y, Z, in this order."""
+        names = self.kinematics.joints.names
+        return np.array([names.index(letter) for letter in "XYZ" if letter in names], dtype=np.intp)
+
+    @cached_property
+    def rotary(self) -> NDArray[np.intp]:
+        """Which joints are rotary and have a place."""
+        chain = self.kinematics.chain
+        carrying = {joint.parent for joint in chain.joints}
+        joints = [chain.joints[index] for index in chain.driven]
+        return np.array(
+            [i for i, joint in enumerate(joints) if joint.kind == "revolute" and joint.child in carrying],
+            dtype=np.intp,
+        )
+
+    @cached_property
+    def letters(self) -> tuple[str, ...]:
+        """The letters of its rotary axes."""
+        return tuple(self.kinematics.joints.names[joint] for joint in self.rotary)
+
+    @cached_property
+    def columns(self) -> NDArray[np.intp]:
+        """Which of x y z a b c each joint is."""
+        return np.array([AXIS_LETTERS.index(name) for name in self.kinematics.joints.names], dtype=np.intp)
+
+    # -- tip and axes
+
+    def tips(self, q: Array, offset: Array) -> Array:
+        """The tip (n, 3) in C with joints at `q` (n, j) and length offsets `offset` (n, 3)."""
+        X_BF, X_BC = self.kinematics.forward(q), self.kinematics.table(q)
+        arm = offset @ self._nose.T  # in F: R_FB at zero times minus the offset
+        p_B = X_BF[:, :3, 3] + np.einsum("nij,nj->ni", X_BF[:, :3, :3], arm)
+        tips: Array = np.einsum("nji,nj->ni", X_BC[:, :3, :3], p_B - X_BC[:, :3, 3])
+        return tips
+
+    @cached_property
+    def _nose(self) -> Array:
+        zero = np.zeros((1, len(self.kinematics.joints)))
+        nose: Array = -self.kinematics.forward(zero)[0, :3, :3].T
+        return nose
+
+    def _affine(self, q: Array, offset: Array) -> tuple[Array, Array]:
+        """The tip (n, 3) with the linear axes at zero, and its change (n, 3, 3) per metre of each of them."""
+        still = q.copy()
+        still[:, self.linear] = 0.0
+        zero = self.tips(still, offset)
+        directions = np.empty((len(q), 3, 3))
+        for column, joint in enumerate(self.linear):
+            still[:, joint] = 1.0
+            directions[:, :, column] = self.tips(still, offset) - zero
+            still[:, joint] = 0.0
+        return zero, directions
+
+    def joints(self, points: Array, offset: Array) -> Array:
+        """Joints (n, j) with the tip at `points` (n, 6): x, y, z in C and the rotary axes as they stand."""
+        q = np.ascontiguousarray(points[:, self.columns])
+        zero, directions = self._affine(q, offset)
+        q[:, self.linear] = np.linalg.solve(directions, (points[:, :3] - zero)[:, :, None])[:, :, 0]
+        return q
+
+    def points(self, q: Array, offset: Array) -> Array:
+        """The inverse of `joints`: x, y, z of the tip in C and rotary axes (n, 6)."""
+        out = np.zeros((len(q), 6))
+        out[:, self.columns] = q
+        out[:, :3] = self.tips(q, offset)
+        return out
+
+    # -- attitude
+
+    @cached_property
+    def turns(self) -> tuple[Turn, ...]:
+        """The rotary joints from the work to the tool: R_CF = exp(a1 q1) exp(a2 q2) … at zero."""
+        tree, names = self.kinematics.chain.tree, self.kinematics.joints.names
+        zero = np.zeros((1, len(names)))
+        table: list[Turn] = []
+        head: list[Turn] = []
+        for joint in self.rotary:
+            q = zero.copy()
+            q[0, joint] = 0.5 * np.pi
+            on_tool = bool(tree.path[joint])
+            moved = (self.kinematics.forward if on_tool else self.kinematics.table)(q)[0, :3, :3]
+            still = (self.kinematics.forward if on_tool else self.kinematics.table)(zero)[0, :3, :3]
+            R = moved @ still.T
+            axis = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
+            (head if on_tool else table).append(Turn(int(joint), axis if on_tool else -axis))
+        return (*reversed(table), *head)
+
+    @cached_property
+    def upright(self) -> Array:
+        """The direction (3,) from the tip to the holder with all axes at zero, in C."""
+        zero = np.zeros((1, len(self.kinematics.joints)))
+        direction: Array = -self.kinematics.forward(zero)[0, :3, 2]
+        return direction
+
+    def directions(self, q: Array) -> Array:
+        """The direction (n, 3) from the tip to the holder, in C."""
+        X_BF, X_BC = self.kinematics.forward(q), self.kinematics.table(q)
+        directions: Array = -np.einsum("nji,nj->ni", X_BC[:, :3, :3], X_BF[:, :3, 2])
+        return directions
+
+    def attitudes(self, direction: Array, seed: Array) -> list[Array]:
+        """Joints (j,) that bring the tool into `direction` (3,) in C; at most two, none where it cannot turn so.
+
+        Linear axes stay as in `seed` (j,), and so does an axis that the direction leaves free (the pole). Paden and
+        Kahan 1986, subproblems 1 and 2, for two axes that need not be at right angles (nutating heads and tables).
+        """
+        w = np.asarray(direction, dtype=float) / np.linalg.norm(direction)
+        if len(self.turns) == 1:
+            turn = self.turns[0]
+            angle = _angle_about(turn.axis, self.upright, w, float(seed[turn.joint]))
+            return [] if angle is None else [self._with(seed, {turn.joint: angle})]
+        if len(self.turns) != 2:
+            return []
+        first, second = self.turns
+        u, found = self.upright, []
+        for inner in _angles_of_height(first.axis, second.axis, u, float(w @ first.axis), float(seed[second.joint])):
+            v = rotation_about(second.axis, inner) @ u
+            outer = _angle_about(first.axis, v, w, float(seed[first.joint]))
+            if outer is not None:
+                found.append(self._with(seed, {second.joint: inner, first.joint: outer}))
+        return found
+
+    def within_travel(self, q: Array, near: Array) -> Array | None:
+        """`q` (j,) with its rotary axes whole turns on, inside the travel and as near to `near` (j,) as can be."""
+        out, joints = q.copy(), self.kinematics.joints
+        for joint in self.rotary:
+            low, high = joints.lower[joint] - _SLACK, joints.upper[joint] + _SLACK
+            turns = np.round((near[joint] - q[joint]) / _TURN) + np.arange(-1.0, 2.0)
+            if np.isfinite(low):
+                turns = np.append(turns, np.ceil((low - q[joint]) / _TURN))
+            if np.isfinite(high):
+                turns = np.append(turns, np.floor((high - q[joint]) / _TURN))
+            values = q[joint] + _TURN * turns
+            values = values[(values >= low) & (values <= high)]
+            if not len(values):
+                return None
+            out[joint] = values[np.argmin(np.abs(values - near[joint]))]
+        return out
+
+    def _with(self, seed: Array, angles: dict[int, float]) -> Array:
+        q = np.array(seed, dtype=float)
+        for joint, angle in angles.items():
+            q[joint] = angle
+        return q
+
+
+def _angle_about(axis: Array, start: Array, end: Array, free: float) -> float | None:
+    """The angle about `axis` that turns `start` to `end`; `free` where both lie on it, None where it cannot."""
+    if abs(axis @ start - axis @ end) > 1e-7:
+        return None
+    a, b = start - (axis @ start) * axis, end - (axis @ end) * axis
+    if np.linalg.norm(a) < _FLAT**0.5 or np.linalg.norm(b) < _FLAT**0.5:
+        return free
+    return float(np.arctan2(axis @ np.cross(a, b), a @ b))
+
+
+def _angles_of_height(first: Array, second: Array, u: Array, height: float, free: float) -> list[float]:
+    """Angles about `second` after which `u` has the component `height` along `first`; two, one at the end of reach."""
+    across = u - (u @ second) * second
+    a, b = float(first @ across), float(first @ np.cross(second, u))
+    size = float(np.hypot(a, b))
+    rest = height - float(u @ second) * float(first @ second)
+    if size < _FLAT:
+        return [free] if abs(rest) < 1e-7 else []
+    share = rest / size
+    if abs(share) > 1.0 + 1e-9:
+        return []
+    spread = float(np.arccos(np.clip(share, -1.0, 1.0)))
+    middle = float(np.arctan2(b, a))
+    angles = [middle + spread] if spread < 1e-8 else [middle + spread, middle - spread]
+    return [float(np.arctan2(np.sin(angle), np.cos(angle))) for angle in angles]
