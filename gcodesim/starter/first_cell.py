@@ -20,6 +20,7 @@ _GAP: Final = 50.0 * MM
 _THIN: Final = 1.0 * MM  # a shallower cut says nothing about the thickness
 _NEAR_A_SIDE: Final = 0.25
 _SHEET: Final = 3.0 * MM
+_NO_END: Final = "GS010"
 _GUESSED: Final = {"drill": 5.0 * MM, "flat_end_mill": 6.0 * MM}
 
 
@@ -51,6 +52,8 @@ def cell_for(program: SourceText) -> bytes:
 def _tools(found: Scan, seen: Survey) -> list[FirstTool]:
     """The tools that the program calls; the one in the spindle when it calls none."""
     scanned = list(found.tools)
+    named = {tool.number for tool in scanned}
+    scanned += [ScannedTool(number=number, line=0) for number in seen.called if number not in named]
     if not scanned and any(use.sideways or use.down for use in seen.uses.values()) and _depth(seen) > 0.0:
         scanned = [ScannedTool(number=1, line=0)]
     unit = INCH if found.inch else MM
@@ -128,7 +131,10 @@ class FirstCell:
 
     def language(self) -> list[str]:
         lines = [f"dialect: {self.seen.dialect:<10} # {self.seen.why}"]
-        if self.seen.failed is not None:
+        checks = []
+        if self.seen.failed is not None and self.seen.failed.code == _NO_END:
+            checks.append((f"{_NO_END}: warning", "a control would stop at the end of the file: it has no M2 or M30"))
+        elif self.seen.failed is not None:
             where = self.seen.failed.span.line
             lines.append(f"# line {where} of the program has an error, so a run stops there: see `gcodesim lint`")
         if self.seen.lathe:
@@ -140,7 +146,10 @@ class FirstCell:
                 why = "the program changes no tool: this one is there from the start"
             lines.append(f"loaded_tool: {number}    # {why}")
         if self.tools and not self.seen.changes and not self.seen.spins:
-            lines.append("checks: {GS501: note}    # the program never starts the spindle: somebody does it by hand")
+            checks.append(("GS501: note", "the program never starts the spindle: somebody does it by hand"))
+        if checks:
+            codes, reasons = zip(*checks, strict=True)
+            lines.append(f"checks: {{{', '.join(codes)}}}    # {'; '.join(reasons)}")
         return lines
 
     # -- machine
@@ -155,7 +164,7 @@ class FirstCell:
             "  axes:",
         ]
         first = next(iter(zeros.values()), (0.0, 0.0, 0.0))
-        longest = max((tool.length for tool in self.tools), default=0.0)
+        longest = self._longest
         for k, letter in enumerate("XYZ"):
             low, high = travel[k]
             speed = "30 m/min, acceleration: 3 m/s^2" if k < 2 else "15 m/min, acceleration: 2 m/s^2"
@@ -168,11 +177,19 @@ class FirstCell:
             )
         if self.seen.from_zero:
             lines.append("# the program counts from where it starts: `home` is its zero, the tool on the material")
+        if self.seen.own:
+            names = ", ".join(name_of_system(index) for index in self.seen.own)
+            lines.append(f"# the program sets {names} itself: so it stands here, for the stock to be where it cuts")
         lines.append("work_offsets:")
         for index, zero in self._zeros_by_system(zeros):
             place = ", ".join(f"{value / MM + 0.0:g}" for value in zero)
             lines.append(f"  {name_of_system(index)}: {{xyz: [{place} mm]}}")
         return lines
+
+    @property
+    def _longest(self) -> float:
+        """The longest tool [m], by the cell or by words of the program."""
+        return max([self.seen.lift, *(tool.length for tool in self.tools)])
 
     def _zeros_by_system(
         self, zeros: dict[int, tuple[float, float, float]]
@@ -183,7 +200,7 @@ class FirstCell:
         seen = self.seen
         if not any(self._stock_box(reach) for reach in seen.systems.values()):
             return not seen.systems  # without stock nothing places the work
-        if seen.rotary or seen.lathe or seen.from_zero or list(seen.systems) != [1]:
+        if seen.rotary or seen.lathe or seen.from_zero or seen.own or list(seen.systems) != [1]:
             return False
         if seen.machine is not None:
             low, high = seen.machine
@@ -199,23 +216,34 @@ class FirstCell:
                     return False
             top = 0.0 if box is None else float(box[1][2])
             longest = max((tool.length for tool in self.tools), default=0.0)
-            if high[2] - top > _ABOVE or top - low[2] > _ROUTER_Z - 0.1 - longest:
+            if seen.lift > longest or high[2] - top > _ABOVE or top - low[2] > _ROUTER_Z - 0.1 - longest:
                 return False
         return True
 
     def _layout(self) -> tuple[dict[int, tuple[float, float, float]], list[tuple[float, float]]]:
         """Zeros of the work systems side by side along X, and a travel that holds them all [m]."""
-        longest = max((tool.length for tool in self.tools), default=0.0)
+        longest = self._longest
         highest = max((float(r.all[1][2]) for r in self.seen.systems.values()), default=0.0)
         lowest = min((float(r.all[0][2]) for r in self.seen.systems.values()), default=0.0)
         z = -_up(highest + longest + 10.0 * MM)
         zeros, x, widest = {}, _GAP, 0.0
         for index, reach in self.seen.systems.items():
             low, high = self._room(reach)
+            if index in self.seen.own:
+                continue
             zeros[index] = (_up(x - low[0]), _up(_GAP - low[1]), z)
             x = zeros[index][0] + high[0] + _GAP
             widest = max(widest, zeros[index][1] + high[1] + _GAP)
         travel = [[0.0, _up(x)], [0.0, _up(widest)], [-_up(-(z + min(lowest, 0.0)) + 10.0 * MM), 0.0]]
+        for index, zero in self.seen.own.items():
+            zeros[index] = zero
+            if index not in self.seen.systems:
+                continue
+            low, high = self._room(self.seen.systems[index])
+            for k in range(3):
+                margin = 10.0 * MM + (longest if k == 2 else 0.0)
+                travel[k][0] = min(travel[k][0], -_up(-(zero[k] + low[k])))
+                travel[k][1] = max(travel[k][1], _up(zero[k] + high[k] + margin))
         if self.seen.machine is not None:
             for k in range(3):
                 travel[k][0] = min(travel[k][0], -_up(-float(self.seen.machine[0][k])))
@@ -250,7 +278,10 @@ class FirstCell:
                 low[k], high[k] = low[k] - 2.0 * radius, high[k] + 2.0 * radius
         for x, y, number in reach.plunges.tolist():
             _keep_out((x, y), radii.get(int(number), radius), low, high)
-        return low, high
+        for x, y, z in reach.early.tolist():
+            if low[0] < x < high[0] and low[1] < y < high[1]:
+                high[2] = min(high[2], z)
+        return (low, high) if high[2] - low[2] > 1e-6 else None
 
     def stock(self) -> list[str]:
         boxes = self.boxes
@@ -295,7 +326,9 @@ class FirstCell:
         for tool in self.tools:
             told = tool.scanned
             asked = "; ITS DIAMETER IS A GUESS" if tool.guessed else ""
-            source = f"called in line {told.line}" if told.line else "nothing says what is in the spindle"
+            source = "nothing says what is in the spindle"
+            if told.line or told.number in self.seen.called:
+                source = f"called in line {told.line}" if told.line else "its number is computed"
             if told.comment:
                 source = f"line {told.line}: {told.comment}"
             values = [f"type: {told.type}", f"diameter: {round(tool.diameter / self._unit, 4):g} {unit}"]

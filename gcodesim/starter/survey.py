@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from array import array
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -25,10 +25,14 @@ from gcodesim.units import MM
 _DIALECTS: Final = ("linuxcnc", "fanuc", "grbl")  # the first of those that understand most is taken
 
 _TRIED: Final = 100_000  # bytes that are read to choose the dialect
+_LOOPS: Final = 50_000  # blocks after which a text of that size is taken for an endless loop
+_ENDLESS: Final = ("GS134",)
+_UNKNOWN_WORDS: Final = frozenset(("GS001", "GS004", "GS006", "GS007", "GS008", "GS012", "GS013"))
 _PIECES: Final = 16  # chords in place of an arc
 _TINY: Final = 1e-7  # m
 _MACHINE = re.compile(r"(?<![A-Za-z0-9])G0*(?:28|30|53)(?![0-9.])", re.IGNORECASE)
 _HOMING = re.compile(r"(?<![A-Za-z0-9])G0*(?:28|30)(?![0-9.])", re.IGNORECASE)
+_TOUCH_OFF = re.compile(r"(?<![A-Za-z])L0*20(?![0-9.])", re.IGNORECASE)
 _NOTE = re.compile(r"\([^)]*\)?|;.*")
 _AXIS_WORD = re.compile(r"(?<![A-Za-z#<])[XYZxyz]\s*[-+]?\s*[0-9.#\[]")
 _O_NUMBER = re.compile(r"(?:O[0-9]{3,8}|:[0-9]{4})(?![0-9])", re.IGNORECASE)
@@ -55,12 +59,16 @@ class ToolUse:
 
 @dataclass(slots=True)
 class _Moves:
-    """Moves in one work system, seen from its zero [m]: both ends of feeds, ends of rapids with the tool, of probes."""
+    """Moves in one work system, seen from its zero [m]: both ends of feeds, ends of rapids with the tool, of probes.
+
+    `early` are the ends of rapids before anything is fed: there can be no material.
+    """
 
     feeds: array[float] = field(default_factory=lambda: array("d"))
     risen: bytearray = field(default_factory=bytearray)  # whether the tool went up before the feed: it is on its way
     rapids: array[float] = field(default_factory=lambda: array("d"))
     probes: array[float] = field(default_factory=lambda: array("d"))
+    early: array[float] = field(default_factory=lambda: array("d"))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,20 +76,24 @@ class Reach:
     """Where the program goes in a work system [m]: the box of all moves, and that of the material cut, when it is told.
 
     `cut` is flat in Z if nothing is cut in depth. `plunges` (n, 3) are x, y and tool number of the places at
-    which a rapid ends below its top, where there can be no material.
+    which a rapid ends below its top, where there can be no material; `early` (n, 3) are the ends of rapids before the
+    first feed.
     """
 
     all: Bounds
     cut: Bounds | None
     plunges: Array
+    early: Array
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Survey:
     """What a program does. `foreign` says why no dialect reads it; `machine` is the box of G53 moves [m].
 
-    `from_zero`: the first move counts from where the machine stands. `spins`: the spindle is switched on with a speed.
-    `measured`: lengths of tools are put in force, or nothing is said of them.
+    `own` has the zeros [m] of work systems that the program sets itself in coordinates of the machine, `lift` is the
+    longest tool offset that it sets by words, `called` are the tools that come into the spindle. `from_zero`: the first
+    move counts from where the machine stands. `spins`: the spindle is switched on with a speed. `measured`: lengths of
+    tools are put in force, or nothing is said of them.
     """
 
     dialect: str
@@ -90,6 +102,9 @@ class Survey:
     failed: Diagnostic | None
     systems: dict[int, Reach]
     machine: Bounds | None
+    own: Mapping[int, tuple[float, float, float]]
+    lift: float
+    called: tuple[int, ...]
     uses: dict[int, ToolUse]
     changes: bool
     rotary: str
@@ -101,13 +116,15 @@ class Survey:
 
 def survey(program: SourceText) -> Survey:
     """Read the program with every tool that it may name, its work systems at machine zero."""
-    dialect, why = _dialect_of(program)
+    dialect, why, ends = _dialect_of(program)
     foreign = foreign_of(program)
     turns = DIALECTS[dialect].lathe
     lathe = lathe_of(program, turns)
     if turns is not None and turns.refused and lathe is not None:
         foreign = lathe
-    run = interpret(program, Settings(dialect=dialect, tool_table=assumed_tools(program), has_cell=True))
+    tools = assumed_tools(program)
+    settings = Settings(dialect=dialect, tool_table=tools, has_cell=True, max_blocks=None if ends else _LOOPS)
+    run = interpret(program, settings)
     walk = _Walk(program)
     for item in run.stream():
         for event in item.events() if type(item) is MoveBatch else (item,):
@@ -122,6 +139,9 @@ def survey(program: SourceText) -> Survey:
         failed=run.failed,
         systems={index: reach for index, moves in sorted(walk.systems.items()) if (reach := _reach(moves)) is not None},
         machine=_box(np.array(walk.machine).reshape(-1, 3)) if walk.machine else None,
+        own=dict(sorted(walk.own.items())),
+        lift=walk.lift,
+        called=tuple(sorted(walk.called)),
         uses=dict(sorted(walk.uses.items())),
         changes=walk.changes,
         rotary="".join(sorted(walk.rotary)),
@@ -132,27 +152,38 @@ def survey(program: SourceText) -> Survey:
     )
 
 
-def _dialect_of(program: SourceText) -> tuple[str, str]:
-    """The dialect that understands most of the program, and why it was chosen."""
+def _dialect_of(program: SourceText) -> tuple[str, str, bool]:
+    """The dialect that understands most of the program, why it was chosen, and whether the program comes to an end.
+
+    A loop that waits for what a machine does, such as a probe, may have none here.
+    """
     said, reason = _told_dialect(program)
     head = program
     if len(program.raw) > _TRIED:
         head = SourceText(program.name, program.raw[: program.raw.rfind(b"\n", 0, _TRIED) + 1])
-    faults: dict[str, int] = {}  # kinds of faults: one that comes in every line says no more than once
+    # kinds of faults, as one that comes in every line says no more than once; words that a control does not know first
+    faults: dict[str, tuple[int, int]] = {}
+    endless = set()
     for dialect in dict.fromkeys((said, *_DIALECTS) if said else _DIALECTS):
-        run = interpret(head, Settings(dialect=dialect, tool_table=assumed_tools(head), has_cell=True))
+        settings = Settings(dialect=dialect, tool_table=assumed_tools(head), has_cell=True, max_blocks=_LOOPS)
+        run = interpret(head, settings)
         for _ in run.stream():
             pass
         errors = [
             f for f in run.findings if f.level >= Severity.ERROR and not (f.code == "GS010" and head is not program)
         ]
-        faults[dialect] = len({(f.code, f.message) for f in errors})
+        if any(f.code in _ENDLESS for f in errors):
+            endless.add(dialect)
+        kinds = {(f.code, f.message) for f in errors}
+        unknown = sum(code in _UNKNOWN_WORDS for code, _ in kinds)
+        faults[dialect] = (unknown, len(kinds) - unknown)
         if not errors:
             break
     best = min(faults, key=lambda name: faults[name])
     if best == said:
-        return best, reason
-    return best, "no other dialect understands more of it" if faults[best] else "it understands every line"
+        return best, reason, best not in endless
+    why = "no other dialect understands more of it" if any(faults[best]) else "it understands every line"
+    return best, why, best not in endless
 
 
 def _told_dialect(program: SourceText) -> tuple[str, str]:
@@ -205,11 +236,16 @@ class _Walk:
 
     def __init__(self, program: SourceText) -> None:
         self._program = program
-        self._system, self._offset = 1, (0.0,) * 6
+        self._system = 1
+        self._offset: tuple[float, ...] = (0.0,) * 6  # the zero from which the places of the system count
         self._tool = 0
         self._at: tuple[float, ...] | None = None
         self._risen = True
         self.systems: dict[int, _Moves] = {}
+        self._zeros: dict[int, tuple[float, ...]] = {}
+        self.own: dict[int, tuple[float, float, float]] = {}
+        self.lift = 0.0
+        self.called: set[int] = set()
         self.machine: list[tuple[float, float, float]] = []
         self.uses: dict[int, ToolUse] = {}
         self.changes = self.spins = False
@@ -222,13 +258,30 @@ class _Walk:
             self._move(event)
         elif isinstance(event, canon.WorkSystem):
             old = self._offset
-            self._system, self._offset = event.index, event.offset
+            self._system, self._offset = event.index, self._zero_of(event)
             if self._at is not None:
                 self._at = tuple(a + o - n for a, o, n in zip(self._at, old, self._offset, strict=False))
+        elif isinstance(event, canon.ToolOffset):
+            self.lift = max(self.lift, event.offset[2])
         elif isinstance(event, canon.Spindle):
             self.spins = self.spins or (event.direction != "off" and event.speed > 0.0)
         elif isinstance(event, canon.ToolChange | canon.ToolNumber):
             self._tool, self.changes = event.tool, self.changes or event.tool > 0
+            self.called |= {event.tool} - {0}
+
+    def _zero_of(self, event: canon.WorkSystem) -> tuple[float, ...]:
+        """The zero of a system: where the program puts it before it moves there, else where the cell will.
+
+        What it sets later, by G10 or by touching off (L20), moves its places seen from that zero.
+        """
+        if event.index not in self._zeros or event.index not in self.systems:
+            touched_off = _TOUCH_OFF.search(self._text(event.span.line)) is not None
+            if not touched_off or event.index not in self._zeros:
+                self._zeros[event.index] = (0.0,) * 6 if touched_off else event.offset
+            x, y, z = self._zeros[event.index][:3]
+            if any((x, y, z)):
+                self.own[event.index] = (x, y, z)
+        return self._zeros[event.index]
 
     def _move(self, event: canon.Move) -> None:
         end = tuple(e - o for e, o in zip(event.end, self._offset, strict=True))
@@ -242,6 +295,8 @@ class _Walk:
         moves = self.systems.setdefault(self._system, _Moves())
         sideways, rise = math.hypot(end[0] - start[0], end[1] - start[1]), end[2] - start[2]
         if isinstance(event, canon.Rapid):
+            if not moves.feeds and event.word not in _HOLES:
+                moves.early.extend(end[:3])
             if event.word in _HOLES or _place(end) in self._fed:
                 moves.rapids.extend((*end[:2], max(end[2], start[2]), self._tool))  # down into an existing cut
             else:
@@ -320,7 +375,7 @@ def _reach(moves: _Moves) -> Reach | None:
     risen = np.frombuffer(bytes(moves.risen), dtype=np.uint8).astype(bool)
     cut = _cut(feeds[~risen])
     deep = rapids[rapids[:, 2] < (cut[1][2] - 10 * _TINY if cut is not None else -np.inf)]
-    return Reach(all=_box(cloud), cut=cut, plunges=deep[:, [0, 1, 3]])
+    return Reach(all=_box(cloud), cut=cut, plunges=deep[:, [0, 1, 3]], early=np.array(moves.early).reshape(-1, 3))
 
 
 def _cut(feeds: Array) -> Bounds | None:

@@ -234,3 +234,67 @@ def test_additional_systems_of_fanuc_have_their_place(tmp_path: Path) -> None:
 
     assert (status, worse) == ("ok", set())
     assert b"G54.1 P2: {xyz" in cell_for(source(text))
+
+
+OWN_ZEROS = (
+    "G21 G90 G40 G49\nT1 M6\nG43 H1\nG10 L2 P1 X-320 Y-210 Z-410\nG10 L2 P2 X-120 Y-210 Z-410\nM3 S5000\n"
+    "G54\nG0 X0 Y0 Z20\nZ2\nG1 Z-1 F200\nX40 F600\nG0 Z20\nG55\nG0 X0 Y0\nZ2\nG1 Z-1 F200\nX40 F600\nG0 Z20\nM5\nM2\n"
+)
+
+
+def test_zeros_that_the_program_sets_itself_are_those_of_the_cell(tmp_path: Path) -> None:
+    seen = survey(source(OWN_ZEROS))
+    assert seen.own == {1: pytest.approx((-0.32, -0.21, -0.41)), 2: pytest.approx((-0.12, -0.21, -0.41))}
+    status, worse, removed = verdict(OWN_ZEROS, tmp_path)
+    assert (status, worse) == ("ok", set())
+    assert min(removed.values()) > 100.0 and len(removed) == 2
+
+
+@pytest.mark.parametrize("shift", ["G92 X0 Y0", "G10 L20 P1 X0 Y0", "G52 X40 Y0"])
+def test_a_shift_within_the_work_makes_the_stock_longer(tmp_path: Path, shift: str) -> None:
+    """The second cut lies 40 mm further; the first is not cut twice."""
+    cut = "G0 Z2\nG1 Z-1 F200\nX30 F600\nG0 Z20\n"
+    dialect = "%\nO0001\n" if "G52" in shift else ""
+    text = f"{dialect}G21 G90\nT1 M6\nG43 H1\nM3 S5000\nG0 X0 Y0 Z20\n{cut}G0 X40 Y0\n{shift}\nG0 X0 Y0\n{cut}M5\nM30\n"
+    status, worse, removed = verdict(text, tmp_path)
+    assert status == "ok" and worse <= {"GS187"}  # the shift is still in force at the end
+    assert removed["stock"] == pytest.approx(2 * 6.0 * 30.0, rel=0.25)
+
+
+def test_an_offset_of_the_tool_that_the_program_sets_counts_for_travel(tmp_path: Path) -> None:
+    text = "G21 G90\nM3 S5000\nG43.1 Z180\nG0 X0 Y0 Z40\nG1 Z-1 F200\nX40\nG0 Z40\nM5\nM2\n"
+    status, worse, _ = verdict(text, tmp_path)
+    assert status != "failed" and "GS201" not in worse
+
+
+@pytest.mark.parametrize("head", ["#1=3\n", "%\nO0001\n"])
+def test_a_program_without_end_gets_a_cell_in_which_it_runs(tmp_path: Path, head: str) -> None:
+    text = head + "G21 G90\nT1 M6\nG43 H1\nM3 S5000\nG0 X0 Y0 Z5\nG1 Z-1 F100\nG1 X20.\nG0 Z5\nM5\n"
+    loaded = read_cell(SourceText(CELL, cell_for(source(text))), tmp_path / CELL)
+    results, _ = run(prepare(source(text), loaded))
+    assert [f.code for f in results.findings if f.level >= Severity.ERROR] == []
+    assert results.stocks["stock"].removed > 0.0
+
+
+def test_rapids_before_the_first_feed_pass_no_material(tmp_path: Path) -> None:
+    start = "G21 G90\nT1 M6\nG43 H1\nM3 S5000\nG0 X10 Y10 Z0\nG0 X0 Y0\n"
+    text = start + "G1 Z-2 F100\nG1 X40\nG1 Y20 Z5\nG1 X0\nG1 Y0 Z-2\nM5\nM2\n"
+    status, worse, _ = verdict(text, tmp_path)
+    assert status != "failed" and "GS401" not in worse
+
+
+def test_tools_whose_numbers_are_computed_are_there(tmp_path: Path) -> None:
+    text = "G21 G90\n#1=7\nT#1 M6\nG43\nM3 S5000\nG0 X0 Y0 Z5\nG1 Z-1 F100\nX30\nG0 Z5\nM5\nM2\n"
+    status, worse, _ = verdict(text, tmp_path)
+    assert (status, worse) == ("ok", set())
+
+
+def test_a_word_that_no_control_but_one_knows_decides() -> None:
+    """Whatever else is wrong with it there."""
+    text = "G19\nG0 Y0 Z0\nF100\nG5.2 P1 L3\nY0 Z1 P1\nY2 Z2 P2\nY2 Z0 P3\nG5.3\nM2\n"
+    assert survey(source(text)).dialect == "linuxcnc"
+
+
+def test_a_loop_that_waits_for_a_probe_is_surveyed_without_end() -> None:
+    text = "G21 G90\n#1=1\no1 while [#1 gt 0]\nG38.3 X[#1] F100\nG0 X0\n#1=[#1+0.001]\no1 endwhile\nM2\n"
+    assert survey(source(text)).failed.code == "GS134"
