@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import errno
 import gc
 import os
 import sys
@@ -22,6 +23,9 @@ from gcodesim.family import ExtensionError, package_at_fault
 
 # Imports create many objects that all stay; looking for garbage after every 700 takes a tenth of a short command.
 GARBAGE_EVERY: Final = 100_000
+
+# what a write to a stream that is open can end with; anything else without a file's name has a text that says enough
+_OF_STREAMS: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF, errno.EAGAIN)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -69,11 +73,13 @@ def _run(argv: Sequence[str] | None) -> int:
         return int(getattr(arguments, "status", OK))
     except OSError as error:
         # the system refused something: a full disk, a name that is too long, a folder without permission
-        what = "the output" if error.filename is None else str(error.filename)
         reason = error.strerror or str(error)
-        if error.filename is None:
-            drop_output()
-        return _refused(f"{what}: {reason}")
+        if error.filename is not None:
+            return _refused(f"{error.filename}: {reason}")
+        if error.errno not in _OF_STREAMS:
+            return _refused(reason)
+        drop_output()
+        return _refused(f"the output: {reason}")
     except Exception as error:
         _report_fault(error, sys.argv[1:] if argv is None else argv)
         return INTERNAL

@@ -34,7 +34,7 @@ def add_parser(commands: Any) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     from gcodesim.cli.output import findings_as_json, print_findings, print_json
-    from gcodesim.regress.accept import propose, take
+    from gcodesim.regress.accept import propose
     from gcodesim.regress.sources import Sources
     from gcodesim.regress.workers import in_parallel
 
@@ -46,7 +46,13 @@ def run(arguments: argparse.Namespace) -> int:
             proposals.append(proposal)
     refused = collected.found or any(proposal.against for proposal in proposals)
     arguments.status = FINDINGS if refused else OK
-    with _readers_may_go():
+    if arguments.format == "text":
+        with _readers_may_go():
+            _print(proposals, arguments.dry_run)
+            sys.stdout.flush()
+    if not arguments.dry_run:
+        _take(proposals)
+    with _readers_may_go():  # what was accepted is told when it has been written
         if arguments.format == "json":
             print_json(
                 {
@@ -56,17 +62,22 @@ def run(arguments: argparse.Namespace) -> int:
                 }
             )
         else:
-            _print(proposals, arguments.dry_run)
+            _print_count(proposals, arguments.dry_run)
             for one in collected.found:
                 print_findings([one.finding], Sources(how.root))
         sys.stdout.flush()
-    if not arguments.dry_run:
-        for proposal in proposals:
-            try:
-                take(proposal)
-            except OSError as error:
-                raise UsageError(f"{proposal.shown} cannot be written: {error.strerror}") from None
     return int(arguments.status)
+
+
+def _take(proposals: list[Proposal]) -> None:
+    """Write what is accepted; UsageError at the first file that cannot be written."""
+    from gcodesim.regress.accept import take
+
+    for proposal in proposals:
+        try:
+            take(proposal)
+        except OSError as error:
+            raise UsageError(f"{proposal.shown} cannot be written: {error.strerror}") from None
 
 
 @contextmanager
@@ -98,6 +109,9 @@ def _print(proposals: list[Proposal], is_dry: bool) -> None:
         if proposal.text is not None and proposal.comparison is None:
             for finding in proposal.faulty:
                 print(f"  with {finding.level.word} {finding.code} in line {finding.span.line}: {finding.message}")
+
+
+def _print_count(proposals: list[Proposal], is_dry: bool) -> None:
     accepted = sum(proposal.text is not None for proposal in proposals)
     refused = sum(bool(proposal.against) for proposal in proposals)
     equal = len(proposals) - accepted - refused

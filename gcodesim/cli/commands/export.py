@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import os
+import shutil
 import sys
 from io import BytesIO, StringIO
 from pathlib import Path
@@ -138,9 +140,12 @@ def _bytes(arguments: argparse.Namespace, recording: Recording, exporter: Export
 
 def _folder(arguments: argparse.Namespace, recording: Recording, exporter: Exporter, request: Request) -> None:
     out = _target(arguments, recording, exporter)
+    is_new = not os.path.lexists(out)
     try:
         written = exporter.write(recording, out, request)
     except OSError as error:
+        if is_new:
+            shutil.rmtree(out, ignore_errors=True)  # what is in it is cut off
         raise UsageError(f"{out} cannot be written: {error.strerror}") from None
     print(f"wrote {written} into {out}")
 
