@@ -30,6 +30,9 @@ _OWN: Final = "Plot!own"
 _CELL: Final = "3D!cell"
 _PART: Final = "3D!part"
 
+_SIX_NAMES: Final = 28.0
+"""Per cent of the height of a window in which a legend shows six joints."""
+
 _LEGEND_EDGE: Final = 56.0
 _LEGEND_LETTER: Final = 7.5
 """Pixels of a legend beside its names, and of a letter."""
@@ -115,7 +118,7 @@ def _milling(joints: Sequence[str], own: Json) -> tuple[Json, LayoutNode]:
         "Plot!tip": _plot("tip in work coordinates [mm]", _TIP),
     }
     rows = [_row("Plot!force", "Plot!feed"), _row("Plot!torque", "Plot!power"), _row(_VOLUME, "Plot!tip")]
-    return _with_own(panels, own), _column(*rows, *_rows_of(own), _row(_TEXTS, _LOG))
+    return _with_own(panels, own), _column(*rows, *_rows_of(own), _LOG)
 
 
 def _robot(joints: Sequence[str], own: Json) -> tuple[Json, LayoutNode]:
@@ -127,14 +130,13 @@ def _robot(joints: Sequence[str], own: Json) -> tuple[Json, LayoutNode]:
             "following error [um, deg]", {"um": "/motion.position_error_um", "deg": "/motion.orientation_error_deg"}
         ),
         "Plot!force": _plot("force [N]", {"force": "/process.max_force_n"}),
+        "Plot!torque": _plot("torque [N m]", {"torque": "/process.max_torque_nm"}),
         "Plot!feed": _plot("feed [mm/min]", _FEED),
     }
-    rows = [
-        _row("Plot!joints", "Plot!efforts"),
-        _row("Plot!limits", "Plot!following"),
-        _row("Plot!force", "Plot!feed"),
-    ]
-    return _with_own(panels, own), _column(*rows, *_rows_of(own), _row(_TEXTS, _LOG))
+    rows = [_row("Plot!limits", "Plot!following"), _row("Plot!force", "Plot!torque")]
+    panels, last = _with_own(panels, own), _row("Plot!feed", _LOG)
+    right = _column(*rows, *_rows_of(own), last)
+    return panels, _above(_row("Plot!joints", "Plot!efforts"), right, _SIX_NAMES)
 
 
 def _process(joints: Sequence[str], own: Json) -> tuple[Json, LayoutNode]:
@@ -146,7 +148,7 @@ def _process(joints: Sequence[str], own: Json) -> tuple[Json, LayoutNode]:
         "Plot!joints": _plot("joints [deg, mm]", _of_joints("/motion", joints, "position_shown")),
     }
     rows: list[LayoutNode] = [_VOLUME, _row("Plot!feed", "Plot!tip"), _row("Plot!limits", "Plot!joints")]
-    return _with_own(panels, own), _column(*rows, *_rows_of(own), _row(_TEXTS, _LOG))
+    return _with_own(panels, own), _column(*rows, *_rows_of(own), _LOG)
 
 
 _FEED: Final = {"tip": "/motion.feed_mm_min", "set": "/motion.feed_command_mm_min"}
@@ -332,6 +334,10 @@ def _split(direction: str, nodes: Sequence[LayoutNode]) -> LayoutNode:
     }
 
 
+def _above(top: LayoutNode, rest: LayoutNode, percent: float) -> LayoutNode:
+    return {"direction": "column", "splitPercentage": percent, "first": top, "second": rest}
+
+
 def _row(*nodes: LayoutNode) -> LayoutNode:
     return _split("row", nodes)
 
@@ -345,7 +351,7 @@ def _whole(scenes: Sequence[str], right: LayoutNode) -> LayoutNode:
         "direction": "column",
         "splitPercentage": 64,
         "first": _row(*scenes),
-        "second": "StateTransitions!program",
+        "second": {"direction": "row", "splitPercentage": 68, "first": "StateTransitions!program", "second": _TEXTS},
     }
     return {"direction": "row", "splitPercentage": 58, "first": left, "second": right}
 

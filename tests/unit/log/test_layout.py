@@ -82,7 +82,7 @@ def test_joints_and_outputs_are_those_of_the_cell():
 
 def test_each_kind_has_plots_of_its_own():
     plots = {kind: frozenset(name for name in made(kind)["configById"] if name.startswith("Plot!")) for kind in KINDS}
-    assert "Plot!torque" in plots["milling"] - plots["robot"]
+    assert "Plot!power" in plots["milling"] - plots["robot"]
     assert {"Plot!efforts", "Plot!limits"} <= plots["robot"] - plots["milling"]
     assert "Plot!volume" in plots["process"] - plots["robot"]
     with pytest.raises(KeyError):
