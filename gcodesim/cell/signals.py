@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass
 from typing import Any, Final, Literal
 
+from gcodesim.canon.events import Action, Event, Output
 from gcodesim.declarations.keys import key
 from gcodesim.declarations.kind import Json, Kind, key_name, scalar, short
 from gcodesim.declarations.map_of import MapOf, NameRule
@@ -49,6 +50,31 @@ class SignalWord:
     def codes(self) -> tuple[str, ...]:
         """The M-codes that mean nothing to the control without the cell."""
         return tuple(code for code in (self.on, self.off) if code)
+
+    def number_of(self, event: Event) -> float | None:
+        """What an event sets an output or a code to, as the program writes it; None if it says nothing of it.
+
+        An M62 to M65 that the cell maps to an action sets its output as well.
+        """
+        if self.type == "code":
+            return self._number_of_code(event)
+        if isinstance(event, Output):
+            return event.value if (event.type, event.index) == (self.type, self.index) else None
+        if isinstance(event, Action) and self.type == "digital" and event.m in (62, 63, 64, 65):
+            return float(event.m in (62, 64)) if event.p == self.index else None
+        return None
+
+    def _number_of_code(self, event: Event) -> float | None:
+        if not isinstance(event, Action):
+            return None
+        own = {f"M{event.m}"} | ({f"M{event.m} P{event.p:g}"} if event.p is not None else set())
+        if self.off:
+            return 1.0 if self.on in own else 0.0 if self.off in own else None
+        if self.on not in own:
+            return None
+        if event.q is not None:
+            return event.q
+        return event.p if event.p is not None and self.on == f"M{event.m}" else 1.0
 
 
 def signal_word(text: str) -> SignalWord | None:

@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Final
 
 from gcodesim.canon import Action, Coolant, End, Event, Spindle
+from gcodesim.cell.signals import SignalSource
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.units import RPM
 
+_TOOL: Final = "the process tool"
 
-def left_on(events: Sequence[Event]) -> list[Diagnostic]:
+
+def left_on(events: Sequence[Event], active: SignalSource | None = None) -> list[Diagnostic]:
     """GS503 to GS505 from a program's events; what M2 and M30 themselves switch off was on until then.
+
+    `active` is what switches the process tool in this cell, if no action does. A word of the spindle is left to GS503.
 
     There are none for a program that was not read to its end.
     """
@@ -27,7 +33,9 @@ def left_on(events: Sequence[Event]) -> list[Diagnostic]:
         elif isinstance(event, Coolant):
             flood, mist = event.flood, event.mist
         elif isinstance(event, Action) and event.target == "tool":
-            process = "the process tool" if event.verb == "activate" else None
+            process = _TOOL if event.verb == "activate" else None
+        if active is not None and (number := active.word.number_of(event)) is not None:
+            process = _TOOL if active.factor * number + active.zero > 0.0 else None
     return end_findings(last, spindle=spindle, process=process, flood=flood, mist=mist)
 
 

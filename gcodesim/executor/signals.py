@@ -52,8 +52,7 @@ def _numbers(word: SignalWord, heard: list[PathEvent], spindle: Array) -> Array:
     if word.type == "turning":
         turning: Array = (spindle != 0.0).astype(float)
         return turning
-    value = _code if word.type == "code" else _output
-    return _held(((each.row, value(word, each.event)) for each in heard), len(spindle), 0.0)
+    return _held(((each.row, word.number_of(each.event)) for each in heard), len(spindle), 0.0)
 
 
 def _held(changes: Iterable[tuple[int, float | None]], rows: int, start: float) -> Array:
@@ -67,27 +66,3 @@ def _held(changes: Iterable[tuple[int, float | None]], rows: int, start: float) 
 
 def _action(event: Event) -> tuple[str, str]:
     return (event.target, event.verb) if isinstance(event, Action) else ("", "")
-
-
-def _output(word: SignalWord, event: Event) -> float | None:
-    """What an event sets the word's output to; an M62 to M65 that the cell maps to an action sets it as well."""
-    if isinstance(event, Output):
-        return event.value if (event.type, event.index) == (word.type, word.index) else None
-    if not isinstance(event, Action):
-        return None
-    if word.type == "digital" and event.m in (62, 63, 64, 65):
-        return float(event.m in (62, 64)) if event.p == word.index else None
-    return None
-
-
-def _code(word: SignalWord, event: Event) -> float | None:
-    if not isinstance(event, Action):
-        return None
-    own = {f"M{event.m}"} | ({f"M{event.m} P{event.p:g}"} if event.p is not None else set())
-    if word.off:
-        return 1.0 if word.on in own else 0.0 if word.off in own else None
-    if word.on not in own:
-        return None
-    if event.q is not None:
-        return event.q
-    return event.p if event.p is not None and word.on == f"M{event.m}" else 1.0

@@ -30,6 +30,7 @@ from gcodesim.motion.timing import event_durations
 from gcodesim.motion.tool_path import ToolPath
 from gcodesim.planning import Plan, plan_path, posing_of
 from gcodesim.planning.legs import followed_by
+from gcodesim.processes.signal import ACTIVE
 from gcodesim.shop import Shop, with_stock
 from gcodesim.units import MM
 
@@ -164,7 +165,7 @@ class Legs:
         self._job.events = [*self._job.events, *(noted.event for noted in path.events)]
         if self._read:
             self._ended = True
-            self._job.findings.extend(left_on(self._job.events))
+            self._job.findings.extend(left_on(self._job.events, self.shop.signal_sources.get(ACTIVE.name)))
             whole = path if before is None else before.path.then(path)
             self._job.findings.extend(empty_spindle_findings(whole, self.shop.cell))
             lasting = any(self._duration_of(noted.event) > 0.0 for noted in path.events)

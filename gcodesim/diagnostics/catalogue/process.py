@@ -36,7 +36,7 @@ CODES: tuple[Code, ...] = (
         title="Program ends with a process on",
         what="The program ends while a process tool that an M-code switched on is still active.",
         why="An extruder, jet or gun that is left on goes on spending material at the last point.",
-        remedy="Switch it off before the end; the cell's `m_codes` say which word does it.",
+        remedy="Switch it off before the end; the cell's `m_codes` or `signals` say which word does it.",
     ),
     Code(
         code="GS505",

@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+import pytest
+
+from gcodesim.cell import read_cell
 from gcodesim.checks.ends import end_findings
-from gcodesim.diagnostics import Span
+from gcodesim.diagnostics import SourceText, Span
+from gcodesim.simulation import check, prepare
 from gcodesim.units import RPM
 
 
@@ -18,3 +24,30 @@ def test_what_is_on_at_the_end() -> None:
     assert "extruder" in findings[1].message
     assert "flood and mist" in findings[2].message
     assert all(f.span is last for f in findings)
+
+
+def _ended(words: str, active: str) -> list[str]:
+    """The codes for a program in a cell whose process tool a word switches."""
+    cell = (
+        "gcodesim: 1\nmachine: gantry_xyz\nsimulation: {world: kinematic}\ntools:\n"
+        "  1: {type: extruder, bead_width: 2, bead_height: 1}\n"
+        f"signals: {{active: {active}}}\n"
+    )
+    program = SourceText("p.nc", f"G21 G90\nT1 M6\nG43 H1\nG0 Z-100\n{words}\nM2\n".encode())
+    loaded = read_cell(SourceText("cell.yaml", cell.encode()), Path("cell.yaml"))
+    assert loaded.cell is not None, loaded.findings
+    return [f.code for f in check(prepare(program, loaded)).findings if f.code == "GS504"]
+
+
+@pytest.mark.parametrize(
+    ("active", "on", "off"),
+    [
+        ("{word: M62 P3}", "M62 P3\nG1 X10 F600", "M63 P3\nG1 X0"),
+        ("{word: M64 P3}", "M64 P3", "M65 P3"),
+        ("{word: M67 E1}", "M68 E1 Q2", "M68 E1 Q0"),
+        ("{word: M110/M111}", "M110", "M111"),
+    ],
+)
+def test_a_process_that_any_word_of_the_cell_switched_on_is_told(active: str, on: str, off: str) -> None:
+    assert _ended(on, active) == ["GS504"]
+    assert _ended(f"{on}\n{off}", active) == []
