@@ -6,6 +6,7 @@ from importlib.metadata import PackageNotFoundError, distribution
 from typing import Final
 
 EXTRAS: Final = {
+    "dae": ("pycollada",),
     "live": ("foxglove-sdk",),
     "plot": ("matplotlib",),
     "report": ("metaflow-card-uplot",),

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
-from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.extras import ExtraMissingError, require_extra
 from gcodesim.frames import Array
 
-NEEDS_COLLADA: Final = "`pip install 'gcodesim[dae]'`, or convert the file to STL or OBJ"
 Faces = NDArray[np.int32]
 
 
@@ -53,8 +51,11 @@ def read_mesh(path: Path, scale: float = 1.0) -> tuple[Array, Faces]:
     """
     import trimesh
 
-    if path.suffix.lower() == ".dae" and find_spec("collada") is None:
-        raise MeshError(f"{path.name}: nothing that reads Collada is installed here", NEEDS_COLLADA)
+    if path.suffix.lower() == ".dae":
+        try:
+            require_extra("dae", "a mesh in Collada")
+        except ExtraMissingError as missing:
+            raise MeshError(f"{path.name}: {missing}", "or convert the file to STL or OBJ") from None
     try:
         # the bytes, not the path: the readers would open whatever else a file names, such as materials
         mesh = trimesh.load(BytesIO(path.read_bytes()), file_type=path.suffix[1:].lower(), force="mesh", process=False)
