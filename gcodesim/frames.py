@@ -11,9 +11,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from gcodesim.arithmetic import Array as Array
+from gcodesim.arithmetic.elementary import cos_sin
+from gcodesim.arithmetic.matrices import applied, multiplied, norms
 
 WORLD: Final = "world"
 """The root of all frames."""
@@ -21,9 +22,9 @@ WORLD: Final = "world"
 
 def rotation_from_rpy(roll: float, pitch: float, yaw: float) -> Array:
     """Rotation matrix (3, 3) of rotations about the fixed X, then Y, then Z axis [rad]; the order of URDF."""
-    cr, sr = np.cos(roll), np.sin(roll)
-    cp, sp = np.cos(pitch), np.sin(pitch)
-    cy, sy = np.cos(yaw), np.sin(yaw)
+    cr, sr = cos_sin(roll)
+    cp, sp = cos_sin(pitch)
+    cy, sy = cos_sin(yaw)
     return np.array(
         [
             [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
@@ -36,14 +37,15 @@ def rotation_from_rpy(roll: float, pitch: float, yaw: float) -> Array:
 def rotation_about(axis: Array, angle: float) -> Array:
     """Rotation matrix (3, 3) by `angle` [rad] about the unit vector `axis` (Rodrigues 1840)."""
     x, y, z = axis
+    cosine, sine = cos_sin(angle)
     skew = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    R: Array = np.eye(3) + np.sin(angle) * skew + (1.0 - np.cos(angle)) * (skew @ skew)
+    R: Array = np.eye(3) + sine * skew + (1.0 - cosine) * multiplied(skew, skew)
     return R
 
 
 def canonical_quaternion(q: Array) -> Array:
     """Quaternions (..., 4) of unit length with w >= 0; ties are decided by the first non-zero component."""
-    q = q / np.linalg.norm(q, axis=-1, keepdims=True)
+    q = q / norms(q)[..., None]
     sign = np.ones(q.shape[:-1])
     undecided = np.ones(q.shape[:-1], dtype=bool)
     for column in (3, 0, 1, 2):
@@ -83,7 +85,7 @@ def quaternion_from_rotation(R: Array) -> Array:
 def rotation_from_quaternion(q: Array) -> Array:
     """Rotation matrices (..., 3, 3) of quaternions (..., 4), x y z w."""
     q = np.asarray(q, dtype=float)
-    q = q / np.linalg.norm(q, axis=-1, keepdims=True)
+    q = q / norms(q)[..., None]
     x, y, z, w = q[..., 0], q[..., 1], q[..., 2], q[..., 3]
     return np.stack(
         [
@@ -130,15 +132,15 @@ class Pose:
         return X
 
     def __matmul__(self, other: Pose) -> Pose:
-        return Pose(self.p + self.R @ other.p, self.R @ other.R)
+        return Pose(self.p + applied(self.R, other.p), multiplied(self.R, other.R))
 
     def inverse(self) -> Pose:
-        return Pose(-self.R.T @ self.p, self.R.T.copy())
+        return Pose(-applied(self.R.T, self.p), self.R.T.copy())
 
     def rotate(self, vectors: Array) -> Array:
         """Vectors (..., 3) of the inner frame, in axes of the outer one."""
-        return vectors @ self.R.T
+        return applied(self.R, vectors)
 
     def apply(self, points: Array) -> Array:
         """Points (..., 3) of the inner frame, in the outer one."""
-        return points @ self.R.T + self.p
+        return applied(self.R, points) + self.p

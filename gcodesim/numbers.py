@@ -30,7 +30,7 @@ def rounded(value: float, digits: int = 9) -> float:
     """`value` to `digits` significant digits, so that files do not carry the last bits of a sum."""
     if value == 0.0 or not math.isfinite(value):
         return value
-    return round(value, digits - 1 - math.floor(math.log10(abs(value))))
+    return float(f"{value:.{digits - 1}e}")
 
 
 def read_json(text: str | bytes) -> Any:

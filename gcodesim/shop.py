@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from gcodesim.arithmetic.matrices import applied, multiplied
 from gcodesim.cell import Cell, Placement, place
 from gcodesim.cell.cell import MAIN
 from gcodesim.cell.leftover import NOTHING_LEFT, Leftover, no_stock
@@ -290,8 +291,9 @@ def _upright(shop: Shop, stock: Stock, X_WS: Pose) -> Stock:
     from gcodesim.material.turning import turn_for, turned
 
     own = shop.cell.channels[shop.channel].orientation
-    up = -shop.placement.tool_axis(own) if shop.mover.retreat is None else shop.placement.X_WM.R @ shop.mover.retreat
-    R = turn_for((X_WS.R @ stock.turn).T @ up)
+    retreat = shop.mover.retreat
+    up = -shop.placement.tool_axis(own) if retreat is None else applied(shop.placement.X_WM.R, retreat)
+    R = turn_for(applied(multiplied(X_WS.R, stock.turn).T, up))
     return stock if np.array_equal(R, np.eye(3)) else turned(stock, R)
 
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from math import atan2, degrees
+from math import degrees
 from typing import Final
 
+from gcodesim.arithmetic.elementary import atan2
 from gcodesim.canon.systems import name_of_system
 from gcodesim.cell import Cell, Placement, place
 from gcodesim.cell.cell import MAIN

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 
+from gcodesim.arithmetic.matrices import multiplied
 from gcodesim.canon import AXIS_LETTERS
 from gcodesim.cell.joints import JointList, JointValue, Measure, check_within, in_si, unknown_letter
 from gcodesim.cell.models import shipped, shipped_chain
@@ -411,7 +412,7 @@ def chain_point(chain: Chain, driven: int) -> tuple[float, float, float]:
     X = joint.X
     while joint.parent in above:
         joint = above[joint.parent]
-        X = joint.X @ X
+        X = multiplied(joint.X, X)
     return float(X[0, 3]), float(X[1, 3]), float(X[2, 3])
 
 

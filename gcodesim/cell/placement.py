@@ -10,11 +10,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import product
-from math import atan2
 from typing import Final
 
 import numpy as np
 
+from gcodesim.arithmetic.elementary import acos, atan2
+from gcodesim.arithmetic.matrices import multiplied
 from gcodesim.canon.systems import SYSTEMS, system_index
 from gcodesim.cell.cell import MAIN, Cell
 from gcodesim.cell.channel import Channel, Orientation
@@ -106,7 +107,7 @@ def place(cell: Cell, channel: str = MAIN) -> Placement:
         offsets[system_index(name)] = X_MP
         if X_MP.R[2, 2] < 1.0 - _UPRIGHT:
             against = "machine" if mover.axes else "first work system"
-            message = f"{name} is tilted by {np.degrees(np.arccos(np.clip(X_MP.R[2, 2], -1, 1))):.6g} deg"
+            message = f"{name} is tilted by {np.degrees(acos(np.clip(X_MP.R[2, 2], -1, 1))):.6g} deg"
             findings.append(
                 Diagnostic(
                     code="GS726",
@@ -188,7 +189,7 @@ def _upright_base(cell: Cell, channel: Channel, robot: MachineTool | Robot) -> P
     R_BP = _offset(cell, robot.X_WB, robot, first).R
     if R_BP[2, 2] >= 1.0 - _UPRIGHT:
         return robot.X_WB
-    return Pose(robot.X_WB.p, robot.X_WB.R @ R_BP)
+    return Pose(robot.X_WB.p, multiplied(robot.X_WB.R, R_BP))
 
 
 def bounds_of(shape: StockShape) -> Bounds:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gcodesim.arithmetic.matrices import norm, norms
 from gcodesim.cell.cell import Cell
 from gcodesim.cell.placement import Bounds, Placement, bounds_of
 from gcodesim.diagnostics import Diagnostic
@@ -73,11 +74,11 @@ def _beyond_arm(tree: Tree, X_BS: Pose, corners: Bounds, tool: float) -> tuple[s
     """How far the stock is from the first joint [m], and how far the arm reaches at most, if that is less."""
     if tree.prismatic.any():
         return None
-    links = np.linalg.norm(tree.before[tree.path.astype(bool)][1:, :3, 3], axis=1)
-    reach = float(links.sum() + np.linalg.norm(tree.flange_offset[:3, 3])) + tool
+    links = norms(tree.before[tree.path.astype(bool)][1:, :3, 3])
+    reach = float(links.sum() + norm(tree.flange_offset[:3, 3])) + tool
     shoulder = X_BS.inverse().apply(tree.before[0][:3, 3])
     nearest = np.clip(shoulder, np.array(corners[0]), np.array(corners[1]))
-    distance = float(np.linalg.norm(shoulder - nearest))
+    distance = norm(shoulder - nearest)
     if distance <= reach:
         return None
     message = f"it is {distance / MM:.10g} mm from the first joint, and all links and the longest tool in a row"

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from datetime import date
+from math import isqrt
 from typing import Any, Final, Literal
 
 from gcodesim.cell.placing import Place
@@ -231,7 +232,7 @@ def nearest_rates(rate: float, period_ns: int) -> tuple[float, ...]:
 
 
 def _divisors(number: int) -> Iterator[int]:
-    small = [n for n in range(1, int(number**0.5) + 1) if number % n == 0]
+    small = [n for n in range(1, isqrt(number) + 1) if number % n == 0]
     yield from small
     yield from (number // n for n in reversed(small) if n * n != number)
 

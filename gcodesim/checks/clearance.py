@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.matrices import applied, inverse_pose, multiplied, norms
 from gcodesim.canon.systems import name_of_system
 from gcodesim.checks.collisions import Obstacle, ToolParts, collision_finding, fixture_touches
 from gcodesim.checks.pairs import may_not_meet
@@ -92,7 +93,7 @@ def _hits(
         mine = np.flatnonzero(tool_of_chord == number)
         tips = way.nose + tools[number].true_length * way.out
         axis = -(way.out[:-1] + way.out[1:])[mine]
-        axis /= np.linalg.norm(axis, axis=1, keepdims=True)
+        axis /= norms(axis)[:, None]
         parts = ToolParts.of(tools[number]).against(standing.role)
         touches = fixture_touches(parts, standing.bodies, tips[mine], tips[mine + 1], axis)
         for touch in touches:
@@ -124,7 +125,7 @@ def _way(plan: Plan, time: Array, carrier: Callable[[Array], Array] | None) -> _
         q = plan.joints(plan.trajectory.sample(time[rows]))
         X = plan.kinematics.forward(q)
         if carrier is not None:
-            X = np.linalg.inv(carrier(q)) @ X
+            X = multiplied(inverse_pose(carrier(q)), X)
         nose[rows], out[rows] = X[:, :3, 3], X[:, :3, 2]
     # the row in the middle of a chord, since its ends may belong to two
     return _Way(nose, out, plan.trajectory.sample(0.5 * (time[:-1] + time[1:])).row)
@@ -136,5 +137,5 @@ def place_in_system(p_M: Array, state: ToolState) -> tuple[str, Array]:
     The other way round as on a control: ``end = R(rotation) (program + g92) + offset``.
     """
     R = rotation_about(_UP, state.rotation)
-    point = R.T @ (p_M - np.array(state.system_offset[:3])) - np.array(state.g92[:3])
+    point = applied(R.T, p_M - np.array(state.system_offset[:3])) - np.array(state.g92[:3])
     return name_of_system(state.system), point

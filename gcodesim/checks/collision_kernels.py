@@ -58,13 +58,13 @@ def nearest_on_segment(a: Array, b: Array, weight: Array) -> float:
     """Weights (2,) of the point of segment a b nearest to the origin, and its squared distance."""
     ab2, at = 0.0, 0.0
     for c in range(3):
-        ab2 += (b[c] - a[c]) ** 2
+        ab2 += np.square(b[c] - a[c])
         at -= a[c] * (b[c] - a[c])
     t = min(max(at / ab2, 0.0), 1.0) if ab2 > 0.0 else 0.0
     weight[0], weight[1] = 1.0 - t, t
     square = 0.0
     for c in range(3):
-        square += (a[c] + t * (b[c] - a[c])) ** 2
+        square += np.square(a[c] + t * (b[c] - a[c]))
     return square
 
 
@@ -86,7 +86,7 @@ def nearest_on_triangle(a: Array, b: Array, c: Array, weight: Array) -> float:
             weight[0], weight[1], weight[2] = 1.0 - s - t, s, t
             square = 0.0
             for k in range(3):
-                square += (a[k] + s * (b[k] - a[k]) + t * (c[k] - a[k])) ** 2
+                square += np.square(a[k] + s * (b[k] - a[k]) + t * (c[k] - a[k]))
             return square
     best = math.inf
     two = np.zeros(2)
@@ -165,7 +165,7 @@ def separation(outline: Array, axis: Array, start: Array, end: Array, corners: A
     simplex, closest, weight = np.zeros((4, 3)), np.zeros(3), np.zeros(4)
     for c in range(3):
         closest[c] = start[c] - corners[0, c]
-    if closest[0] ** 2 + closest[1] ** 2 + closest[2] ** 2 == 0.0:
+    if closest[0] * closest[0] + closest[1] * closest[1] + closest[2] * closest[2] == 0.0:
         closest[0] = 1.0
     count = 0
     lower = 0.0
@@ -173,7 +173,7 @@ def separation(outline: Array, axis: Array, start: Array, end: Array, corners: A
     for _ in range(MOST_ROUNDS):
         for c in range(3):
             d[c] = -closest[c]
-        size = math.sqrt(d[0] ** 2 + d[1] ** 2 + d[2] ** 2)
+        size = math.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])
         value = support(outline, axis, start, end, corners, d, point)
         lower = max(lower, -value / size)
         if count > 0 and size - lower <= tolerance:
@@ -184,7 +184,8 @@ def separation(outline: Array, axis: Array, start: Array, end: Array, corners: A
         for c in range(3):
             simplex[count, c] = point[c]
         count = shrink(simplex, count + 1, closest, weight)
-        if count == 4 or closest[0] ** 2 + closest[1] ** 2 + closest[2] ** 2 <= tolerance * tolerance:
+        square = closest[0] * closest[0] + closest[1] * closest[1] + closest[2] * closest[2]
+        if count == 4 or square <= tolerance * tolerance:
             return 0.0
     return lower
 
@@ -192,7 +193,7 @@ def separation(outline: Array, axis: Array, start: Array, end: Array, corners: A
 @kernel
 def overlap_along(outline: Array, axis: Array, tip: Array, corners: Array, d: Array, point: Array) -> float:
     """How far the standing tool has to be moved along -d to leave the hull; inf when `d`, normalised here, is 0."""
-    size = math.sqrt(d[0] ** 2 + d[1] ** 2 + d[2] ** 2)
+    size = math.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])
     if size < 1e-12:
         return math.inf
     for c in range(3):
@@ -276,7 +277,7 @@ def touches(
         left, right = high - GOLDEN, low + GOLDEN
         at_left = depth_on(outline, a, s, e, corners, normals, left, tip)
         at_right = depth_on(outline, a, s, e, corners, normals, right, tip)
-        length = math.sqrt((e[0] - s[0]) ** 2 + (e[1] - s[1]) ** 2 + (e[2] - s[2]) ** 2)
+        length = math.sqrt(np.square(e[0] - s[0]) + np.square(e[1] - s[1]) + np.square(e[2] - s[2]))
         for _ in range(ROUNDS):
             if (high - low) * length < tolerance:
                 break

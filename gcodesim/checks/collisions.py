@@ -164,7 +164,7 @@ def _enter(
 def _boxes(outline: Array, start: Array, end: Array, axis: Array) -> tuple[Array, Array]:
     """Upright boxes around the swept part, least and greatest corners (m, 3)."""
     radius, height = outline[:, 0], outline[:, 1]
-    across = np.sqrt(np.maximum(1.0 - axis**2, 0.0))
+    across = np.sqrt(np.maximum(1.0 - axis * axis, 0.0))
     reach = axis[:, None, :] * height[:, None]
     spread = across[:, None, :] * radius[:, None]
     low = (reach - spread).min(axis=1) + np.minimum(start, end)

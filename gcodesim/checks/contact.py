@@ -5,6 +5,7 @@ Nothing is removed and nothing is pushed; geometry alone decides what the tip me
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -13,6 +14,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.elementary import cos, sin
+from gcodesim.arithmetic.matrices import inverse_pose, multiplied, norms
 from gcodesim.checks.clearance import Standing
 from gcodesim.checks.collisions import ToolParts, fixture_touches
 from gcodesim.frames import Array
@@ -65,7 +68,7 @@ class _Way:
 
     def seen_from(self, pose: Callable[[Array], Array] | None) -> Array:
         """The tip (n, 4, 4) seen from a frame at `pose`; None: from B."""
-        X: Array = self.X_BT if pose is None else np.linalg.inv(pose(self.q)) @ self.X_BT
+        X: Array = self.X_BT if pose is None else multiplied(inverse_pose(pose(self.q)), self.X_BT)
         return X
 
     def part(self, rows: NDArray[np.intp]) -> _Way:
@@ -114,7 +117,7 @@ class Touching:
         coarse = self._way(np.linspace(begin, end, _FEWEST_POSES + 1))
         frames = [target.pose for target in self.stocks] + [some.carrier for some in self.standing]
         ways = [np.diff(coarse.seen_from(pose)[:, :3, 3], axis=0) for pose in frames]
-        longest = max((float(np.linalg.norm(way, axis=1).max()) for way in ways), default=0.0)
+        longest = max((float(norms(way).max()) for way in ways), default=0.0)
         finest = 0.5 * min([self._radius, *(target.cell for target in self.stocks)])
         wanted = int(np.ceil(_FEWEST_POSES * longest / max(finest, 1e-6)))
         return self._way(np.linspace(begin, end, min(max(wanted, _FEWEST_POSES), _MOST_POSES) + 1))
@@ -179,7 +182,7 @@ class Touching:
     def _near(self, target: TargetStock, way: _Way) -> NDArray[np.intp]:
         """Those of n times at which the tip may touch at all."""
         low, high = target.stock.bounds
-        reach = float(np.linalg.norm(self._skin, axis=1).max())
+        reach = float(norms(self._skin).max())
         p = way.seen_from(target.pose)[:, :3, 3]
         near: NDArray[np.intp] = np.flatnonzero(np.all((p > low - reach) & (p < high + reach), axis=1))
         return near
@@ -191,7 +194,7 @@ class Touching:
         for some in self.standing:
             X = way.seen_from(some.carrier)
             axis = -(X[:-1, :3, 2] + X[1:, :3, 2])
-            axis /= np.linalg.norm(axis, axis=1, keepdims=True)
+            axis /= norms(axis)[:, None]
             for touch in fixture_touches(self._parts, some.bodies, X[:-1, :3, 3], X[1:, :3, 3], axis):
                 before, after = way.times[touch.piece], way.times[touch.piece + 1]
                 found.append(Contact(time=float(before + touch.share * (after - before)), body=touch.fixture))
@@ -227,7 +230,7 @@ class Touching:
 def _in_material(target: TargetStock, way: _Way, points: Array) -> NDArray[np.bool_]:
     """Which of the points (k, 3) of the tip are in material at each of n times; (n, k)."""
     X_ST = way.seen_from(target.pose)
-    flat = (points @ X_ST[:, :3, :3].transpose(0, 2, 1) + X_ST[:, None, :3, 3]).reshape(-1, 3)
+    flat = (multiplied(points, X_ST[:, :3, :3].transpose(0, 2, 1)) + X_ST[:, None, :3, 3]).reshape(-1, 3)
     low, high = target.stock.bounds
     within = np.flatnonzero(np.all((flat > low) & (flat < high), axis=1))
     hit = np.zeros(len(flat), dtype=bool)
@@ -243,7 +246,7 @@ def surface_points(outline: Array, step: float) -> Array:
     hull = _profile(outline)
     rings: list[tuple[float, float]] = [(float(hull[0, 0]), float(hull[0, 1]))]
     for (r0, h0), (r1, h1) in zip(hull[:-1].tolist(), hull[1:].tolist(), strict=True):
-        length = float(np.hypot(r1 - r0, h1 - h0))
+        length = math.hypot(r1 - r0, h1 - h0)
         own = max(step, length / FACETS) if abs(r1 - r0) < 1e-12 else step
         count = max(1, int(np.ceil(length / own)))
         rings += [(r0 + (r1 - r0) * k / count, h0 + (h1 - h0) * k / count) for k in range(1, count + 1)]
@@ -251,7 +254,7 @@ def surface_points(outline: Array, step: float) -> Array:
     for radius, height in rings:
         count = max(1, 4 * int(np.ceil(0.5 * np.pi * radius / step)))  # with one towards each axis
         angle = 2.0 * np.pi * np.arange(count) / count
-        ring = np.stack([radius * np.cos(angle), radius * np.sin(angle), np.full(count, -height)], axis=1)
+        ring = np.stack([radius * cos(angle), radius * sin(angle), np.full(count, -height)], axis=1)
         points.append(ring)
     return np.concatenate(points)
 

@@ -94,17 +94,21 @@ class Kernel:
 
     @cached_property
     def interpreted(self) -> Callable[..., Any]:
-        """The function as plain Python, with all kernels that it calls."""
+        """The function as plain Python, with all that it calls, and as silent: infinity, no warning."""
         import numpy as np
 
+        return np.errstate(all="ignore")(self.plain)
+
+    @cached_property
+    def plain(self) -> Callable[..., Any]:
+        """The function as plain Python, with all kernels that it calls."""
         function = cast(FunctionType, self.py_func)
         names = {
-            name: value.interpreted if isinstance(value, Kernel) else value
+            name: value.plain if isinstance(value, Kernel) else value
             for name, value in function.__globals__.items()
             if name in function.__code__.co_names
         }
-        plain = FunctionType(function.__code__, names, function.__name__, function.__defaults__)
-        return np.errstate(all="ignore")(plain)  # like the compiled one: infinity, no warning
+        return FunctionType(function.__code__, names, function.__name__, function.__defaults__)
 
     @property
     def _numba_type_(self) -> Any:
@@ -112,6 +116,11 @@ class Kernel:
         from gcodesim.compiled.compiling import part_of
 
         return part_of(self)._numba_type_
+
+
+def as_python(kernel: F) -> F:
+    """The function behind a kernel as plain Python, for a few calls from Python."""
+    return cast(F, cast(Kernel, kernel).plain)
 
 
 def is_compiler_off() -> bool:

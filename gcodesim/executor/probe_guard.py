@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.matrices import inverse_pose, multiplied, norms
 from gcodesim.canon import Trip
 from gcodesim.executor.tasks import RowColumns
 from gcodesim.executor.window import StepWindow
@@ -37,7 +38,7 @@ class ProbeGuard:
         near = np.zeros(len(steps), dtype=bool)
         for name, tips in self._tips(steps).items():
             room = self._over + self._shop.stocks[name].stock.cell
-            near |= np.linalg.norm(tips - self._stopped[name], axis=1) <= room
+            near |= norms(tips - self._stopped[name]) <= room
         kept[: len(near) if near.all() else int(np.argmin(near))] = True
         if not near.all():
             self._stopped = None
@@ -47,4 +48,4 @@ class ProbeGuard:
         """The tip (n, 3) [m] as each stock sees it."""
         shop, now = self._shop, {self._shop.name: steps.q}
         poses = {name: shop.scene.seen_from(shop.name, placed.frame, now) for name, placed in shop.stocks.items()}
-        return {name: (np.linalg.inv(X) @ steps.tip)[:, :3, 3] for name, X in poses.items()}
+        return {name: multiplied(inverse_pose(X), steps.tip)[:, :3, 3] for name, X in poses.items()}

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.matrices import norms
 from gcodesim.executor.stint import Stint, deflection_of
 from gcodesim.executor.window import StepWindow
 from gcodesim.frames import Array
@@ -78,7 +79,7 @@ def record_of(
             if column.name in answer.columns:
                 _put_in(columns[column.name], column, answer, here)
         kind[here] = np.where(answer["engaged"], sheet.kinds.index(stint.task.process.kind), kind[here])
-    columns[FORCE.name] = np.linalg.norm(wrench[:, :3], axis=1)
+    columns[FORCE.name] = norms(wrench[:, :3])
     return StepRecord(
         window=window, world=world, sheet=sheet, wrench=wrench, deflection=deflection, kind=kind, columns=columns
     )

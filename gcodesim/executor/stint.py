@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from gcodesim.arithmetic.matrices import applied, multiplied
+from gcodesim.arithmetic.turn_kernels import into_axes, wrench_from_axes
 from gcodesim.executor.targets import Bounds
 from gcodesim.executor.tasks import RowColumns, Task
 from gcodesim.executor.window import StepWindow
@@ -49,9 +51,10 @@ class Stint:
         """Step `k` of this stint, its tip off the command by `moved_before` … `moved` (3,) [m]; wrench (6,); in B."""
         if self._loop is None:
             self._loop = self.task.process.loop(self.task.target.given, self.window, self.task.state)
-        R = self.X_BS[k, :3, :3]
-        wrench = self._loop.step(k, moved_before @ R, moved @ R, self.share)
-        return np.concatenate([R @ wrench[:3], R @ wrench[3:]])
+        seen, out = np.empty((2, 3)), np.empty(6)
+        into_axes(self.X_BS[k], moved_before, moved, seen)
+        wrench_from_axes(self.X_BS[k], self._loop.step(k, seen[0], seen[1], self.share), out)
+        return out
 
     def finish(self) -> None:
         """Call after the last step: collects what the process did, all at once if it was not asked step by step."""
@@ -88,14 +91,14 @@ def stint_of(
     else:
         first, last = np.searchsorted(steps.piece_step, [begin, end])
         R, p = X_BS[0, :3, :3], X_BS[0, :3, 3]
-        start, stop = (steps.piece_start[first:last] - p) @ R, (steps.piece_end[first:last] - p) @ R
+        start, stop = applied(R.T, steps.piece_start[first:last] - p), applied(R.T, steps.piece_end[first:last] - p)
         step, share, row = (
             steps.piece_step[first:last] - begin,
             steps.piece_share[first:last],
             steps.piece_row[first:last],
         )
     R_SB = X_BS[:, :3, :3].transpose(0, 2, 1)
-    axis = -np.einsum("nij,nj->ni", R_SB, steps.tip[begin:end, :3, 2])
+    axis = -applied(R_SB, steps.tip[begin:end, :3, 2])
     if not _is_near(task, start, stop, axis, task.target.room):
         return None
     velocity = np.zeros((count, 3))
@@ -122,7 +125,7 @@ def stint_of(
 
 def _into(X: Array, points: Array) -> Array:
     """Points (n, 3) of the outer frame in the inner frames of poses (n, 4, 4)."""
-    local: Array = np.einsum("nji,nj->ni", X[:, :3, :3], points - X[:, :3, 3])
+    local: Array = applied(X[:, :3, :3].swapaxes(1, 2), points - X[:, :3, 3])
     return local
 
 
@@ -135,7 +138,7 @@ def _seen_from(R: Array, C: Array) -> Array:
     """Compliance (n, 6, 6) in turned axes, R (n, 3, 3)."""
     both = np.zeros_like(C)
     both[:, :3, :3] = both[:, 3:, 3:] = R
-    turned: Array = both @ C @ both.transpose(0, 2, 1)
+    turned: Array = multiplied(both, C, both.transpose(0, 2, 1))
     return turned
 
 
@@ -143,7 +146,7 @@ def in_base(wrench: Array, X_BS: Array) -> Array:
     """Wrenches (n, 6) given in S, in base axes."""
     R = X_BS[:, :3, :3]
     return np.concatenate(
-        [np.einsum("nij,nj->ni", R, wrench[:, :3]), np.einsum("nij,nj->ni", R, wrench[:, 3:])], axis=1
+        [applied(R, wrench[:, :3]), applied(R, wrench[:, 3:])], axis=1
     )
 
 
@@ -152,5 +155,5 @@ def deflection_of(stint: Stint) -> Array:
     assert stint.answer is not None
     turn = np.zeros((len(stint.answer.wrench), 3))
     if stint.window.compliance is not None:
-        turn = np.einsum("nij,nj->ni", stint.window.compliance[:, 3:], stint.answer.wrench)
+        turn = applied(stint.window.compliance[:, 3:], stint.answer.wrench)
     return in_base(np.concatenate([stint.answer.deflection, turn], axis=1), stint.X_BS)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import struct
 from collections.abc import Sequence
 from typing import Any, BinaryIO, ClassVar, Final, Literal
@@ -10,6 +11,7 @@ from typing import Any, BinaryIO, ClassVar, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.elementary import power
 from gcodesim.export.exporter import Exporter, Option, Request
 from gcodesim.log.shapes import Color
 from gcodesim.playback.frames import RecordedFrames
@@ -17,7 +19,7 @@ from gcodesim.playback.recording import Recording
 from gcodesim.playback.scenes import Drawing
 from gcodesim.playback.skins import skin_of
 
-_Z_UP: Final = [-(0.5**0.5), 0.0, 0.0, 0.5**0.5]  # in glTF Y is up: a quarter turn about X
+_Z_UP: Final = [-math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5)]  # in glTF Y is up: a quarter turn about X
 _FLOAT, _UINT = 5126, 5125
 _VERTICES, _INDICES = 34962, 34963
 _TRIANGLES, _LINES = 4, 1
@@ -137,7 +139,7 @@ class _File:
 
 def _material(color: Color) -> dict[str, Any]:
     """glTF takes colours in linear light; those of a scene are as a screen takes them (IEC 61966-2-1)."""
-    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in color[:3]]
+    linear = [c / 12.92 if c <= 0.04045 else power((c + 0.055) / 1.055, 2.4) for c in color[:3]]
     look: dict[str, Any] = {
         "pbrMetallicRoughness": {
             "baseColorFactor": [*linear, color[3]],

@@ -7,6 +7,7 @@ from typing import BinaryIO, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
+from gcodesim.arithmetic.matrices import applied
 from gcodesim.export.exporter import Exporter, NoExportError, Option, Request
 from gcodesim.material.stl import write_stl
 from gcodesim.material.surface import Surface
@@ -65,7 +66,7 @@ def write_part(
         raise NoPartError("the log draws no stock at that moment")
     if world:
         X = recording.frames().at(frame, moment)
-        surface = _surface(surface.vertices @ X[:3, :3].T + X[:3, 3], surface.faces)
+        surface = _surface(applied(X[:3, :3], surface.vertices) + X[:3, 3], surface.faces)
     write_stl(surface, out)
     return Written(len(surface.faces), exact=False)
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gcodesim.arithmetic.matrices import dots
 from gcodesim.canon import AXIS_LETTERS, ToolChange
 from gcodesim.checks.saturation import saturation_findings
 from gcodesim.diagnostics import Diagnostic, Span
@@ -172,7 +173,7 @@ def _straight_up(plan: Plan, shop: Shop) -> Flags:
     retreat = shop.mover.retreat
     if len(path) and retreat is not None:
         way = path.end - path.start
-        along = way[:, :3] @ retreat
+        along = dots(way[:, :3], retreat)
         way[:, :3] -= along[:, None] * retreat
         up[:] = (along > 0.0) & (np.abs(way).max(axis=1) < 1e-9)
     return up

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from gcodesim import canon
+from gcodesim.arithmetic.matrices import norm
 from gcodesim.canon import Axes
 from gcodesim.canon.batch import MoveBatch
 from gcodesim.cell.inputs import InputSource
@@ -258,7 +259,7 @@ class Legs:
         leg = self._planned(path)
         time = _time_at(leg, trip / stop if stop > 0.0 else 1.0)
         body = "" if contact is None or not tripped else contact.body
-        over = float(np.linalg.norm(np.subtract(rest, point)[:3]))
+        over = norm(np.subtract(rest, point)[:3])
         event = self._trip_event(question, leg, time, point=point, body=body, tripped=tripped, over=over)
         leg = replace(leg, trajectory=with_instant(leg.trajectory, time, event))
         at = self._steps * self._step_ns * 1e-9 + time

@@ -9,6 +9,8 @@ from typing import Final, Literal
 
 import numpy as np
 
+from gcodesim.arithmetic.elementary import acos
+from gcodesim.arithmetic.matrices import applied, least_inverse, multiplied, norm
 from gcodesim.canon import AXIS_LETTERS
 from gcodesim.frames import Array, Pose, rotation_from_rpy
 from gcodesim.kinematics.chain import Chain, Inertial, Joint, Link
@@ -83,7 +85,7 @@ def chain_of_axes(axes: Sequence[Axis], name: str = "machine") -> Chain:
                     parent=parent,
                     child=child,
                     X=Pose(point - at, np.eye(3)).matrix,
-                    axis=vector / np.linalg.norm(vector),
+                    axis=vector / norm(vector),
                     lower=axis.lower,
                     upper=axis.upper,
                     speed=axis.speed,
@@ -96,7 +98,7 @@ def chain_of_axes(axes: Sequence[Axis], name: str = "machine") -> Chain:
     for link, (parent, at), X in (("flange", ends["tool"], nose), ("table", ends["table"], np.eye(4))):
         back = Pose(-at, np.eye(3)).matrix
         links.append(Link(name=link))
-        joints.append(Joint(name=link, kind="fixed", parent=parent, child=link, X=back @ X))
+        joints.append(Joint(name=link, kind="fixed", parent=parent, child=link, X=multiplied(back, X)))
     return Chain(
         name=name, links=tuple(links), joints=tuple(joints), driven=tuple(driven), flange="flange", table="table"
     )
@@ -136,7 +138,7 @@ class Cartesian(Machine):
         J = self.jacobian(seed)[0][:3, on]
         here = self.forward(seed)[0]
         q = np.tile(seed, (len(X), 1))
-        q[:, on] += (X[:, :3, 3] - here[:3, 3]) @ np.linalg.pinv(J).T
+        q[:, on] += applied(least_inverse(J), X[:, :3, 3] - here[:3, 3])
         missed = np.abs(self.forward(q) - X).max(axis=(1, 2)) > _REACHED
         outside = ((q > self.joints.upper + _REACHED) | (q < self.joints.lower - _REACHED)).any(axis=1)
         status = np.where(missed, Status.REACH, np.where(outside, Status.LIMIT, Status.OK)).astype(np.uint8)
@@ -159,8 +161,8 @@ class Cartesian(Machine):
         if status == Status.LIMIT:
             return limit_reason(self.joints, self.inverse(X_BF, previous)[0][0])
         X, here = poses(X_BF)[0], self.forward(previous)[0]
-        cosine = 0.5 * (np.trace(here[:3, :3].T @ X[:3, :3]) - 1.0)
-        angle = float(np.arccos(np.clip(cosine, -1.0, 1.0)))
+        cosine = 0.5 * ((here[:3, :3] * X[:3, :3]).sum() - 1.0)
+        angle = acos(np.clip(cosine, -1.0, 1.0))
         return Reason(
             status=Status.REACH, what="turn of the spindle from its own direction", value=angle, limit=0.0, unit="rad"
         )

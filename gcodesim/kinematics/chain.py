@@ -15,6 +15,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.matrices import multiplied
 from gcodesim.frames import Array, Pose
 from gcodesim.solids import Placed, Solid
 
@@ -204,7 +205,7 @@ class Chain:
         parent = np.full(count, -1, dtype=np.int64)
         before = np.zeros((count, 4, 4))
         for index, joint in enumerate(self.joints):
-            X = offset[joint.parent] @ joint.X
+            X = multiplied(offset[joint.parent], joint.X)
             if index in place:
                 i = place[index]
                 parent[i], before[i] = carrier[joint.parent], X

@@ -8,6 +8,8 @@ from typing import ClassVar
 
 import numpy as np
 
+from gcodesim.arithmetic.elementary import atan2, sin
+from gcodesim.arithmetic.matrices import applied, dot, multiplied
 from gcodesim.frames import Array, rotation_about
 from gcodesim.kinematics.chain import Chain, Indices
 from gcodesim.kinematics.closed_form_kernels import inverse_path, solve_family
@@ -28,7 +30,7 @@ def six_in_a_row(chain: Chain) -> bool:
 
 def angle_about(axis: Array, start: Array, end: Array) -> float:
     """Angle [rad] from `start` to `end`, unit vectors square to `axis`, right-handed about it."""
-    return math.atan2(float(axis @ np.cross(start, end)), float(start @ end))
+    return atan2(dot(axis, np.cross(start, end)), dot(start, end))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -51,16 +53,16 @@ class ClosedForm(Machine):
         axis about which the rotation that is left turns first.
         """
         R_PB = np.array([np.cross(u[1], u[0]), u[1], u[0]])
-        origin = o[0] + u[0] * (u[0] @ (o[1] - o[0]))
-        steps = [R_PB @ (b - a) for a, b in zip([o[1], *joints[:-1]], joints, strict=True)]
+        origin = o[0] + u[0] * dot(u[0], o[1] - o[0])
+        steps = [applied(R_PB, b - a) for a, b in zip([o[1], *joints[:-1]], joints, strict=True)]
         if min(math.hypot(v[0], v[2]) for v in steps[:2]) < SQUARE:
             return None
         R_BE = np.array([np.cross(u[4], first), u[4], first]).T
         zero = angle_about(u[4], first, u[5])
-        p_FC = X_BF[:3, :3].T @ (centre - X_BF[:3, 3])
-        x2, lateral = R_PB[0] @ (o[1] - origin), R_PB[1] @ (centre - origin)
+        p_FC = applied(X_BF[:3, :3].T, centre - X_BF[:3, 3])
+        x2, lateral = dot(R_PB[0], o[1] - origin), dot(R_PB[1], centre - origin)
         a, b, c = [*steps, np.zeros(3)][:3]
-        R_FE = X_BF[:3, :3].T @ rotation_about(u[4], zero) @ R_BE
+        R_FE = multiplied(X_BF[:3, :3].T, rotation_about(u[4], zero), R_BE)
         return PlaneArm(
             p_BP=origin,
             p_FC=np.array(p_FC),
@@ -72,14 +74,14 @@ class ClosedForm(Machine):
             fore_x=float(b[0]),
             last_z=float(c[2]),
             last_x=float(c[0]),
-            sign3=float(np.sign(u[1] @ u[2])),
-            sign4=float(np.sign(u[1] @ u[3])),
+            sign3=float(np.sign(dot(u[1], u[2]))),
+            sign4=float(np.sign(dot(u[1], u[3]))),
             zero6=float(zero),
             upper_length=math.hypot(a[2], a[0]),
             fore_length=math.hypot(b[2], b[0]),
-            straight=math.atan2(a[0], a[2]) - math.atan2(b[0], b[2]),
+            straight=atan2(a[0], a[2]) - atan2(b[0], b[2]),
             R_PB=R_PB,
-            R_EP=np.ascontiguousarray(R_BE.T @ R_PB.T),
+            R_EP=np.ascontiguousarray(multiplied(R_BE.T, R_PB.T)),
             R_FE=np.ascontiguousarray(R_FE),
         )
 
@@ -91,7 +93,7 @@ class ClosedForm(Machine):
     def centre(self, X_BF: Array) -> Array:
         """The point (n, 3) in B where the last axes meet, of flange poses (n, 4, 4)."""
         X = poses(X_BF)
-        found: Array = X[:, :3, 3] + X[:, :3, :3] @ self.arm.p_FC
+        found: Array = X[:, :3, 3] + applied(X[:, :3, :3], self.arm.p_FC)
         return found
 
     def inverse(self, X_BF: Array, seed: Array, *, on_path: bool = False) -> tuple[Array, Statuses]:
@@ -140,7 +142,7 @@ class ClosedForm(Machine):
 
     def _out_of_reach(self, X_BF: Array) -> Reason:
         arm = self.arm
-        w = arm.R_PB @ (self.centre(X_BF)[0] - arm.p_BP)
+        w = applied(arm.R_PB, self.centre(X_BF)[0] - arm.p_BP)
         radius, lateral = math.hypot(w[0], w[1]), abs(arm.lateral)
         if radius < lateral:
             what = f"{self.centre_name} distance from axis 1"
@@ -154,12 +156,12 @@ class ClosedForm(Machine):
     def _singular(self, q: Array) -> Reason:
         """The smallest of the three distances from singular."""
         arm = self.arm
-        w = arm.R_PB @ (self.centre(self.forward(q))[0] - arm.p_BP)
-        forward = math.sqrt(max(0.0, w[0] ** 2 + w[1] ** 2 - arm.lateral**2))
+        w = applied(arm.R_PB, self.centre(self.forward(q))[0] - arm.p_BP)
+        forward = math.sqrt(max(0.0, w[0] * w[0] + w[1] * w[1] - arm.lateral * arm.lateral))
         bend = arm.sign3 * q[2] - arm.straight
         found = [
-            (abs(math.sin(q[4] + arm.zero6)), self.wrist_name, "rad", 4),
-            (abs(math.sin(bend)), "angle of the elbow from straight", "rad", 2),
+            (abs(sin(q[4] + arm.zero6)), self.wrist_name, "rad", 4),
+            (abs(sin(bend)), "angle of the elbow from straight", "rad", 2),
             (forward, f"{self.centre_name} distance from above axis 1", "m", 0),
         ]
         value, what, unit, joint = min(found, key=lambda f: f[0])

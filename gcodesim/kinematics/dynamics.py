@@ -6,6 +6,7 @@ from typing import Final
 
 import numpy as np
 
+from gcodesim.arithmetic.matrices import applied, dot, multiplied
 from gcodesim.frames import Array
 from gcodesim.kinematics.chain import Chain, Inertial
 from gcodesim.kinematics.machine import rows
@@ -16,14 +17,15 @@ GRAVITY: Final = (0.0, 0.0, -9.80665)  # [m/s²] in base axes of an upright robo
 def merge(parts: list[tuple[Inertial, Array]]) -> Inertial:
     """One body from parts, each posed by a matrix (4, 4) in the common frame (Steiner's theorem)."""
     mass = sum(part.mass for part, _ in parts)
-    centres = [X[:3, :3] @ part.com + X[:3, 3] for part, X in parts]
+    centres = [applied(X[:3, :3], part.com) + X[:3, 3] for part, X in parts]
     if mass <= 0.0:
         return Inertial(mass=0.0, com=np.zeros(3), inertia=np.zeros((3, 3)))
     com = sum((part.mass * c for (part, _), c in zip(parts, centres, strict=True)), start=np.zeros(3)) / mass
     inertia = np.zeros((3, 3))
     for (part, X), centre in zip(parts, centres, strict=True):
         d = centre - com
-        inertia += X[:3, :3] @ part.inertia @ X[:3, :3].T + part.mass * (d @ d * np.eye(3) - np.outer(d, d))
+        R = X[:3, :3]
+        inertia += multiplied(R, part.inertia, R.T) + part.mass * (dot(d, d) * np.eye(3) - np.outer(d, d))
     return Inertial(mass=mass, com=com, inertia=inertia)
 
 
@@ -79,7 +81,7 @@ def inverse_dynamics(
             np.array([b.inertia for b in moved]),
         ),
         tree,
-        np.ascontiguousarray(tree.flange_offset @ X_FT),
+        np.ascontiguousarray(multiplied(tree.flange_offset, X_FT)),
         out,
     )
     return out

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcodesim.arithmetic.matrices import applied, multiplied
 from gcodesim.frames import Array
 
 
@@ -13,7 +14,7 @@ def shift_jacobian(J: Array, R_BF: Array, p_FT: Array) -> Array:
     `R_BF` (n, 3, 3) are flange rotations (poses (n, 4, 4) are accepted too),
     `p_FT` (3,) [m] is the tip in F. The tip moves with v + w × (R_BF p_FT).
     """
-    r = R_BF[:, :3, :3] @ np.asarray(p_FT, dtype=float)
+    r = applied(R_BF[:, :3, :3], np.asarray(p_FT, dtype=float))
     out = J.copy()
     out[:, :3] += np.cross(J[:, 3:], r[:, :, None], axis=1)
     return out
@@ -29,5 +30,4 @@ def compliance(J: Array, stiffness: Array | None) -> Array:
     if stiffness is None:
         return np.zeros((len(J), 6, 6))
     scaled = J / np.asarray(stiffness, dtype=float)
-    C: Array = scaled @ J.transpose(0, 2, 1)
-    return C
+    return multiplied(scaled, J.transpose(0, 2, 1))

@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from gcodesim.arithmetic.matrices import inverse_pose, multiplied
 from gcodesim.frames import Array
 from gcodesim.kinematics.chain import Chain, Indices, Joints, LinkShape
 from gcodesim.kinematics.tree_kernels import jacobians_along, poses_along
@@ -65,7 +66,7 @@ class Machine:
         if self.chain.table is None:
             return np.tile(np.eye(4), (len(q), 1, 1))
         index = self.link_names.index(self.chain.table)
-        return self.link(q, index) @ np.linalg.inv(self.link(np.zeros((1, q.shape[1])), index))
+        return multiplied(self.link(q, index), inverse_pose(self.link(np.zeros((1, q.shape[1])), index)))
 
     def table_travel(self, q: Array) -> Array:
         """How far (n, 3) [m] in B the table's linear axes have carried it; turns of the table left out.

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcodesim.arithmetic.atan_kernels import atan2
 from gcodesim.compiled import kernel
 from gcodesim.frames import Array
 from gcodesim.kinematics.chain import Tree
@@ -57,7 +58,7 @@ def pose_error(X: Array, target: Array, e: Array) -> float:
         trace += a0 * b0 + a1 * b1 + a2 * b2
     sine, cosine = 0.5 * math.sqrt(wx * wx + wy * wy + wz * wz), 0.5 * (trace - 1.0)
     if sine > 1e-9:
-        scale = 0.5 * math.atan2(sine, cosine) / sine
+        scale = 0.5 * atan2(sine, cosine) / sine
         e[3], e[4], e[5] = wx * scale, wy * scale, wz * scale
     elif cosine > 0.0:
         e[3], e[4], e[5] = 0.5 * wx, 0.5 * wy, 0.5 * wz

@@ -8,6 +8,8 @@ from typing import ClassVar
 
 import numpy as np
 
+from gcodesim.arithmetic.elementary import atan2, cos_sin
+from gcodesim.arithmetic.matrices import applied, dot, multiplied, norm
 from gcodesim.frames import Array
 from gcodesim.kinematics.chain import Chain
 from gcodesim.kinematics.closed_form import SQUARE, ClosedForm, six_in_a_row
@@ -34,8 +36,8 @@ class ParallelAxes(ClosedForm):
             return None
         o, u, X_BF = zero_axes(chain)
         centre = intersection(o[4:], u[4:], SQUARE)
-        square = (u[0] @ u[1], u[3] @ u[4], u[4] @ u[5])
-        skew = max(float(np.linalg.norm(np.cross(u[1], u[i]))) for i in (2, 3))
+        square = (dot(u[0], u[1]), dot(u[3], u[4]), dot(u[4], u[5]))
+        skew = max(norm(np.cross(u[1], u[i])) for i in (2, 3))
         if centre is None or max(map(abs, square)) > SQUARE or skew > SQUARE:
             return None
         arm = ClosedForm.plane_arm(o, u, X_BF, centre, np.array([o[2], o[3], centre]), u[1])
@@ -43,17 +45,15 @@ class ParallelAxes(ClosedForm):
 
     def _elbow_ends(self, X_BF: Array) -> list[tuple[float, float]]:
         arm, X = self.arm, np.reshape(X_BF, (4, 4))
-        w = arm.R_PB @ (self.centre(X)[0] - arm.p_BP)
-        forward = math.sqrt(max(0.0, w[0] ** 2 + w[1] ** 2 - arm.lateral**2))
+        w = applied(arm.R_PB, self.centre(X)[0] - arm.p_BP)
+        forward = math.sqrt(max(0.0, w[0] * w[0] + w[1] * w[1] - arm.lateral * arm.lateral))
         ends = []
         for reach in (forward, -forward):
-            q1 = math.atan2(w[1], w[0]) - math.atan2(arm.lateral, reach)
-            c, s = math.cos(q1), math.sin(q1)
-            left = arm.R_EP @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]]) @ arm.R_PB @ X[:3, :3] @ arm.R_FE
-            turn = math.atan2(left[1, 2], left[0, 2])
+            q1 = atan2(w[1], w[0]) - atan2(arm.lateral, reach)
+            c, s = cos_sin(q1)
+            left = multiplied(arm.R_EP, np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]]), arm.R_PB, X[:3, :3], arm.R_FE)
+            turn = atan2(left[1, 2], left[0, 2])
             for angle in (turn, turn + math.pi):
-                rest = complex(w[2], reach - arm.x2) - complex(arm.last_z, arm.last_x) * complex(
-                    math.cos(angle), math.sin(angle)
-                )
+                rest = complex(w[2], reach - arm.x2) - complex(arm.last_z, arm.last_x) * complex(*cos_sin(angle))
                 ends.append((rest.real, rest.imag))
         return ends

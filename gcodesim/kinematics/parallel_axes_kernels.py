@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import math
 
+from gcodesim.arithmetic.atan_kernels import atan2
+from gcodesim.arithmetic.sin_kernels import cos_sin
 from gcodesim.compiled import kernel
 from gcodesim.frames import Array
 from gcodesim.kinematics.chain import Indices
@@ -51,7 +53,7 @@ def solve(
         return 0.0
     forward = math.sqrt(max(0.0, (radius - lateral) * (radius + lateral)))
     rotate_three(R_PB, X, arm.R_FE, left, wrist)
-    apart = abs(math.pi - 2.0 * math.atan2(abs(lateral), forward)) if lateral != 0.0 else math.pi
+    apart = abs(math.pi - 2.0 * atan2(abs(lateral), forward)) if lateral != 0.0 else math.pi
     for shoulder in range(2):
         if only >= 0 and only // 4 != shoulder:
             continue
@@ -65,15 +67,15 @@ def solve(
         sine = math.sqrt(left[2, 0] * left[2, 0] + left[2, 1] * left[2, 1])
         if sine < LOCK:
             q6 = previous[5]  # axis 6 is parallel to axes 2 to 4; those do the rest
-            c6, s6 = math.cos(q6), math.sin(q6)
+            c6, s6 = cos_sin(q6)
         else:
             c6, s6 = -left[2, 0] / sine, left[2, 1] / sine
-            q6 = math.atan2(s6, c6)
-        bent = math.atan2(s6 * left[2, 1] - c6 * left[2, 0], left[2, 2])
+            q6 = atan2(s6, c6)
+        bent = atan2(s6 * left[2, 1] - c6 * left[2, 0], left[2, 2])
         # from the rotation with joint 6 taken away: exact however badly joint 6 is known
-        turn = math.atan2(-s6 * left[0, 0] - c6 * left[0, 1], s6 * left[1, 0] + c6 * left[1, 1])
+        turn = atan2(-s6 * left[0, 0] - c6 * left[0, 1], s6 * left[1, 0] + c6 * left[1, 1])
         for flipped in range(2):
-            c, s = math.cos(turn), math.sin(turn)
+            c, s = cos_sin(turn)
             dx = reach - arm.x2 - (c * arm.last_x + s * arm.last_z)
             dz = wz - (c * arm.last_z - s * arm.last_x)
             bend = bend_of_elbow(dz, dx, arm.upper_length, arm.fore_length)
@@ -87,7 +89,7 @@ def solve(
                         continue
                     turn3 = (bend if elbow == 0 else -bend) + arm.straight
                     real, imaginary, _, _ = shoulder_turn(dz, dx, turn3, arm)
-                    q2 = math.atan2(imaginary, real)
+                    q2 = atan2(imaginary, real)
                     b = 4 * shoulder + 2 * elbow + flipped
                     row = out[b]
                     row[0], row[1], row[2] = q1, q2, arm.sign3 * turn3

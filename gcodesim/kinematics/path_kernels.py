@@ -41,7 +41,7 @@ def square_distance(q: Array, previous: Array) -> float:
     """Squared distance of two joint vectors (j,)."""
     total = 0.0
     for i in range(q.shape[0]):
-        total += (q[i] - previous[i]) ** 2
+        total += np.square(q[i] - previous[i])
     return total
 
 

@@ -8,6 +8,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from gcodesim.arithmetic.atan_kernels import acos, atan2
+from gcodesim.arithmetic.sin_kernels import cos, cos_sin, sin
 from gcodesim.compiled import kernel
 from gcodesim.frames import Array
 
@@ -90,7 +92,7 @@ def bend_of_elbow(dz: float, dx: float, length_a: float, length_b: float) -> flo
     if distance > length_a + length_b + REACH_SLACK or distance < abs(length_a - length_b) - REACH_SLACK:
         return -1.0
     cosine = (square - length_a * length_a - length_b * length_b) / (2.0 * length_a * length_b)
-    return math.acos(min(1.0, max(-1.0, cosine)))
+    return acos(min(1.0, max(-1.0, cosine)))
 
 
 @kernel(inlined=True)
@@ -99,7 +101,7 @@ def shoulder_turn(dz: float, dx: float, turn3: float, arm: PlaneArm) -> tuple[fl
 
     Returns exp(i q2) times a length, and exp(i turn3), each as real and imaginary part.
     """
-    c, s = math.cos(turn3), math.sin(turn3)
+    c, s = cos_sin(turn3)
     ez, ex = arm.upper_z + c * arm.fore_z - s * arm.fore_x, arm.upper_x + c * arm.fore_x + s * arm.fore_z
     return dz * ez + dx * ex, dx * ez - dz * ex, c, s
 
@@ -113,10 +115,10 @@ def heading(
     On axis 1 itself any heading does, and `previous` is kept.
     """
     if radius < LOCK:
-        return previous, math.cos(previous), math.sin(previous)
+        return previous, cos(previous), sin(previous)
     real, imaginary = wx * reach + wy * lateral, wy * reach - wx * lateral
     length = math.sqrt(real * real + imaginary * imaginary)
-    return math.atan2(imaginary, real), real / length, imaginary / length
+    return atan2(imaginary, real), real / length, imaginary / length
 
 
 @kernel

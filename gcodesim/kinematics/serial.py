@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 
+from gcodesim.arithmetic.elementary import power, sin
+from gcodesim.arithmetic.matrices import least_gains, norm
 from gcodesim.frames import Array
 from gcodesim.kinematics.chain import Chain
 from gcodesim.kinematics.machine import Machine, poses
@@ -25,8 +28,8 @@ def spread(lower: Array, upper: Array, count: int) -> Array:
     dimension = len(lower)
     ratio = 2.0
     for _ in range(60):  # the root of x**(j + 1) = x + 1
-        ratio = (1.0 + ratio) ** (1.0 / (dimension + 1))
-    step = ratio ** -np.arange(1.0, dimension + 1.0)
+        ratio = power(1.0 + ratio, 1.0 / (dimension + 1))
+    step = np.array([power(ratio, -i) for i in range(1, dimension + 1)])
     unit = (0.5 + np.arange(1.0, count + 1.0)[:, None] * step) % 1.0
     points: Array = lower + unit * (upper - lower)
     return points
@@ -70,7 +73,7 @@ class SerialArm(Machine):
         kept: list[Array] = []
         for q in out[found == 1]:
             q = np.where(revolute, q - 2.0 * np.pi * np.rint(q / (2.0 * np.pi)), q)
-            differences = (np.abs(np.where(revolute, np.sin(0.5 * (q - other)), q - other)).max() for other in kept)
+            differences = (np.abs(np.where(revolute, sin(0.5 * (q - other)), q - other)).max() for other in kept)
             if all(d > _SAME for d in differences):
                 kept.append(q)
         return np.array(kept).reshape(-1, starts.shape[1])
@@ -85,9 +88,9 @@ class SerialArm(Machine):
         if status == Status.FLIP:
             return jump_reason(self.joints, q, previous, JUMP)
         J = self.jacobian(q)[0]
-        least = float(np.linalg.svd(J, compute_uv=False)[-1])
+        least = float(least_gains(J))
         return Reason(
-            status=Status.SINGULAR, what="smallest gain of the Jacobian", value=least, limit=PIVOT**0.5, unit="-"
+            status=Status.SINGULAR, what="smallest gain of the Jacobian", value=least, limit=math.sqrt(PIVOT), unit="-"
         )
 
     def _out_of_reach(self, X_BF: Array) -> Reason:
@@ -97,8 +100,8 @@ class SerialArm(Machine):
         frames = self._poses(np.zeros((1, len(tree.path))), on, np.broadcast_to(np.eye(4), (len(on), 4, 4)).copy())[0]
         flange = self.forward(np.zeros((1, len(tree.path))))[0, :3, 3]
         points = [*frames[:, :3, 3], flange]
-        limit = float(sum(np.linalg.norm(b - a) for a, b in pairwise(points)))
+        limit = float(sum(norm(b - a) for a, b in pairwise(points)))
         limit += sum(float(self.joints.upper[i] - self.joints.lower[i]) for i in on if tree.prismatic[i])
-        distance = float(np.linalg.norm(poses(X_BF)[0, :3, 3] - points[0]))
+        distance = norm(poses(X_BF)[0, :3, 3] - points[0])
         what = f"flange distance from {self.joints.names[int(on[0])]}"
         return Reason(status=Status.REACH, what=what, value=distance, limit=limit, unit="m")

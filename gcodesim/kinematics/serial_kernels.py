@@ -33,7 +33,7 @@ def settle(
             else:
                 q[i] = nearest_turn(q[i], previous[i], lower[i], upper[i])
             most = max(most, abs(q[i] - previous[i]))
-        distance += (q[i] - previous[i]) ** 2
+        distance += np.square(q[i] - previous[i])
         if q[i] > upper[i] + LIMIT_SLACK or q[i] < lower[i] - LIMIT_SLACK:
             inside = False
     return inside, distance, most

@@ -8,6 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from gcodesim.arithmetic.matrices import applied, dot, norm
 from gcodesim.frames import Array
 from gcodesim.kinematics.chain import Chain
 from gcodesim.kinematics.closed_form import SQUARE, ClosedForm, six_in_a_row
@@ -36,13 +37,13 @@ class SphericalWrist(ClosedForm):
             return None
         o, u, X_BF = zero_axes(chain)
         centre = intersection(o[3:], u[3:], SQUARE)
-        square = (u[0] @ u[1], u[3] @ u[4], u[4] @ u[5])
-        if centre is None or max(map(abs, square)) > SQUARE or np.linalg.norm(np.cross(u[1], u[2])) > SQUARE:
+        square = (dot(u[0], u[1]), dot(u[3], u[4]), dot(u[4], u[5]))
+        if centre is None or max(map(abs, square)) > SQUARE or norm(np.cross(u[1], u[2])) > SQUARE:
             return None
         arm = ClosedForm.plane_arm(o, u, X_BF, centre, np.array([o[2], centre]), u[3])
         return None if arm is None else SphericalWrist(chain=chain, arm=arm)
 
     def _elbow_ends(self, X_BF: Array) -> list[tuple[float, float]]:
-        w = self.arm.R_PB @ (self.centre(X_BF)[0] - self.arm.p_BP)
-        forward = math.sqrt(max(0.0, w[0] ** 2 + w[1] ** 2 - self.arm.lateral**2))
+        w = applied(self.arm.R_PB, self.centre(X_BF)[0] - self.arm.p_BP)
+        forward = math.sqrt(max(0.0, w[0] * w[0] + w[1] * w[1] - self.arm.lateral * self.arm.lateral))
         return [(w[2], reach - self.arm.x2) for reach in (forward, -forward)]

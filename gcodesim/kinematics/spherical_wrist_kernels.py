@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import math
 
+from gcodesim.arithmetic.atan_kernels import atan2
+from gcodesim.arithmetic.sin_kernels import cos_sin
 from gcodesim.compiled import kernel
 from gcodesim.frames import Array
 from gcodesim.kinematics.chain import Indices
@@ -32,13 +34,13 @@ def wrist_angles(R: Array, q4: float) -> tuple[float, float, float, float]:
     """Turns of joints 4, 5 and 6 with R = Rz(q4) Ry(bent) Rz(q6), and the sine of the bend; locked, `q4` is kept."""
     sine = math.sqrt(R[0, 2] * R[0, 2] + R[1, 2] * R[1, 2])
     if sine < LOCK:  # axes 4 and 6 are in line; joint 6 does the rest
-        c4, s4 = math.cos(q4), math.sin(q4)
+        c4, s4 = cos_sin(q4)
     else:
         c4, s4 = R[0, 2] / sine, R[1, 2] / sine
-        q4 = math.atan2(s4, c4)
-    bent = math.atan2(c4 * R[0, 2] + s4 * R[1, 2], R[2, 2])
+        q4 = atan2(s4, c4)
+    bent = atan2(c4 * R[0, 2] + s4 * R[1, 2], R[2, 2])
     # from the rotation with joint 4 taken away: exact however badly joint 4 is known
-    q6 = math.atan2(c4 * R[1, 0] - s4 * R[0, 0], c4 * R[1, 1] - s4 * R[0, 1])
+    q6 = atan2(c4 * R[1, 0] - s4 * R[0, 0], c4 * R[1, 1] - s4 * R[0, 1])
     return q4, bent, q6, sine
 
 
@@ -64,7 +66,7 @@ def solve(
         return 0.0
     forward = math.sqrt(max(0.0, (radius - lateral) * (radius + lateral)))
     rotate_three(R_PB, X, arm.R_FE, left, wrist)
-    apart = abs(math.pi - 2.0 * math.atan2(abs(lateral), forward)) if lateral != 0.0 else math.pi
+    apart = abs(math.pi - 2.0 * atan2(abs(lateral), forward)) if lateral != 0.0 else math.pi
     for shoulder in range(2):
         if only >= 0 and only // 4 != shoulder:
             continue
@@ -82,7 +84,7 @@ def solve(
                 continue
             turn3 = (bend if elbow == 0 else -bend) + arm.straight
             real, imaginary, ct, st = shoulder_turn(dz, dx, turn3, arm)
-            q2 = math.atan2(imaginary, real)
+            q2 = atan2(imaginary, real)
             length = math.sqrt(real * real + imaginary * imaginary)
             # exp(i (q2 + turn3)), the turn of link 3
             c, s = (real * ct - imaginary * st) / length, (real * st + imaginary * ct) / length

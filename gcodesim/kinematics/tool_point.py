@@ -6,6 +6,7 @@ an affine function of the three linear axes, so these follow from one linear sys
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final, NamedTuple
@@ -13,6 +14,8 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.elementary import acos, atan2, cos, sin
+from gcodesim.arithmetic.matrices import applied, determinant, dot, multiplied, norm, space_solutions
 from gcodesim.canon import AXIS_LETTERS
 from gcodesim.frames import Array, rotation_about
 from gcodesim.kinematics.cartesian import Cartesian
@@ -48,7 +51,7 @@ class ToolPoint:
         if len(found.linear) != 3 or not len(found.rotary):
             return None
         directions = found._affine(np.zeros((1, len(kinematics.joints))), np.zeros((1, 3)))[1][0]
-        return found if abs(np.linalg.det(directions)) > 1e-6 else None
+        return found if abs(determinant(directions)) > 1e-6 else None
 
     @cached_property
     def linear(self) -> NDArray[np.intp]:
@@ -82,9 +85,9 @@ class ToolPoint:
     def tips(self, q: Array, offset: Array) -> Array:
         """The tip (n, 3) in C with joints at `q` (n, j) and length offsets `offset` (n, 3)."""
         X_BF, X_BC = self.kinematics.forward(q), self.kinematics.table(q)
-        arm = offset @ self._nose.T  # in F: R_FB at zero times minus the offset
-        p_B = X_BF[:, :3, 3] + np.einsum("nij,nj->ni", X_BF[:, :3, :3], arm)
-        tips: Array = np.einsum("nji,nj->ni", X_BC[:, :3, :3], p_B - X_BC[:, :3, 3])
+        arm = applied(self._nose, offset)  # in F: R_FB at zero times minus the offset
+        p_B = X_BF[:, :3, 3] + applied(X_BF[:, :3, :3], arm)
+        tips: Array = applied(X_BC[:, :3, :3].swapaxes(1, 2), p_B - X_BC[:, :3, 3])
         return tips
 
     @cached_property
@@ -109,7 +112,7 @@ class ToolPoint:
         """Joints (n, j) with the tip at `points` (n, 6): x, y, z in C and the rotary axes as they stand."""
         q = np.ascontiguousarray(points[:, self.columns])
         zero, directions = self._affine(q, offset)
-        q[:, self.linear] = np.linalg.solve(directions, (points[:, :3] - zero)[:, :, None])[:, :, 0]
+        q[:, self.linear] = space_solutions(directions, points[:, :3] - zero)
         return q
 
     def points(self, q: Array, offset: Array) -> Array:
@@ -134,7 +137,7 @@ class ToolPoint:
             on_tool = bool(tree.path[joint])
             moved = (self.kinematics.forward if on_tool else self.kinematics.table)(q)[0, :3, :3]
             still = (self.kinematics.forward if on_tool else self.kinematics.table)(zero)[0, :3, :3]
-            R = moved @ still.T
+            R = multiplied(moved, still.T)
             axis = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
             (head if on_tool else table).append(Turn(int(joint), axis if on_tool else -axis))
         return (*reversed(table), *head)
@@ -149,7 +152,7 @@ class ToolPoint:
     def directions(self, q: Array) -> Array:
         """The direction (n, 3) from the tip to the holder, in C."""
         X_BF, X_BC = self.kinematics.forward(q), self.kinematics.table(q)
-        directions: Array = -np.einsum("nji,nj->ni", X_BC[:, :3, :3], X_BF[:, :3, 2])
+        directions: Array = -applied(X_BC[:, :3, :3].swapaxes(1, 2), X_BF[:, :3, 2])
         return directions
 
     def attitudes(self, direction: Array, seed: Array) -> list[Array]:
@@ -158,7 +161,8 @@ class ToolPoint:
         Linear axes stay as in `seed` (j,), and so does an axis that the direction leaves free (the pole). Paden and
         Kahan 1986, subproblems 1 and 2, for two axes that need not be at right angles (nutating heads and tables).
         """
-        w = np.asarray(direction, dtype=float) / np.linalg.norm(direction)
+        w = np.asarray(direction, dtype=float)
+        w = w / norm(w)
         if len(self.turns) == 1:
             turn = self.turns[0]
             angle = _angle_about(turn.axis, self.upright, w, float(seed[turn.joint]))
@@ -167,8 +171,8 @@ class ToolPoint:
             return []
         first, second = self.turns
         u, found = self.upright, []
-        for inner in _angles_of_height(first.axis, second.axis, u, float(w @ first.axis), float(seed[second.joint])):
-            v = rotation_about(second.axis, inner) @ u
+        for inner in _angles_of_height(first.axis, second.axis, u, dot(w, first.axis), float(seed[second.joint])):
+            v = applied(rotation_about(second.axis, inner), u)
             outer = _angle_about(first.axis, v, w, float(seed[first.joint]))
             if outer is not None:
                 found.append(self._with(seed, {second.joint: inner, first.joint: outer}))
@@ -200,26 +204,26 @@ class ToolPoint:
 
 def _angle_about(axis: Array, start: Array, end: Array, free: float) -> float | None:
     """The angle about `axis` that turns `start` to `end`; `free` where both lie on it, None where it cannot."""
-    if abs(axis @ start - axis @ end) > 1e-7:
+    if abs(dot(axis, start) - dot(axis, end)) > 1e-7:
         return None
-    a, b = start - (axis @ start) * axis, end - (axis @ end) * axis
-    if np.linalg.norm(a) < _FLAT**0.5 or np.linalg.norm(b) < _FLAT**0.5:
+    a, b = start - dot(axis, start) * axis, end - dot(axis, end) * axis
+    if min(norm(a), norm(b)) < math.sqrt(_FLAT):
         return free
-    return float(np.arctan2(axis @ np.cross(a, b), a @ b))
+    return atan2(dot(axis, np.cross(a, b)), dot(a, b))
 
 
 def _angles_of_height(first: Array, second: Array, u: Array, height: float, free: float) -> list[float]:
     """Angles about `second` after which `u` has the component `height` along `first`; two, one at the end of reach."""
-    across = u - (u @ second) * second
-    a, b = float(first @ across), float(first @ np.cross(second, u))
-    size = float(np.hypot(a, b))
-    rest = height - float(u @ second) * float(first @ second)
+    across = u - dot(u, second) * second
+    a, b = dot(first, across), dot(first, np.cross(second, u))
+    size = math.hypot(a, b)
+    rest = height - dot(u, second) * dot(first, second)
     if size < _FLAT:
         return [free] if abs(rest) < 1e-7 else []
     share = rest / size
     if abs(share) > 1.0 + 1e-9:
         return []
-    spread = float(np.arccos(np.clip(share, -1.0, 1.0)))
-    middle = float(np.arctan2(b, a))
+    spread = acos(min(max(share, -1.0), 1.0))
+    middle = atan2(b, a)
     angles = [middle + spread] if spread < 1e-8 else [middle + spread, middle - spread]
-    return [float(np.arctan2(np.sin(angle), np.cos(angle))) for angle in angles]
+    return [atan2(sin(angle), cos(angle)) for angle in angles]

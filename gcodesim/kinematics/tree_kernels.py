@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-
+from gcodesim.arithmetic.sin_kernels import cos_sin
 from gcodesim.compiled import kernel
 from gcodesim.frames import Array
 from gcodesim.kinematics.chain import Indices, Tree
@@ -36,7 +35,7 @@ def joint_frames(q: Array, parent: Indices, before: Array, axis: Array, prismati
             for r in range(3):
                 out[i, r, 3] += (out[i, r, 0] * ax + out[i, r, 1] * ay + out[i, r, 2] * az) * q[i]
         else:
-            c, s = math.cos(q[i]), math.sin(q[i])
+            c, s = cos_sin(q[i])
             v = 1.0 - c
             for r in range(3):
                 b0, b1, b2 = out[i, r, 0], out[i, r, 1], out[i, r, 2]

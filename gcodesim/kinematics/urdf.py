@@ -18,6 +18,7 @@ from typing import Final
 
 import numpy as np
 
+from gcodesim.arithmetic.matrices import multiplied, norm
 from gcodesim.declarations.reading import suggestion
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.frames import Array, Pose, rotation_from_rpy
@@ -136,7 +137,7 @@ class _Reader:
             for r, c, key in ((0, 0, "ixx"), (1, 1, "iyy"), (2, 2, "izz"), (0, 1, "ixy"), (0, 2, "ixz"), (1, 2, "iyz")):
                 tensor3[r, c] = tensor3[c, r] = self.number(tensor, key, 0.0)
         X = self.pose(found)
-        return Inertial(mass=mass, com=X[:3, 3].copy(), inertia=X[:3, :3] @ tensor3 @ X[:3, :3].T)
+        return Inertial(mass=mass, com=X[:3, 3].copy(), inertia=multiplied(X[:3, :3], tensor3, X[:3, :3].T))
 
     def colour(self, e: LinedElement) -> tuple[float, ...] | None:
         material = e.child("material")
@@ -170,7 +171,7 @@ class _Reader:
             if body.tag == "capsule":
                 for end in (-0.5 * length, 0.5 * length):
                     shift = Pose(np.array([0.0, 0.0, end]), np.eye(3)).matrix
-                    parts.append(LinkSolid(solid=Sphere(radius=radius), X=X @ shift, rgba=rgba))
+                    parts.append(LinkSolid(solid=Sphere(radius=radius), X=multiplied(X, shift), rgba=rgba))
             return parts
         if body.tag == "mesh":
             mesh = self.meshes.locate(body)
@@ -228,7 +229,7 @@ class _Reader:
         if element is None:
             return np.array([1.0, 0.0, 0.0])
         axis = np.array(self.numbers(element, "xyz", 3, (1.0, 0.0, 0.0)))
-        length = float(np.linalg.norm(axis))
+        length = norm(axis)
         if length < 1e-9:
             hint = 'for a joint that does not move, write `type="fixed"`'
             self.find("GS765", f"joint `{name}` has an axis without direction", element, hint)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcodesim.arithmetic.matrices import applied, determinant, norm, solution
 from gcodesim.frames import Array
 from gcodesim.kinematics.chain import Chain
 from gcodesim.kinematics.tree_kernels import joint_frames, place
@@ -16,7 +17,7 @@ def zero_axes(chain: Chain) -> tuple[Array, Array, Array]:
     frames, X_BF = np.empty((count, 4, 4)), np.empty((4, 4))
     joint_frames(np.zeros(count), tree.parent, tree.before, tree.axis, tree.prismatic, frames)
     place(frames, tree.flange_carrier, tree.flange_offset, X_BF)
-    directions = np.einsum("irk,ik->ir", frames[:, :3, :3], tree.axis)
+    directions = applied(frames[:, :3, :3], tree.axis)
     return frames[:, :3, 3].copy(), directions, X_BF
 
 
@@ -29,9 +30,9 @@ def intersection(points: Array, directions: Array, tolerance: float) -> Array | 
     for p, u in zip(points, directions, strict=True):
         off = np.eye(3) - np.outer(u, u)
         A += off
-        b += off @ p
-    if abs(np.linalg.det(A)) < 1e-6:  # all parallel
+        b += applied(off, p)
+    if abs(determinant(A)) < 1e-6:  # all parallel
         return None
-    centre: Array = np.asarray(np.linalg.solve(A, b), dtype=np.float64)
-    miss = [np.linalg.norm(np.cross(centre - p, u)) for p, u in zip(points, directions, strict=True)]
+    centre: Array = solution(A, b)
+    miss = [norm(np.cross(centre - p, u)) for p, u in zip(points, directions, strict=True)]
     return centre if max(miss) < tolerance else None

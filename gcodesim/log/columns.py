@@ -9,6 +9,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.matrices import dots
 from gcodesim.frames import canonical_quaternion
 from gcodesim.log.description import PROCESS_COLUMNS, LogDescription, MotionColumns, array_of
 from gcodesim.log.row_kernels import NOT_FINITE, UNIT, fault_of
@@ -96,7 +97,7 @@ class ColumnBatch:
         if fault:
             for first in self._quaternions.tolist():
                 q = values[:, first : first + 4]
-                if not (np.abs(np.einsum("ni,ni->n", q, q) - 1.0) < UNIT).all():
+                if not (np.abs(dots(q, q) - 1.0) < UNIT).all():
                     raise ValueError(f"log column '{self._name(first)}' has a quaternion that is not of unit length")
                 q[:] = canonical_quaternion(q)
         kind = self._arrays["kind"][: len(times), 0].astype(np.int64)

@@ -16,6 +16,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.matrices import norms
 from gcodesim.log.byte_strings import ByteStrings
 from gcodesim.log.mesh_kernels import put_points, round_points
 from gcodesim.log.shapes import Array, Color, DrawnMesh, DrawnShape, Entity, PathPart, Polylines
@@ -217,7 +218,7 @@ def block_piece(count: int, frame: str) -> TemplatePiece:
 
 def force_updates(t_ns: NDArray[np.int64], frame: str, tip: Array, force: Array) -> ByteStrings:
     """Arrows from `tip` (n, 3) [m] along `force` (n, 3) [N], 1 mm per N, at n times; nothing is shown of no force."""
-    magnitude = np.linalg.norm(force, axis=1)
+    magnitude = norms(force)
     if not np.isfinite(magnitude).all():
         raise ValueError("a force to draw is not finite")
     shown = np.flatnonzero(magnitude > 0.0)
@@ -248,5 +249,5 @@ def _along_x(direction: Array) -> Array:
     x, y, z = direction.T
     q = np.stack([np.zeros_like(x), -z, y, 1.0 + x], axis=1)  # (x axis) × direction, and 1 + their cosine
     q[x < -1.0 + 1e-12] = (0.0, 0.0, 1.0, 0.0)
-    unit: Array = q / np.linalg.norm(q, axis=1, keepdims=True)
+    unit: Array = q / norms(q)[:, None]
     return unit

@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.matrices import norms
 from gcodesim.log.mesh_kernels import number_used, take_used
 from gcodesim.solids import Box, Cone, Cylinder, Sphere
 
@@ -142,7 +143,7 @@ class Polylines:
     def _jumps(self) -> Array:
         """Distance (n,) from the point before; 0 where a line begins."""
         jumps = np.zeros(len(self.points))
-        jumps[1:] = np.linalg.norm(np.diff(self.points, axis=0), axis=1)
+        jumps[1:] = norms(np.diff(self.points, axis=0))
         jumps[np.asarray(self.starts, dtype=np.int64)] = 0.0
         return jumps
 

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.atan_kernels import asin
 from gcodesim.compiled import kernel
 from gcodesim.material.field_kernels import PATCH_SHIFT, Columns, Field
 from gcodesim.material.removal_kernels import overlap
@@ -84,7 +85,7 @@ def bead_area_to(c: float, width: float, height: float) -> float:
     area = height * min(across, straight)
     if across > straight:
         e = min(across - straight, r)
-        area += e * np.sqrt(max(r * r - e * e, 0.0)) + r * r * np.arcsin(e / r)
+        area += e * np.sqrt(max(r * r - e * e, 0.0)) + r * r * asin(e / r)
     return area if c >= 0.0 else -area
 
 

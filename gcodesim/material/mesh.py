@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.matrices import dots
 from gcodesim.material.field_kernels import Columns
 from gcodesim.material.stock import Stock, grid_of
 
@@ -30,7 +31,7 @@ def stock_of_mesh(vertices: Array, faces: Ints, resolution: float, material: str
     vertices = np.ascontiguousarray(vertices, dtype=np.float64)
     faces = np.ascontiguousarray(faces, dtype=np.int32)
     a, b, c = (vertices[faces[:, k]] - vertices[0] for k in range(3))
-    if np.einsum("ij,ij->i", a, np.cross(b, c)).sum() < 0.0:
+    if dots(a, np.cross(b, c)).sum() < 0.0:
         faces = np.ascontiguousarray(faces[:, ::-1])
     minimum, maximum = vertices.min(axis=0), vertices.max(axis=0)
     grid, shape = grid_of(minimum, maximum, resolution)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from math import pi, tan
+from math import pi
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.elementary import cos, sin, tan
 from gcodesim.material.sweep_kernels import BALL, BULL_NOSE, CONE, CYLINDER, Shape
 
 Array = NDArray[np.float64]
@@ -62,8 +63,8 @@ def profile(shape: Shape) -> tuple[Array, Array]:
     radii, heights = [flat_radius], [bottom]
     if shape.kind in (BALL, BULL_NOSE):
         angles = np.arange(1, _FACETS + 1) * (pi / 2.0 / _FACETS)
-        radii += [flat_radius + corner * float(np.sin(t)) for t in angles]
-        heights += [bottom + corner * (1.0 - float(np.cos(t))) for t in angles]
+        radii += [flat_radius + corner * float(sin(t)) for t in angles]
+        heights += [bottom + corner * (1.0 - float(cos(t))) for t in angles]
     elif shape.kind == CONE:
         radii.append(radius)
         heights.append(bottom + (radius - flat_radius) * rise)

@@ -6,6 +6,7 @@ from typing import BinaryIO, Final
 
 import numpy as np
 
+from gcodesim.arithmetic.matrices import norms
 from gcodesim.material.surface import Surface
 from gcodesim.units import MM
 
@@ -26,7 +27,7 @@ def write_stl(surface: Surface, file: BinaryIO) -> None:
         triangles = surface.vertices[surface.faces[first : first + _AT_A_TIME]] / MM
         records = np.zeros(len(triangles), dtype=_RECORD)
         normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-        lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+        lengths = norms(normals)[:, None]
         records["normal"] = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0.0)
         records["points"] = triangles
         file.write(records.tobytes())

@@ -18,6 +18,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.elementary import log10, power
+from gcodesim.arithmetic.matrices import applied, norms
 from gcodesim.material.field_kernels import PATCH, Columns, Field, Grid
 from gcodesim.material.sweep_kernels import Shape
 
@@ -68,7 +70,7 @@ def memory_needed(size: Vector, resolution: float) -> int:
 def finest_resolution(size: Vector, budget: int) -> float:
     """The finest resolution [m], two digits, at which a stock of `size` (x, y, z) fits into `budget` bytes."""
     fit = sqrt(size[0] * size[1] * BYTES_PER_COLUMN / budget)
-    step = 10.0 ** np.floor(np.log10(fit) - 1.0)
+    step = power(10.0, np.floor(log10(fit) - 1.0))
     wanted = float(np.ceil(fit / step) * step)
     while memory_needed(size, wanted) > budget:
         wanted += step
@@ -146,11 +148,11 @@ class Stock:
         x = (grid.x + (np.arange(shape[0]) + 0.5) * grid.dx)[:, None] - begin[0]
         y = (grid.y + (np.arange(shape[1]) + 0.5) * grid.dy)[None, :] - begin[1]
         if axis == "z":
-            half = np.where(x**2 + y**2 <= radius**2, length / 2.0, 0.0)
+            half = np.where(x * x + y * y <= radius * radius, length / 2.0, 0.0)
             middle = begin[2] + length / 2.0
         else:
             across = y if axis == "x" else x
-            half = np.broadcast_to(np.sqrt(np.maximum(radius**2 - across**2, 0.0)), shape)
+            half = np.broadcast_to(np.sqrt(np.maximum(radius * radius - across * across, 0.0)), shape)
             middle = begin[2]
         return cls(
             columns=Columns(
@@ -210,7 +212,7 @@ class Stock:
 
     def in_part(self, points: Array) -> Array:
         """Points (n, 3) [m] in the part's own frame, on whichever side it lies."""
-        turned: Array = points @ self.turn.T
+        turned: Array = applied(self.turn, points)
         return turned
 
     @property
@@ -315,9 +317,9 @@ class Stock:
         if not 0.0 < height <= width:
             raise ValueError(f"a bead {width} m wide and {height} m high")
         starts, ends = _pieces(starts), _pieces(ends)
-        area = (width - height) * height + np.pi * height**2 / 4.0
+        area = (width - height) * height + np.pi * (height * height) / 4.0
         bead = Bead(float(width), float(height), GAP_CLOSED)
-        result = Deposition(volume=np.zeros(len(starts)), nominal=area * np.linalg.norm(ends - starts, axis=1))
+        result = Deposition(volume=np.zeros(len(starts)), nominal=area * norms(ends - starts))
         done = 0
         while True:
             done = add_bead(self.field, starts, ends, bead, done, result.volume)
@@ -378,7 +380,7 @@ class Stock:
     def spacing_for(self, columns: int) -> float:
         """The spacing [m] at which the whole stock has about `columns` columns; never less than a cell."""
         area = float(np.prod(self.spacing * self.field.columns.number.shape))
-        return max(self.cell, float((area / columns) ** 0.5))
+        return max(self.cell, sqrt(area / columns))
 
     def surface(self, spacing: float | None = None) -> Surface:
         """The closed surface, columns drawn about `spacing` [m] apart (default: the resolution; 0: all columns)."""

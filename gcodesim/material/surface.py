@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.matrices import dots
 from gcodesim.material.field_kernels import PATCH, Columns
 from gcodesim.material.flat_kernels import ColumnSpan, PatchTriangles
 
@@ -47,7 +48,7 @@ class Surface:
             return 0.0
         base = self.vertices[0]
         a, b, c = (self.vertices[self.faces[:, k]] - base for k in range(3))
-        return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6.0)
+        return float(dots(a, np.cross(b, c)).sum() / 6.0)
 
 
 class Facets(NamedTuple):

@@ -16,6 +16,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.atan_kernels import asin, atan
+from gcodesim.arithmetic.sin_kernels import cos, sin
 from gcodesim.compiled import kernel
 from gcodesim.material.field_kernels import Grid
 
@@ -93,12 +95,12 @@ def bull_nose_reach(flat: float, corner: float, c: float, slope: float) -> float
     """
     least = 0.0
     if c > flat:
-        least = np.arcsin(min((c - flat) / corner, 1.0))
+        least = asin(min((c - flat) / corner, 1.0))
     low, high = least, 0.5 * np.pi
-    t = min(max(np.arctan(slope), low), high)
+    t = min(max(atan(slope), low), high)
     u = 0.0
     for _ in range(40):
-        sine, cosine = np.sin(t), np.cos(t)
+        sine, cosine = sin(t), cos(t)
         rho = flat + corner * sine
         u = np.sqrt(max(rho * rho - c * c, 0.0))
         value = sine * u - slope * rho * cosine

@@ -112,8 +112,8 @@ def remove_tilted(field: Field, way: TiltedWay, body: Profile, first: int, volum
     for p in range(first, pieces):
         move, turn = 0.0, 0.0
         for d in range(3):
-            move += (ends[p, d] - starts[p, d]) ** 2
-            turn += (axes_end[p, d] - axes_start[p, d]) ** 2
+            move += np.square(ends[p, d] - starts[p, d])
+            turn += np.square(axes_end[p, d] - axes_start[p, d])
         poses = int(np.ceil(2.0 * (np.sqrt(move) + np.sqrt(turn) * tall) / cell)) + 1
         # bounding box of tips and upper ends, widened by the radius
         xa = min(starts[p, 0], ends[p, 0]) + min(0.0, axes_start[p, 0] * tall, axes_end[p, 0] * tall) - wide

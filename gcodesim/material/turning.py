@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.matrices import determinant, multiplied
 from gcodesim.material.field_kernels import Columns, Grid
 from gcodesim.material.stock import Stock, cells_along
 
@@ -27,8 +28,8 @@ def turn_for(up: Array) -> Array:
     axis = int(np.argmax(np.abs(up) + np.array([0.0, 0.0, 1e-9])))
     if axis == 2:
         return np.eye(3) if up[2] > 0.0 else np.diag([1.0, -1.0, -1.0])
-    to_z: Array = _ON_EDGE @ (np.eye(3) if axis == 0 else _QUARTER)
-    over: Array = np.diag([1.0, -1.0, -1.0]) @ to_z
+    to_z: Array = multiplied(_ON_EDGE, np.eye(3) if axis == 0 else _QUARTER)
+    over: Array = multiplied(np.diag([1.0, -1.0, -1.0]), to_z)
     return to_z if up[axis] > 0.0 else over
 
 
@@ -39,15 +40,15 @@ def turned(stock: Stock, R: Array) -> Stock:
     keeps the part's frame S; the present state counts as the state at the start.
     """
     whole = np.round(R)
-    if np.abs(R - whole).max() > 1e-9 or np.linalg.det(whole) < 0.5 or (np.abs(whole).sum(axis=0) != 1.0).any():
+    if np.abs(R - whole).max() > 1e-9 or determinant(whole) < 0.5 or (np.abs(whole).sum(axis=0) != 1.0).any():
         raise ValueError("a stock can only be turned by quarter turns about its axes")
     done, rest = stock, whole
     if rest[2, 1] != 0.0:
-        done, rest = _flat(done, _QUARTER), rest @ _QUARTER.T
+        done, rest = _flat(done, _QUARTER), multiplied(rest, _QUARTER.T)
     if rest[2, 0] != 0.0:
-        done, rest = _on_edge(done), rest @ _ON_EDGE.T
+        done, rest = _on_edge(done), multiplied(rest, _ON_EDGE.T)
     done = _flat(done, rest)
-    done.turn = stock.turn @ whole.T
+    done.turn = multiplied(stock.turn, whole.T)
     return done
 
 

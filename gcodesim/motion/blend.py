@@ -14,6 +14,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.elementary import cos, sin
+from gcodesim.arithmetic.matrices import norms
 from gcodesim.canon import Output
 from gcodesim.frames import Array
 from gcodesim.motion.blend_kernels import (
@@ -130,7 +132,7 @@ def _merged(curves: Curves, path: ToolPath, first: NDArray[np.intp], last: NDArr
     out = curves.take(first)
     many = np.flatnonzero(first != last)
     out.end[many] = path.end[last[many]]
-    out.length[many] = np.linalg.norm(out.end[many, :3] - out.start[many, :3], axis=1)
+    out.length[many] = norms(out.end[many, :3] - out.start[many, :3])
     return out
 
 
@@ -141,7 +143,7 @@ def _make_independent(curves: Curves, rapid: NDArray[np.bool_], limits: AxisLimi
     distance = np.abs(curves.end[rows] - curves.start[rows])
     full = distance / speed + speed / acceleration
     peaked = 2.0 * np.sqrt(distance / acceleration)
-    time = np.where(distance >= speed**2 / acceleration, full, peaked)
+    time = np.where(distance >= speed * speed / acceleration, full, peaked)
     curves.kind[rows] = TIMED
     curves.length[rows] = time.max(axis=1, initial=0.0)
 
@@ -166,24 +168,24 @@ def along_limits(curves: Curves, limits: AxisLimits) -> tuple[Array, Array, Arra
         acceleration: Array = np.min(
             np.where(direction > 1e-12, table[1] / direction, np.inf), axis=1, initial=np.inf
         )
-        radius = np.linalg.norm(curves.radial[arc], axis=1) * np.minimum(1.0, 1.0 + curves.growth[arc])
+        radius = norms(curves.radial[arc]) * np.minimum(1.0, 1.0 + curves.growth[arc])
         n = np.cross(curves.radial[arc], curves.sideways[arc])
-        n /= np.maximum(np.linalg.norm(n, axis=1, keepdims=True), 1e-300)
+        n /= np.maximum(norms(n)[:, None], 1e-300)
         top, most = _in_plane(n, table[0]), _in_plane(n, table[1])
         share = np.maximum(np.abs(curves.sweep[arc]) * radius / curves.length[arc], 1e-12)
         a = np.minimum(acceleration[arc], most / share)
         across = np.minimum(a, most)  # what bends the path lies in the plane
-        bent = np.maximum(radius / share**2, 1e-12)  # radius of curvature of the helix
+        bent = np.maximum(radius / (share * share), 1e-12)  # radius of curvature of the helix
         bending[arc] = np.sqrt(NORMAL_SHARE * across * bent)
         speed[arc] = np.minimum(np.minimum(speed[arc], top / share), bending[arc])
         need = np.minimum(top * top / bent / across, 1.0)
-        acceleration[arc] = a * np.where(need > NORMAL_SHARE, TANGENTIAL_SHARE, np.sqrt(1.0 - need**2))
+        acceleration[arc] = a * np.where(need > NORMAL_SHARE, TANGENTIAL_SHARE, np.sqrt(1.0 - need * need))
     return speed, acceleration, bending
 
 
 def _in_plane(normal: Array, limits: Array) -> Array:
     """`blend_kernels.in_plane` for unit normals (n, 3)."""
-    share = np.sqrt(np.maximum(1.0 - normal**2, 0.0))
+    share = np.sqrt(np.maximum(1.0 - normal * normal, 0.0))
     least: Array = np.min(np.where(share > 1e-6, limits[:3] / np.maximum(share, 1e-6), np.inf), axis=1)
     return least
 
@@ -222,7 +224,7 @@ def _join(
     overlapped = joints.kind == OVERLAPPED
     beside = overlapped.copy()
     beside[1:] |= overlapped[:-1]
-    speed = np.where(beside, np.minimum(speed, bending * OPEN_END_SHARE**0.5), speed)
+    speed = np.where(beside, np.minimum(speed, bending * np.sqrt(OPEN_END_SHARE)), speed)
     shared = beside | (open_end & blended)
     acceleration = acceleration * (1.0 - joints.reduction) * np.where(shared, OPEN_END_SHARE, 1.0)
     if overlapped.any():
@@ -309,7 +311,7 @@ def _corner_arcs(rotary: Array, arc: Array) -> Curves:
     """Corner arcs (k, 10) as the kernel gives them, with rotary axes standing at `rotary` (k, 3)."""
     center, radial, sideways, turn = arc[:, :3], arc[:, 3:6], arc[:, 6:9], arc[:, 9]
     start = np.concatenate([center + radial, rotary], axis=1)
-    tip = center + np.cos(turn)[:, None] * radial + np.sin(turn)[:, None] * sideways
+    tip = center + cos(turn)[:, None] * radial + sin(turn)[:, None] * sideways
     return Curves(
         kind=np.full(len(arc), ROUND, dtype=np.uint8),
         start=start,
@@ -320,5 +322,5 @@ def _corner_arcs(rotary: Array, arc: Array) -> Curves:
         lift=np.zeros((len(arc), 3)),
         sweep=turn,
         growth=np.zeros(len(arc)),
-        length=np.linalg.norm(radial, axis=1) * turn,
+        length=norms(radial) * turn,
     )

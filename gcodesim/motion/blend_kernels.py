@@ -7,6 +7,8 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from gcodesim.arithmetic.atan_kernels import acos, atan2
+from gcodesim.arithmetic.sin_kernels import cos, cos_sin, sin, tan
 from gcodesim.compiled import kernel
 from gcodesim.motion.columns import Column
 from gcodesim.motion.corner_kernels import corner_center, corner_radius, way_from_corner
@@ -17,7 +19,7 @@ from gcodesim.motion.curve_kernels import ACCELERATION, ROUND, SPEED, STRAIGHT, 
 # and make the difference between 5 % and 1 % of time.
 
 # Share of the acceleration that bends the path on arcs and corner arcs: sqrt(3)/2, so half of it is left along it.
-NORMAL_SHARE: Final = 3.0**0.5 / 2.0
+NORMAL_SHARE: Final = math.sqrt(3.0) / 2.0
 # Share along the path where the normal share is used up.
 TANGENTIAL_SHARE: Final = 0.5
 # A step of direction is passed at the speed where it asks for this share of the acceleration within one cycle;
@@ -127,8 +129,8 @@ def turned_speed(first: Column, turned: Column, angle: float, limits: Column) ->
     """The greatest speed in all directions cos(w) first + sin(w) turned (3,), unit vectors, w from 0 to `angle`."""
     best = 1e30
     for k in range(3):
-        share = max(abs(first[k]), abs(math.cos(angle) * first[k] + math.sin(angle) * turned[k]))
-        peak = math.atan2(turned[k], first[k])  # where the component is greatest; or least, half a turn away
+        share = max(abs(first[k]), abs(cos(angle) * first[k] + sin(angle) * turned[k]))
+        peak = atan2(turned[k], first[k])  # where the component is greatest; or least, half a turn away
         if peak < 0.0:
             peak += math.pi
         if peak < angle:
@@ -210,7 +212,7 @@ def round_corner(
     """What becomes of the corner behind curve `i`: ROUNDED, with its arc; PASS if that is no faster; or OVERLAPPED."""
     last = tangents.last
     across, normal = room[0], room[1]
-    turn = math.acos(min(max(cosine, -1.0), 1.0))
+    turn = acos(min(max(cosine, -1.0), 1.0))
     if turn >= math.pi - SHARPEST_CORNER:
         return OVERLAPPED
     axes_of_corner(i, cosine, tangents, across, normal)
@@ -229,7 +231,7 @@ def round_corner(
     enough = max(v * v / a_n, v * v / (ramp * turn))
     space = corner_radius(turn, r1, side1, r2, side2, min(p1, p2), 0.5 * length1, 0.5 * length2, enough)
     v = min(v, math.sqrt(a_n * space))
-    slowed = min(v, math.sqrt(2.0 * ramp * space * math.tan(0.5 * turn)))
+    slowed = min(v, math.sqrt(2.0 * ramp * space * tan(0.5 * turn)))
     radius = max(v * v / a_n, min(space, v * slowed / (ramp * turn)))
     if v <= kink_speed or radius <= 0.0:
         return PASS
@@ -241,7 +243,7 @@ def round_corner(
     # directions of the path, as angles from X, where the arc begins and ends
     begin = 0.0 if r1 == 0.0 else -side1 * joints.trim_end[i] / r1
     leave = turn if r2 == 0.0 else turn + side2 * joints.trim_start[i + 1] / r2
-    c, s = math.cos(begin), math.sin(begin)
+    c, s = cos_sin(begin)
     end, arc = curves.end, joints.arc
     for k in range(3):
         arc[i, k] = end[i, k] + x * last[i, k] + y * across[k]

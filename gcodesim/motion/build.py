@@ -9,6 +9,7 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.matrices import applied
 from gcodesim.canon import (
     Action,
     ArcFeed,
@@ -168,8 +169,8 @@ class PathBuilder:
             center, normal = event.center, event.normal
             tilt = self._tilt(event)
             if tilt is not None:
-                center = tuple(tilt.p + tilt.R @ (np.array(center) - tilt.p))
-                normal = tuple(tilt.R @ np.array(normal))
+                center = tuple(tilt.p + applied(tilt.R, np.array(center) - tilt.p))
+                normal = tuple(applied(tilt.R, np.array(normal)))
             self.rows.shape(center, normal, event.sweep)
             self._row(ARC, event, event.end, self._speed(event.feed, event.feed_unit), event.feed_unit[0] == "r")
         elif isinstance(event, SplineFeed):
@@ -236,7 +237,7 @@ class PathBuilder:
             return
         tilt = self.tilts.get(self.current.system)
         if tilt is not None:
-            step[:3] = tilt.R @ step[:3]
+            step[:3] = applied(tilt.R, step[:3])
         self.at = tuple(float(v) for v in np.array(self.at) + step)  # type: ignore[assignment]
         self.rows.jump(self.at)
 
@@ -265,14 +266,14 @@ class PathBuilder:
         tilt = self.tilts.get(self.current.system)
         if tilt is None:
             return self.at
-        p = tilt.p + tilt.R.T @ (np.array(self.at[:3]) - tilt.p)
+        p = tilt.p + applied(tilt.R.T, np.array(self.at[:3]) - tilt.p)
         return (float(p[0]), float(p[1]), float(p[2]), *self.at[3:])
 
     def _row(self, kind: int, event: Move, end: Axes, feed: float, rotary: bool) -> None:
         if self.tilts:
             tilt = self._tilt(event)
             if tilt is not None and kind != HOME:
-                p = tilt.p + tilt.R @ (np.array(end[:3]) - tilt.p)
+                p = tilt.p + applied(tilt.R, np.array(end[:3]) - tilt.p)
                 end = (float(p[0]), float(p[1]), float(p[2]), *end[3:])
         self.rows.add(
             kind,

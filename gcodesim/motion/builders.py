@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from math import atan2, pi, sqrt
+from math import pi, sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from gcodesim.arithmetic.elementary import acos, atan2, cos, sin
+from gcodesim.arithmetic.matrices import applied, dot, multiplied, norms
 from gcodesim.frames import Array, canonical_quaternion, rotation_from_quaternion
 from gcodesim.motion.tool_path import ToolPath
 
@@ -16,14 +19,14 @@ def slerp(first: ArrayLike, last: ArrayLike, u: ArrayLike) -> Array:
     """Quaternions (n, 4), x y z w, at shares `u` (n,) of the shorter turn from `first` to `last` (Shoemake 1985)."""
     a, b = canonical_quaternion(np.asarray(first, dtype=float)), canonical_quaternion(np.asarray(last, dtype=float))
     u = np.atleast_1d(np.asarray(u, dtype=float))
-    cosine = float(a @ b)
+    cosine = dot(a, b)
     if cosine < 0.0:
         b, cosine = -b, -cosine
     if cosine > 1.0 - 1e-12:
         return canonical_quaternion(a + u[:, None] * (b - a))
-    angle = np.arccos(cosine)
-    weights = np.stack([np.sin((1.0 - u) * angle), np.sin(u * angle)], axis=-1) / np.sin(angle)
-    return canonical_quaternion(weights @ np.stack([a, b]))
+    angle = acos(cosine)
+    weights = np.stack([sin((1.0 - u) * angle), sin(u * angle)], axis=-1) / sin(angle)
+    return canonical_quaternion(multiplied(weights, np.stack([a, b])))
 
 
 def linear_interpolation(
@@ -57,7 +60,7 @@ def circular_interpolation(
     start, end = np.asarray(start_point, dtype=float), np.asarray(end_point, dtype=float)
     i, j = (axis + 1) % 3, (axis + 2) % 3
     across = end[[i, j]] - start[[i, j]]
-    gap = float(np.hypot(*across))
+    gap = math.hypot(*across)
     if gap == 0.0:
         raise ValueError("start and end of the arc are the same point in its plane")
     if gap > 2.0 * radius * (1.0 + 1e-12):
@@ -70,8 +73,8 @@ def circular_interpolation(
     sweep = (atan2(*(end[[i, j]] - center)[::-1]) - first) * sign % (2.0 * pi) * sign
     u = np.linspace(0.0, 1.0, _count(samples))
     points = start + u[:, None] * (end - start)
-    points[:, i] = center[0] + radius * np.cos(first + u * sweep)
-    points[:, j] = center[1] + radius * np.sin(first + u * sweep)
+    points[:, i] = center[0] + radius * cos(first + u * sweep)
+    points[:, j] = center[1] + radius * sin(first + u * sweep)
     points[0], points[-1] = start, end
     return ToolPath.from_points(points, _turned(u, start_orientation, end_orientation))
 
@@ -92,7 +95,7 @@ def spline_interpolation(
     through = np.asarray(points, dtype=float)
     if through.shape[1] != 3 and through.shape[0] == 3:
         through = through.T
-    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(through, axis=0), axis=1))])
+    way = np.concatenate([[0.0], np.cumsum(norms(np.diff(through, axis=0)))])
     u = np.linspace(0.0, 1.0, _count(samples))
     if len(through) < 4:
         at = make_interp_spline(way, through, k=len(through) - 1)(u * way[-1])
@@ -121,7 +124,7 @@ def build_box_path(
     u = np.linspace(0.0, 1.0, _count(samples))
     flat = _round_rectangle(u, half, radius)
     R = rotation_from_quaternion(np.asarray(angles, dtype=float))
-    points = np.asarray(center_position, dtype=float) + flat @ R.T
+    points = np.asarray(center_position, dtype=float) + applied(R, flat)
     return ToolPath.from_points(points, np.tile(np.asarray(orientation, dtype=float), (len(u), 1)))
 
 
@@ -154,7 +157,7 @@ def _round_rectangle(u: Array, half: Array, radius: float) -> Array:
             points[here, :2] = np.array(anchor) + d[:, None] * np.array(way_on)
         elif radius > 0.0:
             angle = way_on + d / radius
-            points[here, :2] = np.array(anchor) + radius * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+            points[here, :2] = np.array(anchor) + radius * np.stack([cos(angle), sin(angle)], axis=-1)
     return points
 
 

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import math
 
+from gcodesim.arithmetic.atan_kernels import atan2
+from gcodesim.arithmetic.sin_kernels import cos_sin, sin, tan
 from gcodesim.compiled import kernel
 
 HALVINGS = 40
@@ -21,10 +23,10 @@ def corner_center(turn: float, r1: float, side1: float, r2: float, side2: float,
     It lies at `radius` from both: on the line or circle parallel to each. Of the
     crossings the one nearest to that of the two tangents counts.
     """
-    x0, y0 = -radius * math.tan(0.5 * turn), radius
+    x0, y0 = -radius * tan(0.5 * turn), radius
     if r1 == 0.0 and r2 == 0.0:
         return x0, y0
-    c, s = math.cos(turn), math.sin(turn)
+    c, s = cos_sin(turn)
     if r1 == 0.0 or r2 == 0.0:
         # circle of the arc against the parallel of the line: n.p = radius
         if r1 == 0.0:
@@ -60,12 +62,12 @@ def corner_center(turn: float, r1: float, side1: float, r2: float, side2: float,
 @kernel
 def way_from_corner(x: float, y: float, angle: float, r: float, side: float) -> float:
     """Length along a curve that leaves the origin at `angle`, from there to the foot of point (x, y); signed."""
-    c, s = math.cos(angle), math.sin(angle)
+    c, s = cos_sin(angle)
     along, across = c * x + s * y, c * y - s * x
     if r == 0.0:
         return along
     # seen from the centre of the arc, at (0, side r) in its own axes
-    return r * math.atan2(along, side * (side * r - across))
+    return r * atan2(along, side * (side * r - across))
 
 
 @kernel
@@ -83,8 +85,8 @@ def corner_radius(
     """The greatest radius up to `most` that misses the corner by `tolerance` at most and fits into its room."""
     if r1 == 0.0 and r2 == 0.0:
         half = 0.5 * (math.pi - turn)
-        s = math.sin(half)
-        radius = min(most, min(room1, room2) * math.tan(half))
+        s = sin(half)
+        radius = min(most, min(room1, room2) * tan(half))
         return min(radius, tolerance * s / (1.0 - s)) if s < 1.0 else radius
     low, high = 0.0, most
     for _ in range(HALVINGS):

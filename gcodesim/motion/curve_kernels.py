@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from gcodesim.arithmetic.sin_kernels import cos_sin
 from gcodesim.compiled import kernel
 from gcodesim.motion.columns import Column
 
@@ -72,7 +73,7 @@ def curve_point(
     if kind[i] == ROUND:
         first = 3
         angle = sweep[i] * u
-        c, sn = math.cos(angle), math.sin(angle)
+        c, sn = cos_sin(angle)
         size = 1.0 + growth[i] * u
         for k in range(3):
             out = c * radial[i, k] + sn * sideways[i, k]

@@ -7,6 +7,8 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.elementary import acos, cos, cos_sin, hypot, sin
+from gcodesim.arithmetic.matrices import dots, norms
 from gcodesim.frames import Array
 from gcodesim.motion.curve_kernels import ROUND, STRAIGHT, CurveColumns
 from gcodesim.motion.tool_path import ARC, ToolPath
@@ -39,9 +41,9 @@ class Curves:
         n = len(path)
         kind = np.full(n, STRAIGHT, dtype=np.uint8)
         step = path.end - path.start
-        length: Array = np.linalg.norm(step[:, :3], axis=1)
+        length: Array = norms(step[:, :3])
         rotary = length <= 1e-12
-        length[rotary] = np.linalg.norm(step[rotary, 3:], axis=1)
+        length[rotary] = norms(step[rotary, 3:])
         center, radial, sideways, lift = (np.zeros((n, 3)) for _ in range(4))
         sweep, growth = np.zeros(n), np.zeros(n)
         arc = np.flatnonzero(path.kind == ARC)
@@ -49,17 +51,17 @@ class Curves:
             kind[arc] = ROUND
             normal = path.normal[arc]
             start, end, middle = path.start[arc, :3], path.end[arc, :3], path.center[arc]
-            height = np.einsum("ij,ij->i", start - middle, normal)
-            rise = np.einsum("ij,ij->i", end - start, normal)
+            height = dots(start - middle, normal)
+            rise = dots(end - start, normal)
             middle = middle + height[:, None] * normal
             r0 = start - middle
             r1 = end - middle - rise[:, None] * normal
-            size0, size1 = np.linalg.norm(r0, axis=1), np.linalg.norm(r1, axis=1)
+            size0, size1 = norms(r0), norms(r1)
             center[arc], radial[arc], sideways[arc] = middle, r0, np.cross(normal, r0)
             lift[arc] = rise[:, None] * normal
             sweep[arc] = path.sweep[arc]
             growth[arc] = np.divide(size1, size0, out=np.ones_like(size0), where=size0 > 0.0) - 1.0
-            length[arc] = np.hypot(0.5 * (size0 + size1) * np.abs(sweep[arc]), rise)
+            length[arc] = hypot(0.5 * (size0 + size1) * np.abs(sweep[arc]), rise)
         return Curves(
             kind, path.start.copy(), path.end.copy(), center, radial, sideways, lift, sweep, growth, length
         )
@@ -96,7 +98,7 @@ class Curves:
         if len(arc):
             sweep, growth = self.sweep[arc, None], self.growth[arc, None]
             radial, sideways, lift = self.radial[arc], self.sideways[arc], self.lift[arc]
-            c, s = np.cos(sweep), np.sin(sweep)
+            c, s = cos_sin(sweep)
             first[arc, :3] = (sweep * sideways + growth * radial + lift) / length[arc]
             out, along = c * radial + s * sideways, -s * radial + c * sideways
             last[arc, :3] = (sweep * (1.0 + growth) * along + growth * out + lift) / length[arc]
@@ -117,15 +119,15 @@ class Curves:
         angle = self.sweep[row, None] * share
         bent = self.center[row] + share * self.lift[row]
         bent += (1.0 + self.growth[row, None] * share) * (
-            np.cos(angle) * self.radial[row] + np.sin(angle) * self.sideways[row]
+            cos(angle) * self.radial[row] + sin(angle) * self.sideways[row]
         )
         points[arc] = bent[arc]
         return points
 
     def shares(self, chord: float) -> tuple[NDArray[np.intp], Array]:
         """Curve and share in 0…1 of the ends of chords that stay within `chord` [m] of the curves."""
-        radius = np.linalg.norm(self.radial, axis=1) * np.maximum(1.0, 1.0 + self.growth)
-        bend = 2.0 * np.arccos(np.clip(1.0 - chord / np.maximum(radius, 1e-12), -1.0, 1.0))
+        radius = norms(self.radial) * np.maximum(1.0, 1.0 + self.growth)
+        bend = 2.0 * acos(np.clip(1.0 - chord / np.maximum(radius, 1e-12), -1.0, 1.0))
         count = np.where(
             self.kind == ROUND, np.ceil(np.abs(self.sweep) / np.clip(bend, 1e-3, 0.5)), 1.0
         ).astype(int)

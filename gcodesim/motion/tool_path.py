@@ -10,6 +10,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.elementary import asin, atan2, cos_sin, hypot
+from gcodesim.arithmetic.matrices import dots, multiplied, norms
 from gcodesim.canon import Axes, Event
 from gcodesim.diagnostics import Span
 from gcodesim.diagnostics.span_table import SpanTable, join
@@ -164,14 +166,14 @@ class ToolPath:
     def length(self) -> Array:
         """Programmed length of each row (n,) in XYZ [m]."""
         straight = self.end[:, :3] - self.start[:, :3]
-        length: Array = np.linalg.norm(straight, axis=1)
+        length: Array = norms(straight)
         arc = self.kind == ARC
         if arc.any():
             n = self.normal[arc]
-            lift = np.einsum("ij,ij->i", straight[arc], n)
-            radius0 = np.linalg.norm(_across(self.start[arc, :3] - self.center[arc], n), axis=1)
-            radius1 = np.linalg.norm(_across(self.end[arc, :3] - self.center[arc], n), axis=1)
-            length[arc] = np.hypot(0.5 * (radius0 + radius1) * np.abs(self.sweep[arc]), lift)
+            lift = dots(straight[arc], n)
+            radius0 = norms(_across(self.start[arc, :3] - self.center[arc], n))
+            radius1 = norms(_across(self.end[arc, :3] - self.center[arc], n))
+            length[arc] = hypot(0.5 * (radius0 + radius1) * np.abs(self.sweep[arc]), lift)
         return length
 
     def span(self, row: int) -> Span:
@@ -228,7 +230,7 @@ class ToolPath:
         for points in (start, end):
             points[:, :3] = X.apply(points[:, :3])
             if np.any(points[:, 3:]) or (np.any(self.end[:, 3:]) and not np.allclose(X.R, np.eye(3))):
-                R = X.R @ rotation_from_quaternion(quaternions_of_angles(points[:, 3:]))
+                R = multiplied(X.R, rotation_from_quaternion(quaternions_of_angles(points[:, 3:])))
                 points[:, 3:] = angles_of_quaternions(quaternion_from_rotation(R))
         return replace(self, start=start, end=end, center=X.apply(self.center), normal=X.rotate(self.normal))
 
@@ -251,15 +253,16 @@ def _columns() -> list[str]:
 
 
 def _across(vectors: Array, n: Array) -> Array:
-    across: Array = vectors - np.einsum("ij,ij->i", vectors, n)[:, None] * n
+    across: Array = vectors - dots(vectors, n)[:, None] * n
     return across
 
 
 def quaternions_of_angles(angles: Array) -> Array:
     """Quaternions (n, 4), x y z w, of rotations by angles (n, 3) [rad] about the fixed X, then Y, then Z axis."""
     half = 0.5 * np.asarray(angles, dtype=float)
-    cx, cy, cz = np.cos(half).T
-    sx, sy, sz = np.sin(half).T
+    cosine, sine = cos_sin(half)
+    cx, cy, cz = cosine.T
+    sx, sy, sz = sine.T
     from gcodesim.frames import canonical_quaternion
 
     return canonical_quaternion(
@@ -278,8 +281,8 @@ def quaternions_of_angles(angles: Array) -> Array:
 def angles_of_quaternions(quaternions: Array) -> Array:
     """Inverse of `quaternions_of_angles`, pitch within a quarter turn; (n, 3) [rad]."""
     R = rotation_from_quaternion(quaternions)
-    pitch = np.arcsin(np.clip(-R[..., 2, 0], -1.0, 1.0))
+    pitch = asin(np.clip(-R[..., 2, 0], -1.0, 1.0))
     upright = np.abs(R[..., 2, 0]) < 1.0 - 1e-12
-    roll = np.where(upright, np.arctan2(R[..., 2, 1], R[..., 2, 2]), 0.0)
-    yaw = np.where(upright, np.arctan2(R[..., 1, 0], R[..., 0, 0]), np.arctan2(-R[..., 0, 1], R[..., 1, 1]))
+    roll = np.where(upright, atan2(R[..., 2, 1], R[..., 2, 2]), 0.0)
+    yaw = np.where(upright, atan2(R[..., 1, 0], R[..., 0, 0]), atan2(-R[..., 0, 1], R[..., 1, 1]))
     return np.stack([roll, pitch, yaw], axis=-1)

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.elementary import atan2, cos_sin
+from gcodesim.arithmetic.matrices import applied, multiplied
 from gcodesim.frames import Array
 
 _TURNED = np.diag([1.0, -1.0, -1.0])  # a tool that points down: its Z along -Z of O
@@ -12,9 +16,9 @@ _TURNED = np.diag([1.0, -1.0, -1.0])  # a tool that points down: its Z along -Z 
 
 def flange_poses(p_BO: Array, R_BO: Array, spin: float) -> Array:
     """X_BF (n, 4, 4) at origins (n, 3) [m] with tools along −Z of R_BO (n, 3, 3), turned by `spin` [rad]."""
-    c, s = np.cos(spin), np.sin(spin)
+    c, s = cos_sin(spin)
     X = np.zeros((len(p_BO), 4, 4))
-    X[:, :3, :3] = R_BO @ (_TURNED @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]))
+    X[:, :3, :3] = multiplied(R_BO, multiplied(_TURNED, np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])))
     X[:, :3, 3] = p_BO
     X[:, 3, 3] = 1.0
     return X
@@ -22,14 +26,14 @@ def flange_poses(p_BO: Array, R_BO: Array, spin: float) -> Array:
 
 def flange_origins(positions: Array, offsets: Array, R_BO: Array) -> Array:
     """Where the flange is (n, 3) when the controlled point is at `positions` (n, 3) under length `offsets` (n, 3)."""
-    origins: Array = positions + np.einsum("nij,nj->ni", R_BO, offsets)
+    origins: Array = positions + applied(R_BO, offsets)
     return origins
 
 
 def spin_of(R_BF: Array, R_BO: Array) -> float:
     """The spin [rad] at which the tool's X comes nearest to that of the flange rotation `R_BF` (3, 3)."""
-    x = (R_BO @ _TURNED).T @ R_BF[:, 0]
-    return float(np.arctan2(x[1], x[0])) if np.hypot(x[0], x[1]) > 1e-9 else 0.0
+    x = applied(multiplied(R_BO, _TURNED).T, R_BF[:, 0])
+    return float(atan2(x[1], x[0])) if math.hypot(x[0], x[1]) > 1e-9 else 0.0
 
 
 def candidates(spin: float, steps: int) -> NDArray[np.float64]:

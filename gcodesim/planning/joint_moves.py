@@ -43,6 +43,6 @@ def share_at(t: Array, speed: float, acceleration: float) -> Array:
     total = 1.0 / top + ramp
     t = np.clip(t, 0.0, total)
     left = total - t
-    up, down = 0.5 * acceleration * t**2, 1.0 - 0.5 * acceleration * left**2
+    up, down = 0.5 * acceleration * (t * t), 1.0 - 0.5 * acceleration * (left * left)
     share: Array = np.where(t < ramp, up, np.where(left < ramp, down, top * (t - 0.5 * ramp)))
     return share

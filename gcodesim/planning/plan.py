@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.matrices import multiplied
 from gcodesim.diagnostics import Findings
 from gcodesim.frames import Array, Pose
 from gcodesim.motion.tool_path import ToolPath
@@ -88,5 +89,5 @@ class Plan:
         X_BT = X_BF.copy()
         for number, X_FT in self.tool_frames.items():
             here = tools == number
-            X_BT[here] = X_BF[here] @ X_FT.matrix
+            X_BT[here] = multiplied(X_BF[here], X_FT.matrix)
         return X_BT

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gcodesim.arithmetic.matrices import applied, dot, norm
 from gcodesim.frames import Array
 from gcodesim.planning.axis_posing import AxisPosing
 from gcodesim.planning.posing import Posing
@@ -29,7 +30,7 @@ def _fixed_attitude(shop: Shop) -> FixedAttitude:
     own = shop.cell.channels[shop.channel].orientation
     R_BW = shop.X_WB.inverse().R
     frames = {
-        system: _upright(R_BW @ shop.placement.tool_axis(own, system), shop, system)
+        system: _upright(applied(R_BW, shop.placement.tool_axis(own, system)), shop, system)
         for system in shop.placement.work_offsets
     }
     return FixedAttitude(frames=frames, upright=frames[1], spin=None if own is None else own.spin, X_BM=shop.X_BM)
@@ -37,10 +38,10 @@ def _fixed_attitude(shop: Shop) -> FixedAttitude:
 
 def _upright(axis_B: Array, shop: Shop, system: int) -> Array:
     """Axes of the frame O (3, 3) whose −Z is the tool axis; its X is as near as possible to that of the work system."""
-    z = -axis_B / np.linalg.norm(axis_B)
+    z = -axis_B / norm(axis_B)
     R_BP = (shop.X_BM @ shop.placement.work_offsets[system]).R
-    x = R_BP[:, 0] - (R_BP[:, 0] @ z) * z
-    if np.linalg.norm(x) < 1e-6:
-        x = R_BP[:, 1] - (R_BP[:, 1] @ z) * z
-    x = x / np.linalg.norm(x)
+    x = R_BP[:, 0] - dot(R_BP[:, 0], z) * z
+    if norm(x) < 1e-6:
+        x = R_BP[:, 1] - dot(R_BP[:, 1], z) * z
+    x = x / norm(x)
     return np.column_stack([x, np.cross(z, x), z])

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.matrices import least_gains
 from gcodesim.frames import Array
 from gcodesim.motion.curves import Curves
 from gcodesim.motion.pieces import AxisLimits
@@ -128,7 +129,7 @@ def _margin(kinematics: Kinematics, q: Array) -> float:
     to_limit = np.minimum(q - joints.lower, joints.upper - q).min()
     J = kinematics.jacobian(q[_spread(len(q), POSES // 3)]).copy()
     J[:, :3] /= 0.5
-    regular = np.linalg.svd(J, compute_uv=False)[:, -1].min()
+    regular = least_gains(J).min()
     return float(max(min(to_limit / COMFORT, regular / REGULAR, 1.0), 0.0))
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.elementary import atan2, cos, sin
 from gcodesim.canon import AXIS_LETTERS
 from gcodesim.canon.systems import name_of_system
 from gcodesim.diagnostics import Diagnostic, Findings
@@ -31,7 +32,7 @@ def axis_ranges(path: ToolPath) -> tuple[Array, Array]:
     if len(arc):
         curves = Curves.of(path).take(arc)
         # a component is greatest where the angle is that of (radial, sideways) in it; then every half turn
-        peak = np.arctan2(curves.sideways, curves.radial)
+        peak = atan2(curves.sideways, curves.radial)
         sweep = curves.sweep[:, None]
         for half_turns in range(-2 * _most_turns(curves), 2 * _most_turns(curves) + 1):
             angle = peak + half_turns * np.pi
@@ -40,7 +41,7 @@ def axis_ranges(path: ToolPath) -> tuple[Array, Array]:
             at = (
                 curves.center
                 + u * curves.lift
-                + size * (np.cos(angle) * curves.radial + np.sin(angle) * curves.sideways)
+                + size * (cos(angle) * curves.radial + sin(angle) * curves.sideways)
             )
             inside = (u > 0.0) & (u < 1.0)
             low[arc, :3] = np.where(inside, np.minimum(low[arc, :3], at), low[arc, :3])

@@ -42,7 +42,7 @@ _SHOP_FLOOR: Final[Mapping[str, tuple[str, float]]] = {
 _PEOPLE: Final = (
     ("_m3_s", "mm³/s", MM3),
     ("_m3", "mm³", MM3),
-    ("_m2", "mm²", MM**2),
+    ("_m2", "mm²", MM * MM),
     ("_m_s", "mm/min", MM_PER_MINUTE),
     ("_m", "mm", MM),
     ("_rad_s", "°/s", DEG),

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.matrices import multiplied
 from gcodesim.frames import rotation_from_quaternion
 from gcodesim.log.series import Series
 
@@ -47,7 +48,7 @@ class RecordedFrames:
         """X_WF (n or 1, 4, 4) of a frame; one that the log does not have is at the origin of the world."""
         X = np.eye(4)[None]
         while frame in self.poses:
-            X = self.poses[frame] @ X
+            X = multiplied(self.poses[frame], X)
             frame = self.parents[frame]
         return X
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.matrices import applied
 from gcodesim.log import DrawnMesh, DrawnShape, DrawnSolid
 from gcodesim.log.shapes import STEEL, Color
 from gcodesim.solids import Box, Cone, Cylinder, Sphere
@@ -109,7 +110,7 @@ def _lines(line: Any) -> Lines:
     place = _place(line)
     from gcodesim.frames import rotation_from_quaternion
 
-    moved = points @ rotation_from_quaternion(place["q"]).T + place["p"]
+    moved = applied(rotation_from_quaternion(place["q"]), points) + place["p"]
     return Lines(points=moved, segments=segments, color=place["color"], pixels=line.thickness)
 
 

@@ -7,6 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.elementary import cos, sin
+from gcodesim.arithmetic.matrices import applied
 from gcodesim.frames import rotation_from_quaternion
 from gcodesim.log import DrawnMesh, DrawnShape
 from gcodesim.log.shapes import Color
@@ -28,7 +30,7 @@ class EntitySkin(NamedTuple):
 def skin_of(shape: DrawnShape) -> EntitySkin:
     """The triangles of a shape, in the frame of its entity."""
     points, triangles = _own(shape)
-    moved = points @ rotation_from_quaternion(shape.q).T + shape.p
+    moved = applied(rotation_from_quaternion(shape.q), points) + shape.p
     return EntitySkin(moved, np.asarray(triangles, dtype=np.int64), shape.color)
 
 
@@ -52,7 +54,7 @@ def _own(shape: DrawnShape) -> tuple[Array, NDArray[np.integer]]:
 def _frustum(bottom: float, top: float, length: float) -> tuple[Array, NDArray[np.integer]]:
     """Along z, centred, closed by two fans; an end of radius 0 is a point of coincident corners."""
     angle = 2.0 * np.pi * np.arange(ROUND) / ROUND
-    ring = np.stack([np.cos(angle), np.sin(angle), np.zeros(ROUND)], axis=1)
+    ring = np.stack([cos(angle), sin(angle), np.zeros(ROUND)], axis=1)
     low, high = np.array([0.0, 0.0, -0.5 * length]), np.array([0.0, 0.0, 0.5 * length])
     points = np.concatenate([bottom * ring + low, top * ring + high, [low, high]])
     a = np.arange(ROUND)

@@ -48,7 +48,7 @@ class ColumnUnit:
 UNITS: Final[dict[str, ColumnUnit]] = {
     "": ColumnUnit("", ""),
     "m": ColumnUnit("m", "mm", MM),
-    "m^2": ColumnUnit("m2", "mm2", MM**2),
+    "m^2": ColumnUnit("m2", "mm2", MM * MM),
     "m^3": ColumnUnit("m3", "mm3", MM3),
     "m/s": ColumnUnit("m_s", "mm_min", MM_PER_MINUTE),
     "m^3/s": ColumnUnit("m3_s", "mm3_s", MM3),

@@ -19,6 +19,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.atan_kernels import acos
+from gcodesim.arithmetic.sin_kernels import cos, sin
 from gcodesim.compiled import kernel
 from gcodesim.material.kernels import (
     ELSEWHERE,
@@ -110,20 +112,20 @@ def lay_rows(pieces: Array, piece: int, height: float, cell: float, rows: Array)
         return 0
     if radius > 0.0:
         if z1 > height:
-            kappa1 = np.arccos(max((pieces[piece, AT_Z] - height) / radius, -1.0))
+            kappa1 = acos(max((pieces[piece, AT_Z] - height) / radius, -1.0))
         step = (kappa1 - kappa0) / SLICES
         for i in range(SLICES):
             a = kappa0 + i * step
             kappa = a + 0.5 * step
-            rows[i, RADIUS] = pieces[piece, AT_R] + radius * np.sin(kappa)
-            rows[i, HEIGHT] = pieces[piece, AT_Z] - radius * np.cos(kappa)
-            rows[i, SIN_KAPPA], rows[i, COS_KAPPA] = np.sin(kappa), np.cos(kappa)
+            rows[i, RADIUS] = pieces[piece, AT_R] + radius * sin(kappa)
+            rows[i, HEIGHT] = pieces[piece, AT_Z] - radius * cos(kappa)
+            rows[i, SIN_KAPPA], rows[i, COS_KAPPA] = sin(kappa), cos(kappa)
             rows[i, EDGE_WIDTH] = radius * step
-            rows[i, LOW] = pieces[piece, AT_Z] - radius * np.cos(a)
-            rows[i, HIGH] = pieces[piece, AT_Z] - radius * np.cos(a + step)
-            rows[i, OUTER] = pieces[piece, AT_R] + radius * np.sin(a + step)
+            rows[i, LOW] = pieces[piece, AT_Z] - radius * cos(a)
+            rows[i, HIGH] = pieces[piece, AT_Z] - radius * cos(a + step)
+            rows[i, OUTER] = pieces[piece, AT_R] + radius * sin(a + step)
         return SLICES
-    sine, cosine = np.sin(kappa0), np.cos(kappa0)
+    sine, cosine = sin(kappa0), cos(kappa0)
     if z1 > height:
         length = (height - z0) / sine
     number = SLICES

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.matrices import norms
 from gcodesim.processes.column import ADDED, ENGAGED, Column, Shown
 from gcodesim.processes.protocol import Process
 from gcodesim.processes.signal import ACTIVE, Signal
@@ -56,7 +57,7 @@ class Extrusion(Process):
         """Add to `stock` (in place) along the active pieces of `window`."""
         n = window.steps
         laid = window.signals[ACTIVE.name][window.piece_step] > 0.0
-        lengths = np.linalg.norm(window.piece_end - window.piece_start, axis=1) * laid
+        lengths = norms(window.piece_end - window.piece_start) * laid
         nominal = _sums(window.piece_step, self.extruder.bead_area * lengths, n)
         added = np.zeros(n)
         if stock is not None and laid.any():

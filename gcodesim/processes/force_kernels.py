@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.power_kernels import power
 from gcodesim.compiled import kernel
 from gcodesim.material.kernels import Field, coarsest
 from gcodesim.processes.engagement_kernels import (
@@ -82,7 +83,7 @@ def power_table(exponent: Array, table: Array) -> None:
     """Fill `table` (3, TABLE) with x**p on 0..1 for each exponent, because a power costs more than all the rest."""
     for component in range(3):
         for i in range(table.shape[1]):
-            table[component, i] = (i / (table.shape[1] - 1.0)) ** exponent[component]
+            table[component, i] = power(i / (table.shape[1] - 1.0), exponent[component])
 
 
 @kernel(lean=True)
@@ -103,7 +104,7 @@ class Scale(NamedTuple):
 @kernel(lean=True, inlined=True)
 def scale_of(law: ForceLaw, component: int, chip: float) -> float:
     """One component of `Scale`."""
-    return float(law.factor[component] * chip ** law.exponent[component]) if chip > 0.0 else 0.0
+    return float(law.factor[component] * power(chip, law.exponent[component])) if chip > 0.0 else 0.0
 
 
 @kernel(lean=True)
@@ -346,6 +347,6 @@ def peaks_of(teeth: Teeth, room: Room, used: int) -> tuple[float, float]:
     for k in range(2 * ANGLES + 1, 3 * ANGLES + 1):
         square = 0.0
         for axis in range(3):
-            square += turning[axis, k] ** 2
+            square += turning[axis, k] * turning[axis, k]
         greatest, torque = max(greatest, square), max(torque, turning[3, k])
     return float(np.sqrt(greatest)), float(torque)

@@ -13,6 +13,7 @@ from typing import Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.elementary import power
 from gcodesim.units import MM, N_PER_MM, N_PER_MM2
 
 Array = NDArray[np.float64]
@@ -75,11 +76,11 @@ class Kienzle:
     @property
     def packed(self) -> Array:
         rows = ((self.kc11, self.mc), (self.kn11, self.mn), (self.ka11, self.ma))
-        return np.array([[k * MM**m, 1.0 - m, 0.0] for k, m in rows])
+        return np.array([[k * power(MM, m), 1.0 - m, 0.0] for k, m in rows])
 
     def specific_force(self, chip: float) -> float:
         """Tangential specific cutting force kc [Pa] at chip thickness `chip` [m] > 0."""
-        return float(self.kc11 * (chip / MM) ** -self.mc)
+        return float(self.kc11 * power(chip / MM, -self.mc))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

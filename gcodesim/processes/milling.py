@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.elementary import cos_sin, hypot, tan
+from gcodesim.arithmetic.matrices import applied
 from gcodesim.processes.column import ENGAGED, FINDINGS, LOG, POWER, REMOVED, RESULTS, TORQUE, Column, Shown
 from gcodesim.processes.laws import Law
 from gcodesim.processes.misuse import cutter_findings
@@ -163,7 +165,7 @@ class Milling(Process):
         way = window.piece_end - window.piece_start
         low = np.minimum(window.piece_start[:, 2], window.piece_end[:, 2])
         depth = np.clip(stock.z_range[1] - low, 0.0, stock.z_range[1] - stock.z_range[0])
-        walls = 2.0 * np.hypot(way[:, 0], way[:, 1]) * depth + 2.0 * np.pi * self.zone.radius * np.abs(way[:, 2])
+        walls = 2.0 * hypot(way[:, 0], way[:, 1]) * depth + 2.0 * np.pi * self.zone.radius * np.abs(way[:, 2])
         bound = np.zeros(window.steps)
         np.add.at(bound, window.piece_step, 0.5 * stock.cell * walls)
         return bound
@@ -197,15 +199,16 @@ class Milling(Process):
         factor, exponent, rub = (np.array(column, dtype=float) for column in law.T)
         powers = np.empty((3, TABLE))
         power_table(exponent, powers)
-        phi = (np.arange(ANGLES) + 0.5) * (2.0 * np.pi / ANGLES)
+        phi: Array = np.asarray((np.arange(ANGLES) + 0.5) * (2.0 * np.pi / ANGLES), dtype=np.float64)
+        cosine, sine = cos_sin(phi)
         return Teeth(
             radius=float(cutter.radius),
             number=float(cutter.flutes),
-            lag=float(np.tan(cutter.helix)),
+            lag=tan(cutter.helix),
             height=float(cutter.edge_height),
             pieces=cutter.edge,
             law=ForceLaw(factor, exponent, rub, powers),
-            circle=Circle(np.sin(phi), np.cos(phi)),
+            circle=Circle(sine, cosine),
         )
 
     @cached_property
@@ -257,7 +260,7 @@ class MillingLoop:
         )
         out = self._process.run_packed(self._stock, step, self._state)
         self._out.append(out)
-        wrench: Array = out[0, :6] if len(out) == 1 else self._turns.share[here] @ out[:, :6]
+        wrench: Array = out[0, :6] if len(out) == 1 else applied(out[:, :6].T, self._turns.share[here])
         return wrench
 
     def finish(self) -> ProcessStep:

@@ -195,7 +195,7 @@ def new_trial() -> Trial:
 @kernel(lean=True)
 def flat_way(way: Way) -> float:
     """Horizontal way [m] of the commanded tip in a step."""
-    return float(np.sqrt((way.after[0] - way.before[0]) ** 2 + (way.after[1] - way.before[1]) ** 2))
+    return float(np.sqrt(np.square(way.after[0] - way.before[0]) + np.square(way.after[1] - way.before[1])))
 
 
 @kernel(lean=True)
@@ -211,7 +211,8 @@ def travel_between(way: Way, state: State) -> float:
 @kernel(lean=True)
 def bend(state: State) -> float:
     """Deflection [m] of the tip."""
-    return float(np.sqrt(state.delta[0] ** 2 + state.delta[1] ** 2 + state.delta[2] ** 2))
+    d = state.delta
+    return float(np.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]))
 
 
 @kernel(lean=True)
@@ -414,7 +415,7 @@ def feel(
         if speed > LEAST_SPEED:
             chip = speed * 2.0 * np.pi / (spindle * tool.teeth.number)
             flat = flat_way(way)
-            length = np.sqrt(flat * flat + (after[2] - before[2]) ** 2)
+            length = np.sqrt(flat * flat + np.square(after[2] - before[2]))
         if rigid:
             unbend(state)
             fed = Heading(state.feed[0], state.feed[1], level, climb)
@@ -497,7 +498,7 @@ def settle(field: Field, motion: Motion, k: int, way: Way, state: State, out: Ar
 def is_tilted(motion: Motion, k: int) -> bool:
     """Whether the tool is not upright in step k."""
     x, y, z = motion.axis[k, 0], motion.axis[k, 1], motion.axis[k, 2]
-    return bool(x**2 + y**2 > LARGEST_TILT * LARGEST_TILT or z <= 0.0)
+    return bool(x * x + y * y > LARGEST_TILT * LARGEST_TILT or z <= 0.0)
 
 
 @kernel(lean=True, inlined=True)

@@ -16,6 +16,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from gcodesim.arithmetic.atan_kernels import atan2
+from gcodesim.arithmetic.power_kernels import power
+from gcodesim.arithmetic.sin_kernels import cos_sin
 from gcodesim.compiled import kernel
 from gcodesim.processes.engagement_kernels import (
     ANGLES,
@@ -133,7 +136,7 @@ def spread_moves(compliance: Array, wrench: Array, moves: Array) -> None:
 @kernel(lean=True)
 def angle_between(one: Array, other: Array) -> float:
     """Angle [rad] by which direction `one` (2,) has to be turned to be `other`, from -pi to pi."""
-    return math.atan2(one[0] * other[1] - one[1] * other[0], one[0] * other[0] + one[1] * other[1])
+    return atan2(one[0] * other[1] - one[1] * other[0], one[0] * other[0] + one[1] * other[1])
 
 
 @kernel(lean=True)
@@ -159,9 +162,9 @@ def solve_travel(step: Travel, wrenches: Wrenches, asked: float) -> float:
     grows, turns = pushed < 0.0, level > 0.0 and turned < 0.0 and back != onward
     a, angle = min(max(asked, LEAST), MOST) if grows else 1.0, 0.0 if turns else onward
     least, most = min(back, onward), max(back, onward)
-    c, s = math.cos(angle), math.sin(angle)
+    c, s = cos_sin(angle)
     for _ in range(ROUNDS):
-        growth = (a / asked) ** exponent
+        growth = power(a / asked, exponent)
         vx, vy = c * ux - s * uy, s * ux + c * uy
         along, across, along_turned, across_turned, along_grown, across_grown = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         for axis in range(3):
@@ -198,7 +201,7 @@ def solve_travel(step: Travel, wrenches: Wrenches, asked: float) -> float:
         angle += turn
         done = abs(following - a) < 1.0e-6 * a and abs(turn) < 1.0e-6
         a = following
-        c, s = math.cos(angle), math.sin(angle)
+        c, s = cos_sin(angle)
         if done:
             break
     travel[0], travel[1] = c * ux - s * uy, s * ux + c * uy
@@ -222,7 +225,7 @@ def follow_travel(step: Travel, wrenches: Wrenches, asked: float, result: Array)
     for component in range(6):
         chips[component] = result[component] - edges[component]
     advance = solve_travel(step, wrenches, asked)
-    growth = (advance / asked) ** exponent
+    growth = power(advance / asked, exponent)
     cosine, sine = ux * travel[0] + uy * travel[1], ux * travel[1] - uy * travel[0]
     turn_wrench(edges, cosine, sine)
     turn_wrench(chips, cosine, sine)

@@ -12,6 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.matrices import dots, norms
 from gcodesim.processes.window import Window
 
 Array = NDArray[np.float64]
@@ -73,8 +74,8 @@ def _borders(window: Window, first_piece: Ints) -> Ints:
     if window.piece_share is None or len(window.piece_step) < 2:
         return none
     way = window.piece_end - window.piece_start
-    length = np.linalg.norm(way, axis=1)
-    along = np.einsum("ij,ij->i", way[1:], way[:-1])
+    length = norms(way)
+    along = dots(way[1:], way[:-1])
     sharp = (along < SAME_WAY * length[1:] * length[:-1]) & (np.diff(window.piece_step) == 0)
     borders = np.flatnonzero(sharp) + 1
     if not len(borders):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gcodesim.arithmetic.matrices import applied, inverse_pose, multiplied
 from gcodesim.frames import WORLD, Array, Pose
 from gcodesim.log import StaticFrame
 from gcodesim.recorder.pose_kernels import write_poses
@@ -148,7 +149,7 @@ class Frames:
         if not self.moving_work:
             return X_WP
         X = X_WP.copy()
-        X[:, :3, 3] += self.shop.kinematics.table_travel(q) @ self.shop.X_WB.R.T
+        X[:, :3, 3] += applied(self.shop.X_WB.R, self.shop.kinematics.table_travel(q))
         return X
 
     def seen_from_table(self, q: Array, X_W: Array) -> Array:
@@ -156,7 +157,7 @@ class Frames:
         if not self.moving_work:
             return X_W
         shop = self.shop
-        X: Array = np.linalg.inv(shop.scene.track(f"{shop.name}/{WORK}", {shop.name: q})) @ X_W
+        X: Array = multiplied(inverse_pose(shop.scene.track(f"{shop.name}/{WORK}", {shop.name: q})), X_W)
         return X
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.matrices import norm, norms
 from gcodesim.frames import Array
 from gcodesim.log import Camera, View
 from gcodesim.processes import PROCESSES
@@ -51,7 +52,7 @@ def view_of(shop: Shop, ways: Ways, rapid: NDArray[np.bool_]) -> View:
     if shop.mover.seen_whole:
         robot = _camera(np.concatenate([work, _links(shop)]), diagonals=AROUND_ROBOT)
         return View(cell=robot, part=part)
-    farthest = float(np.linalg.norm(ways.points - part.target, axis=1).max(initial=0.0))
+    farthest = float(norms(ways.points - part.target).max(initial=0.0))
     distance = max(part.distance, round(AROUND_WAYS * farthest, 3))
     return View(cell=replace(part, distance=distance))
 
@@ -60,7 +61,7 @@ def _camera(points: Array, *, diagonals: float) -> Camera:
     """A view at the middle of `points` (n, 3) [m], from `diagonals` times the diagonal of their box away."""
     low, high = points.min(axis=0), points.max(axis=0)
     x, y, z = (round(float(v), 3) for v in 0.5 * (low + high))
-    distance = max(CLOSEST, diagonals * float(np.linalg.norm(high - low)))
+    distance = max(CLOSEST, diagonals * norm(high - low))
     return Camera(target=(x, y, z), distance=round(distance, 3))
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from math import atan2, cos, sin, sqrt
+from math import sqrt
 from typing import Any
 
+from gcodesim.arithmetic.atan_kernels import atan2
+from gcodesim.arithmetic.sin_kernels import cos_sin
 from gcodesim.compiled import kernel
 
 
@@ -50,7 +52,8 @@ def bend(X_WB: Any, deflection: Any, X: Any) -> None:
         angle = sqrt(x * x + y * y + z * z)
         if angle > 0.0:
             x, y, z = x / angle, y / angle, z / angle
-            s, v = sin(angle), 1.0 - cos(angle)
+            cosine, s = cos_sin(angle)
+            v = 1.0 - cosine
             for c in range(3):
                 p0, p1, p2 = pose[0, c], pose[1, c], pose[2, c]
                 along = v * (x * p0 + y * p1 + z * p2)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.matrices import applied, multiplied, norms
 from gcodesim.canon import ToolChange
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.executor.record import StepRecord
@@ -282,13 +283,13 @@ class Recorder:
         q, X_WT = came["q"][here], X_WT[here]
         qd, effort, row = came["qd"], came["effort"], came["row"]
         X_WB = self._shop.X_WB
-        target = X_WB.matrix @ came["target"]
+        target = multiplied(X_WB.matrix, came["target"])
         part = self._systems[self._plan.path.state[row] if len(self._plan.path) else np.zeros(len(row), int)]
         part = self._frames.carried(q, part)
         errors, local = np.empty((len(row), 2)), np.empty((len(row), 3))
         compare(target, X_WT, part, errors, local)
         wrench = _in_world(X_WB.R, came["wrench"])
-        force = np.linalg.norm(wrench[:, :3], axis=1)
+        force = norms(wrench[:, :3])
         travel, pace, load = self._limits.used(q, qd, effort)
         self._writer.window(
             came["t_ns"],
@@ -301,7 +302,7 @@ class Recorder:
             tcp=seven(X_WT),
             motion=MotionColumns(
                 feed=speed,
-                feed_command=np.linalg.norm(came["velocity"], axis=1),
+                feed_command=norms(came["velocity"]),
                 position_error=errors[:, 0],
                 orientation_error=errors[:, 1],
                 block_fraction=np.clip(self._fractions(row, came["time"]), 0.0, 1.0),
@@ -343,7 +344,7 @@ class Recorder:
         cut = self._frames.seen_from_table(came["q"], X_WT)[:, :3, 3]  # feed is the tool's way over the work
         way = np.concatenate([self._cut_at[None], cut])
         self._cut_at = cut[-1]
-        speed: Array = np.linalg.norm(way[came["now"]] - way[came["before"]], axis=1) / (self._step_ns * 1e-9)
+        speed: Array = norms(way[came["now"]] - way[came["before"]]) / (self._step_ns * 1e-9)
         return speed
 
     def _fractions(self, row: Any, time: Array) -> Array:
@@ -435,7 +436,7 @@ def _is_rapid(plan: Plan) -> NDArray[np.bool_]:
 
 
 def _in_world(R_WB: Array, wrench: Array) -> Array:
-    return np.concatenate([wrench[:, :3] @ R_WB.T, wrench[:, 3:] @ R_WB.T], axis=1)
+    return np.concatenate([applied(R_WB, wrench[:, :3]), applied(R_WB, wrench[:, 3:])], axis=1)
 
 
 def _as_placed(stock: Stock) -> Surface:

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.elementary import cos, sin
+from gcodesim.arithmetic.matrices import dots, norms
 from gcodesim.frames import Array
 from gcodesim.log import PathPart, Polylines
 from gcodesim.motion.tool_path import ARC
@@ -92,17 +94,17 @@ def _on_arcs(start: Array, end: Array, center: Array, normal: Array, sweep: Arra
     p0, p1, c, n = start[row, :3], end[row, :3], center[row], normal[row]
 
     def across(v: Array) -> Array:
-        left: Array = v - np.einsum("ij,ij->i", v, n)[:, None] * n
+        left: Array = v - dots(v, n)[:, None] * n
         return left
 
     r0, r1 = across(p0 - c), across(p1 - c)
-    length0, length1 = np.linalg.norm(r0, axis=1), np.linalg.norm(r1, axis=1)
+    length0, length1 = norms(r0), norms(r1)
     radial = r0 / np.maximum(length0, 1e-12)[:, None]
     angle = u * sweep[row]
     radius = length0 + u * (length1 - length0)
-    flat = radius[:, None] * (np.cos(angle)[:, None] * radial + np.sin(angle)[:, None] * np.cross(n, radial))
-    height0 = np.einsum("ij,ij->i", p0 - c, n)
-    height1 = np.einsum("ij,ij->i", p1 - c, n)
+    flat = radius[:, None] * (cos(angle)[:, None] * radial + sin(angle)[:, None] * np.cross(n, radial))
+    height0 = dots(p0 - c, n)
+    height1 = dots(p1 - c, n)
     points: Array = c + flat + (height0 + u * (height1 - height0))[:, None] * n
     return points
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, Final
 
+from gcodesim.arithmetic.elementary import cos_sin
 from gcodesim.canon import AXIS_LETTERS
 from gcodesim.canon import events as ev
 from gcodesim.canon.listing import as_json
@@ -60,7 +61,7 @@ class System:
 def _turn(x: float, y: float, angle: float) -> tuple[float, float]:
     if angle == 0.0:
         return x, y
-    c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+    c, s = cos_sin(math.radians(angle))
     return c * x - s * y, s * x + c * y
 
 
@@ -130,7 +131,7 @@ def arc_point(arc: ArcMove, start: Sequence[float], end: Sequence[float], part: 
     r = [a - height * b for a, b in zip(r, n, strict=True)]
     across = (n[1] * r[2] - n[2] * r[1], n[2] * r[0] - n[0] * r[2], n[0] * r[1] - n[1] * r[0])
     angle = math.radians(arc.sweep * part)
-    c, s = math.cos(angle), math.sin(angle)
+    c, s = cos_sin(angle)
     x, y, z = (
         m + c * a + s * b + k * (height + part * rise) for m, a, b, k in zip(arc.center, r, across, n, strict=True)
     )

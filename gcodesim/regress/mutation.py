@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from random import Random
 from typing import Final
 
+from gcodesim.arithmetic.elementary import cos, sin
 from gcodesim.declarations.nodes import Listing, Node, Scalar, compose
 from gcodesim.declarations.nodes import Mapping as MappingNode
 from gcodesim.declarations.scalars import measured
@@ -445,8 +446,8 @@ def _arcs_divided(random: Random, lines: list[str]) -> tuple[str, tuple[str, ...
         line = lines[index]
         angle = math.radians(sweep) * random.uniform(0.3, 0.7)
         rx, ry = start[0] - center[0], start[1] - center[1]
-        x = center[0] + rx * math.cos(angle) - ry * math.sin(angle)
-        y = center[1] + rx * math.sin(angle) + ry * math.cos(angle)
+        x = center[0] + rx * cos(angle) - ry * sin(angle)
+        y = center[1] + rx * sin(angle) + ry * cos(angle)
         words = {m[1].upper(): m[2] for m in _WORD.finditer(_code(line))}
         g, feed = words["G"], f" F{words['F']}" if "F" in words else ""
 

@@ -164,7 +164,7 @@ def _most(
         old_mm=None if np.isnan(old[i, j]) else _mm(float(old[i, j])),
         new_mm=None if np.isnan(new[i, j]) else _mm(float(new[i, j])),
         deviation_mm=_mm(float(apart[i, j])),
-        area_mm2=round(float(off.sum()) * (dx * dy) / MM**2, 3),
+        area_mm2=round(float(off.sum()) * (dx * dy) / (MM * MM), 3),
         allowed_mm=allowed_mm,
         exact=exact,
     )

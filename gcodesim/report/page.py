@@ -204,7 +204,7 @@ def _times(recording: Recording) -> dict[str, Any]:
             "text": line.text,
             "count": line.count,
             "time_s": line.seconds,
-            "removed_mm3": line.removed / MM**3,
+            "removed_mm3": line.removed / (MM * MM * MM),
             "max_force_N": line.force,
         }
         for line in slowest(report.lines, _SLOWEST)

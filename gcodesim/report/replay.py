@@ -8,6 +8,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.matrices import dots, inverse_pose, multiplied
 from gcodesim.frames import quaternion_from_rotation
 from gcodesim.log import DrawnMesh, DrawnShape
 from gcodesim.playback import Drawing, RecordedFrames, Recording
@@ -95,13 +96,7 @@ def _stock_frames(tree: RecordedFrames) -> list[str]:
 
 def _seen_from(X_WA: Array, X_WB: Array) -> Array:
     """X_AB of two stacks of poses (n or 1, 4, 4)."""
-    R, p = X_WA[:, :3, :3], X_WA[:, :3, 3]
-    inverse = np.zeros_like(X_WA)
-    inverse[:, :3, :3] = R.transpose(0, 2, 1)
-    inverse[:, :3, 3] = -np.einsum("nji,nj->ni", R, p)
-    inverse[:, 3, 3] = 1.0
-    X: Array = inverse @ X_WB
-    return X
+    return multiplied(inverse_pose(X_WA), X_WB)
 
 
 def _signals(recording: Recording, track: Array, kind: NDArray[np.int64], every_ns: int) -> tuple[Array, Array]:
@@ -182,7 +177,7 @@ def _frame(tree: RecordedFrames, name: str, kept: NDArray[np.int64], pack: Pack)
         return {"p": X[0, :3, 3].tolist(), "q": quaternion_from_rotation(X[0, :3, :3]).tolist()}
     q = quaternion_from_rotation(X[:, :3, :3])
     # neighbours on the same side of the sphere, so that a page may blend them
-    flips = np.cumprod(np.where(np.einsum("ij,ij->i", q[1:], q[:-1]) < 0.0, -1.0, 1.0))
+    flips = np.cumprod(np.where(dots(q[1:], q[:-1]) < 0.0, -1.0, 1.0))
     q[1:] *= flips[:, None]
     return {"positions": pack.numbers(X[:, :3, 3]), "quaternions": pack.numbers(q)}
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from gcodesim import canon
+from gcodesim.arithmetic.elementary import cos_sin
 from gcodesim.rs274 import compensation
 from gcodesim.rs274.circles import Arc, apart, sweep_of
 from gcodesim.rs274.control import Control
@@ -211,7 +212,7 @@ def emit_arc(control: Control, end: Vector, shape: Arc, word: str) -> None:
     axis = [0.0, 0.0, 0.0]
     axis[normal] = 1.0
     if state.rotation and normal != 2:
-        cos, sin = math.cos(state.rotation * DEG), math.sin(state.rotation * DEG)
+        cos, sin = cos_sin(state.rotation * DEG)
         axis = [axis[0] * cos - axis[1] * sin, axis[0] * sin + axis[1] * cos, axis[2]]
     feed, unit = control.feed(linear=True)
     control.out.append(

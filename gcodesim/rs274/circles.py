@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from gcodesim.arithmetic.elementary import atan2
 from gcodesim.units import DEG
 
 Point = tuple[float, float]
@@ -44,7 +45,7 @@ def sweep_of(start: tuple[float, float], end: tuple[float, float], shape: Arc) -
     """Signed swept angle [rad], full turns included; coinciding ends are a full turn."""
     (cx, cy), turns = shape
     u, v = (start[0] - cx, start[1] - cy), (end[0] - cx, end[1] - cy)
-    angle = math.atan2(u[0] * v[1] - u[1] * v[0], u[0] * v[0] + u[1] * v[1])
+    angle = atan2(u[0] * v[1] - u[1] * v[0], u[0] * v[0] + u[1] * v[1])
     if turns > 0:
         return (angle + 2.0 * math.pi if angle <= _FULL_CIRCLE_ANGLE else angle) + 2.0 * math.pi * (turns - 1)
     return (angle - 2.0 * math.pi if angle >= -_FULL_CIRCLE_ANGLE else angle) + 2.0 * math.pi * (turns + 1)

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple, Protocol
 
 from gcodesim import canon
+from gcodesim.arithmetic.elementary import atan2, cos_sin
 from gcodesim.diagnostics import Span
 from gcodesim.rs274.circles import Arc, Line, PlaneCircle, Point, apart, meet, sweep_of
 from gcodesim.rs274.control import Control
@@ -287,7 +288,7 @@ def _entry_centre(start: Point, end: Point, normal: Point) -> Point:
     along = 2.0 * (chord[0] * normal[0] + chord[1] * normal[1])
     if along == 0.0:
         raise Fault("GS151", "an entry by this arc has no centre")
-    distance = (chord[0] ** 2 + chord[1] ** 2) / along
+    distance = (chord[0] * chord[0] + chord[1] * chord[1]) / along
     return end[0] + normal[0] * distance, end[1] + normal[1] * distance
 
 
@@ -380,7 +381,7 @@ def _held_move(control: Control) -> Held:
 
 def turn_outward(before: Point, after: Point, side: int) -> float:
     """Angle [rad] from the old normal to the new one, positive where the corner is outside; -pi/2 to 3 pi/2."""
-    angle = math.atan2(before[0] * after[1] - before[1] * after[0], before[0] * after[0] + before[1] * after[1])
+    angle = atan2(before[0] * after[1] - before[1] * after[0], before[0] * after[0] + before[1] * after[1])
     turn = -angle if side > 0 else angle
     return turn + 2.0 * math.pi if turn < -math.pi / 2.0 else turn
 
@@ -535,7 +536,7 @@ def _arc_event(control: Control, move: Held, start: Vector, end: Vector, at: can
     axis = [0.0, 0.0, 0.0]
     axis[normal] = 1.0
     if state.rotation and normal != 2:
-        cos, sin = math.cos(state.rotation * DEG), math.sin(state.rotation * DEG)
+        cos, sin = cos_sin(state.rotation * DEG)
         axis = [axis[0] * cos - axis[1] * sin, axis[0] * sin + axis[1] * cos, axis[2]]
     sweep = sweep_of((start[first], start[second]), (end[first], end[second]), Arc(move.centre, move.turns))
     return canon.ArcFeed(

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Literal
 
 from gcodesim import canon
+from gcodesim.arithmetic.elementary import cos_sin
 from gcodesim.diagnostics import Diagnostic, Severity, Span
 from gcodesim.rs274 import parameters as numbers
 from gcodesim.rs274.block import ColumnRange
@@ -97,7 +98,7 @@ class Control:
 
     @staticmethod
     def _turn(degrees: float) -> tuple[float, float]:
-        return math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+        return cos_sin(math.radians(degrees))
 
     def axes(self) -> Vector:
         """Where the machine's axes stand, in program units."""

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from gcodesim import canon
+from gcodesim.arithmetic.elementary import atan2, cos, sin
 from gcodesim.rs274.arcs import PLANE_AXES
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.ends import end_point
@@ -187,8 +188,8 @@ def _next_place(
     start[axes[0]], start[axes[1]] = place
     if words.has_polar() and not state.incremental:  # unlike in a move, no angle means that of the current point
         radius = values.get("@", math.hypot(start[0], start[1]))
-        angle = math.radians(values["^"]) if "^" in values else math.atan2(start[1], start[0])
-        return radius * math.cos(angle), radius * math.sin(angle)
+        angle = math.radians(values["^"]) if "^" in values else atan2(start[1], start[0])
+        return radius * cos(angle), radius * sin(angle)
     end = end_point(words, control, start=tuple(start))  # type: ignore[arg-type]
     return end[axes[0]], end[axes[1]]
 

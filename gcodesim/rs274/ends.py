@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from gcodesim.arithmetic.elementary import atan2, cos, sin
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.state import AXES, Vector, subtract
@@ -63,16 +64,16 @@ def _polar(words: Words, control: Control, start: Vector) -> Vector:
         if here == 0.0:
             at = "@" if radius is not None else "^"
             raise Fault("GS185", "at the origin there is no angle and no radius to add to", at=at, hint="say G90")
-        bearing = math.degrees(math.atan2(start[1], start[0])) + (angle or 0.0)
+        bearing = math.degrees(atan2(start[1], start[0])) + (angle or 0.0)
         distance = here + (radius or 0.0)
     else:
         if here == 0.0 and angle is None:
             raise Fault("GS185", "at the origin the angle ^ has to be given", at="@")
-        bearing = math.degrees(math.atan2(start[1], start[0])) if angle is None else angle
+        bearing = math.degrees(atan2(start[1], start[0])) if angle is None else angle
         distance = here if radius is None else radius
     sign = 1.0 if state.incremental else 0.0
     rest = [
         words.values.get(letter, 0.0 if sign else start[axis]) + sign * start[axis] for axis, letter in enumerate(AXES)
     ]
-    x, y = distance * math.cos(math.radians(bearing)), distance * math.sin(math.radians(bearing))
+    x, y = distance * cos(math.radians(bearing)), distance * sin(math.radians(bearing))
     return (x, y, *rest[2:])  # type: ignore[return-value]

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+from gcodesim.arithmetic.elementary import acos, asin, atan2, cos, power, sin, tan
 from gcodesim.rs274.block import Binary, Exists, Expression, Function, Name, Parameter, Signed
 from gcodesim.rs274.fault import Fault
-from gcodesim.rs274.functions import arc, logarithm, nearest, root
+from gcodesim.rs274.functions import arc, exponential, logarithm, nearest, root
 from gcodesim.rs274.parameters import Parameters
 
 _NEAR = 1e-4  # EQ and NE treat numbers nearer than this as equal
@@ -65,7 +66,7 @@ def _single(node: Expression, parameters: Parameters) -> float:
     if isinstance(node, Function):
         argument = loose(node.argument, parameters)
         if node.name == "atan":
-            return math.degrees(math.atan2(argument, loose(node.divisor, parameters)))
+            return math.degrees(atan2(argument, loose(node.divisor, parameters)))
         try:
             return _FUNCTIONS[node.name](argument)
         except (ValueError, OverflowError):
@@ -127,12 +128,7 @@ def _modulo(a: float, b: float) -> float:
 def _power(a: float, b: float) -> float:
     if a < 0.0 and math.isfinite(b) and not b.is_integer():
         raise Fault("GS123", f"{a:g} ** {b:g}: a negative number has no such power")
-    try:
-        return math.pow(a, b)
-    except ValueError:
-        return math.inf  # 0 to a negative power
-    except OverflowError:
-        return -math.inf if a < 0.0 and b % 2.0 else math.inf
+    return power(a, b) if a != 0.0 or b >= 0.0 else math.inf
 
 
 _OPERATORS: dict[str, Callable[[float, float], float]] = {
@@ -155,15 +151,15 @@ _OPERATORS: dict[str, Callable[[float, float], float]] = {
 
 _FUNCTIONS: dict[str, Callable[[float], float]] = {
     "abs": abs,
-    "acos": arc("ACOS", math.acos),
-    "asin": arc("ASIN", math.asin),
-    "cos": lambda a: math.cos(math.radians(a)),
-    "exp": math.exp,
+    "acos": arc("ACOS", acos),
+    "asin": arc("ASIN", asin),
+    "cos": lambda a: cos(math.radians(a)),
+    "exp": exponential,
     "fix": lambda a: float(math.floor(a)),
     "fup": lambda a: float(math.ceil(a)),
     "ln": logarithm,
     "round": nearest,
-    "sin": lambda a: math.sin(math.radians(a)),
+    "sin": lambda a: sin(math.radians(a)),
     "sqrt": root,
-    "tan": lambda a: math.tan(math.radians(a)),
+    "tan": lambda a: tan(math.radians(a)),
 }

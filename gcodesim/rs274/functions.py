@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+from gcodesim.arithmetic.elementary import exp, log
 from gcodesim.rs274.fault import Fault
 
 
@@ -17,7 +18,15 @@ def root(a: float) -> float:
 def logarithm(a: float) -> float:
     if a <= 0.0:
         raise Fault("GS123", f"LN of {a:g}: only positive numbers have a logarithm")
-    return math.log(a)
+    return log(a)
+
+
+def exponential(a: float) -> float:
+    """e to the power of a; raises OverflowError where it is no number."""
+    value = exp(a)
+    if math.isinf(value):
+        raise OverflowError
+    return value
 
 
 def arc(name: str, function: Callable[[float], float]) -> Callable[[float], float]:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
+from gcodesim.arithmetic.elementary import cos_sin
 from gcodesim.rs274 import parameters as numbers
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.dialects import g_name
@@ -139,10 +140,10 @@ def _set_system(words: Words, control: Control, level: int) -> None:
 def _forget_g92_in_turning(control: Control, before: Vector, old: Vector, turned: float) -> None:
     """As on the control, which leaves G92 out when the active system is turned: X and Y read as if there were none."""
     state = control.state
-    cos, sin = math.cos(turned * DEG), math.sin(turned * DEG)
+    cos, sin = cos_sin(turned * DEG)
     x = before[0] * cos - before[1] * sin + old[0] - state.origin[0]
     y = before[0] * sin + before[1] * cos + old[1] - state.origin[1]
-    cos, sin = math.cos(state.rotation * DEG), math.sin(state.rotation * DEG)
+    cos, sin = cos_sin(state.rotation * DEG)
     true = state.current
     state.current = (x * cos + y * sin, y * cos - x * sin, *true[2:])
     miss = math.dist(true[:2], state.current[:2]) * state.unit / MM
@@ -159,7 +160,7 @@ def _offsets_for_reading(wanted: list[tuple[int, float]], index: int, control: C
     old, turn = control.system_offset(index)
     tip = control.tip(control.state.current)
     x, y = tip[0] - old[0], tip[1] - old[1]
-    cos, sin = math.cos(math.radians(turn)), math.sin(math.radians(turn))
+    cos, sin = cos_sin(math.radians(turn))
     g92 = control.state.g92
     reads = [x * cos + y * sin - g92[0], y * cos - x * sin - g92[1]]
     for axis, value in wanted:
@@ -217,7 +218,7 @@ def _current_for_tool(words: Words, control: Control, level: int) -> Vector:
         origin, turn, g92 = state.origin, state.rotation, state.g92
         point = subtract(axes, origin)
     if turn:
-        cos, sin = math.cos(math.radians(turn)), math.sin(math.radians(turn))
+        cos, sin = cos_sin(math.radians(turn))
         point = (point[0] * cos + point[1] * sin, point[1] * cos - point[0] * sin, *point[2:])
     return subtract(point, g92)
 
@@ -230,7 +231,7 @@ def _turned_back(
     if not turn or {"x", "y"}.isdisjoint(words.values):
         return offset
     unit = control.state.unit
-    cos, sin = math.cos(math.radians(turn)), math.sin(math.radians(turn))
+    cos, sin = cos_sin(math.radians(turn))
     x0, y0 = entry.offset[0], entry.offset[1]
     x = offset[0] if "x" in words.values else x0 * cos + y0 * sin
     y = offset[1] if "y" in words.values else y0 * cos - x0 * sin

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from gcodesim import canon
+from gcodesim.arithmetic.elementary import power, tan
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.ends import end_point
 from gcodesim.rs274.fault import Fault
@@ -129,7 +130,7 @@ class _Passes:
 
     def cut(self, first_cut: float, degression: float, angle: float, springs: int) -> None:
         """All passes; the tool ends beside the end of the thread."""
-        slope = math.tan(math.radians(angle))
+        slope = tan(math.radians(angle))
         if self.end_z > self.start[2]:
             slope = -slope
         depth, number = first_cut, 1
@@ -138,7 +139,7 @@ class _Passes:
             number += 1
             if number > _MOST_PASSES:
                 raise Fault("GS175", f"G76 would need more than {_MOST_PASSES} passes", at="j")
-            depth = first_cut * number ** (1.0 / degression)
+            depth = first_cut * power(number, 1.0 / degression)
         for _ in range(springs + 1):
             self._pass(self.depth, slope)
         self._rapid(self.end_x, self.end_z)

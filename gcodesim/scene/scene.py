@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from gcodesim.arithmetic.matrices import multiplied
 from gcodesim.frames import WORLD, Array, Pose
 from gcodesim.scene.body import Body
 from gcodesim.scene.mover import Mover
@@ -59,10 +60,10 @@ class Scene:
         split = self._mover_of(frame)
         if split is not None:
             mover, link = split
-            X: Array = mover.X_WB.matrix @ mover.seen_from_base(link, _joints(mover, q))
+            X: Array = multiplied(mover.X_WB.matrix, mover.seen_from_base(link, _joints(mover, q)))
             return X
         stand = self.frames[frame]
-        return self.track(stand.parent, q, holds) @ stand.X.matrix
+        return multiplied(self.track(stand.parent, q, holds), stand.X.matrix)
 
     def seen_from(self, base: str, frame: str, q: Mapping[str, Array], holds: Sequence[Hold] = ()) -> Array:
         """X_BF (n, 4, 4): a frame seen from the base B of the mover `base`."""
@@ -73,7 +74,7 @@ class Scene:
             X = self._in_base(mover, frame, q)
             if X is not None:
                 return X
-        X_BF: Array = mover.X_WB.inverse().matrix @ self.track(frame, q, holds)
+        X_BF: Array = multiplied(mover.X_WB.inverse().matrix, self.track(frame, q, holds))
         return X_BF
 
     def moves(self, frame: str) -> bool:
@@ -132,7 +133,7 @@ class Scene:
         X_BP = self._in_base(mover, stand.parent, q) if stand.parent != WORLD else None
         if X_BP is None:
             return None
-        X: Array = X_BP @ stand.X.matrix
+        X: Array = multiplied(X_BP, stand.X.matrix)
         return X
 
     def _held(self, frame: str, q: Mapping[str, Array], holds: Sequence[Hold], own: Sequence[Hold]) -> Array:
@@ -147,7 +148,7 @@ class Scene:
             begin, end = max(hold.step, 0), min(max(end, 0), count)
             if begin < end:
                 shifted = [replace(other, step=other.step - begin) for other in others]
-                X[begin:end] = self.track(hold.parent, _rows(q, begin, end), shifted) @ hold.X.matrix
+                X[begin:end] = multiplied(self.track(hold.parent, _rows(q, begin, end), shifted), hold.X.matrix)
         return X
 
 

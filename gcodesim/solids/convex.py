@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from itertools import pairwise, product
 from typing import Final
 
 import numpy as np
 
+from gcodesim.arithmetic.elementary import cos, sin
+from gcodesim.arithmetic.matrices import norm
 from gcodesim.frames import Array
 from gcodesim.solids.hull import Hull
 from gcodesim.solids.outline import outline_of
@@ -44,17 +47,17 @@ def _prism(ends: list[tuple[float, float]], sides: int) -> Hull:
     angle = 2.0 * np.pi * np.arange(sides) / sides
     corners = []
     for radius, height in ends:
-        outer = radius / np.cos(np.pi / sides)
-        ring = np.stack([outer * np.cos(angle), outer * np.sin(angle)], axis=1)
+        outer = radius / cos(np.pi / sides)
+        ring = np.stack([outer * cos(angle), outer * sin(angle)], axis=1)
         corners += [[x, y, height] for x, y in ring]
     (lower, bottom), (upper, top) = ends
     straight = lower == upper  # then opposite sides have one normal
     middle = angle[: sides // 2 if straight else sides] + np.pi / sides
-    size = np.hypot(top - bottom, lower - upper)
+    size = math.hypot(top - bottom, lower - upper)
     across, along = ((top - bottom) / size, (lower - upper) / size) if size > 0.0 else (1.0, 0.0)
-    around = np.stack([np.cos(middle), np.sin(middle), 0.0 * middle], axis=1)
+    around = np.stack([cos(middle), sin(middle), 0.0 * middle], axis=1)
     if not straight:
-        around = np.stack([across * np.cos(middle), across * np.sin(middle), along + 0.0 * middle], axis=1)
+        around = np.stack([across * cos(middle), across * sin(middle), along + 0.0 * middle], axis=1)
     return Hull(np.array(corners), np.vstack([around, [[0.0, 0.0, 1.0]]]))
 
 
@@ -62,7 +65,7 @@ def _triangle(corners: Array) -> Hull | None:
     """A flat body of three corners (3, 3); None where they lie on a line."""
     edges = np.roll(corners, -1, axis=0) - corners
     normal = np.cross(edges[0], edges[1])
-    size = np.linalg.norm(normal)
+    size = norm(normal)
     if not size > 0.0:
         return None
     normal = normal / size

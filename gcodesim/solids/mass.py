@@ -14,7 +14,7 @@ def moments(solid: Box | Cylinder | Cone | Sphere, mass: float) -> tuple[float, 
         case Box(size=(x, y, z)):
             return (mass * (y * y + z * z) / 12.0, mass * (x * x + z * z) / 12.0, mass * (x * x + y * y) / 12.0)
         case Sphere(radius=radius):
-            ball = 0.4 * mass * radius**2
+            ball = 0.4 * mass * (radius * radius)
             return (ball, ball, ball)
         case Cylinder(radius=radius):
             return _round(mass, radius, radius, solid.length)
@@ -23,6 +23,6 @@ def moments(solid: Box | Cylinder | Cone | Sphere, mass: float) -> tuple[float, 
 
 
 def _round(mass: float, a: float, b: float, length: float) -> tuple[float, float, float]:
-    square = (a**2 + a * b + b**2) / 3.0
-    across = 0.25 * mass * square + mass * length**2 / 12.0
+    square = (a * a + a * b + b * b) / 3.0
+    across = 0.25 * mass * square + mass * (length * length) / 12.0
     return (across, across, 0.5 * mass * square)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 import numpy as np
 
+from gcodesim.arithmetic.elementary import cos, sin
 from gcodesim.frames import Array
 from gcodesim.solids.solid import Cone, Cylinder, Revolution, Solid, Sphere
 
@@ -25,7 +27,7 @@ def outline_of(solid: Solid) -> Array:
             return np.array([(solid.top_radius, solid.top), (solid.bottom_radius, solid.bottom)])
         case Sphere(radius=radius):
             angle = np.pi * np.arange(2 * BALL_PIECES + 1) / (2 * BALL_PIECES)
-            return np.stack([radius * np.sin(angle), radius * np.cos(angle)], axis=1)
+            return np.stack([radius * sin(angle), radius * cos(angle)], axis=1)
         case Revolution(outline=outline):
             return np.array(outline)
     raise ValueError(f"a {type(solid).__name__.lower()} is no body of revolution")
@@ -41,4 +43,4 @@ def widest(solid: Solid) -> float:
         case Revolution(outline=outline):
             return max(radius for radius, _ in outline)
     low, high = solid.bounds
-    return float(np.hypot(max(-low[0], high[0]), max(-low[1], high[1])))
+    return math.hypot(max(-low[0], high[0]), max(-low[1], high[1]))

@@ -8,6 +8,7 @@ from math import pi
 
 import numpy as np
 
+from gcodesim.arithmetic.matrices import dots
 from gcodesim.frames import Array, Pose
 from gcodesim.solids.hull import Hull
 from gcodesim.solids.mesh_file import MeshFile, Triangles
@@ -135,7 +136,7 @@ class Sphere:
     @property
     def volume(self) -> float:
         """[m³]"""
-        return pi * (2.0 * self.radius) ** 3 / 6.0
+        return 4.0 / 3.0 * pi * (self.radius * self.radius * self.radius)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -185,7 +186,7 @@ class Mesh:
     def volume(self) -> float:
         """[m³] of a closed mesh."""
         a, b, c = (self.triangles.points[self.triangles.faces[:, k]] for k in range(3))
-        return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6.0)
+        return float(dots(a, np.cross(b, c)).sum() / 6.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

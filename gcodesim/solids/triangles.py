@@ -7,6 +7,7 @@ from typing import Final
 
 import numpy as np
 
+from gcodesim.arithmetic.elementary import cos, sin
 from gcodesim.frames import Array
 from gcodesim.solids.mesh_file import Faces, Triangles
 from gcodesim.solids.outline import outline_of
@@ -36,7 +37,7 @@ def triangles_of(solid: Solid) -> Triangles:
 def _turned(outline: Array) -> Triangles:
     """The skin of an outline (k, 2), the lowest point first, with a disc at either end."""
     angle = 2.0 * np.pi * np.arange(SIDES) / SIDES
-    around = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    around = np.stack([cos(angle), sin(angle)], axis=1)
     points = np.concatenate([np.column_stack([radius * around, np.full(SIDES, z)]) for radius, z in outline])
     last = SIDES * (len(outline) - 1)
     ends = [tuple(range(SIDES - 1, -1, -1)), tuple(range(last, last + SIDES))]

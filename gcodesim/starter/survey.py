@@ -12,6 +12,8 @@ from typing import Final
 import numpy as np
 
 from gcodesim import canon
+from gcodesim.arithmetic.elementary import cos, sin
+from gcodesim.arithmetic.matrices import dot, norms
 from gcodesim.canon.batch import MoveBatch
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText
 from gcodesim.frames import Array
@@ -354,14 +356,14 @@ def _points(
     """Points along an arc, its end last [m]."""
     normal = np.array(arc.normal)
     begin = np.array(start)
-    lift = float(normal @ (np.array(end) - begin))
+    lift = dot(normal, np.array(end) - begin)
     center = np.array(arc.center) - np.array(offset[:3])
-    center = center + normal * float(normal @ (begin - center))
+    center = center + normal * dot(normal, begin - center)
     spoke = begin - center
     across = np.cross(normal, spoke)
     for k in range(1, _PIECES):
         angle = arc.sweep * k / _PIECES
-        point = center + spoke * math.cos(angle) + across * math.sin(angle) + normal * (lift * k / _PIECES)
+        point = center + spoke * cos(angle) + across * sin(angle) + normal * (lift * k / _PIECES)
         yield tuple(point.tolist())
     yield end
 
@@ -393,7 +395,7 @@ def _cut(feeds: Array) -> Bounds | None:
 
 def _top(feeds: Array) -> float:
     """Height of the material: Z0 where most is cut below it, else the highest level of feeds sideways."""
-    way = np.hypot(*(feeds[:, 1, :2] - feeds[:, 0, :2]).T)
+    way = norms(feeds[:, 1, :2] - feeds[:, 0, :2])
     level = feeds[:, :, 2].max(axis=1)
     lowest = float(feeds[:, :, 2].min())
     sideways = way > _TINY

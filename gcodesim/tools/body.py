@@ -90,6 +90,6 @@ def mass_properties(primitives: Iterable[Primitive], mass: float | None = None) 
         return MassProperties(mass=mass or 0.0, center=0.0, axial=0.0, transverse=0.0)
     center = sum(m * z for m, z, _, _ in rows) / total
     axial = sum(row[2] for row in rows)
-    transverse = sum(t + m * (z - center) ** 2 for m, z, _, t in rows)
+    transverse = sum(t + m * (z - center) * (z - center) for m, z, _, t in rows)
     scale = 1.0 if mass is None else mass / total
     return MassProperties(mass=scale * total, center=center, axial=scale * axial, transverse=scale * transverse)

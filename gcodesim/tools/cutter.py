@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.elementary import atan2, cos
 from gcodesim.declarations.keys import key
 from gcodesim.tools.body import Primitive, cylinder
 from gcodesim.tools.tool import Tool
@@ -26,14 +28,14 @@ def usual_length(diameter: float) -> float:
 
 def line_piece(r0: float, z0: float, r1: float, z1: float) -> tuple[float, ...]:
     """Row of `Cutter.edge` for a straight piece of the edge's outline from (r0, z0) to (r1, z1) [m]."""
-    length = float(np.hypot(r1 - r0, z1 - z0))
-    kappa = float(np.arctan2(z1 - z0, r1 - r0))
+    length = math.hypot(r1 - r0, z1 - z0)
+    kappa = float(atan2(z1 - z0, r1 - r0))
     return (0.0, r0, z0, kappa, kappa, length, z0, z1)
 
 
 def arc_piece(rc: float, zc: float, radius: float, kappa0: float, kappa1: float) -> tuple[float, ...]:
     """Row of `Cutter.edge` for an arc about (rc, zc) [m]: r = rc + radius sin kappa, z = zc - radius cos kappa."""
-    z0, z1 = zc - radius * np.cos(kappa0), zc - radius * np.cos(kappa1)
+    z0, z1 = zc - radius * cos(kappa0), zc - radius * cos(kappa1)
     return (radius, rc, zc, kappa0, kappa1, radius * (kappa1 - kappa0), float(z0), float(z1))
 
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import tan
 from typing import TYPE_CHECKING, ClassVar
 
+from gcodesim.arithmetic.elementary import tan
 from gcodesim.declarations.keys import key
 from gcodesim.tools.body import Primitive, cone
 from gcodesim.tools.cutter import Cutter, line_piece

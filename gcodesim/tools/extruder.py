@@ -28,7 +28,8 @@ class Extruder(Tool):
     @property
     def bead_area(self) -> float:
         """Cross-section of the bead [m²]: (w - h) h + pi h²/4."""
-        return (self.bead_width - self.bead_height) * self.bead_height + 0.25 * pi * self.bead_height**2
+        height = self.bead_height
+        return (self.bead_width - height) * height + 0.25 * pi * (height * height)
 
     @property
     def primitives(self) -> tuple[Primitive, ...]:

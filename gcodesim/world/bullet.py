@@ -24,6 +24,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from gcodesim.arithmetic.turn_kernels import wrench_from_axes
 from gcodesim.frames import Array, Pose, rotation_from_quaternion
 from gcodesim.kinematics.dynamics import inverse_dynamics
 from gcodesim.solids import Box, Cylinder, Placed, Sphere
@@ -287,7 +288,7 @@ class BulletWorld(WorldBase):
     def _push(self, commands: Array, wrench: Array, ask: Callable[[int, Array], Array] | None) -> Push:
         """Let `wrench` (m, 6), base axes, act on the tool at the tip; `ask(k, q)` fills row k where it is not known."""
         p, client, body, link = self._bullet, self._client, self._body, self._tip_link
-        R_WB = self.robot.X_WB.R
+        X_WB, turned = self.robot.X_WB.matrix, np.empty(6)
         missed_before = self._q - self._commanded
 
         def push(k: int, state: JointStates | None) -> None:
@@ -300,8 +301,10 @@ class BulletWorld(WorldBase):
                 return
             # asking for the tip also refreshes the place of the link, from which Bullet computes the lever
             tip = self._tip_now()
-            p.applyExternalForce(body, link, (R_WB @ row[:3]).tolist(), tip, p.WORLD_FRAME, client)
-            p.applyExternalTorque(body, link, (R_WB @ row[3:]).tolist(), p.WORLD_FRAME, client)
+            wrench_from_axes(X_WB, row, turned)
+            force = turned.tolist()
+            p.applyExternalForce(body, link, force[:3], tip, p.WORLD_FRAME, client)
+            p.applyExternalTorque(body, link, force[3:], p.WORLD_FRAME, client)
 
         return push
 

@@ -9,12 +9,15 @@ about their principal axes, because Bullet only keeps those.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 from xml.etree import ElementTree as ET
 
 import numpy as np
 
+from gcodesim.arithmetic.elementary import atan2
+from gcodesim.arithmetic.matrices import determinant, multiplied, principal_axes
 from gcodesim.frames import Array
 from gcodesim.kinematics.chain import Chain, Inertial
 from gcodesim.kinematics.dynamics import bodies
@@ -41,8 +44,8 @@ def payload_of(tool: ToolBody | None) -> Inertial | None:
 
 def principal(inertia: Array) -> tuple[Array, Array]:
     """Moments (3,) of an inertia (3, 3), and the rotation matrix whose columns are its principal axes."""
-    moments, axes = np.linalg.eigh(inertia)
-    if np.linalg.det(axes) < 0.0:
+    moments, axes = principal_axes(inertia)
+    if determinant(axes) < 0.0:
         axes[:, 2] = -axes[:, 2]
     return moments, axes
 
@@ -67,7 +70,7 @@ def merged_model(chain: Chain, tool: ToolBody | None) -> BulletModel:
     carrier, X_LF = tree.flange_carrier, tree.flange_offset
     X_LT = X_LF
     if tool is not None:
-        X_LT = X_LF @ tool.X_FT.matrix
+        X_LT = multiplied(X_LF, tool.X_FT.matrix)
     root = ET.Element("robot", name="machine")
     # the base never moves, so its mass does not matter; Bullet's inverse dynamics is wrong if it has turned axes
     _add_link(root, "base", NOTHING)
@@ -91,11 +94,11 @@ def _numbers(values: Iterable[float]) -> str:
 def _rpy(R: Array) -> tuple[float, float, float]:
     """Fixed-axis roll, pitch, yaw [rad] of a rotation matrix; at pitch ±90° the yaw is 0."""
     sine = -R[2, 0]
-    cosine = float(np.hypot(R[0, 0], R[1, 0]))
-    pitch = float(np.arctan2(sine, cosine))
+    cosine = math.hypot(R[0, 0], R[1, 0])
+    pitch = float(atan2(sine, cosine))
     if cosine < 1e-9:
-        return float(np.arctan2(-R[1, 2], R[1, 1])), pitch, 0.0
-    return float(np.arctan2(R[2, 1], R[2, 2])), pitch, float(np.arctan2(R[1, 0], R[0, 0]))
+        return float(atan2(-R[1, 2], R[1, 1])), pitch, 0.0
+    return float(atan2(R[2, 1], R[2, 2])), pitch, float(atan2(R[1, 0], R[0, 0]))
 
 
 def _add_origin(parent: ET.Element, p: Array, R: Array) -> None:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gcodesim.arithmetic.matrices import applied, multiplied
 from gcodesim.frames import Array
 from gcodesim.world.body import ToolBody
 
@@ -31,16 +32,16 @@ def tool_reaction(
     if tool is None or n == 0:
         return np.zeros((n, 6))
     R_BF = machine.forward(q)[:, :3, :3]
-    twist = np.einsum("nij,nj->ni", machine.jacobian(q), qd)
+    twist = applied(machine.jacobian(q), qd)
     omega = twist[:, 3:]
-    lever = R_BF @ np.array(tool.com)
+    lever = applied(R_BF, np.array(tool.com))
     v_com = twist[:, :3] + np.cross(omega, lever)
     xx, yy, zz, xy, xz, yz = tool.inertia
-    inertia = R_BF @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ R_BF.transpose(0, 2, 1)
-    momentum = np.einsum("nij,nj->ni", inertia, omega)
+    inertia = multiplied(R_BF, np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]), R_BF.transpose(0, 2, 1))
+    momentum = applied(inertia, omega)
     weighted = tool.mass * (np.diff(v_com, axis=0) / dt - gravity_B)
     force = weighted - wrench[:, :3]
-    tip = R_BF[1:] @ tool.X_FT.p
+    tip = applied(R_BF[1:], tool.X_FT.p)
     torque = (
         np.diff(momentum, axis=0) / dt + np.cross(lever[1:], weighted) - np.cross(tip, wrench[:, :3]) - wrench[:, 3:]
     )

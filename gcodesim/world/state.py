@@ -7,6 +7,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from gcodesim.arithmetic.matrices import applied
 from gcodesim.frames import Array, Pose
 from gcodesim.kinematics.machine import Machine
 from gcodesim.world.body import RobotBody, ToolBody
@@ -21,7 +22,7 @@ class WorldBase:
         self.step_ns = step_ns
         self.dt = step_ns * 1e-9
         self.gravity = np.array(gravity, dtype=float)
-        self.gravity_B = robot.X_WB.R.T @ self.gravity
+        self.gravity_B = applied(robot.X_WB.R.T, self.gravity)
         self.machine = Machine(chain=robot.chain)
         self.joint_count = len(robot.chain.driven)
         self._tool: ToolBody | None = None

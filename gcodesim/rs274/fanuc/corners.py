@@ -8,9 +8,9 @@ the points where the inserted piece begins and ends.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
+from gcodesim.arithmetic.elementary import atan2
 from gcodesim.canon import Event
 from gcodesim.diagnostics import Span
 from gcodesim.rs274 import compensation
@@ -171,7 +171,7 @@ def _joined(
             where = f"the corner {corner.word} of line {before.span.line}"
             raise Fault("GS142", f"{where} stands between moves that leave the plane", hint="move in the plane only")
     u, v = _direction(before, plane, at_end=True), _direction(following, plane, at_end=False)
-    turn = math.atan2(u[0] * v[1] - u[1] * v[0], u[0] * v[0] + u[1] * v[1])
+    turn = atan2(u[0] * v[1] - u[1] * v[0], u[0] * v[0] + u[1] * v[1])
     if abs(turn) < _STRAIGHT_ON:
         return before, None, following
     arc: Arc | None = None

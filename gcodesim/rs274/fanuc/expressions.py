@@ -6,10 +6,11 @@ import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from gcodesim.arithmetic.elementary import acos, asin, atan, atan2, cos, power, sin, tan
 from gcodesim.rs274.block import Binary, Expression, Function, Parameter, Signed
 from gcodesim.rs274.expressions import LARGEST
 from gcodesim.rs274.fault import Fault
-from gcodesim.rs274.functions import arc, logarithm, nearest, root
+from gcodesim.rs274.functions import arc, exponential, logarithm, nearest, root
 
 if TYPE_CHECKING:
     from gcodesim.rs274.fanuc.variables import Variables
@@ -51,7 +52,7 @@ def _value(node: Expression, variables: Variables) -> float | None:
         if node.name == "pow":
             return _power(argument, _value(node.divisor, variables) or 0.0)
         if node.name == "atan" and node.divisor != 0.0:
-            angle = math.degrees(math.atan2(argument, _value(node.divisor, variables) or 0.0))
+            angle = math.degrees(atan2(argument, _value(node.divisor, variables) or 0.0))
             return angle % 360.0
         return _FUNCTIONS[node.name](argument)
     raise Fault("GS006", "this cannot stand in a macro expression")
@@ -81,7 +82,10 @@ def _modulo(a: float, b: float) -> float:
 def _power(a: float, b: float) -> float:
     if (a < 0.0 and not b.is_integer()) or (a == 0.0 and b < 0.0):
         raise Fault("GS123", f"POW[{a:g},{b:g}] has no value")
-    return float(a**b)
+    value = power(a, b)
+    if math.isinf(value):
+        raise OverflowError
+    return value
 
 
 def _bits(act: Callable[[int, int], int]) -> Callable[[float, float], float]:
@@ -118,21 +122,21 @@ _OPERATORS: dict[str, Callable[[float, float], float]] = {
 
 _FUNCTIONS: dict[str, Callable[[float], float]] = {
     "abs": abs,
-    "acos": arc("ACOS", math.acos),
+    "acos": arc("ACOS", acos),
     "adp": lambda a: a,
-    "asin": arc("ASIN", math.asin),
-    "atan": lambda a: math.degrees(math.atan(a)),
+    "asin": arc("ASIN", asin),
+    "atan": lambda a: math.degrees(atan(a)),
     "bcd": _to_decimal_digits,
     "bin": _from_decimal_digits,
-    "cos": lambda a: math.cos(math.radians(a)),
-    "exp": math.exp,
+    "cos": lambda a: cos(math.radians(a)),
+    "exp": exponential,
     "fix": lambda a: float(math.trunc(a)),
     "fup": lambda a: math.copysign(math.ceil(abs(a)), a),
     "ln": logarithm,
     "rnd": nearest,
     "round": nearest,
-    "sin": lambda a: math.sin(math.radians(a)),
+    "sin": lambda a: sin(math.radians(a)),
     "sqr": root,
     "sqrt": root,
-    "tan": lambda a: math.tan(math.radians(a)),
+    "tan": lambda a: tan(math.radians(a)),
 }

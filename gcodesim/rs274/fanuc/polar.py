@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+from gcodesim.arithmetic.elementary import atan2, cos, sin
 from gcodesim.rs274.arcs import PLANE_AXES
 from gcodesim.rs274.cycles import check_repeats
 from gcodesim.rs274.dialects.fanuc import POLAR
@@ -34,7 +35,7 @@ def switch(words: Words, control: FanucControl) -> None:
     elif code == ON:
         first, second, _ = PLANE_AXES[state.plane]
         x, y = state.current[first], state.current[second]
-        state.polar = Polar((0.0, 0.0), math.hypot(x, y), math.degrees(math.atan2(y, x)))
+        state.polar = Polar((0.0, 0.0), math.hypot(x, y), math.degrees(atan2(y, x)))
 
 
 def resolve(words: Words, control: FanucControl, start: Vector) -> None:
@@ -66,7 +67,7 @@ def resolve(words: Words, control: FanucControl, start: Vector) -> None:
         polar = replace(polar, angle=polar.angle + angle if state.incremental else angle)
     state.polar = polar
     turn = math.radians(polar.angle)
-    end = (polar.centre[0] + polar.radius * math.cos(turn), polar.centre[1] + polar.radius * math.sin(turn))
+    end = (polar.centre[0] + polar.radius * cos(turn), polar.centre[1] + polar.radius * sin(turn))
     for letter, axis, value in ((a, first, end[0]), (b, second, end[1])):
         values[letter] = value - start[axis] if state.incremental else value
 

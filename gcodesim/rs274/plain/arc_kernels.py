@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from gcodesim.arithmetic.atan_kernels import atan2
 from gcodesim.compiled import kernel
 
 # as in arcs.py
@@ -68,7 +69,7 @@ def centre_by_radius(
 def sweep_of(ax: float, ay: float, bx: float, by: float, cx: float, cy: float, turns: int) -> float:
     """Signed swept angle [rad], full turns included."""
     ux, uy, vx, vy = ax - cx, ay - cy, bx - cx, by - cy
-    angle = math.atan2(ux * vy - uy * vx, ux * vx + uy * vy)
+    angle = atan2(ux * vy - uy * vx, ux * vx + uy * vy)
     if turns > 0:
         if angle <= _FULL_CIRCLE_ANGLE:
             angle = angle + 2.0 * math.pi

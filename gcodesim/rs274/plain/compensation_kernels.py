@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 
+from gcodesim.arithmetic.atan_kernels import atan2
 from gcodesim.compiled import kernel
 from gcodesim.rs274.plain.arc_kernels import apart, plane_axes, sweep_of
 from gcodesim.rs274.plain.columns import Column
@@ -192,7 +193,7 @@ def _towards(cx: float, cy: float, x: float, y: float, sign: float) -> tuple[flo
 @kernel
 def _turn_outward(bx: float, by: float, ax: float, ay: float, side: int) -> float:
     """Angle [rad] from the normal `b` to the normal `a`, positive where the corner is outside."""
-    angle = math.atan2(bx * ay - by * ax, bx * ax + by * ay)
+    angle = atan2(bx * ay - by * ax, bx * ax + by * ay)
     turn = -angle if side > 0 else angle
     return turn + 2.0 * math.pi if turn < -math.pi / 2.0 else turn
 

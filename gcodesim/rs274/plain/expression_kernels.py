@@ -6,10 +6,9 @@ text, the line is left. Nothing is changed here.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
+from gcodesim.arithmetic.atan_kernels import atan2
 from gcodesim.compiled import kernel
 from gcodesim.rs274.plain.columns import Column
 from gcodesim.rs274.plain.function_kernels import (
@@ -227,7 +226,7 @@ def _closed(
     elif top == ATAN_OF:
         values -= 1
         a, b = numbers[STACK + values - 1], numbers[STACK + values]
-        numbers[STACK + values - 1] = math.atan2(a, b) * TO_DEGREES
+        numbers[STACK + values - 1] = atan2(a, b) * TO_DEGREES
         operators -= 1
     return at, operators, values, False
 

@@ -10,6 +10,9 @@ import math
 
 import numpy as np
 
+from gcodesim.arithmetic.atan_kernels import acos, asin
+from gcodesim.arithmetic.power_kernels import exp, log, power
+from gcodesim.arithmetic.sin_kernels import cos, sin, tan
 from gcodesim.compiled import kernel
 from gcodesim.rs274.plain.columns import Column
 from gcodesim.rs274.plain.layout_kernels import RESULT
@@ -185,7 +188,7 @@ def apply_operator(operator: int, a: float, b: float, numbers: Column) -> bool:
     elif operator == _POWER:
         if a < 0.0 and np.floor(b) != b:
             return False
-        value = math.pow(a, b)
+        value = power(a, b)
     elif operator == _EQ:
         value = 1.0 if abs(a - b) < _NEAR else 0.0
     elif operator == _NE:
@@ -213,11 +216,11 @@ def apply_function(function: int, a: float, numbers: Column) -> bool:
     """A function of one value into RESULT; False where it has no finite value."""
     value = 0.0
     if function == _SIN:
-        value = math.sin(a * _TO_RADIANS)
+        value = sin(a * _TO_RADIANS)
     elif function == _COS:
-        value = math.cos(a * _TO_RADIANS)
+        value = cos(a * _TO_RADIANS)
     elif function == _TAN:
-        value = math.tan(a * _TO_RADIANS)
+        value = tan(a * _TO_RADIANS)
     elif function == _ABS:
         value = abs(a)
     elif function == _SQRT:
@@ -227,13 +230,13 @@ def apply_function(function: int, a: float, numbers: Column) -> bool:
     elif function in (_ASIN, _ACOS):
         if not -1.0 <= a <= 1.0:
             return False
-        value = (math.asin(a) if function == _ASIN else math.acos(a)) * TO_DEGREES
+        value = (asin(a) if function == _ASIN else acos(a)) * TO_DEGREES
     elif function == _EXP:
-        value = math.exp(a)
+        value = exp(a)
     elif function == _LN:
         if a <= 0.0:
             return False
-        value = math.log(a)
+        value = log(a)
     elif function == _FIX:
         value = np.floor(a) + 0.0  # + 0.0, because an integer has no -0
     elif function == _FUP:

@@ -8,6 +8,7 @@ from typing import Final, cast
 
 import numpy as np
 
+from gcodesim.arithmetic.elementary import cos, sin
 from gcodesim.canon.batch import MoveBatch
 from gcodesim.compiled import Kernel
 from gcodesim.compiled.arguments import Argument, name_of
@@ -181,7 +182,7 @@ def _write_state(control: Control, numbers: Column, modes: Column) -> None:
     ) and not state.side
     numbers[: at.TARGET] = (*start_point(control)[:6], *state.g92[:6], *state.origin[:6])
     numbers[at.COS : at.ARC_CENTRE] = (
-        math.cos(turn), math.sin(turn), state.unit, state.feed, state.feed_unit, DEG, MINUTE,
+        cos(turn), sin(turn), state.unit, state.feed, state.feed_unit, DEG, MINUTE,
         state.cycle_start, words.get("r", 0.0), words.get(depth, 0.0), words.get("q", 0.0), words.get("p", 0.0),
     )  # fmt: skip
     numbers[at.CYCLE_DWELL], modes[at.RUNNING] = state.cycle_dwell, state.cycle
