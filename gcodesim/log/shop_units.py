@@ -1,7 +1,7 @@
 """Numbers of the periodic messages in units of the shop floor, beside those in SI: a viewer converts nothing.
 
-A *twin* is such a field. It says the same as its field in SI, so tables and bags, which have units of their own, leave
-it out.
+A *twin* is such a field, in single precision. It says the same as its field in SI, so tables and bags, which have units
+of their own, leave it out.
 """
 
 from __future__ import annotations
@@ -67,14 +67,20 @@ _SAME: Final = (
 def twins_of(columns: Mapping[str, Any], scale: Sequence[float], fields: Iterable[ProcessField]) -> dict[str, Array]:
     """The twins (n,) of the `columns` of a window by their names; of the joints (n, j), each divided by its `scale`."""
     made = {}
+
+    def shown(values: Any, divisor: Any) -> Array:
+        """As exact as a chart needs; the rest of each double is zero bits, which compress."""
+        rounded: Array = (np.asarray(values) / divisor).astype(np.float32).astype(float)
+        return rounded
+
     for twin in (*MOTION_TWINS, *PROCESS_TWINS):
         values = np.asarray(columns[twin.array])
-        made[twin.field] = (values[:, twin.column] if values.ndim > 1 else values) / twin.divisor
-    for shown, array in JOINTS_SHOWN.items():
-        made[shown] = np.asarray(columns[array]) / np.asarray(scale)
+        made[twin.field] = shown(values[:, twin.column] if values.ndim > 1 else values, twin.divisor)
+    for name, array in JOINTS_SHOWN.items():
+        made[name] = shown(columns[array], np.asarray(scale))
     for field in fields:
         if field.twin_of:
-            made[array_of(field.name)] = np.asarray(columns[array_of(field.twin_of)]) / field.divisor
+            made[array_of(field.name)] = shown(columns[array_of(field.twin_of)], field.divisor)
     return made
 
 
