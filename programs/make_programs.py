@@ -234,8 +234,52 @@ def wall() -> Lines:
     yield "M2"
 
 
+# --- dome: a ball mill that leans, by tool centre point control -----------------
+
+
+def dome() -> Lines:
+    """A dome of radius 20 mm, zero in its centre, on a trunnion A C: a spiral down from near the top."""
+    radius, ball, turns, steps = 20.0, 3.0, 4, 24
+    yield "%"
+    yield "O4340 (dome: ball end mill of 6 mm leaning outwards, the tip is programmed)"
+    yield "G21 G17 G90 G40 G49 G80 G94"
+    yield "G54"
+    yield "T1 M6"
+    yield "S12000 M3"
+    yield "G0 Z100."
+    yield "G0 X0. Y0. A0. C90."
+    yield "G43.4 H1"
+    yield "G0 Z40."
+    for k in range(turns * steps + 1):
+        polar, azimuth = math.radians(10.0 + 50.0 * k / (turns * steps)), math.radians(360.0 / steps * k)
+        lean = 0.6 * polar
+        normal = _direction(polar, azimuth)
+        axis = _direction(lean, azimuth)
+        x, y, z = ((radius + ball) * n - ball * a for n, a in zip(normal, axis, strict=True))
+        place = at(4, x=x, y=y, z=z, a=math.degrees(lean), c=90.0 - math.degrees(azimuth))
+        yield f"{'G0' if k == 0 else 'G1'} {_pointed(place)}" + (" F600." if k == 1 else "")
+    yield "G0 Z60."
+    yield "G49"
+    yield "G91 G28 Z0."
+    yield "G90 G0 A0. C0."
+    yield "M5"
+    yield "M30"
+    yield "%"
+
+
+def _direction(polar: float, azimuth: float) -> tuple[float, float, float]:
+    """The unit vector at these angles [rad] from Z and from X."""
+    return math.sin(polar) * math.cos(azimuth), math.sin(polar) * math.sin(azimuth), math.cos(polar)
+
+
+def _pointed(words: str) -> str:
+    """Words for a control that reads whole numbers as increments: each with a point."""
+    return " ".join(word if "." in word else f"{word}." for word in words.split())
+
+
 PROGRAMS: dict[str, Callable[[], Lines]] = {
     "bracket.nc": bracket,
+    "dome.nc": dome,
     "engraving.ngc": engraving,
     "finishing.nc": finishing,
     "wall.nc": wall,

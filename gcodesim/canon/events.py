@@ -37,6 +37,7 @@ __all__ = [
     "PalletShuttle",
     "PathMode",
     "Point",
+    "PointControl",
     "Print",
     "ProbeMove",
     "Rapid",
@@ -171,6 +172,18 @@ class ToolOffset(Event):
     """State: the length offset in force, added to `end` to give axes."""
 
     offset: Axes
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PointControl(Event):
+    """State: whether moves are those of the tool's tip in the work, which rotary axes do not displace (`on`).
+
+    X, Y, Z of `end` are then in the frame of the work, which lies on M while the axes of the table stand at zero. `at`
+    is what the controlled point reads from now on. The machine does not move by it.
+    """
+
+    on: bool
+    at: Axes
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

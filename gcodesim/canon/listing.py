@@ -94,6 +94,7 @@ _KINDS: dict[type[ev.Event], tuple[str, Callable[[Any], dict[str, Any]]]] = {
     ev.ToolChange: ("tool_change", lambda e: {"tool": e.tool}),
     ev.ToolNumber: ("tool_number", lambda e: {"tool": e.tool}),
     ev.ToolOffset: ("tool_offset", lambda e: {"offset": _axes(e.offset)}),
+    ev.PointControl: ("point_control", lambda e: {"on": e.on, "at": _axes(e.at)}),
     ev.Spindle: ("spindle", _spindle),
     ev.Coolant: ("coolant", lambda e: {"flood": e.flood, "mist": e.mist}),
     ev.PathMode: (
@@ -173,9 +174,9 @@ def as_text(event: ev.Event) -> str:
 
 
 def _field(name: str, value: Any) -> str:
-    if name in ("end", "offset", "g92"):
+    if name in ("end", "at", "offset", "g92"):
         shown = " ".join(f"{axis}{v}" for axis, v in zip(_COORDINATES, value, strict=True) if v or axis in "XYZ")
-        return shown if name == "end" else f"{name}=({shown})"
+        return shown if name in ("end", "at") else f"{name}=({shown})"
     if name == "points":
         return f"points={len(value)}"
     if isinstance(value, list):

@@ -10,6 +10,7 @@ from gcodesim.canon.systems import name_of_system
 from gcodesim.cell import Cell, Placement, place
 from gcodesim.cell.cell import MAIN
 from gcodesim.cell.channel import Channel
+from gcodesim.cell.tool_point import MachinePoint
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText
 from gcodesim.rs274 import MappedAction, Settings, ToolEntry, ToolTable, read_parameters
 from gcodesim.rs274.dialects import DIALECTS
@@ -72,6 +73,7 @@ def settings_of_cell(
         loaded_tool=own.loaded_tool or 0,
         auto_length=lengths,
         path_control=own.path_control,
+        tool_point=MachinePoint.of(cell.machine_of(channel)),
         options={"decimal_point": own.decimal_point, "compensation_start": own.compensation_start},
     )
     return settings, findings

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from gcodesim.executor.signals import signals_of_rows
 from gcodesim.executor.targets import TaskTarget, targets_of
-from gcodesim.motion.tool_path import HOME, RAPID, ToolPath
+from gcodesim.motion.tool_path import HOME, RAPID, Commanded, ToolPath
 from gcodesim.processes import PROCESSES
 from gcodesim.processes.signal import Signal
 from gcodesim.shop import Shop
@@ -76,8 +76,8 @@ class RowColumns:
 def _shifts(path: ToolPath) -> NDArray[np.float64]:
     """`RowColumns.shift` of a path with rows."""
     shifts = np.zeros((len(path), 3))
-    lengths = np.array([state.offset[:3] for state in path.states], dtype=float)[path.state]
-    at = np.flatnonzero((np.diff(lengths, axis=0) != 0.0).any(axis=1)) + 1
+    names = np.array([(*s.offset[:3], s.control == Commanded.POINT) for s in path.states], dtype=float)[path.state]
+    at = np.flatnonzero((np.diff(names, axis=0) != 0.0).any(axis=1)) + 1
     shifts[at] = path.start[at, :3] - path.end[at - 1, :3]
     total: NDArray[np.float64] = np.cumsum(shifts, axis=0)
     return total

@@ -41,11 +41,15 @@ LEAST: Final = 1e-12  # [m, rad] anything shorter counts as not moving
 
 
 def blend(
-    path: ToolPath, limits: AxisLimits, *, independent_rapids: bool = False, own_time: Array | None = None
+    path: ToolPath,
+    limits: AxisLimits,
+    *,
+    independent_rapids: bool | NDArray[np.bool_] = False,
+    own_time: Array | None = None,
 ) -> Pieces:
     """Join the rows of `path` under the speed and acceleration `limits` of the axes.
 
-    `independent_rapids`: in G0 every axis runs at its own speed from rest to
+    `independent_rapids`, for all rows or for each (n,): in G0 every axis runs at its own speed from rest to
     rest, so the path is not straight and rapids are joined to nothing. Rows
     with a finite `own_time` (n,) [s] follow a law of their own from rest to
     rest and take that time. Other rows that do not move are left out; their
@@ -61,8 +65,9 @@ def blend(
     row_first, row_last = kept[chains], kept[np.append(chains[1:], len(kept))[: len(chains)] - 1]
     curves = _merged(curves, path, row_first, row_last)
     stop = _stops(path, row_last)
-    if independent_rapids:
-        _make_independent(curves, np.isin(path.kind[row_first], (RAPID, HOME)), limits)
+    independent = np.broadcast_to(independent_rapids, len(path))[row_first]
+    if independent.any():
+        _make_independent(curves, np.isin(path.kind[row_first], (RAPID, HOME)) & independent, limits)
     # rapids are not joined to feeds, nor lines to what runs by time; the queue does not run empty there
     apart = np.zeros(len(stop), dtype=bool)
     feeding, timed = np.isfinite(path.feed[row_first]), curves.kind >= TIMED

@@ -24,6 +24,7 @@ from gcodesim.canon import (
     Output,
     Override,
     PathMode,
+    PointControl,
     Print,
     ProbeMove,
     Rapid,
@@ -49,6 +50,7 @@ from gcodesim.motion.tool_path import (
     LINE,
     RAPID,
     ZERO,
+    Commanded,
     PathEvent,
     ToolPath,
     ToolState,
@@ -212,6 +214,11 @@ class PathBuilder:
             self._set(replace(now, tool=event.tool))
         elif isinstance(event, ToolOffset):
             self._offset(event.offset)
+        elif isinstance(event, PointControl):
+            self._set(replace(now, control=Commanded.POINT if event.on else Commanded.AXES))
+            if event.at != self.at:
+                self.at = event.at
+                self.rows.jump(self.at)
         elif isinstance(event, WorkSystem):
             self._set(
                 replace(now, system=event.index, system_offset=event.offset, g92=event.g92, rotation=event.rotation)

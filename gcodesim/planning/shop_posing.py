@@ -8,6 +8,8 @@ import numpy as np
 
 from gcodesim.arithmetic.matrices import applied, dot, norm
 from gcodesim.frames import Array
+from gcodesim.kinematics.tool_point import ToolPoint
+from gcodesim.planning.axis_attitude import AxisAttitude
 from gcodesim.planning.axis_posing import AxisPosing
 from gcodesim.planning.posing import Posing
 from gcodesim.shop import Shop
@@ -19,7 +21,11 @@ if TYPE_CHECKING:
 def posing_of(shop: Shop) -> Posing:
     """A machine whose joints are the axes is commanded by them; an arm holds the tool as the cell says."""
     if shop.mover.joints_are_axes:
-        return AxisPosing(independent_rapids=shop.mover.rapids == "independent")
+        independent = shop.mover.rapids == "independent"
+        tool = ToolPoint.of(shop.kinematics)
+        if tool is None:
+            return AxisPosing(independent_rapids=independent)
+        return AxisAttitude(tool=tool, independent_rapids=independent)
     return _fixed_attitude(shop)
 
 

@@ -13,7 +13,7 @@ from gcodesim.canon.systems import name_of_system
 from gcodesim.diagnostics import Diagnostic, Findings
 from gcodesim.frames import Array
 from gcodesim.motion.curves import Curves
-from gcodesim.motion.tool_path import ARC, HOME, ToolPath
+from gcodesim.motion.tool_path import ARC, HOME, Commanded, ToolPath
 from gcodesim.units import DEG, MM
 
 if TYPE_CHECKING:
@@ -71,11 +71,20 @@ def report_missing_axes(path: ToolPath, axes: NDArray[np.intp], findings: Findin
         )
 
 
-def report_travel(path: ToolPath, axes: NDArray[np.intp], joints: Joints, findings: Findings) -> None:
-    """Report each end of travel that is passed, once: the first line, the worst value and a shift that would fit."""
+def report_travel(
+    path: ToolPath,
+    axes: NDArray[np.intp],
+    joints: Joints,
+    findings: Findings,
+    ranges: tuple[Array, Array] | None = None,
+) -> None:
+    """Report each end of travel that is passed, once: the first line, the worst value and a shift that would fit.
+
+    `ranges` are the axis values of rows, if they are not those of `axis_ranges`.
+    """
     if not len(path):
         return
-    low, high = axis_ranges(path)
+    low, high = axis_ranges(path) if ranges is None else ranges
     for j, axis in enumerate(axes):
         for limit, values, sign in ((joints.lower[j], low, -1.0), (joints.upper[j], high, 1.0)):
             beyond = sign * (values[:, axis] - limit)
@@ -104,6 +113,8 @@ def _report_axis(
     systems = np.array([s.system for s in path.states])[path.state]
     machine = np.array([s.word.startswith(("G53", "G28", "G30")) for s in path.states])[path.state]
     movable = (systems == state.system) & ~machine & (path.kind != HOME)
+    if any(s.control == Commanded.POINT for s in path.states):
+        movable[:] = False  # where the work turns, a shift of it is none of an axis
     hint = ""
     if movable.any() and not machine[first]:
         least, most = float(ranges[0][movable, axis].min()), float(ranges[1][movable, axis].max())

@@ -13,7 +13,7 @@ from gcodesim.arithmetic.elementary import cos, sin
 from gcodesim.arithmetic.matrices import dots, norms
 from gcodesim.frames import Array
 from gcodesim.log import PathPart, Polylines
-from gcodesim.motion.tool_path import ARC
+from gcodesim.motion.tool_path import ARC, Commanded
 from gcodesim.shop import Shop
 from gcodesim.units import DEG, NS_PER_SECOND
 
@@ -124,4 +124,8 @@ def _shifts(plan: Plan, shop: Shop, first: int) -> Array:
     shift: Array = plan.tip(q, rows)[:, :3, 3] - samples.position[:, :3]
     if shop.mover.shifts_work:
         shift -= shop.kinematics.table_travel(q)
+    held = np.array([s.control == Commanded.POINT for s in plan.path.states])[plan.path.state[first:]]
+    if held.any():  # the tip as seen from the work, in whose frame such rows are
+        X_BC, tip = shop.kinematics.table(q[held]), plan.tip(q[held], rows[held])[:, :3, 3]
+        shift[held] = np.einsum("nji,nj->ni", X_BC[:, :3, :3], tip - X_BC[:, :3, 3]) - samples.position[held, :3]
     return shift

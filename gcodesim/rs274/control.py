@@ -14,6 +14,7 @@ from gcodesim import canon
 from gcodesim.arithmetic.elementary import cos_sin
 from gcodesim.diagnostics import Diagnostic, Severity, Span
 from gcodesim.rs274 import parameters as numbers
+from gcodesim.rs274 import tool_point
 from gcodesim.rs274.block import ColumnRange
 from gcodesim.rs274.dialects import Dialect
 from gcodesim.rs274.fault import Fault
@@ -102,11 +103,19 @@ class Control:
 
     def axes(self) -> Vector:
         """Where the machine's axes stand, in program units."""
-        return add(self.tip(self.state.current), self.state.tool_offset)
+        tip = self.tip(self.state.current)
+        law = self.settings.tool_point
+        if self.state.point_control and law is not None:
+            return tool_point.axes_at(self, tip, law)
+        return add(tip, self.state.tool_offset)
 
     def stay_at(self, axes: Vector) -> None:
         """After a change of frames: the axes did not move, so the current point reads differently."""
-        self.state.current = self.point_of(subtract(axes, self.state.tool_offset))
+        law = self.settings.tool_point
+        if self.state.point_control and law is not None:
+            self.state.current = self.point_of(tool_point.tip_at(self, axes, law))
+        else:
+            self.state.current = self.point_of(subtract(axes, self.state.tool_offset))
 
     def si_axes(self, tip: Vector) -> canon.Axes:
         """X to C of `tip` in SI."""
@@ -300,6 +309,8 @@ class Control:
 
     def say_tool_offset(self) -> None:
         self.out.append(canon.ToolOffset(span=self.span, offset=self.si_axes(self.state.tool_offset)))
+        if self.state.point_control:
+            tool_point.say(self)
 
     def shift(self) -> Vector:
         """What G92 and G52 add, in program units."""

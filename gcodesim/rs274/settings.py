@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Literal
 
 from gcodesim.canon import Axes
+from gcodesim.rs274.tool_point import ToolPointLaw
 from gcodesim.rs274.tool_table import ToolTable
 
 
@@ -36,6 +37,7 @@ class Settings:
     `start` [m, rad] is where the axes stand before the first block.
     `options` are settings that one kind of control alone has, as its dialect declares them
     (`Dialect.options`); those of other dialects are passed over.
+    `tool_point` says how tip and axes belong together; None where no rotary axis of the machine has a place.
     `lane` "grammar" reads every line by itself, "compiled" all that its kernels know as arrays; "auto" chooses by the
     length of the text and by how much has been executed.
     Both give the same result.
@@ -59,6 +61,7 @@ class Settings:
     auto_length: Mapping[int, float] | None = None
     path_control: str = "G64"
     options: Mapping[str, str] = field(default_factory=dict)
+    tool_point: ToolPointLaw | None = None
     lane: Literal["auto", "grammar", "compiled"] = "auto"
     max_blocks: int | None = None
     time_limit: float | None = None

@@ -56,6 +56,7 @@ class ModalState(Modes):
     system: int = 1
     g92: Vector = ZERO
     tool_offset: Vector = ZERO
+    point_control: bool = False  # moves are those of the tip in the work
     motion: int = -1
     feed: float = 0.0  # the F word as written
     feed_unit: float = 1e-3  # [m], the unit when it was written

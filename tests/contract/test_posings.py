@@ -11,12 +11,24 @@ from gcodesim.canon import Event, LinearFeed, PathMode, Rapid, ToolChange, ToolO
 from gcodesim.diagnostics import Span
 from gcodesim.frames import Array, Pose, rotation_about
 from gcodesim.kinematics import Kinematics, kinematics_of, load_urdf, model_path
+from gcodesim.kinematics.cartesian import Axis, Cartesian, chain_of_axes
+from gcodesim.kinematics.tool_point import ToolPoint
 from gcodesim.motion import build_tool_path
 from gcodesim.motion.tool_path import Commanded, ToolPath
 from gcodesim.planning import AxisPosing, FixedAttitude, Plan, Posing, plan_path
+from gcodesim.planning.axis_attitude import AxisAttitude
 
 MODELS = ("gantry_xyz", "kuka_kr10_r1100_2")
 TURNED = Pose(np.array([0.1, -0.05, 0.02]), rotation_about(np.array([0.0, 0.0, 1.0]), 0.3))
+TRUNNION = "trunnion"
+
+
+def _trunnion() -> Cartesian:
+    linear = [Axis(letter=letter, speed=0.5, acceleration=3.0) for letter in "XYZ"]
+    rotary = [Axis(letter=letter, speed=2.0, acceleration=9.0, point=(0.0, 0.0, -0.1)) for letter in "AC"]
+    return Cartesian(chain=chain_of_axes([*linear, *rotary]))
+
+
 MEMBERS: dict[str, tuple[str, Posing, Array]] = {
     "axes": (MODELS[0], AxisPosing(), np.array([0.2, 0.2, -0.1])),
     "axes, each rapid": (MODELS[0], AxisPosing(independent_rapids=True), np.array([0.2, 0.2, -0.1])),
@@ -27,10 +39,13 @@ MEMBERS: dict[str, tuple[str, Posing, Array]] = {
         np.radians([0, -90, 90, 0, 90, 0]),
     ),
 }
+MEMBERS["axes and tip"] = (TRUNNION, AxisAttitude(tool=ToolPoint(_trunnion())), np.zeros(5))
 LENGTH = 0.06
 
 
 def machine(model: str) -> Kinematics:
+    if model == TRUNNION:
+        return _trunnion()
     chain, _ = load_urdf(model_path(model))
     assert chain is not None
     return kinematics_of(chain)

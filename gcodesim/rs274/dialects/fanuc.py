@@ -147,7 +147,9 @@ _SKIPPED = (
         ("POPEN", "PCLOS", "BPRNT", "SETVN"), "GS912", "nothing is sent; texts of DPRNT stand in the log of a run"
     ),
     Unsimulated(
-        ("G43.4",), "GS913", "the length counts along Z: the tip is not kept in place while a rotary axis turns"
+        ("G43.4",),
+        "GS913",
+        "the length counts along Z: no rotary axis of the machine has a place (`at`)",
     ),
 )
 

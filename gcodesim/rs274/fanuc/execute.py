@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 from gcodesim import canon
-from gcodesim.rs274 import compensation, machine_codes, modes
+from gcodesim.rs274 import compensation, machine_codes, modes, tool_point
 from gcodesim.rs274 import parameters as numbers
 from gcodesim.rs274.arcs import PLANE_AXES
 from gcodesim.rs274.dialects import g_name
@@ -24,7 +27,6 @@ from gcodesim.rs274.words import AXIS_LETTERS, Words, exponent, place_of
 _CLAIMS_AXES = frozenset((40, 50, 51, 80, 100, 110, 270, 280, 290, 300, 520, 920, 921))
 _NOT_SIMULATED = {50: "G5", 51: "G5.1", 80: "G8", 1030: "G103", 1870: "G187"}
 _ONE_WAY = 600  # G60
-CENTRE_POINT = 434  # G43.4
 _UPRIGHT = 1e-9  # deg
 _EXACT_STOP = 90  # G9, for one block
 _STOPPING_PATH = 611
@@ -74,7 +76,11 @@ def execute(words: Words, control: FanucControl, has_point: dict[str, bool]) -> 
         control.skip(name, place_of(words.block, name.lower()))
         state.stroke = g.get(STROKE, state.stroke)
     elif claimed in (100, 270, 280, 290, 300, 520, 920, 921):
-        offsets.non_modal(words, control)
+        if claimed in (270, 280, 290, 300):
+            with _by_axes(control):
+                offsets.non_modal(words, control)
+        else:
+            offsets.non_modal(words, control)
     _cancel_cycle(words, control)
     own = g.get(MOTION, -1)
     motion = own if own >= 0 else state.motion
@@ -135,7 +141,7 @@ def _moved_by(words: Words, control: FanucControl, motion: int, own: int, *, lea
             raise Fault(
                 "GS106", "an arc outside the plane of G68 is not simulated", hint="say G69 before, or stay in it"
             )
-    if state.length_mode == CENTRE_POINT:
+    if state.length_mode in offsets.CENTRE_POINT and not state.point_control:
         _check_upright(words, control)
     kept = state.motion
     motion = figure.apply(words, control, motion)
@@ -155,9 +161,10 @@ def _check_upright(words: Words, control: FanucControl) -> None:
         if words.values.get(letter) or (letter not in words.values and abs(control.state.current[axis]) > _UPRIGHT):
             raise Fault(
                 "GS915",
-                f"G43.4 is not simulated with axis {letter.upper()} turned: the tip would stay in its place",
+                f"{g_name(control.state.length_mode).upper()} is not simulated with axis {letter.upper()} turned:"
+                " no rotary axis of the machine has a place",
                 at=letter if letter in words.values else None,
-                hint="without it the moves behind it would be others than on the control",
+                hint="give its rotary axes a point (`at:`); without it the moves would be others than on the control",
             )
 
 
@@ -243,7 +250,17 @@ def _machine_coordinates(words: Words, control: FanucControl) -> None:
         control.warn("GS109", "G53 does nothing in G91", "say G90 before", place_of(words.block, "g53"))
         return
     if words.has_axes():
-        control.rapid(end_point(words, control), "G53")
+        with _by_axes(control):
+            control.rapid(end_point(words, control), "G53")
+
+
+@contextmanager
+def _by_axes(control: FanucControl) -> Iterator[None]:
+    """Moves to places of the machine are moves of the axes, also while the control holds the tip."""
+    on = control.state.point_control
+    tool_point.switch(control, on=False)
+    yield
+    tool_point.switch(control, on=on)
 
 
 def _skip_function(words: Words, control: FanucControl) -> None:

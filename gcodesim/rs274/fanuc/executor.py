@@ -8,11 +8,11 @@ from gcodesim import canon
 from gcodesim.diagnostics import Diagnostic, SourceText, Span
 from gcodesim.rs274.block import Block
 from gcodesim.rs274.dialects.linuxcnc import CANCEL, MOTION, STOPPING
-from gcodesim.rs274.fanuc import corners
+from gcodesim.rs274.fanuc import corners, offsets
 from gcodesim.rs274.fanuc import variables as numbers
 from gcodesim.rs274.fanuc.arguments import arguments_of
 from gcodesim.rs274.fanuc.control import FanucControl
-from gcodesim.rs274.fanuc.execute import CENTRE_POINT, execute
+from gcodesim.rs274.fanuc.execute import execute
 from gcodesim.rs274.fanuc.expressions import number_of, value_of
 from gcodesim.rs274.fanuc.flow import FanucFlow, ModalCall
 from gcodesim.rs274.fanuc.increments import in_increments, rounded
@@ -218,7 +218,9 @@ class FanucExecutor(Executor):
     def _is_plain(self, words: Words) -> bool:
         """Whether the block is a straight move or an arc and nothing else."""
         g, state = words.g, self.control.state
-        if state.polar is not None or state.corner is not None or state.length_mode == CENTRE_POINT:
+        if state.polar is not None or state.corner is not None:
+            return False
+        if state.length_mode in offsets.CENTRE_POINT and not state.point_control:
             return False
         motion = g.get(MOTION, state.motion)
         if words.m or len(g) > (MOTION in g) or CANCEL in g or state.side:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from gcodesim import canon
 from gcodesim.canon.systems import ADDITIONAL, MOST_ADDITIONAL
 from gcodesim.rs274 import parameters as homes
+from gcodesim.rs274 import tool_point
 from gcodesim.rs274.dialects import g_name
 from gcodesim.rs274.dialects.linuxcnc import LENGTH, NON_MODAL, SYSTEM
 from gcodesim.rs274.dialects.systems import first_of_system
@@ -19,6 +20,7 @@ from gcodesim.rs274.state import AXES, ZERO, Vector, add, subtract
 from gcodesim.rs274.words import Words, place_of
 
 _SYSTEM_INDEX = {540: 1, 550: 2, 560: 3, 570: 4, 580: 5, 590: 6}
+CENTRE_POINT = (434, 435)  # G43.4, G43.5
 _UNTIL_G11 = (3, 50, 52)  # tool life, parameters of the control: the blocks up to G11 are data
 _TOOL_DATA = {  # by the L of G10
     1: numbers.LENGTH_WEAR,
@@ -41,6 +43,7 @@ def tool_length(words: Words, control: FanucControl) -> None:
         _check_number(number, "h", control)
     length = control.tool_data(numbers.LENGTH_GEOMETRY, number) + control.tool_data(numbers.LENGTH_WEAR, number)
     z = control.program_units(length, 2) if number else 0.0
+    tool_point.switch(control, on=False)
     axes = control.axes()
     state.length_mode, state.length_number = mode, number
     if mode == 490 and control.auto_length:
@@ -48,8 +51,17 @@ def tool_length(words: Words, control: FanucControl) -> None:
     state.tool_offset = ZERO if mode == 490 else (0.0, 0.0, -z if mode == 440 else z, *ZERO[3:])
     control.stay_at(axes)
     control.say_tool_offset()
-    if code == 434:
-        control.skip("G43.4", place_of(words.block, "g43.4"))
+    if mode in CENTRE_POINT:
+        if can_hold_the_tip(control):
+            tool_point.switch(control, on=True)
+        elif code is not None:
+            name = g_name(code)
+            control.skip(name.upper(), place_of(words.block, name))
+
+
+def can_hold_the_tip(control: FanucControl) -> bool:
+    """Whether rotary axes of the machine have places; without a cell nobody asks where axes stand."""
+    return control.settings.tool_point is not None or not control.settings.has_cell
 
 
 def _check_number(number: int, letter: str, control: FanucControl) -> None:

@@ -336,14 +336,14 @@ def test_tool_centre_point_control_takes_the_length(fanuc):
 
 
 @pytest.mark.parametrize("line", ["G01 X5. A10. F100.", "G01 X5. C-90. F100."])
-def test_tool_centre_point_control_with_an_axis_turned_is_refused(fanuc, line):
-    done = fanuc(body("T1 M06", "G43.4 H1", "G01 X1. A0. F100.", line, "G01 X6.", "M30"))
+def test_tool_centre_point_control_with_an_axis_turned_is_refused_where_no_axis_has_a_place(fanuc, line):
+    done = fanuc(body("T1 M06", "G43.4 H1", "G01 X1. A0. F100.", line, "G01 X6.", "M30"), has_cell=True)
 
     assert [(f.code, f.span.line) for f in done.errors] == [("GS915", 6)] and [end[0] for end in done.ends] == [1]
 
 
 def test_an_axis_that_stands_turned_counts(fanuc):
-    done = fanuc(body("T1 M06", "G00 B30.", "G43.4 H1", "G01 X1. F100.", "M30"))
+    done = fanuc(body("T1 M06", "G00 B30.", "G43.4 H1", "G01 X1. F100.", "M30"), has_cell=True)
 
     assert [(f.code, f.span.line) for f in done.errors] == [("GS915", 6)]
 

@@ -1,0 +1,69 @@
+"""How tip and axes of a cell's machine belong together, for the program reader."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from gcodesim import canon
+from gcodesim.cell.machine import MachineTool
+from gcodesim.cell.robot import Robot
+from gcodesim.frames import Array
+from gcodesim.kinematics.tool_point import ToolPoint
+
+
+@dataclass(frozen=True, eq=False)
+class MachinePoint:
+    """`rs274.tool_point.ToolPointLaw` of a machine tool."""
+
+    tool: ToolPoint
+
+    @staticmethod
+    def of(machine: MachineTool | Robot) -> MachinePoint | None:
+        """None where no rotary axis has a place, or X, Y, Z are not all there."""
+        if not isinstance(machine, MachineTool):
+            return None
+        if not any(axis.rotary and axis.at is not None for axis in machine.axes):
+            return None
+        from gcodesim.kinematics import kinematics_of
+
+        tool = ToolPoint.of(kinematics_of(machine.chain))
+        return None if tool is None else MachinePoint(tool)
+
+    @property
+    def letters(self) -> tuple[str, ...]:
+        return self.tool.letters
+
+    def axes(self, tip: canon.Axes, offset: canon.Axes) -> canon.Axes:
+        return self._axes(self.tool.joints(np.array([tip]) + _turns(offset), np.array([offset[:3]]))[0], tip)
+
+    def tip(self, axes: canon.Axes, offset: canon.Axes) -> canon.Axes:
+        q = np.array([axes])[:, self.tool.columns]
+        x, y, z = self.tool.tips(q, np.array([offset[:3]]))[0].tolist()
+        a, b, c = (np.array(axes[3:]) - np.array(offset[3:])).tolist()
+        return (x, y, z, a, b, c)
+
+    def attitudes(self, direction: canon.Point, axes: canon.Axes) -> list[canon.Axes]:
+        near = np.array(axes)[self.tool.columns]
+        ways = self.tool.attitudes(np.array(direction), near)
+        within = [self.tool.within_travel(way, near) for way in ways]
+        return [self._axes(way, axes) for way in within if way is not None]
+
+    def _axes(self, q: Array, rest: canon.Axes) -> canon.Axes:
+        """Axes x to c with joints at `q` (j,); those that the machine does not have as in `rest`."""
+        out = list(rest)
+        for column, value in zip(self._columns, q.tolist(), strict=True):
+            out[column] = value
+        x, y, z, a, b, c = out
+        return (x, y, z, a, b, c)
+
+    @cached_property
+    def _columns(self) -> list[int]:
+        return [int(column) for column in self.tool.columns]
+
+
+def _turns(offset: canon.Axes) -> Array:
+    """Only A, B and C of a length offset."""
+    return np.array([0.0, 0.0, 0.0, *offset[3:]])

@@ -1,0 +1,234 @@
+"""Posing of machine tools with rotary axes whose program commands the tip: tool centre point control.
+
+Rows in which the axes are commanded are those of `AxisPosing`. In the others the tip runs along the row in the frame of
+the work while the rotary axes turn evenly; the linear axes follow on curves. The path is joined and timed at the tip,
+and cut into segments so short that joints bend evenly in each, which then has caps by the limits of the joints.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.canon import Axes
+from gcodesim.diagnostics import Findings
+from gcodesim.frames import Array
+from gcodesim.kinematics.tool_point import ToolPoint
+from gcodesim.motion.blend import along_limits, blend
+from gcodesim.motion.blend_kernels import NORMAL_SHARE
+from gcodesim.motion.curve_kernels import ROUND
+from gcodesim.motion.curves import Curves
+from gcodesim.motion.pieces import OVERLAP, Pieces
+from gcodesim.motion.timing import Caps
+from gcodesim.motion.tool_path import Commanded, ToolPath
+from gcodesim.motion.trajectory import Samples
+from gcodesim.planning.arm_kernels import JointCaps, SegmentRates, joint_caps
+from gcodesim.planning.axis_posing import AxisPosing, axes_at, limits_of_axes, offsets
+from gcodesim.planning.feeds import report_fast_feeds
+from gcodesim.planning.plan import JointExtremes, JointPath
+from gcodesim.planning.posing import Posed
+from gcodesim.planning.reach import report_slow_joints
+from gcodesim.planning.travel import axis_ranges, report_missing_axes, report_travel
+
+if TYPE_CHECKING:
+    from gcodesim.kinematics.protocol import Kinematics
+
+_SPACING: Final = 5e-3  # [m] of the tip in a segment
+_STEP: Final = 0.04  # [rad] of a rotary axis in a segment: a joint leaves its parabola by less than 1e-5 of its arm
+_BEND: Final = 0.1  # [rad] of direction in a segment of an arc
+_PROBE: Final = 1e-5  # [m, rad] over which a slope is taken
+_SHARE: Final = 0.99  # of each limit; the rest is for the change of q'' within a segment
+
+
+@dataclass(frozen=True, eq=False)
+class AttitudeJoints:
+    """Joints along a trajectory; `held` (n,) are the rows in which the tip is commanded.
+
+    `low` and `high` (n, 6) are the least and greatest axis values of each row.
+    """
+
+    pieces: Pieces
+    tool: ToolPoint
+    held: NDArray[np.bool_]
+    start: Array
+    low: Array
+    high: Array
+
+    def joints(self, samples: Samples) -> Array:
+        """Joint values (n, j) [m, rad]."""
+        pieces = self.pieces
+        if not len(pieces):
+            return np.tile(self.start[self.tool.columns], (len(samples), 1))
+        return _joints_at(self.tool, pieces, self.held, samples.piece, samples.position)
+
+    def extremes(self) -> JointExtremes:
+        """How far each axis goes, in the segments that were looked at."""
+        columns = self.tool.columns
+        low, high = self.low[:, columns], self.high[:, columns]
+        at = self.start[columns]
+        low[0], high[0] = np.minimum(low[0], at), np.maximum(high[0], at)
+        return JointExtremes(low.min(axis=0), high.max(axis=0), low.argmin(axis=0), high.argmax(axis=0))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class AxisAttitude:
+    """A machine tool with rotary axes; a program may command its axes, or the tip and the rotary axes."""
+
+    tool: ToolPoint
+    independent_rapids: bool = False
+
+    @property
+    def understands(self) -> frozenset[Commanded]:
+        return frozenset((Commanded.AXES, Commanded.POINT))
+
+    def start(self, kinematics: Kinematics, home: Array) -> Axes:
+        """Where the control point stands at `home` (j,), without tool offset: a program begins by its axes."""
+        return axes_at(kinematics.joints.names, home)
+
+    def pose(self, path: ToolPath, kinematics: Kinematics, home: Array, findings: Findings) -> Posed:
+        """Joints within their limits wherever the tip is commanded; positions outside the travel are reported."""
+        held = np.array([state.control == Commanded.POINT for state in path.states])[path.state]
+        if not held.any():
+            plain = AxisPosing(independent_rapids=self.independent_rapids)
+            return plain.pose(path, kinematics, home, findings)
+        tool, joints = self.tool, kinematics.joints
+        limits = limits_of_axes(joints)
+        report_missing_axes(path, tool.columns, findings)
+        possible = np.where(held, np.inf, along_limits(Curves.of(path), limits)[0])
+        report_fast_feeds(path, possible, findings)
+        pieces = blend(path, limits, independent_rapids=~held if self.independent_rapids else False)
+        segments = Segments.of(pieces, held)
+        q0, q1 = (_joints_at(tool, pieces, held, segments.piece, segments.at(pieces, s)[0]) for s in segments.ends)
+        low, high = _ranges(path, tool, held)
+        for row in (pieces.row_first[segments.piece], pieces.row_last[segments.piece]):
+            for q in (q0, q1):
+                values = np.full((len(row), 6), np.nan)
+                values[:, tool.columns] = q
+                np.fmin.at(low, row, values)
+                np.fmax.at(high, row, values)
+        report_travel(path, tool.columns, joints, findings, (low, high))
+        caps = _caps(kinematics, tool, pieces, held, segments, (q0, q1), findings)
+        start = np.array(axes_at(joints.names, home))
+        return Posed(pieces, AttitudeJoints(pieces, tool, held, start, low, high), caps)
+
+    def after(self, leg: JointPath, path: ToolPath, home: Array) -> AxisAttitude:
+        """The same posing: rotary axes are commanded, so no choice would have to be kept."""
+        return self
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Segments:
+    """k stretches of pieces in the order of motion, from `begin` over `length`; only where the tip is commanded."""
+
+    piece: NDArray[np.int64]
+    begin: Array
+    length: Array
+
+    @staticmethod
+    def of(pieces: Pieces, held: NDArray[np.bool_]) -> Segments:
+        """As many as the geometry requires."""
+        own = np.flatnonzero(held[pieces.row_first] & ~pieces.fixed).astype(np.int64)
+        length, curve = pieces.length[own], pieces.curve[own]
+        first, last = (pieces.points(own, s)[0] for s in (np.zeros(len(own)), length))
+        turn = np.abs(last[:, 3:] - first[:, 3:]).max(axis=1, initial=0.0)
+        round_ = pieces.curves.kind[curve] == ROUND
+        bend = np.abs(pieces.curves.sweep[curve]) / np.maximum(pieces.curves.length[curve], 1e-300) * length
+        wanted = np.maximum(np.maximum(length / _SPACING, turn / _STEP), np.where(round_, bend / _BEND, 0.0))
+        count = np.maximum(np.ceil(wanted), np.where(pieces.kind[own] == OVERLAP, 4, 1)).astype(np.int64)
+        index = np.repeat(np.arange(len(own)), count)
+        number = np.arange(len(index)) - np.repeat(np.cumsum(count) - count, count)
+        each = length[index] / count[index]
+        return Segments(own[index], each * number, each)
+
+    @property
+    def ends(self) -> tuple[Array, Array]:
+        """Where segments begin and end on their pieces."""
+        return self.begin, self.begin + self.length
+
+    def at(self, pieces: Pieces, s: Array) -> tuple[Array, Array]:
+        """Points (k, 6) and their slopes at `s` (k,)."""
+        return pieces.points(self.piece, s)
+
+
+def _joints_at(
+    tool: ToolPoint, pieces: Pieces, held: NDArray[np.bool_], piece: NDArray[np.int64], position: Array
+) -> Array:
+    """Joints (n, j) with the controlled point at `position` (n, 6) on `piece` (n,)."""
+    row = pieces.row_first[piece]  # while the machine stands, a sample is already of the next row
+    offset = offsets(pieces.path, row)
+    q: Array = (position + offset)[:, tool.columns]
+    tip = held[row]
+    if tip.any():
+        q[tip] = _joints_of_tips(tool, position[tip], offset[tip])
+    return q
+
+
+def _joints_of_tips(tool: ToolPoint, points: Array, offset: Array) -> Array:
+    at = points.copy()
+    at[:, 3:] += offset[:, 3:]
+    return tool.joints(at, offset[:, :3])
+
+
+def _ranges(path: ToolPath, tool: ToolPoint, held: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Least and greatest axis values of rows (n, 6); where the tip is commanded, those at the row's end."""
+    low, high = axis_ranges(path)
+    q = _joints_of_tips(tool, path.end[held], offsets(path)[held])
+    for table in (low, high):
+        rows = table[held]
+        rows[:, tool.columns] = q
+        table[held] = rows
+    return low, high
+
+
+def _caps(
+    kinematics: Kinematics,
+    tool: ToolPoint,
+    pieces: Pieces,
+    held: NDArray[np.bool_],
+    segments: Segments,
+    q: tuple[Array, Array],
+    findings: Findings,
+) -> Caps:
+    """Caps of the segments where the tip is commanded, and of all other pieces as blending found them."""
+    joints, piece, length = kinematics.joints, segments.piece, segments.length
+    start, end = (_slopes(tool, pieces, segments, held, s) for s in segments.ends)
+    mean = (q[1] - q[0]) / length[:, None]
+    feed = pieces.path.feed
+    wanted = np.maximum(feed[pieces.row_first], feed[pieces.row_last])
+    wanted = np.where(pieces.kind == OVERLAP, pieces.speed, wanted)[piece]
+    lap = pieces.kind[piece] == OVERLAP
+    found = JointCaps(
+        wanted=wanted.copy(),
+        speed=np.empty(len(piece)),
+        acceleration=np.where(lap, 0.0, pieces.acceleration[piece]),
+        joint=np.empty(len(piece), dtype=np.int64),
+    )
+    speed, acceleration = np.minimum(joints.speed, 1e6), np.minimum(joints.acceleration, 1e6)
+    joint_caps(SegmentRates(start, end, mean), length, NORMAL_SHARE, _SHARE * speed, _SHARE * acceleration, found)
+    report_slow_joints(kinematics, pieces, piece, wanted, found.wanted, found.joint, findings)
+    others = np.setdiff1d(np.arange(len(pieces)), piece)
+    last = np.append(piece[1:] != piece[:-1], True)[: len(piece)]
+    order = np.argsort(np.concatenate([piece, others]), kind="stable")
+    columns = (
+        (piece, others),
+        (segments.begin, np.zeros(len(others))),
+        (length, pieces.length[others]),
+        (found.speed, pieces.speed[others]),
+        (found.acceleration, pieces.acceleration[others]),
+        (np.where(last, pieces.junction[piece], np.inf), pieces.junction[others]),
+    )
+    return Caps(*(np.concatenate(pair)[order] for pair in columns))
+
+
+def _slopes(tool: ToolPoint, pieces: Pieces, segments: Segments, held: NDArray[np.bool_], s: Array) -> Array:
+    """dq/ds (k, j) at `s` (k,), by the difference of two neighbours on the tangent."""
+    points, slope = segments.at(pieces, s)
+    step = (_PROBE / np.maximum(np.abs(slope).max(axis=1, initial=0.0), 1e-12))[:, None]
+    piece = segments.piece
+    ahead = _joints_at(tool, pieces, held, piece, points + step * slope)
+    behind = _joints_at(tool, pieces, held, piece, points - step * slope)
+    slopes: Array = (ahead - behind) / (2.0 * step)
+    return slopes

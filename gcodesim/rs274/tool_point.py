@@ -1,0 +1,72 @@
+"""Tool centre point control: what the reader of programs asks of a machine whose rotary axes turn tool or work."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Protocol
+
+from gcodesim import canon
+from gcodesim.rs274.state import Vector
+from gcodesim.units import DEG
+
+if TYPE_CHECKING:
+    from gcodesim.rs274.control import Control
+
+
+class ToolPointLaw(Protocol):
+    """Tip and axes of one machine, in M [m, rad]; `offset` is the length offset in force."""
+
+    @property
+    def letters(self) -> tuple[str, ...]:
+        """Its rotary axes whose place is known."""
+        ...
+
+    def axes(self, tip: canon.Axes, offset: canon.Axes) -> canon.Axes:
+        """Where the axes stand with the tip there; x y z in the frame of the work, a b c as the rotary axes stand."""
+        ...
+
+    def tip(self, axes: canon.Axes, offset: canon.Axes) -> canon.Axes:
+        """The inverse of `axes`."""
+        ...
+
+    def attitudes(self, direction: canon.Point, axes: canon.Axes) -> list[canon.Axes]:
+        """Axes turned so that the tool points from its tip along `direction`, in the frame of the work.
+
+        At most two ways, each within the travel and as near to `axes` as it can be; the linear axes stay.
+        """
+        ...
+
+
+def switch(control: Control, *, on: bool) -> None:
+    """Begin or end the control of the tip; the axes do not move."""
+    state = control.state
+    if state.point_control == on:
+        return
+    axes = control.axes()
+    state.point_control = on
+    control.stay_at(axes)
+    say(control)
+
+
+def say(control: Control) -> None:
+    """The state event, with what the controlled point reads from now on."""
+    state = control.state
+    at = control.si_axes(control.tip(state.current))
+    control.out.append(canon.PointControl(span=control.span, on=state.point_control, at=at))
+
+
+def axes_at(control: Control, tip: Vector, law: ToolPointLaw) -> Vector:
+    """Axes in program units with the tip at `tip`."""
+    state = control.state
+    return _program(control, law.axes(control.si_axes(tip), control.si_axes(state.tool_offset)), tip)
+
+
+def tip_at(control: Control, axes: Vector, law: ToolPointLaw) -> Vector:
+    """The tip in program units with the axes at `axes`."""
+    state = control.state
+    return _program(control, law.tip(control.si_axes(axes), control.si_axes(state.tool_offset)), axes)
+
+
+def _program(control: Control, values: canon.Axes, rest: Vector) -> Vector:
+    unit = control.state.unit
+    x, y, z, a, b, c = values
+    return (x / unit, y / unit, z / unit, a / DEG, b / DEG, c / DEG, *rest[6:])
