@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from gcodesim.arithmetic.matrices import multiplied
 from gcodesim.frames import WORLD, Pose
 from gcodesim.kinematics import MODELS, Axis, Cartesian, kinematics_of, load_urdf
 from gcodesim.kinematics.cartesian import chain_of_axes
@@ -51,8 +52,8 @@ def test_a_frame_on_a_table_goes_along_with_it_to_the_last_bit() -> None:
 
     table = machine.kinematics.table(q)
 
-    assert np.array_equal(cell.seen_from("machine", "stock", {"machine": q}), table @ X_PF.matrix)
-    assert np.array_equal(cell.track("stock", {"machine": q}), X_WB.matrix @ table @ X_PF.matrix)
+    assert np.array_equal(cell.seen_from("machine", "stock", {"machine": q}), multiplied(table, X_PF.matrix))
+    assert np.array_equal(cell.track("stock", {"machine": q}), multiplied(X_WB.matrix, table, X_PF.matrix))
     assert cell.moves("stock")
     assert machine.shifts_work
 
