@@ -5,6 +5,7 @@
 
 FOLDER holds `NAME.csv`: tip and tool axis of each block in the part, and the joints of three machines by the
 formulas of LinuxCNC's kinematics (trtfuncs.c, maxkins.c, 5axiskins.c). Of long files every seventh row is kept.
+`NAME.g68.nc` is a program with tilted planes; it is copied as it is.
 """
 
 import sys
@@ -22,6 +23,8 @@ def main() -> int:
         head, *rows = origin.read_text().splitlines()
         chosen = rows[:: KEEP if len(rows) > MANY else 1]
         (TARGET / origin.name).write_text("\n".join([head, *chosen]) + "\n")
+    for origin in sorted(Path(sys.argv[1]).glob("*.g68.nc")):
+        (TARGET / origin.name).write_text(origin.read_text())
     return 0
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 from gcodesim import canon
-from gcodesim.arithmetic.elementary import cos_sin
 from gcodesim.rs274 import compensation
 from gcodesim.rs274.circles import Arc, apart, sweep_of
 from gcodesim.rs274.control import Control
@@ -14,7 +13,7 @@ from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.feeds import check_feed, resolve_inverse_time
 from gcodesim.rs274.state import Vector
 from gcodesim.rs274.words import Words
-from gcodesim.units import DEG, INCH, MM
+from gcodesim.units import INCH, MM
 
 # plane -> first, second and normal axis; in G18 the first is Z
 PLANE_AXES = {170: (0, 1, 2), 180: (2, 0, 1), 190: (1, 2, 0)}
@@ -209,11 +208,6 @@ def emit_arc(control: Control, end: Vector, shape: Arc, word: str) -> None:
     start = state.current
     middle = [0.0] * 9
     middle[first], middle[second], middle[normal] = shape.centre[0], shape.centre[1], end[normal]
-    axis = [0.0, 0.0, 0.0]
-    axis[normal] = 1.0
-    if state.rotation and normal != 2:
-        cos, sin = cos_sin(state.rotation * DEG)
-        axis = [axis[0] * cos - axis[1] * sin, axis[0] * sin + axis[1] * cos, axis[2]]
     feed, unit = control.feed(linear=True)
     control.out.append(
         canon.ArcFeed(
@@ -222,7 +216,7 @@ def emit_arc(control: Control, end: Vector, shape: Arc, word: str) -> None:
             block=control.block_number,
             word=word,
             center=control.si_point(tuple(middle)),  # type: ignore[arg-type]
-            normal=(axis[0], axis[1], axis[2]),
+            normal=control.normal(normal),
             ccw=shape.turns > 0,
             turns=abs(shape.turns),
             sweep=sweep_of((start[first], start[second]), (end[first], end[second]), shape),

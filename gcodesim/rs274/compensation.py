@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple, Protocol
 
 from gcodesim import canon
-from gcodesim.arithmetic.elementary import atan2, cos_sin
+from gcodesim.arithmetic.elementary import atan2
 from gcodesim.diagnostics import Span
 from gcodesim.rs274.circles import Arc, Line, PlaneCircle, Point, apart, meet, sweep_of
 from gcodesim.rs274.control import Control
@@ -23,7 +23,7 @@ from gcodesim.rs274.dialects.linuxcnc import COMPENSATION
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.state import Vector, scaled
 from gcodesim.rs274.words import Words
-from gcodesim.units import DEG, MM
+from gcodesim.units import MM
 
 PLANE = {170: (0, 1, 2), 180: (2, 0, 1), 190: (1, 2, 0)}
 STRAIGHT_ON = 0.05  # [rad] corners flatter than this are passed without an arc or an intersection
@@ -533,11 +533,6 @@ def _arc_event(control: Control, move: Held, start: Vector, end: Vector, at: can
     first, second, normal = PLANE[state.plane]
     middle = list(end)
     middle[first], middle[second] = move.centre
-    axis = [0.0, 0.0, 0.0]
-    axis[normal] = 1.0
-    if state.rotation and normal != 2:
-        cos, sin = cos_sin(state.rotation * DEG)
-        axis = [axis[0] * cos - axis[1] * sin, axis[0] * sin + axis[1] * cos, axis[2]]
     sweep = sweep_of((start[first], start[second]), (end[first], end[second]), Arc(move.centre, move.turns))
     return canon.ArcFeed(
         span=move.span,
@@ -545,7 +540,7 @@ def _arc_event(control: Control, move: Held, start: Vector, end: Vector, at: can
         block=move.block,
         word=move.word,
         center=control.si_point(_nose(tuple(middle), control)),  # type: ignore[arg-type]
-        normal=(axis[0], axis[1], axis[2]),
+        normal=control.normal(normal),
         ccw=move.turns > 0,
         turns=abs(move.turns),
         sweep=sweep,

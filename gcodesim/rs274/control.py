@@ -97,6 +97,15 @@ class Control:
             x, y = x * cos + y * sin, y * cos - x * sin
         return subtract((x, y, *rest), state.g92)  # type: ignore[arg-type]
 
+    def normal(self, axis: int) -> canon.Point:
+        """The direction of X, Y or Z of the active work system, in the machine frame."""
+        along = [0.0, 0.0, 0.0]
+        along[axis] = 1.0
+        if self.state.rotation and axis != 2:
+            cos, sin = self._turn(self.state.rotation)
+            along = [along[0] * cos - along[1] * sin, along[0] * sin + along[1] * cos, along[2]]
+        return (along[0], along[1], along[2])
+
     @staticmethod
     def _turn(degrees: float) -> tuple[float, float]:
         return cos_sin(math.radians(degrees))

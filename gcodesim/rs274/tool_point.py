@@ -12,6 +12,10 @@ if TYPE_CHECKING:
     from gcodesim.rs274.control import Control
 
 
+CENTRE_POINT = (434, 435)
+"""G43.4 and G43.5: length modes in which the control holds the tip."""
+
+
 class ToolPointLaw(Protocol):
     """Tip and axes of one machine, in M [m, rad]; `offset` is the length offset in force."""
 

@@ -8,6 +8,7 @@
 | arguments of macros | lists I and II | `arguments.py` |
 | variables | vacant ones, levels, system variables | `variables.py`, `expressions.py` |
 | work systems | external offset, G54.1, G52 and G92 apart, G68 | `control.py`, `offsets.py` |
+| tilted planes | G68.2 in five forms, G53.1 | `tilted.py` |
 | figures | G51 scaling, G51.1 mirror image | `figure.py` |
 | polar coordinates | G16: radius and angle of the plane | `polar.py` |
 | devices outside | POPEN, DPRNT, PCLOS | `external.py` |
@@ -55,7 +56,7 @@ FAR_SYSTEMS = SystemBlock(range(ADDITIONAL + 1 + _NEAR, ADDITIONAL + 1 + MOST_AD
 CYCLES = (730, 740, 760, 810, 820, 830, 840, 850, 860, 870, 880, 890)
 
 _G_GROUPS = {
-    NON_MODAL: (40, 50, 51, 80, 90, 100, 110, 270, 280, 290, 300, 310, 520, 530, 600, 650, 920, 921, 1030, 1870),
+    NON_MODAL: (40, 50, 51, 80, 90, 100, 110, 270, 280, 290, 300, 310, 520, 530, 531, 600, 650, 920, 921, 1030, 1870),
     MOTION: (0, 10, 20, 30, 330, *CYCLES),
     CANCEL: (800,),
     PLANE: (170, 180, 190),
@@ -70,7 +71,7 @@ _G_GROUPS = {
     SPINDLE_MODE: (960, 970),
     SCALING: (500, 510),
     MIRROR: (501, 511),
-    TURN: (680, 690),
+    TURN: (680, 682, 690),
     MACRO: (660, 661, 670),
     STROKE: (220, 230),
     POLAR: (150, 160),
@@ -114,10 +115,8 @@ _UNSIMULATED = {
     470: "tool offset along the axes",
     480: "tool offset along the axes",
     491: "tool centre point control",
-    531: "the tool's direction for a tilted plane",
     542: "rotary table dynamic fixture offset",
     544: "workpiece setting error compensation",
-    682: "a tilted working plane",
     683: "a tilted working plane",
     684: "a tilted working plane",
     721: "figure copy",
@@ -146,6 +145,7 @@ _SKIPPED = (
     Unsimulated(
         ("POPEN", "PCLOS", "BPRNT", "SETVN"), "GS912", "nothing is sent; texts of DPRNT stand in the log of a run"
     ),
+    Unsimulated(("G53.1",), "GS913", "how rotary axes bring the tool upright to the plane is known only with a cell"),
     Unsimulated(
         ("G43.4",),
         "GS913",

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from gcodesim import canon
 from gcodesim.canon.systems import ADDITIONAL
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.dialects.systems import first_of_system
@@ -24,7 +25,9 @@ if TYPE_CHECKING:
     from gcodesim.rs274.fanuc.corners import Corner
     from gcodesim.rs274.fanuc.flow import FanucFrame
     from gcodesim.rs274.fanuc.polar import Polar
+    from gcodesim.rs274.fanuc.tilted import Begun
     from gcodesim.rs274.settings import Settings
+    from gcodesim.rs274.tilt import Tilt
 
 _XY = (0, 1)
 
@@ -38,6 +41,9 @@ class FanucState(ModalState):
     turn: float | None = None  # G68 [deg]
     turn_axes: tuple[int, int] = _XY  # the axes of the plane that is turned
     turn_centre: tuple[float, float] = (0.0, 0.0)  # on those axes
+    tilt: Tilt | None = None  # G68.2
+    plane_begun: Begun | None = None  # a G68.2 of several blocks
+    upright: bool = False  # G53.1 has turned the tool upright to the plane
     mirror: tuple[float | None, float | None, float | None] = (None, None, None)  # G51.1
     scale: tuple[float, float, float] = (1.0, 1.0, 1.0)  # G51
     scale_centre: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -119,15 +125,23 @@ class FanucControl(Control):
 
     def tip(self, point: Vector) -> Vector:
         state = self.state
+        if state.tilt is not None:
+            return add((*state.tilt.point(point[:3]), *point[3:]), state.origin)
         if state.turn is None or state.turn_axes == _XY:
             return super().tip(point)
         return add(self._turned(add(point, state.g92), state.turn), state.origin)
 
     def point_of(self, tip: Vector) -> Vector:
         state = self.state
+        if state.tilt is not None:
+            point = subtract(tip, state.origin)
+            return (*state.tilt.back(point[:3]), *point[3:])
         if state.turn is None or state.turn_axes == _XY:
             return super().point_of(tip)
         return subtract(self._turned(subtract(tip, state.origin), -state.turn), state.g92)
+
+    def normal(self, axis: int) -> canon.Point:
+        return super().normal(axis) if self.state.tilt is None else self.state.tilt.direction(super().normal(axis))
 
     def _turned(self, point: Vector, degrees: float) -> Vector:
         """`point` turned in the plane of G68 about its zero."""
@@ -162,6 +176,7 @@ class FanucControl(Control):
         factor = state.unit / unit
         if factor != 1.0:
             state.preset, state.local = scaled(state.preset, factor), scaled(state.local, factor)
+            state.tilt = None if state.tilt is None else state.tilt.scaled(factor)
             state.turn_centre = (state.turn_centre[0] * factor, state.turn_centre[1] * factor)
             state.mirror = tuple(None if v is None else v * factor for v in state.mirror)  # type: ignore[assignment]
             state.scale_centre = tuple(v * factor for v in state.scale_centre)  # type: ignore[assignment]
@@ -228,7 +243,7 @@ class FanucControl(Control):
             13: 96.0 if state.surface_speed else 97.0,
             14: 53.0 + state.system if state.system <= 6 else 54.1,
             15: state.path_code / 10.0,
-            16: 69.0 if state.turn is None else 68.0,
+            16: 68.2 if state.tilt is not None else 69.0 if state.turn is None else 68.0,
             17: 15.0 if state.polar is None else 16.0,
             22: 50.1 if state.mirror == (None, None, None) else 51.1,
             107: float(state.radius_number),

@@ -14,7 +14,7 @@ from gcodesim.rs274.dialects.fanuc import CYCLES, MIRROR, SCALING, STROKE, TURN
 from gcodesim.rs274.dialects.linuxcnc import CANCEL, COMPENSATION, DISTANCE, MOTION, NON_MODAL, PATH, SPINDLE, STOPPING
 from gcodesim.rs274.ends import end_point, start_point
 from gcodesim.rs274.execute import NOT_MODELLED
-from gcodesim.rs274.fanuc import corners, figure, offsets, polar
+from gcodesim.rs274.fanuc import corners, figure, offsets, polar, tilted
 from gcodesim.rs274.fanuc.compensation import leave
 from gcodesim.rs274.fanuc.control import FanucControl
 from gcodesim.rs274.fanuc.cycles import cycle
@@ -24,7 +24,7 @@ from gcodesim.rs274.motions import MOTIONS
 from gcodesim.rs274.words import AXIS_LETTERS, Words, exponent, place_of
 
 # one-shot codes to which the axis words of their block belong
-_CLAIMS_AXES = frozenset((40, 50, 51, 80, 100, 110, 270, 280, 290, 300, 520, 920, 921))
+_CLAIMS_AXES = frozenset((40, 50, 51, 80, 100, 110, 270, 280, 290, 300, 520, 531, 920, 921))
 _NOT_SIMULATED = {50: "G5", 51: "G5.1", 80: "G8", 1030: "G103", 1870: "G187"}
 _ONE_WAY = 600  # G60
 _UPRIGHT = 1e-9  # deg
@@ -81,6 +81,8 @@ def execute(words: Words, control: FanucControl, has_point: dict[str, bool]) -> 
                 offsets.non_modal(words, control)
         else:
             offsets.non_modal(words, control)
+    elif claimed == 531:
+        tilted.turn_tool(words, control)
     _cancel_cycle(words, control)
     own = g.get(MOTION, -1)
     motion = own if own >= 0 else state.motion
@@ -141,7 +143,7 @@ def _moved_by(words: Words, control: FanucControl, motion: int, own: int, *, lea
             raise Fault(
                 "GS106", "an arc outside the plane of G68 is not simulated", hint="say G69 before, or stay in it"
             )
-    if state.length_mode in offsets.CENTRE_POINT and not state.point_control:
+    if state.length_mode in tool_point.CENTRE_POINT and not state.point_control:
         _check_upright(words, control)
     kept = state.motion
     motion = figure.apply(words, control, motion)

@@ -6,9 +6,10 @@ from dataclasses import replace
 
 from gcodesim import canon
 from gcodesim.diagnostics import Diagnostic, SourceText, Span
+from gcodesim.rs274 import tool_point
 from gcodesim.rs274.block import Block
 from gcodesim.rs274.dialects.linuxcnc import CANCEL, MOTION, STOPPING
-from gcodesim.rs274.fanuc import corners, offsets
+from gcodesim.rs274.fanuc import corners
 from gcodesim.rs274.fanuc import variables as numbers
 from gcodesim.rs274.fanuc.arguments import arguments_of
 from gcodesim.rs274.fanuc.control import FanucControl
@@ -220,7 +221,7 @@ class FanucExecutor(Executor):
         g, state = words.g, self.control.state
         if state.polar is not None or state.corner is not None:
             return False
-        if state.length_mode in offsets.CENTRE_POINT and not state.point_control:
+        if state.length_mode in tool_point.CENTRE_POINT and not state.point_control:
             return False
         motion = g.get(MOTION, state.motion)
         if words.m or len(g) > (MOTION in g) or CANCEL in g or state.side:

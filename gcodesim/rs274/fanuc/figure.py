@@ -9,6 +9,7 @@ from __future__ import annotations
 from gcodesim.rs274.arcs import PLANE_AXES
 from gcodesim.rs274.dialects.fanuc import CYCLES, MIRROR, SCALING, TURN
 from gcodesim.rs274.dialects.linuxcnc import COMPENSATION, MOTION
+from gcodesim.rs274.fanuc import tilted
 from gcodesim.rs274.fanuc.control import FanucControl
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.words import Words
@@ -30,7 +31,10 @@ def switch(words: Words, control: FanucControl, has_point: dict[str, bool]) -> N
         _mirror(words, control, on=code == 511)
     code = words.g.get(TURN)
     if code == 690:
+        tilted.off(control)
         control.reframe(turn=None)
+    elif code == tilted.PLANE:
+        tilted.switch(words, control)
     elif code == 680:
         _turn(words, control)
 
@@ -81,6 +85,8 @@ def _mirror(words: Words, control: FanucControl, *, on: bool) -> None:
 
 def _turn(words: Words, control: FanucControl) -> None:
     _refuse_in_compensation(control, "G68")
+    if control.state.tilt is not None:
+        raise Fault("GS106", "G68 in a tilted plane is not simulated", at="g68", hint="K of G68.2 turns it")
     angle = words.need("r", "GS105", "G68", "R is the angle in degrees")
     del words.values["r"]
     base, here = control.base(), control.tip(control.state.current)

@@ -20,7 +20,6 @@ from gcodesim.rs274.state import AXES, ZERO, Vector, add, subtract
 from gcodesim.rs274.words import Words, place_of
 
 _SYSTEM_INDEX = {540: 1, 550: 2, 560: 3, 570: 4, 580: 5, 590: 6}
-CENTRE_POINT = (434, 435)  # G43.4, G43.5
 _UNTIL_G11 = (3, 50, 52)  # tool life, parameters of the control: the blocks up to G11 are data
 _TOOL_DATA = {  # by the L of G10
     1: numbers.LENGTH_WEAR,
@@ -47,11 +46,14 @@ def tool_length(words: Words, control: FanucControl) -> None:
     axes = control.axes()
     state.length_mode, state.length_number = mode, number
     if mode == 490 and control.auto_length:
+        tool_point.switch(control, on=state.upright)
         return  # touched off with the tool, not measured
     state.tool_offset = ZERO if mode == 490 else (0.0, 0.0, -z if mode == 440 else z, *ZERO[3:])
     control.stay_at(axes)
     control.say_tool_offset()
-    if mode in CENTRE_POINT:
+    if state.upright:
+        tool_point.switch(control, on=True)
+    elif mode in tool_point.CENTRE_POINT:
         if can_hold_the_tip(control):
             tool_point.switch(control, on=True)
         elif code is not None:
