@@ -30,7 +30,6 @@ from gcodesim.material.removal_kernels import (
     touch_piece,
 )
 from gcodesim.material.sweep_kernels import Shape, underside
-from gcodesim.material.tilted_kernels import remove_tilted
 from gcodesim.material.wall_kernels import beyond_columns
 
 __all__ = [
@@ -54,7 +53,6 @@ __all__ = [
     "patch_tops",
     "remove",
     "remove_piece",
-    "remove_tilted",
     "scratch",
     "share_between",
     "tighten_tops",

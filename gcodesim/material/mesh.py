@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import dots
 from gcodesim.material.field_kernels import Columns
-from gcodesim.material.stock import Stock, grid_of
+from gcodesim.material.stock import Lines, Stock, grid_of
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -50,13 +50,20 @@ def stock_of_mesh(vertices: Array, faces: Ints, resolution: float, material: str
         raise OpenMeshError(leaks, number.size)
     columns = _no_columns(shape, max(most, 1))
     fill_columns(crossings, columns, False)
-    return Stock(
+    stock = Stock(
         columns=columns,
         grid=grid,
         z_range=(float(minimum[2]), float(maximum[2])),
         resolution=resolution,
         material=material,
     )
+
+    def exact(order: tuple[int, int, int]) -> Lines:
+        field = stock_of_mesh(vertices[:, list(order)], faces, resolution).field
+        return field.columns, field.grid
+
+    stock.exact = exact
+    return stock
 
 
 def _no_columns(shape: tuple[int, int], room: int) -> Columns:

@@ -24,11 +24,19 @@ from gcodesim.material.field_kernels import PATCH, Columns, Field, Grid
 from gcodesim.material.sweep_kernels import Shape
 
 if TYPE_CHECKING:
+    from gcodesim.material.axis_way import AxisWay
+    from gcodesim.material.lattice import Lattice
     from gcodesim.material.relief import Relief
     from gcodesim.material.surface import Surface, Tiles
 
 Array = NDArray[np.float64]
 Vector = Sequence[float] | Array
+
+Lines = tuple[Columns, Grid]
+"""Columns along one axis of S, and the grid on which they stand in the other two."""
+
+Exact = Callable[[tuple[int, int, int]], Lines]
+"""The columns of a stock as it was made, along that axis of S which is the last of three."""
 
 WALL_PLANES = 8
 """What is kept of the walls at the borders of columns (wall_kernels)."""
@@ -81,11 +89,13 @@ class Stock:
     """A workpiece in its frame S. The contents of its field change in place; everything else stays.
 
     Outside of this package nobody looks into `field`: kernels pass it on whole (`view`), other code calls methods.
+    There are columns along Z, in `field`, and from the first cut with a leaning tool on also along x and y, in
+    `lattice`; `exact` makes those of the stock as it was at the start, where its shape is known.
     `turn` (3, 3) is nearly always the identity: axes of the frame in which the columns stand, seen from the part's
     own frame, when the part was laid on another side (`turning`). All points are in the frame of the columns.
     """
 
-    __slots__ = ("field", "material", "original", "resolution", "turn", "z_range")
+    __slots__ = ("exact", "field", "lattice", "material", "original", "resolution", "turn", "z_range")
 
     def __init__(
         self,
@@ -102,6 +112,8 @@ class Stock:
 
         self.z_range, self.resolution, self.material = z_range, resolution, material
         self.turn: Array = np.eye(3)
+        self.lattice: Lattice | None = None
+        self.exact: Exact | None = None
         self.original = original if original is not None else _copied(columns)
         nx, ny = columns.number.shape
         patches = (-(-nx // PATCH), -(-ny // PATCH))
@@ -119,7 +131,7 @@ class Stock:
         """A box between two corners of S [m]; cells divide it exactly and are at most `resolution` wide."""
         grid, shape = grid_of(minimum, maximum, resolution)
         low, high = float(minimum[2]), float(maximum[2])
-        return cls(
+        stock = cls(
             columns=_equal_columns(shape, low, high),
             grid=grid,
             z_range=(low, high),
@@ -127,6 +139,14 @@ class Stock:
             material=material,
             original=_equal_columns((1, 1), low, high),  # all columns of a box start alike, so one represents all
         )
+
+        def exact(order: tuple[int, int, int]) -> Lines:
+            corners = [[float(corner[axis]) for axis in order] for corner in (minimum, maximum)]
+            field = cls.box(corners[0], corners[1], resolution).field
+            return field.columns, field.grid
+
+        stock.exact = exact
+        return stock
 
     @classmethod
     def cylinder(
@@ -154,7 +174,7 @@ class Stock:
             across = y if axis == "x" else x
             half = np.broadcast_to(np.sqrt(np.maximum(radius * radius - across * across, 0.0)), shape)
             middle = begin[2]
-        return cls(
+        stock = cls(
             columns=Columns(
                 lo=np.ascontiguousarray(middle - half)[:, :, None],
                 hi=np.ascontiguousarray(middle + half)[:, :, None],
@@ -166,6 +186,14 @@ class Stock:
             material=material,
         )
 
+        def exact(order: tuple[int, int, int]) -> Lines:
+            turned_axis = "xyz"[order.index(along)]
+            field = cls.cylinder(begin[list(order)], diameter, length, resolution, "", turned_axis).field
+            return field.columns, field.grid
+
+        stock.exact = exact
+        return stock
+
     @classmethod
     def empty(cls, minimum: Vector, maximum: Vector, resolution: float, material: str = "") -> Stock:
         """Room without material, to be printed into [m]."""
@@ -173,6 +201,7 @@ class Stock:
         lo, hi, count = stock.field.columns
         count[:] = 0
         hi[:] = lo
+        stock.exact = None
         stock.original.number[:] = 0
         stock.field.tops[:] = -np.inf
         return stock
@@ -217,7 +246,14 @@ class Stock:
 
     @property
     def volume(self) -> float:
-        """Volume of all material [m^3]: the columns, corrected by what true walls take of them or leave beside them."""
+        """Volume of all material [m^3]: the columns, corrected by what true walls take of them or leave beside them.
+
+        With columns in three directions it is that inside of their common surface.
+        """
+        if self.lattice is not None:
+            from gcodesim.material.lattice_surface import volume_inside
+
+            return volume_inside(self)
         from gcodesim.material.kernels import beyond_columns, volume_of
 
         grid = self.field.grid
@@ -230,6 +266,10 @@ class Stock:
         A tenth to a half of a cell at every wall that was made, and the curvature of slopes; it shrinks with the cell.
         Cuts narrower than a cell can slip between the columns and are not included.
         """
+        if self.lattice is not None:
+            from gcodesim.material.lattice_surface import volume_error
+
+            return volume_error(self)
         from gcodesim.material.error_kernels import changes, error_bound
 
         columns = self.field.columns
@@ -251,23 +291,24 @@ class Stock:
         twin.field.dirty[:] = self.field.dirty
         twin.field.walls[:] = self.field.walls
         twin.turn = self.turn.copy()
+        twin.exact = self.exact
+        twin.lattice = None if self.lattice is None else self.lattice.copy()
         return twin
 
     def memento(self) -> Callable[[], None]:
         """Remember the state; calling the result restores it."""
         kept = _copied_field(self.field)
+        lattice = None if self.lattice is None else self.lattice.copy()
 
         def restore() -> None:
             self.field = _copied_field(kept)
+            self.lattice = None if lattice is None else lattice.copy()
 
         return restore
 
     def grow(self) -> None:
         """Double the intervals that a column can hold."""
-        lo, hi, count = self.field.columns
-        empty = np.zeros_like(lo)
-        wider = Columns(np.concatenate((lo, empty), axis=2), np.concatenate((hi, empty), axis=2), count)
-        self.field = self.field._replace(columns=wider)
+        self.field = widened(self.field)
 
     def remove(self, starts: Array, ends: Array, shape: Shape, bodies: Sequence[Shape] = ()) -> Removal:
         """Cut along c straight pieces, tool upright: tips from `starts` to `ends` (c, 3) in S [m].
@@ -278,6 +319,11 @@ class Stock:
         from gcodesim.material.kernels import Found, remove
 
         starts, ends = _pieces(starts), _pieces(ends)
+        if self.lattice is not None:
+            from gcodesim.material.axis_way import upright
+            from gcodesim.material.solid_of_revolution import slabs_of_shape
+
+            self.follow(upright(starts, ends), slabs_of_shape(shape, self.cell))
         others = np.array(bodies, dtype=float).reshape(-1, len(Shape._fields))
         found = Found(*np.zeros((3, len(starts))))
         done = 0
@@ -287,31 +333,39 @@ class Stock:
                 return Removal(**found._asdict())
             self.grow()
 
-    def remove_tilted(self, starts: Array, ends: Array, axes_start: Array, axes_end: Array, shape: Shape) -> Array:
-        """Cut along c pieces with an axis that turns: unit vectors (c, 3) from tip to holder at both ends, in S.
+    def sweep(self, way: AxisWay, slabs: Array) -> Array:
+        """Cut along c pieces with an axis of any direction, which may turn; volume (c,) [m^3] that each takes.
 
-        Volume (c,) [m^3]. The body is sampled at poses half a cell apart; rounded corners are 24 facets, which
-        stay inside by less than a thousandth of the corner radius.
+        `slabs` (m, 6) is the body (`solid_of_revolution`). The first such cut gives the stock columns along x and y
+        as well. The sum of the volumes is what the volume of the stock falls by; its parts are shared out by what each
+        piece takes of the columns.
         """
-        from gcodesim.material.shape import profile
-        from gcodesim.material.tilted_kernels import Profile, TiltedWay, remove_tilted
+        from gcodesim.material.lattice import sweep
 
-        way = TiltedWay(*map(_pieces, (starts, ends, axes_start, axes_end)))
-        body = Profile(*profile(shape))
-        volume = np.zeros(len(starts))
-        done = 0
-        while True:
-            done = remove_tilted(self.field, way, body, done, volume)
-            if done == len(starts):
-                return volume
-            self.grow()
+        return sweep(self, way, slabs, range(3))
+
+    def follow(self, way: AxisWay, slabs: Array) -> None:
+        """Cut the columns along x and y, if there are any, like those along Z, which have been cut already."""
+        if self.lattice is not None and len(way.starts):
+            from gcodesim.material.lattice import sweep
+
+            sweep(self, way, slabs, range(2))
+
+    def piece_volumes(self) -> Array:
+        """The volume [m^3] of each piece in which the stock lies, greatest first; gives it columns along x and y."""
+        from gcodesim.material.lattice import ensure_lattice
+        from gcodesim.material.lattice_surface import volumes_of_pieces
+
+        ensure_lattice(self)
+        return volumes_of_pieces(self)
 
     def add_bead(self, starts: Array, ends: Array, width: float, height: float) -> Deposition:
         """Lay a bead of `width` >= `height` [m] along c pieces of the nozzle tip (c, 3) in S; it hangs below the tip.
 
         Pieces that follow each other make one strand with flat ends and round corners. The part outside the grid
-        is not kept: `volume` then stays below `nominal`.
+        is not kept: `volume` then stays below `nominal`. Columns along x and y are given up.
         """
+        self.lattice = None
         from gcodesim.material.kernels import Bead, add_bead
 
         if not 0.0 < height <= width:
@@ -384,6 +438,10 @@ class Stock:
 
     def surface(self, spacing: float | None = None) -> Surface:
         """The closed surface, columns drawn about `spacing` [m] apart (default: the resolution; 0: all columns)."""
+        if self.lattice is not None:
+            from gcodesim.material.lattice_surface import lattice_surface
+
+            return lattice_surface(self, self.resolution if spacing is None else spacing)
         from gcodesim.material.surface import build_surface
 
         return build_surface(self, self.resolution if spacing is None else spacing)
@@ -403,6 +461,14 @@ class Stock:
 
 def _copied(columns: Columns) -> Columns:
     return Columns(columns.lo.copy(), columns.hi.copy(), columns.number.copy())
+
+
+def widened(field: Field) -> Field:
+    """A field whose columns can hold twice as many intervals."""
+    lo, hi, count = field.columns
+    empty = np.zeros_like(lo)
+    wider = Columns(np.concatenate((lo, empty), axis=2), np.concatenate((hi, empty), axis=2), count)
+    return field._replace(columns=wider)
 
 
 def _copied_field(field: Field) -> Field:

@@ -2,7 +2,8 @@
 
 A line of text, a line of JSON with sorted keys, then the arrays as
 little-endian bytes, compressed by zlib: count, then the intervals of all
-columns one after the other, then the walls. Only what is used is stored, and equal stocks give
+columns one after the other, then the walls; then, where the stock has them, count and
+intervals of the columns along x and of those along y. Only what is used is stored, and equal stocks give
 equal bytes.
 """
 
@@ -17,6 +18,7 @@ import numpy as np
 
 from gcodesim.files.whole_file import write_whole
 from gcodesim.material.field_kernels import Columns, Grid
+from gcodesim.material.lattice import Lattice, field_of, own_columns
 from gcodesim.material.stock import WALL_PLANES, Stock
 
 SUFFIX = ".stock"
@@ -51,22 +53,53 @@ def save_stock(stock: Stock, path: Path) -> None:
         walls.astype("<f4"),
     )
     body = b"".join(array.tobytes() for array in arrays)
+    if stock.lattice is not None:
+        head["offset_m3"] = float(stock.lattice.offset)
+        head["across"] = [[*map(float, f.grid), *f.columns.number.shape] for f in stock.lattice.fields]
+        body += b"".join(_packed(field.columns) for field in stock.lattice.fields)
     text = json.dumps(head, sort_keys=True, ensure_ascii=False).encode() + b"\n"
     write_whole(path, _MAGIC + text + zlib.compress(body, 1))
 
 
-def _unpacked(packed: bytes, nx: int, ny: int) -> bytes:
-    """The arrays of nx × ny columns, and no more than they can hold, since kilobytes may unpack to gigabytes."""
-    if not (0 < nx <= _MOST_COLUMNS and 0 < ny <= _MOST_COLUMNS // nx):
-        raise ValueError(f"{nx} x {ny} columns are none that gcodesim writes")
-    unpacking = zlib.decompressobj()
-    first = unpacking.decompress(packed, 4 * nx * ny)
-    total = int(np.frombuffer(first, "<i4").clip(0, _MOST_INTERVALS).sum(dtype=np.int64))
-    rest = 16 * total + 4 * WALL_PLANES * (nx + 1) * (ny + 1)
-    body = first + unpacking.decompress(unpacking.unconsumed_tail, rest + 1)
-    if not unpacking.eof:
-        raise ValueError("more is packed than belongs to it")
-    return body
+def _packed(columns: Columns) -> bytes:
+    used = np.arange(columns.lo.shape[2])[None, None, :] < columns.number[:, :, None]
+    arrays = (columns.number.astype("<i4"), columns.lo[used].astype("<f8"), columns.hi[used].astype("<f8"))
+    return b"".join(array.tobytes() for array in arrays)
+
+
+class _Unpacking:
+    """Bytes that are unpacked no farther than asked for, since kilobytes may unpack to gigabytes."""
+
+    def __init__(self, packed: bytes) -> None:
+        self._rest, self._unpacking = packed, zlib.decompressobj()
+
+    def take(self, number: int) -> bytes:
+        """The next bytes; ValueError when there are fewer."""
+        part = self._unpacking.decompress(self._rest, number) if number else b""
+        self._rest = self._unpacking.unconsumed_tail
+        if len(part) != number:
+            raise ValueError("less is packed than belongs to it")
+        return part
+
+    def columns(self, nx: int, ny: int) -> Columns:
+        """Columns on a grid of nx × ny."""
+        if not (0 < nx <= _MOST_COLUMNS and 0 < ny <= _MOST_COLUMNS // nx):
+            raise ValueError(f"{nx} x {ny} columns are none that gcodesim writes")
+        count = np.frombuffer(self.take(4 * nx * ny), "<i4").astype(np.int32).reshape(nx, ny)
+        if (count < 0).any() or (count > _MOST_INTERVALS).any():
+            raise ValueError("its parts do not fit together")
+        total = int(count.sum(dtype=np.int64))
+        ends = np.frombuffer(self.take(16 * total), "<f8").astype(np.float64)
+        k = max(1, int(count.max()))
+        used = np.arange(k)[None, None, :] < count[:, :, None]
+        lo, hi = np.zeros((nx, ny, k)), np.zeros((nx, ny, k))
+        lo[used], hi[used] = ends[:total], ends[total:]
+        return Columns(lo, hi, count)
+
+    def finish(self) -> None:
+        """ValueError when anything is left."""
+        if self._unpacking.decompress(self._rest, 1) or not self._unpacking.eof:
+            raise ValueError("more is packed than belongs to it")
 
 
 def load_stock(path: Path) -> Stock:
@@ -84,32 +117,29 @@ def stock_from_bytes(raw: bytes, name: str) -> Stock:
         text, _, packed = raw[len(_MAGIC) :].partition(b"\n")
         head = json.loads(text)
         nx, ny = (int(v) for v in head["columns"])
-        body = _unpacked(packed, nx, ny)
+        unpacking = _Unpacking(packed)
+        columns = unpacking.columns(nx, ny)
+        walls = np.frombuffer(unpacking.take(4 * WALL_PLANES * (nx + 1) * (ny + 1)), "<f4").astype(np.float32)
         grid = np.array(head["grid_m"], dtype=np.float64)
         z_range = (float(head["z_range_m"][0]), float(head["z_range_m"][1]))
         resolution, material = float(head["resolution_m"]), str(head["material"])
         turn = np.array(head.get("turn", np.eye(3)), dtype=np.float64)
-        count = np.frombuffer(body, "<i4", nx * ny).astype(np.int32).reshape(nx, ny)
-        total = int(count.sum())
-        ends = np.frombuffer(body, "<f8", 2 * total, 4 * nx * ny).astype(np.float64)
-        kept = WALL_PLANES * (nx + 1) * (ny + 1)
-        walls = np.frombuffer(body, "<f4", kept, 4 * nx * ny + 16 * total).astype(np.float32)
+        across = [(Grid(*map(float, row[:4])), int(row[4]), int(row[5])) for row in head.get("across", [])]
+        offset = float(head.get("offset_m3", 0.0))
+        fields = tuple(field_of(unpacking.columns(nu, nv), place) for place, nu, nv in across)
+        unpacking.finish()
     except (ValueError, KeyError, TypeError, IndexError, zlib.error) as fault:
         raise StockFileError(f"{name} is damaged: {fault}") from fault
-    if (
-        grid.shape != (4,)
-        or turn.shape != (3, 3)
-        or min(nx, ny) < 1
-        or (count < 0).any()
-        or len(body) != 4 * (nx * ny + walls.size) + 16 * total
-    ):
+    fits = len(fields) == 0 or (
+        len(fields) == 2
+        and fields[0].columns.number.shape[0] == ny
+        and fields[1].columns.number.shape == (fields[0].columns.number.shape[1], nx)
+    )
+    if grid.shape != (4,) or turn.shape != (3, 3) or not fits:
         raise StockFileError(f"{name} is damaged: its parts do not fit together")
-    k = max(1, int(count.max()))
-    used = np.arange(k)[None, None, :] < count[:, :, None]
-    lo, hi = np.zeros((nx, ny, k)), np.zeros((nx, ny, k))
-    lo[used], hi[used] = ends[:total], ends[total:]
-    columns = Columns(lo, hi, count)
     stock = Stock(columns=columns, grid=Grid(*grid.tolist()), z_range=z_range, resolution=resolution, material=material)
     stock.field.walls[:] = walls.reshape(stock.field.walls.shape)
     stock.turn = turn
+    if len(fields) == 2:
+        stock.lattice = Lattice(fields, (own_columns(fields[0]), own_columns(fields[1])), offset)
     return stock

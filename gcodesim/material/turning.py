@@ -46,7 +46,7 @@ def turned(stock: Stock, R: Array) -> Stock:
     if rest[2, 1] != 0.0:
         done, rest = _flat(done, _QUARTER), multiplied(rest, _QUARTER.T)
     if rest[2, 0] != 0.0:
-        done, rest = _on_edge(done), multiplied(rest, _ON_EDGE.T)
+        done, rest = on_edge(done), multiplied(rest, _ON_EDGE.T)
     done = _flat(done, rest)
     done.turn = multiplied(stock.turn, whole.T)
     return done
@@ -116,7 +116,12 @@ def _upside_down(lo: Array, hi: Array, count: NDArray[np.int32]) -> tuple[Array,
     return low, high
 
 
-def _on_edge(stock: Stock) -> Stock:
+def quarter_turned(stock: Stock) -> Stock:
+    """Turned so that y becomes x and x becomes −y; exact."""
+    return _flat(stock, _QUARTER)
+
+
+def on_edge(stock: Stock) -> Stock:
     """Laid so that x points up and z to −x: rows along x become columns."""
     (old_lo, old_hi, old_count), old_grid = stock.field.columns, stock.field.grid
     nx, ny = old_count.shape

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from gcodesim.material import Stock, shape
+from gcodesim.material.axis_way import AxisWay
+from gcodesim.material.solid_of_revolution import slabs_of_shape
 from gcodesim.material.sweep_kernels import CONE, Shape
 
 MM = 1e-3
@@ -150,4 +152,6 @@ def test_an_upright_tool_cuts_the_same_as_a_tilted_one_that_stands_upright(name)
     tilted = upright.copy()
     axis = np.array([[0.0, 0.0, 1.0]])
     expected = upright.remove(start, end, tool).volume.sum()
-    assert tilted.remove_tilted(start, end, axis, axis, tool).sum() == pytest.approx(expected, rel=0.004)
+    assert tilted.sweep(AxisWay(start, end, axis, axis), slabs_of_shape(tool, tilted.cell)).sum() == pytest.approx(
+        expected, rel=0.004
+    )

@@ -99,7 +99,7 @@ def test_a_stock_that_would_fill_the_memory_is_refused_before(carved, tmp_path) 
     save_stock(carved, path)
     magic, head, _ = path.read_bytes().split(b"\n", 2)
     bomb = zlib.compress(bytes(50_000_000), 9)
-    for text in (head, head.replace(b'[38, 25]', b'[9999999, 9999999]')):
+    for text in (head, head.replace(b"[38, 25]", b"[9999999, 9999999]")):
         path.write_bytes(b"\n".join((magic, text, bomb)))
         tracemalloc.start()
         with pytest.raises(StockFileError, match="damaged"):
