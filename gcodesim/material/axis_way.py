@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from math import acos, ceil
+from math import ceil
 from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+from gcodesim.arithmetic.elementary import acos, cos_sin
+from gcodesim.arithmetic.matrices import dot, norm
 
 Array = NDArray[np.float64]
 
@@ -49,8 +52,8 @@ class Helix(NamedTuple):
 
 def turned_about(normal: Array, angles: Array, vector: Array) -> Array:
     """`vector` (3,) turned about the unit vector `normal` by each of `angles` (n,) [rad]; (n, 3) (Rodrigues)."""
-    c, s = np.cos(angles)[:, None], np.sin(angles)[:, None]
-    turned: Array = c * vector + s * np.cross(normal, vector) + (1.0 - c) * (normal @ vector) * normal
+    c, s = (part[:, None] for part in cos_sin(angles))
+    turned: Array = c * vector + s * np.cross(normal, vector) + (1.0 - c) * dot(normal, vector) * normal
     return turned
 
 
@@ -60,8 +63,8 @@ def along_helix(start: Array, helix: Helix, axis: Array, axis_turns: bool, cell:
     The axis keeps its direction, or turns with the arc.
     """
     arm = start - helix.centre
-    across = arm - (arm @ helix.normal) * helix.normal
-    radius = float(np.linalg.norm(across))
+    across = arm - dot(arm, helix.normal) * helix.normal
+    radius = norm(across)
     least = 2.0 * acos(max(-1.0, 1.0 - SAGITTA * cell / radius)) if radius > 0.0 else np.inf
     chords = max(1, ceil(abs(helix.angle) / min(least, 0.2)))
     share = np.arange(chords + 1) / chords

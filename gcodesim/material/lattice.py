@@ -175,5 +175,5 @@ def sweep_room(way: AxisWay, slabs: Array) -> tuple[Array, Array]:
             points = tips + axes * h
             low, high = np.minimum(low, points.min(axis=0)), np.maximum(high, points.max(axis=0))
     # between its ends a turning axis comes farther out than the chord
-    bulge = float(np.abs(slabs[:, 1:3]).max()) * float(np.abs(way.axes_end - way.axes_start).max()) ** 2
+    bulge = float(np.abs(slabs[:, 1:3]).max()) * float(np.square(way.axes_end - way.axes_start).max())
     return low - widest - bulge, high + widest + bulge

@@ -232,3 +232,42 @@ def march(
         points = points_between(now, start, nodes, span, i, layers, points, mesh)
         faces = faces_between(layers, span, i, loops, faces, mesh)
     return points, faces
+
+
+@kernel(lean=True)
+def enclosed(points: Array, faces: Ints, piece: Ints, volumes: Array) -> None:
+    """Add the volume [m³] between the origin and each face (f, 3) to that of its piece (f,); the divergence theorem."""
+    for f in range(len(faces)):
+        a, b, c = faces[f, 0], faces[f, 1], faces[f, 2]
+        nx = points[b, 1] * points[c, 2] - points[b, 2] * points[c, 1]
+        ny = points[b, 2] * points[c, 0] - points[b, 0] * points[c, 2]
+        nz = points[b, 0] * points[c, 1] - points[b, 1] * points[c, 0]
+        volumes[piece[f]] += (points[a, 0] * nx + points[a, 1] * ny + points[a, 2] * nz) / 6.0
+
+
+@kernel(lean=True)
+def label_pieces(inside: Bytes, label: Ints, waiting: Ints) -> int:
+    """Number the pieces in which nodes (nx, ny, nz) in material hang together, from 1 on; returns how many there are.
+
+    The outermost nodes are outside. `waiting` has room for all nodes.
+    """
+    _, ny, nz = inside.shape
+    flat, mark = inside.reshape(inside.size), label.reshape(label.size)
+    pieces = 0
+    for first in range(flat.shape[0]):
+        if flat[first] == 0 or mark[first] > 0:
+            continue
+        pieces += 1
+        mark[first] = pieces
+        waiting[0] = first
+        number = 1
+        while number > 0:
+            number -= 1
+            at = waiting[number]
+            for step in (1, -1, nz, -nz, ny * nz, -ny * nz):
+                to = at + step
+                if flat[to] > 0 and mark[to] == 0:
+                    mark[to] = pieces
+                    waiting[number] = to
+                    number += 1
+    return pieces

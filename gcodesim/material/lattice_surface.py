@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.elementary import acos
+from gcodesim.arithmetic.matrices import dots, norms
 from gcodesim.material.lattice_kernels import CellSpan, Mesh, Nodes, ThreeWays
 
 if TYPE_CHECKING:
@@ -27,15 +29,6 @@ class Facing(NamedTuple):
     faces: Ints
     cut: NDArray[np.uint8]
     nodes: Ints
-
-    def volumes(self) -> Array:
-        """Six times the signed volume [m³] between each face (f,) and the middle of all points."""
-        if not len(self.faces):
-            return np.zeros(0)
-        points = self.points - 0.5 * (self.points.min(axis=0) + self.points.max(axis=0))
-        a, b, c = (points[self.faces[:, k]] for k in range(3))
-        volumes: Array = np.einsum("ij,ij->i", a, np.cross(b, c))
-        return volumes
 
 
 def nodes_of(stock: Stock, stride: int = 1) -> Nodes:
@@ -99,29 +92,29 @@ def mesh_of(stock: Stock, nodes: Nodes, span: CellSpan) -> Facing:
 
 def meshed_volume(stock: Stock, nodes: Nodes, span: CellSpan, about: Array) -> float:
     """Volume [m³] between `about` (3,) and the surface in a span; that of the stock where all cells are in it."""
+    from gcodesim.material.lattice_kernels import enclosed
+
     mesh = mesh_of(stock, nodes, span)
-    points = mesh.points - about
-    a, b, c = (points[mesh.faces[:, k]] for k in range(3))
-    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0) if len(mesh.faces) else 0.0
+    volume = np.zeros(1)
+    enclosed(mesh.points - about, mesh.faces, np.zeros(len(mesh.faces), np.int32), volume)
+    return float(volume[0])
 
 
 def volumes_of_pieces(stock: Stock) -> Array:
     """The volume [m³] of each piece in which a stock lies, greatest first."""
-    from scipy import ndimage
-
-    from gcodesim.material.lattice_kernels import find_inside
+    from gcodesim.material.lattice_kernels import enclosed, find_inside, label_pieces
 
     nodes = nodes_of(stock)
     span = whole(nodes)
     inside = np.zeros((len(nodes.x), len(nodes.y), len(nodes.z)), np.uint8)
     for i in range(1, len(nodes.x) - 1):
         find_inside(stock.field.columns, nodes, span, i, inside[i])
-    label, number = ndimage.label(inside)
+    label = np.zeros(inside.shape, np.int32)
+    volumes = np.zeros(label_pieces(inside, label, np.zeros(inside.size, np.int32)))
     mesh = mesh_of(stock, nodes, span)
-    which = np.asarray(label)[tuple(mesh.nodes.T)]
-    volumes = np.zeros(number + 1)
-    np.add.at(volumes, which, mesh.volumes() / 6.0)
-    ordered: Array = np.sort(volumes[1:])[::-1]
+    low, high = stock.bounds
+    enclosed(mesh.points - 0.5 * (low + high), mesh.faces, label[tuple(mesh.nodes.T)] - 1, volumes)
+    ordered: Array = np.sort(volumes)[::-1]
     return ordered
 
 
@@ -153,19 +146,19 @@ def volume_error(stock: Stock) -> float:
         return 0.0
     a, b, c = (mesh.points[mesh.faces[:, k]] for k in range(3))
     normal = np.cross(b - a, c - a)
-    twice = np.linalg.norm(normal, axis=1)
+    twice = norms(normal)
     unit = normal / np.maximum(twice, 1e-300)[:, None]
     ends = np.sort(mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     order = np.lexsort((ends[:, 1], ends[:, 0]))
     one, other = order[0::2] // 3, order[1::2] // 3  # each edge has two faces
-    length = np.linalg.norm(mesh.points[ends[order[0::2], 0]] - mesh.points[ends[order[0::2], 1]], axis=1)
-    angle = np.arccos(np.clip(np.einsum("ij,ij->i", unit[one], unit[other]), -1.0, 1.0))
+    length = norms(mesh.points[ends[order[0::2], 0]] - mesh.points[ends[order[0::2], 1]])
+    angle = acos(np.clip(dots(unit[one], unit[other]), -1.0, 1.0))
     thin = (twice[one] < 1e-18) | (twice[other] < 1e-18)
     told = (cut[one] | cut[other]) & ~thin
     cell = max(
         float(np.diff(places).max()) for places in (nodes.x[1:-1], nodes.y[1:-1], nodes.z[1:-1]) if len(places) > 1
     )
-    return float(BENT * cell**2 * (length * angle)[told].sum() + ROUGH * cell * 0.5 * twice[cut].sum())
+    return float(BENT * cell * cell * (length * angle)[told].sum() + ROUGH * cell * 0.5 * twice[cut].sum())
 
 
 def lattice_surface(stock: Stock, spacing: float) -> Surface:

@@ -210,10 +210,11 @@ def cut_along(field: Field, way: Way, slabs: Array, first: int, taken: Array) ->
     for p in range(first, len(starts)):
         move, across, turn = 0.0, 0.0, 0.0
         for d in range(3):
-            move += (ends[p, d] - starts[p, d]) ** 2
-            turn += (axes_end[p, d] - axes_start[p, d]) ** 2
+            way_d, turn_d = ends[p, d] - starts[p, d], axes_end[p, d] - axes_start[p, d]
+            move += way_d * way_d
+            turn += turn_d * turn_d
             if d < 2:
-                across += (ends[p, d] - starts[p, d]) ** 2
+                across += way_d * way_d
         if turn <= SAME_AXIS * SAME_AXIS:
             parts = max(1, int(np.ceil(np.sqrt(across) / (FAR * widest))))
             for part in range(parts):
@@ -252,3 +253,38 @@ def common_columns(one: Columns, other: Columns, both: Columns) -> None:
                 else:
                     b += 1
             both.number[i, j] = n
+
+
+@kernel(lean=True)
+def depths_in(field: Field, way: Way, slabs: Array, depths: Array) -> None:
+    """How deep [m] a body is in material at the start of each piece (c,): how far a point on a column lies inside it,
+
+    or the length of column inside, whichever is less. Nothing is removed.
+    """
+    columns, grid = field.columns, field.grid
+    lo, hi, count = columns
+    nx, ny = count.shape
+    for p in range(len(depths)):
+        depths[p] = 0.0
+        pose = pose_at(way, p, 0.0)
+        for number in range(len(slabs)):
+            slab = slab_at(slabs, number)
+            reach = reach_of(slab, pose)
+            first_i, last_i = columns_across_x(grid, nx, reach.u0, reach.u1)
+            first_j, last_j = columns_across_y(grid, ny, reach.v0, reach.v1)
+            for i in range(first_i, last_i):
+                x = x_of(grid, i) - pose.u
+                for j in range(first_j, last_j):
+                    n = count[i, j]
+                    if n == 0 or hi[i, j, n - 1] <= reach.w0 or lo[i, j, 0] >= reach.w1:
+                        continue
+                    y = y_of(grid, j) - pose.v
+                    line = line_of(x, y, pose.au, pose.av, pose.aw, 0.0, 0.0, 0.0, slab)
+                    low, high = at_pose(line, slab, 0.0)
+                    for k in range(n):
+                        a, b = max(low, lo[i, j, k] - pose.w), min(high, hi[i, j, k] - pose.w)
+                        if a < b:
+                            s = 0.5 * (a + b)
+                            h = line.height + s * pose.aw
+                            r = np.sqrt(max(0.0, x * x + y * y + s * s - h * h))
+                            depths[p] = max(depths[p], min(b - a, slab.widest - r))

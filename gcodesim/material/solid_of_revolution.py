@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import acos, atan2, ceil, cos, hypot, pi, sin
+from math import ceil, pi, sqrt
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.elementary import acos, atan2, cos_sin
 from gcodesim.material.sweep_kernels import BALL, BULL_NOSE, CONE, Shape
 
 Array = NDArray[np.float64]
@@ -79,7 +80,7 @@ def _frustum(r0: float, h0: float, r1: float, h1: float) -> list[tuple[float, ..
 
 def _of_arc(r0: float, h0: float, arc: Arc, cell: float) -> list[tuple[float, ...]]:
     (r1, h1), (rc, hc) = arc.to, arc.centre
-    radius = hypot(r1 - rc, h1 - hc)
+    radius = sqrt((r1 - rc) * (r1 - rc) + (h1 - hc) * (h1 - hc))
     begin, end = atan2(h0 - hc, r0 - rc), atan2(h1 - hc, r1 - rc)
     turn = (end - begin) % (2.0 * pi) if arc.ccw else -((begin - end) % (2.0 * pi))
     if abs(rc) <= JOINED and arc.ccw:
@@ -92,8 +93,8 @@ def _of_arc(r0: float, h0: float, arc: Arc, cell: float) -> list[tuple[float, ..
     rows: list[tuple[float, ...]] = []
     r, h = r0, h0
     for k in range(1, pieces + 1):
-        angle = begin + turn * k / pieces
-        to = (rc + radius * cos(angle), hc + radius * sin(angle)) if k < pieces else (r1, h1)
+        c, s = cos_sin(begin + turn * k / pieces)
+        to = (rc + radius * c, hc + radius * s) if k < pieces else (r1, h1)
         rows += _frustum(r, h, *to)
         r, h = to
     return rows

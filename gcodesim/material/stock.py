@@ -351,6 +351,14 @@ class Stock:
 
             sweep(self, way, slabs, range(2))
 
+    def depths(self, way: AxisWay, slabs: Array) -> Array:
+        """How deep (c,) [m] a body is in material at the start of each piece; nothing is removed."""
+        from gcodesim.material.line_kernels import Way, depths_in
+
+        depths = np.zeros(len(way.starts))
+        depths_in(self.field, Way(*map(_pieces, way)), slabs, depths)
+        return depths
+
     def piece_volumes(self) -> Array:
         """The volume [m^3] of each piece in which the stock lies, greatest first; gives it columns along x and y."""
         from gcodesim.material.lattice import ensure_lattice

@@ -33,7 +33,7 @@ def test_what_a_tool_sweeps_is_removed(name):
     edges = np.sort(stock.surface(0.0).faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     _, faces = np.unique(edges, axis=0, return_counts=True)
     assert (faces % 2 == 0).all()  # closed
-    assert stock.surface(0.0).volume == pytest.approx(stock.volume, rel=1e-3)
+    assert stock.surface(0.0).volume == pytest.approx(stock.volume, rel=3e-3)  # all edges are bevelled
 
 
 @pytest.mark.parametrize("group", GROUPS)
