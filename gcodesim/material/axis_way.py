@@ -13,7 +13,7 @@ from gcodesim.arithmetic.matrices import dot, norm
 
 Array = NDArray[np.float64]
 
-SAGITTA: Final = 0.01
+SAGITTA: Final = 0.002
 """Share of a cell between an arc and its chords."""
 
 
