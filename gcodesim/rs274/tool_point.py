@@ -16,6 +16,10 @@ CENTRE_POINT = (434, 435)
 """G43.4 and G43.5: length modes in which the control holds the tip."""
 
 
+CLOSE = 1e-9
+"""[rad] between turns that count as equally far."""
+
+
 class ToolPointLaw(Protocol):
     """Tip and axes of one machine, in M [m, rad]; `offset` is the length offset in force."""
 
@@ -38,6 +42,20 @@ class ToolPointLaw(Protocol):
         At most two ways, each within the travel and as near to `axes` as it can be; the linear axes stay.
         """
         ...
+
+
+def tilting_axis(law: ToolPointLaw) -> int:
+    """Which of x y z a b c tilts the tool: the first rotary axis that is not called C."""
+    return next((3 + "ABC".index(letter) for letter in law.letters if letter != "C"), 3)
+
+
+def nearest(ways: list[canon.Axes], here: canon.Axes, tilting: int) -> canon.Axes:
+    """The way with the shortest turns from `here`; of two as short, that with the greater angle of the tilting axis."""
+
+    def effort(way: canon.Axes) -> tuple[float, float]:
+        return round(sum(abs(a - b) for a, b in zip(way[3:], here[3:], strict=True)) / CLOSE), -way[tilting]
+
+    return min(ways, key=effort)
 
 
 def switch(control: Control, *, on: bool) -> None:

@@ -9,6 +9,7 @@
 | variables | vacant ones, levels, system variables | `variables.py`, `expressions.py` |
 | work systems | external offset, G54.1, G52 and G92 apart, G68 | `control.py`, `offsets.py` |
 | tilted planes | G68.2 in five forms, G53.1 | `tilted.py` |
+| directions of the tool | I J K under G43.5 | `vectors.py` |
 | figures | G51 scaling, G51.1 mirror image | `figure.py` |
 | polar coordinates | G16: radius and angle of the plane | `polar.py` |
 | devices outside | POPEN, DPRNT, PCLOS | `external.py` |
@@ -64,7 +65,7 @@ _G_GROUPS = {
     FEED_MODE: (930, 940, 950),
     UNITS: (200, 210),
     COMPENSATION: (400, 410, 420),
-    LENGTH: (430, 434, 440, 490),
+    LENGTH: (430, 434, 435, 440, 490),
     RETRACT: (980, 990),
     SYSTEM: (540, 541, 1540, 550, 560, 570, 580, 590),
     PATH: (610, 620, 630, 640),
@@ -109,7 +110,6 @@ _UNSIMULATED = {
     412: "cutter compensation for five axes",
     422: "cutter compensation for five axes",
     431: "tool length along the tool's axis",
-    435: "tool centre point control by vectors",
     450: "tool offset along the axes",
     460: "tool offset along the axes",
     470: "tool offset along the axes",
@@ -145,9 +145,10 @@ _SKIPPED = (
     Unsimulated(
         ("POPEN", "PCLOS", "BPRNT", "SETVN"), "GS912", "nothing is sent; texts of DPRNT stand in the log of a run"
     ),
+    Unsimulated(("I J K",), "GS913", "how rotary axes bring the tool along a vector is known only with a cell"),
     Unsimulated(("G53.1",), "GS913", "how rotary axes bring the tool upright to the plane is known only with a cell"),
     Unsimulated(
-        ("G43.4",),
+        ("G43.4", "G43.5"),
         "GS913",
         "the length counts along Z: no rotary axis of the machine has a place (`at`)",
     ),

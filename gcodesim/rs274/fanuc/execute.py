@@ -14,7 +14,7 @@ from gcodesim.rs274.dialects.fanuc import CYCLES, MIRROR, SCALING, STROKE, TURN
 from gcodesim.rs274.dialects.linuxcnc import CANCEL, COMPENSATION, DISTANCE, MOTION, NON_MODAL, PATH, SPINDLE, STOPPING
 from gcodesim.rs274.ends import end_point, start_point
 from gcodesim.rs274.execute import NOT_MODELLED
-from gcodesim.rs274.fanuc import corners, figure, offsets, polar, tilted
+from gcodesim.rs274.fanuc import corners, figure, offsets, polar, tilted, vectors
 from gcodesim.rs274.fanuc.compensation import leave
 from gcodesim.rs274.fanuc.control import FanucControl
 from gcodesim.rs274.fanuc.cycles import cycle
@@ -131,7 +131,9 @@ def _moved_by(words: Words, control: FanucControl, motion: int, own: int, *, lea
         state.motion = motion
         return frozenset("rpqkl")
     polar.resolve(words, control, start_point(control) if state.corner is None else state.corner.move.end)
-    if not words.has_axes() and not (arc and {"i", "j", "k"} & words.values.keys()):
+    if not words.has_axes() and not (
+        (arc or state.length_mode == vectors.BY_VECTOR) and {"i", "j", "k"} & words.values.keys()
+    ):
         return frozenset()
     if arc:
         words.values.pop("p", None)
@@ -145,6 +147,8 @@ def _moved_by(words: Words, control: FanucControl, motion: int, own: int, *, lea
             )
     if state.length_mode in tool_point.CENTRE_POINT and not state.point_control:
         _check_upright(words, control)
+    if state.length_mode == vectors.BY_VECTOR and not arc:
+        vectors.resolve(words, control)
     kept = state.motion
     motion = figure.apply(words, control, motion)
     if corners.is_near(words, control):

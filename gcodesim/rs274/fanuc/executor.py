@@ -6,7 +6,6 @@ from dataclasses import replace
 
 from gcodesim import canon
 from gcodesim.diagnostics import Diagnostic, SourceText, Span
-from gcodesim.rs274 import tool_point
 from gcodesim.rs274.block import Block
 from gcodesim.rs274.dialects.linuxcnc import CANCEL, MOTION, STOPPING
 from gcodesim.rs274.fanuc import corners
@@ -18,10 +17,12 @@ from gcodesim.rs274.fanuc.expressions import number_of, value_of
 from gcodesim.rs274.fanuc.flow import FanucFlow, ModalCall
 from gcodesim.rs274.fanuc.increments import in_increments, rounded
 from gcodesim.rs274.fanuc.program import FanucFile, sequence_of
+from gcodesim.rs274.fanuc.vectors import BY_VECTOR
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.flow import Stopped
 from gcodesim.rs274.program_file import ProgramFile
 from gcodesim.rs274.run import Executor
+from gcodesim.rs274.tool_point import CENTRE_POINT
 from gcodesim.rs274.words import AXIS_LETTERS, Words, read_words
 
 _MACRO_CODES = frozenset((65.0, 66.0, 66.1))
@@ -221,7 +222,7 @@ class FanucExecutor(Executor):
         g, state = words.g, self.control.state
         if state.polar is not None or state.corner is not None:
             return False
-        if state.length_mode in tool_point.CENTRE_POINT and not state.point_control:
+        if state.length_mode == BY_VECTOR or (state.length_mode in CENTRE_POINT and not state.point_control):
             return False
         motion = g.get(MOTION, state.motion)
         if words.m or len(g) > (MOTION in g) or CANCEL in g or state.side:

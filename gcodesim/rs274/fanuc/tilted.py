@@ -24,7 +24,7 @@ from gcodesim.rs274.words import Words, place_of
 from gcodesim.units import DEG
 
 _SMALL = 1e-6  # of a length or a sine: shorter vectors have no direction
-_CLOSE = 1e-9  # [rad] between turns that count as equally far
+_CLOSE = tool_point.CLOSE
 PLANE = 682  # G68.2
 _FORMS = {0: "Euler angles", 1: "roll, pitch and yaw", 2: "three points", 3: "two vectors", 4: "projected angles"}
 _LAST = {2: 3, 3: 2}  # the Q with which a form that takes several blocks is complete
@@ -114,10 +114,7 @@ def _turn(control: FanucControl, law: tool_point.ToolPointLaw, direction: tuple[
     axes = control.axes()
     here = control.si_axes(axes)
     ways = law.attitudes((direction[0], direction[1], direction[2]), here)
-    tilting = next((3 + "ABC".index(letter) for letter in law.letters if letter != "C"), 3)
-
-    def effort(way: tuple[float, ...]) -> tuple[float, float]:
-        return round(sum(abs(a - b) for a, b in zip(way[3:], here[3:], strict=True)) / _CLOSE), -way[tilting]
+    tilting = tool_point.tilting_axis(law)
 
     if choice:
         sign = 1.0 if choice == 1 else -1.0
@@ -131,7 +128,7 @@ def _turn(control: FanucControl, law: tool_point.ToolPointLaw, direction: tuple[
             at="g53.1",
             hint=f"the tool would point along X{direction[0]:.4f} Y{direction[1]:.4f} Z{direction[2]:.4f} of the work",
         )
-    a, b, c = (angle / DEG for angle in min(ways, key=effort)[3:])
+    a, b, c = (angle / DEG for angle in tool_point.nearest(ways, here, tilting)[3:])
     goal: Vector = (*axes[:3], a, b, c, *axes[6:])
     control.rapid(control.point_of(subtract(goal, control.state.tool_offset)), "G53.1")
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from gcodesim.canon.batch import MoveBatch
     from gcodesim.rs274.control import Control
 
-_OF_TABLE = frozenset((430, 434, 440))  # G43, G43.4, G44: the length of H
+_OF_TABLE = frozenset((430, 434, 435, 440))  # G43, G43.4, G43.5, G44: the length of H
 _DYNAMIC = frozenset((431, 432))
 _SECOND_SETS = 20  # H21 or H101 for T1 is a second set of offsets of the same tool
 

@@ -510,7 +510,7 @@ def test_g92_1_takes_presets_back(fanuc):
     assert done.ends[-1] == [1, 11, 0]
 
 
-@pytest.mark.parametrize("code", ["G68.3 X0 Y0 Z0 R0", "G12.1", "G07.1 C20.", "G43.5 H1", "G107 C20."])
+@pytest.mark.parametrize("code", ["G68.3 X0 Y0 Z0 R0", "G12.1", "G07.1 C20.", "G107 C20."])
 def test_codes_that_would_change_the_moves_are_not_left_out(fanuc, code):
     (error,) = fanuc(body(code, "G00 X1.", "M30")).errors
 

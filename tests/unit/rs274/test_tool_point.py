@@ -55,3 +55,37 @@ def test_machine_coordinates_are_those_of_the_axes(fanuc):
     x, y, z = (v * 1e-3 for v in done.acts("point_control")[-1]["at"][:3])
     axes = trunnion().axes((x, y, z, math.radians(30.0), 0.0, 0.0), (0.0, 0.0, 0.05, 0.0, 0.0, 0.0))
     assert axes[2] == pytest.approx(0.08)
+
+
+def test_a_vector_turns_the_tool_by_the_shorter_way(fanuc):
+    """Along X, leaning by 30 degrees: A30 C90 of a trunnion; then on over the pole, where C stays."""
+    lines = ("G01 X5. I1. K1.7320508075688772 F100.", "X6.", "X7. K1.", "X8. I-1. K1.7320508075688772")
+    done = fanuc("T1 M06", "G43.5 H1", *lines, "M30", has_cell=True, tool_point=trunnion())
+
+    assert not done.errors
+    want = ((5, 30, 90), (6, 30, 90), (7, 0, 90), (8, -30, 90))
+    assert [event["end"] for event in done.acts("line")] == [
+        pytest.approx([x, 0, -50, a, 0, c], abs=1e-6) for x, a, c in want
+    ]
+
+
+def test_a_vector_counts_in_the_tilted_plane(fanuc):
+    lines = ("G68.2 I90. J30. K0.", "G43.5 H1", "G01 X5. I0. J0. K1. F100.", "M30")
+    done = fanuc("T1 M06", *lines, has_cell=True, tool_point=trunnion())
+
+    assert not done.errors
+    assert done.acts("line")[0]["end"][3:] == pytest.approx([30, 0, 90])
+
+
+@pytest.mark.parametrize(
+    ("line", "settings", "code"),
+    [
+        ("G01 X1. A5. F100.", {}, "GS106"),
+        ("G01 X1. I0. J0. K0. F100.", {}, "GS106"),
+        ("G01 X1. I1. K1. F100.", {"has_cell": True}, "GS915"),
+    ],
+)
+def test_what_is_no_vector_is_refused(fanuc, line, settings, code):
+    done = fanuc("T1 M06", "G43.5 H1", line, "M30", **settings)
+
+    assert [(f.code, f.span.line) for f in done.errors] == [(code, 5)]
