@@ -99,6 +99,7 @@ def stint_of(
         )
     R_SB = X_BS[:, :3, :3].transpose(0, 2, 1)
     axis = -applied(R_SB, steps.tip[begin:end, :3, 2])
+    R_before = np.concatenate([R_SB[:1], R_SB[:-1]])
     if not _is_near(task, start, stop, axis, task.target.room):
         return None
     velocity = np.zeros((count, 3))
@@ -111,6 +112,7 @@ def stint_of(
         piece_end=np.ascontiguousarray(stop),
         piece_step=step,
         axis=axis,
+        axis_before=-applied(R_before, steps.tip_before[begin:end, :3, 2]),
         velocity=velocity,
         piece_share=share,
         rapid=rapid,
@@ -145,9 +147,7 @@ def _seen_from(R: Array, C: Array) -> Array:
 def in_base(wrench: Array, X_BS: Array) -> Array:
     """Wrenches (n, 6) given in S, in base axes."""
     R = X_BS[:, :3, :3]
-    return np.concatenate(
-        [applied(R, wrench[:, :3]), applied(R, wrench[:, 3:])], axis=1
-    )
+    return np.concatenate([applied(R, wrench[:, :3]), applied(R, wrench[:, 3:])], axis=1)
 
 
 def deflection_of(stint: Stint) -> Array:

@@ -214,6 +214,11 @@ class Stock:
         return self.field
 
     @property
+    def columns_along(self) -> int:
+        """The number of axes along which there are columns: 1, or 3 from the first cut with a leaning tool on."""
+        return 1 if self.lattice is None else 3
+
+    @property
     def origin(self) -> Array:
         """Outer corner (x, y) of the grid [m]."""
         return np.array(self.field.grid[:2])

@@ -19,6 +19,7 @@ from gcodesim.arithmetic.elementary import cos_sin, hypot, tan
 from gcodesim.arithmetic.matrices import applied
 from gcodesim.processes.column import ENGAGED, FINDINGS, LOG, POWER, REMOVED, RESULTS, TORQUE, Column, Shown
 from gcodesim.processes.laws import Law
+from gcodesim.processes.leaning import Leaning, bend_of, cut_leaning, follow_upright, part_of
 from gcodesim.processes.misuse import cutter_findings
 from gcodesim.processes.protocol import Process
 from gcodesim.processes.rows import Rows
@@ -71,7 +72,7 @@ class Milling(Process):
         Column("rapid_cut", "m^3", "sum", FINDINGS, "taken in rapids"),
         Column("rapid_bound", "m^3", "sum", FINDINGS, "what these rapids may seem to take where they only graze"),
         Column("inside", "", "any", FINDINGS, "in material that it may not cut: it was put there"),
-        Column("tilted", "", "any", FINDINGS, "not upright in its stock, so that no cut is computed"),
+        Column("leaning_cut", "m^3", "sum", FINDINGS, "taken with a tool that leans in its stock, without force"),
     )
 
     cutter: Cutter
@@ -97,7 +98,7 @@ class Milling(Process):
 
     @classmethod
     def findings(cls, rows: Rows) -> Iterable[Diagnostic]:
-        """GS401 to GS407, GS501 and GS502: see `misuse`."""
+        """GS401 to GS405, GS407, GS501, GS502 and GS920: see `misuse`."""
         return cutter_findings(rows)
 
     def run(self, stock: Stock | None, window: Window, state: ProcessState) -> ProcessStep:
@@ -105,11 +106,29 @@ class Milling(Process):
         if stock is None:
             return ProcessStep.free(window.steps)
         turns = Turns.of(window)
-        out = self.run_packed(stock, packed_motion(window, turns), state)
+        out = self.run_parts(stock, packed_motion(window, turns), Leaning.of(window, turns), state)
         return self._step_of(_of_steps(out, turns), stock, window)
 
+    def run_parts(self, stock: Stock, motion: Motion, leaning: Leaning, state: ProcessState) -> Array:
+        """The same on m parts of steps in the form that kernels take, for loops of single steps; out (m, OUTPUTS)."""
+        if not leaning.parts.any() and stock.columns_along == 1:
+            return self.run_packed(stock, motion, state)
+        outs = []
+        for a, b, leans in leaning.runs():
+            part = part_of(motion, a, b)
+            if leans:
+                axes = leaning.axes(int(motion.first_piece[a]), int(motion.first_piece[b]))
+                outs.append(cut_leaning(stock, self.packed_tool, part, axes, state.values, feels=self.law is not None))
+            elif stock.columns_along == 1:
+                outs.append(self.run_packed(stock, part, state))
+            else:
+                volume, bend = stock.volume, bend_of(state.values)
+                outs.append(self.run_packed(stock, part, state))
+                follow_upright(stock, self.packed_tool, part, bend, outs[-1], volume)
+        return np.concatenate(outs)
+
     def run_packed(self, stock: Stock, motion: Motion, state: ProcessState) -> Array:
-        """The same on n steps in the form that the kernel takes, for loops of single steps; out (n, OUTPUTS)."""
+        """The same for an upright tool, along Z only."""
         from gcodesim.processes.milling_kernels import OUTPUTS, mill
 
         steps = len(motion.spindle)
@@ -156,7 +175,7 @@ class Milling(Process):
                 "rapid_cut": np.where(rapid, removed, 0.0),
                 "rapid_bound": np.where(rapid, bound, 0.0),
                 "inside": out[:, m.INSIDE] > 0.0,
-                "tilted": out[:, m.TILTED] > 0.0,
+                "leaning_cut": np.where(out[:, m.TILTED] > 0.0, removed, 0.0),
             },
         )
 
@@ -237,6 +256,7 @@ class MillingLoop:
         self._process, self._stock, self._window, self._state = process, stock, window, state
         self._turns = Turns.of(window)
         self._motion = packed_motion(window, self._turns)
+        self._leaning = Leaning.of(window, self._turns)
         self._last = np.append(self._turns.first[1:], len(self._turns.step))
         self._out: list[Array] = []
 
@@ -258,7 +278,8 @@ class MillingLoop:
             rapid=motion.rapid[here],
             compliance=motion.compliance[here],
         )
-        out = self._process.run_packed(self._stock, step, self._state)
+        leaning = Leaning(self._leaning.parts[here], *self._leaning.axes(a, b))
+        out = self._process.run_parts(self._stock, step, leaning, self._state)
         self._out.append(out)
         wrench: Array = out[0, :6] if len(out) == 1 else applied(out[:, :6].T, self._turns.share[here])
         return wrench

@@ -23,7 +23,8 @@ class Window:
     several (a corner); without shares a step goes the mean way of its pieces. Positions are those of the rigid
     machine; the process adds the deflection.
 
-    axis (n, 3): unit vector from the tip to the holder; velocity (n, 3) [m/s] of the tip; rapid (n,): the step is part
+    axis (n, 3): unit vector from the tip to the holder at the end of each step, axis_before at its beginning (None: the
+    same); velocity (n, 3) [m/s] of the tip; rapid (n,): the step is part
     of a G0; `signals` maps each `Signal` that the process reads to its values (n,), flags as such; compliance
     (n, 6, 6) of the tip: wrench (force, torque) to displacement (translation, rotation), or None for a rigid machine;
     dt [s] of one step.
@@ -39,6 +40,7 @@ class Window:
     dt: float
     compliance: Array | None = None
     piece_share: Array | None = None
+    axis_before: Array | None = None
 
     @property
     def steps(self) -> int:

@@ -73,9 +73,27 @@ def test_an_axis_of_unknown_place_gives_time_only() -> None:
     assert "axis C" in ran.bad[0].message
 
 
-def test_a_tool_that_is_not_upright_is_said_to_cut_nothing() -> None:
-    """A table turned about X leans the stock: no cut is computed there, and a finding says so."""
+def leaning_slot(angle: float) -> float:
+    """Volume [mm³] that a flat end mill of 6 mm takes of the stock, which leans by `angle` [deg] about its middle.
+
+    Points of the stock, 0.2 mm apart, against the slot from its side up to x = 10, 2 mm below the middle of the top.
+    """
+    x, y, z = np.meshgrid(
+        np.arange(-19.9, 20.0, 0.2), np.arange(-19.9, 20.0, 0.2), np.arange(-4.9, 5.0, 0.2), indexing="ij"
+    )
+    c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+    across, up = c * y - s * z, s * y + c * z
+    beyond = np.maximum(x - 10.0, 0.0)
+    return float(((up >= 3.0) & (across**2 + beyond**2 <= 9.0)).sum() * 0.2**3)
+
+
+@pytest.mark.parametrize("angle", [20, -35])
+def test_a_tool_that_leans_cuts_what_it_sweeps_and_its_force_is_said_to_be_missing(angle: int) -> None:
+    """A table turned about X leans the stock."""
     cell = PLACED.replace("C: {", "A: {").replace("at: [200, 150, 0]", "at: [200, 150, -205]")
-    ran = run_texts(HEAD + "G0 X-30 Y0 Z30\nG0 A20\nG0 Z-2\nG1 X10 F900\nG0 Z30\nM5\nM2\n", cell)
-    assert "GS406" in {f.code for f in ran.bad}
-    assert ran.stock.removed == 0.0
+    ran = run_texts(HEAD + f"G0 X-30 Y0 Z30\nG0 A{angle}\nG0 Z-2\nG1 X10 F900\nG0 Z30\nM5\nM2\n", cell)
+
+    assert ran.misuse == [("GS920", 8)]
+    assert ran.stock.removed * 1e9 == pytest.approx(leaning_slot(angle), rel=0.01)
+    assert ran.stock.removed + ran.stock.remaining == pytest.approx(40e-3 * 40e-3 * 10e-3, rel=1e-9)
+    assert ran.stock.error_bound < 0.1 * ran.stock.removed

@@ -48,15 +48,6 @@ CODES: tuple[Code, ...] = (
         remedy="Use a longer tool or a slimmer holder, or cut less deep beside a wall; check `length` and `holder`.",
     ),
     Code(
-        code="GS406",
-        severity=Severity.ERROR,
-        title="Tool is not upright in the stock",
-        what="The tool axis leans against the Z axis of the stock frame while it is near material. Cutting with a "
-        "leaning tool is not computed: from here on the stock keeps material that a machine would take away.",
-        why="Forces and removal for this piece of the program are missing from all results.",
-        remedy="Put the stock into a frame whose Z is parallel to the tool, or check the orientation of the tool.",
-    ),
-    Code(
         code="GS407",
         severity=Severity.ERROR,
         title="Cut while an axis of unknown place turns",

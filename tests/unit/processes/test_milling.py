@@ -243,12 +243,45 @@ def test_a_shank_as_wide_as_the_flutes_does_not_rub_in_its_own_slot():
     assert depths == [0.0, 0.0, 0.0]
 
 
-def test_a_leaning_tool_is_told_and_cuts_nothing():
+def test_a_leaning_tool_removes_without_force():
     axis = np.tile([math.sin(0.1), 0.0, math.cos(0.1)], (140, 1))
-    found, _ = run(axis=axis)
+    found, stock = run(axis=axis)
 
-    assert found["tilted"].any()
-    assert not found["removed"].any()
+    assert found["removed"].sum() == pytest.approx(60e-3 * 40e-3 * 20e-3 - stock.volume, rel=1e-9)
+    assert np.array_equal(found["leaning_cut"], found["removed"])
+    assert found["engaged"].any() and not found.wrench.any() and not found.deflection.any()
+
+
+def test_upright_cuts_before_and_after_a_leaning_one_are_felt():
+    """The tool leans in the middle third of a slot; all that is removed is what the stock loses."""
+    lean = np.concatenate([np.zeros(50), np.full(40, 0.1), np.zeros(50)])
+    axis = np.stack([np.zeros(140), np.sin(lean), np.cos(lean)], axis=1)
+    found, stock = run(axis=axis, axis_before=np.concatenate([axis[:1], axis[:-1]]))
+    felt = np.linalg.norm(found.wrench[:, :3], axis=1) > 0.0
+
+    assert felt[40:50].all() and felt[100:].all() and not felt[50:90].any()
+    assert found["removed"].sum() == pytest.approx(60e-3 * 40e-3 * 20e-3 - stock.volume, rel=1e-9)
+    plain, _ = run()
+    assert np.array_equal(found["removed"][:50], plain["removed"][:50])
+
+
+def test_a_leaning_tool_that_stands_in_material_cuts_nothing_until_it_has_left():
+    axis = np.tile([0.0, math.sin(0.1), math.cos(0.1)], (60, 1))
+    points = np.concatenate([line((20e-3, 20e-3, -3e-3), (20e-3, 20e-3, 10e-3), 30), SLOT[70:100]])
+    found, _ = run(points, axis=axis[: len(points) - 1])
+
+    assert found["inside"][0] and not found["removed"][:7].any()
+    assert not found["inside"][-1]
+
+
+def test_a_shank_that_runs_into_stock_while_its_tool_leans_is_told():
+    axis = np.tile([math.sin(0.2), 0.0, math.cos(0.2)], (90, 1))
+    slim = tool(length=30e-3, flute_length=4e-3)
+    deep, _ = run(line((-18e-3, 20e-3, -9e-3), (12e-3, 20e-3, -9e-3), 90), axis=axis, process=Milling(cutter=slim))
+    shallow, _ = run(line((-18e-3, 20e-3, -2e-3), (12e-3, 20e-3, -2e-3), 90), axis=axis, process=Milling(cutter=slim))
+
+    assert deep["shank_depth"].max() > 1e-3
+    assert shallow["shank_depth"].max() == 0.0
 
 
 def test_windows_may_be_cut_anywhere():

@@ -1,0 +1,163 @@
+"""Cutting with a tool that leans in its stock: what it removes, and what else of it touches. It has no force here."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.arithmetic.matrices import norms
+from gcodesim.material.axis_way import AxisWay, upright
+from gcodesim.processes.turns import Turns
+from gcodesim.processes.window import Window
+
+if TYPE_CHECKING:
+    from gcodesim.material.stock import Stock
+    from gcodesim.processes.milling_kernels import MillingTool, Motion
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+SKIN = 0.05
+"""Cells of depth up to which shank and holder only touch the wall of a cut that the tool has just made."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Leaning:
+    """In which parts (m,) of a window's steps a tool leans, and its axis at both ends of each piece (c, 3)."""
+
+    parts: Flags
+    axes_start: Array
+    axes_end: Array
+
+    @staticmethod
+    def of(window: Window, turns: Turns) -> Leaning:
+        """For all parts of the steps of a window."""
+        from gcodesim.processes.milling_kernels import LARGEST_TILT
+
+        after = window.axis
+        before = after if window.axis_before is None else window.axis_before
+        leans = np.zeros(window.steps, dtype=bool)
+        for axis in (before, after):
+            level = axis[:, 0] * axis[:, 0] + axis[:, 1] * axis[:, 1]
+            leans |= (level > LARGEST_TILT * LARGEST_TILT) | (axis[:, 2] <= 0.0)
+        step = window.piece_step
+        share = window.piece_share
+        if share is None:
+            share = np.tile([0.0, 1.0], (len(step), 1))
+        ends = []
+        for side in range(2):
+            axis = before[step] + share[:, side, None] * (after[step] - before[step])
+            ends.append(axis / norms(axis)[:, None])
+        return Leaning(leans[turns.step], ends[0], ends[1])
+
+    def axes(self, first: int, end: int) -> tuple[Array, Array]:
+        """The axes of pieces first … end - 1 at both ends."""
+        return self.axes_start[first:end], self.axes_end[first:end]
+
+    def runs(self) -> list[tuple[int, int, bool]]:
+        """Stretches of parts (first, end, whether the tool leans) in order."""
+        borders = np.flatnonzero(np.diff(self.parts)) + 1
+        ends = [0, *borders.tolist(), len(self.parts)]
+        return [(a, b, bool(self.parts[a])) for a, b in pairwise(ends) if b > a]
+
+
+def part_of(motion: Motion, a: int, b: int) -> Motion:
+    """The motion of parts a … b - 1."""
+    first, last = int(motion.first_piece[a]), int(motion.first_piece[b])
+    return motion._replace(
+        starts=motion.starts[first:last],
+        ends=motion.ends[first:last],
+        first_piece=motion.first_piece[a : b + 1] - first,
+        axis=motion.axis[a:b],
+        velocity=motion.velocity[a:b],
+        spindle=motion.spindle[a:b],
+        rapid=motion.rapid[a:b],
+        compliance=motion.compliance[a:b],
+    )
+
+
+def bend_of(values: Array) -> Array:
+    """A copy of the bend (3,) [m] of the tip in the state of the process."""
+    from gcodesim.processes.milling_kernels import state_of
+
+    return np.array(state_of(values).delta)
+
+
+def cut_leaning(
+    stock: Stock, tool: MillingTool, motion: Motion, axes: tuple[Array, Array], values: Array, *, feels: bool
+) -> Array:
+    """Cut parts in which the tool leans, rigidly; columns as those of `mill`, without force.
+
+    `axes`: those of the pieces (c, 3) at both ends. A tool that was put in inside of material cuts nothing until it
+    has left it. `values` is the state of the process; `feels`: an upright tool would feel a force.
+    """
+    from gcodesim.material.solid_of_revolution import slabs_of_shape
+    from gcodesim.processes import milling_kernels as m
+
+    parts = len(motion.spindle)
+    out = np.zeros((parts, m.OUTPUTS))
+    state = m.state_of(values)
+    way = AxisWay(motion.starts, motion.ends, *axes)
+    pieces = len(way.starts)
+    state.delta[:] = 0.0
+    state.before[:] = 0.0
+    state.numbers[m.CUTTING] = 0.0
+    if not pieces:
+        return out
+    piece_part = np.repeat(np.arange(parts), np.diff(motion.first_piece))
+    bodies = [slabs_of_shape(shape, stock.cell) for shape in (tool.cutter, tool.shank, tool.holder) if shape.radius > 0]
+    begin = 0
+    if state.numbers[m.FREEDOM] != m.FREE:
+        begins = AxisWay(way.starts, way.starts, way.axes_start, way.axes_start)
+        deep = np.max([stock.depths(begins, body) for body in bodies], axis=0)
+        free = np.flatnonzero(deep <= SKIN * stock.cell)
+        begin = int(free[0]) if len(free) else pieces
+        state.numbers[m.FREEDOM] = m.FREE if len(free) else m.BLOCKED
+        out[piece_part[:begin], m.INSIDE] = 1.0
+    state.tip[:] = way.ends[-1]
+    state.numbers[m.HAS_TIP] = 1.0
+    cut = AxisWay(*(part[begin:] for part in way))
+    where = piece_part[begin:]
+    if not len(where):
+        return out
+    np.add.at(out[:, m.REMOVED], where, stock.sweep(cut, slabs_of_shape(tool.cutter, stock.cell)))
+    for column, shape in ((m.SHANK, tool.shank), (m.HOLDER, tool.holder)):
+        if shape.radius > 0.0:
+            ends = AxisWay(cut.ends, cut.ends, cut.axes_end, cut.axes_end)
+            deep = stock.depths(ends, slabs_of_shape(shape, stock.cell))
+            np.maximum.at(out[:, column], where, np.where(deep > SKIN * stock.cell, deep, 0.0))
+    taken = out[:, m.REMOVED] > m.LEAST_VOLUME
+    out[taken, m.ENGAGED] = 1.0
+    out[taken, m.TILTED] = 1.0 if feels else 0.0
+    out[taken & ~motion.rapid & (motion.spindle == 0.0), m.STOPPED] = 1.0
+    out[taken & ~motion.rapid & (motion.spindle < 0.0), m.REVERSED] = 1.0
+    return out
+
+
+def follow_upright(stock: Stock, tool: MillingTool, motion: Motion, before: Array, out: Array, volume: float) -> None:
+    """Cut the columns across like those along Z, which `mill` has cut in parts (m,) of an upright tool.
+
+    `before` (3,): its bend [m] at the beginning; `volume` [m³] of the stock then. What was removed is shared out anew,
+    so that its sum is what the volume of the stock has fallen by.
+    """
+    from gcodesim.material.solid_of_revolution import slabs_of_shape
+    from gcodesim.processes import milling_kernels as m
+
+    pieces = np.diff(motion.first_piece)
+    part = np.repeat(np.arange(len(pieces)), pieces)
+    place = np.arange(len(part)) - motion.first_piece[:-1][part]
+    late = out[:, m.DEFLECTION : m.DEFLECTION + 3]
+    early = np.concatenate([before[None], late[:-1]])
+    share = np.column_stack([place, place + 1]) / np.maximum(pieces[part], 1)[:, None]
+    bend = (late - early)[part]
+    starts = motion.starts + early[part] + share[:, :1] * bend
+    ends = motion.ends + early[part] + share[:, 1:] * bend
+    cuts = out[part, m.INSIDE] == 0.0
+    stock.follow(upright(starts[cuts], ends[cuts]), slabs_of_shape(tool.cutter, stock.cell))
+    total = float(out[:, m.REMOVED].sum())
+    if total > 0.0:
+        out[:, m.REMOVED] *= max(volume - stock.volume, 0.0) / total
