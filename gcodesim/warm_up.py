@@ -30,6 +30,15 @@ _ARM: Final = (
     "material: seed_42crmo4, resolution: 0.5}}\n"
     "tools: {{1: {{type: {tool}, length: 40}}}}\n"
 )
+_TABLE: Final = (
+    "gcodesim: 1\n"
+    "machine:\n  axes:\n    X: {travel: [0, 400 mm], speed: 20 m/min}\n    Y: {travel: [0, 300 mm], speed: 20 m/min}\n"
+    "    Z: {travel: [-300, 0 mm], speed: 20 m/min}\n"
+    "    A: {travel: unlimited, speed: 360 deg/s, side: table, at: [200, 150, -205]}\n"
+    "work_offsets: {G54: {xyz: [200, 150, -200]}}\n"
+    "stock: {min: [-20, -20, -10], max: [20, 20, 0], in: G54, material: al6082_t6, resolution: 2}\n"
+    "tools: {1: {type: flat_end_mill, diameter: 6, length: 50}}\n"
+)
 _SWITCHED: Final = "m_codes: {M10: {tool: activate}, M11: {tool: deactivate}}\n"
 _MILL: Final = "flat_end_mill, diameter: 6"
 _PRINT: Final = "extruder, bead_width: 2, bead_height: 1"
@@ -67,6 +76,7 @@ _JOBS: Final = (
         _ARM.format(model="ur10e", place="[-600, 100, 300]", tool=_MILL),
         _BODY,
     ),
+    ("a leaning tool", "kinematic", _TABLE, "G0 X-30 Y0 Z30\nG0 A20\nG0 Z-2\nG1 X10 A25 F900\nG0 Z30\nM5\nM2\n"),
 )
 
 

@@ -115,7 +115,7 @@ def test_two_setups_turned_over(tmp_path):
     assert job.shop is not None
     stock = job.shop.stocks["stock"].stock
     assert stock.intervals_at(30e-3, -10e-3) == []  # no floor is left
-    assert "GS406" not in codes(results)
+    assert "GS920" not in codes(results)
 
 
 def arm(x: float, more: str = "") -> str:
