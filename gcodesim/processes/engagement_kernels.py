@@ -142,13 +142,18 @@ def lay_rows(pieces: Array, piece: int, height: float, cell: float, rows: Array)
     return number
 
 
-@kernel(lean=True, inlined=True)
-def clearances(field: Field, heading: Heading) -> tuple[float, float]:
-    """How far [m] ahead of the cutter, and inside its width, to sample: no column around such a place is under it.
+class Clearance(NamedTuple):
+    """How far from the cutter to sample, so that no column around such a place is under it, all [m]."""
 
-    Ahead it is the diagonal of a cell, for any direction; aside the width of a cell seen along the feed.
-    """
-    return diagonal(field), breadth_along(field, heading.ux, heading.uy)
+    cell: float  # width of the widest
+    ahead: float  # of the cutter: the diagonal of a cell, for any direction
+    aside: float  # inside its width: a cell seen along the feed
+
+
+@kernel(lean=True, inlined=True)
+def clearance_of(field: Field, heading: Heading) -> Clearance:
+    """The clearances for a direction of feed."""
+    return Clearance(coarsest(field), diagonal(field), breadth_along(field, heading.ux, heading.uy))
 
 
 @kernel(lean=True)
@@ -157,7 +162,7 @@ def probe(
 ) -> tuple[float, float, float]:
     """Where to ask for material ahead of the point at radius r and angle phi: (u, l), and the way d there [m].
 
-    outer: largest radius of the element; ahead, aside: see `clearances`; level: share of the feed that is horizontal.
+    outer: largest radius of the element; ahead, aside: see `Clearance`; level: share of the feed that is horizontal.
     d is the way along the feed.
     """
     x, y = r * sine, r * cosine
@@ -186,11 +191,12 @@ def plunge_way(rows: Array, i: int, cell: float, level: float) -> float:
 
 
 @kernel(lean=True)
-def share_at(field: Field, tip: Array, heading: Heading, rows: Array, i: int, sine: float, cosine: float) -> float:
+def share_at(
+    field: Field, tip: Array, heading: Heading, clearance: Clearance, rows: Array, i: int, sine: float, cosine: float
+) -> float:
     """Share [-] of row i that is in material at one angle; see `contact_of_rows`."""
     ux, uy, level, climb = heading
-    cell = coarsest(field)
-    ahead, aside = clearances(field, heading)
+    cell, ahead, aside = clearance
     px, py, way = probe(rows[i, RADIUS], rows[i, OUTER], sine, cosine, ahead, aside, level)
     x, y = tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py
     rise = climb * max(way, plunge_way(rows, i, cell, level) if climb < 0.0 else 0.0)
@@ -367,8 +373,8 @@ def contact_of_rows(
     Where contact begins or ends between two angles, the limit is found by halving and the weight is shared out.
     """
     ux, uy, level, climb = heading
-    cell = coarsest(field)
-    ahead, aside = clearances(field, heading)
+    clearance = clearance_of(field, heading)
+    cell, ahead, aside = clearance
     columns = to_columns(field, tip, ux, uy)
     sines, rows, weights = circle.sines, room.rows, room.weights
     found = False
@@ -389,8 +395,8 @@ def contact_of_rows(
         if leave_advancing(sines, level, sin_kappa, fall, line):
             for k in range(last):
                 if line[k] == ELSEWHERE:
-                    line[k] = share_at(field, tip, heading, rows, i, sines[k], circle.cosines[k])
-        begin, end = share_out_steps(field, circle, tip, heading, room, i, last)
+                    line[k] = share_at(field, tip, heading, clearance, rows, i, sines[k], circle.cosines[k])
+        begin, end = share_out_steps(field, circle, tip, heading, clearance, room, i, last)
         rows[i, FROM], rows[i, TO] = begin, end
         found = found or end > begin
     return found
@@ -398,8 +404,8 @@ def contact_of_rows(
 
 @kernel(lean=True, inlined=True)
 def share_out_steps(
-    field: Field, circle: Circle, tip: Array, heading: Heading, room: Room, i: int, last: int
-) -> tuple[int, int]:
+    field: Field, circle: Circle, tip: Array, heading: Heading, clearance: Clearance, room: Room, i: int, last: int
+) -> tuple[int, int]:  # fmt: skip
     """Find where contact of row i begins or ends between two angles, and share that out; the range of its angles."""
     sines, cosines, rows, weights = circle.sines, circle.cosines, room.rows, room.weights
     fall = heading.climb * rows[i, COS_KAPPA]
@@ -421,7 +427,7 @@ def share_out_steps(
         for _ in range(4):
             middle = 0.5 * (least + most)
             sine, cosine = turned(sines[after - 1], cosines[after - 1], middle * (2.0 * np.pi / ANGLES))
-            between = share_at(field, tip, heading, rows, i, sine, cosine)
+            between = share_at(field, tip, heading, clearance, rows, i, sine, cosine)
             if (between > half) == rises:
                 most, high = middle, between
             else:
@@ -437,7 +443,7 @@ def contact_of_cylinder(
 ) -> bool:
     """The same for all rows of a cylinder at once, first..first+number: they stand above each other."""
     ux, uy, level, climb = heading
-    ahead, aside = clearances(field, heading)
+    _, ahead, aside = clearance_of(field, heading)
     half = ANGLES // 2
     rows, weights, line, share = room.rows, room.weights, room.line, room.share[:half]
     radius, widest = rows[first, RADIUS], rows[first, OUTER]

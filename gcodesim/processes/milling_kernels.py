@@ -516,9 +516,17 @@ def mill(field: Field, tool: MillingTool, motion: Motion, room: Room, values: Ar
 
     values (STATE,): see `State`; out (n, OUTPUTS) is filled. All in S.
     """
-    n = len(motion.spindle)
-    state, trial, result, spare = state_of(values), new_trial(), np.zeros(RESULT), scratch(field)
+    bench = Bench(room, new_trial(), np.zeros(RESULT))
     way = Way(np.empty(3), np.empty(3), np.empty(3), np.empty(3))
+    return mill_steps(field, tool, motion, bench, way, scratch(field), state_of(values), out)
+
+
+@kernel(lean=True)
+def mill_steps(
+    field: Field, tool: MillingTool, motion: Motion, bench: Bench, way: Way, spare: Array, state: State, out: Array
+) -> int:
+    """The loop of `mill`, which has made all arrays, so that none is counted in each step."""
+    n = len(motion.spindle)
     before, after, delta, numbers = way.before, way.after, state.delta, state.numbers
     widest = max(tool.cutter.radius, max(tool.shank.radius, tool.holder.radius))
     cell = coarsest(field)
@@ -554,7 +562,7 @@ def mill(field: Field, tool: MillingTool, motion: Motion, room: Room, values: Ar
             first, resumed = int(numbers[PIECE]), False
             numbers[STEP] = 0.0
         else:
-            feel(field, tool, motion, k, way, top, Bench(room, trial, result), state, out[k])
+            feel(field, tool, motion, k, way, top, bench, state, out[k])
         if not cut(field, tool, motion, k, first, way, top, spare, state, out[k]):
             return k
         settle(field, motion, k, way, state, out[k])
