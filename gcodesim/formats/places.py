@@ -9,6 +9,7 @@ from pathlib import Path
 
 from gcodesim.diagnostics import SourceText
 from gcodesim.regress.case import shown_path
+from gcodesim.regress.repository import top_of
 from gcodesim.regress.sources import Sources
 
 
@@ -25,8 +26,7 @@ class FilePlaces:
     @staticmethod
     def of(root: Path) -> FilePlaces:
         """For a run in the folder `root`: its files, and its path within its repository."""
-        root = root.resolve()
-        top = next((folder for folder in (root, *root.parents) if (folder / ".git").exists()), root)
+        root, top = root.resolve(), top_of(root)
         prefix = "" if top == root else shown_path(root, top)
         return FilePlaces(sources=Sources(root), prefix=prefix)
 

@@ -1,4 +1,4 @@
-"""Which files the tests of a stranger may read: those in the folder of the run, in folders that the user names."""
+"""Which files the tests of a stranger may read: those of the repository of the run, and in folders that the user names."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from pathlib import Path
 
 from gcodesim.declarations.files import folders_of_the_user
 from gcodesim.diagnostics import Diagnostic, Span
+from gcodesim.regress.repository import top_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,9 +20,9 @@ class Readable:
 
     @staticmethod
     def of(root: Path, named: Iterable[Path], allowed: Sequence[Path]) -> Readable:
-        """The folder of the run, those that the command line names or in which what it names lies, and allowed ones."""
+        """The repository of the run, folders that the command line names or in which what it names lies, allowed ones."""
         beside = (path if path.is_dir() else path.parent for path in named)
-        folders = (root, *beside, *allowed, *folders_of_the_user())
+        folders = (top_of(root), *beside, *allowed, *folders_of_the_user())
         return Readable(tuple(dict.fromkeys(Path(os.path.realpath(folder)) for folder in folders)))
 
     def has(self, path: Path) -> bool:
@@ -35,7 +36,7 @@ class Readable:
         return Diagnostic(
             code="GS715",
             span=span,
-            message=f"{what} lies outside the folder of the run",
+            message=f"{what} lies outside the repository, or the folder, of the run",
             hint="only who runs gcodesim can open another one to tests: `--allow-path DIR`, or GCODESIM_ALLOW_PATH",
         )
 

@@ -144,7 +144,8 @@ CODES += (
         what=(
             "A cell may read files in its own folder, and in those that whoever runs gcodesim allows by --allow-path "
             "or GCODESIM_ALLOW_PATH. This holds for the folders of `packages:`, too, and behind symbolic links. "
-            "Tests read programs and cells in the folder of the run, and where the command line names them."
+            "Tests read programs and cells in the repository of the run (without one: in its folder), and where the "
+            "command line names them."
         ),
         why="A cell or a test from elsewhere must not be able to read any file of this machine.",
         remedy="Move the file beside the cell, or run with `--allow-path DIR`.",
