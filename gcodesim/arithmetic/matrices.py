@@ -7,20 +7,35 @@ depend on the processor. Everything takes stacks: (..., i, k).
 from __future__ import annotations
 
 import math
+from typing import Final
 
 import numpy as np
 
 from gcodesim.arithmetic import Array
+from gcodesim.arithmetic.product_kernels import products
+
+MANY: Final = 256
+"""Matrices from which on a kernel multiplies them; both ways give the same bits."""
 
 
 def multiplied(first: Array, *others: Array) -> Array:
     """Product of matrices (..., i, k) and (..., k, j), from left to right."""
     for other in others:
+        if first.ndim == 3 and len(first) > MANY and other.shape[:-2] in ((), (len(first),)):
+            first = _products(first, other)
+            continue
         total = first[..., :, 0, None] * other[..., 0, None, :]
         for k in range(1, first.shape[-1]):
             total += first[..., :, k, None] * other[..., k, None, :]
         first = total
     return first
+
+
+def _products(first: Array, other: Array) -> Array:
+    out = np.empty((len(first), first.shape[1], other.shape[-1]))
+    right = np.ascontiguousarray(other, dtype=np.float64).reshape(-1, *other.shape[-2:])
+    products(np.ascontiguousarray(first, dtype=np.float64), right, out)
+    return out
 
 
 def applied(A: Array, v: Array) -> Array:

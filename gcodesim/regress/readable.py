@@ -1,4 +1,4 @@
-"""Which files the tests of a stranger may read: those of the repository of the run, and in folders that the user names."""
+"""Which files the tests of a stranger may read: those of the repository of the run, and of folders the user names."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Readable:
 
     @staticmethod
     def of(root: Path, named: Iterable[Path], allowed: Sequence[Path]) -> Readable:
-        """The repository of the run, folders that the command line names or in which what it names lies, allowed ones."""
+        """The repository of the run, folders that the command line names or whose files it names, and allowed ones."""
         beside = (path if path.is_dir() else path.parent for path in named)
         folders = (top_of(root), *beside, *allowed, *folders_of_the_user())
         return Readable(tuple(dict.fromkeys(Path(os.path.realpath(folder)) for folder in folders)))

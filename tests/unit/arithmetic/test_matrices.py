@@ -31,6 +31,15 @@ def test_a_product_adds_up_from_the_first_term_on() -> None:
     assert matrices.dot(row[0], column[:, 0]) == matrices.applied(row, column[:, 0])[0] == 1.0
 
 
+def test_many_products_have_the_bits_of_few() -> None:
+    A, B = RANDOM.normal(size=(matrices.MANY + 1, 6, 4)), RANDOM.normal(size=(matrices.MANY + 1, 4, 6))
+    many = matrices.multiplied(A, B)
+    assert np.array_equal(many[:9], matrices.multiplied(A[:9], B[:9]))
+    turned = np.ascontiguousarray(B.transpose(0, 2, 1)).transpose(0, 2, 1)
+    assert np.array_equal(many, matrices.multiplied(A, turned))
+    assert np.array_equal(matrices.multiplied(A, B[0])[:9], matrices.multiplied(A[:9], B[0]))
+
+
 def test_inverses() -> None:
     X = np.tile(np.eye(4), (5, 1, 1))
     X[:, :3, :3] = [rotation_from_rpy(*RANDOM.normal(size=3)) for _ in range(5)]
