@@ -49,6 +49,7 @@ EVENTS: Final[dict[str, list[dict[str, Json]]]] = {
     "tool_change": [_TOOL],
     "tool_number": [_TOOL],
     "tool_offset": [{"offset": _AXES}],
+    "point_control": [{"on": truth("moves are those of the tip in the work"), "at": _AXES}],
     "spindle": [
         {
             "dir": choice("direction", "off", "cw", "ccw"),

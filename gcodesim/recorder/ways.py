@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.elementary import cos, sin
-from gcodesim.arithmetic.matrices import dots, norms
+from gcodesim.arithmetic.matrices import applied, dots, norms
 from gcodesim.frames import Array
 from gcodesim.log import PathPart, Polylines
 from gcodesim.motion.tool_path import ARC, Commanded
@@ -127,5 +127,6 @@ def _shifts(plan: Plan, shop: Shop, first: int) -> Array:
     held = np.array([s.control == Commanded.POINT for s in plan.path.states])[plan.path.state[first:]]
     if held.any():  # the tip as seen from the work, in whose frame such rows are
         X_BC, tip = shop.kinematics.table(q[held]), plan.tip(q[held], rows[held])[:, :3, 3]
-        shift[held] = np.einsum("nji,nj->ni", X_BC[:, :3, :3], tip - X_BC[:, :3, 3]) - samples.position[held, :3]
+        seen = applied(X_BC[:, :3, :3].swapaxes(1, 2), tip - X_BC[:, :3, 3])
+        shift[held] = seen - samples.position[held, :3]
     return shift
