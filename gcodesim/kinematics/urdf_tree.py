@@ -13,7 +13,7 @@ FLANGE_NAMES: Final = ("tool0", "flange", "tcp")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Tree:
+class LinkTree:
     """Links by name and joints from the root outwards; `driven` are the joints of q."""
 
     links: tuple[str, ...]
@@ -33,7 +33,7 @@ class TreeReader:
     places: Mapping[str, LinedElement]
     faults: Faults
 
-    def tree(self, flange: str | None) -> Tree | None:
+    def tree(self, flange: str | None) -> LinkTree | None:
         """The tree with the link `flange` (default: by name, else the end of the longest chain); None if there is
         none."""
         ordered = self._ordered()
@@ -58,7 +58,7 @@ class TreeReader:
                 f"if it belongs on another one, name that beside `urdf:`, as in `flange: {ordered[above[end]].parent}`",
             )
         self._remark(ordered, driven)
-        return Tree(links=names, joints=tuple(ordered), driven=tuple(driven), flange=end, table=table)
+        return LinkTree(links=names, joints=tuple(ordered), driven=tuple(driven), flange=end, table=table)
 
     def _root_name(self) -> str:
         children = {joint.child for joint in self.joints}

@@ -27,7 +27,7 @@ _NEEDS_SPINDLE = {740: (-1,), 840: (1,), 860: (1, -1), 870: (1, -1), 880: (1, -1
 
 
 @dataclass(frozen=True, slots=True)
-class Hole:
+class CycleWords:
     """One cycle's words, resolved: heights along the normal in program units."""
 
     bottom: float
@@ -113,7 +113,7 @@ def _need(sticky: dict[str, float], code: int, who: str, at: str | None, depth_l
 
 def _hole(
     sticky: dict[str, float], code: int, base: float, words: Words, control: Control, who: str, normal: int
-) -> Hole:
+) -> CycleWords:
     """The words as heights; in G91 R counts from `base` and the depth from R."""
     letter = "xyz"[normal]
     incremental = control.state.incremental
@@ -135,13 +135,13 @@ def _hole(
     first, second, _ = PLANE_AXES[control.state.plane]
     aside = (sticky.get("ijk"[first], 0.0), sticky.get("ijk"[second], 0.0))
     middle = sticky.get("ijk"[normal], 0.0) + (bottom if incremental else 0.0)
-    return Hole(bottom, clear, dwell, step, aside, middle)
+    return CycleWords(bottom, clear, dwell, step, aside, middle)
 
 
 def _run(
     words: Words,
     control: Control,
-    hole: Hole,
+    hole: CycleWords,
     code: int,
     repeats: int,
     axes: tuple[int, int, int],
@@ -228,7 +228,7 @@ class Head:
         self.control.say_spindle()
 
 
-def _drill(head: Head, hole: Hole, level: float) -> None:
+def _drill(head: Head, hole: CycleWords, level: float) -> None:
     """G81, G82: feed down, dwell, out."""
     head.feed_to(hole.bottom)
     if hole.dwell and head.who == "G82":
@@ -240,7 +240,7 @@ def _clearance(head: Head) -> float:
     return _CLEARANCE_INCH if head.control.state.unit == INCH else _CLEARANCE_MM
 
 
-def _peck(head: Head, hole: Hole, level: float) -> None:
+def _peck(head: Head, hole: CycleWords, level: float) -> None:
     """G83: full retract after each peck."""
     gap = _clearance(head)
     depth = hole.clear - hole.step
@@ -253,7 +253,7 @@ def _peck(head: Head, hole: Hole, level: float) -> None:
     head.rapid_to(level)
 
 
-def _chip_break(head: Head, hole: Hole, level: float) -> None:
+def _chip_break(head: Head, hole: CycleWords, level: float) -> None:
     """G73: a short step back after each peck."""
     gap = _clearance(head)
     depth = hole.clear - hole.step
@@ -265,7 +265,7 @@ def _chip_break(head: Head, hole: Hole, level: float) -> None:
     head.rapid_to(level)
 
 
-def _tap(head: Head, hole: Hole, level: float) -> None:
+def _tap(head: Head, hole: CycleWords, level: float) -> None:
     """G84, G74: feed both ways, the spindle reverses at the bottom; overrides are off meanwhile."""
     control = head.control
     direction = control.state.spindle
@@ -285,7 +285,7 @@ def _tap(head: Head, hole: Hole, level: float) -> None:
     head.turn(direction)
 
 
-def _tap_astray(head: Head, hole: Hole, level: float, direction: int) -> None:
+def _tap_astray(head: Head, hole: CycleWords, level: float, direction: int) -> None:
     """Outside G17 LinuxCNC 2.9 feeds to swapped axes, also by the expected results of its own tests."""
     control = head.control
     now = control.state.current
@@ -311,21 +311,21 @@ def _tap_astray(head: Head, hole: Hole, level: float, direction: int) -> None:
     control.state.current = tuple(back)  # type: ignore[assignment]
 
 
-def _bore(head: Head, hole: Hole, level: float) -> None:
+def _bore(head: Head, hole: CycleWords, level: float) -> None:
     """G85: feed down, feed up to R, out."""
     head.feed_to(hole.bottom)
     head.feed_to(hole.clear)
     head.rapid_to(level)
 
 
-def _bore_dwell(head: Head, hole: Hole, level: float) -> None:
+def _bore_dwell(head: Head, hole: CycleWords, level: float) -> None:
     """G89: feed down, dwell, feed all the way up."""
     head.feed_to(hole.bottom)
     head.control.dwell(hole.dwell)
     head.feed_to(level)
 
 
-def _bore_stop(head: Head, hole: Hole, level: float) -> None:
+def _bore_stop(head: Head, hole: CycleWords, level: float) -> None:
     """G86: dwell and stop the spindle at the bottom, out at rapid."""
     direction = head.control.state.spindle
     head.feed_to(hole.bottom)
@@ -335,7 +335,7 @@ def _bore_stop(head: Head, hole: Hole, level: float) -> None:
     head.turn(direction)
 
 
-def _back_bore(head: Head, hole: Hole, level: float) -> None:
+def _back_bore(head: Head, hole: CycleWords, level: float) -> None:
     """G87: through the hole with the spindle oriented, then bore back up to K and return the same way."""
     control = head.control
     direction = control.state.spindle
@@ -356,7 +356,7 @@ def _back_bore(head: Head, hole: Hole, level: float) -> None:
     head.turn(direction)
 
 
-def _bore_manual(head: Head, hole: Hole, level: float) -> None:
+def _bore_manual(head: Head, hole: CycleWords, level: float) -> None:
     """G88: dwell, stop spindle and program at the bottom; the operator brings the tool out."""
     del level
     direction = head.control.state.spindle
@@ -367,7 +367,7 @@ def _bore_manual(head: Head, hole: Hole, level: float) -> None:
     head.turn(direction)
 
 
-_SHAPES: dict[int, Callable[[Head, Hole, float], None]] = {
+_SHAPES: dict[int, Callable[[Head, CycleWords, float], None]] = {
     730: _chip_break,
     740: _tap,
     810: _drill,

@@ -10,6 +10,7 @@ along the tool and the work may stand turned on its table.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -206,7 +207,7 @@ def _cross(a: Point, b: Point) -> Point:
 
 
 def _unit(v: Point, otherwise: str) -> Point:
-    size = (v.x * v.x + v.y * v.y + v.z * v.z) ** 0.5
+    size = math.sqrt(v.x * v.x + v.y * v.y + v.z * v.z)
     if size < _SMALL:
         raise Fault("GS106", f"G68.2 gives no plane: {otherwise}", at="g68.2")
     return Point(v.x / size, v.y / size, v.z / size)
