@@ -11,7 +11,7 @@ import numpy as np
 
 from gcodesim.material import Stock
 from gcodesim.material.axis_way import AxisWay, Helix, along_helix, joined, straight
-from gcodesim.material.solid_of_revolution import Arc, slabs_of_outline
+from gcodesim.material.solid_of_revolution import OutlineArc, slabs_of_outline
 from gcodesim.units import MM, MM3
 
 CASES = Path(__file__).parent / "data" / "removal" / "cases.json"
@@ -35,7 +35,9 @@ def outline_of(tool):
         return (point[0] * MM, point[1] * MM)
 
     return [
-        Arc(to=place(p["to"]), centre=place(p["centre"]), ccw=p["turn"] == "ccw") if isinstance(p, dict) else place(p)
+        OutlineArc(to=place(p["to"]), centre=place(p["centre"]), ccw=p["turn"] == "ccw")
+        if isinstance(p, dict)
+        else place(p)
         for p in tool["outline"]
     ]
 

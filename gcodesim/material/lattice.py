@@ -130,7 +130,7 @@ def sweep(stock: Stock, way: AxisWay, slabs: Array, fields: Iterable[int]) -> Ar
 
     For less than all fields the volume has no meaning.
     """
-    from gcodesim.material.line_kernels import Way, cut_along
+    from gcodesim.material.line_kernels import ToolWay, cut_along
     from gcodesim.material.stock import widened
 
     lattice = ensure_lattice(stock)
@@ -146,7 +146,7 @@ def sweep(stock: Stock, way: AxisWay, slabs: Array, fields: Iterable[int]) -> Ar
     before = meshed_volume(stock, nodes, span, middle) if len(measured) == 3 else 0.0
     for which in measured:
         order = list(ORDERS[which])
-        turned = Way(*(np.ascontiguousarray(part[:, order]) for part in way))
+        turned = ToolWay(*(np.ascontiguousarray(part[:, order]) for part in way))
         done = 0
         while True:
             field = stock.field if which == 2 else lattice.fields[which]

@@ -29,7 +29,7 @@ class ThreeWays(NamedTuple):
     z: Columns
 
 
-class Nodes(NamedTuple):
+class LatticeNodes(NamedTuple):
     """Numbers of the columns that are used, and where the nodes are [m]: one more at both ends, outside."""
 
     ix: Ints
@@ -51,7 +51,7 @@ class CellSpan(NamedTuple):
     k1: int
 
 
-class Mesh(NamedTuple):
+class LatticeMesh(NamedTuple):
     """Points (v, 3) [m], whether a cut made each (v,), faces (f, 3), and a node in material at each face (f, 3)."""
 
     points: Array
@@ -70,7 +70,7 @@ class Layers(NamedTuple):
 
 
 @kernel(lean=True)
-def find_inside(columns: Columns, nodes: Nodes, span: CellSpan, i: int, inside: Bytes) -> None:
+def find_inside(columns: Columns, nodes: LatticeNodes, span: CellSpan, i: int, inside: Bytes) -> None:
     """Which nodes (ny, nz) of layer `i` are in material, by the columns along z; only those of the span's cells."""
     lo, hi, count = columns
     inside[span.j0 : span.j1 + 1, span.k0 : span.k1 + 1] = 0
@@ -115,7 +115,7 @@ def is_original(columns: Columns, a: int, b: int, at: float) -> bool:
 
 
 @kernel
-def new_layers(nodes: Nodes) -> Layers:
+def new_layers(nodes: LatticeNodes) -> Layers:
     """Room for the nodes of two layers."""
     shape = (2, len(nodes.y), len(nodes.z))
     return Layers(
@@ -124,7 +124,7 @@ def new_layers(nodes: Nodes) -> Layers:
 
 
 @kernel(lean=True)
-def put_point(mesh: Mesh, number: int, x: float, y: float, z: float, cut: bool) -> None:
+def put_point(mesh: LatticeMesh, number: int, x: float, y: float, z: float, cut: bool) -> None:
     """Write point `number`, if there is room for points at all."""
     if len(mesh.points) > 0:
         mesh.points[number, 0], mesh.points[number, 1], mesh.points[number, 2] = x, y, z
@@ -133,7 +133,14 @@ def put_point(mesh: Mesh, number: int, x: float, y: float, z: float, cut: bool) 
 
 @kernel(lean=True)
 def points_of_layer(
-    now: ThreeWays, start: ThreeWays, nodes: Nodes, span: CellSpan, i: int, layers: Layers, number: int, mesh: Mesh
+    now: ThreeWays,
+    start: ThreeWays,
+    nodes: LatticeNodes,
+    span: CellSpan,
+    i: int,
+    layers: Layers,
+    number: int,
+    mesh: LatticeMesh,
 ) -> int:
     """Points on edges along y and z in the layer of nodes `i`; returns the number of points so far."""
     here = i & 1
@@ -161,7 +168,14 @@ def points_of_layer(
 
 @kernel(lean=True)
 def points_between(
-    now: ThreeWays, start: ThreeWays, nodes: Nodes, span: CellSpan, i: int, layers: Layers, number: int, mesh: Mesh
+    now: ThreeWays,
+    start: ThreeWays,
+    nodes: LatticeNodes,
+    span: CellSpan,
+    i: int,
+    layers: Layers,
+    number: int,
+    mesh: LatticeMesh,
 ) -> int:
     """Points on edges along x between the layers of nodes `i` and `i + 1`."""
     here, there = layers.inside[i & 1], layers.inside[(i + 1) & 1]
@@ -188,7 +202,9 @@ def point_on(layers: Layers, edge: int, i: int, j: int, k: int) -> int:
 
 
 @kernel(lean=True)
-def faces_between(layers: Layers, span: CellSpan, i: int, loops: NDArray[np.int8], count: int, mesh: Mesh) -> int:
+def faces_between(
+    layers: Layers, span: CellSpan, i: int, loops: NDArray[np.int8], count: int, mesh: LatticeMesh
+) -> int:
     """Faces in the cells between the layers of nodes `i` and `i + 1`; returns the number of faces so far."""
     here, there = layers.inside[i & 1], layers.inside[(i + 1) & 1]
     for j in range(span.j0, span.j1):
@@ -219,7 +235,7 @@ def faces_between(layers: Layers, span: CellSpan, i: int, loops: NDArray[np.int8
 
 @kernel
 def march(
-    now: ThreeWays, start: ThreeWays, nodes: Nodes, span: CellSpan, loops: NDArray[np.int8], mesh: Mesh
+    now: ThreeWays, start: ThreeWays, nodes: LatticeNodes, span: CellSpan, loops: NDArray[np.int8], mesh: LatticeMesh
 ) -> tuple[int, int]:
     """The surface in the cells of a span: (points, faces). Without room in `mesh` they are only counted."""
     layers = new_layers(nodes)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from gcodesim.arithmetic.elementary import acos
 from gcodesim.arithmetic.matrices import dots, norms
-from gcodesim.material.lattice_kernels import CellSpan, Mesh, Nodes, ThreeWays
+from gcodesim.material.lattice_kernels import CellSpan, LatticeMesh, LatticeNodes, ThreeWays
 
 if TYPE_CHECKING:
     from gcodesim.material.stock import Stock
@@ -31,7 +31,7 @@ class Facing(NamedTuple):
     nodes: Ints
 
 
-def nodes_of(stock: Stock, stride: int = 1) -> Nodes:
+def nodes_of(stock: Stock, stride: int = 1) -> LatticeNodes:
     """The nodes of a stock, each `stride` columns apart."""
     assert stock.lattice is not None
     grid, upright = stock.field.grid, stock.lattice.fields[0].grid
@@ -44,7 +44,7 @@ def nodes_of(stock: Stock, stride: int = 1) -> Nodes:
         at = origin + (pick + 0.5) * step
         picks.append(pick)
         places.append(np.concatenate([[origin - step], at, [origin + (cells + 1) * step]]))
-    return Nodes(*picks, *places)
+    return LatticeNodes(*picks, *places)
 
 
 def ways_of(stock: Stock) -> tuple[ThreeWays, ThreeWays]:
@@ -54,12 +54,12 @@ def ways_of(stock: Stock) -> tuple[ThreeWays, ThreeWays]:
     return ThreeWays(x.columns, y.columns, stock.field.columns), ThreeWays(*stock.lattice.start, stock.original)
 
 
-def whole(nodes: Nodes) -> CellSpan:
+def whole(nodes: LatticeNodes) -> CellSpan:
     """All cells."""
     return CellSpan(0, len(nodes.ix) + 1, 0, len(nodes.iy) + 1, 0, len(nodes.iz) + 1)
 
 
-def span_around(nodes: Nodes, low: Array, high: Array) -> CellSpan:
+def span_around(nodes: LatticeNodes, low: Array, high: Array) -> CellSpan:
     """The cells that meet the box from `low` to `high` (3,) [m]."""
     ends = []
     for axis, places in enumerate((nodes.x, nodes.y, nodes.z)):
@@ -70,16 +70,16 @@ def span_around(nodes: Nodes, low: Array, high: Array) -> CellSpan:
     return CellSpan(*ends)
 
 
-def mesh_of(stock: Stock, nodes: Nodes, span: CellSpan) -> Facing:
+def mesh_of(stock: Stock, nodes: LatticeNodes, span: CellSpan) -> Facing:
     """The surface of a stock in the cells of a span."""
     from gcodesim.material.lattice_kernels import march
     from gcodesim.material.loops import loop_table
 
     now, start = ways_of(stock)
-    none = Mesh(np.zeros((0, 3)), np.zeros(0, np.uint8), np.zeros((0, 3), np.int32), np.zeros((0, 3), np.int32))
+    none = LatticeMesh(np.zeros((0, 3)), np.zeros(0, np.uint8), np.zeros((0, 3), np.int32), np.zeros((0, 3), np.int32))
     table = loop_table()
     points, faces = march(now, start, nodes, span, table, none)
-    mesh = Mesh(
+    mesh = LatticeMesh(
         np.zeros((points, 3)),
         np.zeros(points, np.uint8),
         np.zeros((faces, 3), np.int32),
@@ -90,7 +90,7 @@ def mesh_of(stock: Stock, nodes: Nodes, span: CellSpan) -> Facing:
     return Facing(mesh.points, mesh.faces, mesh.cut, mesh.nodes)
 
 
-def meshed_volume(stock: Stock, nodes: Nodes, span: CellSpan, about: Array) -> float:
+def meshed_volume(stock: Stock, nodes: LatticeNodes, span: CellSpan, about: Array) -> float:
     """Volume [m³] between `about` (3,) and the surface in a span; that of the stock where all cells are in it."""
     from gcodesim.material.lattice_kernels import enclosed
 

@@ -34,7 +34,7 @@ FAR = 4.0
 SAME_AXIS = 1.0e-9
 
 
-class Way(NamedTuple):
+class ToolWay(NamedTuple):
     """Pieces of a tip's way, each (c, 3), in axes of the field: tips [m], and unit vectors to the holder at the ends.
 
     Between them the axis is that of the weighted mean of both vectors.
@@ -46,7 +46,7 @@ class Way(NamedTuple):
     axes_end: Array
 
 
-class Pose(NamedTuple):
+class ToolPose(NamedTuple):
     """Tip (u, v, w) and unit axis (au, av, aw)."""
 
     u: float
@@ -57,7 +57,7 @@ class Pose(NamedTuple):
     aw: float
 
 
-class Reach(NamedTuple):
+class SlabReach(NamedTuple):
     """Room around a slab: least and most u, v, w [m]."""
 
     u0: float
@@ -77,14 +77,14 @@ def slab_at(slabs: Array, number: int) -> Slab:
 
 
 @kernel(lean=True)
-def pose_at(way: Way, p: int, t: float) -> Pose:
+def pose_at(way: ToolWay, p: int, t: float) -> ToolPose:
     """The pose at the share t of piece p."""
     starts, ends, axes_start, axes_end = way
     au = axes_start[p, 0] + t * (axes_end[p, 0] - axes_start[p, 0])
     av = axes_start[p, 1] + t * (axes_end[p, 1] - axes_start[p, 1])
     aw = axes_start[p, 2] + t * (axes_end[p, 2] - axes_start[p, 2])
     norm = np.sqrt(au * au + av * av + aw * aw)
-    return Pose(
+    return ToolPose(
         starts[p, 0] + t * (ends[p, 0] - starts[p, 0]),
         starts[p, 1] + t * (ends[p, 1] - starts[p, 1]),
         starts[p, 2] + t * (ends[p, 2] - starts[p, 2]),
@@ -95,7 +95,7 @@ def pose_at(way: Way, p: int, t: float) -> Pose:
 
 
 @kernel(lean=True)
-def reach_of(slab: Slab, pose: Pose) -> Reach:
+def reach_of(slab: Slab, pose: ToolPose) -> SlabReach:
     """Room around the cylinder that holds a slab."""
     r = slab.widest
     ru = r * np.sqrt(max(0.0, 1.0 - pose.au * pose.au))
@@ -104,23 +104,23 @@ def reach_of(slab: Slab, pose: Pose) -> Reach:
     ua, ub = slab.h0 * pose.au, slab.h1 * pose.au
     va, vb = slab.h0 * pose.av, slab.h1 * pose.av
     wa, wb = slab.h0 * pose.aw, slab.h1 * pose.aw
-    return Reach(
+    return SlabReach(
         pose.u + min(ua, ub) - ru, pose.u + max(ua, ub) + ru, pose.v + min(va, vb) - rv, pose.v + max(va, vb) + rv,
         pose.w + min(wa, wb) - rw, pose.w + max(wa, wb) + rw,
     )  # fmt: skip
 
 
 @kernel(lean=True)
-def joined(one: Reach, other: Reach) -> Reach:
+def joined(one: SlabReach, other: SlabReach) -> SlabReach:
     """Room around both."""
-    return Reach(
+    return SlabReach(
         min(one.u0, other.u0), max(one.u1, other.u1), min(one.v0, other.v0), max(one.v1, other.v1),
         min(one.w0, other.w0), max(one.w1, other.w1),
     )  # fmt: skip
 
 
 @kernel(lean=True)
-def cut_straight(field: Field, slab: Slab, begin: Pose, end: Pose) -> tuple[float, bool]:
+def cut_straight(field: Field, slab: Slab, begin: ToolPose, end: ToolPose) -> tuple[float, bool]:
     """Remove what a slab sweeps from pose to pose with the axis of the first; (length [m], whether there was room)."""
     columns, grid, walls, dirty, _ = field
     lo, hi, count = columns
@@ -152,7 +152,9 @@ def cut_straight(field: Field, slab: Slab, begin: Pose, end: Pose) -> tuple[floa
 
 
 @kernel(lean=True)
-def cut_turning(field: Field, slab: Slab, way: Way, p: int, first: int, last: int, poses: int) -> tuple[float, bool]:
+def cut_turning(
+    field: Field, slab: Slab, way: ToolWay, p: int, first: int, last: int, poses: int
+) -> tuple[float, bool]:
     """Remove what a slab sweeps from pose `first` to `last` of piece p, which has `poses`; see `cut_straight`."""
     columns, grid, walls, dirty, _ = field
     lo, hi, count = columns
@@ -195,7 +197,7 @@ def cut_turning(field: Field, slab: Slab, way: Way, p: int, first: int, last: in
 
 
 @kernel(lean=True)
-def cut_along(field: Field, way: Way, slabs: Array, first: int, taken: Array) -> int:
+def cut_along(field: Field, way: ToolWay, slabs: Array, first: int, taken: Array) -> int:
     """Remove pieces `first`... in order; returns the index of the piece that found no room, or their number.
 
     slabs (m, 6); taken (c,): what each piece takes of the columns [m³] is added.
@@ -256,7 +258,7 @@ def common_columns(one: Columns, other: Columns, both: Columns) -> None:
 
 
 @kernel(lean=True)
-def depths_in(field: Field, way: Way, slabs: Array, depths: Array) -> None:
+def depths_in(field: Field, way: ToolWay, slabs: Array, depths: Array) -> None:
     """How deep [m] a body is in material at the start of each piece (c,): how far a point on a column lies inside it,
 
     or the length of column inside, whichever is less. Nothing is removed.

@@ -30,7 +30,7 @@ class Slab(NamedTuple):
     widest: float
 
 
-class Line(NamedTuple):
+class ColumnLine(NamedTuple):
     """A line along Z seen from the tip of a tool with the unit axis (ax, ay, az): at (u, v), height H at s = 0.
 
     (mu, mv, mw) is the way of the tip [m] and climb its part along the axis. g00 … g22 are the coefficients of
@@ -49,7 +49,9 @@ class Line(NamedTuple):
 
 
 @kernel(lean=True)
-def line_of(u: float, v: float, ax: float, ay: float, az: float, mu: float, mv: float, mw: float, slab: Slab) -> Line:
+def line_of(
+    u: float, v: float, ax: float, ay: float, az: float, mu: float, mv: float, mw: float, slab: Slab
+) -> ColumnLine:
     """The line at (u, v) from the tip at t = 0."""
     height = u * ax + v * ay
     climb = mu * ax + mv * ay + mw * az
@@ -69,11 +71,11 @@ def line_of(u: float, v: float, ax: float, ay: float, az: float, mu: float, mv: 
         q11 -= az * az + along * along
         q12 -= -az * climb + along * across
         q22 -= climb * climb + across * across
-    return Line(az, height, climb, q00, q01, q02, q11, q12, q22)
+    return ColumnLine(az, height, climb, q00, q01, q02, q11, q12, q22)
 
 
 @kernel(lean=True)
-def at_pose(line: Line, slab: Slab, t: float) -> tuple[float, float]:
+def at_pose(line: ColumnLine, slab: Slab, t: float) -> tuple[float, float]:
     """The interval (low, high) of s in which the line is inside of the slab at the share t of the way; (1, 0): none."""
     level = line.height - t * line.climb
     if abs(line.az) > EVEN:
@@ -114,7 +116,7 @@ def at_pose(line: Line, slab: Slab, t: float) -> tuple[float, float]:
 
 
 @kernel(lean=True)
-def on_face(line: Line, slab: Slab, h: float) -> tuple[float, float]:
+def on_face(line: ColumnLine, slab: Slab, h: float) -> tuple[float, float]:
     """The extent (low, high) of s where the face at the height h of a slab passes along its way; (1, 0): nowhere."""
     if abs(line.az) <= EVEN:
         if abs(line.climb) <= EVEN * slab.widest:
@@ -150,7 +152,7 @@ def on_face(line: Line, slab: Slab, h: float) -> tuple[float, float]:
 
 
 @kernel(lean=True)
-def swept(line: Line, slab: Slab) -> tuple[float, float]:
+def swept(line: ColumnLine, slab: Slab) -> tuple[float, float]:
     """The interval (low, high) of s that a slab sweeps from t = 0 to 1 with its axis as it is; (1, 0): none."""
     low, high = np.inf, -np.inf
     for end in range(2):

@@ -25,7 +25,7 @@ _THINNEST: Final = 1.0e-12
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Arc:
+class OutlineArc:
     """A piece of an outline to (r, h) about a centre (r, h) [m]; `ccw` as seen with r to the right and h up."""
 
     to: tuple[float, float]
@@ -33,7 +33,7 @@ class Arc:
     ccw: bool
 
 
-Outline = Sequence["tuple[float, float] | Arc"]
+Outline = Sequence["tuple[float, float] | OutlineArc"]
 """Points (r, h) [m] from the tip (0, 0) to the top, joined by lines or arcs; heights never fall."""
 
 
@@ -45,10 +45,10 @@ def slabs_of_outline(outline: Outline, cell: float) -> Array:
     """
     rows: list[tuple[float, ...]] = []
     at = outline[0]
-    assert not isinstance(at, Arc)
+    assert not isinstance(at, OutlineArc)
     r, h = at
     for piece in outline[1:]:
-        if not isinstance(piece, Arc):
+        if not isinstance(piece, OutlineArc):
             rows += _frustum(r, h, *piece)
             r, h = piece
             continue
@@ -60,9 +60,9 @@ def slabs_of_outline(outline: Outline, cell: float) -> Array:
 def slabs_of_shape(shape: Shape, cell: float) -> Array:
     """The same for one of the shapes that upright kernels know."""
     flat, radius, bottom, corner = shape.flat, shape.radius, shape.bottom, shape.corner
-    outline: list[tuple[float, float] | Arc] = [(0.0, bottom), (flat, bottom)]
+    outline: list[tuple[float, float] | OutlineArc] = [(0.0, bottom), (flat, bottom)]
     if shape.kind in (BALL, BULL_NOSE):
-        outline.append(Arc(to=(radius, bottom + corner), centre=(flat, bottom + corner), ccw=True))
+        outline.append(OutlineArc(to=(radius, bottom + corner), centre=(flat, bottom + corner), ccw=True))
     elif shape.kind == CONE:
         outline.append((radius, bottom + (radius - flat) * shape.rise))
     outline += [(radius, shape.top), (0.0, shape.top)]
@@ -78,7 +78,7 @@ def _frustum(r0: float, h0: float, r1: float, h1: float) -> list[tuple[float, ..
     return [(0.0, h0, h1, r0 - growth * h0, growth, max(r0, r1))]
 
 
-def _of_arc(r0: float, h0: float, arc: Arc, cell: float) -> list[tuple[float, ...]]:
+def _of_arc(r0: float, h0: float, arc: OutlineArc, cell: float) -> list[tuple[float, ...]]:
     (r1, h1), (rc, hc) = arc.to, arc.centre
     radius = sqrt((r1 - rc) * (r1 - rc) + (h1 - hc) * (h1 - hc))
     begin, end = atan2(h0 - hc, r0 - rc), atan2(h1 - hc, r1 - rc)

@@ -358,10 +358,10 @@ class Stock:
 
     def depths(self, way: AxisWay, slabs: Array) -> Array:
         """How deep (c,) [m] a body is in material at the start of each piece; nothing is removed."""
-        from gcodesim.material.line_kernels import Way, depths_in
+        from gcodesim.material.line_kernels import ToolWay, depths_in
 
         depths = np.zeros(len(way.starts))
-        depths_in(self.field, Way(*map(_pieces, way)), slabs, depths)
+        depths_in(self.field, ToolWay(*map(_pieces, way)), slabs, depths)
         return depths
 
     def piece_volumes(self) -> Array:
