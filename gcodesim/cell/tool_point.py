@@ -23,9 +23,8 @@ class MachinePoint:
     @staticmethod
     def of(machine: MachineTool | Robot) -> MachinePoint | None:
         """None where no rotary axis has a place, or X, Y, Z are not all there."""
-        if not isinstance(machine, MachineTool):
-            return None
-        if not any(axis.rotary and axis.at is not None for axis in machine.axes):
+        axes = getattr(machine, "axes", ())  # an arm has joints instead
+        if not any(axis.rotary and axis.at is not None for axis in axes):
             return None
         from gcodesim.kinematics import kinematics_of
 

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from gcodesim.arithmetic.elementary import atan2
+from gcodesim.arithmetic.scalars import atan2
 from gcodesim.units import DEG
 
 Point = tuple[float, float]

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple, Protocol
 
 from gcodesim import canon
-from gcodesim.arithmetic.elementary import atan2
+from gcodesim.arithmetic.scalars import atan2
 from gcodesim.diagnostics import Span
 from gcodesim.rs274.circles import Arc, Line, PlaneCircle, Point, apart, meet, sweep_of
 from gcodesim.rs274.control import Control

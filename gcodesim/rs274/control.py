@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Literal
 
 from gcodesim import canon
-from gcodesim.arithmetic.elementary import cos_sin
+from gcodesim.arithmetic.scalars import cos_sin
 from gcodesim.diagnostics import Diagnostic, Severity, Span
 from gcodesim.rs274 import parameters as numbers
 from gcodesim.rs274 import tool_point

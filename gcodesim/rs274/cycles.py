@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from gcodesim import canon
-from gcodesim.arithmetic.elementary import atan2, cos, sin
+from gcodesim.arithmetic.scalars import atan2, cos, sin
 from gcodesim.rs274.arcs import PLANE_AXES
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.ends import end_point

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from gcodesim.arithmetic.elementary import atan2, cos, sin
+from gcodesim.arithmetic.scalars import atan2, cos, sin
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.state import AXES, Vector, subtract

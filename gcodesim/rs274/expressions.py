@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from gcodesim.arithmetic.elementary import acos, asin, atan2, cos, power, sin, tan
+from gcodesim.arithmetic.scalars import acos, asin, atan2, cos, power, sin, tan
 from gcodesim.rs274.block import Binary, Exists, Expression, Function, Name, Parameter, Signed
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.functions import arc, exponential, logarithm, nearest, root

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from gcodesim.arithmetic.elementary import exp, log
+from gcodesim.arithmetic.scalars import exp, log
 from gcodesim.rs274.fault import Fault
 
 

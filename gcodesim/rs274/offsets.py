@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
-from gcodesim.arithmetic.elementary import cos_sin
+from gcodesim.arithmetic.scalars import cos_sin
 from gcodesim.rs274 import parameters as numbers
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.dialects import g_name

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from gcodesim import canon
-from gcodesim.arithmetic.elementary import power, tan
+from gcodesim.arithmetic.scalars import power, tan
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.ends import end_point
 from gcodesim.rs274.fault import Fault

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from gcodesim.arithmetic.elementary import atan2
+from gcodesim.arithmetic.scalars import atan2
 from gcodesim.canon import Event
 from gcodesim.diagnostics import Span
 from gcodesim.rs274 import compensation

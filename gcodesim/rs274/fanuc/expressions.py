@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from gcodesim.arithmetic.elementary import acos, asin, atan, atan2, cos, power, sin, tan
+from gcodesim.arithmetic.scalars import acos, asin, atan, atan2, cos, power, sin, tan
 from gcodesim.rs274.block import Binary, Expression, Function, Parameter, Signed
 from gcodesim.rs274.expressions import LARGEST
 from gcodesim.rs274.fault import Fault

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from gcodesim.arithmetic.elementary import atan2, cos, sin
+from gcodesim.arithmetic.scalars import atan2, cos, sin
 from gcodesim.rs274.arcs import PLANE_AXES
 from gcodesim.rs274.cycles import check_repeats
 from gcodesim.rs274.dialects.fanuc import POLAR

@@ -14,7 +14,7 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from gcodesim.arithmetic.elementary import cos_sin
+from gcodesim.arithmetic.scalars import cos_sin
 from gcodesim.rs274 import tool_point
 from gcodesim.rs274.dialects.linuxcnc import NON_MODAL
 from gcodesim.rs274.fanuc.control import FanucControl
