@@ -2,21 +2,34 @@
 PYTHON ?= python3.11
 VENV := .venv
 BIN := $(VENV)/bin
+BASE := $(VENV)/.base
 STAMP := $(VENV)/.installed
+PIP := $(BIN)/python -m pip --quiet --disable-pip-version-check
+LIBRARIES := build/libraries
 
-.PHONY: browser shells demo docs test test-slow lint bench setup clean
+.PHONY: browser shells demo docs test test-slow lint bench setup wheel clean
 
 setup: $(STAMP)
 
-$(STAMP): pyproject.toml constraints.txt
+# what a user gets; byte code is written when a module is used
+$(BASE): pyproject.toml setup.py constraints.txt
 	@command -v $(PYTHON) >/dev/null || { echo "Python 3.11 is needed: set PYTHON=/path/to/python3.11" >&2; exit 1; }
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test]'
+	$(PIP) install --no-compile -c constraints.txt -e .
+	touch $(BASE)
+
+$(STAMP): $(BASE)
+	$(PIP) install -c constraints.txt -e '.[test]'
 	touch $(STAMP)
 
-demo: setup
-	$(BIN)/gcodesim warm-up
+# the first run compiles the kernels that it needs
+demo: $(BASE)
 	$(BIN)/gcodesim run programs/bracket.nc --cell cells/bracket.yaml --out out/demo
+
+# for x86-64 Linux, with compiled kernels; needs a C compiler
+wheel: setup
+	$(BIN)/python scripts/make_libraries.py $(LIBRARIES)
+	GCODESIM_LIBRARIES=$(LIBRARIES) $(PIP) wheel --no-deps --no-build-isolation -w dist .
 
 lint: setup
 	$(BIN)/ruff check gcodesim tests benchmarks scripts programs

@@ -6,6 +6,7 @@ from typing import Final
 
 EXTRAS: Final = {
     "dae": ("pycollada",),
+    "compile": ("numba",),
     "live": ("foxglove-sdk",),
     "plot": ("matplotlib",),
     "report": ("metaflow-card-uplot",),

@@ -1,101 +1,64 @@
-"""Compiles everything that is compiled on first use, by small jobs of each kind, so that a first run need not wait."""
+"""Compiles kernels before they are needed, on all cores, and says how far it is."""
 
 from __future__ import annotations
 
 import compileall
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from tempfile import TemporaryDirectory
-from typing import Final
 
-from gcodesim.cell.loader import read_cell
-from gcodesim.diagnostics import SourceText
-from gcodesim.jobs.job import Options
-from gcodesim.rs274 import Settings, interpret
-from gcodesim.simulation import prepare, run
+from gcodesim.compiled import is_compiler_off
+from gcodesim.compiled.known import known_parts, missing, part_with
+from gcodesim.compiled.parallel import compile_all
 
-_HEAD: Final = "G21 G90 G17 G94 G64 P0.01\nT1 M6\nG43 H1\nS8000 M3\nG0 X5 Y5 Z5\n"
-_BODY: Final = "G1 Z-1 F300\nG1 X15\nG1 X15.5 Y5.2\nG3 X15 Y9 R2.5\nG1 X8\nG0 Z5\nM5\nM2\n"
-_GANTRY: Final = (
-    "gcodesim: 1\nmachine: gantry_xyz\n"
-    "stock: {{box: [20, 15, 8], zero: top-front-left, material: {material}, resolution: 0.5}}\n"
-    "tools: {{1: {{type: {tool}, diameter: 6, length: 40, flute_length: 20, "
-    "holder: {{diameter: 20, length: 20}}{more}}}}}\n"
-    "fixtures: {{clamp: {{box: [5, 5, 5], in: world, xyz: [0, 0, -300]}}}}\n"
-)
-_ARM: Final = (
-    "gcodesim: 1\nrobots: {{arm: {{model: {model}}}}}\n"
-    "work_offsets: {{G54: {{in: world, xyz: {place}}}}}\n"
-    "stock: {{box: [20, 15, 8], in: world, xyz: {place}, zero: top-front-left, "
-    "material: seed_42crmo4, resolution: 0.5}}\n"
-    "tools: {{1: {{type: {tool}, length: 40}}}}\n"
-)
-_TABLE: Final = (
-    "gcodesim: 1\n"
-    "machine:\n  axes:\n    X: {travel: [0, 400 mm], speed: 20 m/min}\n    Y: {travel: [0, 300 mm], speed: 20 m/min}\n"
-    "    Z: {travel: [-300, 0 mm], speed: 20 m/min}\n"
-    "    A: {travel: unlimited, speed: 360 deg/s, side: table, at: [200, 150, -205]}\n"
-    "work_offsets: {G54: {xyz: [200, 150, -200]}}\n"
-    "stock: {min: [-20, -20, -10], max: [20, 20, 0], in: G54, material: al6082_t6, resolution: 2}\n"
-    "tools: {1: {type: flat_end_mill, diameter: 6, length: 50}}\n"
-)
-_SWITCHED: Final = "m_codes: {M10: {tool: activate}, M11: {tool: deactivate}}\n"
-_MILL: Final = "flat_end_mill, diameter: 6"
-_PRINT: Final = "extruder, bead_width: 2, bead_height: 1"
-
-_JOBS: Final = (
-    ("milling on a gantry", "bullet", _GANTRY.format(tool="flat_end_mill", material="al6082_t6", more=""), _BODY),
-    ("ball ends", "kinematic", _GANTRY.format(tool="ball_end_mill", material="al6082_t6", more=""), _BODY),
-    (
-        "bull noses",
-        "kinematic",
-        _GANTRY.format(tool="bull_nose_end_mill", material="al6082_t6", more=", corner_radius: 1"),
-        _BODY,
-    ),
-    (
-        "drills",
-        "kinematic",
-        _GANTRY.format(tool="drill", material="al6082_t6", more=""),
-        "G81 X5 Y5 Z-4 R1 F200\nG80\nM2\n",
-    ),
-    (
-        "an arm",
-        "bullet",
-        _ARM.format(model="kuka_kr10_r1100_2", place="[600, 0, 300]", tool=_MILL),
-        _BODY,
-    ),
-    (
-        "printing",
-        "kinematic",
-        _ARM.format(model="kuka_kr10_r1100_2", place="[600, 0, 300]", tool=_PRINT) + _SWITCHED,
-        "G0 Z1\nM10\nG1 X15 F600\nM11\nM2\n",
-    ),
-    (
-        "an arm without closed form",
-        "kinematic",
-        _ARM.format(model="ur10e", place="[-600, 100, 300]", tool=_MILL),
-        _BODY,
-    ),
-    ("a leaning tool", "kinematic", _TABLE, "G0 X-30 Y0 Z30\nG0 A20\nG0 Z-2\nG1 X10 A25 F900\nG0 Z30\nM5\nM2\n"),
-)
+Say = Callable[[str], None]
 
 
-def warm_up(say: Callable[[str], None]) -> None:
-    """Run the jobs, with a line for each; kernels that are already compiled take only a moment."""
-    from importlib.util import find_spec
-
+def warm_up(say: Say) -> None:
+    """Compile everything that is on the list of kernels; those that are there already take only a moment."""
     # a package installed with `-e` has no byte code, which costs 0.2 s at each start if none can be written
     compileall.compile_dir(Path(__file__).parent, quiet=2)
-    say("compiling: the reader of long programs")
-    for _ in interpret(SourceText("warm_up.nc", (_HEAD + _BODY).encode()), Settings(lane="compiled")).stream():
-        pass
-    with TemporaryDirectory() as folder:
-        for number, (what, world, cell, program) in enumerate(_JOBS, 1):
-            say(f"compiling {number}/{len(_JOBS)}: {what}")
-            place = Path(folder) / f"cell{number}.yaml"
-            loaded = read_cell(SourceText("cell.yaml", cell.encode()), place)
-            usable = world if find_spec("pybullet") is not None else "kinematic"
-            job = prepare(SourceText("warm_up.nc", (_HEAD + program).encode()), loaded, Options(world=usable))
-            run(job, Path(folder) / str(number))
-            if job.loaded.cell is None or job.reading is None or job.reading.failed is not None:
-                raise AssertionError(f"the warm-up job for {what} is broken: {[f.message for f in job.findings]}")
+    if is_compiler_off():
+        say("NUMBA_DISABLE_JIT is set: kernels run as Python, and none is compiled")
+        return
+    parts = known_parts()
+    ahead = {name: missing(signatures) for name, signatures in parts.items()}
+    if not any(ahead.values()):
+        say(f"all {sum(map(len, parts.values()))} kernels are compiled")
+    for name, signatures in ahead.items():
+        if signatures:
+            _compile(name, signatures, say)
+
+
+def warm_up_for(signature: str, obstacle: str, say: Say) -> None:
+    """Compile the part of the list in which a kernel is, which is about to be called; see `compiled.when_cold`."""
+    part = part_with(signature)
+    name = part[0] if part else signature.partition(" ")[0]
+    if obstacle:
+        _say_once(f"compiling kernels, and again at the next run, since they cannot be kept: {obstacle}", say)
+    elif part is None:
+        say(f"compiling {name}, once for this version")
+    else:
+        _compile(name, missing(part[1]), say)
+
+
+def _compile(name: str, signatures: Sequence[str], say: Say) -> None:
+    begin = time.monotonic()
+    what = f"compiling kernels, once for this version: {name}"
+    say(f"{what}, {len(signatures)} on all cores")
+    failed = compile_all(signatures, lambda done: say(f"{what}, {_far(done, len(signatures), begin)}"))
+    for signature, reason in failed.items():
+        say(f"{signature.partition(' ')[0]}: {reason}")
+
+
+def _far(done: int, count: int, begin: float) -> str:
+    return f"{done} of {count} done, {time.monotonic() - begin:.0f} s"
+
+
+def _say_once(text: str, say: Say) -> None:
+    if text not in _SAID:
+        _SAID.append(text)
+        say(text)
+
+
+_SAID: list[str] = []

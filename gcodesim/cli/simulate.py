@@ -207,12 +207,11 @@ def _unwritten(out: Path, error: OSError) -> str:
     return f"{told}{rest}"
 
 
-def _announce_compiling(obstacle: str) -> None:
-    """Say that the first run of a version compiles its kernels, which takes a while."""
-    if obstacle:
-        note(f"compiling the kernels, and again at the next run, since they cannot be kept: {obstacle}")
-        return
-    note("compiling the kernels, once for this version: a minute or two (`gcodesim warm-up` does it beforehand)")
+def _announce_compiling(signature: str, obstacle: str) -> None:
+    """Compile what such a run needs on all cores, and say so."""
+    from gcodesim.warm_up import warm_up_for
+
+    warm_up_for(signature, obstacle, note)
 
 
 class _Stop:

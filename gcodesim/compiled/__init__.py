@@ -2,9 +2,9 @@
 
 Import `kernel` from here and nowhere else. Declaring a kernel costs nothing. When
 it is called first with arguments of some types, its machine code for them is
-taken from the cache (`object_code`), which needs a part of LLVM only; where it is
-not there yet, numba compiles it (`compiling`), which takes 0.3 s to load and
-seconds to work, and it is kept.
+taken from the library that came with the package (`library`), else from the cache
+(`object_code`), which needs a part of LLVM; where it is in neither, numba compiles
+it (`compiling`), which takes 0.3 s to load and seconds to work, and it is kept.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ F = TypeVar("F", bound=Callable[..., Any])
 # machine code for the first time takes 0.05 s.
 SHORT: Final = 256
 
-# called before a long compilation, so that nobody has to wait in silence; it gets the reason why code cannot be
-# kept, empty if it can
-when_cold: Callable[[str], None] | None = None
+# called before a kernel is compiled, so that nobody has to wait in silence; it gets the kernel's signature and the
+# reason why code cannot be kept, empty if it can. It may compile this kernel and others into the cache.
+when_cold: Callable[[str, str], None] | None = None
 
 
 class Kernel:
@@ -82,8 +82,19 @@ class Kernel:
         from gcodesim.compiled.object_code import entry_of
 
         known = tuple(map(argument_of, arguments))
-        entry = None if None in known else entry_of(self, known)  # type: ignore[arg-type]
-        return entry or self.by_numba
+        try:
+            entry = None if None in known else entry_of(self, known)  # type: ignore[arg-type]
+            return entry or self.by_numba
+        except ImportError as error:
+            if (error.name or "").partition(".")[0] not in ("numba", "llvmlite"):
+                raise
+            from gcodesim.extras import ExtraMissingError
+
+            raise ExtraMissingError(
+                f"the kernel `{self.py_func.__module__}.{self.py_func.__qualname__}` has to be compiled for what it is "
+                "called with; that needs the extra `compile`, which is not installed (no numba): "
+                "pip install 'gcodesim[compile]'"
+            ) from None
 
     @cached_property
     def by_numba(self) -> Callable[..., Any]:

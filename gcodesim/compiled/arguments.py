@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Sequence
+from importlib import import_module
 from typing import Any, Final, NamedTuple, cast
 
 import numpy as np
@@ -67,18 +69,24 @@ def name_of(kind: type) -> str | None:
     """Name in machine code of a class of named tuples; None when it is none that can be found by its name."""
     module = sys.modules.get(kind.__module__)
     found = hasattr(kind, "_fields") and getattr(module, kind.__qualname__, None) is kind
-    return f"{_NAMED}{kind.__module__}:{kind.__qualname__}" if found else None
-
-
-def is_named(name: str) -> bool:
-    """Whether a name in machine code is that of a class of named tuples."""
-    return name.startswith(_NAMED)
+    return f"{kind.__module__}:{kind.__qualname__}" if found else None
 
 
 def class_of(name: str) -> type | None:
     """The class of named tuples that has this name; None when its module is not there, or has changed."""
-    _, module, kind = name.split(":")
+    module, kind = name.split(":")
     return cast("type | None", getattr(sys.modules.get(module), kind, None))
+
+
+def objects_called(names: Sequence[str]) -> tuple[object, ...] | None:
+    """The objects of Python that machine code knows by these names; None if one is missing."""
+    things = []
+    for name in names:
+        thing = class_of(name) if ":" in name else OBJECTS.get(name)
+        if thing is None and name != NONE:
+            return None
+        things.append(thing)
+    return tuple(things)
 
 
 def types_of(item: str) -> tuple[str, ...]:
@@ -88,7 +96,7 @@ def types_of(item: str) -> tuple[str, ...]:
 
 def dtype_of(item: str) -> str:
     """Name in `OBJECTS` of what numpy says of such numbers."""
-    return f"gcodesim_dtype_{item}"
+    return f"dtype.{item}"
 
 
 def dtype_numbers(item: str) -> tuple[int, ...]:
@@ -97,27 +105,70 @@ def dtype_numbers(item: str) -> tuple[int, ...]:
 
 
 def _name(kind: type) -> str:
-    return f"gcodesim_{kind.__module__}_{kind.__name__}"
+    return f"{kind.__module__}.{kind.__name__}"
 
 
-ARRAY_TYPE, TUPLE_TYPE, _NAMED = "gcodesim_ndarray", "gcodesim_tuple", "gcodesim_named:"
+ARRAY_TYPE, TUPLE_TYPE, EMPTY = "numpy.ndarray", "builtins.tuple", "numpy.empty"
+OTHER_TYPES, FAILURE, NONE = "builtins.NotImplemented", "builtins.RuntimeError", "builtins.None"
+NAMES_OF: Final = "_objects"
+"""Behind the name of an entry: the text with the names of its objects."""
 OBJECTS: Final[dict[str, object]] = (
-    {ARRAY_TYPE: np.ndarray, TUPLE_TYPE: tuple}
+    {ARRAY_TYPE: np.ndarray, TUPLE_TYPE: tuple, EMPTY: np.empty, OTHER_TYPES: NotImplemented}
+    | {FAILURE: RuntimeError, NONE: None}
     | {_name(python): python for python in _ITEM_OF}
     | {dtype_of(item): np.dtype(item) for item in ITEMS}
 )
-"""Objects whose addresses machine code knows by these names; they live as long as the process."""
+"""Objects of Python that machine code gets, by their names there; named tuples have theirs by `name_of`."""
 
 
 def as_text(arguments: Sequence[Argument]) -> str:
-    """Equal for equal types, and different otherwise: `f8 i4[2] (u1[1]r f8)`; a named tuple with its fields."""
+    """Equal for equal types, and different otherwise: `f8 i4[2] (u1[1]r f8) package.module:Name(f8)`."""
     return " ".join(map(_as_text, arguments))
 
 
 def _as_text(argument: Argument) -> str:
     if argument.parts is not None:
-        fields = getattr(class_of(argument.named), "_fields", ()) if argument.named else ()
-        return f"{argument.named}{','.join(fields)}({as_text(argument.parts)})"
+        return f"{argument.named}({as_text(argument.parts)})"
     if argument.dimensions is None:
         return argument.item
     return f"{argument.item}[{argument.dimensions}]{'r' if argument.readonly else ''}"
+
+
+def of_text(text: str) -> Arguments:
+    """The types that `as_text` gives as this text; ValueError if it is none. Modules of named tuples are imported."""
+    words = re.findall(r"[^\s()]*\(|\)|[^\s()]+", text)
+    words.reverse()
+    arguments = _of_words(words)
+    if words:
+        raise ValueError(text)
+    return arguments
+
+
+def _of_words(words: list[str]) -> Arguments:
+    arguments = []
+    while words and words[-1] != ")":
+        word = words.pop()
+        if word.endswith("("):
+            named = word[:-1]
+            if named:
+                import_module(named.split(":")[0])
+            arguments.append(Argument(parts=_of_words(words), named=named))
+            if not words:
+                raise ValueError("a parenthesis is open")
+            words.pop()
+            continue
+        item, _, dimensions = word.rstrip("]r").partition("[")
+        if item not in ITEMS:
+            raise ValueError(word)
+        arguments.append(Argument(item, int(dimensions) if dimensions else None, word.endswith("r")))
+    return tuple(arguments)
+
+
+def fields_of(arguments: Sequence[Argument]) -> str:
+    """The fields of all named tuples, whose order is compiled in."""
+    texts = []
+    for argument in arguments:
+        if argument.parts is not None:
+            fields = getattr(class_of(argument.named), "_fields", ()) if argument.named else ()
+            texts.append(f"{','.join(fields)}({fields_of(argument.parts)})")
+    return " ".join(texts)

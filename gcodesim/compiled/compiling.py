@@ -1,4 +1,4 @@
-"""Machine code of kernels by numba. This file and `entry` are the only ones that know numba.
+"""Machine code of kernels by numba. This file, `entry` and `memory` are the only ones that know numba.
 
 A kernel that Python calls is compiled with all that it calls into one piece of
 code. Kernels that others call get no code of their own and no wrappers for
@@ -8,13 +8,12 @@ Python, which would be a good part of the work.
 from __future__ import annotations
 
 import sys
-from copy import copy
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from gcodesim import compiled
 from gcodesim.compiled.arguments import Argument, Arguments, class_of
-from gcodesim.compiled.folder import folders, obstacles, writable_folder
+from gcodesim.compiled.target import level
 
 if TYPE_CHECKING:
     from gcodesim.compiled import Kernel
@@ -29,14 +28,24 @@ def compile_entry(kernel: Kernel, arguments: Arguments, symbol: str) -> ObjectCo
     return _compile_entry(kernel, arguments, symbol) if _knows_this_numba() else None
 
 
-def _compile_entry(kernel: Kernel, arguments: Arguments, symbol: str) -> ObjectCode | None:
+def compile_for_library(kernel: Kernel, arguments: Arguments, symbol: str) -> bytes:
+    """Code like that of `compile_entry`, but such that it can stand at any address.
+
+    ValueError if no entry can be made.
+    """
+    code = _compile_entry(kernel, arguments, symbol, movable=True)
+    if code is None:
+        raise ValueError(f"the kernel {symbol} has no entry")
+    return code.code
+
+
+def _compile_entry(kernel: Kernel, arguments: Arguments, symbol: str, *, movable: bool = False) -> ObjectCode | None:
     numba = _numba()
-    import llvmlite.binding as llvm
     from numba.core.compiler_lock import global_compiler_lock
     from numba.core.runtime import rtsys
 
     from gcodesim.compiled.entry import build_entry
-    from gcodesim.compiled.object_code import ObjectCode, address_of
+    from gcodesim.compiled.object_code import ObjectCode, signature_of
 
     part = _part_of(kernel)
     types = tuple(_type_of(numba, argument) for argument in arguments)
@@ -46,19 +55,24 @@ def _compile_entry(kernel: Kernel, arguments: Arguments, symbol: str) -> ObjectC
         module = build_entry(made, arguments, symbol)
         if module is None:
             return None
-        codegen = made.target_context.codegen()
+        codegen = _codegen()
         library = codegen.create_library(symbol)
         library.add_linking_library(made.library)
         if made.target_context.enable_nrt:
             library.add_linking_library(rtsys.library)
+        library.add_linking_library(_memory())  # behind those that call it
         library.add_ir_module(module)
         library.finalize()
         final = library._final_module
-        outside = [thing.name for thing in (*final.functions, *final.global_variables) if thing.is_declaration]
-        wanted = tuple(name for name in outside if not name.startswith("llvm."))
-        if any(llvm.address_of_symbol(name) not in (None, address_of(name)) for name in wanted):
-            return None
-        return ObjectCode(symbol, wanted, codegen._tm.emit_object(final))
+        wanted = []
+        for thing in (*final.functions, *final.global_variables):
+            if not thing.is_declaration:
+                if not thing.name.startswith(symbol):
+                    thing.linkage = "internal"
+            elif not thing.name.startswith("llvm."):
+                wanted.append(thing.name)
+        machine = codegen.movable if movable else codegen._tm
+        return ObjectCode(symbol, signature_of(kernel, arguments), tuple(wanted), machine.emit_object(final))
 
 
 @cache
@@ -67,7 +81,7 @@ def dispatcher_of(kernel: Kernel) -> Any:
 
     It is compiled again in each process, since numba would keep it as a pickle, which could run anything when read.
     """
-    return _jit(kernel, "whole", nogil=True)
+    return _jit(kernel, _compilers()["whole", kernel.lean], nogil=True)
 
 
 def part_of(kernel: Kernel) -> Any:
@@ -78,15 +92,15 @@ def part_of(kernel: Kernel) -> Any:
 @cache
 def _part_of(kernel: Kernel) -> Any:
     """The kernel as others call it, which Python cannot call."""
-    return _jit(kernel, "part", no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=kernel.inlined)
+    options = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "forceinline": kernel.inlined}
+    return _jit(kernel, _compilers()["part", kernel.lean], **options)
 
 
-def _jit(kernel: Kernel, kind: str, **options: bool) -> Any:
+def _jit(kernel: Kernel, compiler: Any, **options: bool) -> Any:
     """No fast-math, no parallel reductions, so results are repeatable."""
     if kernel.lean:
         options["_nrt"] = False
-    numba = _numba()
-    return numba.njit(error_model="numpy", pipeline_class=_compilers()[kind, kernel.lean], **options)(kernel.py_func)
+    return _numba().njit(error_model="numpy", pipeline_class=compiler, **options)(kernel.py_func)
 
 
 @cache
@@ -125,8 +139,7 @@ def _compilers() -> dict[tuple[str, bool], Any]:
         def __init__(self, *arguments: Any) -> None:
             super().__init__(*arguments)
             context = self.state.targetctx
-            quiet = _quiet(context.codegen())
-            self.state.targetctx = context.subtarget(_internal_codegen=quiet, get_executable=_no_executable)
+            self.state.targetctx = context.subtarget(_internal_codegen=_codegen(), get_executable=_no_executable)
 
     class WholeApart(Whole):
         apart = True
@@ -138,9 +151,10 @@ def _compilers() -> dict[tuple[str, bool], Any]:
 
 
 @cache
-def _quiet(codegen: Any) -> Any:
-    """numba's maker of libraries; its libraries are for linking and for object code, and not loaded."""
-    from numba.core.codegen import JITCodeLibrary
+def _codegen() -> Any:
+    """numba's maker of machine code, for named instructions; its libraries are for linking, and not loaded."""
+    import llvmlite.binding as llvm
+    from numba.core.codegen import JITCodeLibrary, JITCPUCodegen
 
     class Library(JITCodeLibrary):  # type: ignore[misc]
         def _finalize_final_module(self) -> None:
@@ -148,9 +162,32 @@ def _quiet(codegen: Any) -> Any:
             self._verify_declare_only_symbols()
             self._finalized = True
 
-    quiet = copy(codegen)
-    quiet._library_class = Library
-    return quiet
+    class Codegen(JITCPUCodegen):  # type: ignore[misc]
+        _library_class = Library
+
+        def _get_host_cpu_name(self) -> str:
+            return level()
+
+        def _get_host_cpu_features(self) -> str:
+            return ""
+
+    made = Codegen("gcodesim")
+    target = llvm.Target.from_triple(llvm.get_process_triple())
+    made.movable = target.create_target_machine(cpu=level(), opt=3, reloc="pic", codemodel="small")
+    return made
+
+
+@cache
+def _memory() -> Any:
+    """The functions of `memory` as a library to be linked."""
+    from gcodesim.compiled.memory import add_memory
+
+    library = _codegen().create_library("memory")
+    module = library.create_ir_module("memory")
+    add_memory(module)
+    library.add_ir_module(module)
+    library.finalize()
+    return library
 
 
 def _no_executable(library: Any, description: Any, environment: Any) -> Any:
@@ -172,14 +209,10 @@ def _type_of(numba: Any, argument: Argument) -> Any:
 
 @cache
 def _numba() -> Any:
-    """The module numba; if no code is kept yet, announces that something is going to be compiled."""
+    """The module numba."""
     import numba
 
     _load_without_scipy()
-    if compiled.when_cold is not None:
-        place = writable_folder()
-        if place is None or not any(name.endswith(".kernel") for folder in folders() for name in folder.names()):
-            compiled.when_cold("" if place else "; ".join(obstacles()))
     return numba
 
 

@@ -4,6 +4,9 @@ It is of the kind METH_FASTCALL of Python's C interface. It first checks whether
 the number and the types of the arguments are exactly right, and returns
 NotImplemented if not. Then it takes numbers and arrays out of them, calls the
 kernel while other threads may run, and makes Python objects of the results.
+
+Its `self` is a tuple of all objects of Python that it needs, so machine code
+contains no address of this process; their names are a text beside the entry.
 """
 
 from __future__ import annotations
@@ -18,8 +21,13 @@ from numba.core import cgutils
 from gcodesim.compiled.arguments import (
     ARRAY,
     ARRAY_TYPE,
+    EMPTY,
+    FAILURE,
+    NAMES_OF,
+    NONE,
     NUMBER,
     ORDER,
+    OTHER_TYPES,
     TUPLE_ITEMS,
     TUPLE_SIZE,
     TUPLE_TYPE,
@@ -54,22 +62,18 @@ def _is_known(kind: Any) -> bool:
     return isinstance(kind, types.Integer | types.Float | types.Boolean | types.NoneType)
 
 
-def _has_array(kind: Any) -> bool:
-    return isinstance(kind, types.Array) or (isinstance(kind, types.BaseTuple) and any(map(_has_array, kind)))
-
-
 class _Entry:
     """The function under construction."""
 
     def __init__(self, made: Any, arguments: Arguments, symbol: str) -> None:
         self._context, description = made.target_context, made.fndesc
-        self._owned = _has_array(description.restype)  # an array that comes out may be one that went in
+        self._names: list[str] = []
         self.module = self._context.create_module(symbol)
         kind = ir.FunctionType(_POINTER, [_POINTER, _POINTER.as_pointer(), _INT64])
         function = ir.Function(self.module, kind, symbol)
         self._b = ir.IRBuilder(function.append_basic_block("entry"))
         self._api = self._context.get_python_api(self._b)
-        _, given, count = function.args
+        self._objects, given, count = function.args
 
         self._demand(self._b.icmp_signed("==", count, _INT64(len(arguments))))
         objects = [self._b.load(self._b.gep(given, [_INT64(i)])) for i in range(len(arguments))]
@@ -87,21 +91,16 @@ class _Entry:
             self._b, kernel, description.restype, description.argtypes, values, attrs=("noinline",)
         )
         self._api.restore_thread(thread)
-        if self._owned:
-            for value, kind in zip(values, description.argtypes, strict=True):
-                if _has_array(kind):
-                    self._context.nrt.decref(self._b, kind, value)
         with self._b.if_then(status.is_error, likely=False):
-            self._api.err_set_string("PyExc_RuntimeError", f"the kernel {description.qualname} failed")
+            self._api.err_set_string(self._named(FAILURE), f"the kernel {description.qualname} failed")
             self._b.ret(_POINTER(None))
         self._b.ret(self._object(description.restype, result))
+        self._write_names(f"{symbol}{NAMES_OF}")
 
     def _demand(self, condition: ir.Value) -> None:
         """Go on when the condition holds, else return NotImplemented."""
         with self._b.if_then(self._b.not_(condition), likely=False):
-            answer = self._named("_Py_NotImplementedStruct")
-            self._api.incref(answer)
-            self._b.ret(answer)
+            self._b.ret(self._own(self._named(OTHER_TYPES)))
 
     def _look_at(self, thing: ir.Value, argument: Argument) -> None:
         """Demand that an object is of the type."""
@@ -152,15 +151,12 @@ class _Entry:
 
     def _array(self, thing: ir.Value, dimensions: int, kind: Any) -> ir.Value:
         array = self._context.make_array(kind)(self._context, self._b)
-        if self._owned:
-            self._api.nrt_adapt_ndarray_from_python(thing, self._b.bitcast(array._getpointer(), _POINTER))
-            return array._getvalue()
         shape = self._read(thing, ARRAY["shape"], _INT64.as_pointer())
         strides = self._read(thing, ARRAY["strides"], _INT64.as_pointer())
         lengths = [self._b.load(self._b.gep(shape, [_INT64(axis)])) for axis in range(dimensions)]
         steps = [self._b.load(self._b.gep(strides, [_INT64(axis)])) for axis in range(dimensions)]
         array.meminfo = ir.Constant(array.meminfo.type, None)
-        array.parent = ir.Constant(array.parent.type, None)
+        array.parent = self._b.bitcast(thing, array.parent.type)  # so that it is known when it comes out again
         array.nitems = reduce(self._b.mul, lengths, _INT64(1))
         array.itemsize = _INT64(self._context.get_abi_sizeof(self._context.get_data_type(kind.dtype)))
         array.data = self._b.bitcast(self._read(thing, ARRAY["data"], _POINTER), array.data.type)
@@ -171,7 +167,7 @@ class _Entry:
     def _object(self, kind: Any, value: ir.Value) -> ir.Value:
         """Python's object for a result."""
         if isinstance(kind, types.NoneType):
-            return self._api.make_none()
+            return self._own(self._named(NONE))
         if isinstance(kind, types.BaseTuple):
             tuple_ = self._api.tuple_new(len(kind))
             for i, item in enumerate(kind):
@@ -186,19 +182,52 @@ class _Entry:
         return self._api.from_native_value(kind, value)
 
     def _array_object(self, kind: Any, value: ir.Value) -> ir.Value:
-        import numpy as np
-        from numba.np.numpy_support import as_dtype
+        """The array that went in if it is that, else a new one of numpy with the same numbers."""
+        array = self._context.make_array(kind)(self._context, self._b, value)
+        lengths = [self._b.extract_value(array.shape, axis) for axis in range(kind.ndim)]
+        parent = self._b.bitcast(array.parent, _POINTER)
+        place = cgutils.alloca_once_value(self._b, parent)
+        with self._b.if_else(self._is_whole(parent, kind, self._b.bitcast(array.data, _POINTER), lengths)) as (
+            old,
+            new,
+        ):
+            with old:
+                self._own(parent)
+            with new:
+                self._b.store(self._copy(kind, array, lengths), place)
+        if self._context.enable_nrt:
+            self._context.nrt.decref(self._b, kind, value)
+        return self._b.load(place)
 
-        dtype = np.dtype(as_dtype(kind.dtype))
-        function = cgutils.get_or_insert_function(
-            self.module,
-            ir.FunctionType(_POINTER, [_POINTER, _POINTER, _INT32, _INT32, _POINTER]),
-            "NRT_adapt_ndarray_to_python_acqref",
-        )
-        place = self._b.bitcast(cgutils.alloca_once_value(self._b, value), _POINTER)
-        more = [self._named(ARRAY_TYPE), _INT32(kind.ndim), _INT32(1), self._named(dtype_of(dtype.str[1:]))]
-        made = self._b.call(function, [place, *more])
-        self._context.nrt.decref(self._b, kind, value)
+    def _is_whole(self, parent: ir.Value, kind: Any, data: ir.Value, lengths: list[ir.Value]) -> ir.Value:
+        """Whether `parent` is an array with these data, and not null."""
+        place = cgutils.alloca_once_value(self._b, ir.Constant(ir.IntType(1), 0))
+        with self._b.if_then(self._b.icmp_unsigned("!=", parent, _POINTER(None))):
+            dimensions = self._read(parent, ARRAY["dimensions"], _INT32)
+            same = [
+                self._b.icmp_unsigned("==", self._read(parent, ARRAY["data"], _POINTER), data),
+                self._b.icmp_unsigned("==", dimensions, _INT32(kind.ndim)),
+                self._any(self._read(self._read(parent, ARRAY["dtype"], _POINTER), NUMBER, _INT32), _numbers_of(kind)),
+            ]
+            with self._b.if_then(reduce(self._b.and_, same)):
+                shape = self._read(parent, ARRAY["shape"], _INT64.as_pointer())
+                ends = [self._b.load(self._b.gep(shape, [_INT64(axis)])) for axis in range(kind.ndim)]
+                equal = [self._b.icmp_unsigned("==", *pair) for pair in zip(ends, lengths, strict=True)]
+                self._b.store(reduce(self._b.and_, equal, ir.Constant(ir.IntType(1), 1)), place)
+        return self._b.load(place)
+
+    def _copy(self, kind: Any, array: Any, lengths: list[ir.Value]) -> ir.Value:
+        """A new array; the entry ends with Python's error when there is no memory."""
+        shape = self._api.tuple_new(len(lengths))
+        for axis, length in enumerate(lengths):
+            self._api.tuple_setitem(shape, axis, self._api.long_from_longlong(length))
+        made = self._api.call_function_objargs(self._named(EMPTY), [shape, self._named(dtype_of(_item_of(kind)))])
+        self._api.decref(shape)
+        with self._b.if_then(cgutils.is_null(self._b, made), likely=False):
+            self._b.ret(_POINTER(None))
+        size = self._b.mul(array.nitems, array.itemsize)
+        into = self._read(made, ARRAY["data"], _POINTER)
+        cgutils.raw_memcpy(self._b, into, self._b.bitcast(array.data, _POINTER), size, 1)
         return made
 
     def _item(self, thing: ir.Value, number: int) -> ir.Value:
@@ -210,6 +239,28 @@ class _Entry:
     def _read(self, thing: ir.Value, offset: int, kind: ir.Type) -> ir.Value:
         return self._b.load(self._b.bitcast(self._b.gep(thing, [_INT64(offset)]), kind.as_pointer()))
 
+    def _own(self, thing: ir.Value) -> ir.Value:
+        self._api.incref(thing)
+        return thing
+
     def _named(self, name: str) -> ir.Value:
-        """Address of an object of Python."""
-        return self._context.get_c_value(self._b, _INT8, name)
+        """An object of Python."""
+        if name not in self._names:
+            self._names.append(name)
+        return self._read(self._objects, TUPLE_ITEMS + 8 * self._names.index(name), _POINTER)
+
+    def _write_names(self, symbol: str) -> None:
+        text = cgutils.make_bytearray(" ".join(self._names).encode() + b"\0")
+        names = ir.GlobalVariable(self.module, text.type, symbol)
+        names.initializer, names.global_constant = text, True
+
+
+def _item_of(kind: Any) -> str:
+    import numpy as np
+    from numba.np.numpy_support import as_dtype
+
+    return np.dtype(as_dtype(kind.dtype)).str[1:]
+
+
+def _numbers_of(kind: Any) -> list[ir.Value]:
+    return [_INT32(number) for number in dtype_numbers(_item_of(kind))]

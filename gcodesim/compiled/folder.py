@@ -1,4 +1,4 @@
-"""The folder for machine code; its name says for which sources, versions and processor the code was made.
+"""The folder for machine code; its name says for which sources, versions and instructions the code was made.
 
 numba's own check does not see that a kernel in another file has changed, and
 would take code that was made on a processor with other instructions.
@@ -9,7 +9,9 @@ from __future__ import annotations
 import hashlib
 import os
 import platform
+import re
 import sys
+import time
 from collections.abc import Iterator
 from functools import cache
 from importlib.util import find_spec
@@ -17,8 +19,9 @@ from pathlib import Path
 from types import CodeType
 from typing import Final
 
+from gcodesim.compiled.target import level
 from gcodesim.files.own_folder import OwnFolder
-from gcodesim.files.user_cache import kept_folders, refusals, user_cache
+from gcodesim.files.user_cache import delete_unused, kept_folders, refusals, user_cache
 
 _COMPILERS: Final = {"numba": "_version.py", "llvmlite": "_version.py", "numpy": "version.py"}
 """Packages that make machine code or define how arrays lie in memory, and their files with the version."""
@@ -37,6 +40,22 @@ def writable_folder() -> OwnFolder | None:
     return user_cache(_name())
 
 
+def mark_used(folder: OwnFolder) -> None:
+    """Note, at most once a day, that a folder is in use, so that it is not deleted as an old one."""
+    if time.time_ns() - folder.last_used_ns() > _DAY_NS:
+        folder.mark_used()
+
+
+def delete_old() -> None:
+    """Delete this user's folders for other sources and versions that were not used for a month."""
+    delete_unused(re.compile(r"[0-9a-f]{16}"), _FILES, keep=_name(), older_ns=30 * _DAY_NS)
+
+
+_DAY_NS: Final = 24 * 3600 * 10**9
+_FILES: Final = (".kernel", ".part", ".nbi", ".nbc")
+"""Endings of our files, and of numba's, which earlier versions kept."""
+
+
 def obstacles() -> list[str]:
     """Why code is not kept where it should be."""
     return refusals(_name())
@@ -44,14 +63,25 @@ def obstacles() -> list[str]:
 
 @cache
 def _name() -> str:
-    """Hash of every kernel source, of the way they are compiled, of the compiler's version and the processor."""
-    digest = hashlib.sha256(f"{sys.implementation.cache_tag} {sys.abiflags} {platform.machine()}\n".encode())
-    for path in (*sorted((_ROOT / "compiled").glob("*.py")), *sorted(_kernel_files(_ROOT))):
-        digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    """Hash of the sources, of the interpreter, of the compiler's version and of the instructions it may use."""
+    digest = hashlib.sha256(f"{sources()} {sys.implementation.cache_tag} {sys.abiflags} {level()}\n".encode())
+    digest.update(f"{sys.platform} {platform.machine()}\n".encode())
     for name in _COMPILERS:
         digest.update(_version(name) + b"\0")
-    digest.update(_processor())
     return digest.hexdigest()[:16]
+
+
+@cache
+def sources() -> str:
+    """Hash of every kernel source and of the way they are compiled."""
+    digest = hashlib.sha256()
+    for path in (*sorted(map((_ROOT / "compiled").joinpath, _WAY)), *sorted(_kernel_files(_ROOT))):
+        digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+_WAY: Final = ("arguments.py", "compiling.py", "entry.py", "memory.py")
+"""Files of this package on which machine code depends."""
 
 
 @cache
@@ -66,14 +96,6 @@ def source_beside(function: CodeType) -> bytes:
         return function.co_code + repr(function.co_consts).encode()
 
 
-def package(name: str) -> Path:
-    """Folder of an installed package, which is not imported."""
-    spec = find_spec(name)
-    if spec is None or not spec.submodule_search_locations:
-        raise ImportError(name)
-    return Path(next(iter(spec.submodule_search_locations)))
-
-
 def _kernel_files(folder: Path) -> Iterator[Path]:
     with os.scandir(folder) as entries:
         for entry in entries:
@@ -85,24 +107,12 @@ def _kernel_files(folder: Path) -> Iterator[Path]:
 
 def _version(name: str) -> bytes:
     """The file with the version; reading the package's metadata would take longer than the rest of this module."""
+    spec = find_spec(name)
+    if spec is None or not spec.submodule_search_locations:
+        return b"not installed"
     try:
-        return (package(name) / _COMPILERS[name]).read_bytes()
+        return (Path(next(iter(spec.submodule_search_locations))) / _COMPILERS[name]).read_bytes()
     except OSError:
         from importlib.metadata import version
 
         return version(name).encode()
-
-
-def _processor() -> bytes:
-    """The processor's name and features: code made on another one may hold instructions this one lacks."""
-    lines = []
-    try:
-        with open("/proc/cpuinfo", "rb") as file:
-            for line in file:
-                if line.startswith((b"model name", b"flags", b"Features", b"CPU part")):
-                    lines.append(line)
-                if not line.strip():  # the next one follows, which has the same
-                    break
-    except OSError:
-        return platform.processor().encode()
-    return b"".join(lines)

@@ -81,9 +81,30 @@ class OwnFolder:
     def names(self) -> list[str]:
         """The names of everything in the folder, in order."""
         try:
-            return sorted(os.listdir(self.path if self._descriptor is None else self._descriptor))
+            return sorted(os.listdir(self._self))
         except OSError:
             return []
+
+    def last_used_ns(self) -> int:
+        """When `mark_used` was last called, or a file was added or deleted; 0 if the folder is gone."""
+        try:
+            return os.stat(self._self).st_mtime_ns
+        except OSError:
+            return 0
+
+    def mark_used(self) -> None:
+        """Set the time of last use to now, if the system allows it."""
+        with suppress(OSError, NotImplementedError):
+            os.utime(self._self)
+
+    def delete_folder(self, name: str) -> None:
+        """Delete the folder `name` in this one if it is empty."""
+        with suppress(OSError):
+            os.rmdir(self._place(name), dir_fd=self._descriptor)
+
+    @property
+    def _self(self) -> int | Path:
+        return self.path if self._descriptor is None else self._descriptor
 
     def changed_ns(self, name: str) -> int:
         """When a file was last written; 0 if it does not exist."""

@@ -7,6 +7,8 @@ that nobody else can write to; otherwise everything is computed again.
 from __future__ import annotations
 
 import os
+import re
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
@@ -38,6 +40,29 @@ def refusals(name: str) -> list[str]:
     """Why nothing is kept where it should be, with a line for each place that cannot be used."""
     folders = (_open(root, name, make=True) for root in _roots())
     return [folder for folder in folders if isinstance(folder, str)]
+
+
+def delete_unused(names: re.Pattern[str], files: tuple[str, ...], *, keep: str, older_ns: int) -> None:
+    """Delete folders whose whole name is one of `names`, with all files that have one of these endings.
+
+    Only in the place that is used, only folders of this user's own (never through a link), and none that was used
+    within the last `older_ns`, nor `keep`. A folder that holds anything else stays.
+    """
+    used = user_cache(keep)
+    if used is None:
+        return
+    try:
+        place = open_own_folder(used.path.parent)
+    except NotOwn:
+        return
+    for name in place.names():
+        folder = place.folder(name) if names.fullmatch(name) and name != keep else None
+        if folder is None or time.time_ns() - folder.last_used_ns() < older_ns:
+            continue
+        for file in folder.names():
+            if file.endswith(files):
+                folder.delete(file)
+        place.delete_folder(name)
 
 
 class _Root(NamedTuple):

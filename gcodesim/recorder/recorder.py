@@ -62,7 +62,7 @@ WORTH_DRAWING: Final = 1.05
 
 FORCE_PERIOD_NS: Final = 100_000_000
 
-LIBRARIES: Final = ("mcap", "numba", "numpy", "pybullet", "zstandard")
+LIBRARIES: Final = ("mcap", "numpy", "pybullet", "zstandard")
 """Packages whose version may change a number or a byte."""
 
 

@@ -1,4 +1,4 @@
-"""`gcodesim warm-up`: compile the kernels once, with a progress line instead of a silent first run."""
+"""`gcodesim warm-up`: compile all kernels once, on all cores, with a line every two seconds."""
 
 from __future__ import annotations
 

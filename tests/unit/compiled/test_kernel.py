@@ -142,14 +142,14 @@ def test_declaring_and_interpreting_do_not_load_numba() -> None:
     assert run_python(code).endswith("0.] False\n")
 
 
-def test_a_cold_compilation_is_announced_once_and_works_without_a_cache(tmp_path: Path) -> None:
+def test_each_compilation_is_announced_and_works_without_a_cache(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("no folder fits below a file")
     nowhere = str(tmp_path / "file")
     code = (
         "from gcodesim import compiled\n"
-        "compiled.when_cold = lambda obstacle: print('cold', obstacle.count('cannot be used'))\n"
+        "compiled.when_cold = lambda signature, why: print(signature.split()[0][-9:], why.count('cannot be used'))\n"
         "from gcodesim.motion.corner_kernels import corner_center, way_from_corner\n"
         "print(corner_center(1.0, 0.0, 1.0, 0.0, 1.0, 2.0)[1], way_from_corner(3.0, 0.0, 0.0, 0.0, 1.0))"
     )
     environment = {"XDG_CACHE_HOME": nowhere, "NUMBA_CACHE_DIR": nowhere}
-    assert run_python(code, **environment) == "cold 2\n2.0 3.0\n"
+    assert run_python(code, **environment) == "er_center 2\nom_corner 2\n2.0 3.0\n"

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,6 +15,7 @@ import pytest
 
 from gcodesim.compiled import Kernel, compiling, folder, kernel, object_code
 from gcodesim.compiled.arguments import ITEMS, argument_of
+from gcodesim.compiled.function import objects_are_as_known
 from gcodesim.files import user_cache
 from gcodesim.rs274.plain.reader_kernels import byte_at
 
@@ -203,23 +206,8 @@ def test_a_damaged_file_is_made_anew(cache: Path, damage: Any) -> None:
 
 
 def test_code_that_wants_what_is_not_there_is_not_loaded() -> None:
-    code = object_code.ObjectCode("f", ("PyErr_SetString", "gcodesim_of_another_version"), b"")
+    code = object_code.ObjectCode("f", "m:f", ("PyErr_SetString", "gcodesim_of_another_version"), b"")
     assert object_code.load(code) is None
-
-
-def test_what_code_wants_is_where_numba_has_it() -> None:
-    """Both tell LLVM by name where things are; the one that comes second must say the same."""
-    code = (
-        "from gcodesim.compiled.object_code import address_of, _HELPERS, _helpers\n"
-        "names = [p + n for p, m in _HELPERS.items() for n in _helpers(m) if not n.startswith('_')]\n"
-        "names += 'sin cos tan asin acos atan atan2 sqrt exp log log10 pow fmod floor ceil'.split()\n"
-        "names += ['PyExc_RuntimeError', 'PyExc_TypeError', '_Py_NoneStruct']\n"
-        "ours = {name: address_of(name) for name in names}\n"
-        "import numba, llvmlite.binding as llvm\n"
-        "numba.njit(lambda x: x)(1)\n"
-        "print(len(ours) > 100, {n: a for n, a in ours.items() if a is None or llvm.address_of_symbol(n) != a})\n"
-    )
-    assert output(code) == "True {}\n"
 
 
 @pytest.mark.parametrize("item", ITEMS)
@@ -359,7 +347,7 @@ def test_another_numba_than_those_we_know(monkeypatch: pytest.MonkeyPatch, cache
 
 def test_we_know_the_numba_that_is_here() -> None:
     assert compiling._knows_this_numba()
-    assert object_code._arrays_are_as_known()
+    assert objects_are_as_known()
 
 
 def test_without_the_compiler_kernels_run_as_python() -> None:
@@ -388,28 +376,60 @@ def test_reading_a_long_program_does_not_load_numba(tmp_path: Path) -> None:
     assert output(code).splitlines()[-1] == "0 []"
 
 
-def test_the_folder_is_another_for_other_sources_versions_and_processors(
+def test_the_folder_is_another_for_other_sources_versions_and_instructions(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    names = folder._name.__wrapped__
+    def name() -> str:
+        folder.sources.cache_clear()
+        return folder._name.__wrapped__()
+
     (tmp_path / "compiled").mkdir()
     (tmp_path / "deep").mkdir()
-    (tmp_path / "compiled" / "way.py").write_text("1")
+    for file in folder._WAY:
+        (tmp_path / "compiled" / file).write_text("1")
     (tmp_path / "deep" / "some_kernels.py").write_text("1")
     (tmp_path / "deep" / "other.py").write_text("1")
     monkeypatch.setattr(folder, "_ROOT", tmp_path)
-    seen = [names()]
-    (tmp_path / "deep" / "other.py").write_text("2")
-    assert names() == seen[0]
-    for path in ("compiled/way.py", "deep/some_kernels.py"):
-        (tmp_path / path).write_text("2")
-        seen.append(names())
-    monkeypatch.setattr(folder, "_processor", lambda: b"another")
-    seen.append(names())
-    for compiler in folder._COMPILERS:
-        monkeypatch.setattr(folder, "_version", lambda name, new=compiler: b"9" if name == new else b"1")
-        seen.append(names())
+    try:
+        seen = [name()]
+        for path in ("deep/other.py", "compiled/known.py"):
+            (tmp_path / path).write_text("2")
+            assert name() == seen[0]
+        for path in ("compiled/entry.py", "deep/some_kernels.py"):
+            (tmp_path / path).write_text("2")
+            seen.append(name())
+        monkeypatch.setattr(folder, "level", lambda: "another")
+        seen.append(name())
+        for compiler in folder._COMPILERS:
+            monkeypatch.setattr(folder, "_version", lambda name, new=compiler: b"9" if name == new else b"1")
+            seen.append(name())
+    finally:
+        folder.sources.cache_clear()
     assert len(set(seen)) == len(seen)
+
+
+def test_folders_that_nobody_used_for_a_month_are_deleted(cache: Path) -> None:
+    """Those of other versions, and only if they hold what we wrote."""
+    fresh(byte_at)(text(b"G1"), 1)
+    (made,) = kept(cache)
+    month = 31 * 24 * 3600
+    old, recent, strange, foreign = (cache / name for name in ("0" * 16, "1" * 16, "2" * 16, "notes"))
+    for place in (old, recent, strange, foreign):
+        place.mkdir(mode=0o700)
+        (place / "f_0123.kernel").write_bytes(b"code")
+    (strange / "thesis.txt").write_text("mine")
+    (cache / ("3" * 16)).symlink_to(foreign)
+    for place in (old, strange, foreign, made.parent):
+        os.utime(place, (1, place.stat().st_mtime - month))
+
+    folder.delete_old()
+    assert not old.exists()
+    assert (recent / "f_0123.kernel").exists() and (foreign / "f_0123.kernel").exists()
+    assert [path.name for path in strange.iterdir()] == ["thesis.txt"]
+    assert made.exists()
+
+    fresh(byte_at)(text(b"G1"), 1)  # marks it as used
+    assert made.parent.stat().st_mtime > time.time() - month / 2
 
 
 def test_a_function_beside_the_package_is_another_when_its_file_changes(tmp_path: Path) -> None:
@@ -439,3 +459,19 @@ def test_a_run_does_not_load_numba(tmp_path: Path, machine: str, world: str) -> 
     )
     output(code)  # compiles what is not there
     assert output(code).splitlines()[-1] == "0 False True"
+
+
+@kernel
+def taken_apart(value: float) -> tuple[float, int, float]:
+    fraction, exponent = math.frexp(value)
+    return fraction, exponent, math.ldexp(fraction, exponent - 3)
+
+
+@pytest.mark.parametrize("value", [0.0, -0.0, 1.0, -6.5, 1e308, 5e-324, math.inf, -math.inf, math.nan])
+def test_fractions_and_exponents_are_those_of_python(value: float) -> None:
+    """Machine code has functions of its own for them; they need nothing of numba when they are loaded."""
+    fraction, exponent = math.frexp(value)
+    expected = (fraction, exponent, math.ldexp(fraction, exponent - 3))
+    assert str(fresh(taken_apart)(value)) == str(expected)
+    code = compiling.compile_entry(taken_apart, tuple(map(argument_of, (value,))), "taken_apart")  # type: ignore[arg-type]
+    assert code is not None and not [name for name in code.wanted if name.startswith("numba")]
