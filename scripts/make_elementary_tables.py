@@ -1,6 +1,6 @@
 """Write gcodesim/arithmetic/table_kernels.py: elementary functions as pairs of doubles, from decimal arithmetic.
 
-    python scripts/make_elementary_tables.py
+python scripts/make_elementary_tables.py
 """
 
 from __future__ import annotations

@@ -152,6 +152,8 @@ def _of_words(words: list[str]) -> Arguments:
             named = word[:-1]
             if named:
                 import_module(named.split(":")[0])
+                if class_of(named) is None:
+                    raise ValueError(f"there is no `{named}`")
             arguments.append(Argument(parts=_of_words(words), named=named))
             if not words:
                 raise ValueError("a parenthesis is open")

@@ -1,13 +1,12 @@
-"""The folder for machine code; its name says for which sources, versions and instructions the code was made.
+"""The folder for machine code; its name says for which versions and instructions the code was made.
 
-numba's own check does not see that a kernel in another file has changed, and
-would take code that was made on a processor with other instructions.
+numba's own check would take code that was made on a processor with other instructions. For which sources code was
+made is in its own name, see `sources`.
 """
 
 from __future__ import annotations
 
 import hashlib
-import os
 import platform
 import re
 import sys
@@ -16,7 +15,6 @@ from collections.abc import Iterator
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
-from types import CodeType
 from typing import Final
 
 from gcodesim.compiled.target import level
@@ -25,9 +23,6 @@ from gcodesim.files.user_cache import delete_unused, kept_folders, refusals, use
 
 _COMPILERS: Final = {"numba": "_version.py", "llvmlite": "_version.py", "numpy": "version.py"}
 """Packages that make machine code or define how arrays lie in memory, and their files with the version."""
-
-
-_ROOT: Final = Path(__file__).parents[1]
 
 
 def folders() -> Iterator[OwnFolder]:
@@ -47,10 +42,20 @@ def mark_used(folder: OwnFolder) -> None:
 
 
 def delete_old() -> None:
-    """Delete this user's folders for other sources and versions that were not used for a month."""
+    """Delete this user's folders for other versions that were not used for a month, and code that is one of too many.
+
+    Who edits kernels fills the folder with code of sources that are no more.
+    """
     delete_unused(re.compile(r"[0-9a-f]{16}"), _FILES, keep=_name(), older_ns=30 * _DAY_NS)
+    for folder in folders():
+        names = [name for name in folder.names() if name.endswith(_FILES)]
+        if len(names) > _MOST:
+            for name in sorted(names, key=folder.changed_ns)[: len(names) - _MOST // 2]:
+                folder.delete(name)
 
 
+_MOST: Final = 8000
+"""Files that a folder may hold; a version of all kernels is a few hundred."""
 _DAY_NS: Final = 24 * 3600 * 10**9
 _FILES: Final = (".kernel", ".part", ".nbi", ".nbc")
 """Endings of our files, and of numba's, which earlier versions kept."""
@@ -63,46 +68,12 @@ def obstacles() -> list[str]:
 
 @cache
 def _name() -> str:
-    """Hash of the sources, of the interpreter, of the compiler's version and of the instructions it may use."""
-    digest = hashlib.sha256(f"{sources()} {sys.implementation.cache_tag} {sys.abiflags} {level()}\n".encode())
+    """Hash of the interpreter, of the compiler's version and of the instructions it may use."""
+    digest = hashlib.sha256(f"{sys.implementation.cache_tag} {sys.abiflags} {level()}\n".encode())
     digest.update(f"{sys.platform} {platform.machine()}\n".encode())
     for name in _COMPILERS:
         digest.update(_version(name) + b"\0")
     return digest.hexdigest()[:16]
-
-
-@cache
-def sources() -> str:
-    """Hash of every kernel source and of the way they are compiled."""
-    digest = hashlib.sha256()
-    for path in (*sorted(map((_ROOT / "compiled").joinpath, _WAY)), *sorted(_kernel_files(_ROOT))):
-        digest.update(path.name.encode() + b"\0" + path.read_bytes())
-    return digest.hexdigest()[:16]
-
-
-_WAY: Final = ("arguments.py", "compiling.py", "entry.py", "memory.py")
-"""Files of this package on which machine code depends."""
-
-
-@cache
-def source_beside(function: CodeType) -> bytes:
-    """Source of a function outside this package, which does not count in the name of the folder."""
-    path = Path(function.co_filename)
-    if path.is_relative_to(_ROOT):
-        return b""
-    try:
-        return path.read_bytes()
-    except OSError:  # typed in
-        return function.co_code + repr(function.co_consts).encode()
-
-
-def _kernel_files(folder: Path) -> Iterator[Path]:
-    with os.scandir(folder) as entries:
-        for entry in entries:
-            if entry.name.endswith("kernels.py"):
-                yield Path(entry.path)
-            elif "." not in entry.name and entry.name != "__pycache__" and entry.is_dir():
-                yield from _kernel_files(Path(entry.path))
 
 
 def _version(name: str) -> bytes:

@@ -1,6 +1,6 @@
 """The library of kernels that came with the package: shared libraries, one for each set of instructions.
 
-It is for the sources that it names, so an edited kernel is compiled anew; where none fits, everything is.
+The name of each entry says for which sources it was made, so an edited kernel is compiled anew, and only that one.
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any, Final
 
 from gcodesim.compiled.arguments import NAMES_OF
-from gcodesim.compiled.folder import sources
 from gcodesim.compiled.function import new_function
 from gcodesim.compiled.target import levels
 
@@ -22,8 +21,8 @@ FOLDER: Final = Path(__file__).parent / "libraries"
 
 
 def file_name(level: str) -> str:
-    """Name of the library of these sources for a set of instructions."""
-    return f"kernels-{sources()}-{level}.so"
+    """Name of the library for a set of instructions."""
+    return f"kernels-{level}.so"
 
 
 def has(symbol: str) -> bool:

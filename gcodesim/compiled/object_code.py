@@ -20,8 +20,9 @@ from typing import Any, Final, NamedTuple, cast
 from gcodesim import compiled
 from gcodesim.compiled import Kernel, is_compiler_off, library
 from gcodesim.compiled.arguments import NAMES_OF, Arguments, as_text, fields_of
-from gcodesim.compiled.folder import delete_old, folders, mark_used, obstacles, source_beside, writable_folder
+from gcodesim.compiled.folder import delete_old, folders, mark_used, obstacles, writable_folder
 from gcodesim.compiled.function import new_function, objects_are_as_known
+from gcodesim.compiled.sources import hash_of_sources
 from gcodesim.files.own_folder import OwnFolder
 
 
@@ -100,11 +101,11 @@ def signature_of(kernel: Kernel, arguments: Arguments) -> str:
 
 
 def symbol_of(kernel: Kernel, arguments: Arguments) -> str:
-    """A different name for each kernel and each combination of types."""
+    """A different name for each kernel, each combination of types and each state of the sources behind it."""
     function = cast(FunctionType, kernel.py_func)
-    text = f"{signature_of(kernel, arguments)} {kernel.lean} {fields_of(arguments)}"
-    code = hashlib.sha256(text.encode() + source_beside(function.__code__))
-    return f"{function.__name__}_{code.hexdigest()[:12]}"
+    sources = hash_of_sources(function.__code__)
+    text = f"{signature_of(kernel, arguments)} {kernel.lean} {fields_of(arguments)} {sources}"
+    return f"{function.__name__}_{hashlib.sha256(text.encode()).hexdigest()[:16]}"
 
 
 def codes_in(folder: OwnFolder) -> Iterator[ObjectCode]:

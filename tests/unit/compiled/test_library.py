@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gcodesim.compiled import compiling, folder, library
+from gcodesim.compiled import compiling, folder, library, object_code
 from gcodesim.compiled.arguments import argument_of, as_text, of_text
 from gcodesim.compiled.known import kernel_of
 from gcodesim.compiled.object_code import entry_of, symbol_of
@@ -102,10 +102,11 @@ def test_what_is_not_in_it_needs_the_compiler(made: Path, tmp_path: Path) -> Non
 def test_a_library_of_other_sources_is_not_used(used: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     symbol = symbol_of(*signature_of(byte_at, TEXT, 1))
     assert library.has(symbol)
-    monkeypatch.setattr(library, "sources", lambda: "0123456789abcdef")
-    library._library.cache_clear()
-    assert not library.has(symbol)
-    assert library.entry_of(symbol) is None
+    monkeypatch.setattr(object_code, "hash_of_sources", lambda function: "0123456789abcdef")
+    other = symbol_of(*signature_of(byte_at, TEXT, 1))
+    assert other != symbol
+    assert not library.has(other)
+    assert library.entry_of(other) is None
 
 
 def test_a_damaged_library_is_not_used(used: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -158,7 +159,7 @@ def test_types_are_read_back_from_their_text(value: Any) -> None:
 
 
 def test_other_text_is_no_type() -> None:
-    for wrong in ("q8", "(f8", "f8)", "f8[x]"):
+    for wrong in ("q8", "(f8", "f8)", "f8[x]", "gcodesim.compiled:Nothing(f8)"):
         with pytest.raises(ValueError):
             of_text(wrong)
 

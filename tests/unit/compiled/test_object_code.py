@@ -376,36 +376,30 @@ def test_reading_a_long_program_does_not_load_numba(tmp_path: Path) -> None:
     assert output(code).splitlines()[-1] == "0 []"
 
 
-def test_the_folder_is_another_for_other_sources_versions_and_instructions(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def name() -> str:
-        folder.sources.cache_clear()
-        return folder._name.__wrapped__()
-
-    (tmp_path / "compiled").mkdir()
-    (tmp_path / "deep").mkdir()
-    for file in folder._WAY:
-        (tmp_path / "compiled" / file).write_text("1")
-    (tmp_path / "deep" / "some_kernels.py").write_text("1")
-    (tmp_path / "deep" / "other.py").write_text("1")
-    monkeypatch.setattr(folder, "_ROOT", tmp_path)
-    try:
-        seen = [name()]
-        for path in ("deep/other.py", "compiled/known.py"):
-            (tmp_path / path).write_text("2")
-            assert name() == seen[0]
-        for path in ("compiled/entry.py", "deep/some_kernels.py"):
-            (tmp_path / path).write_text("2")
-            seen.append(name())
-        monkeypatch.setattr(folder, "level", lambda: "another")
+def test_the_folder_is_another_for_other_versions_and_instructions(monkeypatch: pytest.MonkeyPatch) -> None:
+    name = folder._name.__wrapped__
+    seen = [name()]
+    monkeypatch.setattr(folder, "level", lambda: "another")
+    seen.append(name())
+    for compiler in folder._COMPILERS:
+        monkeypatch.setattr(folder, "_version", lambda name, new=compiler: b"9" if name == new else b"1")
         seen.append(name())
-        for compiler in folder._COMPILERS:
-            monkeypatch.setattr(folder, "_version", lambda name, new=compiler: b"9" if name == new else b"1")
-            seen.append(name())
-    finally:
-        folder.sources.cache_clear()
     assert len(set(seen)) == len(seen)
+
+
+def test_of_too_much_code_the_oldest_half_is_deleted(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    fresh(byte_at)(text(b"G1"), 1)
+    (made,) = kept(cache)
+    for age in range(5):
+        other = made.with_name(f"f_{age}.kernel")
+        other.write_bytes(b"code")
+        os.utime(other, (1, made.stat().st_mtime - 10 - age))
+    monkeypatch.setattr(folder, "_MOST", 6)
+    folder.delete_old()
+    assert len(list(made.parent.glob("*.kernel"))) == 6
+    monkeypatch.setattr(folder, "_MOST", 4)
+    folder.delete_old()
+    assert sorted(path.name for path in made.parent.glob("*.kernel")) == sorted([made.name, "f_0.kernel"])
 
 
 def test_folders_that_nobody_used_for_a_month_are_deleted(cache: Path) -> None:
@@ -430,17 +424,6 @@ def test_folders_that_nobody_used_for_a_month_are_deleted(cache: Path) -> None:
 
     fresh(byte_at)(text(b"G1"), 1)  # marks it as used
     assert made.parent.stat().st_mtime > time.time() - month / 2
-
-
-def test_a_function_beside_the_package_is_another_when_its_file_changes(tmp_path: Path) -> None:
-    path = tmp_path / "own.py"
-    path.write_text("def f(x):\n    return x")
-    code = compile(path.read_text(), str(path), "exec")
-    before = folder.source_beside.__wrapped__(code)
-    path.write_text("def f(x):\n    return 2 * x")
-    assert folder.source_beside.__wrapped__(code) != before
-    assert folder.source_beside(byte_at.py_func.__code__) == b""  # type: ignore[attr-defined]
-    assert folder.source_beside(compile("1 + 1", "<typed>", "exec"))
 
 
 @pytest.mark.parametrize(("machine", "world"), [(GANTRY, "bullet"), (ARM, "kinematic")])

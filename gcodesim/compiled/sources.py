@@ -1,0 +1,95 @@
+"""Which sources the machine code of a kernel depends on, and a hash of them, so that edited code is compiled anew.
+
+numba's own check does not see that a kernel in another file has changed. Here a kernel depends on its file, on the
+kernel files from which that file imports, directly or not, and on the way kernels are compiled; what is none of these
+can be edited without compiling anything.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from types import CodeType
+from typing import Final, NamedTuple
+
+ROOT: Final = Path(__file__).parents[1]
+WAY: Final = ("arguments.py", "compiling.py", "entry.py", "memory.py")
+"""Files of this package on which machine code depends."""
+_IMPORT: Final = re.compile(
+    rb"^[ \t]*(?:from[ \t]+([\w.]+)[ \t]+import[ \t]+(\([^)]*\)|.*)|import[ \t]+([\w.]+))", re.MULTILINE
+)
+_COMMENT: Final = re.compile(rb"#.*")
+
+
+class _Source(NamedTuple):
+    """A file and the files of the package that it imports."""
+
+    path: Path
+    digest: bytes
+    imports: tuple[Path, ...]
+
+
+def hash_of_sources(function: CodeType) -> str:
+    """Hash of everything on which the machine code of a function of Python depends."""
+    path = Path(function.co_filename)
+    if not path.is_file():  # typed in
+        return _sum([_way(), function.co_code, repr(function.co_consts).encode()])
+    return _hash_of_file(path)
+
+
+@cache
+def _hash_of_file(path: Path) -> str:
+    return _sum([_way(), *(_read(file).digest for file in sorted(_behind(path)))])
+
+
+def _behind(path: Path) -> set[Path]:
+    """A file and what it takes from other files: kernels from kernel files and packages, constants from all."""
+    seen = {path}
+    ahead = [path]
+    while ahead:
+        for file in _read(ahead.pop()).imports:
+            if file not in seen:
+                seen.add(file)
+                # the files beside the kernels say names of types and columns; what they import is of no concern
+                if file.name.endswith("kernels.py") or file.name == "__init__.py":
+                    ahead.append(file)
+    return seen
+
+
+@cache
+def _read(path: Path) -> _Source:
+    text = path.read_bytes()
+    return _Source(path, hashlib.sha256(text).digest(), tuple(sorted(set(_imported(text)))))
+
+
+def _imported(text: bytes) -> Iterator[Path]:
+    """Files of the package, other than of this one, that a source names after `from` or `import`."""
+    for package, names, module in _IMPORT.findall(text):
+        yield from _files((package or module).decode())
+        if package:
+            for name in _COMMENT.sub(b"", names).strip(b"()").split(b","):
+                words = name.split()
+                if words:
+                    yield from _files(f"{package.decode()}.{words[0].decode()}")
+
+
+def _files(module: str) -> Iterator[Path]:
+    parts = module.split(".")
+    if parts[0] != ROOT.name or parts[1:2] in ([], ["compiled"]):
+        return
+    place = ROOT.joinpath(*parts[1:])
+    for path in (place.with_suffix(".py"), place / "__init__.py"):
+        if path.is_file():
+            yield path
+
+
+@cache
+def _way() -> bytes:
+    return b"".join(hashlib.sha256((ROOT / "compiled" / name).read_bytes()).digest() for name in WAY)
+
+
+def _sum(parts: list[bytes]) -> str:
+    return hashlib.sha256(b"".join(parts)).hexdigest()[:16]
