@@ -7,10 +7,12 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gcodesim.arithmetic.elementary import atan2, sin
 from gcodesim.arithmetic.matrices import applied, dot, multiplied
 from gcodesim.frames import Array, rotation_about
+from gcodesim.kinematics.branch_kernels import branches_of_poses
 from gcodesim.kinematics.chain import Chain, Indices
 from gcodesim.kinematics.closed_form_kernels import inverse_path, solve_family
 from gcodesim.kinematics.machine import Machine, poses
@@ -124,6 +126,13 @@ class ClosedForm(Machine):
         out, flags = self._solve(X_BF, np.zeros(6))
         found: Array = out[flags > 0]
         return found - 2.0 * np.pi * np.rint(found / (2.0 * np.pi))
+
+    def branches_along(self, X_BF: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """All joint vectors (n, 8, 6) of poses (n, 4, 4) in branch order, and which of them exist (n, 8)."""
+        X = poses(X_BF)
+        out, flags = np.zeros((len(X), 8, 6)), np.zeros((len(X), 8), dtype=np.int64)
+        branches_of_poses(self.family, X, self.arm, out, flags)
+        return out, flags > 0
 
     def reason(self, X_BF: Array, previous: Array, status: int) -> Reason:
         """The facts behind a status: distances from joint 2 and axis 1, the joint over its limit, the singular axes."""

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import inverse_pose, multiplied
 from gcodesim.frames import Array
@@ -93,6 +94,20 @@ class Machine:
         poses = self._poses(q, np.array([tree.flange_carrier]), tree.flange_offset[None])
         flange: Array = poses[:, 0]
         return flange
+
+    def branches(self, X_BF: Array) -> Array:
+        """All joint vectors (b, j) of one pose (4, 4): the family's own way."""
+        raise NotImplementedError
+
+    def branches_along(self, X_BF: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """All joint vectors (n, b, j) of poses (n, 4, 4), limits not asked, and which of them exist (n, b)."""
+        found = [self.branches(X) for X in poses(X_BF)]
+        most = max(map(len, found), default=0)
+        out = np.zeros((len(found), most, len(self.joints)))
+        exists = np.zeros((len(found), most), dtype=bool)
+        for k, q in enumerate(found):
+            out[k, : len(q)], exists[k, : len(q)] = q, True
+        return out, exists
 
     def jacobian(self, q: Array) -> Array:
         """Jacobian (n, 6, j) at the flange, base axes, velocity then angular velocity."""

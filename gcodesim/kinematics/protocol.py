@@ -96,6 +96,10 @@ class Kinematics(Protocol):
         """All joint vectors (b, j) of one pose (4, 4), in branch order, limits not asked."""
         ...
 
+    def branches_along(self, X_BF: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """All joint vectors (n, b, j) of poses (n, 4, 4), limits not asked, and which of them exist (n, b)."""
+        ...
+
     def reason(self, X_BF: Array, previous: Array, status: int) -> Reason:
         """The facts behind the `status` that `inverse` gave the pose (4, 4), coming from joints `previous` (j,)."""
         ...

@@ -1,0 +1,143 @@
+"""The configuration of an arm for a whole cut: which branch, turns and spins lead through all its poses.
+
+Among all branches, whole turns and spins on a grid, dynamic programming finds whether there is a continuous way, the
+one that stays farthest from the limits of the joints and the one on which they travel least; both are refined
+between the spins of the grid.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from gcodesim.frames import Array
+from gcodesim.planning.ladder import Cut, Rungs, rungs_of
+from gcodesim.planning.ladder_kernels import ENDLESS, TURN, Rails, earliest, link, shortest, trace, widest
+
+if TYPE_CHECKING:
+    from gcodesim.kinematics.protocol import Kinematics
+
+SPINS: Final = 144  # of a free tool all around: 2.5 deg apart
+_BESIDE: Final = 4  # spins on each side of the last best one in a refinement
+_WITHIN: Final = (1.0, 1.0, 0.5, 0.25)  # steps of the grid, within which each refinement looks
+_SHARE: Final = 0.98  # of the best margin that the way which keeps clear has; of those the shortest is taken
+
+
+class Obstacle(StrEnum):
+    """Why a pose is not reached.
+
+    REACH: no joints put the tool there. LIMIT: such joints exist, but none within limits. WAY: there are some within
+    limits, but no continuous way leads to them from the start.
+    """
+
+    REACH = "reach"
+    LIMIT = "limit"
+    WAY = "way"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Way:
+    """Joints q (n, j) and spins (n,) [rad] through a cut.
+
+    `margin` is their least distance from limits and `travel` the sum of what all of them go [rad, m].
+    """
+
+    q: Array
+    spins: Array
+    margin: float
+    travel: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Configuration:
+    """What a search found: how far a cut can be run from its start, and the ways.
+
+    `prefix` counts the poses that can be run from the start; `stretch` is the first and the last pose of the longest
+    part that can be run (0, −1: none). `clear` is the way that stays farthest from the limits and `short` the one that
+    travels least. Where the cut cannot be run whole, they end with `prefix` (None where that is 0), and `obstacle`
+    says why.
+    """
+
+    prefix: int
+    stretch: tuple[int, int]
+    clear: Way | None
+    short: Way | None
+    obstacle: Obstacle | None = None
+
+    @property
+    def continuous(self) -> bool:
+        """Whether the whole cut can be run."""
+        return self.obstacle is None
+
+
+def grid(cut: Cut, count: int = SPINS) -> Array:
+    """Spins (n, s) [rad] to try at every pose: all around if the tool is free."""
+    around = TURN * np.arange(count) / count if cut.free else np.zeros(1)
+    return np.tile(around, (len(cut), 1))
+
+
+def search(kinematics: Kinematics, cut: Cut, *, spins: int = SPINS, branch: int | None = None) -> Configuration:
+    """The ways through `cut` (at least one pose); `spins` are tried all around, on `branch` only if that is given."""
+    rungs = rungs_of(kinematics, cut, grid(cut, spins), branch)
+    rails = link(rungs.ladder, cut.step)
+    prefix, first, last = earliest(rungs.ladder, rails)
+    obstacle = None if prefix == len(cut) else obstacle_at(rungs, prefix)
+    if prefix == 0:
+        return Configuration(prefix=0, stretch=(first, last), clear=None, short=None, obstacle=obstacle)
+    if obstacle is not None:
+        cut = cut.part(0, prefix)
+        rungs = rungs_of(kinematics, cut, grid(cut, spins), branch)
+        rails = link(rungs.ladder, cut.step)
+    best = widest(rungs.ladder, rails)
+    clear, short = way_with(rungs, rails, _SHARE * best), way_with(rungs, rails, 0.0)
+    for steps in _WITHIN if cut.free else ():
+        apart = steps * TURN / spins
+        clear, short = (
+            refined(kinematics, cut, clear, apart, branch, clear=True),
+            refined(kinematics, cut, short, apart, branch, clear=False),
+        )
+    return Configuration(prefix=prefix, stretch=(first, last), clear=clear, short=short, obstacle=obstacle)
+
+
+def can_run(kinematics: Kinematics, cut: Cut, *, spins: int = SPINS) -> bool:
+    """Whether there is a continuous way through `cut`."""
+    rungs = rungs_of(kinematics, cut, grid(cut, spins))
+    if not rungs.counts.all():
+        return False
+    return bool(earliest(rungs.ladder, link(rungs.ladder, cut.step))[0] == len(cut))
+
+
+def obstacle_at(rungs: Rungs, pose: int) -> Obstacle:
+    """Why `pose`, the first that is not reached from the start, is not."""
+    if not rungs.in_reach[pose]:
+        return Obstacle.REACH
+    return Obstacle.WAY if rungs.counts[pose] else Obstacle.LIMIT
+
+
+def refined(kinematics: Kinematics, cut: Cut, way: Way, apart: float, branch: int | None, *, clear: bool) -> Way:
+    """The best way with spins beside those of `way`, within `apart` [rad]: the clearest, else the shortest."""
+    beside = apart * np.arange(-_BESIDE, _BESIDE + 1) / _BESIDE
+    rungs = rungs_of(kinematics, cut, way.spins[:, None] + beside, branch)
+    rails = link(rungs.ladder, cut.step)
+    return way_with(rungs, rails, _SHARE * widest(rungs.ladder, rails) if clear else 0.0)
+
+
+def way_with(rungs: Rungs, rails: Rails, margin: float) -> Way:
+    """The shortest of the ways through all rungs that keep `margin` from limits; there has to be one."""
+    ladder = rungs.ladder
+    parent = np.empty((len(ladder.q), len(ladder.whole)), dtype=np.int16)
+    travel, vector, turn = shortest(ladder, rails, margin, parent)
+    if vector < 0 or not np.isfinite(travel):
+        raise ValueError("no way with this margin")
+    steps = np.empty((len(ladder.first) - 1, 2), dtype=np.int64)
+    trace(ladder, rails, parent, vector, turn, steps)
+    q = ladder.q[steps[:, 0]] + TURN * ladder.whole[steps[:, 1]]
+    endless = ladder.kind == ENDLESS
+    if endless.any():
+        whole = np.floor(0.5 + np.diff(q[:, endless], axis=0) / TURN)
+        q[1:, endless] -= TURN * np.cumsum(whole, axis=0)
+    room = np.minimum(q - ladder.lower, ladder.upper - q)[:, ~endless]
+    return Way(q, rungs.spin[steps[:, 0]], float(room.min(initial=np.inf)), float(travel))
