@@ -1,0 +1,208 @@
+"""When programs that wait for each other go on: numbers and names only, no machine.
+
+A *mark* is a name at which programs wait for each other. It is used by the channels whose programs come to it at least
+once. The n-th time of one channel meets the n-th time of all others that use the mark: each waits from its arrival
+until the last has arrived, then all go on at once. A mark that nobody else uses is passed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Arrival:
+    """A program comes to `mark` at `time` [s] of its own, waits not counted.
+
+    `partners` are the channels that a control waits for, itself included, if the program names them; else all channels
+    that use the mark.
+    """
+
+    mark: str
+    time: float
+    partners: frozenset[str] | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Agenda:
+    """The arrivals of one program in order, and how long it takes in all [s], waits not counted."""
+
+    arrivals: Sequence[Arrival]
+    duration: float
+
+
+@dataclass(frozen=True, slots=True)
+class Wait:
+    """A channel waits from `begin` until `end` [s] of the common clock; `end` is None where the others never come."""
+
+    begin: float
+    end: float | None
+
+    @property
+    def seconds(self) -> float:
+        return 0.0 if self.end is None else self.end - self.begin
+
+
+@dataclass(frozen=True, slots=True)
+class Standing:
+    """Channel `channel` stands at its arrival `index`."""
+
+    channel: str
+    index: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Timetable:
+    """How the programs of a run go together; everything is ordered by the names of channels.
+
+    `waits` has an entry for each arrival that a channel comes to. `ends` [s] is when each program ends, None where it
+    never does. `circle`: channels of which each waits for the next one, and the last for the first. `ended`: who waits
+    where for a channel that has ended. `lone`: the first arrivals at marks that nobody else uses.
+    """
+
+    waits: Mapping[str, tuple[Wait, ...]]
+    ends: Mapping[str, float | None]
+    circle: tuple[Standing, ...]
+    ended: tuple[tuple[Standing, str], ...]
+    lone: tuple[Standing, ...]
+
+    @property
+    def total(self) -> float | None:
+        """When the last program ends [s]; None if one of them never does."""
+        ends = [end for end in self.ends.values() if end is not None]
+        return max(ends, default=0.0) if len(ends) == len(self.ends) else None
+
+    @property
+    def stopped_at(self) -> float:
+        """The last time [s] at which anything happens; the arrival at a mark that is never passed counts."""
+        last = [end for end in self.ends.values() if end is not None]
+        last += [waits[-1].begin for name, waits in self.waits.items() if self.ends[name] is None]
+        return max(last, default=0.0)
+
+
+def timetable(agendas: Mapping[str, Agenda]) -> Timetable:
+    """Let the programs of `agendas` run together, by the names of their channels."""
+    desk = _Desk({name: agendas[name] for name in sorted(agendas)})
+    while desk.meet():
+        pass
+    return desk.result()
+
+
+class _Desk:
+    """The programs on their way; each stands at its next arrival, or has ended."""
+
+    def __init__(self, agendas: Mapping[str, Agenda]) -> None:
+        self._agendas = agendas
+        users: dict[str, dict[str, None]] = {}
+        for name, agenda in agendas.items():
+            for arrival in agenda.arrivals:
+                users.setdefault(arrival.mark, {})[name] = None
+        self._users = {mark: tuple(names) for mark, names in users.items()}
+        self._next = dict.fromkeys(agendas, 0)
+        self._late = dict.fromkeys(agendas, 0.0)  # the waits so far
+        self._passed: dict[tuple[str, str], int] = {}  # how often a channel has passed a mark
+        self._waits: dict[str, list[Wait]] = {name: [] for name in agendas}
+        self._fresh = list(agendas)  # channels that have come to another arrival
+
+    def meet(self) -> bool:
+        """Let all channels go on that may; whether there was one."""
+        fresh, self._fresh = self._fresh, []
+        for name in fresh:
+            arrival = self._at(name)
+            if arrival is not None and not self._missing(name):
+                self._go_on(self._together(name, arrival))
+        return bool(self._fresh)
+
+    def _at(self, name: str) -> Arrival | None:
+        """Where a channel stands; None when it has ended."""
+        arrivals = self._agendas[name].arrivals
+        return arrivals[self._next[name]] if self._next[name] < len(arrivals) else None
+
+    def _begin(self, name: str, arrival: Arrival) -> float:
+        return arrival.time + self._late[name]
+
+    def _together(self, name: str, arrival: Arrival) -> tuple[str, ...]:
+        """The channels that meet where `name` stands, itself included."""
+        named = arrival.partners
+        if named is None:
+            return self._users[arrival.mark]
+        return tuple(other for other in self._agendas if other == name or other in named)
+
+    def _missing(self, name: str) -> list[str]:
+        """The channels for which `name`, which stands at a mark, still waits."""
+        arrival = self._at(name)
+        assert arrival is not None
+        times = self._passed.get((name, arrival.mark), 0)
+        return [
+            other for other in self._together(name, arrival) if other != name and not self._is_at(other, arrival, times)
+        ]
+
+    def _is_at(self, other: str, arrival: Arrival, times: int) -> bool:
+        """Whether `other` stands at the mark, having passed it so many times."""
+        now = self._at(other)
+        return now is not None and now.mark == arrival.mark and self._passed.get((other, arrival.mark), 0) == times
+
+    def _go_on(self, together: Iterable[str]) -> None:
+        standing = [(name, arrival) for name in together if (arrival := self._at(name)) is not None]
+        end = max(self._begin(name, arrival) for name, arrival in standing)
+        for name, arrival in standing:
+            begin = self._begin(name, arrival)
+            self._waits[name].append(Wait(begin, end))
+            self._late[name] += end - begin
+            self._next[name] += 1
+            key = (name, arrival.mark)
+            self._passed[key] = self._passed.get(key, 0) + 1
+            self._fresh.append(name)
+
+    def result(self) -> Timetable:
+        ends: dict[str, float | None] = {}
+        for name, agenda in self._agendas.items():
+            arrival = self._at(name)
+            ends[name] = agenda.duration + self._late[name] if arrival is None else None
+            if arrival is not None:
+                self._waits[name].append(Wait(self._begin(name, arrival), None))
+        held = {name: self._missing(name) for name, end in ends.items() if end is None}
+        return Timetable(
+            waits={name: tuple(waits) for name, waits in self._waits.items()},
+            ends=ends,
+            circle=tuple(self._standing(name) for name in _circle(held)),
+            ended=tuple((self._standing(name), by) for name, others in held.items() for by in others if by not in held),
+            lone=tuple(self._lone()),
+        )
+
+    def _standing(self, name: str) -> Standing:
+        return Standing(name, self._next[name])
+
+    def _lone(self) -> Iterable[Standing]:
+        for name, agenda in self._agendas.items():
+            seen = set()
+            for index, arrival in enumerate(agenda.arrivals):
+                if arrival.mark not in seen and self._together(name, arrival) == (name,):
+                    yield Standing(name, index)
+                seen.add(arrival.mark)
+
+
+def _circle(held: Mapping[str, Sequence[str]]) -> tuple[str, ...]:
+    """Channels of which each is held by the next one, the first by name at the front; empty if there is no circle.
+
+    `held` has, for each channel that stands, those for which it waits; one that is not in it has ended.
+    """
+    done: set[str] = set()
+    for first in sorted(held):
+        way: list[str] = []
+        branches = [iter((first,))]
+        while branches:
+            name = next(branches[-1], None)
+            if name is None:
+                branches.pop()
+                if way:
+                    done.add(way.pop())
+            elif name in way:
+                circle = way[way.index(name) :]
+                front = circle.index(min(circle))
+                return (*circle[front:], *circle[:front])
+            elif name in held and name not in done:
+                way.append(name)
+                branches.append(iter(sorted(held[name])))
+    return ()
