@@ -28,7 +28,9 @@ from gcodesim.files.output_folder import (
     overwriting,
 )
 from gcodesim.files.whole_file import write_whole
+from gcodesim.jobs.cast import cast_of, is_of_cell
 from gcodesim.jobs.job import KINEMATIC, Job, Options
+from gcodesim.jobs.meetings import meet
 from gcodesim.jobs.outcome import first_error, results_of
 from gcodesim.jobs.results import Results
 from gcodesim.rs274 import Settings, interpret
@@ -49,35 +51,77 @@ class RunInterrupted(KeyboardInterrupt):
 
 
 def prepare(program: SourceText, loaded: LoadedCell, options: Options | None = None) -> Job:
-    """Read the program and plan its motion in the cell; all findings so far are in the job."""
+    """Read the program and plan its motion in the cell; all findings so far are in the job.
+
+    With programs for further channels, in `options` or in the cell, all of them: the job is that of the first channel,
+    and has the `others`, all timed so that they wait for each other.
+    """
     options = options or Options()
+    if loaded.cell is None:
+        return _prepared(program, loaded, options, MAIN, running=())
+    cast = cast_of(loaded.cell, program, options.channels)
+    jobs = [_prepared(text, loaded, options, name, running=tuple(cast)) for name, text in cast.items()]
+    job = jobs[0]
+    if len(jobs) > 1:
+        job.others = jobs[1:]
+        if all(each.plan is not None for each in jobs):
+            job.meetings = meet(jobs, _reread)
+    return job
+
+
+def _reread(job: Job, marks: int) -> Job:
+    """The job up to the mark at which its program waits for ever, the first after so many that it has passed."""
+    again = _prepared(job.program, job.loaded, job.options, job.channel, running=("", job.channel), marks=marks)
+    known = set(again.findings)
+    again.findings.extend([finding for finding in job.findings if is_of_cell(finding, job) and finding not in known])
+    return again
+
+
+def _prepared(
+    program: SourceText,
+    loaded: LoadedCell,
+    options: Options,
+    channel: str,
+    *,
+    running: Sequence[str],
+    marks: int | None = None,
+) -> Job:
+    """One program in the cell, read and planned, by itself or one of those that are `running`, the first of them first.
+
+    What is wrong with the cell as a whole is told with the first.
+    """
     job = Job(
         program=program,
         loaded=loaded,
         options=options,
         findings=Findings(),
+        channel=channel,
+        alone=len(running) < 2,
         sources={**loaded.sources, **options.sources, program.name: program},
     )
-    job.findings.extend(loaded.findings)
-    job.findings.extend(options.findings)
+    first = not running or channel == running[0]
+    if first:
+        job.findings.extend(loaded.findings)
+        job.findings.extend(options.findings)
     cell = loaded.cell
     if cell is None:
         return job
-    shop = open_shop(cell, MAIN)
+    shop = open_shop(cell, channel)
     standing = standing_findings(shop)
     job.findings.extend(standing)
     if any(finding.level >= Severity.ERROR for finding in standing):
         return job
     job.shop = shop
-    job.findings.extend(_world_notes(job))
-    job.findings.extend(idle_findings(cell, shop.channel))
+    if first:
+        job.findings.extend(_world_notes(job))
+        job.findings.extend(idle_findings(cell, running or (shop.channel,)))
     settings, problems = settings_of_cell(cell, shop.channel, shop.placement)
     job.findings.extend(problems)
     settings = replace(options.settings(settings), start=_start(shop), answered=True)
     job.reading = interpret(program, settings)
     from gcodesim.jobs.legs import Legs
 
-    job.legs = Legs(job, settings.start)
+    job.legs = Legs(job, settings.start, marks=marks)
     job.legs.onward()
     return job
 
@@ -130,10 +174,11 @@ def check(job: Job) -> Results:
 
     A program that probes meets the stock in its shape at the start, since nothing is cut.
     """
-    if job.legs is not None:
-        while job.legs.onward() is not None:
-            pass
-        job.legs.tell_of_untouched_stock()
+    for each in job.all:
+        if each.legs is not None:
+            while each.legs.onward() is not None:
+                pass
+            each.legs.tell_of_untouched_stock()
     return results_of(job, None)
 
 

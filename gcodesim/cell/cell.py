@@ -90,7 +90,7 @@ class Cell:
     machine: MachineTool | None = key(MachineKind(), "a machine tool", default=None)
     robots: Mapping[str, Robot] = key(_ROBOTS, "robots", default={}, quiet=True)
     channels: Mapping[str, Channel] = key(
-        _CHANNELS, "one program each; a run takes `main`, or else the first", default={}, quiet=True
+        _CHANNELS, "one program each; that of a run is for `main`, or else for the first", default={}, quiet=True
     )
     only_channel: Channel | None = inline(Channel, always=False)
     tools: Mapping[int, Tool] = key(_TOOLS, "tools by number", default={}, quiet=True)

@@ -36,6 +36,9 @@ _PATH_CONTROL = re.compile(r"\s*[Gg]\s*(61\.1|61|64)\s*(?:[Pp]\s*([0-9.]+))?\s*(
 VERBS: Final[dict[str, tuple[str, ...]]] = {"tool": ("activate", "deactivate"), "gripper": ("open", "close")}
 """What an M-code may do, and to what, before processes of third parties add to it."""
 
+WAIT: Final = "wait"
+"""The target of an M-code at which the program waits for those of other channels; its verb is the name of a mark."""
+
 
 def all_verbs() -> dict[str, tuple[str, ...]]:
     """`VERBS`, and whatever any process receives by the signals that it reads."""
@@ -151,19 +154,22 @@ class _DialectKind(Kind):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MCode:
-    """What an M-code does: `verb` on `target`."""
+    """What an M-code does: `verb` on `target`. For the target `wait`, `verb` is the mark at which programs meet."""
 
     target: str
     verb: str
 
 
+_MARK: Final = Text(pattern=r"[^\s/]([^/]*[^\s/])?", form="the name of a mark, such as `part_in`")
+
+
 @dataclass(frozen=True, slots=True)
 class _ActionKind(Kind):
-    """`{tool: activate}`."""
+    """`{tool: activate}`, `{wait: part_in}`."""
 
     @property
     def expected(self) -> str:
-        return "a target and what it does, such as `{tool: activate}`"
+        return "a target and what it does, such as `{tool: activate}` or `{wait: part_in}`"
 
     def read(self, node: Node, to: Reading, path: Path) -> MCode | Unread:
         if not isinstance(node, MappingNode):
@@ -173,6 +179,9 @@ class _ActionKind(Kind):
                 "GS706", node.span, f"`{path[-1]}` has {len(node.entries)} targets; {self.expected} is expected"
             )
         target, value = node.entries[0]
+        if target.text == WAIT:
+            mark = _MARK.read(value, to, (*path, WAIT))
+            return UNREAD if isinstance(mark, Unread) else MCode(target=WAIT, verb=mark)
         verbs = VERBS
         if target.text not in VERBS or not isinstance(value, Scalar) or value.text not in VERBS[target.text]:
             verbs = all_verbs()
@@ -181,13 +190,14 @@ class _ActionKind(Kind):
                 "GS711",
                 target.span,
                 f"an M-code cannot act on `{short(target.text)}`",
-                suggestion(target.text, list(verbs)),
+                suggestion(target.text, [*verbs, WAIT]),
             )
         verb = Choice(verbs[target.text]).read(value, to, (*path, target.text))
         return UNREAD if isinstance(verb, Unread) else MCode(target=target.text, verb=verb)
 
     def schema(self, definitions: dict[str, Json]) -> Json:
-        properties = {target: {"enum": list(verbs)} for target, verbs in all_verbs().items()}
+        properties: dict[str, Json] = {target: {"enum": list(verbs)} for target, verbs in all_verbs().items()}
+        properties[WAIT] = _MARK.schema(definitions)
         return {
             "type": "object",
             "properties": properties,
@@ -251,6 +261,9 @@ class Channel:
     """The settings of one program. Lengths P and Q of `path_control` are in mm, as on the control."""
 
     robot: str | None = key(Text(form="the name of a robot, or `machine`"), "who runs the program", default=None)
+    program: FileValue | None = key(
+        File("a program"), "its program, where the command line names none", default=None, quiet=True
+    )
     dialect: str = key(_DialectKind(), "the control whose language is used", default="linuxcnc")
     work_offsets: Mapping[str, Place] = key(
         MapOf(
@@ -287,7 +300,7 @@ class Channel:
     optional_stop: bool = key(Switch(), "M1 stops; without effect, as nobody would go on", default=False)
     m_codes: Mapping[str, MCode] = key(
         MapOf(M_CODES, _ActionKind(), "M-codes and what they do, such as `M10: {tool: activate}`"),
-        "M-codes of this cell",
+        "M-codes of this cell; at `{wait: NAME}` programs of several channels wait for each other",
         default={},
         quiet=True,
     )

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
+from gcodesim.cell.channel import WAIT
 from gcodesim.cell.signals import SignalSource
 from gcodesim.declarations.reading import Path, Reading, Unread, suggestion
 from gcodesim.declarations.units import find, measures, names
@@ -43,7 +44,7 @@ def _check_actions(channel: Channel, read: Mapping[str, Signal], path: Path, to:
     received = {f"{action.target}: {action.verb}": None for signal in read.values() for action in signal.set_by}
     for word, code in channel.m_codes.items():
         action = f"{code.target}: {code.verb}"
-        if action in received:
+        if action in received or code.target == WAIT:
             continue
         listed = ", ".join(f"`{each}`" for each in received)
         hint = f"tools of this cell receive {listed}" if listed else "no tool of this cell receives an action"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -14,8 +14,8 @@ from gcodesim.motion.tool_path import ToolPath
 from gcodesim.scene import Mover
 
 
-def idle_findings(cell: Cell, channel: str) -> Iterator[Diagnostic]:
-    """GS909, GS910: keys without effect, channels that do not run, and robots that nothing moves."""
+def idle_findings(cell: Cell, running: Sequence[str]) -> Iterator[Diagnostic]:
+    """GS909, GS910: keys without effect, channels that are not `running`, and robots that nothing moves."""
     if cell.target is not None:
         yield Diagnostic(
             code="GS909",
@@ -23,33 +23,38 @@ def idle_findings(cell: Cell, channel: str) -> Iterator[Diagnostic]:
             message="`target` has no effect: this version does not compare the part with a target",
             hint="compare the STL that the run writes with the target",
         )
-    if cell.channels[channel].optional_stop:
-        yield Diagnostic(
-            code="GS909",
-            span=cell.channel_span(channel, "optional_stop"),
-            message="`optional_stop` has no effect: nobody stands at the simulated machine who would start it again",
-            hint="M0 and M1 bring the tool to rest, and the program goes on",
-        )
-    running = cell.channels[channel].robot or MACHINE
+    for channel in running:
+        if cell.channels[channel].optional_stop:
+            yield Diagnostic(
+                code="GS909",
+                span=cell.channel_span(channel, "optional_stop"),
+                message="`optional_stop` has no effect: nobody stands at the simulated machine "
+                "who would start it again",
+                hint="M0 and M1 bring the tool to rest, and the program goes on",
+            )
     movers = [*([MACHINE] if cell.machine is not None else []), *cell.robots]
-    running = running if running in movers else movers[0]
+    moved = [cell.channels[channel].robot or MACHINE for channel in running]
+    moved = [name if name in movers else movers[0] for name in moved]
     for name, other in cell.channels.items():
-        if name != channel:
+        if name not in running:
+            known = " and ".join(f"`{channel}`" for channel in running)
             yield Diagnostic(
                 code="GS910",
                 span=cell.span("channels", name),
-                message=f"channel `{name}` does not run: one program is run, in channel `{channel}`",
-                hint=f"its {other.robot or MACHINE} is left out; run its program with a cell of its own",
+                message=f"channel `{name}` does not run: no program is named for it, only for {known}",
+                hint=f"its {other.robot or MACHINE} is left out; name its program: `--channel {name}=PROGRAM`, "
+                "or `program:` in the cell",
             )
-    if running in cell.robots and cell.fixtures:
-        yield Diagnostic(
-            code="GS917",
-            span=cell.span("fixtures"),
-            message=f"the links of `{running}` are not checked against fixtures; tools and holders are",
-            hint="look in the replay whether the arm stays clear of them",
-        )
+    for name in moved:
+        if name in cell.robots and cell.fixtures:
+            yield Diagnostic(
+                code="GS917",
+                span=cell.span("fixtures"),
+                message=f"the links of `{name}` are not checked against fixtures; tools and holders are",
+                hint="look in the replay whether the arm stays clear of them",
+            )
     for name in movers:
-        if name != running and not any((other.robot or MACHINE) == name for other in cell.channels.values()):
+        if name not in moved and not any((other.robot or MACHINE) == name for other in cell.channels.values()):
             path = ("machine",) if name == MACHINE else ("robots", name)
             yield Diagnostic(
                 code="GS909",

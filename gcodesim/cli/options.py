@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from gcodesim.cli.exits import FAIL_ON, UsageError
 from gcodesim.cli.outline import may_be
@@ -72,6 +72,29 @@ def add_program(parser: argparse.ArgumentParser) -> None:
 def add_programs(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "programs", type=Path, nargs="+", metavar="PROGRAM", help="G-code programs (.nc, .ngc, any name; - for stdin)"
+    )
+
+
+class _Channels(argparse.Action):
+    """Collects NAME=PROGRAM; a name comes once."""
+
+    def __call__(self, parser: argparse.ArgumentParser, namespace: argparse.Namespace, values: Any, *_: object) -> None:
+        name, equals, path = str(values).partition("=")
+        known = getattr(namespace, self.dest)
+        if not (equals and name.strip() and path):
+            raise argparse.ArgumentError(self, f"NAME=PROGRAM is expected, not {values}")
+        if name.strip() in known:
+            raise argparse.ArgumentError(self, f"channel {name.strip()} has two programs")
+        setattr(namespace, self.dest, {**known, name.strip(): Path(path)})
+
+
+def add_channels(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--channel",
+        action=_Channels,
+        default={},
+        metavar="NAME=PROGRAM",
+        help="a program that runs at the same time in another channel of the cell; may be given several times",
     )
 
 

@@ -21,6 +21,7 @@ from gcodesim.cli.formats import write_formats
 from gcodesim.cli.interrupts import Interrupted, handled, interrupted_by
 from gcodesim.cli.judging import Met, ShownProgram, settle
 from gcodesim.cli.language import Language, files_of, write_parameters
+from gcodesim.cli.nearest import no_such
 from gcodesim.cli.options import is_auto, read_source
 from gcodesim.cli.output import note, print_count, print_findings, print_json, print_table
 from gcodesim.diagnostics import Severity, SourceText
@@ -51,6 +52,19 @@ def _loaded(arguments: argparse.Namespace, program: SourceText) -> LoadedCell:
     return load_cell(arguments.cell, arguments.allow_path)
 
 
+def _further(arguments: argparse.Namespace, loaded: LoadedCell) -> dict[str, SourceText]:
+    """The programs that the command line names for further channels; UsageError for one that the cell does not have."""
+    if loaded.cell is None:
+        return {}
+    known = loaded.cell.channels
+    for name in arguments.channel:
+        if name not in known:
+            raise UsageError(no_such("channel", name, known))
+    if set(known) <= set(arguments.channel):
+        raise UsageError(f"--channel names a program for every channel, so that none is left for {arguments.prog}")
+    return {name: read_source(path, "program") for name, path in arguments.channel.items()}
+
+
 def _prepared(arguments: argparse.Namespace, program: SourceText, loaded: LoadedCell) -> Job:
     compiled.when_cold = _announce_compiling
     language = Language.of(arguments)
@@ -61,21 +75,27 @@ def _prepared(arguments: argparse.Namespace, program: SourceText, loaded: Loaded
         sources=language.sources,
         today=arguments.today,
         force=getattr(arguments, "force", False),
+        channels=_further(arguments, loaded),
         fail_on=None if arguments.fail_on == "never" else Severity[arguments.fail_on.upper()],
     )
     return prepare(program, loaded, options)
 
 
 def _met(arguments: argparse.Namespace, path: Path, loaded: LoadedCell, job: Job, results: Results) -> Met:
-    folders = () if job.reading is None else job.reading.settings.subroutines
-    suppressed = suppressed_findings(job.findings, job.cell, job.program, job.options.today)
+    folders = [folder for each in job.all if each.reading for folder in each.reading.settings.subroutines]
+    today = job.options.today
+    suppressed = [
+        pair for each in job.all for pair in suppressed_findings(each.findings, job.cell, each.program, today)
+    ]
+    sources = {name: source for each in reversed(job.all) for name, source in each.sources.items()}
     return Met(
         program=path,
         cell=arguments.cell if not loaded.made else loaded.path if hasattr(arguments, "out") else None,
         findings=results.findings,
         suppressed=[(finding, entry.reason) for finding, entry in suppressed],
-        sources=job.sources,
-        files=lambda: files_of(arguments, path, job.sources, folders, loaded),
+        sources=sources,
+        files=lambda: {file.name: file for file in arguments.channel.values()}
+        | files_of(arguments, path, sources, list(dict.fromkeys(folders)), loaded),
         results=results.as_json(),
     )
 
@@ -148,6 +168,8 @@ def _run_program(arguments: argparse.Namespace, live: LiveView | None, begin: fl
         program = read_source(arguments.program, "program")
         loaded = _loaded(arguments, program)
         job = _prepared(arguments, program, loaded)
+        if job.others:
+            raise UsageError("several programs at once can be checked, not yet run")
         with _Stop() as stop:
 
             def progress(now: Progress) -> None:

@@ -76,7 +76,7 @@ class Watcher(Protocol):
 class Execution:
     """The outcome of a run. `interrupted`: somebody stopped it after `steps` of `planned` steps.
 
-    `volumes` [m³]: what was removed from each stock and what was added to it.
+    `volumes` [m³]: what was removed from each stock and what was added to it. `others`: the same of further channels.
     """
 
     rows: RowTotals
@@ -86,6 +86,7 @@ class Execution:
     last_row: int
     interrupted: bool
     volumes: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    others: Sequence[Execution] = ()
 
 
 def execute(

@@ -149,8 +149,70 @@ def _results() -> Json:
             ),
         ),
     )
+    results["properties"] |= _several_programs(hashed)
+    for entry in ("tools", "not_simulated"):  # where several programs run at once
+        results["properties"][entry]["items"]["properties"]["channel"] = text("of several programs at once, whose")
     results["required"] = [name for name in results["required"] if name != "probings"]
     return results
+
+
+def _several_programs(hashed: Json) -> dict[str, Json]:
+    """Keys of results that only several programs at once have."""
+    place = {
+        "channel": text("who stands there"),
+        "file": text("of its program"),
+        "line": whole("of the mark"),
+        "mark": text("its name"),
+    }
+    wait = record(
+        "a mark that the program came to",
+        mark=text("its name"),
+        file=text("of the program"),
+        line=whole("where"),
+        begin_s=number("when it came there"),
+        end_s=nullable(number("when all had come and it went on; null: never")),
+    )
+    block = record(
+        "a block that takes time or waits",
+        file=text("of the program"),
+        line=whole("where"),
+        begin_s=number("when it began"),
+        end_s=nullable(number("when it ended; null: never")),
+        mark=text("the mark at which it waits; only of a wait"),
+    )
+    block["required"].remove("mark")
+    channel = record(
+        "one of several programs that run at once",
+        program=hashed,
+        mover=text("the robot that it moves, or `machine`"),
+        status=choice("of this program alone", "ok", "findings", "failed"),
+        end_s=nullable(number("when it ends; null: it waits for ever")),
+        time=record(
+            "where its time goes; total = feed + rapid + dwell + tool_change",
+            total_s=number("all of it"),
+            feed_s=number("moves at feed"),
+            engaged_s=number("the part of feed in which material is removed or added"),
+            rapid_s=number("rapid moves"),
+            dwell_s=number("dwells, waiting"),
+            tool_change_s=number("tool changes"),
+            wait_s=number("the part of dwell in which it waits for other programs"),
+        ),
+        distance=record("ways of its tool", feed_mm=number("at feed"), rapid_mm=number("in rapid")),
+        waits=array("the marks that it came to, in order", wait),
+        blocks=array("all blocks in the order of execution; only of a check", block),
+    )
+    channel["required"].remove("blocks")
+    return {
+        "channels": table("each of several programs at once, by the name of its channel", channel),
+        "meetings": record(
+            "how several programs at once wait for each other",
+            total_s=nullable(number("when the last program ends; null: one never does")),
+            stopped_at_s=number("the last time at which anything happens"),
+            circle=array("channels of which each waits for the next, the last for the first", record("one", **place)),
+            ended=array("who waits for a program that has ended", record("one", **place, by=text("that channel"))),
+            lone=array("first places of marks that no other program uses", record("one", **place)),
+        ),
+    }
 
 
 def _comparison(definitions: dict[str, Json]) -> Json:

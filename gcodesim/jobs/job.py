@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final, Protocol
 
 from gcodesim.canon import Event
 from gcodesim.cell import Cell, LoadedCell
+from gcodesim.cell.cell import MAIN
 from gcodesim.cell.verdict import final_findings
 from gcodesim.diagnostics import Diagnostic, Findings, Severity, SourceText, Span
 from gcodesim.jobs.results import ProbeResult
@@ -17,6 +18,7 @@ from gcodesim.rs274 import Run, Settings
 from gcodesim.shop import Shop
 
 if TYPE_CHECKING:
+    from gcodesim.jobs.meetings import Meetings
     from gcodesim.planning import Plan
 
 KINEMATIC: Final = "kinematic"
@@ -28,7 +30,7 @@ class Options:
     """Options of the command line that override the cell: `world`, settings of the reader, the day for suppressions.
 
     `findings` and `sources` are those of further files that the command line names. `force` lets a run overwrite inputs
-    and files of others in its output folder.
+    and files of others in its output folder. `channels` are the programs of further channels, by name.
     """
 
     world: str | None = None
@@ -38,6 +40,7 @@ class Options:
     today: date | None = None
     fail_on: Severity | None = Severity.ERROR
     force: bool = False
+    channels: Mapping[str, SourceText] = field(default_factory=dict)
 
 
 class Onward(Protocol):
@@ -58,12 +61,22 @@ class Onward(Protocol):
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Job:
-    """A program in a cell, as far as it has come. `plan` is None when the cell or the program gives nothing to move."""
+    """A program in a cell, as far as it has come. `plan` is None when the cell or the program gives nothing to move.
+
+    Several programs at once are a job each: `others` are those of further channels, in the order of their names, and
+    `meetings` tells when they wait for each other; only the first job has them. `held` is the mark at which a program
+    waits for ever; it is the last that is read of it. `alone`: no other program runs.
+    """
 
     program: SourceText
     loaded: LoadedCell
     options: Options
     findings: Findings
+    channel: str = MAIN
+    others: Sequence[Job] = ()
+    meetings: Meetings | None = None
+    held: Span | None = None
+    alone: bool = True
     shop: Shop | None = None
     reading: Run | None = None
     plan: Plan | None = None
@@ -78,8 +91,15 @@ class Job:
 
     @property
     def stopped_at(self) -> Span | None:
-        """The block at which reading ended early."""
+        """The block at which reading ended early, or the mark at which the program waits for ever."""
+        if self.held is not None:
+            return self.held
         return self.reading.failed.span if self.reading is not None and self.reading.failed is not None else None
+
+    @property
+    def all(self) -> tuple[Job, ...]:
+        """The jobs of all channels that run, this one first."""
+        return (self, *self.others)
 
     def shown(self, findings: Iterable[Diagnostic]) -> list[Diagnostic]:
         """`findings` with the severities of the cell, without those that it suppresses."""

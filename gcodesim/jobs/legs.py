@@ -24,6 +24,7 @@ from gcodesim.checks.idle import blind_axis_findings
 from gcodesim.checks.speed import speed_findings
 from gcodesim.diagnostics import Diagnostic, Severity, Span
 from gcodesim.frames import Array
+from gcodesim.jobs.meetings import is_wait, lone_marks
 from gcodesim.jobs.results import ProbeResult
 from gcodesim.motion.build import PathBuilder
 from gcodesim.motion.joining import standing_until, with_instant
@@ -49,11 +50,13 @@ _HALVINGS: Final = 50
 class Legs:
     """Reads and plans `job` leg by leg: the first one by `prepare`, further ones while it is run or checked."""
 
-    def __init__(self, job: Job, start: Axes) -> None:
+    def __init__(self, job: Job, start: Axes, *, marks: int | None = None) -> None:
+        """Read all of the program, or up to its first `marks` + 1 marks, at the last of which it waits for ever."""
         assert job.shop is not None and job.reading is not None and job.cell is not None
         self._job, self._reading = job, job.reading
         self._stream = job.reading.stream()
         self._builder = PathBuilder(start)
+        self._marks = marks
         self._question: canon.ProbeMove | canon.Input | None = None
         self._reply: canon.Answer | None = None
         self._read = self._ended = False
@@ -140,9 +143,23 @@ class Legs:
                     self._question = item
                     break
                 add(item)
+                if self._marks is not None and self._holds(item):
+                    self._end_of_reading()
+                    break
             else:
                 self._end_of_reading()
         self._job.sources |= self._reading.sources
+
+    def _holds(self, item: canon.Event | MoveBatch) -> bool:
+        """Whether the program waits for ever here."""
+        assert self._marks is not None
+        if not isinstance(item, canon.Action) or not is_wait(item):
+            return False
+        self._marks -= 1
+        if self._marks >= 0:
+            return False
+        self._job.held = item.span
+        return True
 
     def _take(self, item: canon.Event | MoveBatch) -> None:
         if isinstance(item, _QUESTIONS):
@@ -167,6 +184,8 @@ class Legs:
         if self._read:
             self._ended = True
             self._job.findings.extend(left_on(self._job.events, self.shop.signal_sources.get(ACTIVE.name)))
+            if self._job.alone:
+                self._job.findings.extend(lone_marks(self._job.channel, self._job.events))
             whole = path if before is None else before.path.then(path)
             self._job.findings.extend(empty_spindle_findings(whole, self.shop.cell))
             lasting = any(self._duration_of(noted.event) > 0.0 for noted in path.events)

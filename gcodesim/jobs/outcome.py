@@ -12,6 +12,7 @@ from gcodesim.cell.verdict import idle_suppressions
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText, Span
 from gcodesim.frames import Array
 from gcodesim.jobs.job import Job
+from gcodesim.jobs.joint_results import joint_results
 from gcodesim.jobs.results import Results, StockResult, Times, joint_rows, line_rows, tool_rows
 from gcodesim.motion.tool_path import HOME, RAPID
 from gcodesim.processes.column import LINES, RESULTS
@@ -55,6 +56,18 @@ def _is_called(job: Job, source: SourceText) -> bool:
 
 
 def results_of(job: Job, execution: Execution | None, *, failed: bool = False) -> Results:
+    """The results of a job; of several programs at once those of all, with the executions of `execution.others`."""
+    own = _results_of(job, execution, failed=failed)
+    if not job.others:
+        return own
+    ran = None if execution is None else execution.others
+    each = [own] + [
+        _results_of(other, None if ran is None else ran[index], failed=failed) for index, other in enumerate(job.others)
+    ]
+    return joint_results(job.all, each, ran=execution is not None)
+
+
+def _results_of(job: Job, execution: Execution | None, *, failed: bool) -> Results:
     interrupted = execution is not None and execution.interrupted
     failed = failed or job.cell is None or job.stopped_at is not None or interrupted
     everything = list(job.findings)

@@ -117,6 +117,9 @@ class Results:
     lines: LineRows = field(default_factory=lambda: LineRows())
     columns: Sequence[Column] = ()
     """Columns of processes that stand in `tools` behind those that every run has."""
+    channels: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    meetings: Mapping[str, Any] | None = None
+    """Where several programs run at once: each by itself, and how they wait for each other."""
 
     def as_json(self) -> dict[str, Any]:
         stopped = self.stopped_at
@@ -138,6 +141,9 @@ class Results:
         }
         if self.probings:
             value["probings"] = [probing.as_json() for probing in self.probings]
+        if self.channels:
+            value["channels"] = {name: dict(channel) for name, channel in self.channels.items()}
+            value["meetings"] = dict(self.meetings or {})
         cleaned: dict[str, Any] = clean(value)
         return cleaned
 
@@ -160,7 +166,7 @@ class LineRows:
     """Program lines (m,) in the order in which they first ran: which of the `files`, line number, and `numbers` (m, k).
 
     These are time [s], distance [mm], mean feed [mm/min], removed volume [mm³], greatest force [N], and the columns of
-    processes under `more` names.
+    processes under `more` names. `channels` names that of each line where several programs run at once.
     """
 
     files: Sequence[str] = ()
@@ -168,14 +174,17 @@ class LineRows:
     line: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     numbers: Array = field(default_factory=lambda: np.zeros((0, 5)))
     more: Sequence[str] = ()
+    channels: Sequence[str] = ()
 
     def csv(self) -> str:
         """A text with a head; numbers have six digits."""
         known = ("file", "line", "time_s", "distance_mm", "feed_mm_min", "removed_mm3", "max_force_N")
-        head = ",".join((*known, *self.more)) + "\n"
+        own = ("channel",) if self.channels else ()
+        head = ",".join((*known, *self.more, *own)) + "\n"
         names = [_quoted(table_text(name)) for name in self.files]
         columns = (_six_digits(column) for column in self.numbers.T)
-        rows = zip((names[i] for i in self.file.tolist()), map(str, self.line.tolist()), *columns, strict=True)
+        more = ([_quoted(table_text(name)) for name in self.channels],) if self.channels else ()
+        rows = zip((names[i] for i in self.file.tolist()), map(str, self.line.tolist()), *columns, *more, strict=True)
         return head + "".join([",".join(row) + "\n" for row in rows])
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from gcodesim.cli.formats import add_verdict_formats
 from gcodesim.cli.judging import add_baseline, add_today
-from gcodesim.cli.options import add_cell, add_fail_on, add_language, add_programs
+from gcodesim.cli.options import add_cell, add_channels, add_fail_on, add_language, add_programs
 
 
 def add_parser(commands: Any) -> None:
@@ -19,6 +19,7 @@ def add_parser(commands: Any) -> None:
     )
     add_programs(parser)
     add_cell(parser, required=True)
+    add_channels(parser)
     add_language(parser)
     add_verdict_formats(parser)
     add_fail_on(parser)

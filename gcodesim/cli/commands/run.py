@@ -8,7 +8,7 @@ from typing import Any
 
 from gcodesim.cli.formats import add_verdict_formats
 from gcodesim.cli.judging import add_baseline, add_today
-from gcodesim.cli.options import add_cell, add_fail_on, add_language, add_parameter_output, add_program
+from gcodesim.cli.options import add_cell, add_channels, add_fail_on, add_language, add_parameter_output, add_program
 
 PORT = 8765
 """Where viewers look first."""
@@ -23,6 +23,7 @@ def add_parser(commands: Any) -> None:
     )
     add_program(parser)
     add_cell(parser, required=True)
+    add_channels(parser)
     parser.add_argument(
         "--out", type=Path, default=Path("out"), metavar="DIR", help="folder for the files (default: out)"
     )

@@ -103,9 +103,12 @@ CODES += (
         code="GS910",
         severity=Severity.WARNING,
         title="A channel does not run",
-        what="The cell has several channels; a run carries out one program in one of them.",
+        what="The cell has a channel for which nobody has named a program. Its robot is left out of the run.",
         why="Robots that work beside each other may meet, and this run cannot see it.",
-        remedy="Run each program by itself, and check the space that they share by hand.",
+        remedy=(
+            "Name its program with `--channel NAME=PROGRAM`, or under `program:` in the cell. Then all programs run "
+            "at once."
+        ),
     ),
     Code(
         code="GS911",

@@ -1,4 +1,4 @@
-"""Findings GS6xx: what a test run finds different from what was accepted or expected."""
+"""Findings GS6xx: what a test run finds different from what was accepted or expected; programs that wait in vain."""
 
 from gcodesim.diagnostics.catalogue.code import Code
 from gcodesim.diagnostics.finding import Severity
@@ -151,5 +151,44 @@ CODES: tuple[Code, ...] = (
         why="Log and results end there. They are whole as files, but say nothing about the rest of the program; "
         "nothing is compared with them and nothing is accepted.",
         remedy="Run the program again. A CI job that is cancelled needs a longer time limit.",
+    ),
+    Code(
+        code="GS620",
+        severity=Severity.ERROR,
+        title="Programs wait for each other in a circle",
+        what=(
+            "Each of these channels stands at a mark and waits for the next one, which stands at another mark. The "
+            "finding names the line of every one of them."
+        ),
+        why="None of them will ever go on. The machines stand still until somebody resets them.",
+        remedy=(
+            "Let all programs come to their marks in the same order. A channel that is not needed at a mark does not "
+            "have to come to it: a mark is used only by programs that reach it."
+        ),
+    ),
+    Code(
+        code="GS621",
+        severity=Severity.ERROR,
+        title="Program waits for one that has ended",
+        what=(
+            "A channel has come to a mark once more than another one that uses it, and that other program has ended. "
+            "The n-th time of one program meets the n-th time of all others that use the mark."
+        ),
+        why="The program waits for ever, and whatever stands behind it is never done.",
+        remedy="Compare how often the loops of both programs come to the mark; both have to come equally often.",
+    ),
+    Code(
+        code="GS622",
+        severity=Severity.WARNING,
+        title="Mark that no other program uses",
+        what=(
+            "A program comes to a mark at which no other program of this run ever waits. It goes on at once. Where "
+            "only one program runs, this is a note."
+        ),
+        why="Where a wait was meant, this program starts too early: nobody has said that the way is free.",
+        remedy=(
+            "Compare the names of marks under `m_codes` of both channels: the name counts, not the M word. Name the "
+            "programs of further channels with `--channel NAME=PROGRAM` or `program:` in the cell."
+        ),
     ),
 )

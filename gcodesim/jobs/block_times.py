@@ -1,0 +1,44 @@
+"""When each block of a program that takes time or waits was executed."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from gcodesim.canon import Action
+from gcodesim.jobs.meetings import is_wait
+from gcodesim.motion.trajectory import Trajectory
+from gcodesim.numbers import rounded
+
+
+def block_times(trajectory: Trajectory, *, unended: bool) -> list[dict[str, Any]]:
+    """Blocks in the order of execution, as in the JSON of a check; `unended`: the last mark is never passed."""
+    path = trajectory.path
+    timed: list[tuple[int, int, dict[str, Any]]] = []
+    start, end = trajectory.row_start, trajectory.row_end
+    moved = np.flatnonzero(end > start)
+    if len(moved):
+        new = np.flatnonzero(np.diff(path.block[moved], prepend=path.block[moved[0]] - 1) != 0)
+        first, last = moved[new], moved[np.append(new[1:], len(moved)) - 1]
+        for a, b in zip(first.tolist(), last.tolist(), strict=True):
+            span = path.span(a)
+            timed.append((2 * a + 1, 0, _entry(span.file, span.line, float(start[a]), float(end[b]))))
+    for index, event in enumerate(trajectory.events):
+        waits = is_wait(event.event)
+        if event.duration > 0.0 or waits:
+            span = event.event.span
+            entry = _entry(span.file, span.line, event.time, event.time + event.duration)
+            if waits:
+                assert isinstance(event.event, Action)
+                entry["mark"] = event.event.verb
+            timed.append((2 * event.row, index, entry))
+    timed.sort(key=lambda item: item[:2])
+    blocks = [entry for _, _, entry in timed]
+    if unended:
+        blocks[-1]["end_s"] = None
+    return blocks
+
+
+def _entry(file: str, line: int, begin: float, end: float) -> dict[str, Any]:
+    return {"file": file, "line": line, "begin_s": rounded(begin), "end_s": rounded(end)}

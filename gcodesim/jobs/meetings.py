@@ -1,0 +1,200 @@
+"""Programs of one run that wait for each other: their plans on a common clock, and what is wrong with their marks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from gcodesim.canon import Action, Event
+from gcodesim.cell.channel import WAIT
+from gcodesim.diagnostics import Diagnostic, Severity, Span
+from gcodesim.motion.waits import with_waits
+from gcodesim.numbers import rounded
+from gcodesim.planning.meetings import Agenda, Arrival, Standing, Timetable, timetable
+from gcodesim.planning.waiting import waiting
+
+if TYPE_CHECKING:
+    from gcodesim.jobs.job import Job
+    from gcodesim.planning import Plan
+
+
+def is_wait(item: object) -> bool:
+    """Whether an event is a mark at which programs wait for each other."""
+    return isinstance(item, Action) and item.target == WAIT
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Meetings:
+    """How the programs of a run meet; `marks` are the events of each channel at which it waits, in order."""
+
+    table: Timetable
+    marks: Mapping[str, Sequence[Action]]
+
+    def at(self, standing: Standing) -> Action:
+        """The mark at which a channel stands."""
+        return self.marks[standing.channel][standing.index]
+
+    def waits(self, channel: str) -> list[dict[str, Any]]:
+        """The waits of a channel as in `results.json`."""
+        pairs = zip(self.table.waits[channel], self.marks[channel], strict=False)
+        return [
+            {
+                "mark": mark.verb,
+                "file": mark.span.file,
+                "line": mark.span.line,
+                "begin_s": rounded(wait.begin),
+                "end_s": None if wait.end is None else rounded(wait.end),
+            }
+            for wait, mark in pairs
+        ]
+
+    def as_json(self) -> dict[str, Any]:
+        table = self.table
+        return {
+            "total_s": None if table.total is None else rounded(table.total),
+            "stopped_at_s": rounded(table.stopped_at),
+            "circle": [self._place(standing) for standing in table.circle],
+            "ended": [self._place(standing) | {"by": by} for standing, by in table.ended],
+            "lone": [self._place(standing) for standing in table.lone],
+        }
+
+    def _place(self, standing: Standing) -> dict[str, Any]:
+        mark = self.at(standing)
+        return {
+            "channel": standing.channel,
+            "file": mark.span.file,
+            "line": mark.span.line,
+            "mark": mark.verb,
+        }
+
+
+def meet(jobs: Sequence[Job], read_again: Callable[[Job, int], Job]) -> Meetings:
+    """Put the programs of `jobs` on one clock: their plans get waits, and the first job the findings about them.
+
+    A program that waits for ever at a mark is read and planned again up to there by `read_again(job, marks passed)`.
+    """
+    marks: dict[str, list[Action]] = {}
+    agendas: dict[str, Agenda] = {}
+    for job in jobs:
+        for _ in iter(lambda job=job: job.legs.onward() if job.legs is not None else None, None):  # type: ignore[misc]
+            pass
+        assert job.plan is not None
+        marks[job.channel], agendas[job.channel] = _agenda(job.plan)
+    table = timetable(agendas)
+    meetings = Meetings(table=table, marks=marks)
+    for job in jobs:
+        waits = table.waits[job.channel]
+        if table.ends[job.channel] is None:
+            _take_over(job, read_again(job, len(waits) - 1))
+        _delay(job, [wait.seconds for wait in waits])
+    jobs[0].findings.extend(findings(meetings))
+    return meetings
+
+
+def _agenda(plan: Plan) -> tuple[list[Action], Agenda]:
+    """The marks of a plan, and when it comes to them."""
+    timed = [event for event in plan.trajectory.events if is_wait(event.event)]
+    arrivals = [Arrival(mark=event.event.verb, time=event.time) for event in timed]  # type: ignore[attr-defined]
+    return [event.event for event in timed], Agenda(arrivals=arrivals, duration=plan.trajectory.duration)  # type: ignore[misc]
+
+
+def _take_over(job: Job, again: Job) -> None:
+    """Make `job` what has been read again of it."""
+    job.findings, job.reading, job.legs = again.findings, again.reading, again.legs
+    job.plan, job.events, job.probings, job.held = again.plan, again.events, again.probings, again.held
+
+
+def _delay(job: Job, seconds: Sequence[float]) -> None:
+    """Put the waits into the plan of `job`, and let its findings be as late as what they are about."""
+    plan = job.plan
+    assert plan is not None
+    timed = [(index, event.time) for index, event in enumerate(plan.trajectory.events) if is_wait(event.event)]
+    waits = [(index, time, wait) for (index, time), wait in zip(timed, seconds, strict=True) if wait > 0.0]
+    if not waits:
+        return
+    job.plan = waiting(plan, with_waits(plan.trajectory, {index: wait for index, _, wait in waits}))
+
+    def late(time: float) -> float:
+        return time + sum(wait for _, begin, wait in waits if begin <= time)
+
+    job.findings.change({one: replace(one, time=late(one.time)) for one in job.findings if one.time is not None})
+    job.probings = [replace(probing, time=late(probing.time)) for probing in job.probings]
+
+
+def findings(meetings: Meetings) -> Iterator[Diagnostic]:
+    """GS620 to GS622: programs that wait in a circle, for one that has ended, and at marks that nobody else uses."""
+    table = meetings.table
+    if table.circle:
+        yield _deadlock(meetings)
+    for standing, by in table.ended:
+        mark = meetings.at(standing)
+        yield Diagnostic(
+            code="GS621",
+            span=mark.span,
+            message=f"`{standing.channel}` waits at `{mark.verb}` for `{by}`, whose program has ended "
+            f"after coming there {_times(meetings, by, mark.verb)}",
+            hint=f"`{standing.channel}` comes here for the {_ordinal(_count(meetings, standing))} time; "
+            "both programs must come to a mark equally often",
+            time=table.waits[standing.channel][-1].begin,
+        )
+    for standing in table.lone:
+        yield lone_mark(standing.channel, meetings.at(standing))
+
+
+def lone_mark(channel: str, mark: Action) -> Diagnostic:
+    """GS622 for a mark that only `channel` uses."""
+    return Diagnostic(
+        code="GS622",
+        span=mark.span,
+        message=f"`{channel}` waits for nobody at `{mark.verb}`: no other program that runs comes to this mark",
+        hint=f"it goes on at once; let another program come to `{mark.verb}`, or take the word out",
+    )
+
+
+def lone_marks(channel: str, events: Sequence[Event]) -> list[Diagnostic]:
+    """GS622 for each mark in the `events` of a program that runs alone."""
+    first: dict[str, Action] = {}
+    for event in events:
+        if isinstance(event, Action) and event.target == WAIT:
+            first.setdefault(event.verb, event)
+    return [replace(lone_mark(channel, mark), severity=Severity.NOTE) for mark in first.values()]
+
+
+def _deadlock(meetings: Meetings) -> Diagnostic:
+    circle = meetings.table.circle
+    marks = [meetings.at(standing) for standing in circle]
+    following = [*circle[1:], circle[0]]
+    told = "; ".join(
+        f"`{one.channel}` waits in {_named(mark.span)} at `{mark.verb}` for `{other.channel}`"
+        for one, mark, other in zip(circle, marks, following, strict=True)
+    )
+    names = " and ".join(f"`{name}`" for name in dict.fromkeys(mark.verb for mark in marks))
+    return Diagnostic(
+        code="GS620",
+        span=marks[0].span,
+        message=f"programs wait for each other in a circle: {told}",
+        hint=f"let all of them come to {names} in one order",
+        related=marks[1].span,
+        time=max(meetings.table.waits[standing.channel][-1].begin for standing in circle),
+    )
+
+
+def _named(span: Span) -> str:
+    return f"line {span.line} of {span.file}"
+
+
+def _count(meetings: Meetings, standing: Standing) -> int:
+    """How often a channel has come to the mark at which it stands, this time included."""
+    mark = meetings.at(standing).verb
+    return sum(each.verb == mark for each in meetings.marks[standing.channel][: standing.index + 1])
+
+
+def _times(meetings: Meetings, channel: str, mark: str) -> str:
+    count = sum(each.verb == mark for each in meetings.marks[channel])
+    return "once" if count == 1 else "twice" if count == 2 else f"{count} times"
+
+
+def _ordinal(count: int) -> str:
+    ending = "th" if count % 100 in (11, 12, 13) else {1: "st", 2: "nd", 3: "rd"}.get(count % 10, "th")
+    return f"{count}{ending}"
