@@ -1,0 +1,340 @@
+"""The signed gap between two convex bodies: how far apart they are, or how deep they are in each other.
+
+A body is the hull of corners, or of circles about one axis, grown by a radius: a
+ball is one point, a capsule two. It is known by its farthest point in any
+direction. Distances come by the method of Gilbert, Johnson and Keerthi (1988,
+IEEE J. Robotics and Automation 4, 193), depths by an expanding polytope (van den
+Bergen 2001, Proc. Game Developers Conference). Every answer goes with a
+direction, and the gap along it is a bound that holds by itself.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.checks.collision_kernels import shrink
+from gcodesim.compiled import kernel
+from gcodesim.frames import Array
+
+MOST_ROUNDS = 64
+NEAR = 1e-8  # [m] a distance is exact to this and
+RELATIVE = 1e-6  # to this share of itself
+MOST_POINTS = 160  # of the polytope
+MOST_FACES = 2 * MOST_POINTS
+LEAST = 1e-13  # what a unit vector must have across an axis to count as not along it
+FLAT = 1e-12  # [m] a polytope thinner than this has no inside
+
+Ints = NDArray[np.int64]
+
+
+class Convexes(NamedTuple):
+    """Convex bodies by columns (k,); each stands in a frame of its own.
+
+    Body i has `many` rows of `points` from `first` on: corners (x, y, z), or, if `round`, circles (radius, height, 0)
+    about the line through `origin` (k, 3) along `axis` (k, 3). All of it is grown by `grown` [m].
+    """
+
+    first: Ints
+    many: Ints
+    round: Ints
+    grown: Array
+    origin: Array
+    axis: Array
+    points: Array
+
+
+class GapRoom(NamedTuple):
+    """Room to work in: simplex, its nearest point, weights, direction, a point, another, and the polytope."""
+
+    simplex: Array
+    closest: Array
+    weight: Array
+    d: Array
+    point: Array
+    spare: Array
+    corners: Array
+    faces: Ints
+    planes: Array
+    edges: Ints
+
+
+def gap_room() -> GapRoom:
+    """Room for `signed_gap`."""
+    return GapRoom(
+        np.zeros((4, 3)),
+        np.zeros(3),
+        np.zeros(4),
+        np.zeros(3),
+        np.zeros(3),
+        np.zeros(3),
+        np.zeros((MOST_POINTS, 3)),
+        np.zeros((MOST_FACES, 3), dtype=np.int64),
+        np.zeros((MOST_FACES, 4)),
+        np.zeros((3 * MOST_FACES, 2), dtype=np.int64),
+    )
+
+
+@kernel
+def farthest(i: int, bodies: Convexes, X: Array, d: Array, sign: float, out: Array) -> float:
+    """Farthest point `out` (3,) of body `i` at X (4, 4) in direction `sign` d, and its product with it; not grown."""
+    u = sign * (X[0, 0] * d[0] + X[1, 0] * d[1] + X[2, 0] * d[2])
+    v = sign * (X[0, 1] * d[0] + X[1, 1] * d[1] + X[2, 1] * d[2])
+    w = sign * (X[0, 2] * d[0] + X[1, 2] * d[1] + X[2, 2] * d[2])
+    points = bodies.points
+    begin, end = bodies.first[i], bodies.first[i] + bodies.many[i]
+    best, which = -math.inf, begin
+    if bodies.round[i] == 0:
+        for k in range(begin, end):
+            reach = u * points[k, 0] + v * points[k, 1] + w * points[k, 2]
+            if reach > best:
+                best, which = reach, k
+        x, y, z = points[which, 0], points[which, 1], points[which, 2]
+    else:
+        ax, ay, az = bodies.axis[i, 0], bodies.axis[i, 1], bodies.axis[i, 2]
+        along = ax * u + ay * v + az * w
+        cu, cv, cw = u - along * ax, v - along * ay, w - along * az
+        # once more: of a direction along the axis only rounding is left, which need not be across it
+        rest = ax * cu + ay * cv + az * cw
+        cu, cv, cw = cu - rest * ax, cv - rest * ay, cw - rest * az
+        across = math.sqrt(cu * cu + cv * cv + cw * cw)
+        for k in range(begin, end):
+            reach = points[k, 0] * across + points[k, 1] * along
+            if reach > best:
+                best, which = reach, k
+        r = points[which, 0] / across if across > LEAST else 0.0
+        h = points[which, 1]
+        x = bodies.origin[i, 0] + h * ax + r * cu
+        y = bodies.origin[i, 1] + h * ay + r * cv
+        z = bodies.origin[i, 2] + h * az + r * cw
+    for c in range(3):
+        out[c] = X[c, 0] * x + X[c, 1] * y + X[c, 2] * z + X[c, 3]
+    value: float = sign * (out[0] * d[0] + out[1] * d[1] + out[2] * d[2])
+    return value
+
+
+@kernel
+def of_difference(a: int, b: int, bodies: Convexes, Xa: Array, Xb: Array, d: Array, out: Array, spare: Array) -> float:
+    """Farthest point `out` (3,) of body `a` minus body `b` in direction d (3,), and its product with d."""
+    value = farthest(a, bodies, Xa, d, 1.0, out) + farthest(b, bodies, Xb, d, -1.0, spare)
+    for c in range(3):
+        out[c] -= spare[c]
+    return value
+
+
+@kernel
+def gap_along(a: int, b: int, bodies: Convexes, Xa: Array, Xb: Array, n: Array, room: GapRoom) -> float:
+    """How far [m] body `a` lies beyond body `b` in the direction of the unit vector n; negative: they overlap in it."""
+    for c in range(3):
+        room.d[c] = -n[c]
+    value = of_difference(a, b, bodies, Xa, Xb, room.d, room.point, room.spare)
+    gap: float = -value - bodies.grown[a] - bodies.grown[b]
+    return gap
+
+
+@kernel
+def signed_gap(a: int, b: int, bodies: Convexes, Xa: Array, Xb: Array, enough: float, room: GapRoom, n: Array) -> float:
+    """The gap [m] between two bodies, or minus their depth: the least shift that parts them.
+
+    `n` (3,) is the unit vector from `b` to `a` along which this gap lies. It is never more than the true one, and
+    less by `NEAR` and `RELATIVE` at most. A gap of `enough` or more may come back as any smaller number from `enough`.
+    """
+    grown: float = bodies.grown[a] + bodies.grown[b]
+    enough += grown
+    closest, simplex, weight, d, point = room.closest, room.simplex, room.weight, room.d, room.point
+    size = 0.0
+    for c in range(3):
+        closest[c] = Xa[c, 3] - Xb[c, 3]
+        for k in range(3):
+            closest[c] += Xa[c, k] * bodies.origin[a, k] - Xb[c, k] * bodies.origin[b, k]
+        size += closest[c] * closest[c]
+    if size == 0.0:
+        closest[2] = 1.0
+    count = 0
+    lower = -math.inf
+    for _ in range(MOST_ROUNDS):
+        size = math.sqrt(closest[0] * closest[0] + closest[1] * closest[1] + closest[2] * closest[2])
+        if count > 0 and size <= NEAR:
+            break
+        for c in range(3):
+            d[c] = -closest[c] / size
+        bound = -of_difference(a, b, bodies, Xa, Xb, d, point, room.spare)
+        if bound > lower:
+            lower = bound
+            for c in range(3):
+                n[c] = -d[c]
+        if lower > 0.0 and (lower >= enough or (count > 0 and size - lower <= NEAR + RELATIVE * size)):
+            return lower - grown
+        known = False
+        for i in range(count):
+            if simplex[i, 0] == point[0] and simplex[i, 1] == point[1] and simplex[i, 2] == point[2]:
+                known = True
+        if known:
+            break
+        for c in range(3):
+            simplex[count, c] = point[c]
+        count = shrink(simplex, count + 1, closest, weight)
+        if count == 4:
+            break
+    if lower > NEAR:
+        return lower - grown
+    return -_depth(a, b, bodies, Xa, Xb, room, n) - grown
+
+
+@kernel
+def _depth(a: int, b: int, bodies: Convexes, Xa: Array, Xb: Array, room: GapRoom, n: Array) -> float:
+    """How far [m] the origin is in the difference of two bodies; `n` becomes the way out for `a`.
+
+    A polytope inside the difference grows where its surface comes nearest to the origin. It need not hold the origin
+    from the start: a face that has it in front is the nearest of all.
+    """
+    corners, faces, planes = room.corners, room.faces, room.planes
+    count = _first_corners(a, b, bodies, Xa, Xb, room)
+    if count < 4:
+        return 0.0
+    for f in range(4):
+        for c in range(3):
+            faces[f, c] = (f + 1 + c) % 4
+        _face(corners, faces, planes, f, f)
+    used = 4
+    least = math.inf
+    for _ in range(MOST_POINTS):
+        best = 0
+        for f in range(1, used):
+            if planes[f, 3] < planes[best, 3]:
+                best = f
+        for c in range(3):
+            room.d[c] = planes[best, c]
+        reach = of_difference(a, b, bodies, Xa, Xb, room.d, room.point, room.spare)
+        if reach < least:
+            least = reach
+            for c in range(3):
+                n[c] = -room.d[c]
+        if least - planes[best, 3] <= NEAR + RELATIVE * abs(least) or count >= MOST_POINTS:
+            break
+        for c in range(3):
+            corners[count, c] = room.point[c]
+        count += 1
+        used = _grow(room, used, count - 1)
+        if used == 0:
+            break
+    return least
+
+
+@kernel
+def _first_corners(a: int, b: int, bodies: Convexes, Xa: Array, Xb: Array, room: GapRoom) -> int:
+    """Four corners of the difference that are not in one plane; fewer where there are none."""
+    corners, d = room.corners, room.d
+    best = 0.0
+    for axis in range(3):
+        for c in range(3):
+            d[c] = 1.0 if c == axis else 0.0
+        high = of_difference(a, b, bodies, Xa, Xb, d, room.point, room.spare)
+        for c in range(3):
+            room.simplex[0, c] = room.point[c]
+            d[c] = -d[c]
+        low = -of_difference(a, b, bodies, Xa, Xb, d, room.point, room.spare)
+        if high - low > best:
+            best = high - low
+            for c in range(3):
+                corners[0, c], corners[1, c] = room.simplex[0, c], room.point[c]
+    if best <= FLAT:
+        return 1
+    # across the line of the first two, and across the plane of the first three, on both sides
+    for k in range(2, 4):
+        found = 0.0
+        for axis in range(3 if k == 2 else 1):
+            _across(corners, k, axis, d)
+            size = math.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])
+            if size <= 0.0:
+                continue
+            for c in range(3):
+                d[c] /= size
+            at = corners[0, 0] * d[0] + corners[0, 1] * d[1] + corners[0, 2] * d[2]
+            for _ in range(2):
+                off = of_difference(a, b, bodies, Xa, Xb, d, room.point, room.spare) - at
+                if off > found:
+                    found = off
+                    for c in range(3):
+                        corners[k, c] = room.point[c]
+                for c in range(3):
+                    d[c] = -d[c]
+                at = -at
+        if found <= FLAT:
+            return k
+    return 4
+
+
+@kernel
+def _across(corners: Array, k: int, axis: int, d: Array) -> None:
+    """Direction `d` across the edge of the first two corners and a coordinate axis, or across three corners."""
+    u = corners[1, 0] - corners[0, 0]
+    v = corners[1, 1] - corners[0, 1]
+    w = corners[1, 2] - corners[0, 2]
+    if k == 2:
+        x = 1.0 if axis == 0 else 0.0
+        y = 1.0 if axis == 1 else 0.0
+        z = 1.0 if axis == 2 else 0.0
+    else:
+        x, y, z = corners[2, 0] - corners[0, 0], corners[2, 1] - corners[0, 1], corners[2, 2] - corners[0, 2]
+    d[0], d[1], d[2] = v * z - w * y, w * x - u * z, u * y - v * x
+
+
+@kernel
+def _face(corners: Array, faces: Ints, planes: Array, f: int, behind: int) -> None:
+    """Plane `f` (normal, distance) of a face, which has the corner `behind` behind it; -1: its order says so."""
+    i, j, k = faces[f, 0], faces[f, 1], faces[f, 2]
+    u, v, w = corners[j, 0] - corners[i, 0], corners[j, 1] - corners[i, 1], corners[j, 2] - corners[i, 2]
+    x, y, z = corners[k, 0] - corners[i, 0], corners[k, 1] - corners[i, 1], corners[k, 2] - corners[i, 2]
+    a, b, c = v * z - w * y, w * x - u * z, u * y - v * x
+    size = math.sqrt(a * a + b * b + c * c)
+    if size <= 0.0:
+        planes[f, 0], planes[f, 1], planes[f, 2], planes[f, 3] = 0.0, 0.0, 0.0, math.inf
+        return
+    a, b, c = a / size, b / size, c / size
+    at = a * corners[i, 0] + b * corners[i, 1] + c * corners[i, 2]
+    if behind >= 0:
+        off = a * corners[behind, 0] + b * corners[behind, 1] + c * corners[behind, 2]
+        if off > at:
+            a, b, c, at = -a, -b, -c, -at
+            faces[f, 1], faces[f, 2] = k, j
+    planes[f, 0], planes[f, 1], planes[f, 2], planes[f, 3] = a, b, c, at
+
+
+@kernel
+def _grow(room: GapRoom, used: int, new: int) -> int:
+    """Replace the faces that corner `new` lies in front of; how many faces there are now, 0 when there is no room."""
+    corners, faces, planes, edges = room.corners, room.faces, room.planes, room.edges
+    x, y, z = corners[new, 0], corners[new, 1], corners[new, 2]
+    kept, rim = 0, 0
+    for f in range(used):
+        seen = planes[f, 0] * x + planes[f, 1] * y + planes[f, 2] * z > planes[f, 3]
+        if seen or planes[f, 3] == math.inf:
+            for c in range(3):
+                i, j = faces[f, c], faces[f, (c + 1) % 3]
+                twin = -1
+                for e in range(rim):
+                    if edges[e, 0] == j and edges[e, 1] == i:
+                        twin = e
+                if twin >= 0:
+                    rim -= 1
+                    edges[twin, 0], edges[twin, 1] = edges[rim, 0], edges[rim, 1]
+                else:
+                    edges[rim, 0], edges[rim, 1] = i, j
+                    rim += 1
+        else:
+            for c in range(3):
+                faces[kept, c] = faces[f, c]
+            for c in range(4):
+                planes[kept, c] = planes[f, c]
+            kept += 1
+    if rim == 0 or kept + rim > MOST_FACES:
+        return 0
+    for e in range(rim):
+        faces[kept, 0], faces[kept, 1], faces[kept, 2] = edges[e, 0], edges[e, 1], new
+        _face(corners, faces, planes, kept, -1)
+        kept += 1
+    return kept

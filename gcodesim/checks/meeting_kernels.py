@@ -1,0 +1,463 @@
+"""Pairs of bodies along a whole joint path: when they meet, how deep, and how near they come.
+
+Stretches of the path are looked at together while the distance of a pair is greater than its bodies can move on them
+(adaptive bisection, Schwarzer, Saha and Latombe 2005, IEEE Trans. Robotics 21, 338). What is left goes to
+`way_kernels.descend`, one stretch and one couple of convex bodies at a time.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from gcodesim.checks.gap_kernels import Convexes, GapRoom, Ints, signed_gap
+from gcodesim.checks.way_kernels import (
+    CLOSE,
+    GOLDEN,
+    NEVER,
+    ROUNDS,
+    SAMPLES,
+    Couple,
+    JointTree,
+    WayColumns,
+    WayRoom,
+    descend,
+    gap_at,
+    seen_from,
+    slack_of,
+)
+from gcodesim.compiled import kernel
+from gcodesim.frames import Array
+from gcodesim.kinematics.tree_kernels import joint_frames
+
+HALVINGS = 12  # of a stretch behind the first contact: a touch of a 4000th of it is looked at
+LEVELS = 64
+SHARE = 2e-4  # of itself by which a least gap may be too large, besides the tolerance
+AGAIN = 2  # samples on a stretch that begins in contact
+
+
+class Forest(NamedTuple):
+    """Bodies as trees of balls: node i has its ball at `centre` (n, 3) with `radius` (n,) in the frame of its carrier.
+
+    `left`, `right` are its parts; a leaf has -1 there and its convex body in `convex`.
+    """
+
+    centre: Array
+    radius: Array
+    left: Ints
+    right: Ints
+    convex: Ints
+
+
+class Meetings(NamedTuple):
+    """Room for what is found, a row each: pair, first stretch, last, deepest, both convex bodies.
+
+    `figures`: the share at which the gap falls to the level, at which it is least, that gap [m]. `used` (1,) rows.
+    """
+
+    rows: Ints
+    figures: Array
+    used: Ints
+
+
+class Walk(NamedTuple):
+    """Room to work in: pairs by level of bisection and how many; intervals; two trees; poses; state of each pair."""
+
+    alive: Ints
+    many: Ints
+    intervals: Ints
+    nodes: Ints
+    Xa: Array
+    Xb: Array
+    swing: Array
+    last: Ints
+    open: Ints
+    best: Array
+
+
+def walk_room(pairs: int, joints: int, deepest: int) -> Walk:
+    """Room for `meet`; `deepest` is how many nodes the two deepest trees have on a way from the root."""
+    return Walk(
+        np.zeros((LEVELS, pairs), dtype=np.int64),
+        np.zeros(LEVELS, dtype=np.int64),
+        np.zeros((2 * LEVELS, 3), dtype=np.int64),
+        np.zeros((2 * deepest + 8, 2), dtype=np.int64),
+        np.zeros((4, 4)),
+        np.zeros((4, 4)),
+        np.zeros(joints),
+        np.full(pairs, -2, dtype=np.int64),
+        np.full(pairs, -1, dtype=np.int64),
+        np.zeros(1),
+    )
+
+
+@kernel
+def next_leaves(top: int, limit: float, forest: Forest, nodes: Ints, Xa: Array, Xb: Array) -> int:
+    """Go on to two leaves whose balls are nearer than `limit`: they are on top of `nodes` then; -1: no more."""
+    centre, radius, left = forest.centre, forest.radius, forest.left
+    while top >= 0:
+        i, j = nodes[top, 0], nodes[top, 1]
+        square = 0.0
+        for c in range(3):
+            d = Xa[c, 3] - Xb[c, 3]
+            for k in range(3):
+                d += Xa[c, k] * centre[i, k] - Xb[c, k] * centre[j, k]
+            square += d * d
+        far = limit + radius[i] + radius[j]
+        if far < 0.0 or square > far * far:
+            top -= 1
+            continue
+        if left[i] < 0 and left[j] < 0:
+            return top
+        if left[j] < 0 or (left[i] >= 0 and radius[i] >= radius[j]):
+            nodes[top, 0], nodes[top + 1, 0] = left[i], forest.right[i]
+            nodes[top + 1, 1] = j
+        else:
+            nodes[top, 1], nodes[top + 1, 1] = left[j], forest.right[j]
+            nodes[top + 1, 0] = i
+        top += 1
+    return -1
+
+
+@kernel
+def come_near(
+    pair: Ints, limit: float, forest: Forest, bodies: Convexes, walk: Walk, gaps: GapRoom, n: Array, least: bool
+) -> bool:
+    """Whether two bodies at the poses of `walk` are nearer than `limit`; if `least`, keep the least gap in its best."""
+    nodes = walk.nodes
+    nodes[0, 0], nodes[0, 1] = pair[0], pair[1]
+    top = 0
+    near = False
+    while True:
+        top = next_leaves(top, limit, forest, nodes, walk.Xa, walk.Xb)
+        if top < 0:
+            return near
+        a, b = forest.convex[nodes[top, 0]], forest.convex[nodes[top, 1]]
+        gap = signed_gap(a, b, bodies, walk.Xa, walk.Xb, limit, gaps, n)
+        if gap < limit:
+            if not least:
+                return True
+            near = True
+            walk.best[0] = min(walk.best[0], gap)
+        top -= 1
+
+
+@kernel
+def swings(lo: int, hi: int, m: int, way: WayColumns, swing: Array) -> None:
+    """How far (j,) each joint goes from node `m` on the stretches from `lo` to `hi`."""
+    for j in range(way.q.shape[1]):
+        most, bend = 0.0, 0.0
+        for k in range(lo, hi + 1):
+            most = max(most, abs(way.q[k, j] - way.q[m, j]))
+        for k in range(lo, hi):
+            bend = max(bend, way.bend[k, j])
+        swing[j] = most + bend
+
+
+@kernel
+def range_of(p: int, couple: Couple, swing: Array) -> float:
+    """How far [m] a point of one body of a pair may move against the other when joints swing so far."""
+    total = 0.0
+    for j in range(swing.shape[0]):
+        total += couple.reach[p, j] * swing[j]
+    return total
+
+
+@kernel
+def least_gap(
+    p: int,
+    pair: Ints,
+    place: tuple[int, float],
+    couple: Couple,
+    chain: JointTree,
+    way: WayColumns,
+    forest: Forest,
+    bodies: Convexes,
+    walk: Walk,
+    rooms: tuple[WayRoom, GapRoom],
+) -> float:
+    """The signed gap [m] of two bodies at a share of a stretch; inf when the balls around them are apart."""
+    room, gaps = rooms
+    for j in range(way.q.shape[1]):
+        room.q[j] = way.q[place[0], j] + place[1] * (way.q[place[0] + 1, j] - way.q[place[0], j])
+    joint_frames(room.q, chain.parent, chain.before, chain.axis, chain.prismatic, room.frames)
+    seen_from(room.frames, couple.common[p], couple.first[p], walk.Xa)
+    seen_from(room.frames, couple.common[p], couple.second[p], walk.Xb)
+    nodes = walk.nodes
+    nodes[0, 0], nodes[0, 1] = pair[0], pair[1]
+    top, least = 0, math.inf
+    while True:
+        top = next_leaves(top, 1e-3, forest, nodes, walk.Xa, walk.Xb)
+        if top < 0:
+            return least
+        a, b = forest.convex[nodes[top, 0]], forest.convex[nodes[top, 1]]
+        least = min(least, signed_gap(a, b, bodies, walk.Xa, walk.Xb, math.inf, gaps, room.n))
+        top -= 1
+
+
+@kernel
+def first_on(
+    p: int,
+    pair: Ints,
+    place: tuple[int, float, float],
+    couple: Couple,
+    chain: JointTree,
+    way: WayColumns,
+    forest: Forest,
+    bodies: Convexes,
+    walk: Walk,
+    rooms: tuple[WayRoom, GapRoom],
+) -> tuple[float, int, int, float]:
+    """Where on a stretch two bodies first come to a level: share, both convex bodies, the gap [m]."""
+    room, _ = rooms
+    k, t, level = place
+    for j in range(way.q.shape[1]):
+        room.q[j] = way.q[k, j]
+        walk.swing[j] = abs(way.q[k + 1, j] - way.q[k, j]) + way.bend[k, j]
+    limit = range_of(p, couple, walk.swing) + level + CLOSE
+    joint_frames(room.q, chain.parent, chain.before, chain.axis, chain.prismatic, room.frames)
+    seen_from(room.frames, couple.common[p], couple.first[p], walk.Xa)
+    seen_from(room.frames, couple.common[p], couple.second[p], walk.Xb)
+    nodes = walk.nodes
+    nodes[0, 0], nodes[0, 1] = pair[0], pair[1]
+    top, first, one, other, deep = 0, NEVER, -1, -1, 0.0
+    while True:
+        top = next_leaves(top, limit, forest, nodes, walk.Xa, walk.Xb)
+        if top < 0:
+            return first, one, other, deep
+        a, b = forest.convex[nodes[top, 0]], forest.convex[nodes[top, 1]]
+        share, gap = descend(p, a, b, (k, t, level), couple, chain, way, bodies, rooms)
+        if share < first:
+            first, one, other, deep = share, a, b, gap
+        top -= 1
+
+
+@kernel
+def follow(
+    p: int,
+    pair: Ints,
+    place: tuple[int, float, float],
+    scene: tuple[Couple, JointTree, WayColumns, Forest, Convexes],
+    walk: Walk,
+    rooms: tuple[WayRoom, GapRoom],
+    found: Meetings,
+    fresh: bool,
+) -> float:
+    """Follow a pair that is below the level from a share of a stretch on; where it is above again, or 1.
+
+    The least gap is kept in the row of the pair, found between samples by golden section.
+    """
+    couple, chain, way, forest, bodies = scene
+    k, t, level = place
+    e = walk.open[p]
+    count = HALVINGS + SAMPLES if fresh else AGAIN
+    best, before, after, past, end = math.inf, t, 1.0, t, 1.0
+    at = t
+    pending = False
+    for i in range(count + 1):
+        if i == 0:
+            here = t
+        elif fresh and i <= HALVINGS:
+            here = t + (1.0 - t) * 0.5 ** (HALVINGS + 4 - i)
+        elif fresh:
+            here = t + (1.0 - t) * (i - HALVINGS) / SAMPLES
+        else:
+            here = t + (1.0 - t) * i / AGAIN
+        gap = least_gap(p, pair, (k, here), couple, chain, way, forest, bodies, walk, rooms)
+        if pending:
+            after = here
+            pending = False
+        if gap < best:
+            best, at, before = gap, here, past
+            pending = True
+        past = here
+        if i > 0 and gap > level + CLOSE:
+            end = here
+            break
+    if pending:
+        after = past
+    low, high = before, after
+    for _ in range(ROUNDS):
+        if high - low < 1e-9:
+            break
+        left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+        at_left = least_gap(p, pair, (k, left), couple, chain, way, forest, bodies, walk, rooms)
+        at_right = least_gap(p, pair, (k, right), couple, chain, way, forest, bodies, walk, rooms)
+        if at_left < best:
+            best, at = at_left, left
+        if at_right < best:
+            best, at = at_right, right
+        if at_left <= at_right:
+            high = right
+        else:
+            low = left
+        if not fresh and high - low < 0.05:
+            break
+    if best < found.figures[e, 2]:
+        found.figures[e, 1], found.figures[e, 2] = at, best
+        found.rows[e, 3] = k
+    found.rows[e, 2] = k
+    return end
+
+
+@kernel
+def meet_on(
+    p: int,
+    pair: Ints,
+    place: tuple[int, float],
+    scene: tuple[Couple, JointTree, WayColumns, Forest, Convexes],
+    walk: Walk,
+    rooms: tuple[WayRoom, GapRoom],
+    found: Meetings,
+) -> None:
+    """What two bodies do on one stretch: rows of `found` for each time that they come below a level."""
+    couple, chain, way, forest, bodies = scene
+    k, level = place
+    if walk.last[p] != k - 1:
+        walk.open[p] = -1
+    t = 0.0
+    while t < 1.0:
+        fresh = walk.open[p] < 0
+        if fresh:
+            first, a, b, gap = first_on(p, pair, (k, t, level), couple, chain, way, forest, bodies, walk, rooms)
+            if first > 1.0 or found.used[0] >= found.rows.shape[0]:
+                break
+            e = found.used[0]
+            found.used[0] += 1
+            walk.open[p] = e
+            found.rows[e, 0], found.rows[e, 1], found.rows[e, 2], found.rows[e, 3] = p, k, k, k
+            found.rows[e, 4], found.rows[e, 5] = a, b
+            found.figures[e, 0], found.figures[e, 1], found.figures[e, 2] = first, first, gap
+            t = first
+            if first >= 1.0:
+                walk.last[p] = k
+                break
+        lower = level - (slack_of(p, k, couple, way) if level <= 0.0 else 0.0)
+        end = follow(p, pair, (k, t, lower), scene, walk, rooms, found, fresh)
+        walk.last[p] = k
+        if end >= 1.0:
+            break
+        walk.open[p] = -1
+        t = end
+
+
+@kernel
+def below(least: float, tolerance: float) -> float:
+    """What a gap must be less than to count as less than `least`."""
+    return least - tolerance - SHARE * abs(least) if least < math.inf else least
+
+
+@kernel
+def nearest_on(
+    p: int,
+    pair: Ints,
+    k: int,
+    tolerance: float,
+    scene: tuple[Couple, JointTree, WayColumns, Forest, Convexes],
+    walk: Walk,
+    rooms: tuple[WayRoom, GapRoom],
+) -> None:
+    """Lower the least gap in ``walk.best`` to that of two bodies on one stretch, if theirs is less by `tolerance`."""
+    couple, chain, way, forest, bodies = scene
+    t = 0.0
+    while True:
+        level = below(walk.best[0], tolerance)
+        first, a, b, gap = first_on(p, pair, (k, t, level), couple, chain, way, forest, bodies, walk, rooms)
+        if first > 1.0:
+            return
+        walk.best[0] = min(walk.best[0], gap)
+        t = first
+        # a good bound first, so that little is left to prove
+        low, high = t, 1.0
+        for _ in range(ROUNDS):
+            left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+            at_left = gap_at(p, a, b, (k, left), couple, chain, way, bodies, rooms)
+            at_right = gap_at(p, a, b, (k, right), couple, chain, way, bodies, rooms)
+            walk.best[0] = min(walk.best[0], at_left, at_right)
+            if at_left <= at_right:
+                high = right
+            else:
+                low = left
+
+
+@kernel
+def meet(
+    pairs: Ints,
+    level: float,
+    tolerance: float,
+    scene: tuple[Couple, JointTree, WayColumns, Forest, Convexes],
+    walk: Walk,
+    rooms: tuple[WayRoom, GapRoom],
+    found: Meetings,
+) -> None:
+    """Every time that one of `pairs` (p, 2), roots of trees, comes below `level` [m] on the way.
+
+    With a `tolerance` [m] above 0, the least gap of all pairs in ``walk.best`` instead, up to that.
+    """
+    couple, chain, way, forest, bodies = scene
+    room, gaps = rooms
+    count, intervals = walk.many, walk.intervals
+    count[0] = pairs.shape[0]
+    for i in range(pairs.shape[0]):
+        walk.alive[0, i] = i
+    intervals[0, 0], intervals[0, 1], intervals[0, 2] = 0, way.bend.shape[0], 0
+    top = 0
+    while top >= 0:
+        lo, hi, deep = intervals[top, 0], intervals[top, 1], intervals[top, 2]
+        top -= 1
+        m = (lo + hi) // 2
+        swings(lo, hi, m, way, walk.swing)
+        for j in range(way.q.shape[1]):
+            room.q[j] = way.q[m, j]
+        joint_frames(room.q, chain.parent, chain.before, chain.axis, chain.prismatic, room.frames)
+        kept = 0
+        for i in range(count[deep]):
+            p = walk.alive[deep, i]
+            seen_from(room.frames, couple.common[p], couple.first[p], walk.Xa)
+            seen_from(room.frames, couple.common[p], couple.second[p], walk.Xb)
+            at = below(walk.best[0], tolerance) if tolerance > 0.0 else level
+            limit = range_of(p, couple, walk.swing) + at + CLOSE
+            if come_near(pairs[p], limit, forest, bodies, walk, gaps, room.n, tolerance > 0.0):
+                walk.alive[deep + 1, kept] = p
+                kept += 1
+        count[deep + 1] = kept
+        if kept == 0:
+            continue
+        if hi - lo > 1:
+            intervals[top + 1, 0], intervals[top + 1, 1], intervals[top + 1, 2] = m, hi, deep + 1
+            intervals[top + 2, 0], intervals[top + 2, 1], intervals[top + 2, 2] = lo, m, deep + 1
+            top += 2
+            continue
+        for i in range(kept):
+            p = walk.alive[deep + 1, i]
+            if tolerance > 0.0:
+                nearest_on(p, pairs[p], lo, tolerance, scene, walk, rooms)
+            else:
+                meet_on(p, pairs[p], (lo, level), scene, walk, rooms, found)
+
+
+@kernel
+def beginning(
+    p: int,
+    a: int,
+    b: int,
+    place: tuple[int, float],
+    before: float,
+    scene: tuple[Couple, JointTree, WayColumns, Forest, Convexes],
+    rooms: tuple[WayRoom, GapRoom],
+) -> float:
+    """Share of a stretch at which two convex bodies touch that are in each other at `place`, not before `before`."""
+    couple, chain, way, _, bodies = scene
+    k, high = place
+    low = before
+    if gap_at(p, a, b, (k, low), couple, chain, way, bodies, rooms) <= 0.0:
+        return low
+    for _ in range(ROUNDS):
+        middle = 0.5 * (low + high)
+        if gap_at(p, a, b, (k, middle), couple, chain, way, bodies, rooms) > 0.0:
+            low = middle
+        else:
+            high = middle
+    return high

@@ -1,0 +1,212 @@
+"""When bodies of a machine meet each other, or bodies that stand still, anywhere along a path of its joints."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.arithmetic.matrices import inverse_pose, multiplied, norms
+from gcodesim.checks.gap_kernels import Convexes, GapRoom
+from gcodesim.checks.meeting_kernels import Forest, Walk
+from gcodesim.checks.rigid import RigidBody, Woods, is_within
+from gcodesim.checks.way_kernels import Couple, JointTree, WayColumns, WayRoom, way_room
+from gcodesim.frames import Array
+from gcodesim.kinematics.chain import Tree
+
+TOUCH: Final = 1e-6
+"""Bodies that enter each other by less than this [m] only touch."""
+
+SearchScene = tuple[Couple, JointTree, WayColumns, Forest, Convexes]
+Rooms = tuple[WayRoom, GapRoom]
+
+_MOST: Final = 4096  # meetings of one search
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JointWay:
+    """A way of the joints: straight between `q` (n + 1, j) [rad, m]; it may leave that by `bend` (n, j)."""
+
+    q: Array
+    bend: Array
+
+    @staticmethod
+    def straight(q: Array) -> JointWay:
+        """Through joints (n, j), exactly straight in between; one row is a machine at rest."""
+        q = np.ascontiguousarray(q, dtype=float)
+        if len(q) == 1:
+            q = np.repeat(q, 2, axis=0)
+        return JointWay(q, np.zeros((len(q) - 1, q.shape[1])))
+
+    def at(self, stretch: int, share: float) -> Array:
+        """Joints (j,) at a share of a stretch."""
+        q: Array = self.q[stretch] + share * (self.q[stretch + 1] - self.q[stretch])
+        return q
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Meeting:
+    """Bodies `first` and `second` (their numbers) are nearer than a level, from `share` of `stretch` on to `last`.
+
+    `gap` [m] is the least, at `deepest`, a share of another stretch; negative: how deep they are in each other.
+    """
+
+    first: int
+    second: int
+    stretch: int
+    share: float
+    last: int
+    deepest: tuple[int, float]
+    gap: float
+
+
+@dataclass(frozen=True, eq=False)
+class MovingBodies:
+    """Bodies on the joints of a machine, and those pairs (p, 2) of them that may not meet."""
+
+    tree: Tree
+    bodies: Sequence[RigidBody]
+    pairs: NDArray[np.int64]
+
+    @cached_property
+    def _woods(self) -> Woods:
+        return Woods.of(self.bodies)
+
+    @cached_property
+    def _chain(self) -> JointTree:
+        tree = self.tree
+        before, axis = np.ascontiguousarray(tree.before), np.ascontiguousarray(tree.axis)
+        return JointTree(np.ascontiguousarray(tree.parent), before, axis, np.ascontiguousarray(tree.prismatic))
+
+    def _carried_by(self, joint: int) -> list[int]:
+        """Joints that move what `joint` carries, the outermost first."""
+        found = []
+        while joint >= 0:
+            found.append(joint)
+            joint = int(self.tree.parent[joint])
+        return found
+
+    def _couple(self, pairs: NDArray[np.int64], travel: Array) -> Couple:
+        """Pairs with bounds for joints that shift by no more than `travel` (j,) [m]."""
+        carrier = np.array([body.carrier for body in self.bodies], dtype=np.int64)
+        reach = np.zeros((len(pairs), len(self.tree.parent)))
+        side = np.zeros(reach.shape, dtype=np.int64)
+        common = np.full(len(pairs), -1, dtype=np.int64)
+        offsets = norms(self.tree.before[:, :3, 3])
+        for p, pair in enumerate(pairs):
+            ways = [self._carried_by(int(carrier[body])) for body in pair]
+            shared = set(ways[0]) & set(ways[1])
+            common[p] = max(shared, default=-1)
+            for which, (body, way) in enumerate(zip(pair, ways, strict=True), 1):
+                far = float(self._woods.far[body])
+                for joint in way:
+                    shifts = bool(self.tree.prismatic[joint])
+                    if joint not in shared:
+                        reach[p, joint], side[p, joint] = 1.0 if shifts else far, which
+                    far += float(offsets[joint]) + (float(travel[joint]) if shifts else 0.0)
+        first, second = carrier[pairs[:, 0]].copy(), carrier[pairs[:, 1]].copy()
+        return Couple(first, second, common, reach, side)
+
+    def search(self, way: JointWay, *, level: float = -TOUCH) -> list[Meeting]:
+        """Every time that two of the bodies come nearer than `level` [m], in the order of the pairs and of the way.
+
+        Nothing is missed that goes deeper than the level by more than what the way may leave its straight line.
+        """
+        from gcodesim.checks.meeting_kernels import Meetings, beginning, meet
+
+        if not len(self.pairs) or not len(way.bend):
+            return []
+        found = Meetings(np.zeros((_MOST, 6), dtype=np.int64), np.zeros((_MOST, 3)), np.zeros(1, dtype=np.int64))
+        scene, walk, rooms = self._room(way)
+        meet(self._roots, level, 0.0, scene, walk, rooms, found)
+        meetings = self._inside_at_start(way) if level <= 0.0 else []
+        inside = {(meeting.first, meeting.second) for meeting in meetings}
+        for (p, k, last, deepest, a, b), (share, worst, gap) in zip(
+            found.rows[: found.used[0]].tolist(), found.figures.tolist(), strict=False
+        ):
+            if level <= 0.0 and share > 0.0:
+                share = float(beginning(p, a, b, (k, share), 0.0, scene, rooms))
+            first, second = self.pairs[p].tolist()
+            if k == 0 and (first, second) in inside:
+                continue
+            meetings.append(
+                Meeting(
+                    first=first,
+                    second=second,
+                    stretch=k,
+                    share=share,
+                    last=last,
+                    deepest=(deepest, worst),
+                    gap=gap,
+                )
+            )
+        return meetings
+
+    def least_gap(self, way: JointWay, *, tolerance: float = 5e-6) -> float:
+        """The least gap [m] of all pairs on the way, inf without pairs; where bodies meet, some number not above 0.
+
+        It is above the true one by `tolerance` and a share of 2e-4 at most.
+        """
+        from gcodesim.checks.meeting_kernels import Meetings, meet
+
+        if not len(self.pairs):
+            return float("inf")
+        if self._inside_at_start(way):
+            return 0.0
+        scene, walk, rooms = self._room(way)
+        walk.best[0] = np.inf
+        none = Meetings(np.zeros((1, 6), dtype=np.int64), np.zeros((1, 3)), np.zeros(1, dtype=np.int64))
+        meet(self._roots, 0.0, tolerance, scene, walk, rooms, none)
+        return float(walk.best[0])
+
+    @property
+    def _roots(self) -> NDArray[np.int64]:
+        return np.ascontiguousarray(self._woods.root[self.pairs])
+
+    def _room(self, way: JointWay) -> tuple[SearchScene, Walk, Rooms]:
+        """What the kernels take."""
+        from gcodesim.checks.gap_kernels import gap_room
+        from gcodesim.checks.meeting_kernels import walk_room
+
+        woods = self._woods
+        couple = self._couple(self.pairs, np.abs(way.q).max(axis=0))
+        columns = WayColumns(np.ascontiguousarray(way.q), np.ascontiguousarray(way.bend))
+        scene = (couple, self._chain, columns, woods.forest, woods.convexes)
+        joints = way.q.shape[1]
+        return scene, walk_room(len(self.pairs), joints, woods.deepest), (way_room(joints), gap_room())
+
+    def _inside_at_start(self, way: JointWay) -> list[Meeting]:
+        """Pairs of which one body is inside a closed mesh of the other at the start, without touching its surface."""
+        skinned = [p for p, pair in enumerate(self.pairs) if any(self.bodies[body].skins for body in pair)]
+        found = []
+        frames = self._frames(way.q[0]) if skinned else {}
+        for p in skinned:
+            first, second = self.pairs[p].tolist()
+            if self._is_inside(first, second, frames) or self._is_inside(second, first, frames):
+                gap = -float(min(self._woods.far[first], self._woods.far[second]))
+                found.append(
+                    Meeting(first=first, second=second, stretch=0, share=0.0, last=0, deepest=(0, 0.0), gap=gap)
+                )
+        return found
+
+    def _is_inside(self, inner: int, outer: int, frames: dict[int, Array]) -> bool:
+        """Whether a point of one body is inside a mesh of the other."""
+        one, other = self.bodies[inner], self.bodies[outer]
+        if not other.skins:
+            return False
+        X = multiplied(inverse_pose(frames[other.carrier][None])[0], frames[one.carrier])
+        points = multiplied(one.insides, X[:3, :3].T) + X[:3, 3]
+        return any(bool(is_within(points, skin).any()) for skin in other.skins)
+
+    def _frames(self, q: Array) -> dict[int, Array]:
+        """Poses (4, 4) of all joints and of the base, -1."""
+        from gcodesim.kinematics.tree_kernels import joint_frames
+
+        chain = self._chain
+        out = np.zeros((len(q), 4, 4))
+        joint_frames(np.ascontiguousarray(q), chain.parent, chain.before, chain.axis, chain.prismatic, out)
+        return {-1: np.eye(4), **dict(enumerate(out))}

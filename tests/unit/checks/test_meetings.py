@@ -1,0 +1,153 @@
+"""When moving bodies meet: closed forms, and what the search promises about all it did not look at."""
+
+import math
+
+import numpy as np
+import pytest
+
+from gcodesim.checks.meetings import JointWay, MovingBodies
+from gcodesim.checks.rigid import RigidBody, is_closed, is_convex, is_within
+from gcodesim.frames import Pose, rotation_about
+from gcodesim.kinematics.chain import Tree
+from gcodesim.solids import Box, Cylinder, Mesh, Placed, Revolution, Solid, Sphere, triangles_of
+
+X, Y, Z = np.eye(3)
+
+
+def tree_of(*axes: tuple[np.ndarray, bool], before: np.ndarray | None = None) -> Tree:
+    """Joints one on another, each along or about an axis; they shift where the flag says so."""
+    n = len(axes)
+    return Tree(
+        parent=np.arange(-1, n - 1),
+        before=np.tile(np.eye(4), (n, 1, 1)) if before is None else before,
+        axis=np.array([axis for axis, _ in axes]),
+        prismatic=np.array([int(shifts) for _, shifts in axes]),
+        path=np.ones(n, dtype=np.int64),
+        carrier=np.zeros(0, dtype=np.int64),
+        offset=np.zeros((0, 4, 4)),
+        flange_carrier=n - 1,
+        flange_offset=np.eye(4),
+    )
+
+
+def body(name: str, solid: Solid, at: tuple[float, float, float] = (0.0, 0.0, 0.0), carrier: int = -1) -> RigidBody:
+    return RigidBody(name=name, solids=(Placed(solid, Pose.from_xyz_rpy(at)),), carrier=carrier)
+
+
+def pair_of(tree: Tree, moving: RigidBody, still: RigidBody) -> MovingBodies:
+    return MovingBodies(tree, [moving, still], np.array([[0, 1]]))
+
+
+BALL = body("ball", Sphere(radius=1e-3), carrier=0)
+ALONG_X = tree_of((X, True))
+
+
+def test_a_fast_ball_is_not_lost_behind_a_thin_wall() -> None:
+    wall = body("wall", Box.about_origin((1e-4, 0.1, 0.1)), (0.5, 0.0, 0.0))
+    (meeting,) = pair_of(ALONG_X, BALL, wall).search(JointWay.straight(np.array([[0.0], [10.0]])))
+    assert meeting.share * 10.0 == pytest.approx(0.5 - 0.05e-3 - 1e-3, abs=1e-6)
+    assert -meeting.gap == pytest.approx(1.05e-3, abs=1e-6)  # half the wall and the radius
+
+
+def test_each_time_is_a_meeting_of_its_own() -> None:
+    wall = body("wall", Box.about_origin((0.01, 0.1, 0.1)), (0.5, 0.0, 0.0))
+    there_and_back = JointWay.straight(np.array([[0.0], [1.0], [1.2], [0.0]]))
+    first, second = pair_of(ALONG_X, BALL, wall).search(there_and_back)
+    assert (first.stretch, second.stretch) == (0, 2)
+    assert second.share == pytest.approx((1.2 - 0.506) / 1.2, abs=1e-6)
+
+
+def test_a_stay_in_a_body_over_many_stretches_is_one_meeting() -> None:
+    wall = body("wall", Box.about_origin((0.2, 0.1, 0.1)), (0.5, 0.0, 0.0))
+    way = JointWay.straight(np.linspace(0.0, 1.0, 201)[:, None])
+    (meeting,) = pair_of(ALONG_X, BALL, wall).search(way)
+    assert meeting.stretch == 79
+    assert 120 <= meeting.last <= 121
+
+
+def test_what_only_slides_on_a_face_does_not_meet() -> None:
+    table = body("table", Box.about_origin((2.0, 2.0, 0.1)), (0.0, 0.0, -0.051))
+    assert pair_of(ALONG_X, BALL, table).search(JointWay.straight(np.array([[-0.5], [0.5]]))) == []
+
+
+@pytest.mark.parametrize("gap", [-2e-5, -5e-6, 5e-6, 2e-5])
+def test_an_arm_that_swings_by_a_wall_touches_it_in_the_middle_or_not(gap: float) -> None:
+    """A ball at the end of a bar of 0.8 m: its way bulges by 0.1 m between both ends."""
+    tip = body("tip", Sphere(radius=0.01), (0.8, 0.0, 0.0), carrier=0)
+    wall = body("wall", Box(lower=(0.0, -1.0, -1.0), upper=(0.1, 1.0, 1.0)), (0.81 + gap, 0.0, 0.0))
+    pair = pair_of(tree_of((Z, False)), tip, wall)
+    way = JointWay.straight(np.array([[-0.5], [0.5]]))
+    found = pair.search(way)
+    assert len(found) == (gap < 0.0)
+    if found:
+        turn = math.acos((0.8 + gap) / 0.8)
+        assert (found[0].share - 0.5) * 0.8 == pytest.approx(-turn * 0.8, abs=1e-5)
+        assert found[0].gap == pytest.approx(gap, abs=1e-7)
+    else:
+        assert pair.least_gap(way) == pytest.approx(gap, abs=6e-6)
+
+
+def test_joints_that_carry_both_bodies_change_nothing() -> None:
+    """Two links of one machine are as far apart wherever their common joint stands."""
+    tree = tree_of((Z, False), (X, True))
+    inner = body("inner", Box.about_origin((0.1, 0.1, 0.1)), carrier=0)
+    outer = body("outer", Sphere(radius=0.05), (0.2, 0.0, 0.0), carrier=1)
+    pair = pair_of(tree, outer, inner)
+    assert pair.least_gap(JointWay.straight(np.array([[0.0, 0.0], [3.0, 0.0]]))) == pytest.approx(0.1, abs=1e-4)
+    (meeting,) = pair.search(JointWay.straight(np.array([[0.0, 0.0], [3.0, -0.2]])))
+    assert meeting.share == pytest.approx(0.5, abs=1e-5)
+
+
+def test_what_may_leave_the_straight_way_is_no_meeting_as_long_as_it_need_not_touch() -> None:
+    """A gap of 1 mm and a way that is known to 2 mm only: a meeting is what must happen, not what may."""
+    wall = body("wall", Box.about_origin((0.1, 0.1, 0.1)), (0.5, 0.0, 0.0))
+    way = JointWay(np.array([[0.0], [0.448]]), np.array([[2e-3]]))
+    assert pair_of(ALONG_X, BALL, wall).search(way) == []
+
+
+def test_a_body_inside_a_closed_mesh_meets_it() -> None:
+    """Its triangles are not touched; an L has an inside that its hull does not know."""
+    outline = [(0, 0), (4, 0), (4, 1), (1, 1), (1, 4), (0, 4)]
+    points = np.array([(x, y, z) for z in (0.0, 1.0) for x, y in outline], dtype=float) * 0.1
+    low = [(0, 2, 1), (0, 3, 2), (0, 5, 3), (5, 4, 3)]
+    faces = [*low, *((a + 6, c + 6, b + 6) for a, b, c in low)]
+    for i in range(6):
+        j = (i + 1) % 6
+        faces += [(i, j, j + 6), (i, j + 6, i + 6)]
+    bracket = Mesh.of(points, np.array(faces))
+    assert is_closed(bracket.triangles)
+    assert not is_convex(bracket.triangles)
+    at_rest = JointWay.straight(np.zeros((1, 1)))
+    for at, inside in (((0.2, 0.05, 0.05), True), ((0.2, 0.2, 0.05), False)):
+        ball = body("ball", Sphere(radius=0.01), at, carrier=0)
+        assert bool(pair_of(ALONG_X, ball, body("bracket", bracket)).search(at_rest)) is inside
+    corners = bracket.triangles.points[bracket.triangles.faces]
+    assert is_within(np.array([[0.2, 0.05, 0.05], [0.2, 0.2, 0.05]]), corners).tolist() == [True, False]
+
+
+def test_a_convex_mesh_is_one_body() -> None:
+    skin = triangles_of(Box.about_origin((0.1, 0.2, 0.3)))
+    assert is_convex(skin)
+    assert len(body("box", Mesh(source=skin)).convexes) == 1
+
+
+def test_a_dented_body_of_revolution_is_met_only_where_it_is() -> None:
+    """A dumbbell: a ball beside its waist is free."""
+    dumbbell = Revolution(outline=((0.05, 0.1), (0.05, 0.06), (0.01, 0.05), (0.01, -0.05), (0.05, -0.06), (0.05, -0.1)))
+    beside = body("ball", Sphere(radius=0.01), (0.03, 0.0, 0.0), carrier=0)
+    pair = pair_of(tree_of((Z, True)), beside, body("dumbbell", dumbbell))
+    assert pair.search(JointWay.straight(np.zeros((1, 1)))) == []
+    (meeting,) = pair.search(JointWay.straight(np.array([[0.0], [0.1]])))
+    assert 0.03 < meeting.share * 0.1 < 0.06
+
+
+def test_coaxial_round_bodies_keep_their_distance() -> None:
+    """A direction along both axes leaves rounding across them, which must not count."""
+    R = rotation_about(np.array([0.6, 0.0, 0.8]), 1.234)
+    rod = Cylinder(radius=0.04, bottom=0.0, top=0.05)
+    for turn in np.linspace(0.0, 3.0, 7):
+        spun = R @ rotation_about(Z, float(turn))
+        one = RigidBody(name="a", solids=(Placed(rod, Pose(np.zeros(3), R)),), carrier=0)
+        other = RigidBody(name="b", solids=(Placed(rod, Pose(R @ np.array([0.0, 0.0, 0.073]), spun)),))
+        gap = pair_of(ALONG_X, one, other).least_gap(JointWay.straight(np.zeros((1, 1))))
+        assert gap == pytest.approx(0.023, abs=6e-6)
