@@ -7,7 +7,6 @@ is not zero is positive).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -15,6 +14,7 @@ import numpy as np
 from gcodesim.arithmetic import Array as Array
 from gcodesim.arithmetic.elementary import cos_sin
 from gcodesim.arithmetic.matrices import applied, multiplied, norms
+from gcodesim.frozen import frozen
 
 WORLD: Final = "world"
 """The root of all frames."""
@@ -97,7 +97,7 @@ def rotation_from_quaternion(q: Array) -> Array:
     )
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class Pose:
     """A rigid transform: position `p` (3,) [m] and rotation matrix `R` (3, 3)."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -20,6 +20,7 @@ from gcodesim.cell.signals import SignalSource
 from gcodesim.cell.stock import StockSpec, solid_of
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.frames import WORLD, Array, Pose
+from gcodesim.frozen import frozen
 from gcodesim.kinematics import Cartesian, Chain, Inertial, Kinematics, Link, kinematics_of, model_path
 from gcodesim.processes.sheet import Sheet
 from gcodesim.processes.signal import Signal, signals_read_by
@@ -49,7 +50,7 @@ COARSEST_DEFAULT: Final = 0.5 * MM
 MOST_DEFAULT_COLUMNS: Final = 4_000_000
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class PlacedStock:
     """A workpiece and its place: `X_WS` is the frame of its columns in the world at the start (table axes at zero).
 
@@ -65,7 +66,7 @@ class PlacedStock:
     initial: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class Shop:
     """Everything that a channel's program acts on.
 

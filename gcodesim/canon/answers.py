@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from gcodesim.canon.events import Axes, Dwell, Event, Point
+from gcodesim.frozen import frozen
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Touched:
     """The answer to a `ProbeMove`, in M [m, rad] like the ends of moves.
 
@@ -22,7 +21,7 @@ class Touched:
     refused: bool = False
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Heard:
     """The answer to an `Input`: its `value`; None when the time for waiting ran out."""
 
@@ -32,17 +31,17 @@ class Heard:
 Answer = Touched | Heard
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Waited(Dwell):
     """The time [s] that M66 took before its input answered."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Pause(Dwell):
     """The rest of a step in which the machine came to rest: the answer comes with the next."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Trip(Event):
     """What a probing move came to.
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
 from gcodesim.canon.events import ArcFeed, Dwell, Event, FeedUnit, LinearFeed, PathMode, Rapid
 from gcodesim.diagnostics import Span
+from gcodesim.frozen import frozen
 
 if TYPE_CHECKING:
     import numpy as np
@@ -29,7 +30,7 @@ DWELL: Final = 2
 _AT_A_TIME: Final = 1024  # moves that exist as events, where only the first ones may be wanted
 
 
-@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+@frozen(eq=False)
 class MoveBatch:
     """n moves, and nothing else but what canned cycles do between them.
 

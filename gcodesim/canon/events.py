@@ -9,10 +9,10 @@ Acts happen in time; states hold from where they stand until changed.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final, Literal
 
 from gcodesim.diagnostics import Span
+from gcodesim.frozen import frozen
 
 __all__ = [
     "AXIS_LETTERS",
@@ -63,14 +63,14 @@ FeedUnit = Literal["m/s", "m/rev", "rad/s", "rad/rev"]
 ZERO_AXES: Axes = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Event:
     """Anything a program causes; `span` is the place that caused it."""
 
     span: Span
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Move(Event):
     """A move of the controlled point to `end`. `block` counts executed blocks; `word` is the motion word, as G1."""
 
@@ -79,14 +79,14 @@ class Move(Event):
     word: str = ""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Rapid(Move):
     """Move at full speed. `home` names the stored position (G28, G30) when the target is one that was never stored."""
 
     home: str = ""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class LinearFeed(Move):
     """Straight cut at `feed` in `feed_unit`; in threading `pitch` [m/rev] rules instead and `feed` is 0."""
 
@@ -95,7 +95,7 @@ class LinearFeed(Move):
     pitch: float | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class ArcFeed(Move):
     """Arc or helix about `center` (at the height of the end along `normal`).
 
@@ -112,7 +112,7 @@ class ArcFeed(Move):
     feed_unit: FeedUnit = "m/s"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class SplineFeed(Move):
     """A spline as control points and as a polyline `points` that stays within 2 um of it."""
 
@@ -122,7 +122,7 @@ class SplineFeed(Move):
     feed_unit: FeedUnit = "m/s"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class ProbeMove(Move):
     """Straight move until the probe trips: G38.2 to G38.5."""
 
@@ -132,49 +132,49 @@ class ProbeMove(Move):
     must_trip: bool = True
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Tap(Move):
     """Rigid tap: synchronous to `end` and back to where it began; `pitch` [m/rev]."""
 
     pitch: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Dwell(Event):
     """Wait [s]."""
 
     seconds: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class ToolSelect(Event):
     """T word: the tool that the next change brings."""
 
     tool: int
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class ToolChange(Event):
     """M6; tool 0 empties the spindle."""
 
     tool: int
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class ToolNumber(Event):
     """M61: the tool in the spindle is called by this number from now on."""
 
     tool: int
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class ToolOffset(Event):
     """State: the length offset in force, added to `end` to give axes."""
 
     offset: Axes
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class PointControl(Event):
     """State: whether moves are those of the tool's tip in the work, which rotary axes do not displace (`on`).
 
@@ -186,7 +186,7 @@ class PointControl(Event):
     at: Axes
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Spindle(Event):
     """State: speed [rad/s], or cutting speed [m/s] under G96 with the cap `max_speed` [rad/s]."""
 
@@ -196,7 +196,7 @@ class Spindle(Event):
     max_speed: float | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Coolant(Event):
     """State."""
 
@@ -204,7 +204,7 @@ class Coolant(Event):
     mist: bool
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class PathMode(Event):
     """State: G61, G61.1 or G64 with `tolerance` P [m] and merge tolerance `naive` Q [m] (0: none given)."""
 
@@ -213,7 +213,7 @@ class PathMode(Event):
     naive: float = 0.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Override(Event):
     """State: which overrides are allowed (M48 to M53)."""
 
@@ -223,7 +223,7 @@ class Override(Event):
     hold: bool
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class WorkSystem(Event):
     """State: the work system in force; `index` 1 (G54) to 9 (G59.3), or more (`canon.systems`).
 
@@ -236,7 +236,7 @@ class WorkSystem(Event):
     rotation: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Orient(Event):
     """M19: spindle angle [rad]; direction 0 shortest, 1 clockwise, 2 counterclockwise."""
 
@@ -244,7 +244,7 @@ class Orient(Event):
     direction: int
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Output(Event):
     """M62 to M65, M67, M68. `with_motion`: takes effect where the next move begins."""
 
@@ -254,7 +254,7 @@ class Output(Event):
     with_motion: bool
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Input(Event):
     """M66, when somebody answers: the value of an input at once, or when what `wait` names has happened.
 
@@ -267,7 +267,7 @@ class Input(Event):
     timeout: float = 0.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Action(Event):
     """An M-code that the cell maps to a tool or gripper: `verb` on `target`."""
 
@@ -278,47 +278,47 @@ class Action(Event):
     verb: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Message(Event):
     """(MSG, ...) and (DEBUG, ...): shown to the operator."""
 
     text: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Print(Event):
     """(PRINT, ...)"""
 
     text: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Log(Event):
     """(LOG, ...)"""
 
     text: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Stop(Event):
     """M0, and M60 after its shuttle."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class OptionalStop(Event):
     """M1."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class PalletShuttle(Event):
     """M30 and M60."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class End(Event):
     """M2 or M30."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class EndOfFile(Event):
     """The closing % of a program without M2."""

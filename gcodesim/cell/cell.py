@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
@@ -36,6 +36,7 @@ from gcodesim.declarations.reading import Default, Path
 from gcodesim.declarations.record import Record
 from gcodesim.diagnostics import Findings, Severity, SourceText, Span
 from gcodesim.frames import Pose
+from gcodesim.frozen import frozen
 
 if TYPE_CHECKING:
     from gcodesim.processes.materials import Material
@@ -72,7 +73,7 @@ _MAGAZINE: Final = Record(Magazine, "the magazine")
 _SIMULATION: Final = Record(Simulation, "`simulation`")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Cell:
     """A cell as a YAML file describes it.
 
@@ -159,7 +160,7 @@ class Cell:
         return self.span(*nested) if nested[:2] in self.spans else self.span(*path)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class LoadedCell:
     """The result of reading a cell.
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, Final, Literal
 
 from gcodesim.canon.systems import system_name
@@ -23,6 +22,7 @@ from gcodesim.declarations.quantity import Quantity
 from gcodesim.declarations.reading import UNREAD, Path, Reading, Reference, Unread, suggestion
 from gcodesim.declarations.record import Record, not_a_mapping
 from gcodesim.declarations.scalars import measured
+from gcodesim.frozen import frozen
 from gcodesim.processes.signal import actions_of_all
 from gcodesim.rs274.dialects import DIALECTS
 from gcodesim.rs274.settings import canonical_m_code
@@ -48,7 +48,7 @@ def all_verbs() -> dict[str, tuple[str, ...]]:
 
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class _AxisOf(Kind):
     """`-Z of G54`."""
 
@@ -81,7 +81,7 @@ class _AxisOf(Kind):
         return "", self.show(value)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class ToolAxis:
     """The direction of T's Z: unit vector `axis` in `frame`; None is the work system in force."""
 
@@ -89,7 +89,7 @@ class ToolAxis:
     frame: str | None
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class _Spin(Kind):
     """`free`, or an angle."""
 
@@ -117,7 +117,7 @@ class _Spin(Kind):
         return Quantity("angle").plain(value)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Orientation:
     """How an arm holds the tool in a program without angles. `spin` None: free, chosen near the previous joints."""
 
@@ -127,7 +127,7 @@ class Orientation:
     spin: float | None = key(_Spin(), "angle about the tool axis, or `free`", default=None)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class _DialectKind(Kind):
     """A dialect of the program reader; one that is only planned gives a finding of its own."""
 
@@ -152,7 +152,7 @@ class _DialectKind(Kind):
         return {"enum": list(DIALECTS)}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class MCode:
     """What an M-code does: `verb` on `target`. For the target `wait`, `verb` is the mark at which programs meet."""
 
@@ -163,7 +163,7 @@ class MCode:
 _MARK: Final = Text(pattern=r"[^\s/]([^/]*[^\s/])?", form="the name of a mark, such as `part_in`")
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class _ActionKind(Kind):
     """`{tool: activate}`, `{wait: part_in}`."""
 
@@ -228,7 +228,7 @@ M_CODES: Final = NameRule(
 )
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class _PathControl(Kind):
     """`G64 P0.02`."""
 
@@ -256,7 +256,7 @@ class _PathControl(Kind):
         return {"type": "string", "pattern": f"^{_PATH_CONTROL.pattern}$", "examples": ["G64 P0.02"]}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Channel:
     """The settings of one program. Lengths P and Q of `path_control` are in mm, as on the control."""
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from bisect import bisect_right
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, Final, Literal
 
 from gcodesim.declarations.kind import Json, Kind, scalar, short
@@ -14,6 +13,7 @@ from gcodesim.declarations.nodes import Listing, Node
 from gcodesim.declarations.nodes import Mapping as MappingNode
 from gcodesim.declarations.quantity import Quantity
 from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread
+from gcodesim.frozen import frozen
 
 _PLACE: Final = re.compile(r"\s*([PpEe])\s*0*(\d{1,3})\s*")
 _TIME, _VALUE = Quantity("time"), Quantity("ratio")
@@ -21,7 +21,7 @@ _TIME, _VALUE = Quantity("time"), Quantity("ratio")
 Wait = Literal["immediate", "rise", "fall", "high", "low"]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class InputSource:
     """An input: at each of `times` (n,) [s] it has the next of `values` (n + 1,); or it follows `output`, as `P1`."""
 
@@ -62,7 +62,7 @@ INPUTS: Final = NameRule(
 )
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class InputKind(Kind):
     """`1`, `[[0, 0], [5 s, 1]]` or `{output: P1}`."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, Final, Literal
 
 from gcodesim.declarations.kind import Json, Kind, listing, scalar
@@ -13,13 +12,14 @@ from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread, suggest
 from gcodesim.declarations.record import FREE
 from gcodesim.declarations.scalars import Measured
 from gcodesim.declarations.units import shown
+from gcodesim.frozen import frozen
 
 Measure = Literal["length", "angle"]
 POSITIONS: Final = ("length", "angle")
 STIFFNESSES: Final = ("stiffness", "torsional stiffness")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class JointValue:
     """A number as written; what it measures is only known once the machine is."""
 
@@ -28,7 +28,7 @@ class JointValue:
     path: Path
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class JointList(Kind):
     """One value a joint, `[0, -90, 90, 0, 90, 0]`, of one of `dimensions`; with `letters` also `{X: 0, Z: -10}`."""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import product
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
@@ -13,6 +12,7 @@ from gcodesim.declarations.file_kind import FileValue
 from gcodesim.declarations.files import Refused
 from gcodesim.declarations.kind import short
 from gcodesim.declarations.reading import Path, Reading, Unread
+from gcodesim.frozen import frozen
 from gcodesim.solids import Point
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 NOTHING_LEFT: Final = "name the folder that `gcodesim run --out` wrote"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Leftover:
     """What an earlier run left of its stock: the folder as named in the cell, the file, its least and greatest corner
     [m] in the stock's own frame."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
@@ -27,6 +27,7 @@ from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread
 from gcodesim.declarations.record import FREE, Record, not_a_mapping, object_schema
 from gcodesim.declarations.units import shown
 from gcodesim.frames import Pose
+from gcodesim.frozen import frozen
 from gcodesim.kinematics.chain import BASE, FLANGE
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ UNLIMITED: Final = (-math.inf, math.inf)
 Side = Literal["tool", "table"]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class LinearAxis:
     """An axis X, Y or Z as written in the cell."""
 
@@ -62,7 +63,7 @@ class LinearAxis:
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class RotaryAxis:
     """An axis A, B or C as written in the cell."""
 
@@ -96,7 +97,7 @@ class RotaryAxis:
 AxisForm = LinearAxis | RotaryAxis
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class MachineAxis:
     """One axis of a machine, complete. [m] or [rad], per s and s²; `effort` [N] or [N·m], infinite: unlimited.
 
@@ -140,7 +141,7 @@ _RECORDS: Final = {
 }
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class _AxesKind(Kind):
     """Axes by letter, in chain order."""
 
@@ -177,7 +178,7 @@ class _AxesKind(Kind):
         return {"type": "object", "patternProperties": patterns, "additionalProperties": False}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class MachineForm:
     """A machine tool as written in the cell: `model`, or all its `axes`."""
 
@@ -416,7 +417,7 @@ def chain_point(chain: Chain, driven: int) -> tuple[float, float, float]:
     return float(X[0, 3]), float(X[1, 3]), float(X[2, 3])
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class MachineTool:
     """A machine tool of the cell. `shipped` is the content of the URDF of its `model`, None without a model."""
 
@@ -509,7 +510,7 @@ def _kinematic(axis: MachineAxis, kind: type[KinematicAxis]) -> KinematicAxis:
 _FORM: Final = Record(MachineForm, "the machine", "model")
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class MachineKind(Kind):
     """A machine tool."""
 

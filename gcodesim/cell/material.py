@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, Final
 
 from gcodesim.declarations.keys import key
@@ -12,6 +11,7 @@ from gcodesim.declarations.plain_kinds import Text
 from gcodesim.declarations.quantity import Quantity
 from gcodesim.declarations.reading import Path, Reading, Unread
 from gcodesim.declarations.record import Record
+from gcodesim.frozen import frozen
 from gcodesim.processes.laws import DEFAULT_AXIAL_RATIO, DEFAULT_NORMAL_RATIO, Kienzle, LinearEdge
 from gcodesim.processes.materials import Material
 
@@ -22,7 +22,7 @@ _KIENZLE = ("kc11", "mc")
 _LINEAR = ("Ktc", "Kte", "Krc", "Kre")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class MaterialForm:
     """A material by Kienzle's constants (`kc11`, `mc`) or the linear-edge law (`Ktc`, `Kte`, `Krc`, `Kre` …)."""
 
@@ -92,7 +92,7 @@ class MaterialForm:
 _FORM: Final = Record(MaterialForm, "the material")
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class MaterialKind(Kind):
     """A custom material."""
 

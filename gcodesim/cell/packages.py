@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 from gcodesim.declarations.file_kind import FileValue
 from gcodesim.declarations.kind import Json, Kind, scalar, short
 from gcodesim.declarations.nodes import Node
 from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread
+from gcodesim.frozen import frozen
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class PackageFolder(Kind):
     """The folder of a package, below the folder of the cell or one that the user allows."""
 

@@ -8,7 +8,7 @@ only a shift and a turn about Z of M, so Z of M has to be parallel to theirs.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from itertools import product
 from typing import Final
 
@@ -26,6 +26,7 @@ from gcodesim.cell.robot import Robot
 from gcodesim.cell.stock import StockShape
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.frames import Array, Pose
+from gcodesim.frozen import frozen
 from gcodesim.rs274.dialects.systems import first_of_system
 from gcodesim.solids import Box, Cylinder
 from gcodesim.units import DEG, MM
@@ -38,7 +39,7 @@ CLEARANCE: Final = 0.1  # m by which the longest tool clears the stock's top, at
 _UPRIGHT: Final = 1e-9  # Z axes whose dot product is nearer to 1 than this count as parallel
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Placement:
     """The places of everything that depends on the work systems.
 

@@ -15,6 +15,7 @@ from gcodesim.declarations.nodes import Node
 from gcodesim.declarations.quantity import Quantity, Vector
 from gcodesim.declarations.reading import UNREAD, Path, Reading, Reference, Unread
 from gcodesim.frames import WORLD, Pose
+from gcodesim.frozen import frozen
 
 MACHINE: Final = "machine"
 RESERVED: Final = (WORLD, MACHINE, "tool", "tcp", "part", "camera", "flange", "base")
@@ -38,7 +39,7 @@ def names_of(what: str) -> NameRule:
 SYSTEM_NAMES: Final = NameRule(what="work system", pattern=SYSTEM_PATTERN, canonical=system_name, known=SYSTEMS)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class _FrameName(Kind):
     """The name of a frame; its existence is checked once the whole cell has been read."""
 
@@ -64,7 +65,7 @@ _ANGLES = Vector(Quantity("angle"), 3, "[0, 0, 90 deg]")
 _ZERO = (0.0, 0.0, 0.0)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Place:
     """A pose in a frame: `xyz`, then `rpy` about the fixed axes X, Y, Z of that frame.
 
@@ -83,7 +84,7 @@ class Place:
         return Pose.from_xyz_rpy(self.xyz, self.rpy)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class Carried:
     """Where something stands on a link of a robot or machine: at `X` of `link`, such as `arm/flange`."""
 
@@ -91,7 +92,7 @@ class Carried:
     X: Pose
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class FixedLink:
     """A link of a robot that no joint moves: at `X` of the robot's base, the frame `frame`."""
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
@@ -21,6 +21,7 @@ from gcodesim.declarations.quantity import Quantity
 from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread
 from gcodesim.declarations.record import Record
 from gcodesim.frames import Pose
+from gcodesim.frozen import frozen
 
 if TYPE_CHECKING:
     from gcodesim.cell.machine import MachineAxis
@@ -30,7 +31,7 @@ RIGID: Final = "rigid"
 _STIFFNESS_OF: Final[dict[Measure, str]] = {"angle": "torsional stiffness", "length": "stiffness"}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Payload:
     """A mass at the flange besides the tool, such as a spindle; `xyz` is its centre of mass in F."""
 
@@ -46,7 +47,7 @@ class Payload:
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class RobotForm:
     """A robot as written in the cell."""
 
@@ -164,7 +165,7 @@ def measures_of(chain: Chain) -> tuple[Measure, ...]:
     return tuple("length" if kind == "prismatic" else "angle" for kind in chain.driven_joints.kinds)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Robot:
     """A robot in the cell.
 
@@ -220,7 +221,7 @@ def _description(robot: Robot) -> Json:
 _FORM: Final = Record(RobotForm, "the robot", "model")
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class RobotKind(Kind):
     """A robot."""
 

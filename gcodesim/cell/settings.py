@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from datetime import date
 from math import isqrt
 from typing import Any, Final, Literal
@@ -19,6 +19,7 @@ from gcodesim.declarations.quantity import Quantity
 from gcodesim.declarations.reading import UNREAD, Path, PlainUnits, Reading, Unread
 from gcodesim.declarations.units import find, names
 from gcodesim.diagnostics import Severity
+from gcodesim.frozen import frozen
 
 NS: Final = 1_000_000_000
 DEFAULT_RATE: Final = 250.0  # Hz
@@ -27,7 +28,7 @@ _SHORTEST_STEP_NS: Final = 1_000
 _LONGEST_PERIOD: Final = 10.0  # s
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class _UnitOf(Kind):
     """The unit of plain numbers."""
 
@@ -50,7 +51,7 @@ class _UnitOf(Kind):
         return {"enum": list(names(self.dimension))}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Units:
     """The meaning of numbers without a unit."""
 
@@ -64,7 +65,7 @@ class Units:
         return self
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Limits:
     """The most that spindle and process may need; None: unlimited."""
 
@@ -95,7 +96,7 @@ def matches(pattern: str, code: str) -> bool:
     return code.startswith(pattern.rstrip("x"))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class SeverityKind(Kind):
     """`error`, `warning` or `note`."""
 
@@ -117,7 +118,7 @@ class SeverityKind(Kind):
         return "", value.word
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class _Date(Kind):
     """A day, `2027-03-01`."""
 
@@ -150,7 +151,7 @@ _CODE = Text(pattern=CODE_PATTERNS.pattern, form="a code such as `GS212`")
 _REASON = Text(pattern=r"[\s\S]*\S[\s\S]*", form="a text that says why")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Suppression:
     """A finding that somebody has looked at: code, program, and the block by its text, N number or line."""
 
@@ -174,7 +175,7 @@ class Suppression:
         return replace(self, code=code_pattern(self.code) or self.code)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Simulation:
     """World and step. `step_ns` is derived: a whole number of ns."""
 
@@ -186,7 +187,7 @@ class Simulation:
     step_ns: int = field(default=round(NS / DEFAULT_RATE))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class LogSettings:
     """How densely the run is recorded."""
 
@@ -237,7 +238,7 @@ def _divisors(number: int) -> Iterator[int]:
     yield from (number // n for n in reversed(small) if n * n != number)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Magazine:
     """Where tools wait, and how long a change takes. `place.frame` None and no `xyz`: no place was given."""
 

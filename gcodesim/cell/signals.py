@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from typing import Any, Final, Literal
 
 from gcodesim.canon.events import Action, Event, Output
@@ -14,6 +13,7 @@ from gcodesim.declarations.nodes import Node
 from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread
 from gcodesim.declarations.record import Record
 from gcodesim.declarations.scalars import measured, why_no_number
+from gcodesim.frozen import frozen
 
 WordType = Literal["speed", "turning", "digital", "analog", "code"]
 
@@ -25,7 +25,7 @@ _PATTERN: Final = rf"^\s*([Ss]|{_WORD}(\s*/\s*{_WORD})?)\s*$"
 _OF_THE_CONTROL: Final = frozenset((0, 1, 2, 6, 19, 30, *range(48, 54), 60, 61, 66, *range(70, 74), 98, 99))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class SignalWord:
     """A word that gives a signal its value.
 
@@ -106,7 +106,7 @@ def signal_word(text: str) -> SignalWord | None:
     return SignalWord(type="code", text=shown, on=codes[0], off=codes[1] if len(codes) == 2 else "")
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class _WordKind(Kind):
     """`S`, `M3/M5`, `M62 P1`, `M67 E0` or an M-code of the cell."""
 
@@ -134,7 +134,7 @@ class _WordKind(Kind):
         return "", value.text
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Amount:
     """A number with the unit as it is written. What it measures is known when the signal is."""
 
@@ -142,7 +142,7 @@ class Amount:
     unit: str
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class _AmountKind(Kind):
     """`1 W`: a quantity of whatever the signal measures."""
 
@@ -172,7 +172,7 @@ class _AmountKind(Kind):
         return "", self.show(value)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class SignalSource:
     """Where a signal comes from. Its value [SI] is the word's number times `factor` plus `zero`."""
 

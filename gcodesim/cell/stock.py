@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from difflib import get_close_matches
 from pathlib import Path as FilePath
 from typing import Any, Final
@@ -22,6 +22,7 @@ from gcodesim.declarations.reading import UNREAD, Path, Reading, Reference, Unre
 from gcodesim.declarations.record import FREE, NEARLY, Record
 from gcodesim.declarations.units import find, names, shown
 from gcodesim.diagnostics import Diagnostic
+from gcodesim.frozen import frozen
 from gcodesim.solids import Box, Cylinder, Mesh, MeshFile, Point, Solid
 
 _WORDS: Final = {
@@ -38,7 +39,7 @@ _SIDE: Final = Range(above=0.0, most=1e3)  # m
 _GRID: Final = Range(least=1e-7, most=1.0)  # m
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class MeshShape:
     """A mesh file of the cell: its points times `scale` are metres; `lower` and `upper` are its corners [m]."""
 
@@ -82,7 +83,7 @@ def zero_fractions(text: str) -> Point | None:
     return (parts.get(0, 0.5), parts.get(1, 0.5), parts.get(2, 0.5))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class _Corner(Kind):
     """The point of a box that is at its place."""
 
@@ -122,7 +123,7 @@ CORNERS: Final = (
 )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class CylinderSize:
     """A cylinder whose axis is Z."""
 
@@ -130,7 +131,7 @@ class CylinderSize:
     height: float = key(Quantity("length", _SIDE), "height", example="40 mm")
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class _CylinderKind(Kind):
     """`{diameter: 80, height: 40}` or `[80, 40]`."""
 
@@ -156,7 +157,7 @@ class _CylinderKind(Kind):
         return Record(CylinderSize, "a cylinder").plain(value)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class _LengthUnit(Kind):
     """The unit of a mesh file, as its factor."""
 
@@ -180,7 +181,7 @@ class _LengthUnit(Kind):
 LENGTH_UNIT = _LengthUnit()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class ShapeKeys:
     """A shape by one of `box`, `min` with `max`, `cylinder`, `mesh`; the derived `shape` is in the body's own frame.
 
@@ -324,7 +325,7 @@ def _mesh(file: FileValue, unit: str | None, to: Reading, path: Path) -> MeshSha
     return MeshShape(name=file.name, path=file.path, scale=scale.factor, lower=lower, upper=upper)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class _MaterialName(Kind):
     """The name of a material; its existence is checked once the whole cell has been read."""
 
@@ -343,7 +344,7 @@ class _MaterialName(Kind):
         return {"type": "string"}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class StockSpec(ShapeKeys):
     """Material to work on. `place.frame` None: placed by the rules of `placement.py`."""
 
@@ -373,7 +374,7 @@ class StockSpec(ShapeKeys):
         return replace(self, shape=shape)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Fixture(ShapeKeys):
     """A body that must not be touched: vise, clamp, table."""
 
@@ -390,7 +391,7 @@ class Fixture(ShapeKeys):
         return replace(self, name=str(path[-1]), shape=shape)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Target:
     """The part as it is meant to become."""
 
@@ -411,7 +412,7 @@ _STOCK: Final = Record(StockSpec, "stock")
 _SHAPE_KEYS: Final = ("box", "cylinder", "mesh", "min", "max", "from")
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class StockKind(Kind):
     """One stock if the mapping has a key of a shape, else stock by name."""
 
@@ -456,7 +457,7 @@ class StockKind(Kind):
         return "", {name: _STOCK.plain(stock)[1] for name, stock in value.items()}
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class FixtureKind(Kind):
     """Fixtures by name."""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -11,10 +10,11 @@ from gcodesim import canon
 from gcodesim.cell.machine import MachineTool
 from gcodesim.cell.robot import Robot
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 from gcodesim.kinematics.tool_point import ToolPoint
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(slots=False, kw_only=False, eq=False)
 class MachinePoint:
     """`rs274.tool_point.ToolPointLaw` of a machine tool."""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 from gcodesim.declarations.keys import all_keys
@@ -12,6 +11,7 @@ from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread
 from gcodesim.declarations.record import Record
 from gcodesim.declarations.scalars import integer
 from gcodesim.declarations.variant import Variant
+from gcodesim.frozen import frozen
 from gcodesim.tools import TOOLS
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ def tool_number(text: str) -> int | None:
 TOOL_NUMBERS: Final = NameRule(what="tool number (1 to 99999)", pattern=r"0*[1-9][0-9]{0,4}", canonical=tool_number)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class _ToolKind(Variant):
     """A tool of the family; its number is the name of its entry."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Final
 
@@ -16,6 +15,7 @@ from gcodesim.checks.collisions import Obstacle, ToolParts, collision_finding, f
 from gcodesim.checks.pairs import may_not_meet
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.frames import WORLD, Array, Pose, rotation_about
+from gcodesim.frozen import frozen
 from gcodesim.motion.tool_path import ToolState
 from gcodesim.scene import Role, Scene
 
@@ -29,7 +29,7 @@ _BLOCK: Final = 50_000  # times whose poses are kept at once
 _UP: Final = np.array([0.0, 0.0, 1.0])
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class Standing:
     """Bodies of one role on one carrier: their places in its frame C, and X_BC (n, 4, 4) at joints `q` (n, j).
 
@@ -109,7 +109,7 @@ def _hits(
             yield when, collision_finding(touch, span, system, point, when)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class _Way:
     """Chords of a plan: the flange at n + 1 times, `nose` (n + 1, 3) and its Z `out`, and the path row (n,) of each."""
 

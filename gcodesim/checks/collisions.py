@@ -8,7 +8,7 @@ an error that is the chord's.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -18,6 +18,7 @@ from gcodesim.checks.pairs import may_not_meet, role_of_part
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.diagnostics.events import runs
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 from gcodesim.scene import Role
 from gcodesim.solids import Hull, Placed, hulls_of, outline_of
 from gcodesim.tools.parts import body_part
@@ -31,7 +32,7 @@ TOUCH: Final = 1e-6
 _BUNCH: Final = 64  # neighbouring pieces that are compared with a hull as one
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class Obstacle:
     """Something that must not be touched, as convex bodies."""
 
@@ -44,7 +45,7 @@ class Obstacle:
         return Obstacle(name=name, hulls=tuple(hull for placed in solids for hull in hulls_of(placed)))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class ToolParts:
     """A tool as convex bodies of revolution.
 
@@ -71,7 +72,7 @@ class ToolParts:
         return replace(self, outlines=parts)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Touch:
     """One event: from piece `piece` on, at `share` of it, `part` of `tool` is in `fixture`.
 

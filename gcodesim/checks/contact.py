@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Final
 
@@ -19,6 +18,7 @@ from gcodesim.arithmetic.matrices import inverse_pose, multiplied, norms
 from gcodesim.checks.clearance import Standing
 from gcodesim.checks.collisions import ToolParts, fixture_touches
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 from gcodesim.material.contact import in_material
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ _HALVINGS: Final = 40
 _AT_ONCE: Final = 16  # poses, so that little is asked behind the first contact
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Contact:
     """`time` [s] in the plan at which the tip begins to touch `body`, or stops touching anything."""
 
@@ -44,7 +44,7 @@ class Contact:
     body: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class TargetStock:
     """A stock that can be touched; `pose` gives X_BS (n, 4, 4) at joints (n, j)."""
 
@@ -58,7 +58,7 @@ class TargetStock:
         return float(min(self.stock.spacing))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class _Way:
     """Times (n,) of the plan, with joints and tip X_BT."""
 
@@ -75,7 +75,7 @@ class _Way:
         return _Way(self.times[rows], self.q[rows], self.X_BT[rows])
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(slots=False, kw_only=False, eq=False)
 class Touching:
     """The last move of `plan` with `tool` in the spindle, against everything around it."""
 

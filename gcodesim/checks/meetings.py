@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
 
@@ -16,6 +15,7 @@ from gcodesim.checks.meeting_kernels import Forest, Walk
 from gcodesim.checks.rigid import RigidBody, Woods, is_within
 from gcodesim.checks.way_kernels import Couple, JointTree, WayColumns, WayRoom, way_room
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 from gcodesim.kinematics.chain import Tree
 
 TOUCH: Final = 1e-6
@@ -27,7 +27,7 @@ Rooms = tuple[WayRoom, GapRoom]
 _MOST: Final = 4096  # meetings of one search
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class JointWay:
     """A way of the joints: straight between `q` (n + 1, j) [rad, m]; it may leave that by `bend` (n, j)."""
 
@@ -48,7 +48,7 @@ class JointWay:
         return q
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Meeting:
     """Bodies `first` and `second` (their numbers) are nearer than a level, from `share` of `stretch` on to `last`.
 
@@ -64,7 +64,7 @@ class Meeting:
     gap: float
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(slots=False, kw_only=False, eq=False)
 class MovingBodies:
     """Bodies on the joints of a machine, and those pairs (p, 2) of them that may not meet."""
 

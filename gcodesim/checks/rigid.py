@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
 from typing import Final
@@ -17,13 +16,14 @@ from gcodesim.arithmetic.matrices import dots, norms
 from gcodesim.checks.gap_kernels import Convexes
 from gcodesim.checks.meeting_kernels import Forest
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 from gcodesim.solids import Box, Hulls, Mesh, Placed, Sphere, Triangles, outline_of
 
 _CONVEX: Final = 1e-9  # of its size a mesh may be dented and still be convex
 _MOST_PRODUCTS: Final = 20_000_000  # of faces and points, to find out whether a mesh is convex
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class Convex:
     """One convex body: corners (k, 3), or circles (k, 2) of radius and height about the Z of a frame; see `Convexes`.
 
@@ -109,7 +109,7 @@ def is_convex(mesh: Triangles) -> bool:
     return all(bool((dots(n[None], points) <= at + room).all()) for n, at in zip(normal, off, strict=True))
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@frozen(slots=False, eq=False)
 class RigidBody:
     """A body called `name`, made of `solids` in the frame of joint `carrier` (-1: the base) of a machine."""
 
@@ -164,7 +164,7 @@ def is_within(points: Array, skin: Array) -> NDArray[np.bool_]:
     return found
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class Woods:
     """Convex bodies and trees of several rigid bodies: `root` (b,), the deepest tree, and how far each reaches.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -17,10 +17,10 @@ from gcodesim.diagnostics.plain import one_line
 class Parser(argparse.ArgumentParser):
     """Like argparse's, but an option or word that does not exist is told first, with the nearest that does.
 
-    `root` is the parser of the whole command line.
+    `whole` makes the parser of the whole command line; None for that one itself.
     """
 
-    root: Parser | None = None
+    whole: Callable[[], argparse.ArgumentParser] | None = None
 
     def parse_known_args(self, args: Iterable[str] | None = None, namespace: Any = None) -> Any:
         """As argparse; nothing is left over, since what nobody knows is an error here."""
@@ -50,7 +50,7 @@ class Parser(argparse.ArgumentParser):
 
     def _no_such_action(self, word: str, known: Sequence[str], kind: str) -> str:
         near = nearest(word, known)
-        for command in () if self.root is not None else outline(self).leaves():
+        for command in () if self.whole is not None else outline(self).leaves():
             if command.path[-1] == word:
                 near = [command.name]
         path = Path(word)
@@ -73,7 +73,8 @@ class Parser(argparse.ArgumentParser):
     def _refuse(self, word: str) -> NoReturn:
         if not word.startswith("-"):
             self.error(f"{word} is one too many")
-        others = [command.name for command in outline(self.root or self).leaves() if command.takes(word)]
+        whole = self if self.whole is None else self.whole()
+        others = [command.name for command in outline(whole).leaves() if command.takes(word)]
         near = nearest(word, [own for own in self._option_string_actions if own.startswith("--")])
         told = f"; it is one of {', '.join(others)}" if others else did_you_mean(near)
         self.error(f"there is no option {word}{told}")

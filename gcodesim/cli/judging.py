@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,6 +14,7 @@ from gcodesim.cli.formats import wants_formats, write_formats
 from gcodesim.cli.options import read_source
 from gcodesim.diagnostics import Diagnostic, SourceText
 from gcodesim.diagnostics.text import shown_name
+from gcodesim.frozen import frozen
 
 if TYPE_CHECKING:
     from gcodesim.regress import CaseVerdict, SuiteVerdict
@@ -69,7 +70,7 @@ def write_baseline(path: Path, text: str) -> None:
     note(f"wrote {path}: with --baseline {path} its findings fail nothing")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Met:
     """What a command found in one program (or in a cell alone): findings in order, with files as the reader names them.
 
@@ -107,7 +108,7 @@ class Met:
         )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class ShownProgram:
     """A program as shown to people; `findings` are those of `met` that they have to look at."""
 
@@ -116,7 +117,7 @@ class ShownProgram:
     findings: Sequence[Diagnostic]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Settled:
     """The judgement: `shown` are the findings that the baseline does not know, `remarks` are about the baseline.
 

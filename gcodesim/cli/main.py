@@ -15,7 +15,7 @@ from typing import Final
 from gcodesim.cli.exits import INTERNAL, INTERRUPTED, OK, USAGE, UsageError
 from gcodesim.cli.interrupts import Interrupted, handled, interrupted_by
 from gcodesim.cli.overwriting import refuse_files_like_options, refuse_own_inputs
-from gcodesim.cli.parser import build_parser
+from gcodesim.cli.parser import parser_for
 from gcodesim.cli.streams import drop_output
 from gcodesim.diagnostics.plain import PlainStream, raw
 from gcodesim.extras import ExtraMissingError
@@ -56,8 +56,9 @@ def _run(argv: Sequence[str] | None) -> int:
     arguments: Namespace | None = None
     try:
         with handled():
-            refuse_files_like_options(sys.argv[1:] if argv is None else argv)
-            arguments = build_parser().parse_args(argv)
+            words = sys.argv[1:] if argv is None else argv
+            refuse_files_like_options(words)
+            arguments = parser_for(words).parse_args(words)
             refuse_own_inputs(arguments)
             status = int(arguments.run(arguments))
             sys.stdout.flush()

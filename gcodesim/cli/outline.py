@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, TypeVar
+
+from gcodesim.frozen import frozen
 
 Named = TypeVar("Named", bound=argparse.Action)
 
@@ -19,7 +20,7 @@ ANY: Final = ("*",)
 _FILES: Final[Mapping[str, tuple[str, ...]]] = {"PROGRAM": PROGRAMS, "CELL": CELLS, "LOG": LOGS, "OTHER": LOGS}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Value:
     """What may stand in a place: a file that ends in one of `files` (`*`: any), a folder, one of `words`.
 
@@ -34,7 +35,7 @@ class Value:
     counts: str = ""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Option:
     """An option by all its names. `value` is None for a switch."""
 
@@ -45,7 +46,7 @@ class Option:
     required: bool
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Command:
     """A command, or one of its actions. `path` are the words that call it; none for the whole command line."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from importlib import import_module
 
 from gcodesim import __version__
@@ -41,8 +42,8 @@ exit status: 0 clean, 1 findings (see --fail-on), 2 wrong usage, 70 fault of gco
 """
 
 
-def build_parser() -> argparse.ArgumentParser:
-    """The whole command line; building it imports no heavy package."""
+def build_parser(names: Sequence[str] = COMMANDS) -> Parser:
+    """The command line with the commands of these names; building it imports no heavy package."""
     parser = Parser(
         prog="gcodesim",
         description="Simulate G-code programs in cells of robots and machine tools: "
@@ -52,8 +53,17 @@ def build_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"gcodesim {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for name in COMMANDS:
+    for name in names:
         import_module(f"gcodesim.cli.commands.{name}").add_parser(commands)
     for command in commands.choices.values():
-        command.root = parser
+        command.whole = build_parser
     return parser
+
+
+def parser_for(words: Sequence[str]) -> Parser:
+    """What reads this command line: with the one command that it begins with, or with all.
+
+    Declaring the options of all commands takes longer than reading a short program.
+    """
+    asked = [name for name in COMMANDS if list(words[:1]) == [name.replace("_", "-")]]
+    return build_parser(asked or COMMANDS)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 from gcodesim.declarations.kind import Json, Kind, key_name, listing, short
@@ -10,9 +9,10 @@ from gcodesim.declarations.nodes import Listing, Node, Scalar
 from gcodesim.declarations.quantity import Quantity
 from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread, suggestion
 from gcodesim.declarations.scalars import measured, why_no_number
+from gcodesim.frozen import frozen
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class ListOf(Kind):
     """A list of values of one kind; a single value may stand without brackets."""
 
@@ -47,7 +47,7 @@ class ListOf(Kind):
         return "", [self.of.plain(entry)[1] for entry in value]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class Either(Kind):
     """One of a few words that mean a fixed value, or a value of another kind."""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Any, Final
 
@@ -10,11 +9,12 @@ from gcodesim.declarations.files import Refused
 from gcodesim.declarations.kind import Json, Kind, key_name, scalar, short
 from gcodesim.declarations.nodes import Node
 from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread, suggestion
+from gcodesim.frozen import frozen
 
 _WRONG: Final = {"folder": "is no folder", "file": "is a folder", "special": "is a pipe or a device"}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class FileValue:
     """A file of the cell: `name` as written, `path` where it lies."""
 
@@ -22,7 +22,7 @@ class FileValue:
     path: FilePath
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class File(Kind):
     """The name of a file (or folder) that the cell reads."""
 

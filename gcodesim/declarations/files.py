@@ -10,6 +10,7 @@ from pathlib import Path, PurePosixPath
 from typing import Final
 
 from gcodesim.diagnostics import SourceText
+from gcodesim.frozen import frozen
 
 VARIABLE: Final = "GCODESIM_ALLOW_PATH"
 """The user's own settings: folders from which cells may take files, separated as in PATH."""
@@ -23,7 +24,7 @@ def folders_of_the_user() -> tuple[Path, ...]:
     return tuple(Path(folder) for folder in named if os.path.isabs(folder))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class InputFile:
     """A file that the cell reads: `name` as the cell writes it, never a folder of this machine."""
 
@@ -32,7 +33,7 @@ class InputFile:
     sha256: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Refused:
     """Why a file cannot be had: `outside` the allowed folders, `absent`, `special`, or no `file` or `folder`."""
 

@@ -7,7 +7,7 @@ each has every unit, a place in the schema, in `cell show` and in the docs.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass, replace
+from dataclasses import MISSING, Field, field, fields, is_dataclass, replace
 from functools import cache
 from typing import Any, Final
 
@@ -17,6 +17,7 @@ from gcodesim.declarations.plain_kinds import Switch, Text, Whole
 from gcodesim.declarations.quantity import Quantity, Vector
 from gcodesim.declarations.reading import Path, Reading, suggestion
 from gcodesim.declarations.units import DIMENSIONS
+from gcodesim.frozen import frozen
 
 _META: Final = "gcodesim.key"
 
@@ -30,7 +31,7 @@ _NAMED: Final[dict[str, Kind]] = {
 }
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Key:
     """What a field tells the reader. `name` is the key in the file; `quiet` defaults are not listed.
 
@@ -55,7 +56,7 @@ class Key:
         return value
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class _Declared:
     kind: Kind | type | None = None
     doc: str = ""

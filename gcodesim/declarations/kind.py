@@ -8,11 +8,11 @@ cannot differ.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
 from typing import Any, Final
 
 from gcodesim.declarations.nodes import Listing, Mapping, Node, Scalar
 from gcodesim.declarations.reading import Path, Reading, Unread
+from gcodesim.frozen import frozen
 
 Json = dict[str, Any]
 
@@ -76,7 +76,7 @@ def scalar(kind: Kind, node: Node, to: Reading, path: Path) -> Scalar | Unread:
     return node
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Range:
     """Bounds in SI; `above` and `below` are exclusive."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 from gcodesim.declarations.kind import Json, Kind
@@ -11,9 +10,10 @@ from gcodesim.declarations.nodes import Mapping, Node, Scalar
 from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread, suggestion
 from gcodesim.declarations.record import FREE, not_a_mapping
 from gcodesim.diagnostics import Span
+from gcodesim.frozen import frozen
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class NameRule:
     """What the keys of a `MapOf` look like; `canonical` gives the one spelling, or None."""
 
@@ -23,7 +23,7 @@ class NameRule:
     known: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class MapOf(Kind):
     """A mapping of names to values of one kind. A `lenient` one leaves out what is faulty."""
 

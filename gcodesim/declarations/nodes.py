@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from gcodesim.diagnostics import Diagnostic, Findings, SourceText, Span
+from gcodesim.frozen import frozen
 
 _LINE_END = re.compile(r"\r\n|\n|\r")
 # what YAML 1.2 forbids anywhere in a file
@@ -29,7 +30,7 @@ _MOST_COPIES = 10_000
 _DEEPEST = 60
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Scalar:
     """A text; `plain` when it stands without quotes."""
 
@@ -43,7 +44,7 @@ class Scalar:
         return self.plain and self.text in ("", "~", "null", "Null", "NULL")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Listing:
     """`[a, b]` or lines that begin with a dash."""
 
@@ -51,7 +52,7 @@ class Listing:
     items: tuple[Node, ...]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Mapping:
     """`{key: value}` or lines of `key: value`, in their order; keys are unique."""
 

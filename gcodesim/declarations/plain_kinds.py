@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 
 from gcodesim.declarations.kind import ANY, Json, Kind, Range, key_name, scalar, short
 from gcodesim.declarations.nodes import Node
 from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread, suggestion
 from gcodesim.declarations.scalars import integer, switch, why_no_number, why_no_switch
+from gcodesim.frozen import frozen
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class Whole(Kind):
     """A whole number."""
 
@@ -38,7 +38,7 @@ class Whole(Kind):
         return {"type": "integer", **{key: int(bound) for key, bound in self.range.schema().items()}}
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class Switch(Kind):
     """`true` or `false`."""
 
@@ -60,7 +60,7 @@ class Switch(Kind):
         return {"type": "boolean"}
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class Text(Kind):
     """Any text; with `pattern` one of a certain form, which `form` describes."""
 
@@ -84,7 +84,7 @@ class Text(Kind):
         return {"type": "string", **({"pattern": f"^({self.pattern})$"} if self.pattern else {})}
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class Choice(Kind):
     """One of a few words."""
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, Final
 
 from gcodesim.declarations.kind import ANY, Json, Kind, Range, key_name, listing, scalar, short
@@ -12,13 +11,14 @@ from gcodesim.declarations.nodes import Node, Scalar
 from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread
 from gcodesim.declarations.scalars import Measured, measured, why_no_number
 from gcodesim.declarations.units import DIMENSIONS, Unit, find, in_unit, measures, names, nearest, shown
+from gcodesim.frozen import frozen
 
 LAST_UNIT_HOLDS: Final = "the unit of the last entry holds for those without one"
 _NUMBER_PATTERN = r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?"
 _UNIT_PATTERN = r"[^0-9.eE+\-\s].*"
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class Quantity(Kind):
     """A number with a unit of `dimension`; in SI. `example` is a value that makes sense for the key."""
 
@@ -132,7 +132,7 @@ class Quantity(Kind):
         return suffix, in_unit(value, unit) if unit is not None else value
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class Vector(Kind):
     """A list of quantities; the unit of the last entry holds for those without one."""
 

@@ -11,6 +11,7 @@ from typing import Any, Final, Literal
 from gcodesim.declarations.files import Shelf
 from gcodesim.declarations.units import Unit, find
 from gcodesim.diagnostics import Diagnostic, Findings, Span
+from gcodesim.frozen import frozen
 
 Path = tuple[str | int, ...]
 """Where a value stands: `("tools", 7, "diameter")`."""
@@ -25,7 +26,7 @@ class Unread(Enum):
 UNREAD: Final = Unread.UNREAD
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Default:
     """A value that nobody wrote; `why` is the rule that gave it, empty for a constant."""
 
@@ -34,7 +35,7 @@ class Default:
     why: str = ""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class PlainUnits:
     """What a number without unit means."""
 
@@ -51,7 +52,7 @@ def _unit(name: str, dimension: str) -> Unit:
     return unit
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Reference:
     """A name that stands for something elsewhere in the cell, to be looked up when all of it is read."""
 

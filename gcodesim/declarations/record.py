@@ -5,20 +5,21 @@ from __future__ import annotations
 import difflib
 import re
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, is_dataclass
+from dataclasses import is_dataclass
 from typing import Any, Final
 
 from gcodesim.declarations.keys import Key, all_keys, fill_derived, inlined, keys, written
 from gcodesim.declarations.kind import Json, Kind, article_of, key_name
 from gcodesim.declarations.nodes import Mapping, Node, Scalar
 from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread, suggestion
+from gcodesim.frozen import frozen
 
 FREE: Final = "x-"
 _DIGITS: Final = re.compile(r"[0-9]")
 NEARLY: Final = 0.8  # similarity from which on a misspelled key is read as the one that it resembles
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class Record(Kind):
     """A mapping that becomes a `cls`.
 

@@ -7,7 +7,8 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+
+from gcodesim.frozen import frozen
 
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _INTEGER = re.compile(r"[+-]?[0-9]+")
@@ -16,7 +17,7 @@ _FALSE = ("false", "False", "FALSE")
 _DOUBTFUL = ("on", "off", "yes", "no", "y", "n")
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class Measured:
     """A number and the text of its unit, empty when there is none. `value` may be infinite when it is too large."""
 

@@ -8,19 +8,19 @@ are looked at.
 from __future__ import annotations
 
 import difflib
-from dataclasses import dataclass
 from functools import cache
 from math import pi
 from typing import Final
 
 from gcodesim import units as si
+from gcodesim.frozen import frozen
 
 INCH_POUND: Final = 0.45359237  # kg
 STANDARD_GRAVITY: Final = 9.80665
 ICE: Final = 273.15  # K
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Dimension:
     """What is measured. `shown` is the unit of listings, `suffix` how it is written in names of JSON keys.
 
@@ -40,7 +40,7 @@ class Dimension:
         return f"{self.article} {self.name}"
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class Unit:
     """A unit: a number in it, times `factor` plus `offset`, is in SI; `aliases` are other spellings."""
 

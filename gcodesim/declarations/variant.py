@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from gcodesim.declarations.keys import all_keys
@@ -13,9 +12,10 @@ from gcodesim.declarations.nodes import Node, Scalar
 from gcodesim.declarations.plain_kinds import Text
 from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread, suggestion
 from gcodesim.declarations.record import Record, not_a_mapping, object_schema
+from gcodesim.frozen import frozen
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Variant(Kind):
     """A mapping in which `type` names a class of `family`, whose class variable `kind` is that word.
 

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from importlib.resources import files
+
+from gcodesim.frozen import frozen
 
 _NOT_TO_READ = (".txt", ".stl", ".golden.json")
 _PROMPT = "$ gcodesim "
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Example:
     """The example's own `files` and those that the command names, by name with their text; `command` after
     `gcodesim`, and the findings as it prints them."""

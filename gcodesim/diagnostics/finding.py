@@ -6,6 +6,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from enum import IntEnum
 
+from gcodesim.frozen import frozen
+
 
 class Severity(IntEnum):
     """How bad a finding is; comparable, so that `--fail-on` is one comparison."""
@@ -19,7 +21,7 @@ class Severity(IntEnum):
         return self.name.lower()
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class Caller:
     """A call that led here: `line` of `file` called `name`."""
 
@@ -28,7 +30,7 @@ class Caller:
     name: str
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class Span:
     """A place in a text. Lines and columns count from 1, columns in code points; `end_column` is exclusive.
 
@@ -50,7 +52,7 @@ class Span:
         return Span(file, line, start, line, max(start + 1, len(text.rstrip()) + 1), callers)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Diagnostic:
     """A finding. `severity` None means: what the catalogue says for this code.
 

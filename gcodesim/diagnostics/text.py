@@ -7,10 +7,12 @@ import hashlib
 import os
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
+
+from gcodesim.frozen import frozen
 
 if TYPE_CHECKING:
     from gcodesim.diagnostics.line_table import LineTable
@@ -27,7 +29,7 @@ def shown_name(path: Path) -> str:
     return os.fsencode(path.name).decode("utf-8", "replace")
 
 
-@dataclass(frozen=True)
+@frozen(slots=False, kw_only=False)
 class SourceText:
     """A file as it was read: `name` is how findings call it (no folder of this machine), `raw` its bytes.
 

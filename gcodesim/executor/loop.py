@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
@@ -20,6 +20,7 @@ from gcodesim.executor.tasks import RowColumns
 from gcodesim.executor.totals import JointTotals, RowTotals
 from gcodesim.executor.window import StepWindow, first_carry, window_of
 from gcodesim.frames import Pose
+from gcodesim.frozen import frozen
 from gcodesim.processes.column import ADDED, REMOVED
 from gcodesim.shop import Shop
 from gcodesim.world import RobotBody, WorldSteps, open_world, tool_body
@@ -32,7 +33,7 @@ MOST_STEPS: Final = 2000
 """Steps of one window: enough to spread the cost of a window, few enough to stay small in memory."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Progress:
     """How far a run has come: steps done and in all, simulated time [s], path row."""
 
@@ -72,7 +73,7 @@ class Watcher(Protocol):
         """The number of steps after which the watcher wants to look at the stock."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class Execution:
     """The outcome of a run. `interrupted`: somebody stopped it after `steps` of `planned` steps.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +12,7 @@ from gcodesim.arithmetic.matrices import norms
 from gcodesim.executor.stint import Stint, deflection_of
 from gcodesim.executor.window import StepWindow
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 from gcodesim.processes.column import FORCE, Column
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from gcodesim.world import WorldSteps
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class StepRecord:
     """n steps: the window, what the world did, and what all processes did to all their targets.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import partial
 from itertools import product
 from typing import TYPE_CHECKING, Any, Protocol
@@ -12,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.frames import Array, Pose
+from gcodesim.frozen import frozen
 from gcodesim.shop import BODIES, PlacedStock, Shop
 from gcodesim.solids import Solid, triangles_of
 
@@ -66,7 +66,7 @@ def targets_of(shop: Shop, acts_on: ActsOn) -> list[TaskTarget]:
     return [NoTarget()]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class StockTarget:
     """A stock that the process may change."""
 
@@ -100,7 +100,7 @@ class StockTarget:
         return self.placed.stock.memento()
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class SkinTarget(StockTarget):
     """The surface of a stock, which the process only looks at; itself the `Skin`."""
 
@@ -120,7 +120,7 @@ class SkinTarget(StockTarget):
         return _nothing_to_put_back
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class BodiesTarget:
     """All bodies at once. S is the frame in which they stand still."""
 
@@ -146,7 +146,7 @@ class BodiesTarget:
         return _nothing_to_put_back
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class NoTarget:
     """For a process that acts on nothing: S is the frame of the bodies."""
 
@@ -167,7 +167,7 @@ def _nothing_to_put_back() -> None:
     """A process that only looks changes nothing, so there is nothing to restore."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class StandingBody:
     """A fixture or a stock as seen by a process that acts on bodies; all in one common frame S."""
 

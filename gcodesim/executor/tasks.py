@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from gcodesim.executor.signals import signals_of_rows
 from gcodesim.executor.targets import TaskTarget, targets_of
+from gcodesim.frozen import frozen
 from gcodesim.motion.tool_path import HOME, RAPID, Commanded, ToolPath
 from gcodesim.processes import PROCESSES
 from gcodesim.processes.signal import Signal
@@ -36,7 +37,7 @@ class Task:
     state: ProcessState
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class RowColumns:
     """What holds in each of the n path rows: tool number, rapid, probing, and the signals (n,) by name.
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from gcodesim.executor.tasks import RowColumns
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 
 if TYPE_CHECKING:
     from gcodesim.motion.trajectory import Samples
@@ -36,7 +37,7 @@ class Carry:
     tip: Array
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class StepWindow:
     """n steps from step `first` on; step k of the run ends at k dt.
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, ClassVar, Literal, TextIO
 
 from gcodesim.export.select import TimeRange
+from gcodesim.frozen import frozen
 
 if TYPE_CHECKING:
     from gcodesim.playback.columns import UnitSystem
@@ -24,7 +25,7 @@ class NoExportError(ValueError):
     """There is no such thing to write; the text says why."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Request:
     """What of a log is asked for: `topics` (none: the usual ones) in a range of time, in `units`, or the state at a
     moment `at_ns` (None: the end), of one `stock` where there are several, in the world or in its own frame."""

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.frozen import frozen
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+
+@frozen
 class TimeRange:
     """Times first ≤ t ≤ last [ns], with at least `period_ns` between two samples (0: all of them)."""
 

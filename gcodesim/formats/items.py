@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 from gcodesim.diagnostics import Caller, Diagnostic, Span
 from gcodesim.formats.places import FilePlaces
+from gcodesim.frozen import frozen
 from gcodesim.regress.baseline import entry_of
 from gcodesim.regress.verdicts import FindingState, JudgedFinding, SuiteVerdict
 
 _WEIGHTS: Final[tuple[FindingState, ...]] = ("suppressed", "baseline", "accepted", "expected", "told", "counts")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Item:
     """A finding, its files named from the top of the repository; `cases` are those that have it.
 

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import posixpath
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 
 from gcodesim.diagnostics import SourceText
+from gcodesim.frozen import frozen
 from gcodesim.regress.case import shown_path
 from gcodesim.regress.repository import top_of
 from gcodesim.regress.sources import Sources
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class FilePlaces:
     """`sources` by the names that a verdict gives files, from the folder of the run.
 

@@ -13,6 +13,7 @@ from gcodesim.cell import Cell, LoadedCell
 from gcodesim.cell.cell import MAIN
 from gcodesim.cell.verdict import final_findings
 from gcodesim.diagnostics import Diagnostic, Findings, Severity, SourceText, Span
+from gcodesim.frozen import frozen
 from gcodesim.jobs.results import ProbeResult
 from gcodesim.rs274 import Run, Settings
 from gcodesim.shop import Shop
@@ -25,7 +26,7 @@ KINEMATIC: Final = "kinematic"
 BULLET: Final = "bullet"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Options:
     """Options of the command line that override the cell: `world`, settings of the reader, the day for suppressions.
 

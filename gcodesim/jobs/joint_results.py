@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from gcodesim.diagnostics import Diagnostic
+from gcodesim.frozen import frozen
 from gcodesim.jobs.block_times import block_times
 from gcodesim.jobs.meetings import Meetings, is_wait
 from gcodesim.jobs.results import LineRows, Results
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 _ORDER: Final = ("failed", "findings", "ok")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class ChannelResult:
     """One of the programs that ran at once."""
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from gcodesim.canon import Action, Event
 from gcodesim.cell.channel import WAIT
 from gcodesim.diagnostics import Diagnostic, Severity, Span
+from gcodesim.frozen import frozen
 from gcodesim.motion.waits import with_waits
 from gcodesim.numbers import rounded
 from gcodesim.planning.meetings import Agenda, Arrival, Standing, Timetable, timetable
@@ -24,7 +25,7 @@ def is_wait(item: object) -> bool:
     return isinstance(item, Action) and item.target == WAIT
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Meetings:
     """How the programs of a run meet; `marks` are the events of each channel at which it waits, in order."""
 

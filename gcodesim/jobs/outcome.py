@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from gcodesim.cell.verdict import idle_suppressions
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText, Span
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 from gcodesim.jobs.job import Job
 from gcodesim.jobs.joint_results import joint_results
 from gcodesim.jobs.results import Results, StockResult, Times, joint_rows, line_rows, tool_rows
@@ -139,7 +140,7 @@ def _end_ns(job: Job, plan: Plan, execution: Execution | None) -> int:
     return execution.steps * job.cell.simulation.step_ns
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class _Stop:
     """Where a run was interrupted: at `time` [s], in path row `row`, of which `share` had run, in the block of `span`.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, Final, Literal
 
 import numpy as np
@@ -16,6 +16,7 @@ from gcodesim.diagnostics.show import as_json
 from gcodesim.diagnostics.span_table import SpanTable
 from gcodesim.executor.totals import JointTotals, RowTotals
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 from gcodesim.kinematics.chain import Joints
 from gcodesim.motion.tool_path import HOME, RAPID, ToolPath
 from gcodesim.numbers import clean, rounded
@@ -26,7 +27,7 @@ SCHEMA: Final = "gcodesim-results/1"
 RunStatus = Literal["ok", "findings", "failed"]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class StockResult:
     """One stock at the end; volumes [m³], resolution [m]."""
 
@@ -50,7 +51,7 @@ class StockResult:
         }
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class ProbeResult:
     """One probing move: at `time` [s] it tripped on `body`, or came to its end, with the tip there in the world [m]."""
 
@@ -73,7 +74,7 @@ class ProbeResult:
         }
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Times:
     """Where the time goes [s]; total = feed + rapid + dwell + tool_change, engaged is a part of feed."""
 
@@ -98,7 +99,7 @@ class Times:
         }
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class Results:
     """The results of a run or a check. `as_json` is the content of `results.json`."""
 
@@ -161,7 +162,7 @@ LineEnd = tuple[int, Span, float]
 """The machine stands: before which path row, for which program line, how long [s]."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class LineRows:
     """Program lines (m,) in the order in which they first ran: which of the `files`, line number, and `numbers` (m, k).
 

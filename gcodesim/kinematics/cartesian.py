@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Final, Literal
 
@@ -13,6 +12,7 @@ from gcodesim.arithmetic.elementary import acos
 from gcodesim.arithmetic.matrices import applied, least_inverse, multiplied, norm
 from gcodesim.canon import AXIS_LETTERS
 from gcodesim.frames import Array, Pose, rotation_from_rpy
+from gcodesim.frozen import frozen
 from gcodesim.kinematics.chain import Chain, Inertial, Joint, Link
 from gcodesim.kinematics.machine import Machine, poses
 from gcodesim.kinematics.protocol import Reason, Status, Statuses
@@ -23,7 +23,7 @@ _REACHED: Final = 1e-9  # [m], [rad] between the pose asked for and the pose of 
 _VECTORS: Final = dict(zip(AXIS_LETTERS, np.vstack([np.eye(3), np.eye(3)]), strict=True))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Axis:
     """One axis of a machine tool. Travel, speed, acceleration, effort in m, rad, s, N, N·m; `point` [m] in M.
 
@@ -104,7 +104,7 @@ def chain_of_axes(axes: Sequence[Axis], name: str = "machine") -> Chain:
     )
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@frozen(slots=False, eq=False)
 class Cartesian(Machine):
     """A machine tool. Its base frame is M; q is in the order of its joints, whose names are the axis letters."""
 

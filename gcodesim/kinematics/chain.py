@@ -7,7 +7,7 @@ the base frame B (or M on a machine tool) and one of whose links is the flange F
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from pathlib import Path
 from typing import Literal, NamedTuple
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import multiplied
 from gcodesim.frames import Array, Pose
+from gcodesim.frozen import frozen
 from gcodesim.solids import Placed, Solid
 
 JointKind = Literal["revolute", "prismatic", "fixed"]
@@ -29,7 +30,7 @@ SPIN_UP: float = 0.25  # [s] to full speed, where nothing names an acceleration
 GREY = (0.6, 0.6, 0.62, 1.0)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class LinkSolid:
     """A solid of a link, posed in the link frame by `X` (4, 4)."""
 
@@ -38,7 +39,7 @@ class LinkSolid:
     rgba: tuple[float, float, float, float] = GREY
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class Inertial:
     """Mass [kg], centre of mass (3,) [m], inertia about it (3, 3) [kg·m²]; axes of the link, or of F for a payload."""
 
@@ -47,7 +48,7 @@ class Inertial:
     inertia: Array
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class Link:
     """A rigid body of the chain."""
 
@@ -57,7 +58,7 @@ class Link:
     collisions: tuple[LinkSolid, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class Joint:
     """A joint from link `parent` to link `child`.
 
@@ -81,7 +82,7 @@ class Joint:
     mimic: tuple[str, float, float] | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class Joints:
     """The driven joints in the one order that every array of joint values has.
 
@@ -106,7 +107,7 @@ class Joints:
         return self.names.index(name)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class LinkShape:
     """A solid of a link, for scene and collision checks: `link` indexes `link_names`."""
 
@@ -135,7 +136,7 @@ class Tree(NamedTuple):
     flange_offset: Array
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@frozen(slots=False, eq=False)
 class Chain:
     """A machine: `links` and `joints` (fixed ones too) from the root outwards, `driven` indices of the joints of q.
 

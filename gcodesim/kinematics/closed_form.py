@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 from gcodesim.arithmetic.elementary import atan2, sin
 from gcodesim.arithmetic.matrices import applied, dot, multiplied
 from gcodesim.frames import Array, rotation_about
+from gcodesim.frozen import frozen
 from gcodesim.kinematics.branch_kernels import branches_of_poses
 from gcodesim.kinematics.chain import Chain, Indices
 from gcodesim.kinematics.closed_form_kernels import inverse_path, solve_family
@@ -35,7 +35,7 @@ def angle_about(axis: Array, start: Array, end: Array) -> float:
     return atan2(dot(axis, np.cross(start, end)), dot(start, end))
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@frozen(slots=False, eq=False)
 class ClosedForm(Machine):
     """A six-axis arm with eight closed-form branches."""
 

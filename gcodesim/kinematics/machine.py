@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import inverse_pose, multiplied
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 from gcodesim.kinematics.chain import Chain, Indices, Joints, LinkShape
 from gcodesim.kinematics.tree_kernels import jacobians_along, poses_along
 
@@ -24,7 +24,7 @@ def poses(X: Array) -> Array:
     return np.require(np.reshape(X, (-1, 4, 4)), np.float64, ["C", "W"])
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@frozen(slots=False, eq=False)
 class Machine:
     """A tree of joints; families add the way back from pose to joints."""
 

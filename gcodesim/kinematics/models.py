@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Literal
 
 from gcodesim.family import Family
+from gcodesim.frozen import frozen
 from gcodesim.units import DEG
 
 _FOLDER: Final = Path(__file__).resolve().parent.parent / "models"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class ShippedModel:
     """A shipped machine: `stiffness` [N·m/rad] a joint or None for a rigid machine, `home` [rad, m], `payload` [kg].
 

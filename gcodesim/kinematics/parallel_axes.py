@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -11,13 +10,14 @@ import numpy as np
 from gcodesim.arithmetic.elementary import atan2, cos_sin
 from gcodesim.arithmetic.matrices import applied, dot, multiplied, norm
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 from gcodesim.kinematics.chain import Chain
 from gcodesim.kinematics.closed_form import SQUARE, ClosedForm, six_in_a_row
 from gcodesim.kinematics.closed_form_kernels import PARALLEL_AXES
 from gcodesim.kinematics.zero_axes import intersection, zero_axes
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@frozen(slots=False, eq=False)
 class ParallelAxes(ClosedForm):
     """An arm whose axes 2, 3, 4 are parallel and square to axes 1 and 5, and whose axes 5 and 6 meet squarely.
 

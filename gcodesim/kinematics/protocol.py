@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import IntEnum
 from typing import Protocol
 
@@ -10,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 from gcodesim.kinematics.chain import Chain, Joints, LinkShape
 
 Statuses = NDArray[np.uint8]
@@ -33,7 +33,7 @@ class Status(IntEnum):
     FLIP = 4
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Reason:
     """Why a pose has its status: `what` in words, `value` against `limit` in `unit`, the joint at fault or None."""
 

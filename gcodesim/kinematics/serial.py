@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
@@ -12,6 +11,7 @@ import numpy as np
 from gcodesim.arithmetic.elementary import power, sin
 from gcodesim.arithmetic.matrices import least_gains, norm
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 from gcodesim.kinematics.chain import Chain
 from gcodesim.kinematics.machine import Machine, poses
 from gcodesim.kinematics.path_kernels import JUMP
@@ -35,7 +35,7 @@ def spread(lower: Array, upper: Array, count: int) -> Array:
     return points
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@frozen(slots=False, eq=False)
 class SerialArm(Machine):
     """A chain of any number of joints. Fewer than six reach only the poses they can; more take the shortest way."""
 

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from gcodesim.arithmetic.matrices import applied, dot, norm
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 from gcodesim.kinematics.chain import Chain
 from gcodesim.kinematics.closed_form import SQUARE, ClosedForm, six_in_a_row
 from gcodesim.kinematics.closed_form_kernels import SPHERICAL_WRIST
 from gcodesim.kinematics.zero_axes import intersection, zero_axes
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@frozen(slots=False, eq=False)
 class SphericalWrist(ClosedForm):
     """An arm whose axis 2 is square to axis 1, axis 3 parallel to axis 2, and axes 4, 5, 6 square through one point.
 

@@ -7,7 +7,6 @@ an affine function of the three linear axes, so these follow from one linear sys
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Final, NamedTuple
 
@@ -18,6 +17,7 @@ from gcodesim.arithmetic.elementary import acos, atan2, cos, sin
 from gcodesim.arithmetic.matrices import applied, determinant, dot, multiplied, norm, space_solutions
 from gcodesim.canon import AXIS_LETTERS
 from gcodesim.frames import Array, rotation_about
+from gcodesim.frozen import frozen
 from gcodesim.kinematics.cartesian import Cartesian
 
 _FLAT: Final = 1e-9  # of unit vectors: smaller parts have no direction
@@ -32,7 +32,7 @@ class Turn(NamedTuple):
     axis: Array  # (3,) in C with all axes at zero, so that +angle turns the tool as seen from the work
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(slots=False, kw_only=False, eq=False)
 class ToolPoint:
     """Tip and axes of a machine tool `kinematics`.
 

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -22,6 +21,7 @@ from gcodesim.arithmetic.matrices import multiplied, norm
 from gcodesim.declarations.reading import suggestion
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.frames import Array, Pose, rotation_from_rpy
+from gcodesim.frozen import frozen
 from gcodesim.kinematics.chain import GREY, Chain, Inertial, Joint, JointKind, Link, LinkSolid
 from gcodesim.kinematics.urdf_meshes import EXPAND, MeshFiles
 from gcodesim.kinematics.urdf_tree import TreeReader
@@ -40,7 +40,7 @@ _KINDS: Final[dict[str, JointKind]] = {
 }
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class NamedFlange:
     """The link that a cell takes as the flange, and where the cell says so."""
 

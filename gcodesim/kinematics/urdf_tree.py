@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Final
 
+from gcodesim.frozen import frozen
 from gcodesim.kinematics.chain import Joint, Link
 from gcodesim.kinematics.xml_lines import Faults, LinedElement
 
 FLANGE_NAMES: Final = ("tool0", "flange", "tcp")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class LinkTree:
     """Links by name and joints from the root outwards; `driven` are the joints of q."""
 
@@ -23,7 +23,7 @@ class LinkTree:
     table: str | None
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class TreeReader:
     """Joins `links` and `joints`; findings stand at `places`, the elements by the name of a link or `joint NAME`."""
 

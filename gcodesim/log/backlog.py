@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.frozen import frozen
 from gcodesim.log.byte_kernels import place
 from gcodesim.log.byte_strings import ByteStrings
 
@@ -25,7 +25,7 @@ class SingleMessage(NamedTuple):
     data: bytes
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class Messages:
     """m messages in the order of time, then of channel (the topic table), then of arrival.
 

@@ -7,13 +7,13 @@ the parts that they share are made once, and numbers are written by columns.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.frozen import frozen
 from gcodesim.log.byte_strings import ByteStrings
 from gcodesim.log.messages import SEVERITIES, ProgramShown, log_frame, program_frame
 from gcodesim.log.scene import block_piece, polyline_update, rounded
@@ -25,7 +25,7 @@ PORTION: Final = 4096  # blocks: a window of the run begins a hundred, and one b
 _MOST_TEMPLATE_POINTS: Final = 40  # of a polyline; longer ones are rare and made one by one
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class BlockColumns:
     """m blocks in the order in which they begin.
 

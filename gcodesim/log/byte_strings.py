@@ -7,12 +7,12 @@ contents, so they lie one after another in one array of bytes, and their parts a
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import overload
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.frozen import frozen
 from gcodesim.log.byte_kernels import place
 from gcodesim.log.wire import BYTES, tag, varint
 
@@ -20,7 +20,7 @@ Bytes = NDArray[np.uint8]
 Ints = NDArray[np.int64]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class ByteStrings(Sequence[bytes]):
     """m byte strings: number i is `data[starts[i]:starts[i + 1]]`; `starts` (m + 1,) do not decrease."""
 

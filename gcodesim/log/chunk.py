@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import struct
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -11,6 +10,7 @@ import zstandard
 from mcap.opcode import Opcode
 from numpy.typing import NDArray
 
+from gcodesim.frozen import frozen
 from gcodesim.log.checksum import crc32
 from gcodesim.log.order import ChunkPiece
 
@@ -71,7 +71,7 @@ class ChunkBuilder:
         return found
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class PackedChunk:
     """A chunk record, `chunk_size` bytes of `records`, and behind it its message index records; `offsets` of the latter
 

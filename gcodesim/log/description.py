@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import field, fields
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.frozen import frozen
 from gcodesim.log.shapes import Entity, PathPart, Polylines
 
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class StaticFrame:
     """A frame that never moves: pose of `child` seen from `parent`; `p` (3,) [m], `q` (4,) x y z w."""
 
@@ -24,7 +25,7 @@ class StaticFrame:
     q: Array
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class ProcessField:
     """A field of `/process` that only this log has, a number or a `flag`; its name ends in the unit.
 
@@ -38,7 +39,7 @@ class ProcessField:
     divisor: float = 1.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class LogDescription:
     """Everything that is fixed for a whole log.
 
@@ -74,7 +75,7 @@ class LogDescription:
     attachments: Mapping[str, bytes] = field(default_factory=dict)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class MotionColumns:
     """How the machine follows, at n log instants. Shapes (n,), `position` (n, 3).
 
@@ -96,7 +97,7 @@ class MotionColumns:
     effort_used: Array
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class ProcessColumns:
     """What the tool does to the part, at n log instants. Shapes (n,).
 

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Final
 
 from gcodesim.diagnostics import is_code
+from gcodesim.frozen import frozen
 
 BEGINS: Final = "begins here; what it comes to is told at the end of the run"
 """The end of the message of an event that tells only the beginning of a finding."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class LogEvent:
     """A message of `/event`: a finding, a tool change, a text of the program, the start, the end."""
 

@@ -11,9 +11,9 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, Final
 
+from gcodesim.frozen import frozen
 from gcodesim.log.description import ProcessField, with_peaks
 from gcodesim.log.labels import labels_of, short_names
 from gcodesim.log.shop_units import twins_among, without_twins
@@ -41,7 +41,7 @@ _AXES: Final = 0.03
 """Length of the axes at the tip, as a share of the distance of the camera."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Camera:
     """Looks at `target` [m] in world, from `distance` [m]."""
 
@@ -49,7 +49,7 @@ class Camera:
     distance: float = 2.4
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class View:
     """Camera of the cell, and one close to the part where the first is far."""
 

@@ -28,6 +28,7 @@ from mcap.records import (
     Statistics,
 )
 
+from gcodesim.frozen import frozen
 from gcodesim.log.container import MAGIC
 from gcodesim.log.damage import Damage
 from gcodesim.log.rows import RECORD_HEAD
@@ -51,7 +52,7 @@ _BLOCK: Final = 1 << 20
 _PRIVATE: Final = 0x80  # opcodes from here on are free for private use
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class ChunkPlace:
     """Where a chunk is; `channels` is None if its index is missing."""
 

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.frozen import frozen
 from gcodesim.log.backlog import Messages, SingleMessage
 from gcodesim.log.byte_strings import ByteStrings
 from gcodesim.log.rows import MESSAGE_HEAD, MESSAGE_OPCODE, RecordRows
@@ -25,7 +25,7 @@ HEAD: Final = np.dtype(
 """Record head and message head of a message, as they lie in the file."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class ChunkPiece:
     """A part of a chunk: `size` bytes of records, and by channel the index entries of their messages.
 

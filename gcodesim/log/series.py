@@ -15,6 +15,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.frozen import frozen
 from gcodesim.log.fields import item_name, leaves, parse_path, value_at
 from gcodesim.log.logfile import LogFile, RawMessage
 from gcodesim.log.reader import decoder_of
@@ -25,7 +26,7 @@ _MOST_BUILDS: Final = 32  # layouts of a topic's messages that are read by colum
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class Series:
     """A topic over time: `t_ns` (n,), numbers `values` (n, k) of the fields `names` (k), texts by field and message.
 

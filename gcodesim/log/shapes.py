@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import norms
+from gcodesim.frozen import frozen
 from gcodesim.log.mesh_kernels import number_used, take_used
 from gcodesim.solids import Box, Cone, Cylinder, Sphere
 
@@ -26,7 +27,7 @@ def _upright() -> Array:
     return np.array([0.0, 0.0, 0.0, 1.0])
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class DrawnSolid:
     """A simple solid, its middle at `p` (3,) [m] with quaternion `q` (4,) x y z w in the frame of its entity."""
 
@@ -36,7 +37,7 @@ class DrawnSolid:
     color: Color = STEEL
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class DrawnMesh:
     """Points (n, 3) [m] and triangles (m, 3) of point indices, counter-clockwise seen from outside, placed likewise.
 
@@ -83,7 +84,7 @@ class DrawnMesh:
 DrawnShape = DrawnSolid | DrawnMesh
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class Entity:
     """A named group of shapes that moves with its `frame`."""
 
@@ -92,7 +93,7 @@ class Entity:
     shapes: tuple[DrawnShape, ...]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class Polylines:
     """Points (n, 3) [m]; a new line begins at each index of `starts` (k,), the first of which is 0."""
 
@@ -148,7 +149,7 @@ class Polylines:
         return jumps
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class PathPart:
     """Lines of the planned path that lie ahead until a time [ns]."""
 

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
+from gcodesim.frozen import frozen
 from gcodesim.log.damage import Damage
 from gcodesim.log.event import LogEvent, settled
 from gcodesim.log.logfile import LogFile, LogReadError
 from gcodesim.log.reader import decoded
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class TopicSummary:
     """How often a topic comes: `rate` in messages per second of the log."""
 
@@ -22,7 +22,7 @@ class TopicSummary:
     rate: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class ProgramLine:
     """A program line."""
 
@@ -31,7 +31,7 @@ class ProgramLine:
     text: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class LogSummary:
     """The content of `gcodesim info`. `run` and `result` are the records of the log, as text.
 

@@ -9,12 +9,12 @@ which every reader accepts as it accepts the shortest form.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.frozen import frozen
 from gcodesim.log.row_kernels import RowSlots, fill_rows
 from gcodesim.log.wire import BYTES, FIXED64, VARINT, tag, text, varint
 from gcodesim.units import NS_PER_SECOND
@@ -22,7 +22,7 @@ from gcodesim.units import NS_PER_SECOND
 STAMP_WIDTH: Final = 12
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class Slot:
     """A place in a row: where it lies, and which column of which array fills it."""
 
@@ -32,7 +32,7 @@ class Slot:
     column: int = 0
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class TemplatePiece:
     """A part of a message of fixed length, with slots to fill."""
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
+
+from gcodesim.frozen import frozen
 
 MOST_TILES: Final = 16  # the layout names every tile topic, because a topic that it does not name stays hidden
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class Topic:
     """`often`: once (at time 0), period (each log period) or change (at time 0 and when the content changes)."""
 

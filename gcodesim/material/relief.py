@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+
+from gcodesim.frozen import frozen
 
 if TYPE_CHECKING:
     from gcodesim.material.stock import Stock
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class Relief:
     """`tops` (nx, ny): height of the top of each column [m], NaN where it is empty; `lengths` of its material [m].
 

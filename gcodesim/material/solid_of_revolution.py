@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import ceil, pi, sqrt
 from typing import Final
 
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.elementary import acos, atan2, cos_sin
+from gcodesim.frozen import frozen
 from gcodesim.material.sweep_kernels import BALL, BULL_NOSE, CONE, Shape
 
 Array = NDArray[np.float64]
@@ -24,7 +24,7 @@ FACET_SHARE: Final = 0.01
 _THINNEST: Final = 1.0e-12
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class OutlineArc:
     """A piece of an outline to (r, h) about a centre (r, h) [m]; `ccw` as seen with r to the right and h up."""
 

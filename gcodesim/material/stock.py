@@ -10,7 +10,6 @@ kept at the borders of the columns (`walls`), so that volumes are far better.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from math import ceil, sqrt
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -20,6 +19,7 @@ from numpy.typing import NDArray
 
 from gcodesim.arithmetic.elementary import log10, power
 from gcodesim.arithmetic.matrices import applied, norms
+from gcodesim.frozen import frozen
 from gcodesim.material.field_kernels import PATCH, Columns, Field, Grid
 from gcodesim.material.sweep_kernels import Shape
 
@@ -48,7 +48,7 @@ GAP_CLOSED = 1.0e-9
 """Gaps [m] up to which added material fuses with what lies above or below: rounding of layer heights."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Removal:
     """What happened along c pieces: volumes [m^3] and depth [m], each (c,)."""
 
@@ -57,7 +57,7 @@ class Removal:
     body_depth: Array
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Deposition:
     """What was added along c pieces [m^3], each (c,); `nominal` is bead area times length, whatever was in the way."""
 

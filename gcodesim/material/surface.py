@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise, product
 from math import ceil, sqrt
 from typing import TYPE_CHECKING, NamedTuple
@@ -12,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import dots
+from gcodesim.frozen import frozen
 from gcodesim.material.field_kernels import PATCH, Columns
 from gcodesim.material.flat_kernels import ColumnSpan, PatchTriangles
 
@@ -33,7 +33,7 @@ ROUNDING = 2.0**20
 """Points of tiles are whole multiples of 1 / ROUNDING metres: the zero bits that follow compress well."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Surface:
     """Closed triangle mesh, outside counter-clockwise: vertices (v, 3) [m] in S, faces (f, 3), cut (f,) 0 or 1."""
 
@@ -58,7 +58,7 @@ class Facets(NamedTuple):
     triangles: Ints
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Tile:
     """One tile as the log draws it: surface as it was at the start, and surface that was changed."""
 
@@ -233,7 +233,7 @@ def _place(number: int, lattice: _Lattice, stock: Stock, i: tuple[int, int], j: 
     return _Place(number, around, span, (low_i, low_j), around.original(stock))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class Glimpse:
     """Tiles as they were at one moment, with a copy of the columns that they draw, so that drawing can wait.
 

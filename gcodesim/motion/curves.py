@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 from gcodesim.arithmetic.elementary import acos, cos, cos_sin, hypot, sin
 from gcodesim.arithmetic.matrices import dots, norms
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 from gcodesim.motion.curve_kernels import ROUND, STRAIGHT, CurveColumns
 from gcodesim.motion.tool_path import ARC, ToolPath
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(slots=False, kw_only=False, eq=False)
 class Curves:
     """c curves in M, run by s from 0 to `length`.
 
@@ -62,9 +63,7 @@ class Curves:
             sweep[arc] = path.sweep[arc]
             growth[arc] = np.divide(size1, size0, out=np.ones_like(size0), where=size0 > 0.0) - 1.0
             length[arc] = hypot(0.5 * (size0 + size1) * np.abs(sweep[arc]), rise)
-        return Curves(
-            kind, path.start.copy(), path.end.copy(), center, radial, sideways, lift, sweep, growth, length
-        )
+        return Curves(kind, path.start.copy(), path.end.copy(), center, radial, sideways, lift, sweep, growth, length)
 
     def __len__(self) -> int:
         return len(self.kind)
@@ -128,9 +127,7 @@ class Curves:
         """Curve and share in 0…1 of the ends of chords that stay within `chord` [m] of the curves."""
         radius = norms(self.radial) * np.maximum(1.0, 1.0 + self.growth)
         bend = 2.0 * acos(np.clip(1.0 - chord / np.maximum(radius, 1e-12), -1.0, 1.0))
-        count = np.where(
-            self.kind == ROUND, np.ceil(np.abs(self.sweep) / np.clip(bend, 1e-3, 0.5)), 1.0
-        ).astype(int)
+        count = np.where(self.kind == ROUND, np.ceil(np.abs(self.sweep) / np.clip(bend, 1e-3, 0.5)), 1.0).astype(int)
         count = np.maximum(count, 1)
         row = np.repeat(np.arange(len(self)), count)
         step = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count) + 1

@@ -20,7 +20,7 @@ def standing_until(trajectory: Trajectory, end: float, event: Event) -> Trajecto
     still = _last_place(trajectory.pieces)
     still |= {"time": begin, "duration": end - begin, "speed": 0.0, "acceleration": 0.0}
     still["event"] = len(trajectory.events)
-    phases = Phases(*(np.append(getattr(trajectory.phases, name), still[name]) for name in Phases.__slots__))
+    phases = Phases(*(np.append(getattr(trajectory.phases, name), still[name]) for name in Phases.names()))
     return _with_event(replace(trajectory, phases=phases), begin, end - begin, event)
 
 
@@ -41,14 +41,14 @@ def joined(before: Trajectory, after: Trajectory, path: ToolPath) -> Trajectory:
     """`before`, then `after`, which begins where and when the other ends; `path` is that of both."""
     begin, rows = before.duration, len(before.path)
     pieces = _joined_pieces(before.pieces, after.pieces, path)
-    shifted = {name: getattr(after.phases, name) for name in Phases.__slots__}
+    shifted = {name: getattr(after.phases, name) for name in Phases.names()}
     shifted["time"] = shifted["time"] + begin
     shifted["event"] = np.where(shifted["event"] < 0, -1, shifted["event"] + len(before.events))
     shifted["piece"] = shifted["piece"] + len(before.pieces)
     if not len(after.pieces):  # it only waits, where the machine stands already
         place = _last_place(before.pieces)
         shifted |= {name: np.full(len(shifted["time"]), value) for name, value in place.items()}
-    phases = Phases(*(np.concatenate([getattr(before.phases, name), shifted[name]]) for name in Phases.__slots__))
+    phases = Phases(*(np.concatenate([getattr(before.phases, name), shifted[name]]) for name in Phases.names()))
     events = [replace(timed, time=timed.time + begin, row=timed.row + rows) for timed in after.events]
     return Trajectory(
         pieces,

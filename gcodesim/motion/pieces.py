@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 from gcodesim.motion.curves import Curves
 from gcodesim.motion.piece_kernels import PieceColumns, points
 from gcodesim.motion.tool_path import ToolPath
@@ -18,7 +18,7 @@ PART: Final = 0  # a part of one curve
 OVERLAP: Final = 1  # the end of one curve added to the start of the next
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class AxisLimits:
     """Greatest speed (6,) [m/s, rad/s] and acceleration (6,) [m/s², rad/s²] of x y z a b c; inf: none."""
 
@@ -32,7 +32,7 @@ class AxisLimits:
         return table
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(slots=False, kw_only=False, eq=False)
 class Pieces:
     """m pieces in the order of motion, each with a parameter s from 0 to `length`.
 
@@ -98,9 +98,11 @@ class Pieces:
         way = np.concatenate([[0.0], np.cumsum(self.path.length)])
         piece = many[index]
         whole = way[self.row_last[piece] + 1] - way[first[index]]
-        s = (way[row + 1] - way[first[index]]) / np.where(whole > 0.0, whole, 1.0) * self.curves.length[
-            self.curve[piece]
-        ]
+        s = (
+            (way[row + 1] - way[first[index]])
+            / np.where(whole > 0.0, whole, 1.0)
+            * self.curves.length[self.curve[piece]]
+        )
         return piece, np.clip(s - self.begin[piece], 0.0, self.length[piece]), row
 
     def resting(self) -> Pieces:

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.canon import Dwell, Event, ToolChange
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 from gcodesim.motion.pieces import Pieces
 from gcodesim.motion.timing_kernels import PhaseColumns, end_speeds, times_at, trapezoids
 from gcodesim.motion.trajectory import Phases, TimedEvent, Trajectory
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class Caps:
     """Caps on k segments of pieces, in the order of motion.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from enum import StrEnum
 from typing import Any, Final
 
@@ -16,6 +16,7 @@ from gcodesim.canon import Axes, Event
 from gcodesim.diagnostics import Span
 from gcodesim.diagnostics.span_table import SpanTable, join
 from gcodesim.frames import Array, Pose, quaternion_from_rotation, rotation_from_quaternion
+from gcodesim.frozen import frozen
 
 # kinds of rows
 RAPID: Final = 0
@@ -44,7 +45,7 @@ class Commanded(StrEnum):
     JOINTS = "joints"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class ToolState:
     """What holds while a row is run.
 
@@ -68,7 +69,7 @@ class ToolState:
     control: Commanded = Commanded.AXES
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class PathEvent:
     """`event` happens before row `row` begins (row n: after the last one)."""
 
@@ -76,7 +77,7 @@ class PathEvent:
     event: Event
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(slots=False, kw_only=False, eq=False)
 class ToolPath:
     """n moves of the controlled point in the machine frame M, tool length offset not included.
 

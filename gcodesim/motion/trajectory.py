@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import fields
 from functools import cached_property
 
 import numpy as np
@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 
 from gcodesim.canon import Event, ToolChange
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 from gcodesim.motion.pieces import Pieces
 from gcodesim.motion.tool_path import HOME, RAPID, ToolPath
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class Phases:
     """p stretches of constant acceleration, one after the other.
 
@@ -33,12 +34,15 @@ class Phases:
 
     def insert(self, before: NDArray[np.intp], other: Phases) -> Phases:
         """A copy with rows of `other` put in front of rows `before`."""
-        return Phases(
-            *(np.insert(getattr(self, name), before, getattr(other, name)) for name in Phases.__slots__)
-        )
+        return Phases(*(np.insert(getattr(self, name), before, getattr(other, name)) for name in Phases.names()))
+
+    @staticmethod
+    def names() -> tuple[str, ...]:
+        """The names of the columns."""
+        return tuple(column.name for column in fields(Phases))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class TimedEvent:
     """`event` happens at `time` [s], before row `row` begins, and takes `duration` [s]."""
 
@@ -48,7 +52,7 @@ class TimedEvent:
     event: Event
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Totals:
     """Where the time [s] goes and how far [m] the control point is programmed to move; times add up to the duration."""
 
@@ -60,7 +64,7 @@ class Totals:
     rapid_distance: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class Samples:
     """The trajectory at n times.
 
@@ -84,7 +88,7 @@ class Samples:
         return len(self.time)
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(slots=False, kw_only=False, eq=False)
 class Trajectory:
     """Where the control point is at any time; `row_start`, `row_end` (n,) [s] are the times of every row of the path.
 

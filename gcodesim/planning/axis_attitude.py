@@ -7,7 +7,6 @@ and cut into segments so short that joints bend evenly in each, which then has c
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 from gcodesim.canon import Axes
 from gcodesim.diagnostics import Findings
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 from gcodesim.kinematics.tool_point import ToolPoint
 from gcodesim.motion.blend import along_limits, blend
 from gcodesim.motion.blend_kernels import NORMAL_SHARE
@@ -43,7 +43,7 @@ _PROBE: Final = 1e-5  # [m, rad] over which a slope is taken
 _SHARE: Final = 0.99  # of each limit; the rest is for the change of q'' within a segment
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(slots=False, kw_only=False, eq=False)
 class AttitudeJoints:
     """Joints along a trajectory; `held` (n,) are the rows in which the tip is commanded.
 
@@ -73,7 +73,7 @@ class AttitudeJoints:
         return JointExtremes(low.min(axis=0), high.max(axis=0), low.argmin(axis=0), high.argmax(axis=0))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class AxisAttitude:
     """A machine tool with rotary axes; a program may command its axes, or the tip and the rotary axes."""
 
@@ -119,7 +119,7 @@ class AxisAttitude:
         return self
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class Segments:
     """k stretches of pieces in the order of motion, from `begin` over `length`; only where the tip is commanded."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 from gcodesim.canon import AXIS_LETTERS, Axes
 from gcodesim.diagnostics import Findings
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 from gcodesim.motion.blend import along_limits, blend
 from gcodesim.motion.curves import Curves
 from gcodesim.motion.pieces import AxisLimits, Pieces
@@ -49,7 +49,7 @@ def limits_of_axes(joints: Joints) -> AxisLimits:
     return AxisLimits(speed=speed, acceleration=acceleration)
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(slots=False, kw_only=False, eq=False)
 class AxisJoints:
     """Joints that are axes: control point plus the active offset."""
 
@@ -87,7 +87,7 @@ def offsets(path: ToolPath, rows: NDArray[np.intp] | NDArray[np.int32] | None = 
     return table
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class AxisPosing:
     """The joints are the axes of the program, found by their letters: control point plus the active offset.
 

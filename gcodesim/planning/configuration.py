@@ -7,13 +7,13 @@ between the spins of the grid.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 from gcodesim.planning.ladder import Cut, Rungs, rungs_of
 from gcodesim.planning.ladder_kernels import ENDLESS, TURN, Rails, earliest, link, shortest, trace, widest
 
@@ -38,7 +38,7 @@ class Obstacle(StrEnum):
     WAY = "way"
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class Way:
     """Joints q (n, j) and spins (n,) [rad] through a cut.
 
@@ -51,7 +51,7 @@ class Way:
     travel: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class Configuration:
     """What a search found: how far a cut can be run from its start, and the ways.
 

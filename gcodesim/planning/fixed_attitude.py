@@ -9,7 +9,7 @@ to it are run in joint space.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from gcodesim.canon import Axes
 from gcodesim.diagnostics import Findings
 from gcodesim.frames import Array, Pose
+from gcodesim.frozen import frozen
 from gcodesim.motion.blend import blend
 from gcodesim.motion.blend_kernels import NORMAL_SHARE
 from gcodesim.motion.pieces import OVERLAP, Pieces
@@ -49,7 +50,7 @@ _REACH: Final = 1  # statuses of the inverse kinematics that leave the path
 _FLIP: Final = 4
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class Flange:
     """Where the flange has to be when the controlled point is somewhere on the pieces."""
 
@@ -69,7 +70,7 @@ class Flange:
         return self.poses(piece, self.pieces.points(piece, s)[0][:, :3])
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(slots=False, kw_only=False, eq=False)
 class ArmJoints:
     """Joints along a trajectory: exact inverse kinematics from the nearest node, straight lines in joint moves.
 
@@ -140,7 +141,7 @@ class ArmJoints:
         return JointExtremes(table.min(axis=0), table.max(axis=0), row[low], row[high])
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class FixedAttitude:
     """An arm that runs a three-axis program: the tool's Z is along −Z of the frame O; `spin` turns it about itself.
 

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 from gcodesim.motion.tool_path import HOME, RAPID, PathEvent, ToolPath
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class JointRows:
     """A path and its rows in joint space, `joint` (n,); those that end at home are marked in `home` (n,).
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 from gcodesim.arithmetic.elementary import cos_sin
 from gcodesim.arithmetic.matrices import inverse_pose, multiplied
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 from gcodesim.kinematics.chain import Indices, Joints
 from gcodesim.planning.ladder_kernels import ENDLESS, LIMITED, LINEAR, SLACK, TURN, Ladder
 
@@ -21,7 +21,7 @@ _MOST_TURNS: Final = 256  # vectors of whole turns that a search follows
 _EXACTLY: Final = 1e-6  # of a turn, by which a range may exceed whole turns without making room for one more
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class Cut:
     """Poses of the tip that have to be reached one after the other without a jump.
 
@@ -61,7 +61,7 @@ class Cut:
         return flange.reshape(n, s, 4, 4)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class Rungs:
     """A ladder; which spin each vector has (N,), and of each pose whether joints put the tool there at all (n,)."""
 

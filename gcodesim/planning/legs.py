@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from gcodesim.diagnostics import Findings
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 from gcodesim.motion.joining import joined
 from gcodesim.motion.trajectory import Samples
 from gcodesim.planning.plan import JointExtremes, JointPath, Plan
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(slots=False, kw_only=False, eq=False)
 class LegJoints:
     """Joints along several legs: each asks its own plan. Leg i begins at `begins[i]` [s] with row `rows[i]`."""
 

@@ -8,10 +8,11 @@ until the last has arrived, then all go on at once. A mark that nobody else uses
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+
+from gcodesim.frozen import frozen
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Arrival:
     """A program comes to `mark` at `time` [s] of its own, waits not counted.
 
@@ -24,7 +25,7 @@ class Arrival:
     partners: frozenset[str] | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Agenda:
     """The arrivals of one program in order, and how long it takes in all [s], waits not counted."""
 
@@ -32,7 +33,7 @@ class Agenda:
     duration: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class Wait:
     """A channel waits from `begin` until `end` [s] of the common clock; `end` is None where the others never come."""
 
@@ -44,7 +45,7 @@ class Wait:
         return 0.0 if self.end is None else self.end - self.begin
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class Standing:
     """Channel `channel` stands at its arrival `index`."""
 
@@ -52,7 +53,7 @@ class Standing:
     index: int
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Timetable:
     """How the programs of a run go together; everything is ordered by the names of channels.
 

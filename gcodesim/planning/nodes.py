@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from typing import Final
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 from gcodesim.motion.curve_kernels import ROUND
 from gcodesim.motion.pieces import OVERLAP, Pieces
 
@@ -20,7 +20,7 @@ STEP: Final = 0.1  # [rad] of a joint between nodes, beyond which more are put i
 _MOST_PARTS: Final = 16  # of one segment in one refinement
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(slots=False, kw_only=False, eq=False)
 class Nodes:
     """k nodes in the order of motion, at `s` (k,) of `piece` (k,).
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from gcodesim.arithmetic.matrices import multiplied
 from gcodesim.diagnostics import Findings
 from gcodesim.frames import Array, Pose
+from gcodesim.frozen import frozen
 from gcodesim.motion.tool_path import ToolPath
 from gcodesim.motion.trajectory import Samples, Trajectory
 
@@ -31,7 +32,7 @@ class JointPath(Protocol):
         ...
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class JointExtremes:
     """Least and greatest value (j,) of every joint on the path [m, rad], and the rows where they are."""
 
@@ -54,7 +55,7 @@ def with_times(findings: Findings, trajectory: Trajectory) -> Findings:
     return out
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(slots=False, kw_only=False, eq=False)
 class Plan:
     """A trajectory with the joints that follow it, and the findings.
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 from gcodesim.canon import Axes, Event
 from gcodesim.diagnostics import Findings
 from gcodesim.frames import Array, Pose
+from gcodesim.frozen import frozen
 from gcodesim.motion.pieces import Pieces
 from gcodesim.motion.timing import Caps, time_law
 from gcodesim.motion.tool_path import Commanded, ToolPath
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from gcodesim.kinematics.protocol import Kinematics
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class Posed:
     """A path laid out for a machine: its pieces, the joints along them, and what these allow.
 

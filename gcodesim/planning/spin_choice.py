@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import least_gains
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 from gcodesim.motion.curves import Curves
 from gcodesim.motion.pieces import AxisLimits
 from gcodesim.planning.arm_kernels import joint_rates
@@ -28,7 +28,7 @@ REGULAR: Final = 0.03  # least singular value of the Jacobian, lengths in half m
 _SHARP: Final = 0.1  # share of poses that may be slower than the limits used for rounding corners
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class SampledPath:
     """Some flange origins (k, 3) of a path with R_BO (k, 3, 3), in chains that begin where a joint move ends.
 
@@ -73,7 +73,7 @@ class SampledPath:
         return SampledPath(origins, R, chains, [int(c) for c in chosen])
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class SpinChoice:
     """The choice: `spin` [rad], joints to start some chains from, and what the arm can do along x, y, z there."""
 

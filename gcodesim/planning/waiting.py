@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 from gcodesim.motion.trajectory import Samples, Trajectory
 from gcodesim.planning.legs import LegJoints
 from gcodesim.planning.plan import JointExtremes, JointPath, Plan
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(slots=False, kw_only=False, eq=False)
 class LateJoints:
     """Joints that follow a trajectory by its time, asked with the times of one that has waits besides.
 

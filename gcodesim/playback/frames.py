@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import multiplied
 from gcodesim.frames import rotation_from_quaternion
+from gcodesim.frozen import frozen
 from gcodesim.log.series import Series
 
 Array = NDArray[np.float64]
@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 _PREFIX = "transforms["
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class RecordedFrames:
     """Frames over n instants `t_ns` (n,): each has a parent and poses (n or 1, 4, 4) in it, 1 when it stands still."""
 

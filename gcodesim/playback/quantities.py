@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.frozen import frozen
 from gcodesim.playback.columns import joint_kinds, own_fields, peak_of, shown_as
 from gcodesim.playback.recording import Recording
 from gcodesim.units import DEG, MM, MM3, MM_PER_MINUTE, RPM, UM
@@ -19,7 +19,7 @@ NEGLIGIBLE: Final = 1e-3
 """A force [N], power [W], speed [mm/min], error [µm] … up to this value is noise, in the units of the charts."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class Curve:
     """A line of a chart: `values` (n,) at `t_ns` (n,). `faint`: what was commanded, beside what was."""
 
@@ -29,7 +29,7 @@ class Curve:
     faint: bool = False
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class Chart:
     """Curves of one unit that are drawn together; `what` is the requested quantity.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from io import BytesIO
 from typing import Any
 
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import applied
+from gcodesim.frozen import frozen
 from gcodesim.log import DrawnMesh, DrawnShape, DrawnSolid
 from gcodesim.log.shapes import STEEL, Color
 from gcodesim.solids import Box, Cone, Cylinder, Sphere
@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 _FIXED64, _BYTES, _COORDINATE = 1, 2, 9  # wire types of protobuf; bytes of a double with its key
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class Lines:
     """Segments (s, 2) of point indices between points (n, 3) [m]; `pixels` wide on a screen."""
 
@@ -30,7 +30,7 @@ class Lines:
     pixels: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class Drawing:
     """One entity of a scene, in its frame."""
 

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.frozen import frozen
+
 Ints = NDArray[np.int64]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class BlockState:
     """What many blocks have in common; feed [m/s], spindle [rad/s, + = M3]."""
 
@@ -26,7 +27,7 @@ class BlockState:
     state: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class Timeline:
     """m blocks in the order in which they ran: begin `t_ns` (m,), `line` (m,), `text` (m), `modal` (m,) of `modals`.
 

@@ -7,10 +7,10 @@ is one line in the file of that process.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from enum import Flag, auto
 from typing import Final, Literal
 
+from gcodesim.frozen import frozen
 from gcodesim.units import DEG, MM, MM3, MM_PER_MINUTE
 
 Of = Literal["sum", "greatest", "any", "last"]
@@ -36,7 +36,7 @@ class Shown(Flag):
 LOG, LINES, RESULTS, FINDINGS = Shown.LOG, Shown.LINES, Shown.RESULTS, Shown.FINDINGS
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class ColumnUnit:
     """How a unit is written: in the log (SI) and in files of the shop floor, and how much SI one of the latter is."""
 
@@ -72,7 +72,7 @@ _PEOPLE: Final = {
 }
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class Column:
     """One figure of a process, with a value for each step.
 

@@ -6,13 +6,13 @@ material is already in the way the bead loses that part, so less than the nomina
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import norms
+from gcodesim.frozen import frozen
 from gcodesim.processes.column import ADDED, ENGAGED, Column, Shown
 from gcodesim.processes.protocol import Process
 from gcodesim.processes.signal import ACTIVE, Signal
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@frozen(slots=False, eq=False)
 class Extrusion(Process):
     """The printing process of one extruder: adds its bead to the stock on feed moves while active.
 

@@ -7,13 +7,13 @@ cutting velocity), normal (into the tool along the edge's normal) and axial
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.elementary import power
+from gcodesim.frozen import frozen
 from gcodesim.units import MM, N_PER_MM, N_PER_MM2
 
 Array = NDArray[np.float64]
@@ -34,7 +34,7 @@ class Law(Protocol):
         ...
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Kienzle:
     """Kienzle 1952: kc = kc11 (h / 1 mm)**-mc, force = kc h b; no edge (ploughing) force.
 
@@ -83,7 +83,7 @@ class Kienzle:
         return float(self.kc11 * power(chip / MM, -self.mc))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class LinearEdge:
     """Linear-edge law (Altintas 2012, eq. 2.72): force per width = Kc h + Ke.
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -10,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import norms
+from gcodesim.frozen import frozen
 from gcodesim.material.axis_way import AxisWay, upright
 from gcodesim.processes.turns import Turns
 from gcodesim.processes.window import Window
@@ -25,7 +25,7 @@ SKIN = 0.05
 """Cells of depth up to which shank and holder only touch the wall of a cut that the tool has just made."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class Leaning:
     """In which parts (m,) of a window's steps a tool leans, and its axis at both ends of each piece (c, 3)."""
 

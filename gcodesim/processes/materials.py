@@ -16,18 +16,18 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Final
 
+from gcodesim.frozen import frozen
 from gcodesim.processes.laws import DEFAULT_AXIAL_RATIO, DEFAULT_NORMAL_RATIO, Kienzle, LinearEdge
 
 _FILE: Final = Path(__file__).parent.parent / "data" / "materials.json"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Material:
     """A work material with its force law.
 

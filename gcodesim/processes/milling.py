@@ -8,7 +8,6 @@ edges (kappa = 0, h = feed per tooth); the chisel edge of a drill is left out.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
 
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 
 from gcodesim.arithmetic.elementary import cos_sin, hypot, tan
 from gcodesim.arithmetic.matrices import applied
+from gcodesim.frozen import frozen
 from gcodesim.processes.column import ENGAGED, FINDINGS, LOG, POWER, REMOVED, RESULTS, TORQUE, Column, Shown
 from gcodesim.processes.laws import Law
 from gcodesim.processes.leaning import Leaning, bend_of, cut_leaning, follow_upright, part_of
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@frozen(slots=False, eq=False)
 class Milling(Process):
     """The cutting process of one cutter; without a law (stock of unknown material) it removes but feels no force."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from gcodesim.diagnostics import Span
 from gcodesim.diagnostics.events import Flags, runs
+from gcodesim.frozen import frozen
 
 if TYPE_CHECKING:
     from gcodesim.tools.tool import Tool
@@ -19,7 +20,7 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class Rows:
     """n rows of the path, all columns (n,).
 

@@ -6,13 +6,13 @@ Where a probing move trips is found before it is run (`checks.contact`); the exe
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.diagnostics import Diagnostic
+from gcodesim.frozen import frozen
 from gcodesim.processes.column import FINDINGS, Column
 from gcodesim.processes.protocol import Process
 from gcodesim.processes.rows import Rows
@@ -31,7 +31,7 @@ LEAST: Final = 1.0 * UM
 """Depth [m] from which on a probe counts as run into the stock."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@frozen(slots=False, eq=False)
 class Sensing(Process):
     """What a probe does besides probing: it may run into a stock."""
 

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from gcodesim.frozen import frozen
 from gcodesim.processes.column import HOUSE, Column, Shown
 
 if TYPE_CHECKING:
     from gcodesim.tools.tool import Tool
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Sheet:
     """The kinds of process, "" (none) first, and the columns, both in the order in which they are shown.
 

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
+from gcodesim.frozen import frozen
 from gcodesim.processes import PROCESSES
 
 if TYPE_CHECKING:
     from gcodesim.tools.tool import Tool
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class SetBy:
     """An action of a mapped M-code, such as `gripper: close`, and the value [SI] that it gives a signal."""
 
@@ -21,7 +22,7 @@ class SetBy:
     value: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class Signal:
     """A value that a word of the program sets and that holds until another word sets it; `unit` is SI.
 

@@ -6,13 +6,13 @@ force than either has, and the more the longer the step. Each part has a directi
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import dots, norms
+from gcodesim.frozen import frozen
 from gcodesim.processes.window import Window
 
 Array = NDArray[np.float64]
@@ -25,7 +25,7 @@ LEAST_SHARE: Final = 1e-3
 """A part that takes less of its step is no part of its own."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class Turns:
     """The parts (m,) of n steps, m = n where nothing turns; of part i the pieces first_piece[i]..first_piece[i + 1].
 

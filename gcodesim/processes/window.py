@@ -9,12 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.frozen import frozen
+
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class Window:
     """The motion of a tool over n steps; all vectors in axes of S.
 
@@ -48,7 +50,7 @@ class Window:
         return len(self.rapid)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class ProcessStep:
     """What a process did in each of n steps; vectors in axes of S.
 

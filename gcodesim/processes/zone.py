@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import inf, isfinite
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.frozen import frozen
+
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Zone:
     """A cylinder about the axis of the tool that contains everything on which a process may act; lengths [m].
 

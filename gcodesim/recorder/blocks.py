@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
@@ -13,6 +12,7 @@ from gcodesim.canon import Output as OutputEvent
 from gcodesim.canon.systems import name_of_system
 from gcodesim.diagnostics.span_table import SpanTable
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 from gcodesim.log import BlockColumns, BlockMessages, OutputState, ProgramShown
 from gcodesim.recorder.lines import texts_of
 from gcodesim.recorder.ways import Ways
@@ -45,7 +45,7 @@ class _Entries(NamedTuple):
     state: Ints
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class Blocks:
     """m blocks as the log shows them, in the order in which they begin."""
 

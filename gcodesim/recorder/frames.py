@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gcodesim.arithmetic.matrices import applied, inverse_pose, multiplied
 from gcodesim.frames import WORLD, Array, Pose
+from gcodesim.frozen import frozen
 from gcodesim.log import StaticFrame
 from gcodesim.recorder.pose_kernels import write_poses
 from gcodesim.scene import WORK
@@ -36,7 +36,7 @@ def stock_frame(index: int, name: str) -> str:
     return "stock" if index == 0 else f"stock/{name}"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class Frames:
     """Frames of one shop. `links` are the links that move or carry the flange, all but the root; `flange` is F.
 

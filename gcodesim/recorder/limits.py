@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 from gcodesim.recorder.pose_kernels import most_used
 
 if TYPE_CHECKING:
     from gcodesim.shop import Shop
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class JointLimits:
     """Limits (j,) of the joints of a shop, infinite where there are none; SI."""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 from gcodesim.arithmetic.elementary import cos, sin
 from gcodesim.arithmetic.matrices import applied, dots, norms
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 from gcodesim.log import PathPart, Polylines
 from gcodesim.motion.tool_path import ARC, Commanded
 from gcodesim.shop import Shop
@@ -27,7 +27,7 @@ _ARC_STEP = 5.0 * DEG
 _MOST_ARC_POINTS = 360
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class Ways:
     """Points (p, 3) [m] in W of the tip along all rows; row i has those from `starts[i]` to `starts[i + 1]`.
 

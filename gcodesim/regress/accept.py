@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
 from gcodesim.diagnostics import Diagnostic, Severity
 from gcodesim.files.whole_file import write_whole
+from gcodesim.frozen import frozen
 from gcodesim.regress.case import Case, shown_path
 from gcodesim.regress.changes import Comparison
 from gcodesim.regress.golden import golden_text
@@ -17,7 +17,7 @@ from gcodesim.regress.judge import Judging, judge
 _NOT_TO_ACCEPT: Final = ("GS601", "GS602", "GS608", "GS610", "GS611", "GS612")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Proposal:
     """What accepting a case means. `text` is the new file; None if nothing differs or the case cannot be accepted.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from fnmatch import fnmatch
 from pathlib import Path, PurePosixPath
 from typing import Final
@@ -12,6 +12,7 @@ from typing import Final
 from gcodesim.declarations.reading import Path as At
 from gcodesim.declarations.reading import suggestion
 from gcodesim.diagnostics import Diagnostic, SourceText, Span
+from gcodesim.frozen import frozen
 from gcodesim.regress.case_file import SUFFIXES, CaseFile, CaseOptions, Expected, read_case_file
 from gcodesim.regress.expectation import expectations
 from gcodesim.regress.golden import SUFFIX as GOLDEN_SUFFIX
@@ -23,7 +24,7 @@ from gcodesim.regress.verdicts import JudgedFinding
 _GOLDENS: Final = ".golden"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Case:
     """One program in one cell. Paths can be opened; `name` and `file` are for people, from the root, with `/`.
 
@@ -50,7 +51,7 @@ class Case:
         return replace(source, raw=self.edits[path]) if path in self.edits else source
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Collected:
     """All cases by name, and what is wrong with test files."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Any, Final
 
@@ -20,6 +20,7 @@ from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread
 from gcodesim.declarations.record import Record, known_keys, not_a_mapping
 from gcodesim.declarations.scalars import measured
 from gcodesim.diagnostics import Findings, SourceText, Span
+from gcodesim.frozen import frozen
 from gcodesim.regress.tolerance import Tolerance, quantity_of
 from gcodesim.regress.tolerance_kind import TolerancesKind, tolerance_from
 
@@ -31,7 +32,7 @@ _SEVERITIES: Final = ("error", "warning", "note")
 _CODE: Final = Text(pattern=CODE_PATTERNS.pattern, form="a code such as `GS501` or `GS9xx`")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class ExpectedFinding:
     """A finding that must occur. What is not given may be anything; `line` is in `file` (default: the program)."""
 
@@ -46,7 +47,7 @@ class ExpectedFinding:
         return replace(self, code=code_pattern(self.code) or self.code)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class ExpectedValue:
     """What a quantity of the results must be: `value` within `tolerance`, or between `least` and `most`."""
 
@@ -56,7 +57,7 @@ class ExpectedValue:
     most: float | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class _ValuesKind(Kind):
     """Values by their path in `results.json`."""
 
@@ -124,7 +125,7 @@ class _ValuesKind(Kind):
         }
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Expected:
     """What must result from a case, besides what was accepted."""
 
@@ -135,7 +136,7 @@ class Expected:
     status: str | None = key(Choice(("ok", "findings", "failed")), "how the run must end", default=None, quiet=True)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class CaseOptions:
     """How a case is run; options that are not given are as on the command line."""
 
@@ -148,7 +149,7 @@ class CaseOptions:
     time_limit: float | None = key(Quantity("time", POSITIVE), "stop reading after so long", default=None)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class CaseFile:
     """A test file. Without `program` it is about the program of the same name."""
 
@@ -179,7 +180,7 @@ class CaseFile:
 _ROOT: Final = Record(CaseFile, "the test file")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class ReadCaseFile:
     """The result of reading a test file; `content` is None when a finding is an error. `spans` are places by path."""
 

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, Final, Literal
+
+from gcodesim.frozen import frozen
 
 MoveKind = Literal["changed", "inserted", "removed"]
 FindingKind = Literal["new", "gone", "changed"]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class ChangedLine:
     """A line of a program; `text` is empty where only its number is known, as in accepted results."""
 
@@ -21,7 +22,7 @@ class ChangedLine:
         return f"{self.file}:{self.line}" if self.line else self.file
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class FieldChange:
     """One word of a step that differs: `Z`, `feed`, `spindle` …; `tolerance` names what it breaks.
 
@@ -42,7 +43,7 @@ class FieldChange:
         return None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class MoveChange:
     """Steps that change in the same way: `count` of them from `old`/`new` to the `last_` ones.
 
@@ -70,7 +71,7 @@ class MoveChange:
         return tuple(field.name for field in self.fields) if self.kind == "changed" else ("moves", self.what)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Change:
     """A quantity of the results that differs, by its path: ``stocks.stock.removed_mm3``; None where it is missing.
 
@@ -99,7 +100,7 @@ class Change:
         return f"{self.quantity}: {shown(self.old)} → {shown(self.new)}"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class SurfaceChange:
     """Where the surface of a stock differs most: height `old_mm` → `new_mm` at `x_mm`, `y_mm` of the stock's axes.
 
@@ -122,7 +123,7 @@ class SurfaceChange:
         return f"surface.{self.stock}"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class FindingChange:
     """A finding that is `new`, `gone`, or `changed` in its numbers; each as it stands in `results.json`."""
 
@@ -138,7 +139,7 @@ class FindingChange:
         return found
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Comparison:
     """Everything that differs beyond tolerance.
 

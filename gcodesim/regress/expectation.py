@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from gcodesim.cell.settings import code_pattern
 from gcodesim.diagnostics import Diagnostic, SourceText, Span
+from gcodesim.frozen import frozen
 from gcodesim.regress.case_file import ExpectedFinding
 
 _COMMENT = re.compile(r"(?:\(\s*(?P<round>[^()]*)\)?|;\s*(?P<rest>.*))")
@@ -25,7 +25,7 @@ _ITEM = re.compile(
 )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Wanted:
     """An expectation and its place; `home` is the file whose lines it counts if it names none."""
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any, Final
 
 from gcodesim.diagnostics import SourceText
+from gcodesim.frozen import frozen
 from gcodesim.regress.changes import Change, Comparison, SurfaceChange
 from gcodesim.regress.compare import change_of, compare_results, is_number, value_at
 from gcodesim.regress.findings import compare_findings
@@ -26,7 +27,7 @@ _OF_STOCK: Final = ("removed_mm3", "deposited_mm3")
 _ROUNDING: Final = 1e-6  # by how much accepted results, which have seven digits, may be off
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class Facts:
     """One side of a comparison.
 

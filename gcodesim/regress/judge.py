@@ -16,6 +16,7 @@ from gcodesim.declarations.files import folders_of_the_user
 from gcodesim.declarations.reading import suggestion
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText, Span
 from gcodesim.diagnostics.show import as_json
+from gcodesim.frozen import frozen
 from gcodesim.jobs.job import Job, Options
 from gcodesim.regress import show
 from gcodesim.regress.case import Case, shown_path
@@ -42,7 +43,7 @@ _MOST_MOVES: Final = 20
 """Differences of motion that become findings of their own; one more finding says how many others there are."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Judging:
     """Settings that all cases of a test run share. `root` is the folder from which files are named."""
 

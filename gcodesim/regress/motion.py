@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from itertools import pairwise
 from typing import Any, Final
 
@@ -17,6 +17,7 @@ from gcodesim.arithmetic.elementary import cos_sin
 from gcodesim.canon import AXIS_LETTERS
 from gcodesim.canon import events as ev
 from gcodesim.canon.listing import as_json
+from gcodesim.frozen import frozen
 
 Point = tuple[float, float, float]
 Axes = tuple[float, float, float, float, float, float]
@@ -39,7 +40,7 @@ _COUNTED: Final = ("tool", "index", "turns", "m", "direction")  # numbers that n
 _SAMPLES: Final = (0.25, 0.5, 0.75)  # along a spline
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class System:
     """A work system: ``machine = turned(program + g92) + offset`` [mm, deg]."""
 
@@ -65,7 +66,7 @@ def _turn(x: float, y: float, angle: float) -> tuple[float, float]:
     return c * x - s * y, s * x + c * y
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class ArcMove:
     """Centre [mm], normal and signed sweep [deg] of an arc in the machine frame."""
 
@@ -74,7 +75,7 @@ class ArcMove:
     sweep: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class MotionStep:
     """One step. `words` have to be equal, `numbers` alike; `end` of a move stands in the machine frame [mm, deg].
 

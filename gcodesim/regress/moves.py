@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final, TypeVar
 
 from gcodesim.canon import AXIS_LETTERS
+from gcodesim.frozen import frozen
 from gcodesim.regress.align import GAP, Pair, align
 from gcodesim.regress.changes import ChangedLine, FieldChange, MoveChange
 from gcodesim.regress.motion import MOVES, MotionStep
@@ -39,7 +40,7 @@ _NAMES: Final[Mapping[tuple[str, str], tuple[str, str]]] = {
 }
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class MotionComparison:
     """What differs, and `lines`: (file, line) of the old program → line of the new one, as steps were paired."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from random import Random
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 from uuid import uuid4
 
 from gcodesim.diagnostics import SourceText
+from gcodesim.frozen import frozen
 from gcodesim.regress.case import Case, shown_path
 from gcodesim.regress.mutation import CELL_OPERATORS, PROGRAM_OPERATORS, Mutation, mutate_cell, mutate_program
 from gcodesim.regress.tolerance import DEFAULTS, Tolerance
@@ -30,7 +31,7 @@ _TRIES: Final = 50  # draws for each mutant: an operator may find nothing to cha
 _EXACT: Final = {name: Tolerance(1e-6 * default.absolute, 1e-9) for name, default in DEFAULTS.items()}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Mutant:
     """A case with one change of its program or its cell."""
 
@@ -39,7 +40,7 @@ class Mutant:
     mutation: Mutation
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class MutantVerdict:
     """What became of a mutant; `quantities` are those that differ, within tolerance where it was not seen."""
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from random import Random
 from typing import Final
 
@@ -18,6 +17,7 @@ from gcodesim.declarations.nodes import Listing, Node, Scalar, compose
 from gcodesim.declarations.nodes import Mapping as MappingNode
 from gcodesim.declarations.scalars import measured
 from gcodesim.diagnostics import Findings, SourceText
+from gcodesim.frozen import frozen
 from gcodesim.regress.motion import steps_of
 from gcodesim.rs274 import Settings, interpret
 from gcodesim.rs274.assumed import assumed_tools
@@ -29,7 +29,7 @@ _PLACES: Final = 4  # of a coordinate that a mutation writes
 _ARC_PLACES: Final = 6
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Mutation:
     """A changed text; a comparison has to show at least one of `quantities` if the change matters."""
 
@@ -43,7 +43,7 @@ Operator = Callable[[Random, list[str]], "tuple[str, tuple[str, ...]] | None"]
 """Changes lines in place; returns what it did and which quantities show it, None if there is nothing to change."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class _Found:
     """A word of a program: index of the line, place in it, letter and number."""
 

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from gcodesim.declarations.files import folders_of_the_user
 from gcodesim.diagnostics import Diagnostic, Span
+from gcodesim.frozen import frozen
 from gcodesim.regress.repository import top_of
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class Readable:
     """`folders` with all links followed."""
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from typing import Any, Final
 
 from gcodesim.diagnostics.plain import one_line
+from gcodesim.frozen import frozen
 from gcodesim.numbers import clean
 from gcodesim.regress.changes import (
     Change,
@@ -23,7 +24,7 @@ _MOST_OF_A_TEXT: Final = 200  # entries under a title on a screen
 _MOST_OF_A_PAGE: Final = 100  # entries of a kind in Markdown: sites take 65,000 characters for a comment
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Entry:
     """One difference as lines of text, and its place on either side, if it has one there."""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import traceback
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -14,6 +14,7 @@ from gcodesim.cell.verdict import REFUSALS
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.diagnostics.plain import lines
 from gcodesim.family import ExtensionError, package_at_fault
+from gcodesim.frozen import frozen
 from gcodesim.regress.case import Case, Collected
 from gcodesim.regress.sources import Sources
 from gcodesim.regress.verdicts import CaseVerdict, JudgedFinding, SuiteVerdict
@@ -30,7 +31,7 @@ INTERNAL: Final = "GS613"
 _OURS: Final = "GS6"  # differences and expectations: no baseline excuses them
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Judged:
     """A verdict, and what else the cache has to know."""
 

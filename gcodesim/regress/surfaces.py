@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.frozen import frozen
 from gcodesim.regress.changes import SurfaceChange
 from gcodesim.units import MM, UM
 
@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 _RUN = re.compile(r"(?:([0-9]+)\*)?(-?[0-9]+|_)")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class Coarse:
     """`corner` and `cell` (x, y) [m]; `lowest` and `mean` (i, j) [m], NaN where no column has material."""
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Final
 
+from gcodesim.frozen import frozen
 
-@dataclass(frozen=True, slots=True)
+
+@frozen(kw_only=False)
 class Tolerance:
     """Allows differences up to ``max(absolute, relative * |old|)``; `absolute` is in the unit of the quantity."""
 
@@ -24,7 +25,7 @@ class Tolerance:
         return abs(new - old) <= self.limit(old) * (1.0 + 1e-9) + 1e-12
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Compared:
     """A row of the table: `dimension` is one of the cell file's, `unit` what files and messages show."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -17,12 +16,13 @@ from gcodesim.declarations.record import known_keys, not_a_mapping
 from gcodesim.declarations.scalars import measured
 from gcodesim.declarations.units import DIMENSIONS, find, in_unit
 from gcodesim.diagnostics import Findings, Span
+from gcodesim.frozen import frozen
 from gcodesim.regress.tolerance import QUANTITIES, Tolerance
 
 _PERCENT = "%"
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class ToleranceKind(Kind):
     """A tolerance of a quantity: absolute in its unit, relative in per cent, or both."""
 
@@ -68,7 +68,7 @@ class ToleranceKind(Kind):
         return [*parts, *([f"{value.relative * 100:.10g} %"] if value.relative else [])]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class TolerancesKind(Kind):
     """Tolerances by the names of `QUANTITIES`."""
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, Final, Literal
 
 from gcodesim.diagnostics import Diagnostic
+from gcodesim.frozen import frozen
 from gcodesim.regress.changes import Comparison
 
 FindingState = Literal["counts", "told", "expected", "accepted", "baseline", "suppressed"]
@@ -16,7 +16,7 @@ NOTHING_ACCEPTED: Final = "GS607"
 """The code for a case without accepted results."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class JudgedFinding:
     """A finding of a case, and its effect on the verdict.
 
@@ -35,7 +35,7 @@ class JudgedFinding:
     reason: str = ""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class CaseVerdict:
     """The verdict on one program in one cell.
 
@@ -73,7 +73,7 @@ class CaseVerdict:
         return () if self.comparison is None else self.comparison.quantities
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class SuiteVerdict:
     """All cases in the order of their names; `gone` are entries of the baseline that no finding needed.
 

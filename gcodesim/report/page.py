@@ -7,13 +7,14 @@ import html
 import json
 import zlib
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from importlib.resources import files
 from typing import Any, Final
 
 import numpy as np
 
 from gcodesim.diagnostics.show import as_json
+from gcodesim.frozen import frozen
 from gcodesim.log.event import settled
 from gcodesim.numbers import clean
 from gcodesim.playback import Recording
@@ -33,7 +34,7 @@ _LEAST_SLOTS: Final = 600
 _SLOWEST: Final = 40
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Difference:
     """A difference between two runs, as lines of text; `old` and `new` are its file and line."""
 

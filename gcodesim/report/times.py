@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.frozen import frozen
 from gcodesim.playback.columns import peak_of
 from gcodesim.playback.recording import Recording
 
@@ -22,7 +22,7 @@ _LEVEL_SHARE: Final = 0.6  # share of the working time at constant height from w
 _NEAR_NS: Final = 100_000_000
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class LineTime:
     """A program line: how often it ran, its time [s], its removed volume [m³] and its greatest force [N]."""
 
@@ -35,7 +35,7 @@ class LineTime:
     force: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class ToolTime:
     """A tool in the spindle (0: none): all time since its change began, and how much of it was in material [s]."""
 
@@ -48,7 +48,7 @@ class ToolTime:
     power: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class LayerTime:
     """Work at one height `z` [m] of the work coordinates, with the moves that lead to it; None: before the first."""
 
@@ -58,7 +58,7 @@ class LayerTime:
     removed: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class TimeReport:
     """`total` [s], and its parts in three ways. `layers` is empty for work that has none, such as a curved surface."""
 

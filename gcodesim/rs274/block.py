@@ -6,10 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from gcodesim.frozen import frozen
+
 ColumnRange = tuple[int, int]  # first column and the one after the last, from 0
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class Signed:
     """A sign before a value that is not a plain number."""
 
@@ -17,7 +19,7 @@ class Signed:
     operand: Expression
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class Binary:
     """An operation; `closed` when brackets of its own stand around it."""
 
@@ -27,7 +29,7 @@ class Binary:
     closed: bool = False
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class Function:
     """A function of one value; `atan` has two."""
 
@@ -36,21 +38,21 @@ class Function:
     divisor: Expression = 0.0
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class Name:
     """A named parameter, without the angle brackets."""
 
     name: str
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class Parameter:
     """`#index`: a numbered parameter, or a named one."""
 
     index: Expression
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class Exists:
     index: Expression
 

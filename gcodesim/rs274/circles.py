@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import NamedTuple
 
 from gcodesim.arithmetic.scalars import atan2
+from gcodesim.frozen import frozen
 from gcodesim.units import DEG
 
 Point = tuple[float, float]
@@ -21,7 +21,7 @@ class Arc(NamedTuple):
     turns: int
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class Line:
     """A line without ends; `direction` has length 1."""
 
@@ -29,7 +29,7 @@ class Line:
     direction: Point
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class PlaneCircle:
     centre: Point
     radius: float

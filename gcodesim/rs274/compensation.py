@@ -11,12 +11,13 @@ vector from the programmed path to the offset one at the end of a move.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple, Protocol
 
 from gcodesim import canon
 from gcodesim.arithmetic.scalars import atan2
 from gcodesim.diagnostics import Span
+from gcodesim.frozen import frozen
 from gcodesim.rs274.circles import Arc, Line, PlaneCircle, Point, apart, meet, sweep_of
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.dialects.linuxcnc import COMPENSATION
@@ -34,7 +35,7 @@ _NOSE_X = {1: -1.0, 2: -1.0, 6: -1.0, 3: 1.0, 4: 1.0, 8: 1.0}
 _NOSE_Z = {2: -1.0, 3: -1.0, 7: -1.0, 1: 1.0, 4: 1.0, 5: 1.0}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Held(canon.Event):
     """A move whose end is not certain yet. `direction` is that of the programmed move, (0, 0) across the plane."""
 

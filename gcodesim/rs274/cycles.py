@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
 from gcodesim import canon
 from gcodesim.arithmetic.scalars import atan2, cos, sin
+from gcodesim.frozen import frozen
 from gcodesim.rs274.arcs import PLANE_AXES
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.ends import end_point
@@ -26,7 +26,7 @@ _TAPS = frozenset((740, 840))
 _NEEDS_SPINDLE = {740: (-1,), 840: (1,), 860: (1, -1), 870: (1, -1), 880: (1, -1)}
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class CycleWords:
     """One cycle's words, resolved: heights along the normal in program units."""
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from typing import Final, Literal
 
 from gcodesim.diagnostics import SourceText
+from gcodesim.frozen import frozen
 from gcodesim.rs274.dialects import Lathe
 
 ForeignKind = Literal["printer", "Klartext", "Sinumerik", "lathe"]
@@ -31,7 +31,7 @@ _Y_WORD = re.compile(rb"[yY][ \t]*[-+]?[ \t]*[0-9.#\[]")
 _TOOL_CHANGE = re.compile(rb"[mM][ \t]*0*6(?![0-9])")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Foreign:
     """What gave the kind away: `word`, in `line` (from 1) at `column` (from 1)."""
 

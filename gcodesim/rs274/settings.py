@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Literal
 
 from gcodesim.canon import Axes
+from gcodesim.frozen import frozen
 from gcodesim.rs274.tool_point import ToolPointLaw
 from gcodesim.rs274.tool_table import ToolTable
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class MappedAction:
     """What a mapped M-code does: `verb` on `target`, as close on gripper."""
 
@@ -21,7 +22,7 @@ class MappedAction:
     verb: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Settings:
     """Everything besides the text. Lengths of the tool table in SI; `parameters` as on the control (mm).
 

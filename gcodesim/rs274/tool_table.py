@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from gcodesim.diagnostics import Diagnostic, SourceText, Span
+from gcodesim.frozen import frozen
 from gcodesim.units import DEG, INCH, MM
 
 # X Y Z A B C U V W: lengths [m], angles [rad]
@@ -18,7 +19,7 @@ _ENTRY = re.compile(r"([A-Za-z])([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(?=\s|$)")
 _AXES = "XYZABCUVW"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class ToolEntry:
     """One tool: `offset` for X Y Z A B C U V W [m, rad], `diameter` [m], lathe angles [rad]."""
 
@@ -32,7 +33,7 @@ class ToolEntry:
     comment: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class ToolTable(Mapping[int, ToolEntry]):
     """Tools by number."""
 

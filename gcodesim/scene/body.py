@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
+from gcodesim.frozen import frozen
 from gcodesim.solids import Placed
 
 Role = Literal["link", "tool", "holder", "fixture", "stock", "part", "obstacle"]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class Body:
     """A rigid thing. `name` is that of its frame in the scene, in which its solids are placed; see `Scene.frames`.
 

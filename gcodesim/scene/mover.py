@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 
 from gcodesim.frames import Array, Pose
+from gcodesim.frozen import frozen
 from gcodesim.kinematics.chain import BASE, FLANGE
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ WORK: Final = "work side"
 """The frame C of what carries the work. It lies on the base while the joints that carry it stand at zero."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class Mover:
     """Something that a program moves. Its frames are called `<name>/<link>`, as in the log.
 

@@ -7,17 +7,18 @@ A frame stands in the world, in another frame, or in a frame of a mover
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 import numpy as np
 
 from gcodesim.arithmetic.matrices import multiplied
 from gcodesim.frames import WORLD, Array, Pose
+from gcodesim.frozen import frozen
 from gcodesim.scene.body import Body
 from gcodesim.scene.mover import Mover
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class Stand:
     """Where a frame stands: at `X` of its `parent`."""
 
@@ -25,7 +26,7 @@ class Stand:
     X: Pose
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class Hold:
     """From `step` on the frame of `body` stands at `X` of `parent`; step 0 is the first row of the joints beside it."""
 
@@ -35,7 +36,7 @@ class Hold:
     X: Pose
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class Scene:
     """All frames by name, the movers on which they may depend, and the bodies that stand in them."""
 

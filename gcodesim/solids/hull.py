@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from gcodesim.frames import Array, Pose
+from gcodesim.frozen import frozen
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class Hull:
     """A convex body: hull of `corners` (k, 3) [m], with `normals` (m, 3) of its faces."""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
 
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 
 from gcodesim.extras import ExtraMissingError, require_extra
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 
 Faces = NDArray[np.int32]
 
@@ -23,7 +23,7 @@ class MeshError(ValueError):
         self.hint = hint
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class Triangles:
     """Triangles `faces` (t, 3), counter-clockwise seen from outside, over `points` (v, 3) [m]."""
 
@@ -31,7 +31,7 @@ class Triangles:
     faces: Faces
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class MeshFile:
     """A mesh file; its numbers times `scale` along x, y, z are metres."""
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from math import pi
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from gcodesim.arithmetic.matrices import dots
 from gcodesim.frames import Array, Pose
+from gcodesim.frozen import frozen
 from gcodesim.solids.hull import Hull
 from gcodesim.solids.mesh_file import MeshFile, Triangles
 
@@ -17,7 +18,7 @@ Point = tuple[float, float, float]
 Bounds = tuple[Point, Point]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Box:
     """A box between two corners."""
 
@@ -52,7 +53,7 @@ class Box:
         return x * y * z
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Cylinder:
     """A cylinder about Z, from height `bottom` to `top`."""
 
@@ -86,7 +87,7 @@ class Cylinder:
         return _frustum(self.radius, self.radius, self.length)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Cone:
     """A frustum about Z, from height `bottom` to `top`, with a radius at either end."""
 
@@ -116,7 +117,7 @@ class Cone:
         return _frustum(self.top_radius, self.bottom_radius, self.length)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Sphere:
     """A ball about the origin."""
 
@@ -139,7 +140,7 @@ class Sphere:
         return 4.0 / 3.0 * pi * (self.radius * self.radius * self.radius)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Revolution:
     """A body of revolution about Z: straight lines between points (radius, height), from the top down."""
 
@@ -159,7 +160,7 @@ class Revolution:
         return sum(_frustum(a, b, above - below) for (a, above), (b, below) in pieces)
 
 
-@dataclass(frozen=True, kw_only=True)
+@frozen(slots=False)
 class Mesh:
     """Triangles, either given or from a file that is read when somebody asks for them."""
 
@@ -189,7 +190,7 @@ class Mesh:
         return float(dots(a, np.cross(b, c)).sum() / 6.0)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Hulls:
     """Convex bodies that represent one solid."""
 
@@ -206,7 +207,7 @@ class Hulls:
 Solid = Box | Cylinder | Cone | Sphere | Revolution | Mesh | Hulls
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(kw_only=False, eq=False)
 class Placed:
     """A solid whose frame stands at `X` of a body."""
 

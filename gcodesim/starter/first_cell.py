@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Final
 
 from gcodesim.canon.systems import name_of_system
 from gcodesim.diagnostics import SourceText
+from gcodesim.frozen import frozen
 from gcodesim.starter.scan import Scan, ScannedTool, scan
 from gcodesim.starter.survey import Reach, Survey, survey
 from gcodesim.tools.cutter import usual_length
@@ -28,7 +28,7 @@ class NoCellError(Exception):
     """A cell for this program would make no sense; the text says why."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class FirstTool:
     """A tool of the cell [m], and where its size comes from."""
 
@@ -76,7 +76,7 @@ def _depth(seen: Survey) -> float:
     return max((float(r.cut[1][2] - r.cut[0][2]) for r in seen.systems.values() if r.cut is not None), default=0.0)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class FirstCell:
     """What a program says about the cell that it needs, and that cell as lines of text."""
 

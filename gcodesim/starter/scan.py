@@ -10,10 +10,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 from gcodesim.diagnostics import SourceText
+from gcodesim.frozen import frozen
 from gcodesim.units import INCH, MM
 
 Triple = tuple[float, float, float]
@@ -61,7 +62,7 @@ _KINDS: Final = (
 )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class ScannedTool:
     """A tool that the program names; lengths in the program's unit, angle in degrees."""
 
@@ -74,7 +75,7 @@ class ScannedTool:
     comment: str = ""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Scan:
     """What was found; lengths in the program's unit. `corners` are the least and greatest corner of the stock.
 

@@ -17,6 +17,7 @@ from gcodesim.arithmetic.matrices import dot, norms
 from gcodesim.canon.batch import MoveBatch
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 from gcodesim.rs274 import Settings, interpret
 from gcodesim.rs274.assumed import assumed_tools
 from gcodesim.rs274.dialects import DIALECTS
@@ -73,7 +74,7 @@ class _Moves:
     early: array[float] = field(default_factory=lambda: array("d"))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Reach:
     """Where the program goes in a work system [m]: the box of all moves, and that of the material cut, when it is told.
 
@@ -88,7 +89,7 @@ class Reach:
     early: Array
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Survey:
     """What a program does. `foreign` says why no dialect reads it; `machine` is the box of G53 moves [m].
 

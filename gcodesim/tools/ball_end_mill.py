@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import pi
 from typing import TYPE_CHECKING, ClassVar
 
+from gcodesim.frozen import frozen
 from gcodesim.tools.body import Primitive, sphere
 from gcodesim.tools.cutter import Cutter, arc_piece, line_piece
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from gcodesim.material.sweep_kernels import Shape
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class BallEndMill(Cutter):
     """A ball end mill; kappa runs from 0 at the tip to 90 degrees at the equator."""
 

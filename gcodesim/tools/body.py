@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Final
 
 from gcodesim.frames import Pose
+from gcodesim.frozen import frozen
 from gcodesim.solids import Cone, Cylinder, Placed, Sphere, moments, widest
 
 STEEL_DENSITY: Final = 7850.0
@@ -16,7 +16,7 @@ STEEL_DENSITY: Final = 7850.0
 RoundSolid = Cylinder | Cone | Sphere
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class Primitive:
     """One part of a tool: a simple solid on its axis, placed in the tool frame T, so that the body lies below zero.
 
@@ -61,7 +61,7 @@ def cone(part: str, lower: float, upper: float, bottom: float, top: float) -> Pr
     return Primitive(part, Placed(Cone(bottom_radius=upper, top_radius=lower, bottom=-top, top=-bottom)))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class MassProperties:
     """Mass [kg], height of the centre of mass above the tip [m], and inertia about it [kg·m²].
 

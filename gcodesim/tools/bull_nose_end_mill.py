@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import pi
 from typing import TYPE_CHECKING, ClassVar
 
 from gcodesim.declarations.keys import key
+from gcodesim.frozen import frozen
 from gcodesim.tools.body import Primitive, cylinder
 from gcodesim.tools.cutter import Cutter, arc_piece, line_piece
 from gcodesim.units import MM
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from gcodesim.material.sweep_kernels import Shape
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class BullNoseEndMill(Cutter):
     """An end mill with a corner radius between 0 and half its diameter."""
 

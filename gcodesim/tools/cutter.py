@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 
 from gcodesim.arithmetic.elementary import atan2, cos
 from gcodesim.declarations.keys import key
+from gcodesim.frozen import frozen
 from gcodesim.tools.body import Primitive, cylinder
 from gcodesim.tools.tool import Tool
 from gcodesim.units import DEG, MM
@@ -39,7 +39,7 @@ def arc_piece(rc: float, zc: float, radius: float, kappa0: float, kappa1: float)
     return (radius, rc, zc, kappa0, kappa1, radius * (kappa1 - kappa0), float(z0), float(z1))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Cutter(Tool):
     """A cutter of revolution with `flutes` equal teeth; lengths [m], angles [rad]."""
 

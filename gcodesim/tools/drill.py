@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from gcodesim.arithmetic.elementary import tan
 from gcodesim.declarations.keys import key
+from gcodesim.frozen import frozen
 from gcodesim.tools.body import Primitive, cone
 from gcodesim.tools.cutter import Cutter, line_piece
 from gcodesim.units import DEG
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from gcodesim.material.sweep_kernels import Shape
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Drill(Cutter):
     """A drill whose straight lips reach the axis; only they cut, while the margins of the cylinder guide.
 

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import pi
 from typing import ClassVar
 
 from gcodesim.declarations.keys import key
+from gcodesim.frozen import frozen
 from gcodesim.tools.body import Primitive, cone, cylinder
 from gcodesim.tools.tool import Tool
 from gcodesim.units import MM
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Extruder(Tool):
     """A nozzle with its bead: a rectangle with round ends, `bead_width` wide and `bead_height` high [m]."""
 

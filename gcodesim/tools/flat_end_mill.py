@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
+from gcodesim.frozen import frozen
 from gcodesim.tools.cutter import Cutter, line_piece
 
 if TYPE_CHECKING:
     from gcodesim.material.sweep_kernels import Shape
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class FlatEndMill(Cutter):
     """A cylindrical end mill; its bottom edges reach the axis, so it can plunge."""
 

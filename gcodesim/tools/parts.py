@@ -6,15 +6,15 @@ entry points of the group `gcodesim.parts`. Any other part is called by its name
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 from gcodesim.family import Family
+from gcodesim.frozen import frozen
 
 Color = tuple[float, float, float, float]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class BodyPart:
     """One part: `words` as in "the cutter hits the vise", the `code` and `hint` of that finding, and red to alpha."""
 

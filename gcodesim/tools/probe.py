@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 from gcodesim.declarations.keys import key
+from gcodesim.frozen import frozen
 from gcodesim.tools.body import Primitive, cylinder, sphere
 from gcodesim.tools.tool import Tool
 
@@ -13,7 +13,7 @@ STEM_SHARE = 0.6
 """Of the ball, where the stem's diameter is not given: what styli with a ruby ball have."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Probe(Tool):
     """A probe whose ball trips when it touches; it takes nothing, and what it touches by other moves may break it."""
 

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 
 from gcodesim.declarations.keys import fill_derived, key
 from gcodesim.frames import Pose
+from gcodesim.frozen import frozen
 from gcodesim.tools.body import MassProperties, Primitive, cylinder, mass_properties
 from gcodesim.units import MM
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Holder:
     """The cylinder that grips a tool; lengths [m]."""
 
@@ -21,7 +21,7 @@ class Holder:
     length: float = key("length", "height of the holder, from the spindle nose or flange to the tool", example="60 mm")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Tool:
     """A tool on a spindle or flange; all lengths [m], angles [rad].
 

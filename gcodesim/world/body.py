@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gcodesim.frames import Array, Pose
+from gcodesim.frozen import frozen
 from gcodesim.solids import Box, Cylinder, Placed, Sphere, widest
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ Vector = tuple[float, float, float]
 Inertia = tuple[float, float, float, float, float, float]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class ToolBody:
     """A tool as a rigid body on the flange F, Z out of the flange.
 
@@ -41,7 +42,7 @@ class ToolBody:
         return Pose.from_xyz_rpy((0.0, 0.0, self.length))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class RobotBody:
     """A robot or machine tool: its chain, where its root is in W, and what its motors can deliver.
 

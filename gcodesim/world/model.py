@@ -10,7 +10,6 @@ about their principal axes, because Bullet only keeps those.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 from xml.etree import ElementTree as ET
 
@@ -19,6 +18,7 @@ import numpy as np
 from gcodesim.arithmetic.elementary import atan2
 from gcodesim.arithmetic.matrices import determinant, multiplied, principal_axes
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 from gcodesim.kinematics.chain import Chain, Inertial
 from gcodesim.kinematics.dynamics import bodies
 from gcodesim.world.body import ToolBody
@@ -50,7 +50,7 @@ def principal(inertia: Array) -> tuple[Array, Array]:
     return moments, axes
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class BulletModel:
     """A URDF for Bullet, with links and joints named by place in the joint vector.
 

@@ -11,13 +11,13 @@ look into the next window, and no number depends on how a run is split into wind
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.frames import Array, Pose
+from gcodesim.frozen import frozen
 from gcodesim.world.body import ToolBody
 
 # acceleration of free fall [m/s²] in W; the conventional value (CGPM 1901)
@@ -31,7 +31,7 @@ class WorldUnavailable(RuntimeError):  # noqa: N818  (it is no error of ours: so
     """This world cannot be opened on this machine; the text says what would help."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@frozen(eq=False)
 class WorldSteps:
     """What happened in n steps of a robot with j joints; row k is the end of step k.
 

@@ -1,11 +1,12 @@
 """One entry of the catalogue of findings."""
 
-from dataclasses import dataclass
+from __future__ import annotations
 
 from gcodesim.diagnostics.finding import Severity
+from gcodesim.frozen import frozen
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Code:
     """A code's page in `gcodesim explain`.
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import NamedTuple
+
+from gcodesim.frozen import frozen
 
 # G codes are written times ten: G54 is 540, G59.3 is 593
 
@@ -33,7 +35,7 @@ class Figure(NamedTuple):
     off: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Lathe:
     """How a program for this control's lathes is known, and what to say about it (`{word}` is what gave it away).
 
@@ -49,7 +51,7 @@ class Lathe:
     hint: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Dialect:
     """The codes, words and limits of a control.
 

@@ -8,11 +8,12 @@ the points where the inserted piece begins and ends.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from gcodesim.arithmetic.scalars import atan2
 from gcodesim.canon import Event
 from gcodesim.diagnostics import Span
+from gcodesim.frozen import frozen
 from gcodesim.rs274 import compensation
 from gcodesim.rs274.arcs import PLANE_AXES, arc_of
 from gcodesim.rs274.circles import Arc, Line, PlaneCircle, Point, apart, meet, sweep_of
@@ -33,7 +34,7 @@ _STRAIGHT_ON = 1e-6  # [rad] flatter corners are none
 _SLACK = 1e-9  # of a length: what fits exactly, fits
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class CornerMove:
     """A feed as programmed, in program units: G code (times ten), ends, the arc of G2 and G3, and where it stands."""
 
@@ -46,7 +47,7 @@ class CornerMove:
     block: int
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class Corner:
     """A move that waits for the next one, and the size of what comes between: `,C` or `,R` [program units]."""
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 from gcodesim import canon
+from gcodesim.frozen import frozen
 from gcodesim.rs274.arcs import PLANE_AXES
 from gcodesim.rs274.cycles import Head, check_repeats
 from gcodesim.rs274.ends import end_point
@@ -22,7 +22,7 @@ _NEVER_PECKS = frozenset((810, 820, 850, 860, 880, 890))
 _NEEDS_Q = frozenset((730, 760, 830, 870))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class FanucHole:
     """Heights along the drilling axis, in the work system and program units; dwell [s]."""
 

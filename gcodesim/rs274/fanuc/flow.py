@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from gcodesim.diagnostics import Caller, SourceText, Span
+from gcodesim.frozen import frozen
 from gcodesim.rs274.block import Flow
 from gcodesim.rs274.fanuc import external
 from gcodesim.rs274.fanuc.control import FanucControl
@@ -23,7 +24,7 @@ _SUFFIXES = ("", ".nc", ".NC", ".ngc", ".txt", ".tap", ".cnc")
 _NO_PART = FanucProgram(None, 0, 0)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen
 class ModalCall:
     """A macro that G66 or G66.1 calls again and again."""
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from gcodesim.arithmetic.scalars import atan2, cos, sin
+from gcodesim.frozen import frozen
 from gcodesim.rs274.arcs import PLANE_AXES
 from gcodesim.rs274.cycles import check_repeats
 from gcodesim.rs274.dialects.fanuc import POLAR
@@ -18,7 +19,7 @@ from gcodesim.rs274.words import Words
 ON, OFF = 160, 150
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class Polar:
     """What an axis word that is missing stands for: centre [program units], radius, angle [deg]."""
 

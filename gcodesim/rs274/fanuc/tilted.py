@@ -11,10 +11,10 @@ along the tool and the work may stand turned on its table.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import NamedTuple
 
 from gcodesim.arithmetic.scalars import cos_sin
+from gcodesim.frozen import frozen
 from gcodesim.rs274 import tool_point
 from gcodesim.rs274.dialects.linuxcnc import NON_MODAL
 from gcodesim.rs274.fanuc.control import FanucControl
@@ -39,7 +39,7 @@ class Point(NamedTuple):
     z: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen(kw_only=False)
 class Begun:
     """A plane of which some blocks are read: its form P and what each Q gave."""
 
