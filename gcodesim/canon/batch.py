@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import repeat
 from typing import TYPE_CHECKING, Any, Final
 
 from gcodesim.canon.events import ArcFeed, Dwell, Event, FeedUnit, LinearFeed, PathMode, Rapid
@@ -39,6 +40,8 @@ class MoveBatch:
     `per_revolution`. `place` (n, 3) is line, column and end column, in that file and under that chain of callers
     which `origin` (n,) names among the `origins`; `block` (n,) is the block number. Moves of one block stand together.
     The arcs among them, in order, have the m rows `shapes` (m, 8): centre, normal, sweep, turns.
+    `extrude` (n,) [m] is the filament that goes along, None where the program has none. `between` are states and
+    filament alone (`SectionStart`, `Extrude`), each before the move that its number names.
     `acts` (k, 2) happen before the move that the first number names: EXACT path control for a hole, BACK to `path`,
     DWELL for `dwell` seconds.
     """
@@ -57,6 +60,8 @@ class MoveBatch:
     acts: NDArray[np.int32]
     path: PathMode
     dwell: float
+    extrude: NDArray[np.float64] | None = None
+    between: tuple[tuple[int, Event], ...] = ()
 
     def __len__(self) -> int:
         return len(self.kind)
@@ -77,7 +82,7 @@ class MoveBatch:
     def events(self) -> Iterator[Event]:
         """The moves and acts one by one, as the grammar's lane would have yielded them."""
         arcs = 0
-        acts = [(row, self.act(row, what)) for row, what in self.acts.tolist()]
+        acts = [*self.between, *((row, self.act(row, what)) for row, what in self.acts.tolist())]
         acts.reverse()
         for first in range(0, len(self), _AT_A_TIME):
             rows = slice(first, first + _AT_A_TIME)
@@ -104,17 +109,18 @@ class MoveBatch:
             strict=True,
         )
         shapes = iter(self.shapes[arcs].tolist())
+        extrudes = repeat(0.0) if self.extrude is None else iter(self.extrude[rows].tolist())
         span, last = Span(""), -1
         for kind, number, end, feed, rotary, (line, column, end_column), origin, block in moves:
             if block != last:  # the events of a block share their span
                 last = block
                 file, callers = self.origins[origin]
                 span = Span(file, line, column, line, end_column, callers)
-            word, unit = f"G{number}", units[rotary]
+            word, unit, extrude = f"G{number}", units[rotary], next(extrudes)
             if kind == RAPID:
                 yield Rapid(span=span, end=end, block=block, word=word)
             elif kind == LINE:
-                yield LinearFeed(span=span, end=end, block=block, word=word, feed=feed, feed_unit=unit)
+                yield LinearFeed(span=span, end=end, block=block, word=word, feed=feed, feed_unit=unit, extrude=extrude)
             else:
                 *points, sweep, turns = next(shapes)
                 yield ArcFeed(
@@ -129,6 +135,7 @@ class MoveBatch:
                     sweep=sweep,
                     feed=feed,
                     feed_unit=unit,
+                    extrude=extrude,
                 )
 
     def after(self, rows: int) -> MoveBatch:
@@ -149,4 +156,6 @@ class MoveBatch:
             block=self.block[rows:],
             shapes=self.shapes[int((self.kind[:rows] > LINE).sum()) :],
             acts=acts,
+            extrude=None if self.extrude is None else self.extrude[rows:],
+            between=tuple((row - rows, event) for row, event in self.between if row >= rows),
         )

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from typing import Final, Literal
 
+from gcodesim.canon.printing import MotionLimits, Section
 from gcodesim.diagnostics import Span
 from gcodesim.frozen import frozen
 
@@ -24,6 +25,7 @@ __all__ = [
     "End",
     "EndOfFile",
     "Event",
+    "Extrude",
     "FeedUnit",
     "Input",
     "LinearFeed",
@@ -36,11 +38,13 @@ __all__ = [
     "Override",
     "PalletShuttle",
     "PathMode",
+    "PlannerLimits",
     "Point",
     "PointControl",
     "Print",
     "ProbeMove",
     "Rapid",
+    "SectionStart",
     "Spindle",
     "SplineFeed",
     "Stop",
@@ -88,11 +92,15 @@ class Rapid(Move):
 
 @frozen
 class LinearFeed(Move):
-    """Straight cut at `feed` in `feed_unit`; in threading `pitch` [m/rev] rules instead and `feed` is 0."""
+    """Straight cut at `feed` in `feed_unit`; in threading `pitch` [m/rev] rules instead and `feed` is 0.
+
+    `extrude` [m] of filament goes along with it (E words); it is drawn back where that is negative.
+    """
 
     feed: float
     feed_unit: FeedUnit = "m/s"
     pitch: float | None = None
+    extrude: float = 0.0
 
 
 @frozen
@@ -101,6 +109,7 @@ class ArcFeed(Move):
 
     `sweep` [rad] is signed, counterclockwise about `normal` positive, full
     turns included; `turns` counts full circles begun, 1 for less than one.
+    `extrude` as in `LinearFeed`.
     """
 
     center: Point
@@ -110,6 +119,7 @@ class ArcFeed(Move):
     sweep: float
     feed: float
     feed_unit: FeedUnit = "m/s"
+    extrude: float = 0.0
 
 
 @frozen
@@ -144,6 +154,33 @@ class Dwell(Event):
     """Wait [s]."""
 
     seconds: float
+
+
+@frozen
+class Extrude(Event):
+    """Filament alone, while the head stands: `length` [m], drawn back where negative, at `feed` [m/s] under `limits`.
+
+    `by_firmware`: G10 or G11 moves it, no E word.
+    """
+
+    length: float
+    feed: float
+    limits: MotionLimits
+    by_firmware: bool = False
+
+
+@frozen
+class PlannerLimits(Event):
+    """State: limits of a printer's planner."""
+
+    limits: MotionLimits
+
+
+@frozen
+class SectionStart(Event):
+    """State: what the following moves print."""
+
+    section: Section
 
 
 @frozen

@@ -25,6 +25,8 @@ def _point(point: ev.Point) -> list[float | int]:
     return [number(v / MM) for v in point]
 
 
+_OF_FOUR = ("speed", "acceleration", "jerk")
+_OF_ONE = ("printing", "retracting", "travel", "deviation", "corner")
 _FEED_UNITS = {
     "m/s": (MINUTE / MM, "mm/min"),
     "m/rev": (1.0 / MM, "mm/rev"),
@@ -41,7 +43,23 @@ def _feed(feed: float, unit: ev.FeedUnit) -> dict[str, Any]:
 def _line(event: ev.LinearFeed) -> dict[str, Any]:
     if event.pitch is not None:
         return {"end": _axes(event.end), "pitch": number(event.pitch / MM)}
-    return {"end": _axes(event.end), **_feed(event.feed, event.feed_unit)}
+    return {"end": _axes(event.end), **_feed(event.feed, event.feed_unit), **_extrude(event.extrude)}
+
+
+def _extrude(length: float) -> dict[str, Any]:
+    """Filament that goes along with a move; programs of mills have none."""
+    return {"extrude": number(length / MM)} if length else {}
+
+
+def _limits(event: ev.PlannerLimits) -> dict[str, Any]:
+    limits = event.limits
+    out: dict[str, Any] = {name: [number(v / MM) for v in getattr(limits, name)] for name in _OF_FOUR}
+    return out | {name: number(getattr(limits, name) / MM) for name in _OF_ONE}
+
+
+def _section(event: ev.SectionStart) -> dict[str, Any]:
+    layer, feature, width, height = event.section
+    return {"layer": layer, "feature": feature, "width": number(width / MM), "height": number(height / MM)}
 
 
 def _arc(event: ev.ArcFeed) -> dict[str, Any]:
@@ -53,6 +71,7 @@ def _arc(event: ev.ArcFeed) -> dict[str, Any]:
         "turns": event.turns,
         "sweep": number(event.sweep / DEG),
         **_feed(event.feed, event.feed_unit),
+        **_extrude(event.extrude),
     }
 
 
@@ -90,6 +109,16 @@ _KINDS: dict[type[ev.Event], tuple[str, Callable[[Any], dict[str, Any]]]] = {
     ev.ProbeMove: ("probe", lambda e: {"end": _axes(e.end), **_feed(e.feed, e.feed_unit)}),
     ev.Tap: ("tap", lambda e: {"end": _axes(e.end), "pitch": number(e.pitch / MM)}),
     ev.Dwell: ("dwell", lambda e: {"seconds": number(e.seconds)}),
+    ev.Extrude: (
+        "extrude",
+        lambda e: {
+            "length": number(e.length / MM),
+            "feed": number(e.feed * MINUTE / MM),
+            "by_firmware": e.by_firmware,
+        },
+    ),
+    ev.PlannerLimits: ("planner_limits", _limits),
+    ev.SectionStart: ("section", _section),
     ev.ToolSelect: ("tool_select", lambda e: {"tool": e.tool}),
     ev.ToolChange: ("tool_change", lambda e: {"tool": e.tool}),
     ev.ToolNumber: ("tool_number", lambda e: {"tool": e.tool}),

@@ -27,7 +27,6 @@ from gcodesim.processes.signal import actions_of_all
 from gcodesim.rs274.dialects import DIALECTS
 from gcodesim.rs274.settings import canonical_m_code
 
-PLANNED_DIALECTS: Final = ("marlin",)
 DEFAULT_PATH_CONTROL: Final = "G64"
 
 _AXIS = re.compile(r"\s*([+-]?)\s*([XYZxyz])(?:\s+of\s+(\S+))?\s*")
@@ -129,7 +128,7 @@ class Orientation:
 
 @frozen(kw_only=False)
 class _DialectKind(Kind):
-    """A dialect of the program reader; one that is only planned gives a finding of its own."""
+    """A dialect of the program reader."""
 
     @property
     def expected(self) -> str:
@@ -141,12 +140,8 @@ class _DialectKind(Kind):
             return UNREAD
         if text.text in DIALECTS:
             return text.text
-        if text.text in PLANNED_DIALECTS:
-            message = f"the dialect `{text.text}` is not built yet"
-            return to.fault("GS730", text.span, message, f"there is {self.expected}")
-        known = list(dict.fromkeys([*DIALECTS, *PLANNED_DIALECTS]))
         message = f"`{path[-1]}` cannot be `{short(text.text)}`"
-        return to.fault("GS711", text.span, message, suggestion(text.text, known))
+        return to.fault("GS711", text.span, message, suggestion(text.text, list(DIALECTS)))
 
     def schema(self, definitions: dict[str, Json]) -> Json:
         return {"enum": list(DIALECTS)}

@@ -19,12 +19,16 @@ if TYPE_CHECKING:
 
 
 def tool_number(text: str) -> int | None:
-    """`7`, `07` or `"7"` → 7; 0 is the empty spindle, no tool."""
+    """`7`, `07` or `"7"` → 7. 0 is the first extruder of a printer; for other controls it is the empty spindle."""
     number = integer(text)
-    return number if number is not None and 1 <= number <= 99_999 else None
+    return number if number is not None and 0 <= number <= 99_999 else None
 
 
-TOOL_NUMBERS: Final = NameRule(what="tool number (1 to 99999)", pattern=r"0*[1-9][0-9]{0,4}", canonical=tool_number)
+TOOL_NUMBERS: Final = NameRule(
+    what="tool number (1 to 99999; 0 for the first extruder of a printer)",
+    pattern=r"0*[0-9]{1,5}",
+    canonical=tool_number,
+)
 
 
 @frozen
@@ -44,6 +48,8 @@ TOOL: Final = _ToolKind(family=TOOLS, what="tool", example="{type: flat_end_mill
 def _possible(tool: Any, to: Reading, path: Path) -> Tool | Unread:
     """`tool`, or UNREAD with a finding for each reason why it cannot exist."""
     problems = tool.problems()
+    if tool.number == 0 and "extrusion" not in tool.processes:
+        problems = [*problems, ("type", "T0 is the empty spindle; only an extruder may be tool 0")]
     written = [problem for problem in problems if (*path, *problem[0].split(".")) in to.spans]
     cls: type = type(tool)
     known = all_keys(cls)

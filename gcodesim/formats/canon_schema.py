@@ -16,24 +16,25 @@ _FEED: Final = {
     "feed": number("in `feed_unit`"),
     "feed_unit": choice("per minute, or per revolution of the spindle", "mm/min", "mm/rev", "deg/min", "deg/rev"),
 }
+_FOUR: Final = array("X Y Z E, mm and s", {"type": "number"}) | {"minItems": 4, "maxItems": 4}
 _PITCH: Final = {"pitch": number("mm a revolution of the spindle")}
 _TOOL: Final = {"tool": whole("T number; 0: none", least=-1)}
+_EXTRUDE: Final = {"extrude": number("mm of filament; drawn back where negative")}
+_ARC: Final = {
+    "end": _AXES,
+    "center": _POINT,
+    "normal": array("of the plane", {"type": "number"}) | {"minItems": 3, "maxItems": 3},
+    "ccw": truth("seen against the normal"),
+    "turns": whole("full turns besides"),
+    "sweep": number("deg"),
+    **_FEED,
+}
 _TEXT: Final = {"text": text("what is shown")}
 
 EVENTS: Final[dict[str, list[dict[str, Json]]]] = {
     "rapid": [{"end": _AXES}],
-    "line": [{"end": _AXES, **_FEED}, {"end": _AXES, **_PITCH}],
-    "arc": [
-        {
-            "end": _AXES,
-            "center": _POINT,
-            "normal": array("of the plane", {"type": "number"}) | {"minItems": 3, "maxItems": 3},
-            "ccw": truth("seen against the normal"),
-            "turns": whole("full turns besides"),
-            "sweep": number("deg"),
-            **_FEED,
-        }
-    ],
+    "line": [{"end": _AXES, **_FEED}, {"end": _AXES, **_FEED, **_EXTRUDE}, {"end": _AXES, **_PITCH}],
+    "arc": [_ARC, {**_ARC, **_EXTRUDE}],
     "spline": [
         {
             "end": _AXES,
@@ -44,6 +45,29 @@ EVENTS: Final[dict[str, list[dict[str, Json]]]] = {
     ],
     "probe": [{"end": _AXES, **_FEED}],
     "tap": [{"end": _AXES, **_PITCH}],
+    "extrude": [
+        {"length": number("mm of filament alone"), "feed": number("mm/min"), "by_firmware": truth("G10 or G11")}
+    ],
+    "planner_limits": [
+        {
+            "speed": _FOUR,
+            "acceleration": _FOUR,
+            "jerk": _FOUR,
+            "printing": number("mm/s² of moves that extrude"),
+            "retracting": number("mm/s² of filament alone"),
+            "travel": number("mm/s² of other moves"),
+            "deviation": number("mm, junction deviation; 0: jerk counts"),
+            "corner": number("mm/s through a right angle; 0: jerk or deviation counts"),
+        }
+    ],
+    "section": [
+        {
+            "layer": whole("from 1; 0: before the first", least=0),
+            "feature": text("as the slicer calls it"),
+            "width": number("mm of the bead; 0: unsaid"),
+            "height": number("mm of the bead; 0: unsaid"),
+        }
+    ],
     "dwell": [{"seconds": number("s")}],
     "tool_select": [_TOOL],
     "tool_change": [_TOOL],

@@ -17,6 +17,7 @@ from gcodesim.canon import (
     Coolant,
     Dwell,
     Event,
+    Extrude,
     LinearFeed,
     Log,
     Message,
@@ -24,10 +25,12 @@ from gcodesim.canon import (
     Output,
     Override,
     PathMode,
+    PlannerLimits,
     PointControl,
     Print,
     ProbeMove,
     Rapid,
+    SectionStart,
     Spindle,
     SplineFeed,
     Tap,
@@ -59,7 +62,7 @@ from gcodesim.motion.tool_path import (
 _MODES = {"exact_stop": EXACT_STOP, "exact_path": EXACT_PATH, "blend": BLEND}
 
 # Events for which the machine does not stop; all others wait for the end of motion, as in LinuxCNC's task.
-_PASSED = (Message, Print, Log, Override, PathMode, ToolSelect)
+_PASSED = (Message, Print, Log, Override, PathMode, ToolSelect, PlannerLimits, SectionStart)
 
 
 def build_tool_path(
@@ -119,7 +122,7 @@ class PathBuilder:
                 self.add(event)
             return
         first, tags = len(self.rows), self.tags
-        state = self._states_of(batch.word)
+        state = self._states_between(batch) if batch.between else self._states_of(batch.word)
         feed = batch.feed * self._revolutions() if batch.per_revolution else batch.feed
         if not batch.kind.all():
             feed = np.where(batch.kind == RAPID_MOVE, np.inf, feed)
@@ -157,12 +160,36 @@ class PathBuilder:
         self._state_with(f"G{words[-1]}")
         return states[words]
 
+    def _states_between(self, batch: MoveBatch) -> NDArray[np.int32]:
+        """The states of the rows of a batch in which sections begin and filament moves alone."""
+        first, begin = len(self.rows), 0
+        states = np.empty(len(batch), dtype=np.int32)
+        for row, event in batch.between:
+            if row > begin:
+                states[begin:row] = self._states_of(batch.word[begin:row])
+                begin = row
+            if isinstance(event, SectionStart):
+                self._set(replace(self.current, section=event.section))
+            elif isinstance(event, Extrude):
+                self.rows.stop_at(first + row - 1)
+                self.events.append(PathEvent(first + row, event))
+        if begin < len(batch):
+            states[begin:] = self._states_of(batch.word[begin:])
+        return states
+
     def _linear(self, event: LinearFeed) -> None:
         if event.pitch is not None:
             self._stand()  # waits for the spindle's angle
             self._row(LINE, event, event.end, event.pitch * self._revolutions(), False)
         else:
-            self._row(LINE, event, event.end, self._speed(event.feed, event.feed_unit), event.feed_unit[0] == "r")
+            self._row(
+                LINE,
+                event,
+                event.end,
+                self._speed(event.feed, event.feed_unit),
+                event.feed_unit[0] == "r",
+                event.extrude,
+            )
 
     def _motion(self, event: Move) -> None:
         if isinstance(event, Rapid):
@@ -174,7 +201,8 @@ class PathBuilder:
                 center = tuple(tilt.p + applied(tilt.R, np.array(center) - tilt.p))
                 normal = tuple(applied(tilt.R, np.array(normal)))
             self.rows.shape(center, normal, event.sweep)
-            self._row(ARC, event, event.end, self._speed(event.feed, event.feed_unit), event.feed_unit[0] == "r")
+            feed = self._speed(event.feed, event.feed_unit)
+            self._row(ARC, event, event.end, feed, event.feed_unit[0] == "r", event.extrude)
         elif isinstance(event, SplineFeed):
             feed = self._speed(event.feed, event.feed_unit)
             for point in event.points:
@@ -223,6 +251,11 @@ class PathBuilder:
             self._set(
                 replace(now, system=event.index, system_offset=event.offset, g92=event.g92, rotation=event.rotation)
             )
+        elif isinstance(event, PlannerLimits):
+            self._set(replace(now, limits=event.limits))
+        elif isinstance(event, SectionStart):
+            self._set(replace(now, section=event.section))
+            return
         elif isinstance(event, Action) and event.target == "tool":
             self.tags = self.tags._replace(active=event.verb == "activate")
         passed = isinstance(event, _PASSED) or (isinstance(event, Output) and event.with_motion)
@@ -276,7 +309,7 @@ class PathBuilder:
         p = tilt.p + applied(tilt.R.T, np.array(self.at[:3]) - tilt.p)
         return (float(p[0]), float(p[1]), float(p[2]), *self.at[3:])
 
-    def _row(self, kind: int, event: Move, end: Axes, feed: float, rotary: bool) -> None:
+    def _row(self, kind: int, event: Move, end: Axes, feed: float, rotary: bool, extrude: float = 0.0) -> None:
         if self.tilts:
             tilt = self._tilt(event)
             if tilt is not None and kind != HOME:
@@ -291,6 +324,7 @@ class PathBuilder:
             state=self._state_with(event.word),
             span=event.span,
             tags=self.tags,
+            extrude=extrude,
         )
         self.at = end
 

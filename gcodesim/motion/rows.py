@@ -49,6 +49,7 @@ class PathRows:
         self._feed: list[float] = []
         self._rotary: list[bool] = []
         self._block: list[int] = []
+        self._extrude: list[float] = []
         self._state: list[int] = []
         self._tags: list[Tags] = []
         self._source: list[int] = []
@@ -60,7 +61,17 @@ class PathRows:
         return self._done + len(self._kind)
 
     def add(
-        self, kind: int, end: Axes, feed: float, *, rotary: bool, block: int, state: int, span: Span, tags: Tags
+        self,
+        kind: int,
+        end: Axes,
+        feed: float,
+        *,
+        rotary: bool,
+        block: int,
+        state: int,
+        span: Span,
+        tags: Tags,
+        extrude: float = 0.0,
     ) -> None:
         """One row; the same span object as before is one place."""
         if span is not self._last_span:
@@ -71,6 +82,7 @@ class PathRows:
         self._feed.append(feed)
         self._rotary.append(rotary)
         self._block.append(block)
+        self._extrude.append(extrude)
         self._state.append(state)
         self._tags.append(tags)
         self._source.append(len(self._spans) - 1)
@@ -94,6 +106,7 @@ class PathRows:
             "block": batch.block,
             "state": state,
             "source": np.cumsum(begins) - 1,
+            "extrude": 0.0 if batch.extrude is None else batch.extrude,
             **tags._asdict(),
         }
         arcs: dict[str, Any] = {}
@@ -128,6 +141,7 @@ class PathRows:
             "block": self._block,
             "state": self._state,
             "source": self._source,
+            "extrude": self._extrude,
         }
         columns |= dict(zip(Tags._fields, zip(*self._tags, strict=True), strict=True))
         arcs: dict[str, Any] = {}
@@ -192,4 +206,5 @@ def _empty_columns(n: int) -> dict[str, NDArray[Any]]:
         "block": np.empty(n, dtype=np.int32),
         "active": np.empty(n, dtype=np.bool_),
         "stop": np.empty(n, dtype=np.bool_),
+        "extrude": np.zeros(n),
     }

@@ -7,10 +7,11 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.canon import Dwell, Event, ToolChange
+from gcodesim.canon import Dwell, Event, Extrude, ToolChange
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.motion.pieces import Pieces
+from gcodesim.motion.printer_law import filament_time
 from gcodesim.motion.timing_kernels import PhaseColumns, end_speeds, times_at, trapezoids
 from gcodesim.motion.trajectory import Phases, TimedEvent, Trajectory
 
@@ -41,11 +42,13 @@ class Caps:
 
 
 def event_durations(tool_change_time: float) -> Callable[[Event], float]:
-    """How long events last [s]: dwells their own time, tool changes `tool_change_time`, all others nothing."""
+    """How long events last [s]: dwells and filament their own time, tool changes `tool_change_time`, others nothing."""
 
     def duration(event: Event) -> float:
         if isinstance(event, Dwell):
             return max(event.seconds, 0.0)
+        if isinstance(event, Extrude):
+            return filament_time(event)
         return tool_change_time if isinstance(event, ToolChange) else 0.0
 
     return duration

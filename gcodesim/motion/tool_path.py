@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import fields, replace
+from dataclasses import field, fields, replace
 from enum import StrEnum
 from typing import Any, Final
 
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from gcodesim.arithmetic.elementary import asin, atan2, cos_sin, hypot
 from gcodesim.arithmetic.matrices import dots, multiplied, norms
 from gcodesim.canon import Axes, Event
+from gcodesim.canon.printing import MotionLimits, Section
 from gcodesim.diagnostics import Span
 from gcodesim.diagnostics.span_table import SpanTable, join
 from gcodesim.frames import Array, Pose, quaternion_from_rotation, rotation_from_quaternion
@@ -53,6 +54,7 @@ class ToolState:
     [rad/s] is positive for M3 and 0 when stopped, `surface_speed` [m/s] is set
     under G96 (then `spindle` is its cap). `system` (`canon.systems`: 1 is G54) with
     its offset, G92 and rotation [rad]. `word` is the motion word, as G1; `control` what the words command.
+    In programs of printers `limits` are those of the firmware's planner, and `section` is what is being printed.
     """
 
     tool: int = 0
@@ -67,6 +69,8 @@ class ToolState:
     rotation: float = 0.0
     word: str = ""
     control: Commanded = Commanded.AXES
+    limits: MotionLimits | None = None
+    section: Section | None = None
 
 
 @frozen(kw_only=False)
@@ -87,7 +91,7 @@ class ToolPath:
     EXACT_STOP, EXACT_PATH, BLEND with `tolerance` and merge tolerance `naive`
     [m]; `state`, `source` index `states` and `spans`; `block` counts program
     blocks; `active` says whether a process tool is switched on; where `stop` is set
-    the row ends at rest.
+    the row ends at rest. `extrude` (n,) [m] is the filament that goes along.
     """
 
     kind: NDArray[np.uint8]
@@ -109,6 +113,11 @@ class ToolPath:
     states: tuple[ToolState, ...] = (ToolState(),)
     spans: Sequence[Span] = (_NOWHERE,)
     events: tuple[PathEvent, ...] = ()
+    extrude: Array = field(default_factory=lambda: np.zeros(0))
+
+    def __post_init__(self) -> None:
+        if len(self.extrude) != len(self.kind):
+            object.__setattr__(self, "extrude", np.zeros(len(self.kind)))
 
     @staticmethod
     def from_points(

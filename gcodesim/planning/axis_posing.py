@@ -15,6 +15,7 @@ from gcodesim.frozen import frozen
 from gcodesim.motion.blend import along_limits, blend
 from gcodesim.motion.curves import Curves
 from gcodesim.motion.pieces import AxisLimits, Pieces
+from gcodesim.motion.printer_law import as_printed, is_printed, without_blending
 from gcodesim.motion.tool_path import Commanded, ToolPath
 from gcodesim.motion.trajectory import Samples
 from gcodesim.planning.feeds import report_fast_feeds
@@ -112,7 +113,12 @@ class AxisPosing:
         report_missing_axes(path, axes, findings)
         report_travel(path, axes, joints, findings)
         report_fast_feeds(path, along_limits(Curves.of(path), limits)[0], findings)
+        printed = is_printed(path)
+        if printed:
+            path = without_blending(path)
         pieces = blend(path, limits, independent_rapids=self.independent_rapids)
+        if printed:
+            pieces = as_printed(pieces)
         return Posed(pieces, AxisJoints(pieces, axes, np.array(axes_at(joints.names, home))))
 
     def after(self, leg: JointPath, path: ToolPath, home: Array) -> AxisPosing:

@@ -45,7 +45,7 @@ _MOST_FINDINGS = 1000  # a file that is not a program would fill the screen
 _MOST_ALIKE = 20  # findings with the same words; further ones are counted
 _OF_ONE_CAUSE = frozenset(("GS012", "GS013", "GS107", "GS131", "GS160", "GS915"))  # one remedy for all places
 _MOST_KINDS = 100  # messages of one warning that differ in a number or name
-_MOST_NOTES = 1000  # warnings kept until they are folded
+MOST_NOTES = 1000  # warnings kept until they are folded
 
 
 class Run:
@@ -256,7 +256,7 @@ class Executor:
                 for message, hint, place in block.odd:
                     control.warn("GS197", message, hint, place)
             self._block(block, index)
-            if len(control.notes) > _MOST_NOTES:
+            if len(control.notes) > MOST_NOTES:
                 self._hand_over_notes()
         except Fault as fault:
             self._fault(fault, file, index, text, block)

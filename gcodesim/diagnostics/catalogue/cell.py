@@ -280,14 +280,6 @@ CODES += (
 
 CODES += (
     Code(
-        code="GS730",
-        severity=Severity.ERROR,
-        title="Not built yet",
-        what="The cell asks for something that is planned, but that this version does not have.",
-        why="A run without it would be another run.",
-        remedy="Take one of the alternatives that the message names, or a later version.",
-    ),
-    Code(
         code="GS731",
         severity=Severity.NOTE,
         title="The kinematic world runs, because pybullet is not there",

@@ -76,6 +76,16 @@ CODES: tuple[Code, ...] = (
         remedy="Program F, or start the spindle before the block.",
     ),
     Code(
+        code="GS210",
+        severity=Severity.NOTE,
+        title="Limits of a printer are assumed",
+        what="The program does not say how fast its printer may speed up and pass corners. Values were taken from the "
+        "slicer's settings in its comments, or from the defaults of the firmware.",
+        why="The printing time depends on them, above all with many short moves.",
+        remedy="Let the slicer write the limits (M201, M203, M204, M205, or SET_VELOCITY_LIMIT), or write them at the "
+        "top of the program.",
+    ),
+    Code(
         code="GS230",
         severity=Severity.ERROR,
         title="Joint effort at its limit",

@@ -131,10 +131,26 @@ CODES: tuple[Code, ...] = (
         code="GS016",
         severity=Severity.ERROR,
         title="A program for another kind of machine",
-        what="The file has words of a 3D printer, of a lathe, of Heidenhain's Klartext or of a Sinumerik, and none of "
-        "the dialects reads those.",
+        what="The file has words of a 3D printer, of a lathe, of Heidenhain's Klartext or of a Sinumerik, and the "
+        "dialect does not read those.",
         why="Read as the program of a mill it would be full of errors, or run and mean something else.",
         remedy="Let the post-processor write for one of the controls that `gcodesim list dialects` shows.",
+    ),
+    Code(
+        code="GS017",
+        severity=Severity.WARNING,
+        title="Checksum does not fit its line",
+        what="The number behind the asterisk is not the exclusive or of the bytes before it.",
+        why="A printer asks its sender for such a line again, for ever if the file is wrong; the line may be damaged.",
+        remedy="Write the file anew, or without checksums: senders add their own.",
+    ),
+    Code(
+        code="GS018",
+        severity=Severity.ERROR,
+        title="Line without a command",
+        what="The line has words, but no command before them.",
+        why="Controls of mills go on with the last G code; most printers do not, and pass over the line.",
+        remedy="Write the command in each line: G1 X10 and not X10.",
     ),
     Code(
         code="GS020",

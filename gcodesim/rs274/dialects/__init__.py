@@ -9,7 +9,10 @@ DIALECTS = Family(
     called="name",
     fanuc="gcodesim.rs274.dialects.fanuc:FANUC",
     grbl="gcodesim.rs274.dialects.grbl:GRBL",
+    klipper="gcodesim.rs274.dialects.marlin:KLIPPER",
     linuxcnc="gcodesim.rs274.dialects.linuxcnc:LINUXCNC",
+    marlin="gcodesim.rs274.dialects.marlin:MARLIN",
+    reprapfirmware="gcodesim.rs274.dialects.marlin:REPRAPFIRMWARE",
     rs274="gcodesim.rs274.dialects.rs274:RS274",
 )
 

@@ -1,4 +1,4 @@
-"""Languages of controls that no dialect here reads: what to say to those who bring a program in one of them."""
+"""Languages of other kinds of controls: what to say to those who bring a program in one of them."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from typing import Final
 
 FOREIGN: Final = {
     "printer": (
-        "this is a program for the control of a 3D printer (`{word}`): no dialect here reads it yet",
-        "simulate programs of mills and routers; beads are made by an `extruder` that M-codes of the cell switch",
+        "this is a program for the control of a 3D printer (`{word}`), not for this dialect",
+        "take the dialect `marlin`, `klipper` or `reprapfirmware`: `--dialect marlin`, or `dialect:` in the cell",
     ),
     "Klartext": (
         "this is Heidenhain's Klartext (`{word}`): no dialect here reads it",

@@ -36,8 +36,8 @@ RULES: tuple[type[Watch], ...] = (
 class Watches:
     """The rules of one run."""
 
-    def __init__(self) -> None:
-        self._rules = [rule() for rule in RULES]
+    def __init__(self, rules: tuple[type[Watch], ...] = RULES) -> None:
+        self._rules = [rule() for rule in rules]
         self._seeing = [rule for rule in self._rules if type(rule).event is not Watch.event]
 
     def block(self, words: Words, control: Control) -> None:

@@ -1,0 +1,42 @@
+"""Comments in which slicers say what they print: layers, features, sizes of beads.
+
+PrusaSlicer, OrcaSlicer: `;LAYER_CHANGE`, `;TYPE:`, `;WIDTH:`, `;HEIGHT:`. BambuStudio: `; CHANGE_LAYER`,
+`; FEATURE:`, `; LINE_WIDTH:`, `; LAYER_HEIGHT:`. Cura: `;LAYER:0`, `;TYPE:`. Simplify3D: `; layer 1, Z = 0.2`,
+`; feature`. KISSlicer and ideaMaker use `;LAYER` and `;TYPE` in the same forms.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+from gcodesim.rs274.marlin.printer import Printer
+from gcodesim.units import MM
+
+_LAYER: Final = re.compile(r"(?:LAYER|layer)[: ] ?(-?[0-9]+)\b")
+_CHANGE: Final = re.compile(r"LAYER_CHANGE|CHANGE_LAYER")
+_FEATURE: Final = re.compile(r"(?:TYPE|FEATURE|feature)[: ] ?(.*)")
+_SIZE: Final = re.compile(r"(WIDTH|LINE_WIDTH|HEIGHT|LAYER_HEIGHT) ?: ?([0-9]+\.?[0-9]*|\.[0-9]+)")
+
+
+def take_comment(note: str, printer: Printer) -> bool:
+    """Take over what a comment (without its semicolon) says; whether the section has changed."""
+    text = note.strip()
+    before = printer.section
+    if found := _FEATURE.match(text):
+        printer.section = before._replace(feature=found[1].strip())
+    elif found := _SIZE.match(text):
+        size = float(found[2]) * MM
+        printer.section = before._replace(width=size) if "WIDTH" in found[1] else before._replace(height=size)
+    elif _CHANGE.match(text):
+        _next_layer(printer)
+    elif (found := _LAYER.match(text)) and not printer.said_layers:
+        _next_layer(printer, said=False)
+    return printer.section != before
+
+
+def _next_layer(printer: Printer, said: bool = True) -> None:
+    """A layer begins; where a slicer writes both forms, `LAYER_CHANGE` counts."""
+    printer.said_layers = printer.said_layers or said
+    printer.layers += 1
+    printer.section = printer.section._replace(layer=printer.layers)

@@ -1,0 +1,195 @@
+"""Running a printer's program line by line."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+from gcodesim import canon
+from gcodesim.canon.printing import MotionLimits
+from gcodesim.diagnostics import Diagnostic, Span
+from gcodesim.rs274.fault import Fault
+from gcodesim.rs274.marlin.codes import CODES
+from gcodesim.rs274.marlin.comments import take_comment
+from gcodesim.rs274.marlin.lanes import PrinterLanes
+from gcodesim.rs274.marlin.limits import first_limits, first_retraction
+from gcodesim.rs274.marlin.line import Line, line_of
+from gcodesim.rs274.marlin.macros import MACROS
+from gcodesim.rs274.marlin.moves import MOVES
+from gcodesim.rs274.marlin.printer import Printer
+from gcodesim.rs274.program_file import ProgramFile
+from gcodesim.rs274.run import MOST_NOTES, Executor, Run
+from gcodesim.rs274.settings import MappedAction
+from gcodesim.rs274.state import Vector
+from gcodesim.rs274.tool_table import ToolEntry
+from gcodesim.rs274.watch import Watches
+
+_KNOWN_G: Final = frozenset((12, 26, 27, 29, 30, 31, 32, 33, 34, 35, 42, 53, 60, 61, 76, 80, 425))
+"""G codes that are read and not simulated; all others move, so that what follows would be wrong."""
+
+
+class PrinterExecutor(Executor):
+    """One execution of a run of a printer's program: nothing turns, so that no rule of mills applies."""
+
+    def __init__(self, run: Run) -> None:
+        super().__init__(run)
+        self.settings = self.control.settings = replace(run.settings, loaded_tool=0)
+        self.watches = Watches(())
+        limits, self.source_of_limits = first_limits(self.dialect.name, run.source)
+        self.printer = Printer(limits=limits)
+        if (retraction := first_retraction(run.source)) is not None:
+            length, feed = retraction
+            self.printer.retraction, self.printer.recovery = (length, feed, 0.0), (0.0, feed)
+        self.e_follows_distance = self.dialect.name == "marlin"
+        self.counts_minutes = self.dialect.name == "reprapfirmware"
+        self.diameters: dict[int, float] = {}
+        tools = self.control.tools
+        self._first_number = 1 if tools and 0 not in tools else 0
+        self.lanes = PrinterLanes(self)  # type: ignore[assignment]
+        self._limited = False
+        self._mounted = -1
+
+    def _initial_path_control(self) -> None:
+        super()._initial_path_control()
+        control = self.control
+        control.out.append(canon.PlannerLimits(span=control.span, limits=self.printer.limits))
+        loaded = self.run.settings.loaded_tool
+        known = [number for number in (loaded, 0, min(control.tools, default=0)) if number in control.tools]
+        if known:
+            self.printer.tool = known[0] - self._first_number
+            self._put_in(known[0])
+
+    def _line(self, file: ProgramFile, index: int, text: str) -> None:
+        control = self.control
+        control.span = Span.of_line(file.name, index + 1, text)
+        control.block_number = self.blocks
+        try:
+            line = line_of(text)
+            if line.note and not line.name and not line.values and take_comment(line.note, self.printer):
+                control.out.append(canon.SectionStart(span=control.span, section=self.printer.section))
+            self._check_sum(line)
+            if line.name or line.values:
+                self._do(line)
+        except Fault as fault:
+            control.out.clear()
+            self._fault(fault, file, index, text, None)
+        except (OverflowError, RecursionError):
+            self._fault(Fault("GS123", "a value is too large to be computed with"), file, index, text, None)
+        if len(control.notes) > MOST_NOTES:
+            self._hand_over_notes()
+
+    def _check_sum(self, line: Line) -> None:
+        if line.checksum is not None and line.checksum[0] != line.checksum[1]:
+            said, counted = line.checksum
+            self.control.warn("GS017", f"the checksum is {said}; the line has {counted}", "a control asks for it again")
+
+    def _do(self, line: Line) -> None:
+        name = line.name
+        if not name:
+            letter = next(iter(line.values))
+            raise Fault(
+                "GS018",
+                f"the line begins with {letter.upper()}, but with no command",
+                at=line.places[letter],
+                hint="a printer's control remembers no G code: write G1 in each line",
+            )
+        if line.is_macro:
+            self._macro(line)
+        elif name in MOVES:
+            MOVES[name](self, line)
+        elif self._mapped(line):
+            pass
+        elif name in CODES:
+            CODES[name](self, line)
+        elif name[0] == "T":
+            self.choose_tool(int(name[1:].partition(".")[0]), line)
+        elif name[0] == "G" and (("." in name) or int(name[1:]) not in _KNOWN_G):
+            raise Fault(
+                "GS012",
+                f"{name} is not simulated for printers, so the places after it would be wrong",
+                at=line.place,
+                hint="let the slicer write G0 to G3",
+            )
+        else:
+            self.skip(name, line)
+
+    def _macro(self, line: Line) -> None:
+        if line.name in MACROS:
+            MACROS[line.name](self, line)
+        else:
+            self.skip(f"macro {line.name}", line)
+
+    def _mapped(self, line: Line) -> bool:
+        """Whether the cell gives an M code a meaning, which is then carried out."""
+        if line.name[0] != "M":
+            return False
+        p = line.get("p")
+        codes = self.settings.m_codes
+        action: MappedAction | None = codes.get(line.name)
+        if p is not None and p.is_integer():
+            action = codes.get(f"{line.name} P{int(p)}", action)
+        if action is None:
+            return False
+        self.control.out.append(
+            canon.Action(
+                span=self.control.span,
+                m=int(line.name[1:].partition(".")[0]),
+                p=p,
+                q=line.get("q"),
+                target=action.target,
+                verb=action.verb,
+            )
+        )
+        return True
+
+    # -- what commands do
+
+    def skip(self, word: str, line: Line) -> None:
+        """Count a command that is read and not simulated."""
+        self.control.skip(word, line.place)
+
+    def limit(self, limits: MotionLimits) -> None:
+        """Put limits of the planner in force."""
+        self._limited = True
+        if limits != self.printer.limits:
+            self.printer.limits = limits
+            self.control.out.append(canon.PlannerLimits(span=self.control.span, limits=limits))
+
+    def choose_tool(self, index: int, line: Line) -> None:
+        """T: another nozzle; T0 is tool 0 of the cell, or its tool 1 where it counts from 1."""
+        number = index + self._first_number
+        if self.settings.has_cell and number not in self.control.tools:
+            self.control.tool_entry(number, "t")
+        self.printer.tool = index
+        if number != self._mounted:
+            self._put_in(number)
+
+    def _put_in(self, number: int) -> None:
+        control = self.control
+        control.spindle_tool = control.tools.get(number, ToolEntry(number=number))
+        control.state.tool = self._mounted = number
+        control.out.append(canon.ToolNumber(span=control.span, tool=number))
+        x, y, z, *rest = control.from_si(control.spindle_tool.offset)
+        dx, dy, dz, *_ = self.printer.offset_of(self.printer.tool)
+        offset: Vector = (x - dx, y - dy, z - dz, *rest)  # type: ignore[assignment]
+        if offset != control.state.tool_offset:
+            axes = control.axes()
+            control.state.tool_offset = offset
+            control.stay_at(axes)
+            control.say_tool_offset()
+
+    def _finish(self) -> None:
+        control = self.control
+        if not self._limited and control.finished and self.run.failed is None:
+            limits = self.printer.limits
+            self.run.findings.add(
+                Diagnostic(
+                    code="GS210",
+                    span=Span(self.file.name),
+                    message=f"limits of the planner are {self.source_of_limits}: {limits.printing * 1e3:g} mm/s² "
+                    "while printing",
+                    hint="M201, M203, M204 and M205 in the program say what the printer has",
+                )
+            )
+        control.span = Span(self.file.name)  # lines behind the end are no fault here
+        super()._finish()

@@ -1,0 +1,38 @@
+"""Which lines of a printer's program are read by themselves, and which thousands at a time."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from gcodesim.diagnostics.text import LONG
+
+if TYPE_CHECKING:
+    from gcodesim.rs274.marlin.executor import PrinterExecutor
+    from gcodesim.rs274.marlin.lane import PrinterLane
+
+_WORTH_COMPILING: Final = 1_000_000
+"""Bytes from which on compiling the lane, once for each version, takes little longer than doing without it."""
+
+
+class PrinterLanes:
+    """The compiled lane of one run, opened where the program is long enough."""
+
+    def __init__(self, do: PrinterExecutor) -> None:
+        self._do = do
+        self._lane: PrinterLane | None = None
+        size, choice = len(do.run.source.raw), do.run.settings.lane
+        self._wanted = {"grammar": False, "compiled": True}.get(choice, size >= LONG)
+        self._may_compile = choice == "compiled" or size >= _WORTH_COMPILING
+
+    def lane_at(self, block: int) -> PrinterLane | None:
+        """The compiled lane, when the line at hand may be tried in it."""
+        if not self._wanted:
+            return None
+        if self._lane is None:
+            from gcodesim.rs274.marlin.lane import PrinterLane, is_ready  # imports numpy, and perhaps the compiler
+
+            if not (self._may_compile or is_ready()):
+                self._wanted = False
+                return None
+            self._lane = PrinterLane(self._do)
+        return self._lane if self._lane.is_open() else None

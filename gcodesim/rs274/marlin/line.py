@@ -1,0 +1,113 @@
+"""One line of a printer's program as words: a command, its letters with their numbers, and its comment."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import Final
+
+from gcodesim.rs274.block import ColumnRange
+from gcodesim.rs274.fault import Fault
+
+_NUMBER: Final = r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)"
+_WORD: Final = re.compile(rf"[ \t]*(?:([A-Za-z])[ \t]*({_NUMBER})?|(\()|(\S))", re.ASCII)
+_LINE_NUMBER: Final = re.compile(r"[ \t]*[Nn][ \t]*-?[0-9]+[ \t]*")
+_CHECKSUM: Final = re.compile(r"[ \t]*\*[ \t]*([0-9]+)[ \t]*$")
+_COMMAND: Final = re.compile(r"[ \t]*([GMTDgmtd])[ \t]*([0-9]+)(?:\.([0-9]+))?", re.ASCII)
+_MACRO: Final = re.compile(r"[ \t]*([A-Za-z_][A-Za-z_][A-Za-z0-9_]*)", re.ASCII)
+_SETTING: Final = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)[ \t]*=[ \t]*(\"[^\"]*\"|\S*)", re.ASCII)
+
+# what stands behind these is text, not words
+_TEXTS: Final = frozenset(("M16", "M23", "M28", "M29", "M30", "M32", "M36", "M98", "M117", "M118", "M928", "M486"))
+
+
+@dataclass(slots=True)
+class Line:
+    """What a line says. `name` is the command, as G1, M104, T0 or START_PRINT; empty where it has none.
+
+    `values` has the number of each letter (None for the X of `G28 X`), `places` where it stands, `text` what
+    stands behind a command that takes text; `settings` the `NAME=value` of a macro in capitals.
+    """
+
+    name: str = ""
+    place: ColumnRange = (0, 0)
+    values: dict[str, float | None] = field(default_factory=dict)
+    places: dict[str, ColumnRange] = field(default_factory=dict)
+    text: str = ""
+    settings: dict[str, str] = field(default_factory=dict)
+    is_macro: bool = False
+    note: str = ""
+    number: bool = False
+    checksum: tuple[int, int] | None = None
+
+    def get(self, letter: str) -> float | None:
+        """The number of a letter; None where it is not there."""
+        return self.values.get(letter)
+
+    def has(self, letters: str) -> bool:
+        return any(letter in self.values for letter in letters)
+
+
+def line_of(text: str) -> Line:
+    """Read one line; a Fault where it is no line of such a program."""
+    line = Line()
+    code, _, line.note = text.partition(";")
+    if found := _CHECKSUM.search(code):
+        sent = code[: found.start() + found.group().index("*")]
+        line.checksum = (int(found[1]), _checksum(sent))
+        code = code[: found.start()]
+    at = 0
+    if found := _LINE_NUMBER.match(code):
+        line.number, at = True, found.end()
+    if not code[at:].strip():
+        return line
+    if found := _COMMAND.match(code, at):
+        line.place = (found.start(1), found.end())
+        line.name = f"{found[1].upper()}{int(found[2])}" + (f".{int(found[3])}" if found[3] and int(found[3]) else "")
+        if line.name in _TEXTS:
+            line.text = code[found.end() :].strip()
+        else:
+            _read_words(code, found.end(), line)
+        return line
+    if found := _MACRO.match(code, at):
+        line.name, line.place, line.is_macro = found[1].upper(), found.span(1), True
+        rest = code[found.end() :]
+        line.settings = {name.upper(): value.strip('"') for name, value in _SETTING.findall(rest)}
+        line.text = rest.strip()
+        return line
+    _read_words(code, at, line)
+    return line
+
+
+def _checksum(sent: str) -> int:
+    """Exclusive or of all bytes before the asterisk, as senders count it."""
+    total = 0
+    for byte in sent.encode("utf-8", "replace"):
+        total ^= byte
+    return total
+
+
+def _read_words(code: str, at: int, line: Line) -> None:
+    stop = len(code.rstrip())
+    while at < stop:
+        found = _WORD.match(code, at)
+        assert found is not None
+        if found[3]:  # a comment in brackets
+            closed = code.find(")", at)
+            at = stop if closed < 0 else closed + 1
+            continue
+        if found[4]:
+            place = found.span(4)
+            raise Fault(
+                "GS001",
+                f"`{found[4]}` is no word of a printer's program",
+                at=place,
+                hint="a word is a letter and a number",
+            )
+        letter = found[1].lower()
+        place = (found.start(1), found.end())
+        if letter in line.values:
+            raise Fault("GS004", f"the letter {found[1].upper()} stands twice in this line", at=place)
+        line.values[letter] = None if found[2] is None else float(found[2])
+        line.places[letter] = place
+        at = found.end()
