@@ -11,7 +11,8 @@ import numpy as np
 
 from gcodesim.material import Stock
 from gcodesim.material.axis_way import AxisWay, Helix, along_helix, joined, straight
-from gcodesim.material.solid_of_revolution import OutlineArc, slabs_of_outline
+from gcodesim.material.solid_of_revolution import slabs_of_outline
+from gcodesim.solids.turned import OutlineArc
 from gcodesim.units import MM, MM3
 
 CASES = Path(__file__).parent / "data" / "removal" / "cases.json"

@@ -172,12 +172,28 @@ def all_keys(cls: type) -> dict[str, Key]:
 def fill_derived(instance: Any) -> None:
     """Give each value that is absent and follows from others what its rule says.
 
-    The reader does it; a class that is also made in Python calls it from `__post_init__`.
+    The reader does it; a class that is also made in Python calls it from `__post_init__`. A value may follow from one
+    that is derived itself, in whatever order they stand.
     """
     cls: type = type(instance)
-    for item, declared in _declared(cls):
-        if declared.derive is not None and getattr(instance, item.name) is None:
-            object.__setattr__(instance, item.name, declared.derive(instance))
+    rules = {item.name: declared.derive for item, declared in _declared(cls) if declared.derive is not None}
+    absent = [name for name in rules if getattr(instance, name) is None]
+    while absent:
+        waiting = [name for name in absent if not _filled(instance, name, rules[name])]
+        if len(waiting) == len(absent):
+            rules[absent[0]](instance)  # says what is wrong with the rule
+            return
+        absent = waiting
+
+
+def _filled(instance: Any, name: str, rule: Callable[[Any], Any]) -> bool:
+    """Derive one value, unless it follows from one that is still absent."""
+    try:
+        value = rule(instance)
+    except TypeError:  # nothing can be reckoned with a value that is absent
+        return False
+    object.__setattr__(instance, name, value)
+    return value is not None
 
 
 def written(value: Any) -> Iterator[tuple[str, Kind, Any]]:

@@ -166,6 +166,13 @@ def sweep(stock: Stock, way: AxisWay, slabs: Array, fields: Iterable[int]) -> Ar
     return taken * (removed / total) if total > 0.0 else taken
 
 
+def volume_near(stock: Stock, room: tuple[Array, Array]) -> float:
+    """Volume [m³] that changes as that of the stock does by changes inside of `room`, two corners (3,)."""
+    nodes = nodes_of(stock)
+    low, high = room
+    return meshed_volume(stock, nodes, span_around(nodes, low, high), 0.5 * (low + high))
+
+
 def sweep_room(way: AxisWay, slabs: Array) -> tuple[Array, Array]:
     """The lowest and the highest corner (3,) [m] of a box around all that a body sweeps."""
     widest = float(slabs[:, 5].max())

@@ -9,10 +9,14 @@ from numpy.typing import NDArray
 
 from gcodesim.arithmetic.elementary import cos, sin, tan
 from gcodesim.material.sweep_kernels import BALL, BULL_NOSE, CONE, CYLINDER, Shape
+from gcodesim.solids.turned import Outline, OutlineArc, end_of, steps_of
 
 Array = NDArray[np.float64]
 
 _FACETS = 24
+
+_CLOSE = 1e-9
+"""[m]"""
 
 
 def _shape(kind: float, radius: float, corner: float, flat: float, rise: float, bottom: float, top: float) -> Shape:
@@ -54,6 +58,40 @@ def cone(diameter: float, point_angle: float, length: float, tip_diameter: float
     rise = 1.0 / tan(point_angle / 2.0)
     height = (diameter - tip_diameter) / 2.0 * rise
     return _shape(CONE, diameter / 2.0, 0.0, tip_diameter / 2.0, rise, 0.0, max(length, height))
+
+
+def shape_of_outline(outline: Outline) -> Shape | None:
+    """The shape whose cutting part `outline` is, None where no shape is like it; ValueError: it does not begin at 0."""
+    pieces = [piece for start, piece in steps_of(outline) if not _same(start, end_of(piece))]
+    if not _same(end_of(outline[0]), (0.0, 0.0)):
+        raise ValueError("an outline that does not begin at the tip")
+    flat_radius = 0.0
+    if pieces and not isinstance(pieces[0], OutlineArc) and abs(end_of(pieces[0])[1]) <= _CLOSE:
+        flat_radius = end_of(pieces.pop(0))[0]
+    if pieces and _same(end_of(pieces[-1]), (0.0, end_of(pieces[-1])[1])) and len(pieces) > 1:
+        pieces.pop()  # the top, back to the axis
+    if not pieces or len(pieces) > 2:
+        return None
+    top = end_of(pieces[-1])[1]
+    if len(pieces) == 2 and (
+        isinstance(pieces[1], OutlineArc) or abs(end_of(pieces[1])[0] - end_of(pieces[0])[0]) > _CLOSE
+    ):
+        return None
+    first = pieces[0]
+    radius, height = end_of(first)
+    if isinstance(first, OutlineArc):
+        corner = first.radius
+        quarter = _same(first.centre, (flat_radius, corner)) and _same(first.to, (flat_radius + corner, corner))
+        return bull_nose(2.0 * radius, corner, top) if first.ccw and quarter else None
+    if abs(radius - flat_radius) <= _CLOSE and len(pieces) == 1:
+        return flat(2.0 * radius, top)
+    if radius < flat_radius - _CLOSE or height <= _CLOSE:
+        return None
+    return _shape(CONE, radius, 0.0, flat_radius, height / (radius - flat_radius), 0.0, top)
+
+
+def _same(one: tuple[float, float], other: tuple[float, float]) -> bool:
+    return abs(one[0] - other[0]) <= _CLOSE and abs(one[1] - other[1]) <= _CLOSE
 
 
 def profile(shape: Shape) -> tuple[Array, Array]:

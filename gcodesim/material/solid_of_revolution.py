@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from math import ceil, pi, sqrt
 from typing import Final
 
@@ -10,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.elementary import acos, atan2, cos_sin
-from gcodesim.frozen import frozen
 from gcodesim.material.sweep_kernels import BALL, BULL_NOSE, CONE, Shape
+from gcodesim.solids.turned import Outline, OutlineArc
 
 Array = NDArray[np.float64]
 
@@ -22,19 +21,6 @@ FACET_SHARE: Final = 0.01
 """Share of a cell that a facet of a rounded corner may lie inside of its arc."""
 
 _THINNEST: Final = 1.0e-12
-
-
-@frozen
-class OutlineArc:
-    """A piece of an outline to (r, h) about a centre (r, h) [m]; `ccw` as seen with r to the right and h up."""
-
-    to: tuple[float, float]
-    centre: tuple[float, float]
-    ccw: bool
-
-
-Outline = Sequence["tuple[float, float] | OutlineArc"]
-"""Points (r, h) [m] from the tip (0, 0) to the top, joined by lines or arcs; heights never fall."""
 
 
 def slabs_of_outline(outline: Outline, cell: float) -> Array:

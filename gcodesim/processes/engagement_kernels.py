@@ -44,7 +44,7 @@ SLICES = 16  # elements along the engaged part of one piece of the edge, at most
 LEAST_SLICES = 4  # of a cylinder, whose elements are SLICE_CELLS high between these two limits
 SLICE_CELLS = 2.0
 UPRIGHT = 1.0e-12  # cosine of kappa below which a straight piece is part of a cylinder
-ROWS = 4 * SLICES  # room for four pieces
+LEAST_PIECES = 4  # of an edge for which there is room
 
 # Columns of `Teeth.pieces`, the outline of an edge: see `Cutter.edge`.
 ARC, AT_R, AT_Z, KAPPA, KAPPA_END, LENGTH, FOOT, HEAD = 0, 1, 2, 3, 4, 5, 6, 7
@@ -86,8 +86,8 @@ class Heading(NamedTuple):
 class Room(NamedTuple):
     """Room to work in, made once for each cutter.
 
-    rows (ROWS, COLUMNS) of the edge; of each the share of it that is in material, weights (ROWS, ANGLES), and the
-    force (4, ROWS, ANGLES) on one tooth along u, l, z [N] and its torque [N·m], within FROM..TO; sums (SUMS, ANGLES)
+    rows (n, COLUMNS) of the edge; of each the share of it that is in material, weights (n, ANGLES), and the
+    force (4, n, ANGLES) on one tooth along u, l, z [N] and its torque [N·m], within FROM..TO; sums (SUMS, ANGLES)
     over rows; unit (3, ANGLES): force per width; line, share and places (ANGLES,): what is asked of the stock; turning
     (4, 3 ANGLES + 1): force and torque of one tooth over its angle at the tip, twice, then those of all teeth.
     """
@@ -123,13 +123,13 @@ def lay_rows(pieces: Array, piece: int, height: float, cell: float, rows: Array)
             rows[i, EDGE_WIDTH] = radius * step
             rows[i, LOW] = pieces[piece, AT_Z] - radius * cos(a)
             rows[i, HIGH] = pieces[piece, AT_Z] - radius * cos(a + step)
-            rows[i, OUTER] = pieces[piece, AT_R] + radius * sin(a + step)
+            rows[i, OUTER] = pieces[piece, AT_R] + radius * max(sin(a), sin(a + step))  # undercut: the lower end
         return SLICES
     sine, cosine = sin(kappa0), cos(kappa0)
     if z1 > height:
         length = (height - z0) / sine
     number = SLICES
-    if cosine < UPRIGHT:  # all at one radius, so that only their number over the height matters
+    if abs(cosine) < UPRIGHT:  # all at one radius, so that only their number over the height matters
         number = min(max(int(np.ceil(length / (SLICE_CELLS * cell))), LEAST_SLICES), SLICES)
     step = length / number
     for i in range(number):
@@ -138,7 +138,7 @@ def lay_rows(pieces: Array, piece: int, height: float, cell: float, rows: Array)
         rows[i, SIN_KAPPA], rows[i, COS_KAPPA] = sine, cosine
         rows[i, EDGE_WIDTH] = step
         rows[i, LOW], rows[i, HIGH] = z0 + i * step * sine, z0 + (i + 1) * step * sine
-        rows[i, OUTER] = rows[i, RADIUS] + 0.5 * step * cosine
+        rows[i, OUTER] = rows[i, RADIUS] + 0.5 * step * abs(cosine)
     return number
 
 

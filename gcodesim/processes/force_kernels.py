@@ -226,7 +226,7 @@ def cutting_force(
         if most_advance <= LEAST_ADVANCE:
             continue  # there is no angle at which this piece advances: a flat bottom in a level cut
         straight = pieces[piece, ARC] == 0.0
-        if straight and rows[first, COS_KAPPA] < UPRIGHT:
+        if straight and abs(rows[first, COS_KAPPA]) < UPRIGHT:
             touched = contact_of_cylinder(field, teeth.circle, tip, heading, room, first, number)
         else:
             touched = contact_of_rows(field, teeth.circle, tip, heading, room, first, number, last)

@@ -16,7 +16,9 @@ from gcodesim.processes.window import Window
 
 if TYPE_CHECKING:
     from gcodesim.material.stock import Stock
+    from gcodesim.processes.milling import Milling
     from gcodesim.processes.milling_kernels import MillingTool, Motion
+    from gcodesim.processes.window import ProcessState
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -109,7 +111,9 @@ def cut_leaning(
     if not pieces:
         return out
     piece_part = np.repeat(np.arange(parts), np.diff(motion.first_piece))
-    bodies = [slabs_of_shape(shape, stock.cell) for shape in (tool.cutter, tool.shank, tool.holder) if shape.radius > 0]
+    cutter = slabs_of_cutter(tool, stock.cell)
+    others = [slabs_of_shape(shape, stock.cell) for shape in (tool.shank, tool.holder) if shape.radius > 0]
+    bodies = [cutter, *others]
     begin = 0
     if state.numbers[m.FREEDOM] != m.FREE:
         begins = AxisWay(way.starts, way.starts, way.axes_start, way.axes_start)
@@ -124,7 +128,7 @@ def cut_leaning(
     where = piece_part[begin:]
     if not len(where):
         return out
-    np.add.at(out[:, m.REMOVED], where, stock.sweep(cut, slabs_of_shape(tool.cutter, stock.cell)))
+    np.add.at(out[:, m.REMOVED], where, stock.sweep(cut, cutter))
     for column, shape in ((m.SHANK, tool.shank), (m.HOLDER, tool.holder)):
         if shape.radius > 0.0:
             ends = AxisWay(cut.ends, cut.ends, cut.axes_end, cut.axes_end)
@@ -138,13 +142,42 @@ def cut_leaning(
     return out
 
 
-def follow_upright(stock: Stock, tool: MillingTool, motion: Motion, before: Array, out: Array, volume: float) -> None:
-    """Cut the columns across like those along Z, which `mill` has cut in parts (m,) of an upright tool.
-
-    `before` (3,): its bend [m] at the beginning; `volume` [m³] of the stock then. What was removed is shared out anew,
-    so that its sum is what the volume of the stock has fallen by.
-    """
+def slabs_of_cutter(tool: MillingTool, cell: float) -> Array:
+    """The cutting part as slabs (m, 6) for stock with cells of the size `cell` [m]."""
     from gcodesim.material.solid_of_revolution import slabs_of_shape
+
+    return tool.slabs if len(tool.slabs) else slabs_of_shape(tool.cutter, cell)
+
+
+def cut_in_three(process: Milling, stock: Stock, motion: Motion, state: ProcessState) -> Array:
+    """Cut parts of an upright tool in stock with columns in three directions, which it gets if it has none.
+
+    `mill` cuts those along Z, and those across follow. What was removed is shared out anew, so that its sum is what the
+    volume of the stock has fallen by.
+    """
+    from gcodesim.material.lattice import ensure_lattice, sweep_room, volume_near
+    from gcodesim.processes import milling_kernels as m
+
+    if not len(motion.starts):
+        return process.run_packed(stock, motion, state)
+    ensure_lattice(stock)
+    cutter, before = slabs_of_cutter(process.packed_tool, stock.cell), bend_of(state.values)
+    low, high = sweep_room(upright(motion.starts, motion.ends), cutter)
+    room = None
+    if not len(motion.compliance):  # then nothing bends, and only the columns nearby change
+        room = (low - stock.cell, high + stock.cell)
+    volume = stock.volume if room is None else volume_near(stock, room)
+    out = process.run_packed(stock, motion, state)
+    _follow(stock, cutter, motion, before, out)
+    removed = volume - (stock.volume if room is None else volume_near(stock, room))
+    total = float(out[:, m.REMOVED].sum())
+    if total > 0.0:
+        out[:, m.REMOVED] *= max(removed, 0.0) / total
+    return out
+
+
+def _follow(stock: Stock, cutter: Array, motion: Motion, before: Array, out: Array) -> None:
+    """Cut the columns across like those along Z; `before` (3,) is the bend [m] of the tool at the beginning."""
     from gcodesim.processes import milling_kernels as m
 
     pieces = np.diff(motion.first_piece)
@@ -157,7 +190,4 @@ def follow_upright(stock: Stock, tool: MillingTool, motion: Motion, before: Arra
     starts = motion.starts + early[part] + share[:, :1] * bend
     ends = motion.ends + early[part] + share[:, 1:] * bend
     cuts = out[part, m.INSIDE] == 0.0
-    stock.follow(upright(starts[cuts], ends[cuts]), slabs_of_shape(tool.cutter, stock.cell))
-    total = float(out[:, m.REMOVED].sum())
-    if total > 0.0:
-        out[:, m.REMOVED] *= max(volume - stock.volume, 0.0) / total
+    stock.follow(upright(starts[cuts], ends[cuts]), cutter)

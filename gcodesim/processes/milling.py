@@ -19,7 +19,7 @@ from gcodesim.arithmetic.matrices import applied
 from gcodesim.frozen import frozen
 from gcodesim.processes.column import ENGAGED, FINDINGS, LOG, POWER, REMOVED, RESULTS, TORQUE, Column, Shown
 from gcodesim.processes.laws import Law
-from gcodesim.processes.leaning import Leaning, bend_of, cut_leaning, follow_upright, part_of
+from gcodesim.processes.leaning import Leaning, cut_in_three, cut_leaning, part_of
 from gcodesim.processes.misuse import cutter_findings
 from gcodesim.processes.protocol import Process
 from gcodesim.processes.rows import Rows
@@ -40,6 +40,9 @@ if TYPE_CHECKING:
     from gcodesim.processes.milling_kernels import MillingTool, Motion
 
 Array = NDArray[np.float64]
+
+FORM_CELL = 0.01
+"""Diameters of the cell for which arcs of a form cutter become facets: they then lie within a 10,000th of it."""
 
 
 @frozen(slots=False, eq=False)
@@ -111,7 +114,8 @@ class Milling(Process):
 
     def run_parts(self, stock: Stock, motion: Motion, leaning: Leaning, state: ProcessState) -> Array:
         """The same on m parts of steps in the form that kernels take, for loops of single steps; out (m, OUTPUTS)."""
-        if not leaning.parts.any() and stock.columns_along == 1:
+        form = len(self.packed_tool.slabs) > 0
+        if not form and not leaning.parts.any() and stock.columns_along == 1:
             return self.run_packed(stock, motion, state)
         outs = []
         for a, b, leans in leaning.runs():
@@ -119,12 +123,10 @@ class Milling(Process):
             if leans:
                 axes = leaning.axes(int(motion.first_piece[a]), int(motion.first_piece[b]))
                 outs.append(cut_leaning(stock, self.packed_tool, part, axes, state.values, feels=self.law is not None))
-            elif stock.columns_along == 1:
+            elif stock.columns_along == 1 and not form:
                 outs.append(self.run_packed(stock, part, state))
             else:
-                volume, bend = stock.volume, bend_of(state.values)
-                outs.append(self.run_packed(stock, part, state))
-                follow_upright(stock, self.packed_tool, part, bend, outs[-1], volume)
+                outs.append(cut_in_three(self, stock, part, state))
         return np.concatenate(outs)
 
     def run_packed(self, stock: Stock, motion: Motion, state: ProcessState) -> Array:
@@ -192,6 +194,7 @@ class Milling(Process):
     @cached_property
     def packed_tool(self) -> MillingTool:
         """Cutter and law as the kernel takes them."""
+        from gcodesim.material.solid_of_revolution import slabs_of_outline
         from gcodesim.material.sweep_kernels import CYLINDER, Shape
         from gcodesim.processes.milling_kernels import CLEARANCE, MillingTool
 
@@ -201,11 +204,13 @@ class Milling(Process):
             return shape._replace(radius=shape.radius - CLEARANCE, flat=shape.flat - CLEARANCE)
 
         cutter = self.cutter
+        form = cutter.form
         return MillingTool(
             teeth=self._teeth,
             cutter=cutter.cutting_shape,
             shank=thinner(cutter.shank_shape),
             holder=thinner(cutter.holder_shape),
+            slabs=np.zeros((0, 6)) if form is None else slabs_of_outline(form, FORM_CELL * cutter.diameter),
         )
 
     @property
@@ -233,13 +238,14 @@ class Milling(Process):
     @cached_property
     def _room(self) -> Room:
         from gcodesim.material.kernels import Places
-        from gcodesim.processes.engagement_kernels import ANGLES, COLUMNS, ROWS, Room
+        from gcodesim.processes.engagement_kernels import ANGLES, COLUMNS, LEAST_PIECES, SLICES, Room
         from gcodesim.processes.force_kernels import SUMS
 
+        rows = SLICES * max(LEAST_PIECES, len(self.cutter.edge))
         return Room(
-            rows=np.zeros((ROWS, COLUMNS)),
-            weights=np.zeros((ROWS, ANGLES)),
-            force=np.zeros((4, ROWS, ANGLES)),
+            rows=np.zeros((rows, COLUMNS)),
+            weights=np.zeros((rows, ANGLES)),
+            force=np.zeros((4, rows, ANGLES)),
             sums=np.zeros((SUMS, ANGLES)),
             unit=np.zeros((3, ANGLES)),
             line=np.zeros(ANGLES),

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.compiled import kernel
+from gcodesim.material.form_kernels import remove_form, touch_form
 from gcodesim.material.kernels import (
     Field,
     Shape,
@@ -91,12 +92,16 @@ RELAX_LEAST, RELAX_MOST = 0.01, 1.0
 
 
 class MillingTool(NamedTuple):
-    """A cutter: its edges, and its parts that fill room; of a part that is missing the radius is 0."""
+    """A cutter: its edges, and its parts that fill room; of a part that is missing the radius is 0.
+
+    Where `cutter` is only the cylinder around a form, `slabs` (m, 6) are the form; else there are none.
+    """
 
     teeth: Teeth
     cutter: Shape
     shank: Shape
     holder: Shape
+    slabs: Array
 
 
 class Motion(NamedTuple):
@@ -350,6 +355,14 @@ def find_way(motion: Motion, k: int, state: State, way: Way) -> bool:
 
 
 @kernel(lean=True, inlined=True)
+def touch_cutter(field: Field, start: Array, end: Array, tool: MillingTool) -> tuple[float, float]:
+    """What the cutting part would run through from `start` to `end`: volume [m³] and depth [m]; none is removed."""
+    if tool.slabs.shape[0] > 0:
+        return touch_form(field, start, end, tool.slabs)
+    return touch_piece(field, start, end, tool.cutter)
+
+
+@kernel(lean=True, inlined=True)
 def depth_of(field: Field, start: Array, end: Array, shape: Shape) -> float:
     """How deep [m] a part of the tool is in material from `start` to `end`; 0 for a missing part."""
     return touch_piece(field, start, end, shape)[1] if shape.radius > 0.0 else 0.0
@@ -374,7 +387,7 @@ def point_feed(motion: Motion, k: int, state: State) -> tuple[float, float, floa
 
 
 @kernel(lean=True, inlined=True)
-def may_feel(field: Field, cutter: Shape, way: Way, state: State) -> bool:
+def may_feel(field: Field, tool: MillingTool, way: Way, state: State) -> bool:
     """Whether a tool at feed may feel material: it cuts, leans on it, or runs through some in this step."""
     cell = coarsest(field)
     if state.numbers[CREDIT] > 0.0 or bend(state) >= SMALL_BEND * cell:
@@ -382,7 +395,7 @@ def may_feel(field: Field, cutter: Shape, way: Way, state: State) -> bool:
     for axis in range(3):
         way.start[axis] = way.before[axis] + state.delta[axis]
         way.end[axis] = way.after[axis] + state.delta[axis]
-    shared, _ = touch_piece(field, way.start, way.end, cutter)
+    shared, _ = touch_cutter(field, way.start, way.end, tool)
     if shared > LEAST_VOLUME:
         state.numbers[CREDIT] = CREDIT_CELLS * cell
         return True
@@ -406,7 +419,7 @@ def feel(
     if speed <= LEAST_SPEED:
         turning_in = turning_in and numbers[CUTTING] > 0.0
     elif turning_in:
-        turning_in = may_feel(field, tool.cutter, way, state)
+        turning_in = may_feel(field, tool, way, state)
     rigid = motion.compliance.shape[0] == 0
     if rigid or level == 0.0 or numbers[CUTTING] == 0.0 or (heading[0] == 0.0 and heading[1] == 0.0):
         heading[0], heading[1] = state.feed[0], state.feed[1]
@@ -463,7 +476,10 @@ def cut(
             old, new = state.before[axis], state.delta[axis]
             start[axis] = motion.starts[piece, axis] + old + a * (new - old)
             end[axis] = motion.ends[piece, axis] + old + b * (new - old)
-        volume, ok = remove_piece(field, start, end, tool.cutter, spare)
+        if tool.slabs.shape[0] > 0:
+            volume, ok = remove_form(field, start, end, tool.slabs)
+        else:
+            volume, ok = remove_piece(field, start, end, tool.cutter, spare)
         out[REMOVED] += volume
         if not ok:
             state.numbers[STEP], state.numbers[PIECE] = k + 1.0, float(piece)
@@ -504,7 +520,7 @@ def is_tilted(motion: Motion, k: int) -> bool:
 @kernel(lean=True, inlined=True)
 def is_free(field: Field, tool: MillingTool, tip: Array) -> bool:
     """Whether no part is in material: a long tool may go through the stock with its edges below it."""
-    deepest = max(depth_of(field, tip, tip, tool.cutter), 0.0)
+    deepest = max(touch_cutter(field, tip, tip, tool)[1], 0.0)
     deepest = max(deepest, depth_of(field, tip, tip, tool.shank))
     deepest = max(deepest, depth_of(field, tip, tip, tool.holder))
     return deepest <= LEAST_TOUCH

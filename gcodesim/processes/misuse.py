@@ -35,7 +35,7 @@ def cutter_findings(rows: Rows) -> list[Diagnostic]:
     bound = rows["rapid_bound"] + _least(rows)
     # on its way out of a hole: the tool has been down there already
     rapid_cut = np.where(rows.retreat, 0.0, rows["rapid_cut"])
-    stopped = np.where(rows.retreat | rows.with_word(_PROBES), 0.0, rows["stopped_cut"])
+    stopped = np.where(rows.retreat | rows.with_word(_PROBES) | _never_turns(rows), 0.0, rows["stopped_cut"])
     backwards = np.where(rows.retreat | rows.with_word(_LEFT_TAPS), 0.0, rows["reversed_cut"])
     shank, holder, inside = rows["shank_depth"], rows["holder_depth"], rows["inside"]
     fault = (shank > 0.0) | (holder > 0.0) | (stopped > 0.0) | (backwards > 0.0)
@@ -77,6 +77,13 @@ def _least(rows: Rows) -> Array:
         if isinstance(tool, Cutter):
             least[rows.tool == number] = max(rows.grain, RUB * np.pi * tool.diameter * tool.flute_length)
     return least
+
+
+def _never_turns(rows: Rows) -> Flags:
+    """Rows (n,) with a tool that cuts without turning: a drag knife."""
+    still = [number for number, tool in rows.tools.items() if isinstance(tool, Cutter) and not tool.turns]
+    found: Flags = np.isin(rows.tool, still)
+    return found
 
 
 def _folded(found: list[Diagnostic]) -> list[Diagnostic]:

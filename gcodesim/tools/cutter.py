@@ -17,6 +17,7 @@ from gcodesim.units import DEG, MM
 
 if TYPE_CHECKING:
     from gcodesim.material.sweep_kernels import Shape
+    from gcodesim.solids.turned import Outline
 
 Array = NDArray[np.float64]
 
@@ -45,6 +46,8 @@ class Cutter(Tool):
 
     process: ClassVar[str] = "milling"
     center_cutting: ClassVar[bool] = True
+    turns: ClassVar[bool] = True
+    """Whether the spindle has to turn while it cuts."""
 
     diameter: float = key("length", "cutting diameter")
     flutes: int = key("count", "number of teeth", default=2)
@@ -77,7 +80,7 @@ class Cutter(Tool):
         kappa at start and end [rad], arc length, z at start and end [m]. kappa is the angle between the edge and
         the plane across the axis: 0 on a flat bottom, 90 degrees on the cylinder.
         """
-        return np.array(self._edge_pieces(), dtype=np.float64)
+        return np.array(self._edge_pieces(), dtype=np.float64).reshape(-1, 8)
 
     def _edge_pieces(self) -> list[tuple[float, ...]]:
         raise NotImplementedError
@@ -93,13 +96,23 @@ class Cutter(Tool):
         raise NotImplementedError
 
     @property
+    def form(self) -> Outline | None:
+        """The outline of a cutting part that no shape of the kernels holds, else None."""
+        return None
+
+    @property
+    def shank_diameter(self) -> float:
+        """Diameter between flutes and holder [m]."""
+        return self.diameter
+
+    @property
     def shank_shape(self) -> Shape | None:
         """The part between flutes and holder, None when there is none."""
         if self.length <= self.flute_length:
             return None
         from gcodesim.material.shape import cylinder as section
 
-        return section(self.diameter, self.flute_length, self.length)
+        return section(self.shank_diameter, self.flute_length, self.length)
 
     @property
     def holder_shape(self) -> Shape | None:
@@ -112,12 +125,16 @@ class Cutter(Tool):
 
     @property
     def primitives(self) -> tuple[Primitive, ...]:
-        """Tip bodies of the kind, then cutting cylinder, shank and holder."""
-        tip, start = self._tip_bodies()
-        bodies = [*tip, cylinder("cutting", self.radius, start, self.flute_length)]
+        """The cutting part, then shank and holder."""
+        bodies = self._cutting_bodies()
         if self.length > self.flute_length:
-            bodies.append(cylinder("shank", self.radius, self.flute_length, self.length))
+            bodies.append(cylinder("shank", 0.5 * self.shank_diameter, self.flute_length, self.length))
         return (*bodies, *self._holder_bodies())
+
+    def _cutting_bodies(self) -> list[Primitive]:
+        """Tip bodies of the kind, then the cutting cylinder."""
+        tip, start = self._tip_bodies()
+        return [*tip, cylinder("cutting", self.radius, start, self.flute_length)]
 
     def _tip_bodies(self) -> tuple[list[Primitive], float]:
         """Bodies below the cutting cylinder, and the height where the cylinder begins [m]."""

@@ -1,0 +1,56 @@
+"""Step drill: a drill that opens the mouth of its bore."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from gcodesim.arithmetic.elementary import tan
+from gcodesim.declarations.keys import key
+from gcodesim.frozen import frozen
+from gcodesim.solids.turned import Outline
+from gcodesim.tools.form_cutter import FormCutter
+from gcodesim.units import DEG, MM
+
+
+@frozen
+class StepDrill(FormCutter):
+    """A drill of `tip_diameter` for the first `step_length`, and of `diameter` above; the two cones cut."""
+
+    kind: ClassVar[str] = "step_drill"
+
+    tip_diameter: float = key("length", "diameter of the first step", example="5 mm")
+    step_length: float = key("length", "from the tip to where the second cone begins", example="12 mm")
+    point_angle: float = key("angle", "angle of the point, lip to lip", default=118.0 * DEG, rule="118 deg")
+    step_angle: float = key("angle", "included angle of the step", default=90.0 * DEG, rule="90 deg")
+
+    @property
+    def outline(self) -> Outline:
+        inner, R = 0.5 * self.tip_diameter, self.radius
+        point = inner / tan(0.5 * self.point_angle)
+        return [(0.0, 0.0), (inner, point), (inner, self.step_length), (R, self.tip_height), (R, self.flute_length)]
+
+    def _edge_pieces(self) -> list[tuple[float, ...]]:
+        pieces = FormCutter._edge_pieces(self)
+        return [pieces[0], pieces[2]]
+
+    @property
+    def edge_height(self) -> float:
+        return self.tip_height
+
+    @property
+    def tip_height(self) -> float:
+        return self.step_length + (self.radius - 0.5 * self.tip_diameter) / tan(0.5 * self.step_angle)
+
+    def problems(self) -> list[tuple[str, str]]:
+        for name, angle in (("point_angle", self.point_angle), ("step_angle", self.step_angle)):
+            if not 10.0 * DEG <= angle < 180.0 * DEG:
+                return [(name, f"`{name}` of {angle / DEG:g} deg is no cone; it is 10 to 179 deg")]
+        found = FormCutter.problems(self)
+        if not self.tip_diameter < self.diameter:
+            found.append(("tip_diameter", "`tip_diameter` has to be less than `diameter`"))
+        elif self.step_length <= 0.5 * self.tip_diameter / tan(0.5 * self.point_angle):
+            found.append(("step_length", f"`step_length` {self.step_length / MM:g} mm ends within the point"))
+        return found
+
+    def _positive(self) -> dict[str, float]:
+        return {"tip_diameter": self.tip_diameter, "step_length": self.step_length, **FormCutter._positive(self)}
