@@ -15,7 +15,7 @@ PITCH_DEPTH: Final = 0.649519
 
 
 @frozen
-class Tap(FormCutter):
+class ThreadTap(FormCutter):
     """A tap for a 60 degree thread: it takes a cylinder of the pitch diameter, as much as the thread, without force."""
 
     kind: ClassVar[str] = "tap"
