@@ -57,9 +57,9 @@ def die(death: dict[str, Any], program: str, cell: str) -> dict[str, Any]:
     out = Path(death["out"])
     out.mkdir()
     said = out.with_suffix(".txt")
+    stream = os.open(said, os.O_WRONLY | os.O_CREAT)  # here, since it may be killed before its first step
     child = os.fork()
     if not child:
-        stream = os.open(said, os.O_WRONLY | os.O_CREAT)
         os.dup2(stream, 1)
         os.dup2(stream, 2)
         if "full" in death:
@@ -68,6 +68,7 @@ def die(death: dict[str, Any], program: str, cell: str) -> dict[str, Any]:
         status = run(out, program, cell)
         sys.stdout.flush()
         os._exit(status)
+    os.close(stream)
     seen = 0
     if "killed" in death:
         while not has_logged(out, death["killed"]) and is_alive(child):
