@@ -6,7 +6,6 @@ import re
 from typing import Any, Final
 
 from gcodesim.declarations.keys import Key
-from gcodesim.declarations.kind import Json
 from gcodesim.declarations.units import DIMENSIONS, table
 from gcodesim.diagnostics.plain import one_line
 from gcodesim.key_page import escaped
@@ -48,14 +47,6 @@ def inline_text(value: Any) -> str:
     # only what is escaped has a meaning within these quotes; JSON's escapes are those of YAML
     quoted = text.replace("\\", "\\\\").replace('"', '\\"')
     return f'"{one_line(quoted)}"'
-
-
-def unit_table() -> Json:
-    """Units by dimension; `plain` dimensions may go without one."""
-    return {
-        name: {"plain": DIMENSIONS[name].plain, "units": {unit: list(aliases) for unit, aliases in units.items()}}
-        for name, units in table().items()
-    }
 
 
 def units_as_text() -> str:
