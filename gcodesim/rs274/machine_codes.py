@@ -6,6 +6,7 @@ from typing import Literal
 
 from gcodesim import canon
 from gcodesim.diagnostics import Diagnostic
+from gcodesim.rs274 import tool_point
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.dialects.linuxcnc import CHANGING, COOLANT, OUTPUT, OVERRIDE, SPINDLE, STOPPING, USER
 from gcodesim.rs274.fault import Fault
@@ -335,7 +336,11 @@ def user_codes(words: Words, control: Control) -> None:
     if m is None or _act(control, m, words):
         return
     dialect = control.dialect
-    if not (control.settings.has_cell or dialect.open_m_codes) or m not in dialect.user_m_codes:
+    if m in dialect.tip_m_codes and tool_point.is_possible(control):
+        tool_point.switch(control, on=dialect.tip_m_codes[m])
+        return
+    known = m in dialect.user_m_codes or m in dialect.tip_m_codes
+    if not (known and (control.settings.has_cell or dialect.open_m_codes)):
         raise Fault("GS013", f"M{m} is mapped with another P only", at=f"m{m}", hint=f"map M{m} itself in the cell")
     control.skip(f"M{m}", place_of(words.block, f"m{m}"))
 

@@ -58,6 +58,11 @@ def nearest(ways: list[canon.Axes], here: canon.Axes, tilting: int) -> canon.Axe
     return min(ways, key=effort)
 
 
+def is_possible(control: Control) -> bool:
+    """Whether rotary axes of the machine have places; without a cell nobody asks where axes stand."""
+    return control.settings.tool_point is not None or not control.settings.has_cell
+
+
 def switch(control: Control, *, on: bool) -> None:
     """Begin or end the control of the tip; the axes do not move."""
     state = control.state

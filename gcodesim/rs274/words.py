@@ -215,7 +215,8 @@ def _add_m(
         raise Fault("GS013", f"M{value:g} is no M code: it must be a whole number", at=words.block.places[position])
     group = dialect.m_groups.get(number)
     is_mapped = any(key == f"M{number}" or key.startswith(f"M{number} ") for key in mapped)
-    if group is None and (is_mapped or ((has_cell or dialect.open_m_codes) and number in dialect.user_m_codes)):
+    of_user = number in dialect.user_m_codes and (has_cell or dialect.open_m_codes)
+    if group is None and (is_mapped or of_user or number in dialect.tip_m_codes):
         group = USER
     if group is None:
         hint = "map it in the cell under `m_codes`"

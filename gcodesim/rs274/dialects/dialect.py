@@ -76,7 +76,8 @@ class Dialect:
     `grammar_parts` names the class (`module:Class`, below `grammar.LineParts`) that makes the parts of a line where the
     grammar has rules of its own. `further_systems` are work systems besides G54 to G59.3, and `turned_systems` says
     whether one may be turned about Z. `options` are settings that this control alone has, each with what it may be, the
-    usual one first. `prints`: a control of 3D printers, whose E words are filament.
+    usual one first. `prints`: a control of 3D printers, whose E words are filament. `tip_m_codes` are M codes with which a control whose machine turns tool or work begins (True) and
+    ends to hold the tip; a cell may map them to something else.
     """
 
     name: str
@@ -110,6 +111,7 @@ class Dialect:
     turned_systems: bool = True
     options: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     prints: bool = False
+    tip_m_codes: Mapping[int, bool] = field(default_factory=dict)
 
     def option(self, name: str, given: Mapping[str, str]) -> str:
         """What an option of this control is set to, by the settings `given`; ValueError if it cannot be that."""

@@ -93,4 +93,6 @@ LINUXCNC = Dialect(
     letters=frozenset("abcdefghijklmpqrstuvwxyz@^$"),
     unsimulated=_UNSIMULATED,
     lathe=_LATHE,
+    # the remaps of its five-axis configurations: kinematics with the tip, and without (manual, "Switchable Kinematics")
+    tip_m_codes={428: True, 429: False},
 )

@@ -54,16 +54,11 @@ def tool_length(words: Words, control: FanucControl) -> None:
     if state.upright:
         tool_point.switch(control, on=True)
     elif mode in tool_point.CENTRE_POINT:
-        if can_hold_the_tip(control):
+        if tool_point.is_possible(control):
             tool_point.switch(control, on=True)
         elif code is not None:
             name = g_name(code)
             control.skip(name.upper(), place_of(words.block, name))
-
-
-def can_hold_the_tip(control: FanucControl) -> bool:
-    """Whether rotary axes of the machine have places; without a cell nobody asks where axes stand."""
-    return control.settings.tool_point is not None or not control.settings.has_cell
 
 
 def _check_number(number: int, letter: str, control: FanucControl) -> None:

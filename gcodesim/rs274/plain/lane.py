@@ -88,7 +88,7 @@ class PlainLane:
             self._pause -= 1
             return False
         state = self._control.state
-        if state.comp_leaving or state.nurbs_order or state.diameter or self._program.is_full:
+        if state.comp_leaving or state.nurbs_order or state.diameter or state.point_control or self._program.is_full:
             return False
         return waiting.is_known(state) if is_on(self._control) else not state.held
 

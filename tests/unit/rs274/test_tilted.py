@@ -34,9 +34,7 @@ tools:
 
 @pytest.fixture
 def fanuc(program):
-    return lambda *lines, **settings: program(
-        "%\nO0001\n" + "\n".join(lines) + "\n%\n", dialect="fanuc", **settings
-    )
+    return lambda *lines, **settings: program("%\nO0001\n" + "\n".join(lines) + "\n%\n", dialect="fanuc", **settings)
 
 
 def test_joints_of_tilted_pockets_are_those_of_linuxcnc(tmp_path):

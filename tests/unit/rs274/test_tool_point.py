@@ -9,6 +9,7 @@ import pytest
 from gcodesim.cell.tool_point import MachinePoint
 from gcodesim.kinematics.cartesian import Axis, Cartesian, chain_of_axes
 from gcodesim.kinematics.tool_point import ToolPoint
+from gcodesim.rs274 import MappedAction
 
 
 @pytest.fixture
@@ -89,3 +90,37 @@ def test_what_is_no_vector_is_refused(fanuc, line, settings, code):
     done = fanuc("T1 M06", "G43.5 H1", line, "M30", **settings)
 
     assert [(f.code, f.span.line) for f in done.errors] == [(code, 5)]
+
+
+LINUXCNC = ("T1 M6", "G43 H1", "M428", "G1 X0 Y-10 Z0 A30 F100", "M429", "G1 X1", "M2")
+
+
+@pytest.mark.parametrize("lane", ["grammar", "compiled"])
+def test_linuxcnc_switches_its_kinematics(program, lane):
+    """M428 holds the tip, M429 commands the axes, which stay where they are: as G43.4 and G49 at the same length."""
+    done = program("\n".join(LINUXCNC) + "\n", lane=lane, has_cell=True, tool_point=trunnion())
+
+    assert not done.errors and not done.run.not_simulated
+    tip, after = done.acts("line")
+    y = -10 * 0.5 * 3**0.5 - 20 * 0.5
+    z = -10 * 0.5 + 20 * 0.5 * 3**0.5 - 20
+    assert tip["end"] == pytest.approx([0, -10, 0, 30, 0, 0])
+    assert after["end"] == pytest.approx([1, y, z, 30, 0, 0], abs=1e-6)
+    assert [event["on"] for event in done.acts("point_control")] == [True, False]
+
+
+def test_a_cell_may_map_what_linuxcnc_switches_with(program):
+    done = program(
+        "M428\nM2\n", has_cell=True, tool_point=trunnion(), m_codes={"M428": MappedAction(target="door", verb="open")}
+    )
+    assert [event["verb"] for event in done.acts("action")] == ["open"] and not done.acts("point_control")
+
+
+def test_a_machine_that_turns_nothing_does_not_switch(program):
+    done = program("M428\nM2\n", has_cell=True)
+    assert not done.errors and list(done.run.not_simulated) == ["M428"]
+
+
+def test_other_controls_do_not_know_it(program):
+    done = program("M428\nM2\n", dialect="grbl")
+    assert [one.code for one in done.errors] == ["GS013"]
