@@ -77,7 +77,8 @@ class Dialect:
     grammar has rules of its own. `further_systems` are work systems besides G54 to G59.3, and `turned_systems` says
     whether one may be turned about Z. `options` are settings that this control alone has, each with what it may be, the
     usual one first. `prints`: a control of 3D printers, whose E words are filament. `tip_m_codes` are M codes
-    with which a control whose machine turns tool or work begins (True) and ends to hold the tip; a cell may map them to something else.
+    with which a control whose machine turns tool or work begins (True) and ends to hold the tip;
+    a cell may map them to something else.
     """
 
     name: str
