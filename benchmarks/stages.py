@@ -21,7 +21,7 @@ STAGES = {
     "read": ("gcodesim.rs274.run:Run.stream",),
     "plan": ("gcodesim.jobs.legs:plan_path",),
     "cell": ("gcodesim.cli.simulate:load_cell", "gcodesim.simulation:open_shop", "gcodesim.jobs.legs:with_stock"),
-    "sample + joints": ("gcodesim.executor.loop:window_of",),
+    "sample + joints": ("gcodesim.executor.track:window_of",),
     "material + process": (
         "gcodesim.executor.coupling:Coupling.stretch",
         "gcodesim.executor.coupling:Stretch.__call__",
@@ -29,7 +29,7 @@ STAGES = {
     ),
     "world": ("gcodesim.world.kinematic:KinematicWorld.run", "gcodesim.world.bullet:BulletWorld.run"),
     "sums + findings": (
-        "gcodesim.executor.loop:record_of",
+        "gcodesim.executor.track:record_of",
         "gcodesim.executor.totals:RowTotals.add",
         "gcodesim.jobs.inspection:Inspector.fresh",
         "gcodesim.jobs.inspection:Inspector.final",

@@ -5,15 +5,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from gcodesim.executor.loop import Execution, Progress, execute
+    from gcodesim.executor.loop import execute, execute_together
+    from gcodesim.executor.track import Execution, Part, Progress
 
-__all__ = ["Execution", "Progress", "execute"]
+__all__ = ["Execution", "Part", "Progress", "execute", "execute_together"]
 
 
 def __getattr__(name: str) -> Any:
     """Load the loop when it is asked for: results and checks need the totals alone."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from gcodesim.executor import loop
+    from gcodesim.executor import loop, track
 
-    return getattr(loop, name)
+    return getattr(loop if name.startswith("execute") else track, name)

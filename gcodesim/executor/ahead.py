@@ -24,12 +24,16 @@ Look = Callable[[StepWindow], Any]
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class WindowCut:
-    """One window with its stretches, each of one tool. `wrenches`: what the tools feel; `seen`: what `Look` saw."""
+    """One window with its stretches, each of one tool. `wrenches`: what the tools feel; `seen`: what `Look` saw.
+
+    `looks`: whether this is the moment to look, which it is once all channels have cut the window.
+    """
 
     window: StepWindow
     stretches: Sequence[Stretch]
     wrenches: list[Array] = field(default_factory=list)
     seen: Any = None
+    looks: bool = True
     undo: list[Callable[[], None]] = field(default_factory=list)
     work: Future[None] | None = None
 
@@ -66,7 +70,7 @@ class CutThread:
 
     def see(self, cut: WindowCut) -> None:
         """Look at the stocks as this window leaves them."""
-        cut.seen = None if self._look is None else self._look(cut.window)
+        cut.seen = None if self._look is None or not cut.looks else self._look(cut.window)
 
     @staticmethod
     def wait(cut: WindowCut) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import copy
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -34,6 +35,15 @@ class Coupling:
     def follow(self, plan: Plan, rows: RowColumns) -> None:
         """Go on with a plan that has further legs, and its rows."""
         self._plan, self._rows = plan, rows
+
+    def save(self) -> Callable[[], None]:
+        """Remember which tool is in the spindle; calling the result restores it. States of processes do not count."""
+        kept = copy(self._tasks)
+
+        def restore() -> None:
+            self._tasks = kept
+
+        return restore
 
     def stretch(self, steps: StepWindow, begin: int, end: int, *, cuts: bool = True) -> Stretch:
         """Prepare steps `begin` to `end` of a window, all with the same tool; it `cuts`, or is kept from cutting."""

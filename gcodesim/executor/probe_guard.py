@@ -46,6 +46,7 @@ class ProbeGuard:
 
     def _tips(self, steps: StepWindow) -> dict[str, Array]:
         """The tip (n, 3) [m] as each stock sees it."""
-        shop, now = self._shop, {self._shop.name: steps.q}
+        shop = self._shop
+        now = steps.joints(shop.name, 0, len(steps))
         poses = {name: shop.scene.seen_from(shop.name, placed.frame, now) for name, placed in shop.stocks.items()}
         return {name: multiplied(inverse_pose(X), steps.tip)[:, :3, 3] for name, X in poses.items()}

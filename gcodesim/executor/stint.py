@@ -47,6 +47,12 @@ class Stint:
         if _is_near(task, window.piece_start, window.piece_end, window.axis, task.target.filled()):
             self._keep(task.process.run(task.target.given, window, task.state))
 
+    @property
+    def bounds(self) -> Bounds:
+        """A box (3,) (3,) [m] in S that contains all on which the process may act in these steps."""
+        window = self.window
+        return self.task.process.zone.bounds(window.piece_start, window.piece_end, window.axis, NEAR)
+
     def step(self, k: int, moved_before: Array, moved: Array) -> Array:
         """Step `k` of this stint, its tip off the command by `moved_before` … `moved` (3,) [m]; wrench (6,); in B."""
         if self._loop is None:
@@ -80,7 +86,7 @@ def stint_of(
     `jacobian` gives those of the tip (n, 6, j) in base axes; a rigid machine does not ask for them.
     """
     count = end - begin
-    X_BS = shop.scene.seen_from(shop.name, task.target.frame, {shop.name: steps.q[begin:end]})
+    X_BS = shop.scene.seen_from(shop.name, task.target.frame, steps.joints(shop.name, begin, end))
     moving = bool(np.ptp(X_BS[:, :3], axis=0).any())
     if moving:  # the table turns or travels: chords between the ends of steps, seen from the stock
         held = np.concatenate([X_BS[:1], X_BS[:-1]])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -47,7 +47,8 @@ class StepWindow:
 
     The sweep of the tip in B, cut where rows, pieces and steps end: m pieces
     from `piece_start` to `piece_end` (m, 3) [m], in step `piece_step` (m,),
-    `piece_share` (m, 2) of the step, in row `piece_row` (m,).
+    `piece_share` (m, 2) of the step, in row `piece_row` (m,). `others` are the commanded joints (n, j) of further
+    movers by name, where several programs run at once.
     """
 
     first: int
@@ -63,6 +64,11 @@ class StepWindow:
     piece_step: Ints
     piece_share: Array
     piece_row: Ints
+    others: dict[str, Array] = field(default_factory=dict)
+
+    def joints(self, mover: str, begin: int, end: int) -> dict[str, Array]:
+        """Commanded joints of all movers in steps `begin` to `end`; `mover` is the window's own."""
+        return {mover: self.q[begin:end], **{name: q[begin:end] for name, q in self.others.items()}}
 
     def __len__(self) -> int:
         return len(self.row)

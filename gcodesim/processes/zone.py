@@ -38,13 +38,18 @@ class Zone:
         """
         if self.everywhere:
             return True
+        lower, upper = self.bounds(start, end, axis, margin)
+        return bool((lower < high).all() and (upper > low).all())
+
+    def bounds(self, start: Array, end: Array, axis: Array, margin: float = 0.0) -> tuple[Array, Array]:
+        """Least and greatest corner (3,) [m] of a box that contains the zone on the way, see `meets`."""
         least, most = axis.min(axis=0), axis.max(axis=0)
         ends = np.array([-self.below * least, -self.below * most, self.above * least, self.above * most])
         steepest = np.where(least * most > 0.0, np.minimum(np.abs(least), np.abs(most)), 0.0)
         across = self.radius * np.sqrt(np.maximum(1.0 - steepest * steepest, 0.0)) + margin
         lower = np.minimum(start, end).min(axis=0) + ends.min(axis=0) - across
         upper = np.maximum(start, end).max(axis=0) + ends.max(axis=0) + across
-        return bool((lower < high).all() and (upper > low).all())
+        return lower, upper
 
 
 EVERYWHERE = Zone(radius=inf)

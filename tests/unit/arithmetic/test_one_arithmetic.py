@@ -28,7 +28,7 @@ LIBRARIES = {
 # where `@` joins poses, which are no arrays
 POSES = {
     *("cell/placement.py", "cell/placing.py", "cell/reach.py", "checks/clearance.py", "checks/missing_length.py"),
-    *("executor/loop.py", "planning/shop_posing.py", "recorder/frames.py", "scene/scene.py", "shop.py"),
+    *("executor/track.py", "planning/shop_posing.py", "recorder/frames.py", "scene/scene.py", "shop.py"),
     "solids/solid.py",
 }
 ARRAYS = {"R", "T", "p", "q", "matrix", "turn"}  # attributes that are arrays, not poses

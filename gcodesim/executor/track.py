@@ -1,0 +1,273 @@
+"""One channel in a run: its plan, its machine in a world, what its tools do, and what comes of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from copy import copy
+from dataclasses import field
+from itertools import combinations
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+from gcodesim.diagnostics import Diagnostic
+from gcodesim.executor.ahead import WindowCut
+from gcodesim.executor.coupling import Coupling
+from gcodesim.executor.probe_guard import ProbeGuard
+from gcodesim.executor.record import StepRecord, record_of
+from gcodesim.executor.stint import Stint
+from gcodesim.executor.tasks import RowColumns
+from gcodesim.executor.totals import JointTotals, RowTotals
+from gcodesim.executor.window import Carry, StepWindow, first_carry, window_of
+from gcodesim.frames import Pose
+from gcodesim.frozen import frozen
+from gcodesim.processes.column import ADDED, REMOVED
+from gcodesim.shop import Shop
+from gcodesim.world import RobotBody, WorldSteps, open_world, tool_body
+
+if TYPE_CHECKING:
+    from gcodesim.planning import Plan
+    from gcodesim.world import World
+
+@frozen
+class Progress:
+    """How far a run has come: steps done and in all, simulated time [s], path row."""
+
+    step: int
+    steps: int
+    time: float
+    row: int
+
+
+Inspect = Callable[[StepRecord, RowTotals, JointTotals], Sequence[Diagnostic]]
+"""Looks at each window and the totals so far; answers findings that are new."""
+
+
+class Watcher(Protocol):
+    """Who wants to see every window: the log."""
+
+    def start(self, world_steps: WorldSteps, window: StepWindow) -> None:
+        """The state before the first step, as a window of one step that does not move."""
+
+    def look(self, window: StepWindow) -> Any:
+        """Look at the stocks as `window` leaves them; in the thread that cuts, before the next window is cut.
+
+        The result is handed to `take`, unless the cut is undone; then `look` is called again.
+        """
+
+    def take(self, record: StepRecord, found: Sequence[Diagnostic], seen: Any) -> Callable[[], None]:
+        """The next window, the findings that came up in it, and what `look` saw at its end.
+
+        Returns work that needs nothing else; it is done in order, in another thread, while the next window runs.
+        """
+
+    def follow(self, plan: Plan) -> None:
+        """The run goes on with a leg; `plan` is that of all legs so far. Done in order with the work from `take`."""
+
+    @property
+    def interval_steps(self) -> int:
+        """The number of steps after which the watcher wants to look at the stock."""
+
+
+@frozen(eq=False)
+class Execution:
+    """The outcome of a run. `interrupted`: somebody stopped it after `steps` of `planned` steps.
+
+    `volumes` [m³]: what was removed from each stock and what was added to it. `others`: the same of further channels.
+    """
+
+    rows: RowTotals
+    joints: JointTotals
+    steps: int
+    planned: int
+    last_row: int
+    interrupted: bool
+    volumes: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    others: Sequence[Execution] = ()
+
+
+@frozen(eq=False)
+class Part:
+    """What a channel brings to a run: its plan, its shop, and who looks at its steps."""
+
+    plan: Plan
+    shop: Shop
+    inspect: Inspect | None = None
+    watcher: Watcher | None = None
+
+
+class Track:
+    """A part while it runs. `steps` is the number of those that its plan needs, `done` that of those that are run."""
+
+    def __init__(self, part: Part, world_name: str, dt_ns: int) -> None:
+        plan, shop = part.plan, part.shop
+        self.plan, self.shop, self.watcher = plan, shop, part.watcher
+        self.rows = RowColumns.of(plan.path, shop)
+        self._inspect, self._dt_ns = part.inspect, dt_ns
+        self._sheet = shop.sheet
+        self._totals = RowTotals.zeros(len(self.rows.tool), self._sheet)
+        self._standing: dict[str, float] = {}
+        self._home = plan.joints(plan.trajectory.sample(np.zeros(1)))[0]
+        self._joints = JointTotals.start(self._home)
+        self.world = open_world(world_name, RobotBody(chain=shop.kinematics.chain, X_WB=shop.X_WB), dt_ns)
+        self._coupling, self._guard = Coupling(plan, shop, self.rows), ProbeGuard(shop)
+        self.volumes: dict[str, tuple[float, float]] = {}
+        self.done = self.last_row = 0
+
+    def begin(self) -> None:
+        """Put the first tool on the flange, and show the watcher the state at the start."""
+        plan, rows, dt_ns = self.plan, self.rows, self._dt_ns
+        attach(self.world, self.shop, int(rows.tool[0]))
+        self.world.reset(self._home)
+        if self.watcher is not None:
+            still = window_of(plan, rows, -1, 1, dt_ns, first_carry(plan, rows))
+            self.watcher.start(self.world.run(self._home[None]), still)
+            self.world.reset(self._home)
+
+    @property
+    def steps(self) -> int:
+        return int(-(-self.plan.trajectory.duration_ns // self._dt_ns))
+
+    def follow(self, plan: Plan) -> None:
+        """Go on with the plan of all legs so far and the next."""
+        self.plan, self.rows = plan, RowColumns.of(plan.path, self.shop)
+        self._totals.grow(len(self.rows.tool))
+        self._coupling.follow(plan, self.rows)
+
+    def carry(self, first: int) -> Carry:
+        """What the window that begins with step `first` of a leg takes over."""
+        return first_carry(self.plan, self.rows, first * self._dt_ns)
+
+    def window(self, first: int, count: int, carry: Carry) -> StepWindow:
+        return window_of(self.plan, self.rows, first, count, self._dt_ns, carry)
+
+    def cut(self, window: StepWindow, *, looks: bool) -> WindowCut:
+        """A window, divided where the tool changes or begins or ceases to be kept from cutting; nothing is cut yet.
+
+        A program that has ended cuts nothing more while others go on.
+        """
+        kept = self._guard.kept(self.plan.path, self.rows, window)
+        if window.first + len(window) > self.steps:
+            kept = kept | (window.first + np.arange(len(window)) >= self.steps)
+        changes = (np.diff(window.tool) != 0) | np.diff(kept)
+        bounds = (np.flatnonzero(changes) + 1).tolist()
+        borders = zip([0, *bounds], [*bounds, len(window)], strict=True)
+        stretches = [self._coupling.stretch(window, begin, end, cuts=not kept[begin]) for begin, end in borders]
+        return WindowCut(window=window, stretches=stretches, looks=looks)
+
+    def save(self) -> Callable[[], None]:
+        """Remember what `cut` changes; calling the result restores it."""
+        guard, tasks = copy(self._guard), self._coupling.save()
+
+        def restore() -> None:
+            self._guard = guard
+            tasks()
+
+        return restore
+
+    def take(self, cut: WindowCut, steps: WorldSteps) -> StepRecord:
+        """Take over what was done in a window."""
+        record = record_of(cut.window, steps, cut.stints, self._sheet, self._standing)
+        self._standing = record.standing
+        add_volumes(self.volumes, cut.stints)
+        self._totals.add(record)
+        self._joints.add(steps.q, steps.qd, steps.qdd, steps.effort, steps.saturated, record.window.row)
+        self.done += len(record)
+        self.last_row = int(record.window.row[-1])
+        return record
+
+    def found(self, record: StepRecord) -> Sequence[Diagnostic]:
+        """Findings that came up in a window."""
+        return self._inspect(record, self._totals, self._joints) if self._inspect is not None else []
+
+    def execution(self, planned: int, *, interrupted: bool) -> Execution:
+        return Execution(
+            rows=self._totals,
+            joints=self._joints,
+            steps=self.done,
+            planned=planned,
+            last_row=self.last_row,
+            interrupted=interrupted,
+            volumes=self.volumes,
+        )
+
+
+def windows(tracks: Sequence[Track], firsts: range, end: int) -> Iterator[tuple[Track, WindowCut]]:
+    """The windows of all tracks that begin with steps `firsts`, the last before step `end`, in the order of cutting."""
+    carries = [track.carry(firsts.start) for track in tracks]
+    for first in firsts:
+        yield from _between(tracks, carries, first, min(firsts.step, end - first))
+
+
+def _between(
+    tracks: Sequence[Track], carries: Sequence[Carry], first: int, count: int
+) -> Iterator[tuple[Track, WindowCut]]:
+    """`count` steps of all tracks from step `first` on. Where tools come near each other in one target, the steps are
+
+    divided, so that cuts go by steps: otherwise it does not matter who cuts first.
+    """
+    if len(tracks) == 1:
+        yield tracks[0], tracks[0].cut(tracks[0].window(first, count, carries[0]), looks=True)
+        return
+    before = [copy(carry) for carry in carries]
+    made = [track.window(first, count, carry) for track, carry in zip(tracks, carries, strict=True)]
+    for track, window in zip(tracks, made, strict=True):
+        window.others.update(
+            {other.shop.name: own.q for other, own in zip(tracks, made, strict=True) if other is not track}
+        )
+    restores = [track.save() for track in tracks]
+    last = len(tracks) - 1
+    cuts = [track.cut(window, looks=i == last) for i, (track, window) in enumerate(zip(tracks, made, strict=True))]
+    if count > 1 and any(_near(one, other) for one, other in combinations(cuts, 2)):
+        for restore, carry, own in zip(restores, carries, before, strict=True):
+            restore()
+            carry.tool, carry.shift, carry.gap, carry.tip = own.tool, own.shift, own.gap, own.tip
+        half = count // 2
+        yield from _between(tracks, carries, first, half)
+        yield from _between(tracks, carries, first + half, count - half)
+        return
+    yield from zip(tracks, cuts, strict=True)
+
+
+def _near(one: WindowCut, other: WindowCut) -> bool:
+    """Whether processes of two channels may act at one place of a target in these windows."""
+    return any(_meet(a, b) for a in one.stints for b in other.stints)
+
+
+def _meet(a: Stint, b: Stint) -> bool:
+    if not a.task.target.name or a.task.target.name != b.task.target.name:
+        return False
+    if a.task.process.zone.everywhere or b.task.process.zone.everywhere:
+        return True
+    (low, high), (least, most) = a.bounds, b.bounds
+    return bool((low < most).all() and (high > least).all())
+
+
+def add_volumes(volumes: dict[str, tuple[float, float]], stints: Sequence[Stint]) -> None:
+    """Add up what was removed from each stock and what was added to it [m³]."""
+    for stint in stints:
+        answer = stint.answer
+        if answer is None or not (REMOVED.name in answer.columns or ADDED.name in answer.columns):
+            continue
+        gone, come = volumes.get(stint.task.target.name, (0.0, 0.0))
+        volumes[stint.task.target.name] = (
+            gone + float(answer[REMOVED.name].sum()),
+            come + float(answer[ADDED.name].sum()),
+        )
+
+
+def attach(world: World, shop: Shop, number: int) -> None:
+    """Put the tool with this number on the flange; the old one goes into its pocket."""
+    tool = shop.tool(number)
+    body = None if tool is None else tool_body(tool)
+    now = world.tool
+    if (now.name if now else None) == (body.name if body else None):
+        return
+    world.attach(body, None if now is None else pocket_of(shop, now.name))
+
+
+def pocket_of(shop: Shop, name: str) -> Pose:
+    """Where the tool of this name waits: the pose of its flange side in the world; pockets follow X of the magazine."""
+    names = [tool.name for _, tool in sorted(shop.cell.tools.items())]
+    index = names.index(name) if name in names else len(names)
+    return shop.magazine_pose @ Pose.from_xyz_rpy((index * shop.cell.magazine.pitch, 0.0, 0.0))
