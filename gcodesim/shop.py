@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from typing import TYPE_CHECKING, Final
 
@@ -71,7 +71,8 @@ class Shop:
     """Everything that a channel's program acts on.
 
     `mover` is what the program moves, one of the scene's. `X_BM` is machine zero seen from its base B (of a machine:
-    M); on an arm M is B, turned when its work systems are tilted.
+    M); on an arm M is B, turned when its work systems are tilted. `beside` are the movers of other programs that run at
+    the same time.
     """
 
     cell: Cell
@@ -81,6 +82,7 @@ class Shop:
     X_BM: Pose
     scene: Scene
     stocks: Mapping[str, PlacedStock] = field(default_factory=dict)
+    beside: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
@@ -270,6 +272,37 @@ def with_stock(shop: Shop) -> tuple[Shop, list[Diagnostic]]:
             name=name, frame=frame, spec=spec, stock=made, X_WS=X_WS @ turn, material=material, initial=made.volume
         )
     return replace(shop, stocks=stocks, scene=shop.scene.with_frames(stands)), findings
+
+
+def side_by_side(first: Shop, others: Sequence[Shop]) -> list[Shop]:
+    """The shops of several channels in one scene, `first` first: with its stocks, fixtures and their places.
+
+    What names no link stands on the table of the machine tool if one of the channels moves it, else on that of
+    `first`. The other shops are those of the same cell without stock.
+    """
+    shops = [first, *others]
+    movers = {name: mover for shop in reversed(shops) for name, mover in shop.scene.movers.items()}
+    bearer = next((shop.mover for shop in shops if shop.mover.name == MACHINE), first.mover)
+    stands = {name: first.scene.frames[name] for name in first.scene.frames if name not in (WORK_FRAME, BODIES)}
+    if bearer is not first.mover:
+        loose = [name for name in stands if name not in first.placement.carried]
+        stands |= {name: _work_stand(bearer, first.scene.at_rest(name)) for name in loose}
+    return [
+        replace(
+            shop,
+            scene=replace(shop.scene, movers=movers, frames={**shop.scene.frames, **stands}),
+            stocks=first.stocks,
+            beside=tuple(other.name for other in shops if other is not shop),
+            placement=replace(
+                shop.placement,
+                stocks=first.placement.stocks,
+                fixtures=first.placement.fixtures,
+                target=first.placement.target,
+                carried=first.placement.carried,
+            ),
+        )
+        for shop in shops
+    ]
 
 
 def _undrawn(shop: Shop) -> list[Diagnostic]:

@@ -30,7 +30,7 @@ from gcodesim.files.output_folder import (
 from gcodesim.files.whole_file import write_whole
 from gcodesim.jobs.cast import cast_of, is_of_cell
 from gcodesim.jobs.job import KINEMATIC, Job, Options
-from gcodesim.jobs.meetings import meet
+from gcodesim.jobs.meetings import meet, share_shop
 from gcodesim.jobs.outcome import first_error, results_of
 from gcodesim.jobs.results import Results
 from gcodesim.rs274 import Settings, interpret
@@ -38,8 +38,10 @@ from gcodesim.shop import Shop, open_shop
 
 if TYPE_CHECKING:
     from gcodesim.executor import Execution, Progress
+    from gcodesim.jobs.inspection import Inspector
     from gcodesim.log.live import LiveView
     from gcodesim.planning import Plan
+    from gcodesim.recorder import Recorder
 
 
 class RunInterrupted(KeyboardInterrupt):
@@ -69,22 +71,17 @@ def prepare(program: SourceText, loaded: LoadedCell, options: Options | None = N
     return job
 
 
-def _reread(job: Job, marks: int) -> Job:
-    """The job up to the mark at which its program waits for ever, the first after so many that it has passed."""
-    again = _prepared(job.program, job.loaded, job.options, job.channel, running=("", job.channel), marks=marks)
-    known = set(again.findings)
-    again.findings.extend([finding for finding in job.findings if is_of_cell(finding, job) and finding not in known])
-    return again
+def _reread(job: Job, marks: int) -> None:
+    """Read and plan the job again, up to the mark at which its program waits for ever: it passes so many before."""
+    of_cell = [finding for finding in job.findings if is_of_cell(finding, job)]
+    job.findings, job.plan, job.events, job.probings = Findings(), None, (), []
+    _read_and_plan(job, running=("", job.channel), marks=marks)
+    known = set(job.findings)
+    job.findings.extend(finding for finding in of_cell if finding not in known)
 
 
 def _prepared(
-    program: SourceText,
-    loaded: LoadedCell,
-    options: Options,
-    channel: str,
-    *,
-    running: Sequence[str],
-    marks: int | None = None,
+    program: SourceText, loaded: LoadedCell, options: Options, channel: str, *, running: Sequence[str]
 ) -> Job:
     """One program in the cell, read and planned, by itself or one of those that are `running`, the first of them first.
 
@@ -99,31 +96,35 @@ def _prepared(
         alone=len(running) < 2,
         sources={**loaded.sources, **options.sources, program.name: program},
     )
-    first = not running or channel == running[0]
-    if first:
+    if not running or channel == running[0]:
         job.findings.extend(loaded.findings)
         job.findings.extend(options.findings)
-    cell = loaded.cell
-    if cell is None:
-        return job
-    shop = open_shop(cell, channel)
+    if loaded.cell is not None:
+        _read_and_plan(job, running)
+    return job
+
+
+def _read_and_plan(job: Job, running: Sequence[str], marks: int | None = None) -> None:
+    """Open the shop of a job, read its program, or a part up to one of its marks, and plan it."""
+    cell = job.cell
+    assert cell is not None
+    shop = open_shop(cell, job.channel)
     standing = standing_findings(shop)
     job.findings.extend(standing)
     if any(finding.level >= Severity.ERROR for finding in standing):
-        return job
+        return
     job.shop = shop
-    if first:
+    if not running or job.channel == running[0]:
         job.findings.extend(_world_notes(job))
         job.findings.extend(idle_findings(cell, running or (shop.channel,)))
     settings, problems = settings_of_cell(cell, shop.channel, shop.placement)
     job.findings.extend(problems)
-    settings = replace(options.settings(settings), start=_start(shop), answered=True)
-    job.reading = interpret(program, settings)
+    settings = replace(job.options.settings(settings), start=_start(shop), answered=True)
+    job.reading = interpret(job.program, settings)
     from gcodesim.jobs.legs import Legs
 
     job.legs = Legs(job, settings.start, marks=marks)
     job.legs.onward()
-    return job
 
 
 def standing_findings(shop: Shop) -> list[Diagnostic]:
@@ -229,55 +230,64 @@ def _run(
     progress: Callable[[Progress], None] | None,
     live: LiveView | None,
 ) -> tuple[Results, Execution | None]:
-    from gcodesim.executor import execute
+    from gcodesim.executor import Part, execute_together
     from gcodesim.jobs.inspection import Inspector
 
     if out is not None and job.loaded.made:
         write_whole(out / CELL_NAME, job.loaded.sources[job.loaded.files[0].name].raw)
-    if job.shop is None or job.plan is None or job.cell is None:
+    if job.shop is None or job.plan is None or job.cell is None or (job.others and job.meetings is None):
         return _not_run(job, out), None
     assert job.legs is not None
     if not job.legs.stock_up():
         return _not_run(job, out), None
-    coarse = list(coarse_findings(job.shop, job.plan))
-    job.findings.extend(coarse)
+    if job.others:
+        share_shop(job)
+    coarse = {each.channel: _coarse(each) for each in job.all}
     recorder = None
     if out is not None:
         forget(out, _names(job.shop))
-        from gcodesim.recorder import Recorder
+        from gcodesim.recorder import Recorder as Writing
 
-        recorder = Recorder(job, out, live)
+        recorder = Writing(job, out, live)
     execution = None
-    inspector = Inspector(job.plan, job.shop, job.cell.simulation.step_ns)
+    inspectors = {each.channel: Inspector(*_inspected(each)) for each in job.all}
 
     def onward() -> Plan | None:
         """The next leg, if the program has one; whoever watches the run gets to know it."""
+        if job.others:  # all legs have been planned, or there would be no common clock
+            return None
         assert job.legs is not None
         known = set(job.findings)
         plan = job.legs.onward()
         if recorder is not None:
             recorder.expect(job.shown(finding for finding in job.findings if finding not in known))
         if plan is not None:
-            inspector.follow(plan)
+            inspectors[job.channel].follow(plan)
         return plan
 
+    def part_of(each: Job, watcher: Recorder | None) -> Part:
+        assert each.plan is not None and each.shop is not None
+        inspector = inspectors[each.channel]
+        return Part(
+            plan=each.plan,
+            shop=each.shop,
+            inspect=lambda record, rows, joints: each.shown(inspector.fresh(record, rows, joints)),
+            watcher=watcher,
+        )
+
+    watchers = [None for _ in job.all] if recorder is None else [recorder, *recorder.others]
     try:
-        execution = execute(
-            job.plan,
-            job.shop,
+        execution = execute_together(
+            [part_of(each, watcher) for each, watcher in zip(job.all, watchers, strict=True)],
             world_name=job.world,
             dt_ns=job.cell.simulation.step_ns,
-            inspect=lambda record, rows, joints: job.shown(inspector.fresh(record, rows, joints)),
-            watcher=recorder,
             progress=progress,
             onward=onward,
         )
         if execution.interrupted:
             job.legs.stop()
-        job.findings.extend(inspector.final(execution))
-        job.findings.change(cutting_without_length(job.findings, job.plan, job.shop, execution.rows["removed"]))
-        if not coarse:
-            job.findings.extend(coarse_findings(job.shop, job.plan))
+        for each, own in zip(job.all, (execution, *execution.others), strict=True):
+            _inspect_all(each, inspectors[each.channel], own, coarse=coarse[each.channel])
         results = results_of(job, execution)
         if recorder is not None:
             recorder.finish(results, execution)
@@ -287,6 +297,28 @@ def _run(
     if execution.interrupted:
         raise RunInterrupted(results, execution)
     return results, execution
+
+
+def _coarse(job: Job) -> bool:
+    """Whether a stock is too coarse for a tool, which is reported."""
+    assert job.shop is not None and job.plan is not None
+    found = list(coarse_findings(job.shop, job.plan))
+    job.findings.extend(found)
+    return bool(found)
+
+
+def _inspected(job: Job) -> tuple[Plan, Shop, int]:
+    assert job.plan is not None and job.shop is not None and job.cell is not None
+    return job.plan, job.shop, job.cell.simulation.step_ns
+
+
+def _inspect_all(job: Job, inspector: Inspector, execution: Execution, *, coarse: bool) -> None:
+    """Add the findings of a whole run; `coarse`: the grid has been reported before."""
+    assert job.shop is not None and job.plan is not None
+    job.findings.extend(inspector.final(execution))
+    job.findings.change(cutting_without_length(job.findings, job.plan, job.shop, execution.rows["removed"]))
+    if not coarse:
+        job.findings.extend(coarse_findings(job.shop, job.plan))
 
 
 def _not_run(job: Job, out: Path | None) -> Results:

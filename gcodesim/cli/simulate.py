@@ -168,8 +168,6 @@ def _run_program(arguments: argparse.Namespace, live: LiveView | None, begin: fl
         program = read_source(arguments.program, "program")
         loaded = _loaded(arguments, program)
         job = _prepared(arguments, program, loaded)
-        if job.others:
-            raise UsageError("several programs at once can be checked, not yet run")
         with _Stop() as stop:
 
             def progress(now: Progress) -> None:

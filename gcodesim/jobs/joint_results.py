@@ -12,7 +12,7 @@ from gcodesim.diagnostics import Diagnostic
 from gcodesim.frozen import frozen
 from gcodesim.jobs.block_times import block_times
 from gcodesim.jobs.meetings import Meetings, is_wait
-from gcodesim.jobs.results import LineRows, Results
+from gcodesim.jobs.results import LineRows, Results, StockResult
 from gcodesim.numbers import rounded
 from gcodesim.units import MM
 
@@ -78,7 +78,7 @@ def joint_results(jobs: Sequence[Job], each: Sequence[Results], *, ran: bool) ->
         times=each[last].times,
         feed_distance=sum(results.feed_distance for results in each),
         rapid_distance=sum(results.rapid_distance for results in each),
-        stocks={name: stock for results in each for name, stock in results.stocks.items()},
+        stocks=_stocks([results.stocks for results in each]),
         tools=[_of(entry, job) for job, results in zip(jobs, each, strict=True) for entry in results.tools],
         joints=[entry for results in each for entry in results.joints],
         not_simulated=[
@@ -93,6 +93,17 @@ def joint_results(jobs: Sequence[Job], each: Sequence[Results], *, ran: bool) ->
 
 def _order(finding: Diagnostic) -> tuple[Any, ...]:
     return finding.order
+
+
+def _stocks(parts: Sequence[Mapping[str, StockResult]]) -> dict[str, StockResult]:
+    """The stocks, with what all programs have removed and added."""
+    found = dict(parts[0])
+    for part in parts[1:]:
+        for name, stock in part.items():
+            known = found[name]
+            removed, deposited = known.removed + stock.removed, known.deposited + stock.deposited
+            found[name] = replace(known, removed=removed, deposited=deposited)
+    return found
 
 
 def _of(entry: Mapping[str, Any], job: Job) -> dict[str, Any]:

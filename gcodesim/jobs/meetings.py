@@ -14,6 +14,7 @@ from gcodesim.motion.waits import with_waits
 from gcodesim.numbers import rounded
 from gcodesim.planning.meetings import Agenda, Arrival, Standing, Timetable, timetable
 from gcodesim.planning.waiting import waiting
+from gcodesim.shop import side_by_side
 
 if TYPE_CHECKING:
     from gcodesim.jobs.job import Job
@@ -70,7 +71,7 @@ class Meetings:
         }
 
 
-def meet(jobs: Sequence[Job], read_again: Callable[[Job, int], Job]) -> Meetings:
+def meet(jobs: Sequence[Job], read_again: Callable[[Job, int], None]) -> Meetings:
     """Put the programs of `jobs` on one clock: their plans get waits, and the first job the findings about them.
 
     A program that waits for ever at a mark is read and planned again up to there by `read_again(job, marks passed)`.
@@ -87,10 +88,18 @@ def meet(jobs: Sequence[Job], read_again: Callable[[Job, int], Job]) -> Meetings
     for job in jobs:
         waits = table.waits[job.channel]
         if table.ends[job.channel] is None:
-            _take_over(job, read_again(job, len(waits) - 1))
+            read_again(job, len(waits) - 1)
         _delay(job, [wait.seconds for wait in waits])
     jobs[0].findings.extend(findings(meetings))
     return meetings
+
+
+def share_shop(job: Job) -> None:
+    """Let all programs of a run act on the stock of the first, in one scene."""
+    assert job.shop is not None
+    others = [other.shop for other in job.others if other.shop is not None]
+    for each, shop in zip(job.all, side_by_side(job.shop, others), strict=True):
+        each.shop = shop
 
 
 def _agenda(plan: Plan) -> tuple[list[Action], Agenda]:
@@ -98,12 +107,6 @@ def _agenda(plan: Plan) -> tuple[list[Action], Agenda]:
     timed = [event for event in plan.trajectory.events if is_wait(event.event)]
     arrivals = [Arrival(mark=event.event.verb, time=event.time) for event in timed]  # type: ignore[attr-defined]
     return [event.event for event in timed], Agenda(arrivals=arrivals, duration=plan.trajectory.duration)  # type: ignore[misc]
-
-
-def _take_over(job: Job, again: Job) -> None:
-    """Make `job` what has been read again of it."""
-    job.findings, job.reading, job.legs = again.findings, again.reading, again.legs
-    job.plan, job.events, job.probings, job.held = again.plan, again.events, again.probings, again.held
 
 
 def _delay(job: Job, seconds: Sequence[float]) -> None:

@@ -17,7 +17,7 @@ from gcodesim.frozen import frozen
 from gcodesim.log.description import ProcessField, with_peaks
 from gcodesim.log.labels import labels_of, short_names
 from gcodesim.log.shop_units import twins_among, without_twins
-from gcodesim.log.topics import MOST_TILES, topic_table
+from gcodesim.log.topics import MOST_TILES, topic_table, topics_of_channel
 
 KINDS: Final = ("milling", "robot", "process")
 
@@ -63,15 +63,18 @@ def layout(
     outputs: Sequence[str] = (),
     view: View | None = None,
     fields: Sequence[ProcessField] = (),
+    channels: Sequence[str] = (),
 ) -> bytes:
     """A layout as JSON for a log with those joints, outputs (names as in `/program`) and fields of its processes.
+
+    What `channels` of further programs draw is shown as well.
 
     KeyError for another kind.
     """
     view = view or View()
     own = _own_plots([field.name for field in fields if not field.flag])
     panels, right = {"milling": _milling, "robot": _robot, "process": _process}[kind](joints, own)
-    panels |= {name: _scene(name, camera) for name, camera in _cameras(view).items()}
+    panels |= {name: _scene(name, camera, channels) for name, camera in _cameras(view).items()}
     panels |= {
         "StateTransitions!program": _states(outputs, [field.name for field in fields if field.flag]),
         "RosOut!log": {**_titled("log"), "searchTerms": [], "minLogLevel": 1, "topicToRender": "/log"},
@@ -255,8 +258,9 @@ def _raw(title: str, topic: str) -> Json:
     return {**_titled(title), **unused, "topicPath": topic}
 
 
-def _scene(panel: str, camera: Camera) -> Json:
-    scenes = [topic.name for topic in topic_table(MOST_TILES, MOST_TILES) if topic.schema == "foxglove.SceneUpdate"]
+def _scene(panel: str, camera: Camera, channels: Sequence[str] = ()) -> Json:
+    topics = [*topic_table(MOST_TILES, MOST_TILES), *(topic for name in channels for topic in topics_of_channel(name))]
+    scenes = [topic.name for topic in topics if topic.schema == "foxglove.SceneUpdate"]
     return {
         **_titled(panel.partition("!")[2]),
         "cameraState": {

@@ -34,6 +34,19 @@ def tile_topic(family: str, index: int) -> str:
     return f"/scene/{family}/{index:02d}"
 
 
+def topics_of_channel(name: str) -> tuple[Topic, ...]:
+    """The topics of a further program that runs at the same time, in writing order: those of the first, with its name.
+
+    What is there once, such as the stock, is with the first.
+    """
+    own = [*PERIODIC, *(topic for topic in topic_table(1, 0) if topic.name in OF_EACH)]
+    return tuple(Topic(f"/{name}{topic.name}", topic.schema, topic.often) for topic in own)
+
+
+OF_EACH: Final = ("/program", "/event", "/log", "/scene/path", "/scene/block", "/scene/tool", "/scene/force")
+"""What each of several programs has besides the periodic topics."""
+
+
 def topic_table(stock_tiles: int, added_tiles: int) -> tuple[Topic, ...]:
     """All topics of a log with that many tiles, in writing order. ValueError unless 1..16 and 0..16."""
     if not (1 <= stock_tiles <= MOST_TILES and 0 <= added_tiles <= MOST_TILES):

@@ -9,7 +9,7 @@ gives the same bytes: times are simulated, nothing else enters.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import fields, replace
 from pathlib import Path
@@ -47,7 +47,7 @@ from gcodesim.log.scene import entities_update, force_updates, path_update, poly
 from gcodesim.log.schema import PROCESS, schema_data
 from gcodesim.log.shapes import DrawnMesh, DrawnShape, Entity, PathPart, Polylines
 from gcodesim.log.shop_units import twins_of
-from gcodesim.log.topics import PERIODIC, tile_topic, topic_table
+from gcodesim.log.topics import PERIODIC, tile_topic, topic_table, topics_of_channel
 from gcodesim.version import __version__
 
 LOG_FORMAT: Final = "1"
@@ -73,11 +73,24 @@ class LogWriter:
     the data; ValueError is a fault of the caller.
     """
 
-    def __init__(self, path: Path, description: LogDescription, sink: Sink | None = None) -> None:
-        """Begin a log; `sink` gets all its messages as well, such as a `LiveView`."""
+    def __init__(
+        self,
+        path: Path,
+        description: LogDescription,
+        sink: Sink | None = None,
+        further: Mapping[str, LogDescription] | None = None,
+    ) -> None:
+        """Begin a log; `sink` gets all its messages as well, such as a `LiveView`.
+
+        `further` describes other programs that run at the same time, by the names that stand before their topics;
+        `FurtherLog` writes what they do.
+        """
+        further = further or {}
         self._description = description
-        self._frames = _checked_frames(description)
+        self._frames = _checked_frames(description, further.values())
         topics = topic_table(description.stock_tiles, description.added_tiles)
+        own = len(topics)
+        topics += tuple(topic for name in further for topic in topics_of_channel(name))
         library = f"gcodesim {__version__}"
         data = {
             schema: schema_data(schema, description.process_fields if schema == PROCESS else ())
@@ -85,7 +98,8 @@ class LogWriter:
         }
         channels = [(topic, data[topic.schema]) for topic in topics]
         self._container = Container(Path(path), library, channels, sink)
-        self._channels = {topic.name: i for i, topic in enumerate(topics, start=1)}
+        numbers = {topic.name: i for i, topic in enumerate(topics, start=1)}
+        self._channels = {topic.name: numbers[topic.name] for topic in topics[:own]}
         self._periodic = tuple(self._channels[topic.name] for topic in PERIODIC)
         self._batch = ColumnBatch(description)
         self._builder = RowBuilder(description, self._periodic, self._batch.columns)
@@ -96,7 +110,17 @@ class LogWriter:
         self._last_ns = -1  # the last instant of the last window
         self._program = ProgramShown()
         self._at_start: set[int] = set()  # channels that have their message at time 0
+        self._others: list[LogWriter] = []
         self._begin()
+        self._numbers = numbers
+
+    def join(self, other: LogWriter) -> dict[str, int]:
+        """Another writer of the same log; from now on what it has given decides, too, up to when all is there.
+
+        Returns the numbers of all topics.
+        """
+        self._others.append(other)
+        return self._numbers
 
     def _begin(self) -> None:
         d = self._description
@@ -162,7 +186,7 @@ class LogWriter:
         before = self._last_ns
         self._take(times, columns)
         waiting = self._batch.first_ns
-        self._drain(before if waiting is None else min(before, waiting))
+        self._drain(min([before if waiting is None else min(before, waiting), *(o.settled_ns for o in self._others)]))
 
     def _take(self, times: NDArray[np.int64], columns: Mapping[str, Any]) -> None:
         if not len(times):
@@ -271,6 +295,11 @@ class LogWriter:
 
     # ---- into the file
 
+    @property
+    def settled_ns(self) -> int:
+        """Everything before is on its way to disk."""
+        return self._written_ns
+
     def flush_before(self, t_ns: int) -> None:
         """Put everything earlier than `t_ns` on disk now; nothing earlier may follow."""
         self._build()
@@ -304,14 +333,7 @@ class LogWriter:
             raise ValueError(f"a run ends finished or failed, not '{state}'")
         if end_ns < self._last_ns:
             raise ValueError(f"the run ends at {end_ns} ns, but {self._last_ns} ns is logged")
-        newest = self._batch.newest
-        for name, value in (peaks or {}).items():
-            newest[PEAK_ARRAYS.get(name) or array_of(name)][:] = value
-        for t_ns in (0, end_ns):
-            if t_ns > self._last_ns:
-                self._take(np.array([t_ns], dtype=np.int64), newest)
-        self.program(end_ns, state=state)
-        self.event(end_ns, "end", state, severity="note" if state == "finished" else "error")
+        newest = self._close_rows(end_ns, state, peaks or {})
         self.flush_before(end_ns + 1)
         if self._backlog:
             raise ValueError(f"the log has a message after its end at {end_ns} ns")
@@ -322,6 +344,18 @@ class LogWriter:
         record |= {**(result or {}), "state": state, "duration_ns": str(end_ns)}
         self._container.add_metadata("gcodesim.result", record)
         self._container.finish()
+
+    def _close_rows(self, end_ns: int, state: str, peaks: Mapping[str, float]) -> dict[str, NDArray[Any]]:
+        """The last state at the end, and the end of the program; returns that state."""
+        newest = self._batch.newest
+        for name, value in peaks.items():
+            newest[PEAK_ARRAYS.get(name) or array_of(name)][:] = value
+        for t_ns in (0, end_ns):
+            if t_ns > self._last_ns:
+                self._take(np.array([t_ns], dtype=np.int64), newest)
+        self.program(end_ns, state=state)
+        self.event(end_ns, "end", state, severity="note" if state == "finished" else "error")
+        return newest
 
     def abandon(self) -> None:
         """Stop without an end: the `.part` file keeps everything given so far, as far as it can be written."""
@@ -371,6 +405,8 @@ class LogWriter:
         """Every topic has a message at time 0, or a jump to the start would show nothing of it."""
         if self._written_ns > 0:
             return
+        for other in self._others:
+            other._fill_start()
         for topic, channel in self._channels.items():
             if channel in self._periodic or channel in self._at_start:
                 continue
@@ -385,9 +421,10 @@ class LogWriter:
         return frame
 
 
-def _checked_frames(d: LogDescription) -> frozenset[str]:
+def _checked_frames(d: LogDescription, further: Iterable[LogDescription] = ()) -> frozenset[str]:
     """Names of all frames; ValueError unless they make one tree with the root `world`."""
     pairs = [(frame.parent, frame.child) for frame in d.static_frames] + list(d.moving_frames)
+    pairs += [pair for other in further for pair in other.moving_frames]
     parents = {child: parent for parent, child in pairs}
     if len(parents) < len(pairs):
         raise ValueError("a frame of the log has two parents")

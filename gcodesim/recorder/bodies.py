@@ -32,7 +32,7 @@ def cell_entities(frames: Frames) -> tuple[Entity, ...]:
         if shapes
     ]
     for body in shop.scene.bodies:
-        if body.role != "fixture":
+        if body.role != "fixture" or not frames.draws(body.name):
             continue
         frame, X = frames.carrier(body.name)
         shapes = [shape for placed in body.solids if (shape := drawn(placed.at(X), FIXTURE)) is not None]

@@ -41,6 +41,8 @@ class Frames:
     """Frames of one shop. `links` are the links that move or carry the flange, all but the root; `flange` is F.
 
     `stocks` maps the names of stocks' frames in the log to those in the scene; a cell without stock has one, at G54.
+    Where several programs run at once, further channels put their name (`prefix`) before `tool`, `tcp`, `part` and
+    `path`, and have the stocks and fixtures that their own machine carries; all others are those of the first.
     """
 
     shop: Shop
@@ -50,15 +52,17 @@ class Frames:
     moving_stocks: tuple[str, ...]
     moving_work: bool
     moving_path: bool
+    prefix: str = ""
 
     @staticmethod
-    def of(shop: Shop) -> Frames:
+    def of(shop: Shop, prefix: str = "") -> Frames:
         names = shop.kinematics.link_names
         chain = shop.kinematics.chain
         children = {joint.child for joint in chain.joints}
         links = tuple(i for i, name in enumerate(names) if name in children)
         stocks = {stock_frame(i, stock.name): stock.frame for i, stock in enumerate(shop.stocks.values())}
-        stocks = stocks or {stock_frame(0, ""): WORK_FRAME}
+        stocks = stocks or ({} if prefix else {stock_frame(0, ""): WORK_FRAME})
+        stocks = {name: frame for name, frame in stocks.items() if _is_drawn(shop, frame, prefix)}
         return Frames(
             shop=shop,
             links=links,
@@ -67,16 +71,17 @@ class Frames:
             moving_stocks=tuple(name for name, frame in stocks.items() if shop.scene.moves(frame)),
             moving_work=shop.scene.moves(f"{shop.name}/{WORK}"),
             moving_path=shop.mover.shifts_work,
+            prefix=prefix,
         )
 
     @property
     def static(self) -> tuple[StaticFrame, ...]:
         """Frames that never move, seen from the world."""
         shop = self.shop
-        stands = [placed.X_WS for placed in shop.stocks.values()] or [shop.placement.X_W("G54")]
+        stands = {placed.frame: placed.X_WS for placed in shop.stocks.values()}
         resting = [
-            _static(name, X_WS)
-            for name, X_WS in zip(self.stocks, stands, strict=True)
+            _static(name, stands[frame] if frame in stands else shop.placement.X_W("G54"))
+            for name, frame in self.stocks.items()
             if name not in self.moving_stocks
         ]
         return (_static(self.base, shop.X_WB), *resting)
@@ -107,7 +112,16 @@ class Frames:
     @property
     def path_frame(self) -> str:
         """The frame in which the planned path is at rest: it moves with the table's linear axes, as the work does."""
-        return "path" if self.moving_path else "world"
+        return f"{self.prefix}path" if self.moving_path else "world"
+
+    @property
+    def tool(self) -> str:
+        """The frame of the tool."""
+        return f"{self.prefix}tool"
+
+    def draws(self, frame: str) -> bool:
+        """Whether a body of the scene belongs to this channel."""
+        return _is_drawn(self.shop, frame, self.prefix)
 
     @property
     def moving(self) -> tuple[tuple[str, str], ...]:
@@ -115,7 +129,7 @@ class Frames:
         frames = [(self.base, self.link_frame(i)) for i in self.links]
         if self.flange_is_extra:
             frames.append((self.base, self.flange))
-        frames += [(self.flange, "tool"), ("world", "tcp"), ("world", "part")]
+        frames += [(self.flange, self.tool), ("world", f"{self.prefix}tcp"), ("world", f"{self.prefix}part")]
         frames += [("world", name) for name in self.moving_stocks]
         if self.moving_path:
             frames.append(("world", self.path_frame))
@@ -159,6 +173,17 @@ class Frames:
         shop = self.shop
         X: Array = multiplied(inverse_pose(shop.scene.track(f"{shop.name}/{WORK}", {shop.name: q})), X_W)
         return X
+
+
+def _is_drawn(shop: Shop, frame: str, prefix: str) -> bool:
+    """Whether something in the scene is drawn with this channel: what its machine carries, with the first all at rest.
+
+    What a machine carries that no program moves is at rest.
+    """
+    carrier = shop.scene.standing_on(frame)[0].partition("/")[0]
+    if carrier == shop.name and shop.scene.moves(frame):
+        return True
+    return not prefix and not (carrier in shop.beside and shop.scene.moves(frame))
 
 
 def _static(name: str, X: Pose) -> StaticFrame:

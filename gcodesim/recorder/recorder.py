@@ -22,7 +22,17 @@ from gcodesim.files.whole_file import whole_file, write_whole
 from gcodesim.frames import Array
 from gcodesim.jobs.job import BULLET
 from gcodesim.jobs.results import Results
-from gcodesim.log import LogDescription, LogWriter, MotionColumns, ProcessColumns, ProcessField, layout
+from gcodesim.log import (
+    Entity,
+    LogDescription,
+    LogWriter,
+    MotionColumns,
+    ProcessColumns,
+    ProcessField,
+    StaticFrame,
+    layout,
+)
+from gcodesim.log.further import FurtherLog
 from gcodesim.motion.tool_path import HOME, RAPID
 from gcodesim.processes.column import FORCE, LOG, POWER, RESULTS, TORQUE, Column
 from gcodesim.recorder.blocks import Blocks
@@ -67,34 +77,52 @@ LIBRARIES: Final = ("mcap", "numpy", "pybullet", "zstandard")
 
 
 class Recorder:
-    """The log of one job in folder `out`, for `live` viewers, too; OSError when the folder cannot be written."""
+    """The log of one job in folder `out`, for `live` viewers, too; OSError when the folder cannot be written.
+
+    Of several programs at once it is that of the first, and `others` are those of further channels, by which the same
+    log is written.
+    """
 
     def __init__(self, job: Job, out: Path, live: LiveView | None = None) -> None:
-        assert job.shop is not None and job.plan is not None and job.cell is not None
         out.mkdir(parents=True, exist_ok=True)
-        self._job, self._out, self._shop, self._plan = job, out, job.shop, job.plan
+        self._out = out
+        self._set_up(job, "")
+        self._tiles += [self._tiles_of(placed.stock) for placed in self._shop.stocks.values()]
+        self.others = [FurtherRecorder(other) for other in job.others]
+        further = {other.channel: other.description for other in self.others}
+        self._begin_with(LogWriter(out / LOG_NAME, self._description(self._ways), live, further))
+        for other in self.others:
+            other.begin_in(self._writer)
+
+    def _set_up(self, job: Job, prefix: str) -> None:
+        assert job.shop is not None and job.plan is not None and job.cell is not None
+        self._job, self._shop, self._plan = job, job.shop, job.plan
         self._step_ns = job.cell.simulation.step_ns
         self._period_ns = job.cell.log.period_ns
-        self._frames = Frames.of(self._shop)
+        self._frames = Frames.of(self._shop, prefix)
         self._systems = work_systems(self._shop, self._plan.path)
         self._speeds = np.array([state.spindle for state in self._plan.path.states])
-        self._ways = ways = Ways.of(self._plan, self._shop)
-        self._blocks = Blocks.of(self._plan, self._shop, job.sources, ways, self._frames.path_frame)
+        self._ways = Ways.of(self._plan, self._shop)
+        self._blocks = Blocks.of(self._plan, self._shop, job.sources, self._ways, self._frames.path_frame)
         self._begun = 0  # how many of the blocks have been written
         self._drawn = len(self._plan.path)  # rows
         self._expected: deque[Sequence[Diagnostic]] = deque()
-        self._tiles: list[Tiles] = [self._tiles_of(placed.stock) for placed in self._shop.stocks.values()]
-        self._tile_ns = self._tile_period(self._plan.trajectory.duration_ns)
+        self._tiles: list[Tiles] = []
+        self._tile_ns = self._tile_period(
+            max(each.plan.trajectory.duration_ns for each in job.all if each.plan is not None)
+        )
         self._limits = JointLimits.of(self._shop)
         self._sheet = self._shop.sheet
         self._instants = Instants(self._plan, self._sheet)
-        self._writer = LogWriter(out / LOG_NAME, self._description(ways), live)
-        self._reporter = Reporter(self._writer, job.shown(job.findings))
-        self._texts = Texts(self._writer, self._plan.trajectory.events)
         self._cut_at: Array = np.zeros(3)  # where the tip is over the work
         self._force_shown = False
         self._now_ns = 0
         self._tool = -1
+
+    def _begin_with(self, writer: LogWriter) -> None:
+        self._writer = writer
+        self._reporter = Reporter(writer, self._job.shown(self._job.findings))
+        self._texts = Texts(writer, self._plan.trajectory.events)
 
     # ---- before the run
 
@@ -129,10 +157,10 @@ class Recorder:
         if urdf is not None:
             attachments[f"{self._shop.name}.urdf"] = urdf
         view = view_of(self._shop, ways, rapid)
-        fields = tuple(field for column in self._sheet.own(LOG) for field in _fields_of(column))
-        self._own = [field.name for field in fields if not field.twin_of]
+        fields = self._fields()
         kind = layout_kind(self._shop)
-        attachments["layout.json"] = layout(kind, self._shop.joint_names, self._blocks.outputs, view, fields)
+        channels = [other.channel for other in self.others]
+        attachments["layout.json"] = layout(kind, self._shop.joint_names, self._blocks.outputs, view, fields, channels)
         run = {
             "program": job.program.name,
             "program_sha256": job.program.sha256,
@@ -144,13 +172,19 @@ class Recorder:
             "world": job.world,
             **{name: version(name) for name in LIBRARIES if job.world == BULLET or name != "pybullet"},
         }
+        others = self.others
+        for other in others:
+            attachments |= {name: data for name, data in other.attachments.items() if name not in attachments}
+        records = {f"gcodesim.joints.{other.channel}": other.joint_limits for other in others}
+        if others:
+            records["gcodesim.channels"] = {each.channel: each.program.name for each in job.all}
         return LogDescription(
             run=run,
-            static_frames=self._frames.static,
+            static_frames=(*self._frames.static, *(frame for other in others for frame in other.static_frames)),
             moving_frames=self._frames.moving,
             joint_names=self._shop.joint_names,
             joint_scale=tuple(MM if kind == "prismatic" else DEG for kind in self._shop.kinematics.joints.kinds),
-            cell=cell_entities(self._frames),
+            cell=(*cell_entities(self._frames), *(entity for other in others for entity in other.entities)),
             feed_path=ways.polylines(~rapid),
             rapid_path=ways.polylines(rapid),
             path_ahead=ways.ahead(self._plan, ~rapid),
@@ -158,9 +192,14 @@ class Recorder:
             process_kinds=self._sheet.kinds,
             process_fields=fields,
             stock_tiles=max(1, sum(len(tiles) for tiles in self._tiles)),
-            records={"gcodesim.joints": self._limits.record},
+            records={"gcodesim.joints": self._limits.record, **records},
             attachments=attachments,
         )
+
+    def _fields(self) -> tuple[ProcessField, ...]:
+        fields = tuple(field for column in self._sheet.own(LOG) for field in _fields_of(column))
+        self._own = [field.name for field in fields if not field.twin_of]
+        return fields
 
     def _urdf(self) -> bytes | None:
         """The robot description that was read, if there was one."""
@@ -253,7 +292,7 @@ class Recorder:
             number = int(window.tool[k])
             t_ns = 0 if to_ns < 0 else (window.first + int(k)) * self._step_ns
             tool = self._shop.tool(number)
-            self._writer.tool(t_ns, tool_shapes(tool))
+            self._writer.tool(t_ns, tool_shapes(tool), self._frames.tool)
             span = self._change_span(number)
             if to_ns >= 0 or span[1]:  # at the start: put there by the first change, or by nobody
                 name = "no tool" if number == 0 else tool.name if tool is not None else f"T{number}"
@@ -386,12 +425,14 @@ class Recorder:
         self._write_instants()
         for index, tiles in enumerate(self._tiles):
             self._draw(self._now_ns, index, tiles.changed().draw())
-        self._reporter.rest(self._now_ns, results.findings)
+        self._reporter.rest(self._now_ns, self._job.shown(self._job.findings) if self.others else results.findings)
         if execution.interrupted:
             stopped = results.stopped_at
             place = {"file": stopped.file, "line": stopped.line} if stopped is not None else {}
             self._writer.event(self._now_ns, "interrupted", "stopped by the user", severity="error", **place)  # type: ignore[arg-type]
         state = "failed" if results.status == "failed" else "finished"
+        for other in self.others:
+            other.end(state)
         text = results.text().encode()
         removed = sum(stock.removed - stock.deposited for stock in results.stocks.values())
         record = {"removed_m3": repr(removed)} | {
@@ -415,9 +456,74 @@ class Recorder:
 
     def abandon(self) -> None:
         """After a fault: keep what is there, under the name of an incomplete log."""
-        with suppress(Exception):  # the fault itself may come from work that waits to be written
-            self._write_instants()
+        for each in (self, *self.others):
+            with suppress(Exception):  # the fault itself may come from work that waits to be written
+                each._write_instants()
         self._writer.abandon()
+
+
+class FurtherRecorder(Recorder):
+    """The part of a log that a further program has; its messages go into the log of the first."""
+
+    def __init__(self, job: Job) -> None:
+        self._set_up(job, f"{job.channel}/")
+        self.others = []
+        rapid = _is_rapid(self._plan)
+        self.description = LogDescription(
+            run={"program": job.program.name},
+            static_frames=(),
+            moving_frames=self._frames.moving,
+            joint_names=self._shop.joint_names,
+            joint_scale=tuple(MM if kind == "prismatic" else DEG for kind in self._shop.kinematics.joints.kinds),
+            feed_path=self._ways.polylines(~rapid),
+            rapid_path=self._ways.polylines(rapid),
+            path_ahead=self._ways.ahead(self._plan, ~rapid),
+            path_frame=self._frames.path_frame,
+            process_kinds=self._sheet.kinds,
+            process_fields=self._fields(),
+        )
+
+    @property
+    def channel(self) -> str:
+        return self._job.channel
+
+    @property
+    def static_frames(self) -> tuple[StaticFrame, ...]:
+        return self._frames.static
+
+    @property
+    def entities(self) -> tuple[Entity, ...]:
+        """The links of its machine, and what that carries."""
+        return cell_entities(self._frames)
+
+    @property
+    def joint_limits(self) -> Mapping[str, str]:
+        return self._limits.record
+
+    @property
+    def attachments(self) -> dict[str, bytes]:
+        """Its program, subprograms and robot description."""
+        job, urdf = self._job, self._urdf()
+        read = () if job.reading is None else sorted(job.reading.sources.items())
+        found = {job.program.name: job.program.raw} | {name: source.raw for name, source in read}
+        return found | ({} if urdf is None else {f"{self._shop.name}.urdf": urdf})
+
+    def begin_in(self, first: LogWriter) -> None:
+        """Begin to write, into the log that `first` writes."""
+        self._begin_with(FurtherLog(first, self.channel, self.description))
+
+    def look(self, window: StepWindow) -> Sequence[Glimpse]:
+        """Nothing: the first channel looks at the stocks."""
+        return ()
+
+    def end(self, state: str) -> None:
+        """Write the rest; the log is closed by the first recorder."""
+        self._write_instants()
+        self._reporter.rest(self._now_ns, self._job.shown(self._job.findings))
+        writer = self._writer
+        assert isinstance(writer, FurtherLog)
+        own = "failed" if self._job.stopped_at is not None else state
+        writer.end(self._now_ns, own, self._instants.peaks)
 
 
 def _fields_of(column: Column) -> Iterator[ProcessField]:
