@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from math import pi, sqrt
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -84,18 +85,21 @@ def spline_interpolation(
     samples: int,
     start_orientation: ArrayLike | None = None,
     end_orientation: ArrayLike | None = None,
+    *,
+    by: Literal["length", "number"] = "length",
 ) -> ToolPath:
     """`samples` points on the cubic spline through `points` (n, 3) [m], run by chord length.
 
-    PyBullet Industrial passes points as columns; (3, n) with n other than 3 is
-    taken as such.
+    `by` number: between two points it takes the same share, however far they are apart. PyBullet Industrial passes
+    points as columns; (3, n) with n other than 3 is taken as such.
     """
     from scipy.interpolate import CubicSpline, make_interp_spline
 
     through = np.asarray(points, dtype=float)
     if through.shape[1] != 3 and through.shape[0] == 3:
         through = through.T
-    way = np.concatenate([[0.0], np.cumsum(norms(np.diff(through, axis=0)))])
+    steps = norms(np.diff(through, axis=0)) if by == "length" else np.full(len(through) - 1, 1.0 / (len(through) - 1))
+    way = np.concatenate([[0.0], np.cumsum(steps)])
     u = np.linspace(0.0, 1.0, _count(samples))
     if len(through) < 4:
         at = make_interp_spline(way, through, k=len(through) - 1)(u * way[-1])

@@ -244,6 +244,20 @@ class ToolPath:
                 points[:, 3:] = angles_of_quaternions(quaternion_from_rotation(R))
         return replace(self, start=start, end=end, center=X.apply(self.center), normal=X.rotate(self.normal))
 
+    def append(self, other: ToolPath) -> ToolPath:
+        """A path that goes on with `other`; the same as ``self + other``."""
+        return self + other
+
+    def prepend(self, other: ToolPath) -> ToolPath:
+        """A path that begins with `other`; the same as ``other + self``."""
+        return other + self
+
+    def to_gcode(self, dialect: str = "linuxcnc", switch: tuple[str, str] | None = None) -> str:
+        """The text of a program with these moves; see `gcodesim.motion.gcode_text.gcode_of`."""
+        from gcodesim.motion.gcode_text import gcode_of
+
+        return gcode_of(self, dialect, switch)
+
     def polyline(self, chord: float = 1e-5) -> Array:
         """Points (m, 3) [m] along the programmed path; arcs as chords not more than `chord` [m] off."""
         from gcodesim.motion.curves import Curves
