@@ -21,6 +21,7 @@ _CENTRES: Final = "IJK"
 _PLANES: Final = {2: "G17", 1: "G18", 0: "G19"}
 _MODES: Final = {EXACT_STOP: "G61.1", EXACT_PATH: "G61", BLEND: "G64"}
 _WITH_TURNS: Final = ("linuxcnc", "rs274")  # P of an arc counts turns; G61 and G64 are as in LinuxCNC
+_OF_MACHINES: Final = ("fanuc", "grbl", *_WITH_TURNS)  # the others, of printers, take one code a line, and no end
 _DECIMALS: Final = 6  # of mm and degrees
 _UPRIGHT: Final = 1.0 - 1e-9  # share of an arc's normal along an axis
 
@@ -53,7 +54,7 @@ class _Writer:
         path = self._path
         if self._dialect == "fanuc":
             yield from ("%", "O0001")
-        yield "G21 G90 G94 G17"
+        yield from ("G21 G90 G94 G17",) if self._dialect in _OF_MACHINES else ("G21", "G90")
         for row in range(len(path)):
             yield from self._state(path.state_of(row))
             yield from self._switched(bool(path.active[row]))
@@ -66,13 +67,14 @@ class _Writer:
         yield from self._switched(False)
         if self._held["spindle"] != "M5":
             yield "M5"
-        yield "M30" if self._dialect == "fanuc" else "M2"
+        if self._dialect in _OF_MACHINES:
+            yield "M30" if self._dialect == "fanuc" else "M2"
         if self._dialect == "fanuc":
             yield "%"
 
     def _state(self, state: ToolState) -> Iterator[str]:
         if state.tool or self._held["tool"]:
-            yield from self._changed("tool", f"T{state.tool} M6")
+            yield from self._changed("tool", f"T{state.tool}{' M6' if self._dialect in _OF_MACHINES else ''}")
         turning = "M3" if state.spindle > 0.0 else "M4"
         speed = f"S{self._number(abs(state.spindle) / RPM)} {turning}"
         yield from self._changed("spindle", speed if state.spindle else "M5")
