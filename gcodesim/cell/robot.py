@@ -11,23 +11,25 @@ import numpy as np
 from gcodesim.cell.joints import STIFFNESSES, JointList, Measure, check_within, in_si
 from gcodesim.cell.models import shipped, shipped_chain, user_chain
 from gcodesim.cell.placing import POINT, Place
-from gcodesim.declarations.composed import Either
+from gcodesim.declarations.composed import Either, ListOf
 from gcodesim.declarations.file_kind import File, FileValue
 from gcodesim.declarations.keys import key
 from gcodesim.declarations.kind import NOT_NEGATIVE, POSITIVE, Json, Kind
 from gcodesim.declarations.nodes import Node
-from gcodesim.declarations.plain_kinds import Text
+from gcodesim.declarations.plain_kinds import Choice, Text
 from gcodesim.declarations.quantity import Quantity
 from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread
 from gcodesim.declarations.record import Record
 from gcodesim.frames import Pose
 from gcodesim.frozen import frozen
+from gcodesim.kinematics.branch_names import PAIRS, WORDS
 
 if TYPE_CHECKING:
     from gcodesim.cell.machine import MachineAxis
     from gcodesim.kinematics.chain import Chain
 
 RIGID: Final = "rigid"
+_CONFIGURATION: Final = ListOf(Choice(WORDS, "a configuration"), single=True)
 _STIFFNESS_OF: Final[dict[Measure, str]] = {"angle": "torsional stiffness", "length": "stiffness"}
 
 
@@ -65,6 +67,13 @@ class RobotForm:
     )
     payload: Payload | None = key(
         Record(Payload, "a payload", "mass"), "what hangs at the flange besides the tool", default=None
+    )
+    configuration: tuple[str, ...] | None = key(
+        _CONFIGURATION,
+        "how the arm has to stand: of each pair front or back, up or down (elbow), noflip or flip (wrist), at most one",
+        default=None,
+        quiet=True,
+        example="[front, up, noflip]",
     )
 
     def checked(self, to: Reading, path: Path) -> Robot | Unread:
@@ -123,6 +132,8 @@ class RobotForm:
             stiffness = written
         if self.base.frame is None:
             to.default((*path, "base", "in"), "world")
+        if not self._can_stand(chain, to, (*path, "configuration")):
+            return UNREAD
         return Robot(
             name=str(path[-1]),
             model=self.model,
@@ -134,7 +145,29 @@ class RobotForm:
             home=home,
             stiffness=stiffness,
             payload=self.payload,
+            configuration=self.configuration,
         )
+
+    def _can_stand(self, chain: Chain, to: Reading, path: Path) -> bool:
+        """Whether `configuration` means something for this arm."""
+        if not self.configuration:
+            return True
+        from gcodesim.kinematics.choice import kinematics_of
+        from gcodesim.kinematics.closed_form import ClosedForm
+
+        if not isinstance(kinematics_of(chain), ClosedForm):
+            to.fault(
+                "GS719",
+                to.span(path),
+                f"`configuration` names branches of a closed form, and `{chain.name}` has none",
+                "leave it out and choose `home` near the joints that the arm is to have",
+            )
+            return False
+        for pair in PAIRS:
+            if set(pair) <= set(self.configuration):
+                to.fault("GS719", to.span(path), f"`configuration` says {pair[0]} and {pair[1]}", "give one of them")
+                return False
+        return True
 
     def _home(self, chain: Chain, measures: tuple[Measure, ...], to: Reading, path: Path) -> tuple[float, ...] | Unread:
         if len(self.home) != len(measures):
@@ -171,7 +204,8 @@ class Robot:
 
     `model` names a shipped one, else `urdf` is the file's name as written in the cell, and `flange` the link written
     there; `description` is where that file is, and `chain` its content. `home` [rad] or [m],
-    `stiffness` of the gears [N·m/rad] or [N/m], or None for rigid ones; `X_WB` is its base in the world.
+    `stiffness` of the gears [N·m/rad] or [N/m], or None for rigid ones; `configuration` names the branches on which it
+    has to be (None: all); `X_WB` is its base in the world.
     """
 
     axes: ClassVar[tuple[MachineAxis, ...]] = ()
@@ -187,6 +221,7 @@ class Robot:
     home: tuple[float, ...]
     stiffness: tuple[float, ...] | None
     payload: Payload | None
+    configuration: tuple[str, ...] | None = None
     X_WB: Pose = field(default_factory=Pose.identity, compare=False)
 
     @property
@@ -242,6 +277,8 @@ class RobotKind(Kind):
         shown["stiffness"] = RIGID if value.stiffness is None else _show_stiffness(value)
         if value.payload is not None:
             shown["payload"] = Record(Payload, "a payload").show(value.payload)
+        if value.configuration is not None:
+            shown["configuration"] = _CONFIGURATION.show(value.configuration)
         return shown
 
     def plain(self, value: Any) -> tuple[str, Any]:
@@ -253,4 +290,6 @@ class RobotKind(Kind):
         shown["stiffness_SI"] = None if value.stiffness is None else list(value.stiffness)
         if value.payload is not None:
             shown["payload"] = Record(Payload, "a payload").plain(value.payload)[1]
+        if value.configuration is not None:
+            shown["configuration"] = list(value.configuration)
         return "", shown

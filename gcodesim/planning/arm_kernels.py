@@ -36,9 +36,9 @@ class JointCaps(NamedTuple):
 
 @kernel
 def joint_rates(jacobian: Column, first: Column, last: Column) -> tuple[Column, Column]:
-    """Joint rates (n, j) twice: for velocities `first` and `last` (n, 3) of the flange that does not turn.
+    """Joint rates (n, j) twice: for velocities `first` and `last` of the flange, (n, 3), or (n, 6) where it turns.
 
-    Solves J q' = (v, 0): by elimination where J is square, else the shortest q'.
+    Solves J q' = (v, w): by elimination where J is square, else the shortest q'.
     A singular J gives rates that are finite and far beyond any limit.
     """
     n, j = jacobian.shape[0], jacobian.shape[2]
@@ -48,7 +48,7 @@ def joint_rates(jacobian: Column, first: Column, last: Column) -> tuple[Column, 
     for i in range(n):
         J = jacobian[i]
         b[:, :] = 0.0
-        for r in range(3):
+        for r in range(first.shape[1]):
             b[r, 0] = first[i, r]
             b[r, 1] = last[i, r]
         if j == 6:

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 SPINS: Final = 144  # of a free tool all around: 2.5 deg apart
 _BESIDE: Final = 4  # spins on each side of the last best one in a refinement
 _WITHIN: Final = (1.0, 1.0, 0.5, 0.25)  # steps of the grid, within which each refinement looks
+_SAME: Final = 1e-6  # [rad, m] between joints that count as the same
+START_SHARE: Final = 0.02  # of the squared way from where the arm stands to where a cut begins, in the cost of the cut
 _SHARE: Final = 0.98  # of the best margin that the way which keeps clear has; of those the shortest is taken
 
 
@@ -79,25 +81,27 @@ def grid(cut: Cut, count: int = SPINS) -> Array:
     return np.tile(around, (len(cut), 1))
 
 
-def search(kinematics: Kinematics, cut: Cut, *, spins: int = SPINS, branch: int | None = None) -> Configuration:
-    """The ways through `cut` (at least one pose); `spins` are tried all around, on `branch` only if that is given."""
-    rungs = rungs_of(kinematics, cut, grid(cut, spins), branch)
-    rails = link(rungs.ladder, cut.step)
+def search(
+    kinematics: Kinematics, cut: Cut, *, spins: int = SPINS, branches: tuple[int, ...] | None = None
+) -> Configuration:
+    """The ways through `cut` (at least one pose); so many `spins` are tried all around. `branches`: only these."""
+    rungs = rungs_of(kinematics, cut, grid(cut, spins), branches)
+    rails = link(rungs.ladder, cut.step, False)
     prefix, first, last = earliest(rungs.ladder, rails)
     obstacle = None if prefix == len(cut) else obstacle_at(rungs, prefix)
     if prefix == 0:
         return Configuration(prefix=0, stretch=(first, last), clear=None, short=None, obstacle=obstacle)
     if obstacle is not None:
         cut = cut.part(0, prefix)
-        rungs = rungs_of(kinematics, cut, grid(cut, spins), branch)
-        rails = link(rungs.ladder, cut.step)
+        rungs = rungs_of(kinematics, cut, grid(cut, spins), branches)
+        rails = link(rungs.ladder, cut.step, False)
     best = widest(rungs.ladder, rails)
     clear, short = way_with(rungs, rails, _SHARE * best), way_with(rungs, rails, 0.0)
     for steps in _WITHIN if cut.free else ():
         apart = steps * TURN / spins
         clear, short = (
-            refined(kinematics, cut, clear, apart, branch, clear=True),
-            refined(kinematics, cut, short, apart, branch, clear=False),
+            refined(kinematics, cut, clear, apart, branches, clear=True),
+            refined(kinematics, cut, short, apart, branches, clear=False),
         )
     return Configuration(prefix=prefix, stretch=(first, last), clear=clear, short=short, obstacle=obstacle)
 
@@ -107,7 +111,49 @@ def can_run(kinematics: Kinematics, cut: Cut, *, spins: int = SPINS) -> bool:
     rungs = rungs_of(kinematics, cut, grid(cut, spins))
     if not rungs.counts.all():
         return False
-    return bool(earliest(rungs.ladder, link(rungs.ladder, cut.step))[0] == len(cut))
+    return bool(earliest(rungs.ladder, link(rungs.ladder, cut.step, False))[0] == len(cut))
+
+
+def even_way(
+    kinematics: Kinematics,
+    cut: Cut,
+    *,
+    margin: float,
+    start: Array,
+    spins: int,
+    branches: tuple[int, ...] | None = None,
+) -> Way | None:
+    """The way through `cut` on which joints move most evenly, beginning near joints `start` (j,); None: there is none.
+
+    It keeps `margin` [rad, m] from limits, or nearly the best one where that is less.
+    """
+    way: Way | None = None
+    for steps in (None, *_WITHIN) if cut.free else (None,):
+        tried = grid(cut, spins) if steps is None or way is None else _spins_beside(way, steps * TURN / spins)
+        rungs = rungs_of(kinematics, cut, tried, branches)
+        if not rungs.counts.all():
+            return None
+        rails = link(rungs.ladder, cut.step, True)
+        best = widest(rungs.ladder, rails)
+        if best < 0.0:
+            return None
+        way = way_with(rungs, rails, min(_SHARE * best, margin), start)
+    return way
+
+
+def _spins_beside(way: Way, apart: float) -> Array:
+    """Spins (n, s) [rad] at and beside those of `way`, up to `apart` [rad] away."""
+    spins: Array = way.spins[:, None] + apart * np.arange(-_BESIDE, _BESIDE + 1) / _BESIDE
+    return spins
+
+
+def on_branches(kinematics: Kinematics, X_BF: Array, q: Array, branches: tuple[int, ...]) -> bool:
+    """Whether joints q (n, j) at poses (n, 4, 4) are all on these `branches`; any is where two of them meet."""
+    found, exists = kinematics.branches_along(X_BF)
+    away = found - q[:, None]
+    away -= np.where(kinematics.chain.tree.prismatic == 0, TURN * np.floor(0.5 + away / TURN), 0.0)
+    here = exists & (np.abs(away).max(axis=2, initial=0.0) < _SAME)
+    return bool(here[:, [b for b in branches if b < here.shape[1]]].any(axis=1).all())
 
 
 def obstacle_at(rungs: Rungs, pose: int) -> Obstacle:
@@ -117,20 +163,29 @@ def obstacle_at(rungs: Rungs, pose: int) -> Obstacle:
     return Obstacle.WAY if rungs.counts[pose] else Obstacle.LIMIT
 
 
-def refined(kinematics: Kinematics, cut: Cut, way: Way, apart: float, branch: int | None, *, clear: bool) -> Way:
+def refined(
+    kinematics: Kinematics, cut: Cut, way: Way, apart: float, branches: tuple[int, ...] | None, *, clear: bool
+) -> Way:
     """The best way with spins beside those of `way`, within `apart` [rad]: the clearest, else the shortest."""
-    beside = apart * np.arange(-_BESIDE, _BESIDE + 1) / _BESIDE
-    rungs = rungs_of(kinematics, cut, way.spins[:, None] + beside, branch)
-    rails = link(rungs.ladder, cut.step)
+    rungs = rungs_of(kinematics, cut, _spins_beside(way, apart), branches)
+    rails = link(rungs.ladder, cut.step, False)
     return way_with(rungs, rails, _SHARE * widest(rungs.ladder, rails) if clear else 0.0)
 
 
-def way_with(rungs: Rungs, rails: Rails, margin: float) -> Way:
-    """The shortest of the ways through all rungs that keep `margin` from limits; there has to be one."""
+def way_with(rungs: Rungs, rails: Rails, margin: float, start: Array | None = None) -> Way:
+    """The cheapest of the ways through all rungs that keep `margin` from limits; there has to be one.
+
+    With joints `start` (j,) it also counts how far from there the way begins.
+    """
     ladder = rungs.ladder
     parent = np.empty((len(ladder.q), len(ladder.whole)), dtype=np.int16)
-    travel, vector, turn = shortest(ladder, rails, margin, parent)
-    if vector < 0 or not np.isfinite(travel):
+    begin = np.zeros((ladder.first[1], len(ladder.whole)))
+    if start is not None:
+        away = ladder.q[: len(begin), None] + TURN * ladder.whole - start
+        away = np.where(ladder.kind == ENDLESS, 0.0, away)
+        begin = START_SHARE * np.sum(away * away, axis=2)
+    cost, vector, turn = shortest(ladder, rails, margin, begin, parent)
+    if vector < 0 or not np.isfinite(cost):
         raise ValueError("no way with this margin")
     steps = np.empty((len(ladder.first) - 1, 2), dtype=np.int64)
     trace(ladder, rails, parent, vector, turn, steps)
@@ -140,4 +195,5 @@ def way_with(rungs: Rungs, rails: Rails, margin: float) -> Way:
         whole = np.floor(0.5 + np.diff(q[:, endless], axis=0) / TURN)
         q[1:, endless] -= TURN * np.cumsum(whole, axis=0)
     room = np.minimum(q - ladder.lower, ladder.upper - q)[:, ~endless]
-    return Way(q, rungs.spin[steps[:, 0]], float(room.min(initial=np.inf)), float(travel))
+    travel = float(np.abs(np.diff(q, axis=0)).sum())
+    return Way(q, rungs.spin[steps[:, 0]], float(room.min(initial=np.inf)), travel)

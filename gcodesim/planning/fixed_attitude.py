@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ from gcodesim.canon import Axes
 from gcodesim.diagnostics import Findings
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
+from gcodesim.kinematics.protocol import Status
 from gcodesim.motion.blend import blend
 from gcodesim.motion.blend_kernels import NORMAL_SHARE
 from gcodesim.motion.pieces import OVERLAP, Pieces
@@ -29,17 +30,23 @@ from gcodesim.motion.trajectory import Samples
 from gcodesim.planning import joint_moves
 from gcodesim.planning.arm_kernels import JointCaps, SegmentRates, joint_caps, joint_rates
 from gcodesim.planning.axis_posing import offsets
-from gcodesim.planning.flange_poses import flange_origins, flange_poses, spin_of
+from gcodesim.planning.configuration import on_branches
+from gcodesim.planning.flange_poses import flange_origins, flange_poses, spin_of, turned
 from gcodesim.planning.joint_rows import with_joint_rows
 from gcodesim.planning.nodes import Nodes
 from gcodesim.planning.plan import JointExtremes, JointPath
 from gcodesim.planning.posing import Posed
 from gcodesim.planning.reach import report_poses, report_slow_joints
+from gcodesim.planning.route import TRIALS, dead_end, route_along
+from gcodesim.planning.route_findings import report_dead_end, report_route
 from gcodesim.planning.spin_choice import SampledPath, SpinChoice, choose_spin
 from gcodesim.planning.travel import report_missing_axes
+from gcodesim.planning.turning import Turning
 
 if TYPE_CHECKING:
     from gcodesim.kinematics.protocol import Kinematics
+
+Solved: TypeAlias = tuple[Nodes, Array, NDArray[np.uint8]]  # nodes, joints (k, j) and status (k,) at them
 
 _REFINEMENTS: Final = 3
 _CLOSE: Final = 1e-6  # [m]
@@ -58,16 +65,31 @@ class Flange:
     R_BO: Array  # of every row (n, 3, 3)
     offset: Array  # of every row (n, 3) [m]
     spin: float
+    turning: Turning | None = None  # of the tool about itself along the path, on top of `spin`
 
-    def poses(self, piece: NDArray[np.int64], positions: Array) -> Array:
-        """X_BF (k, 4, 4) with the controlled point at `positions` (k, 3) on `piece` (k,)."""
+    def poses(self, piece: NDArray[np.int64], s: Array, positions: Array) -> Array:
+        """X_BF (k, 4, 4) with the controlled point at `positions` (k, 3), which are at `s` (k,) of `piece` (k,)."""
         row = self.pieces.row_first[piece]
         R = self.R_BO[row]
-        return flange_poses(flange_origins(positions, self.offset[row], R), R, self.spin)
+        X = flange_poses(flange_origins(positions, self.offset[row], R), R, self.spin)
+        return X if self.turning is None else turned(X, self.turning.at(piece, s)[0])
 
     def at(self, piece: NDArray[np.int64], s: Array) -> Array:
         """X_BF (k, 4, 4) at places `s` (k,) of `piece` (k,)."""
-        return self.poses(piece, self.pieces.points(piece, s)[0][:, :3])
+        return self.poses(piece, s, self.pieces.points(piece, s)[0][:, :3])
+
+    def velocities(self, piece: NDArray[np.int64], s: Array) -> Array:
+        """Velocity (k, 3) of the flange by the way, or (k, 6) with the angular one, where it turns."""
+        v = self.pieces.points(piece, s)[1][:, :3]
+        if self.turning is None:
+            return v
+        rate = self.turning.at(piece, s)[1]
+        return np.concatenate([v, -rate[:, None] * self.R_BO[self.pieces.row_first[piece]][:, :, 2]], axis=1)
+
+    @property
+    def last_spin(self) -> float:
+        """The spin [rad] at the end of the path."""
+        return self.spin if self.turning is None else self.spin + float(self.turning.spin[-1])
 
 
 @frozen(slots=False, kw_only=False, eq=False)
@@ -103,7 +125,7 @@ class ArmJoints:
             elif bridge[a]:
                 q[a:b] = self._on_bridge(after[a:b], samples.piece[a:b], samples.s[a:b])
             else:
-                X = self.flange.poses(samples.piece[a:b], samples.position[a:b, :3])
+                X = self.flange.poses(samples.piece[a:b], samples.s[a:b], samples.position[a:b, :3])
                 seed = int(after[a]) - (not self.nodes.head[after[a]])
                 q[a:b] = self.kinematics.inverse(X, self.q_nodes[seed])[0]
         return q
@@ -150,7 +172,10 @@ class FixedAttitude:
     flange back. `X_BM` is where the axes of the program stand in the base. `joint_rapids`: every G0 is a joint move.
 
     Of a leg that goes on, `home` (j,) is where G28 goes, and `held` (3, 3) is the R_BO that the tool has already; else
-    home is where the arm stands first, and it goes from there to its attitude by joints.
+    home is where the arm stands first, and it goes from there to its attitude by joints. `branches` are those of a
+    closed form on which the arm has to be; None: all.
+
+    Where one spin and one branch do not do, all configurations are searched, and a free spin changes along the path.
     """
 
     frames: Mapping[int, Array] = field(default_factory=dict)
@@ -160,6 +185,7 @@ class FixedAttitude:
     joint_rapids: bool = False
     home: Array | None = None
     held: Array | None = None
+    branches: tuple[int, ...] | None = None
 
     @property
     def understands(self) -> frozenset[Commanded]:
@@ -185,19 +211,66 @@ class FixedAttitude:
         pieces = blend(path, choice.limits, own_time=np.where(rows.joint, 1.0, np.nan))
         flange = Flange(pieces, R_BO, offsets(path)[:, :3], choice.spin)
         at_home = pieces.fixed & rows.home[pieces.row_first]
-        nodes, q_nodes, status = _solve(kinematics, flange, Nodes.of(pieces, at_home), choice, home)
-        report_poses(kinematics, flange, nodes, q_nodes, status, probe, choice, home, findings)
+        solved = _solve(kinematics, flange, Nodes.of(pieces, at_home), choice, home)
+        part = ""
+        if not self._will_do(kinematics, flange, *solved):
+            flange, solved, part = self._searched(
+                kinematics, flange, Nodes.of(pieces, at_home), choice, home, solved, findings
+            )
+        nodes, q_nodes, status = solved
+        report_poses(kinematics, flange, nodes, q_nodes, status, probe, choice, home, part, findings)
         bridged = _bridge(nodes, q_nodes, status)
         moves = _joint_moves(kinematics, pieces, nodes, q_nodes, home, home if self.home is None else self.home)
-        caps = _caps(kinematics, pieces, nodes, q_nodes, bridged, findings)
+        caps = _caps(kinematics, flange, nodes, q_nodes, bridged, findings)
         return Posed(pieces, ArmJoints(kinematics, flange, nodes, q_nodes, bridged, home, moves), caps)
+
+    def _will_do(
+        self, kinematics: Kinematics, flange: Flange, nodes: Nodes, q: Array, status: NDArray[np.uint8]
+    ) -> bool:
+        """Whether all poses are reached, on the branches that are wanted."""
+        if np.any(_is_bad(status)):
+            return False
+        return self.branches is None or on_branches(kinematics, flange.at(nodes.piece, nodes.s), q, self.branches)
+
+    def _searched(
+        self,
+        kinematics: Kinematics,
+        flange: Flange,
+        nodes: Nodes,
+        choice: SpinChoice,
+        home: Array,
+        simple: Solved,
+        findings: Findings,
+    ) -> tuple[Flange, Solved, str]:
+        """Flange and joints by the search over all configurations.
+
+        Where there is none, they are as they were, and the text says which part of the path can be run.
+        """
+        free = self.spin is None
+        straight = replace(flange, spin=0.0 if free else flange.spin)
+        dense = simple[0] if len(simple[0]) > len(nodes) else nodes
+        chains = 0
+        for trial in TRIALS:
+            route = route_along(kinematics, straight, dense, home, trial, free=free, branches=self.branches)
+            chains = max(chains, route.chains)
+            if route.chains == len(dense.chains):
+                turning = replace(straight, turning=route.turning)
+                solved = _solve(kinematics, turning, nodes, replace(choice, seeds=route.seeds), home)
+                if self._will_do(kinematics, turning, *solved):
+                    report_route(flange, route.turning, solved[0], findings)
+                    return turning, solved, ""
+        if not dense.chains:
+            return flange, simple, ""
+        guilty = min(chains, len(dense.chains) - 1)
+        end = dead_end(kinematics, straight, dense, guilty, free=free, branches=self.branches)
+        return flange, simple, report_dead_end(kinematics, straight, dense, end, findings)
 
     def after(self, leg: JointPath, path: ToolPath, home: Array) -> FixedAttitude:
         """The spin stays as chosen, and the attitude is held except at home."""
         if not isinstance(leg, ArmJoints) or not len(path):
             return self
         held = None if path.kind[-1] == HOME else self.R_BO(path)[-1]
-        return replace(self, spin=leg.flange.spin, home=home, held=held)
+        return replace(self, spin=leg.flange.last_spin, home=home, held=held)
 
     def R_BO(self, path: ToolPath) -> Array:
         """Axes of O in B for every row of `path` (n, 3, 3)."""
@@ -206,9 +279,13 @@ class FixedAttitude:
         return rows
 
 
-def _solve(
-    kinematics: Kinematics, flange: Flange, nodes: Nodes, choice: SpinChoice, home: Array
-) -> tuple[Nodes, Array, NDArray[np.uint8]]:
+def _is_bad(status: NDArray[np.uint8]) -> NDArray[np.bool_]:
+    """Whether poses are not on a way that can be run."""
+    bad: NDArray[np.bool_] = (status != Status.OK) & (status != Status.SINGULAR)
+    return bad
+
+
+def _solve(kinematics: Kinematics, flange: Flange, nodes: Nodes, choice: SpinChoice, home: Array) -> Solved:
     """Joints (k, j) and status (k,) at nodes, with extra nodes where joints move far."""
     for refinement in range(_REFINEMENTS):
         X = flange.at(nodes.piece, nodes.s)
@@ -266,18 +343,18 @@ def _joint_moves(
 
 
 def _caps(
-    kinematics: Kinematics, pieces: Pieces, nodes: Nodes, q: Array, bridged: NDArray[np.bool_], findings: Findings
+    kinematics: Kinematics, flange: Flange, nodes: Nodes, q: Array, bridged: NDArray[np.bool_], findings: Findings
 ) -> Caps:
     """Caps of every segment between nodes; a joint move is one segment."""
-    joints, i = kinematics.joints, nodes.segments
+    pieces, joints, i = flange.pieces, kinematics.joints, nodes.segments
     piece, begin = nodes.piece[i], nodes.begin
     length = nodes.s[i] - begin
     J = np.ascontiguousarray(kinematics.jacobian(q))
     speed_limit = np.minimum(joints.speed, 1e6)
     acceleration_limit = np.minimum(joints.acceleration, 1e6)
-    leaving, arriving = np.zeros((len(nodes), 3)), np.zeros((len(nodes), 3))
-    leaving[i - 1] = pieces.points(piece, begin)[1][:, :3]
-    arriving[i] = pieces.points(piece, begin + length)[1][:, :3]
+    out, back = flange.velocities(piece, begin), flange.velocities(piece, begin + length)
+    leaving, arriving = np.zeros((len(nodes), out.shape[1])), np.zeros((len(nodes), out.shape[1]))
+    leaving[i - 1], arriving[i] = out, back
     rates = joint_rates(J, leaving, arriving)
     # between close nodes the difference of joints is only rounding; the rates at their ends are enough
     mean_rate = np.where(length[:, None] > _CLOSE, (q[i] - q[i - 1]) / length[:, None], 0.0)

@@ -24,6 +24,15 @@ def flange_poses(p_BO: Array, R_BO: Array, spin: float) -> Array:
     return X
 
 
+def turned(X_BF: Array, spins: Array) -> Array:
+    """The same poses (n, 4, 4) with the flange turned about its own Z by `spins` (n,) [rad]."""
+    cosine, sine = cos_sin(spins)
+    X = X_BF.copy()
+    X[:, :3, 0] = cosine[:, None] * X_BF[:, :3, 0] + sine[:, None] * X_BF[:, :3, 1]
+    X[:, :3, 1] = cosine[:, None] * X_BF[:, :3, 1] - sine[:, None] * X_BF[:, :3, 0]
+    return X
+
+
 def flange_origins(positions: Array, offsets: Array, R_BO: Array) -> Array:
     """Where the flange is (n, 3) when the controlled point is at `positions` (n, 3) under length `offsets` (n, 3)."""
     origins: Array = positions + applied(R_BO, offsets)

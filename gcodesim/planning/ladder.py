@@ -76,13 +76,13 @@ class Rungs:
         return counts
 
 
-def rungs_of(kinematics: Kinematics, cut: Cut, spins: Array, branch: int | None = None) -> Rungs:
-    """The ladder of `cut` at `spins` (n, s) [rad]; `branch` keeps only that one of a closed form."""
+def rungs_of(kinematics: Kinematics, cut: Cut, spins: Array, branches: tuple[int, ...] | None = None) -> Rungs:
+    """The ladder of `cut` at `spins` (n, s) [rad]; `branches` keeps only those of a closed form."""
     n, s = spins.shape
     flange = cut.flange(spins).reshape(-1, 4, 4)
     q, exists = kinematics.branches_along(flange)
-    if branch is not None:
-        exists = exists & (np.arange(exists.shape[1]) == branch)
+    if branches is not None:
+        exists = exists & np.isin(np.arange(exists.shape[1]), branches)
     q, exists = q.reshape(n, -1, q.shape[-1]), exists.reshape(n, -1)
     joints = kinematics.joints
     kind, lower, upper, turns = _turns(joints)

@@ -41,8 +41,8 @@ class Ladder(NamedTuple):
 class Rails(NamedTuple):
     """Pairs of joint vectors on neighbouring rungs that lie close: those that end at v are first[v] to first[v + 1].
 
-    `source` is where one begins, `way` how far all joints go together, `shift` 0 where turns stay as they are and
-    else 1 plus a number whose digits to base 3 are the changes of whole turns plus one.
+    `source` is where one begins, `way` what it costs: how far all joints go together, or the sum of squares. `shift` is
+    0 where turns stay as they are, else 1 plus a number whose digits to base 3 are the changes of whole turns plus one.
     """
 
     first: Indices
@@ -96,8 +96,8 @@ def sector(angle: float, parts: int) -> int:
 
 
 @kernel
-def close_by(ladder: Ladder, u: int, v: int, bound: Array) -> tuple[float, int]:
-    """How far all joints go together from u to v and the code of their turns; −1 where one goes beyond `bound` (j,)."""
+def close_by(ladder: Ladder, u: int, v: int, bound: Array, even: bool) -> tuple[float, int]:
+    """What the pair from u to v costs and the code of its turns; −1 where one joint goes beyond `bound` (j,)."""
     q, kind = ladder.q, ladder.kind
     count = q.shape[1]
     for j in range(count - 1, -1, -1):
@@ -106,7 +106,7 @@ def close_by(ladder: Ladder, u: int, v: int, bound: Array) -> tuple[float, int]:
     way, code, turned = 0.0, 0, False
     for j in range(count):
         step = step_of(q[u, j], q[v, j], kind[j])
-        way += abs(step)
+        way += step * step if even else abs(step)
         change = 0
         if kind[j] == LIMITED:
             change = math.floor(0.5 + (q[v, j] - q[u, j] - step) / TURN)
@@ -116,8 +116,11 @@ def close_by(ladder: Ladder, u: int, v: int, bound: Array) -> tuple[float, int]:
 
 
 @kernel
-def link(ladder: Ladder, bound: Array) -> Rails:
-    """All pairs on neighbouring rungs of which no joint goes farther than `bound` (j,), below half a turn."""
+def link(ladder: Ladder, bound: Array, even: bool) -> Rails:
+    """All pairs on neighbouring rungs of which no joint goes farther than `bound` (j,), below half a turn.
+
+    They cost the sum of squares if the joints are to move `even`ly, else how far they go.
+    """
     rungs, count = ladder.first.shape[0] - 1, ladder.q.shape[1]
     parts = 1
     if ladder.kind[count - 1] != LINEAR:
@@ -142,7 +145,7 @@ def link(ladder: Ladder, bound: Array) -> Rails:
                     break
                 p = (here + side - 1 + parts) % parts
                 for k in range(begin[p], begin[p + 1]):
-                    far, code = close_by(ladder, order[k], v, bound)
+                    far, code = close_by(ladder, order[k], v, bound, even)
                     if far < 0.0:
                         continue
                     if found == source.shape[0]:
@@ -251,11 +254,13 @@ def widest(ladder: Ladder, rails: Rails) -> float:
 
 
 @kernel
-def shortest(ladder: Ladder, rails: Rails, margin: float, parent: NDArray[np.int16]) -> tuple[float, int, int]:
-    """The least travel of a way through all rungs with at least `margin`: travel, last vector and its turn.
+def shortest(
+    ladder: Ladder, rails: Rails, margin: float, start: Array, parent: NDArray[np.int16]
+) -> tuple[float, int, int]:
+    """The least cost of a way through all rungs with at least `margin`: cost, last vector and its turn.
 
-    `parent` (N, t) tells for each vector and turn which of its rails the way came by. The travel is infinite where
-    there is no way.
+    `start` (m, t) is what it costs to begin with a vector and turn of the first rung. `parent` (N, t) tells for each
+    vector and turn which of its rails the way came by. The cost is infinite where there is no way.
     """
     rungs, turns = ladder.first.shape[0] - 1, ladder.whole.shape[0]
     most = most_of(ladder)
@@ -268,7 +273,7 @@ def shortest(ladder: Ladder, rails: Rails, margin: float, parent: NDArray[np.int
         for v in range(a, ladder.first[i + 1]):
             row, by = now[v - a], parent[v]
             for t in range(turns):
-                row[t] = 0.0 if i == 0 else np.inf
+                row[t] = start[v, t] if i == 0 else np.inf
                 by[t] = NOBODY
             for e in range(rails.first[v], rails.first[v + 1]):
                 old, shift, way = before[rails.source[e] - above], rails.shift[e], rails.way[e]

@@ -48,9 +48,13 @@ def report_poses(
     probe: SampledPath,
     choice: SpinChoice,
     home: Array,
+    part: str,
     findings: Findings,
 ) -> None:
-    """One finding for each kind of pose out of reach: where, why, how many blocks, and which shift would help."""
+    """One finding for each kind of pose out of reach: where, why, how many blocks, and which shift would help.
+
+    `part` says which part of the path can be run, if that is known.
+    """
     shift: str | None = None
     for value, code in _CODES.items():
         bad = status == value
@@ -68,9 +72,9 @@ def report_poses(
         findings.add(
             Diagnostic(
                 code=code,
-                message=f"{_why(kinematics, reason)}, from {100.0 * share:.0f} % of the block on{further}",
+                message=f"{why(kinematics, reason)}, from {100.0 * share:.0f} % of the block on{further}",
                 span=pieces.path.span(row),
-                hint=shift,
+                hint=f"{part}; {shift}" if part else shift,
                 count=blocks,
                 value=reason.value,
                 limit=reason.limit,
@@ -79,7 +83,8 @@ def report_poses(
         )
 
 
-def _why(kinematics: Kinematics, reason: Reason) -> str:
+def why(kinematics: Kinematics, reason: Reason) -> str:
+    """The facts behind a status in words."""
     unit, factor = ("mm", MM) if reason.unit == "m" else ("deg", DEG)
     value, limit = reason.value / factor, reason.limit / factor
     if reason.status == 1:
@@ -105,7 +110,7 @@ def _where_it_begins(
     previous = q[node - 1]
     for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
-        found, status = kinematics.inverse(flange.at(piece, np.array([middle])), previous)
+        found, status = kinematics.inverse(flange.at(piece, np.array([middle])), previous, on_path=True)
         if status[0] == value:
             high = middle
         else:

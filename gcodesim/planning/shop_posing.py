@@ -8,6 +8,7 @@ import numpy as np
 
 from gcodesim.arithmetic.matrices import applied, dot, norm
 from gcodesim.frames import Array
+from gcodesim.kinematics.branch_names import branches_named
 from gcodesim.kinematics.tool_point import ToolPoint
 from gcodesim.planning.axis_attitude import AxisAttitude
 from gcodesim.planning.axis_posing import AxisPosing
@@ -39,7 +40,23 @@ def _fixed_attitude(shop: Shop) -> FixedAttitude:
         system: _upright(applied(R_BW, shop.placement.tool_axis(own, system)), shop, system)
         for system in shop.placement.work_offsets
     }
-    return FixedAttitude(frames=frames, upright=frames[1], spin=None if own is None else own.spin, X_BM=shop.X_BM)
+    return FixedAttitude(
+        frames=frames,
+        upright=frames[1],
+        spin=None if own is None else own.spin,
+        X_BM=shop.X_BM,
+        branches=_branches(shop),
+    )
+
+
+def _branches(shop: Shop) -> tuple[int, ...] | None:
+    """Those that `configuration` of the robot allows; None where it says nothing."""
+    from gcodesim.kinematics.closed_form import ClosedForm
+
+    robot = shop.cell.robots.get(shop.name)
+    if robot is None or not robot.configuration or not isinstance(shop.kinematics, ClosedForm):
+        return None
+    return branches_named(shop.kinematics.arm, robot.configuration)
 
 
 def _upright(axis_B: Array, shop: Shop, system: int) -> Array:

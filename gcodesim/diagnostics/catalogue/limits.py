@@ -86,6 +86,30 @@ CODES: tuple[Code, ...] = (
         "top of the program.",
     ),
     Code(
+        code="GS215",
+        severity=Severity.NOTE,
+        title="Configuration searched over the whole path",
+        what="With the configuration of the arm nearest to home, and one spin of the tool for the whole program, the"
+        " path cannot be run. A search over all configurations, turns of joints and spins along the path has found"
+        " another way.",
+        why="The arm moves otherwise than a control would by itself: start the program on the machine from the same"
+        " joints, and let the tool turn as here.",
+        remedy="Nothing, if the machine is run with these joints. `configuration` of the robot or `spin` of the"
+        " orientation pins what is wanted; a part that lies more conveniently needs no search (`gcodesim place`).",
+    ),
+    Code(
+        code="GS216",
+        severity=Severity.ERROR,
+        title="No configuration leads through",
+        what="No configuration of the arm (shoulder, elbow, wrist, whole turns of joints, spin of the tool where it is"
+        " free) leads through this part of the path without a jump, although each pose alone can be reached. The"
+        " message names the longest part that can be run, and what the arm would have to do to go on: pass a limit, or"
+        " jump, as at a singularity.",
+        why="The robot stops there, or swings through the cell.",
+        remedy="Shift the part (`gcodesim place` searches), tilt the tool, let its spin free, or split the program with"
+        " a rapid at a safe height.",
+    ),
+    Code(
         code="GS230",
         severity=Severity.ERROR,
         title="Joint effort at its limit",

@@ -261,6 +261,17 @@ def test_a_robot_of_ones_own() -> None:
     assert resting.home == pytest.approx((0.1, 0.0))  # zero, or the end of the travel next to it
 
 
+def test_a_configuration_names_at_most_one_of_each_pair() -> None:
+    text = "robots: {arm: {model: ur10e, configuration: %s}}"
+
+    assert sound(text % "[up, front]").robots["arm"].configuration == ("up", "front")
+    assert sound(text % "flip").robots["arm"].configuration == ("flip",)
+    assert sound("robots: {arm: {model: ur10e}}").robots["arm"].configuration is None
+    assert codes(text % "[up, down]") == ["GS719"]
+    assert codes(text % "[upward]") == ["GS711"]
+    assert codes("robots: {arm: {urdf: arm.urdf, configuration: [up]}}")[-1] == "GS719"  # no closed form
+
+
 def test_each_joint_has_the_unit_that_fits_it() -> None:
     cell = sound("robots: {arm: {urdf: arm.urdf, home: [200, -30], stiffness: [2e5 N/mm, 1e4 N·m/rad]}}")
 

@@ -58,7 +58,7 @@ def all_ways(ladder, rungs, bound):
 def test_no_way_of_a_small_ladder_is_missed(seed):
     """A slow twin walks all ways one by one."""
     ladder, bound = small_ladder(np.random.default_rng(seed)), BOUND
-    rails = link(ladder, bound)
+    rails = link(ladder, bound, False)
     runs = {(a, b): all_ways(ladder, range(a, b + 1), bound) for a in range(4) for b in range(a, 4)}
     open_runs = {run for run, ways in runs.items() if len(ways)}
     prefix, start, end = earliest(ladder, rails)
@@ -71,9 +71,10 @@ def test_no_way_of_a_small_ladder_is_missed(seed):
     margins = np.minimum(ways - ladder.lower, ladder.upper - ways).min(axis=(1, 2))
     assert widest(ladder, rails) == pytest.approx(margins.max(), abs=1e-12)
     parent = np.empty((len(ladder.q), len(ladder.whole)), dtype=np.int16)
+    start = np.zeros((ladder.first[1], len(ladder.whole)))
     for margin in (0.0, float(margins.max()) - 1e-9):
         enough = ways[margins >= margin]
-        travel, vector, turn = shortest(ladder, rails, margin, parent)
+        travel, vector, turn = shortest(ladder, rails, margin, start, parent)
         assert travel == pytest.approx(np.abs(np.diff(enough, axis=1)).sum(axis=(1, 2)).min(), abs=1e-12)
         steps = np.empty((4, 2), dtype=np.int64)
         trace(ladder, rails, parent, vector, turn, steps)
@@ -83,7 +84,7 @@ def test_no_way_of_a_small_ladder_is_missed(seed):
 
 def test_small_ladders_have_ways_and_have_none():
     ladders = [small_ladder(np.random.default_rng(seed)) for seed in range(12)]
-    found = [widest(ladder, link(ladder, BOUND)) for ladder in ladders]
+    found = [widest(ladder, link(ladder, BOUND, False)) for ladder in ladders]
     assert min(found) == -1.0 < 0.0 < max(found)
 
 
@@ -147,7 +148,7 @@ def test_a_pinned_branch_is_kept():
     robot, q, cut = swing("kuka_kr10_r1100_2", free=False)
     ways = {}
     for branch in range(8):
-        found = search(robot, cut, branch=branch)
+        found = search(robot, cut, branches=(branch,))
         if found.continuous:
             ways[branch] = found.short.q
     assert len(ways) > 1

@@ -1,0 +1,150 @@
+"""Joints for a whole path by the search over all configurations, where the simple choice finds no way.
+
+Each chain of nodes between two joint moves is a cut of its own. Some of the nodes become the rungs of a ladder; what
+the search finds there says how the tool turns along the path and where the joints begin, and the nodes between follow.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.frames import Array
+from gcodesim.frozen import frozen
+from gcodesim.kinematics.path_kernels import JUMP
+from gcodesim.planning.configuration import Obstacle, even_way, grid, obstacle_at, way_with
+from gcodesim.planning.ladder import Cut, rungs_of
+from gcodesim.planning.ladder_kernels import TURN, earliest, link
+from gcodesim.planning.nodes import Nodes
+from gcodesim.planning.turning import Turning
+
+if TYPE_CHECKING:
+    from gcodesim.kinematics.protocol import Kinematics
+    from gcodesim.planning.reach import FlangePoses
+
+TRIALS: Final = ((300, 36), (300, 144), (1200, 36))
+"""Rungs of all ladders of a path together and spins all around, tried one after the other."""
+
+_FEWEST: Final = 12  # rungs of one ladder
+_ROOM: Final = 0.25  # [rad] from limits beyond which more is no better
+_SMOOTHING: Final = 6  # times that each spin is averaged with its neighbours: the grid of spins leaves steps
+
+
+@frozen(kw_only=False, eq=False)
+class Route:
+    """How the tool turns along the path (None: it does not), and the joints (j,) with which each chain of nodes begins.
+
+    `chains` counts the chains that have a way, one after the other; the route is complete if all have.
+    """
+
+    turning: Turning | None
+    seeds: dict[int, Array]
+    chains: int
+
+
+@frozen(kw_only=False, eq=False)
+class DeadEnd:
+    """Where no route leads on: the nodes `first` to `last` are the longest part of a chain that can be run.
+
+    `obstacle` says why the one at node `next_node` cannot be added, coming from joints `q` (j,) (None: there are none).
+    """
+
+    chain: tuple[int, int]
+    first: int
+    last: int
+    next_node: int
+    obstacle: Obstacle
+    q: Array | None
+
+
+def route_along(
+    kinematics: Kinematics,
+    flange: FlangePoses,
+    nodes: Nodes,
+    home: Array,
+    trial: tuple[int, int],
+    *,
+    free: bool,
+    branches: tuple[int, ...] | None,
+) -> Route:
+    """The route along all `nodes`, by one of the `TRIALS`; `flange` has the spin from which a free tool turns."""
+    pieces, places, spins = [], [], []
+    seeds: dict[int, Array] = {}
+    previous = home
+    for k in range(len(nodes.chains)):
+        chosen, cut = _cut(kinematics, flange, nodes, k, trial[0], free)
+        way = even_way(kinematics, cut, margin=_ROOM, start=previous, spins=trial[1], branches=branches)
+        if way is None:
+            return Route(None, seeds, k)
+        seeds[k], previous = way.q[0], way.q[-1]
+        pieces.append(nodes.piece[chosen])
+        places.append(nodes.s[chosen])
+        spins.append(_smooth(way.spins))
+    turning = Turning.through(flange.pieces, pieces, places, spins) if free and spins else None
+    return Route(turning, seeds, len(nodes.chains))
+
+
+def _evenly(first: int, end: int, most: int) -> NDArray[np.int64]:
+    """At most so many nodes from `first` to the one before `end`, both among them."""
+    if end - first <= most:
+        return np.arange(first, end)
+    return np.unique(np.rint(np.linspace(first, end - 1, most)).astype(np.int64))
+
+
+def _cut(
+    kinematics: Kinematics, flange: FlangePoses, nodes: Nodes, chain: int, rungs: int, free: bool
+) -> tuple[NDArray[np.int64], Cut]:
+    """The nodes of a chain that become rungs, and the cut through them."""
+    a, b = nodes.chains[chain]
+    chosen = _evenly(a, b, max(_FEWEST, rungs * (b - a) // max(len(nodes), 1)))
+    X = flange.at(nodes.piece[chosen], nodes.s[chosen])
+    return chosen, Cut(X_BT=X, X_FT=np.eye(4), free=free, step=np.full(len(kinematics.joints), JUMP))
+
+
+def _smooth(spins: Array) -> Array:
+    """Spins (k,) [rad] that go on from one to the next, averaged with their neighbours; the ends stay."""
+    spins = np.concatenate([spins[:1], spins[0] + np.cumsum(_shorter(np.diff(spins)))])
+    for _ in range(_SMOOTHING):
+        spins[1:-1] = 0.25 * spins[:-2] + 0.5 * spins[1:-1] + 0.25 * spins[2:]
+    return spins
+
+
+def _shorter(steps: Array) -> Array:
+    """The same turns [rad] the shorter way round."""
+    shorter: Array = steps - TURN * np.floor(0.5 + steps / TURN)
+    return shorter
+
+
+def dead_end(
+    kinematics: Kinematics,
+    flange: FlangePoses,
+    nodes: Nodes,
+    chain: int,
+    *,
+    free: bool,
+    branches: tuple[int, ...] | None,
+) -> DeadEnd:
+    """How far the `chain` of nodes can be run that ends a route."""
+    rungs, spins = TRIALS[0]
+    chosen, cut = _cut(kinematics, flange, nodes, chain, rungs, free)
+    ladder = rungs_of(kinematics, cut, grid(cut, spins), branches)
+    _, first, last = earliest(ladder.ladder, link(ladder.ladder, cut.step, False))
+    if last - first + 1 == len(cut):  # rungs have a way, the nodes between do not
+        return DeadEnd(nodes.chains[chain], int(chosen[0]), int(chosen[-1]), int(chosen[-1]), Obstacle.WAY, None)
+    after = last + 1 if last + 1 < len(cut) else first - 1
+    q = None
+    if last >= first:
+        part = cut.part(first, last + 1)
+        some = rungs_of(kinematics, part, grid(part, spins), branches)
+        way = way_with(some, link(some.ladder, part.step, False), 0.0)
+        q = way.q[-1] if after > last else way.q[0]
+    return DeadEnd(
+        nodes.chains[chain],
+        int(chosen[first]),
+        int(chosen[max(last, first)]),
+        int(chosen[after]),
+        obstacle_at(ladder, after),
+        q,
+    )

@@ -1,0 +1,90 @@
+"""What a search over all configurations has to say: how the tool turns, or where no configuration leads on."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from gcodesim.diagnostics import Diagnostic, Findings
+from gcodesim.kinematics.protocol import Status
+from gcodesim.planning.configuration import Obstacle
+from gcodesim.planning.nodes import Nodes
+from gcodesim.planning.reach import FlangePoses, why
+from gcodesim.planning.route import DeadEnd
+from gcodesim.planning.turning import Turning
+from gcodesim.units import DEG
+
+if TYPE_CHECKING:
+    from gcodesim.kinematics.protocol import Kinematics
+
+_TURNED: Final = 1.0 * DEG  # of spin along the path that is worth a word
+
+
+def report_route(flange: FlangePoses, turning: Turning | None, nodes: Nodes, findings: Findings) -> None:
+    """A note that one spin and one configuration near home would not have done."""
+    path = flange.pieces.path
+    first = path.span(int(flange.pieces.row_last[nodes.piece[0]]))
+    if turning is None or np.ptp(turning.spin) < _TURNED:
+        message = (
+            "the configuration comes from a search over the whole path: that nearest to home does not lead through"
+        )
+        findings.add(Diagnostic(code="GS215", message=message, span=first))
+        return
+    low, high = float(turning.spin.min()), float(turning.spin.max())
+    findings.add(
+        Diagnostic(
+            code="GS215",
+            message=f"the tool turns about itself along the path, between spins of {low / DEG:.0f} and"
+            f" {high / DEG:.0f} deg: with one spin for all of it the arm does not get through",
+            span=first,
+            value=high - low,
+            unit="rad",
+        )
+    )
+
+
+def report_dead_end(kinematics: Kinematics, flange: FlangePoses, nodes: Nodes, end: DeadEnd, findings: Findings) -> str:
+    """The longest part that can be run, in words.
+
+    Where no pose beyond it is to blame, but that no way leads on, this is a finding of its own.
+    """
+    pieces = flange.pieces
+
+    def line(node: int) -> int:
+        return pieces.path.span(int(pieces.row_last[nodes.piece[node]])).line
+
+    a, b = end.chain
+    share = (end.last - end.first) / max(b - 1 - a, 1)
+    whole = f"lines {line(a)} to {line(b - 1)}"
+    if end.q is None:
+        part = f"nothing of {whole} can be run"
+    else:
+        part = f"at most {100.0 * share:.0f} % of {whole} can be run, from line {line(end.first)} to {line(end.last)}"
+    if end.obstacle is Obstacle.WAY:
+        ends = "then" if end.next_node >= end.last else "before that"
+        findings.add(
+            Diagnostic(
+                code="GS216",
+                message=f"no configuration of the arm leads through: {part};"
+                f" {ends} no continuous way leads on{_facts(kinematics, flange, nodes, end)}",
+                span=pieces.path.span(int(pieces.row_last[nodes.piece[end.next_node]])),
+                hint="`gcodesim place` searches a place of the part where all of it can be run",
+                value=share,
+                limit=1.0,
+                unit="",
+            )
+        )
+    return part
+
+
+def _facts(kinematics: Kinematics, flange: FlangePoses, nodes: Nodes, end: DeadEnd) -> str:
+    """What the arm would have to do to go on."""
+    if end.q is None:
+        return ""
+    at = slice(end.next_node, end.next_node + 1)
+    X = flange.at(nodes.piece[at], nodes.s[at])
+    status = int(kinematics.inverse(X, end.q, on_path=True)[1][0])
+    if status in (Status.OK, Status.SINGULAR):
+        return ""
+    return f" ({why(kinematics, kinematics.reason(X[0], end.q, status))})"
