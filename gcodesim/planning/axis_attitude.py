@@ -159,7 +159,7 @@ def _joints_at(
     """Joints (n, j) with the controlled point at `position` (n, 6) on `piece` (n,)."""
     row = pieces.row_first[piece]  # while the machine stands, a sample is already of the next row
     offset = offsets(pieces.path, row)
-    q: Array = (position + offset)[:, tool.columns]
+    q: Array = np.ascontiguousarray((position + offset)[:, tool.columns])
     tip = held[row]
     if tip.any():
         q[tip] = _joints_of_tips(tool, position[tip], offset[tip])

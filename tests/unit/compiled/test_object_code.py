@@ -29,6 +29,14 @@ ARM = (
     f"{STOCK}, in: world, xyz: [600, 0, 300]}}"
 )
 
+LINEAR = "{travel: [-300, 300 mm], speed: 20 m/min}"
+TRUNNION = (
+    f"machine:\n  axes:\n    X: {LINEAR}\n    Y: {LINEAR}\n    Z: {LINEAR}\n"
+    "    A: {travel: [-90, 90 deg], speed: 90 deg/s, at: [0, 0, -100]}\n"
+    "    C: {travel: unlimited, speed: 90 deg/s, at: [0, 0, -100]}\n"
+    f"work_offsets: {{G54: {{xyz: [0, 0, -80]}}}}\n{STOCK}, in: G54}}"
+)
+
 
 @pytest.fixture
 def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
@@ -426,10 +434,13 @@ def test_folders_that_nobody_used_for_a_month_are_deleted(cache: Path) -> None:
     assert made.parent.stat().st_mtime > time.time() - month / 2
 
 
-@pytest.mark.parametrize(("machine", "world"), [(GANTRY, "bullet"), (ARM, "kinematic")])
-def test_a_run_does_not_load_numba(tmp_path: Path, machine: str, world: str) -> None:
+@pytest.mark.parametrize(
+    ("machine", "world", "turn"),
+    [(GANTRY, "bullet", ""), (ARM, "kinematic", ""), (TRUNNION, "kinematic", "M428\nG1 A4 C3\nX12 A5\n")],
+)
+def test_a_run_does_not_load_numba(tmp_path: Path, machine: str, world: str, turn: str) -> None:
     """All its kernels take and return what an entry can."""
-    program = "G21 G90 G17 G64 P0.01\nT1 M6\nG43 H1\nS8000 M3\nG0 X5 Y5 Z5\nG1 Z-1 F300\nX15\nG0 Z5\nM2\n"
+    program = f"G21 G90 G17 G64 P0.01\nT1 M6\nG43 H1\nS8000 M3\nG0 X5 Y5 Z5\nG1 Z-1 F300\n{turn}X15\nG0 Z9\nM2\n"
     (tmp_path / "a.nc").write_text(program)
     (tmp_path / "a.yaml").write_text(
         f"gcodesim: 1\n{machine}\ntools: {{1: {{type: flat_end_mill, diameter: 6, length: 40}}}}\n"
