@@ -1,4 +1,4 @@
-"""Cutting with a tool that leans in its stock: what it removes, and what else of it touches. It has no force here."""
+"""Cutting in stock with columns in three directions: with a tool that leans, and with one that stands upright."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from gcodesim.processes.window import Window
 if TYPE_CHECKING:
     from gcodesim.material.stock import Stock
     from gcodesim.processes.milling import Milling
-    from gcodesim.processes.milling_kernels import MillingTool, Motion
+    from gcodesim.processes.milling_kernels import MillingTool, Motion, State
     from gcodesim.processes.window import ProcessState
 
 Array = NDArray[np.float64]
@@ -82,61 +82,66 @@ def part_of(motion: Motion, a: int, b: int) -> Motion:
     )
 
 
-def bend_of(values: Array) -> Array:
-    """A copy of the bend (3,) [m] of the tip in the state of the process."""
+def memory_of(values: Array) -> State:
+    """Views of the state of the process; the kernel itself would return copies to Python."""
+    from gcodesim.compiled import as_python
     from gcodesim.processes.milling_kernels import state_of
 
-    return np.array(state_of(values).delta)
+    return as_python(state_of)(values)
+
+
+def bend_of(values: Array) -> Array:
+    """A copy of the bend (3,) [m] of the tip in the state of the process."""
+    return np.array(memory_of(values).delta)
 
 
 def cut_leaning(
-    stock: Stock, tool: MillingTool, motion: Motion, axes: tuple[Array, Array], values: Array, *, feels: bool
+    process: Milling, stock: Stock, motion: Motion, axes: tuple[Array, Array], state: ProcessState
 ) -> Array:
-    """Cut parts in which the tool leans, rigidly; columns as those of `mill`, without force.
+    """Cut parts in which the tool leans; columns as those of `mill`, wrench and deflection in S.
 
     `axes`: those of the pieces (c, 3) at both ends. A tool that was put in inside of material cuts nothing until it
-    has left it. `values` is the state of the process; `feels`: an upright tool would feel a force.
+    has left it.
     """
     from gcodesim.material.solid_of_revolution import slabs_of_shape
     from gcodesim.processes import milling_kernels as m
+    from gcodesim.processes.leaning_force import feel_and_cut
 
-    parts = len(motion.spindle)
-    out = np.zeros((parts, m.OUTPUTS))
-    state = m.state_of(values)
+    tool, kept = process.packed_tool, memory_of(state.values)
+    out = np.zeros((len(motion.spindle), m.OUTPUTS))
     way = AxisWay(motion.starts, motion.ends, *axes)
-    pieces = len(way.starts)
-    state.delta[:] = 0.0
-    state.before[:] = 0.0
-    state.numbers[m.CUTTING] = 0.0
-    if not pieces:
+    if not len(way.starts):
         return out
-    piece_part = np.repeat(np.arange(parts), np.diff(motion.first_piece))
-    cutter = slabs_of_cutter(tool, stock.cell)
+    part = np.repeat(np.arange(len(out)), np.diff(motion.first_piece))
     others = [slabs_of_shape(shape, stock.cell) for shape in (tool.shank, tool.holder) if shape.radius > 0]
-    bodies = [cutter, *others]
     begin = 0
-    if state.numbers[m.FREEDOM] != m.FREE:
+    if kept.numbers[m.FREEDOM] != m.FREE:
         begins = AxisWay(way.starts, way.starts, way.axes_start, way.axes_start)
-        deep = np.max([stock.depths(begins, body) for body in bodies], axis=0)
+        deep = np.max([stock.depths(begins, body) for body in (slabs_of_cutter(tool, stock.cell), *others)], axis=0)
         free = np.flatnonzero(deep <= SKIN * stock.cell)
-        begin = int(free[0]) if len(free) else pieces
-        state.numbers[m.FREEDOM] = m.FREE if len(free) else m.BLOCKED
-        out[piece_part[:begin], m.INSIDE] = 1.0
-    state.tip[:] = way.ends[-1]
-    state.numbers[m.HAS_TIP] = 1.0
-    cut = AxisWay(*(part[begin:] for part in way))
-    where = piece_part[begin:]
-    if not len(where):
-        return out
-    np.add.at(out[:, m.REMOVED], where, stock.sweep(cut, cutter))
-    for column, shape in ((m.SHANK, tool.shank), (m.HOLDER, tool.holder)):
-        if shape.radius > 0.0:
-            ends = AxisWay(cut.ends, cut.ends, cut.axes_end, cut.axes_end)
-            deep = stock.depths(ends, slabs_of_shape(shape, stock.cell))
-            np.maximum.at(out[:, column], where, np.where(deep > SKIN * stock.cell, deep, 0.0))
+        begin = int(free[0]) if len(free) else len(part)
+        kept.numbers[m.FREEDOM] = m.FREE if len(free) else m.BLOCKED
+    if begin < len(part):
+        first = int(part[begin])
+        rest = part_of(motion, first, len(out))
+        skipped = begin - int(motion.first_piece[first])  # pieces of its step before it was free
+        rest = rest._replace(
+            starts=rest.starts[skipped:],
+            ends=rest.ends[skipped:],
+            first_piece=np.maximum(rest.first_piece - skipped, 0),
+        )
+        cut = AxisWay(*(ends[begin:] for ends in way))
+        out[first:] = feel_and_cut(process, stock, rest, cut, state)
+        for column, shape in ((m.SHANK, tool.shank), (m.HOLDER, tool.holder)):
+            if shape.radius > 0.0:
+                ends = AxisWay(cut.ends, cut.ends, cut.axes_end, cut.axes_end)
+                deep = stock.depths(ends, slabs_of_shape(shape, stock.cell))
+                np.maximum.at(out[:, column], part[begin:], np.where(deep > SKIN * stock.cell, deep, 0.0))
+    out[part[:begin], m.INSIDE] = 1.0
+    kept.tip[:] = way.ends[-1]
+    kept.numbers[m.HAS_TIP] = 1.0
     taken = out[:, m.REMOVED] > m.LEAST_VOLUME
     out[taken, m.ENGAGED] = 1.0
-    out[taken, m.TILTED] = 1.0 if feels else 0.0
     out[taken & ~motion.rapid & (motion.spindle == 0.0), m.STOPPED] = 1.0
     out[taken & ~motion.rapid & (motion.spindle < 0.0), m.REVERSED] = 1.0
     return out
@@ -180,6 +185,16 @@ def _follow(stock: Stock, cutter: Array, motion: Motion, before: Array, out: Arr
     """Cut the columns across like those along Z; `before` (3,) is the bend [m] of the tool at the beginning."""
     from gcodesim.processes import milling_kernels as m
 
+    part = np.repeat(np.arange(len(out)), np.diff(motion.first_piece))
+    cuts = out[part, m.INSIDE] == 0.0
+    starts, ends = bent_pieces(motion, before, out)
+    stock.follow(upright(starts[cuts], ends[cuts]), cutter)
+
+
+def bent_pieces(motion: Motion, before: Array, out: Array) -> tuple[Array, Array]:
+    """Where pieces (c, 3) [m] go when the bend is `before` (3,) at first and then what `out` (m, OUTPUTS) says."""
+    from gcodesim.processes import milling_kernels as m
+
     pieces = np.diff(motion.first_piece)
     part = np.repeat(np.arange(len(pieces)), pieces)
     place = np.arange(len(part)) - motion.first_piece[:-1][part]
@@ -188,6 +203,4 @@ def _follow(stock: Stock, cutter: Array, motion: Motion, before: Array, out: Arr
     share = np.column_stack([place, place + 1]) / np.maximum(pieces[part], 1)[:, None]
     bend = (late - early)[part]
     starts = motion.starts + early[part] + share[:, :1] * bend
-    ends = motion.ends + early[part] + share[:, 1:] * bend
-    cuts = out[part, m.INSIDE] == 0.0
-    stock.follow(upright(starts[cuts], ends[cuts]), cutter)
+    return starts, motion.ends + early[part] + share[:, 1:] * bend

@@ -15,11 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.elementary import cos_sin, hypot, tan
-from gcodesim.arithmetic.matrices import applied
+from gcodesim.arithmetic.matrices import applied, dots
 from gcodesim.frozen import frozen
 from gcodesim.processes.column import ENGAGED, FINDINGS, LOG, POWER, REMOVED, RESULTS, TORQUE, Column, Shown
 from gcodesim.processes.laws import Law
 from gcodesim.processes.leaning import Leaning, cut_in_three, cut_leaning, part_of
+from gcodesim.processes.leaning_force import leave
 from gcodesim.processes.misuse import cutter_findings
 from gcodesim.processes.protocol import Process
 from gcodesim.processes.rows import Rows
@@ -75,7 +76,6 @@ class Milling(Process):
         Column("rapid_cut", "m^3", "sum", FINDINGS, "taken in rapids"),
         Column("rapid_bound", "m^3", "sum", FINDINGS, "what these rapids may seem to take where they only graze"),
         Column("inside", "", "any", FINDINGS, "in material that it may not cut: it was put there"),
-        Column("leaning_cut", "m^3", "sum", FINDINGS, "taken with a tool that leans in its stock, without force"),
     )
 
     cutter: Cutter
@@ -101,7 +101,7 @@ class Milling(Process):
 
     @classmethod
     def findings(cls, rows: Rows) -> Iterable[Diagnostic]:
-        """GS401 to GS405, GS407, GS501, GS502 and GS920: see `misuse`."""
+        """GS401 to GS405, GS407, GS501 and GS502: see `misuse`."""
         return cutter_findings(rows)
 
     def run(self, stock: Stock | None, window: Window, state: ProcessState) -> ProcessStep:
@@ -122,8 +122,10 @@ class Milling(Process):
             part = part_of(motion, a, b)
             if leans:
                 axes = leaning.axes(int(motion.first_piece[a]), int(motion.first_piece[b]))
-                outs.append(cut_leaning(stock, self.packed_tool, part, axes, state.values, feels=self.law is not None))
-            elif stock.columns_along == 1 and not form:
+                outs.append(cut_leaning(self, stock, part, axes, state))
+                continue
+            leave(state.values)
+            if stock.columns_along == 1 and not form:
                 outs.append(self.run_packed(stock, part, state))
             else:
                 outs.append(cut_in_three(self, stock, part, state))
@@ -169,7 +171,7 @@ class Milling(Process):
                 "chip_thickness": out[:, m.OUT_CHIP],
                 "feed_force": out[:, m.FEED_FORCE],
                 "side_force": out[:, m.SIDE_FORCE],
-                "axial_force": out[:, m.WRENCH + 2],
+                "axial_force": _along_axis(out[:, m.WRENCH : m.WRENCH + 3], window.axis),
                 "shank_depth": out[:, m.SHANK],
                 "holder_depth": out[:, m.HOLDER],
                 "stopped_cut": np.where(out[:, m.STOPPED] > 0.0, removed, 0.0),
@@ -177,7 +179,6 @@ class Milling(Process):
                 "rapid_cut": np.where(rapid, removed, 0.0),
                 "rapid_bound": np.where(rapid, bound, 0.0),
                 "inside": out[:, m.INSIDE] > 0.0,
-                "leaning_cut": np.where(out[:, m.TILTED] > 0.0, removed, 0.0),
             },
         )
 
@@ -293,6 +294,12 @@ class MillingLoop:
     def finish(self) -> ProcessStep:
         """The outcome of all steps."""
         return self._process._step_of(_of_steps(np.concatenate(self._out), self._turns), self._stock, self._window)
+
+
+def _along_axis(force: Array, axis: Array) -> Array:
+    """Component (n,) of a force (n, 3) along the tool's axis (n, 3); of an upright tool that along Z."""
+    leans = np.any(axis[:, :2] != 0.0, axis=1) | (axis[:, 2] < 0.0)
+    return np.where(leans, dots(force, axis), force[:, 2]) if leans.any() else force[:, 2]
 
 
 def _of_steps(parts: Array, turns: Turns) -> Array:

@@ -62,9 +62,9 @@ Flags = NDArray[np.bool_]
 # columns of `out` (n, OUTPUTS)
 (
     WRENCH, PEAK, OUT_TORQUE, POWER, REMOVED, ENGAGED, DEFLECTION, OUT_DEPTH, OUT_WIDTH, OUT_ENTRY, OUT_EXIT, OUT_CHIP,
-    SHANK, HOLDER, STOPPED, REVERSED, INSIDE, TILTED, PEAK_TORQUE, FEED_FORCE, SIDE_FORCE,
-) = (0, 6, 7, 8, 9, 10, 11, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27)  # fmt: skip
-OUTPUTS = 28
+    SHANK, HOLDER, STOPPED, REVERSED, INSIDE, PEAK_TORQUE, FEED_FORCE, SIDE_FORCE,
+) = (0, 6, 7, 8, 9, 10, 11, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26)  # fmt: skip
+OUTPUTS = 27
 # places in `State.numbers`
 RELAXATION, ADVANCE, FREEDOM, CUTTING, HAS_TIP, STEP, PIECE, CREDIT = 0, 1, 2, 3, 4, 5, 6, 7
 PLACED, BLOCKED, FREE = 0.0, 1.0, 2.0  # values of FREEDOM
@@ -134,7 +134,12 @@ class State(NamedTuple):
     edges: Array  # (7,) of the edges, in the last cut
 
 
-STATE = 36
+STATE = 39
+
+
+def axis_of(values: Array) -> Array:
+    """A view of the axis (3,) of the frame in which `feed`, `travel`, `chips` and `edges` are; 0: S itself."""
+    return values[36:39]
 
 
 class Step(NamedTuple):
@@ -355,6 +360,14 @@ def find_way(motion: Motion, k: int, state: State, way: Way) -> bool:
 
 
 @kernel(lean=True, inlined=True)
+def remove_cutter(field: Field, start: Array, end: Array, tool: MillingTool, spare: Array) -> tuple[float, bool]:
+    """Remove what the cutting part sweeps from `start` to `end`; see `remove_piece`."""
+    if tool.slabs.shape[0] > 0:
+        return remove_form(field, start, end, tool.slabs)
+    return remove_piece(field, start, end, tool.cutter, spare)
+
+
+@kernel(lean=True, inlined=True)
 def touch_cutter(field: Field, start: Array, end: Array, tool: MillingTool) -> tuple[float, float]:
     """What the cutting part would run through from `start` to `end`: volume [m³] and depth [m]; none is removed."""
     if tool.slabs.shape[0] > 0:
@@ -476,10 +489,7 @@ def cut(
             old, new = state.before[axis], state.delta[axis]
             start[axis] = motion.starts[piece, axis] + old + a * (new - old)
             end[axis] = motion.ends[piece, axis] + old + b * (new - old)
-        if tool.slabs.shape[0] > 0:
-            volume, ok = remove_form(field, start, end, tool.slabs)
-        else:
-            volume, ok = remove_piece(field, start, end, tool.cutter, spare)
+        volume, ok = remove_cutter(field, start, end, tool, spare)
         out[REMOVED] += volume
         if not ok:
             state.numbers[STEP], state.numbers[PIECE] = k + 1.0, float(piece)
@@ -508,13 +518,6 @@ def settle(field: Field, motion: Motion, k: int, way: Way, state: State, out: Ar
                 out[STOPPED] = 1.0
             elif motion.spindle[k] < 0.0:
                 out[REVERSED] = 1.0
-
-
-@kernel(lean=True, inlined=True)
-def is_tilted(motion: Motion, k: int) -> bool:
-    """Whether the tool is not upright in step k."""
-    x, y, z = motion.axis[k, 0], motion.axis[k, 1], motion.axis[k, 2]
-    return bool(x * x + y * y > LARGEST_TILT * LARGEST_TILT or z <= 0.0)
 
 
 @kernel(lean=True, inlined=True)
@@ -557,11 +560,6 @@ def mill_steps(
             unbend(state)
             numbers[CUTTING] = 0.0
             numbers[FREEDOM] = FREE
-            continue
-        if is_tilted(motion, k):
-            out[k, TILTED] = 1.0
-            unbend(state)
-            numbers[CUTTING] = 0.0
             continue
         if not resumed and numbers[FREEDOM] != FREE:
             numbers[FREEDOM] = FREE if is_free(field, tool, before) else BLOCKED

@@ -31,7 +31,7 @@ _LEFT_TAPS: Final = frozenset(("G74",))
 
 
 def cutter_findings(rows: Rows) -> list[Diagnostic]:
-    """GS401 to GS405, GS407, GS501, GS502 and GS920, from the columns that `Milling` writes."""
+    """GS401 to GS405, GS407, GS501 and GS502, from the columns that `Milling` writes."""
     bound = rows["rapid_bound"] + _least(rows)
     # on its way out of a hole: the tool has been down there already
     rapid_cut = np.where(rows.retreat, 0.0, rows["rapid_cut"])
@@ -47,7 +47,6 @@ def cutter_findings(rows: Rows) -> list[Diagnostic]:
         *_in_stock(rows, "holder", holder, away),
         *_spindle(rows, "GS501", stopped, bound),
         *_spindle(rows, "GS502", backwards, bound),
-        *_leaning(rows),
     ]
     return [*_folded(found), *_blind(rows)]
 
@@ -154,16 +153,6 @@ def _in_stock(rows: Rows, part: str, depth: Array, away: Flags) -> Iterator[Diag
         worst = float(depth[event].max()) / MM
         message = f"{part} of {rows.tool_name(int(event[0]))} runs into stock, {worst:.3f} mm deep"
         yield _told(rows, event, code, message, worst, "mm", hint=hint)
-
-
-def _leaning(rows: Rows) -> Iterator[Diagnostic]:
-    """GS920: one for each use of a tool."""
-    cut = rows["leaning_cut"]
-    never = np.zeros(len(rows), dtype=np.bool_)
-    for event in rows.events(cut > 0.0, never):
-        taken = float(cut[event].sum()) / MM3
-        message = f"{rows.tool_name(int(event[0]))} leans in the stock: it takes {taken:.1f} mm³, but feels no force"
-        yield _told(rows, event, "GS920", message, taken, "mm^3")
 
 
 _TURNS: Final = {

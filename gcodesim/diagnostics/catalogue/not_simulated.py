@@ -177,17 +177,6 @@ CODES += (
         remedy="Use `gcodesim run` for such a program.",
     ),
     Code(
-        code="GS920",
-        severity=Severity.WARNING,
-        title="Force of a leaning cutter is not simulated",
-        what="The tool axis leans against the Z axis of the stock frame while it cuts. What the tool sweeps is "
-        "removed, but its force is not computed, nor how far the machine yields to it.",
-        why="Forces, torque, power and deflection of these lines are missing from all results: they are 0 there, and "
-        "an arm would not hold its path so well.",
-        remedy="Put the stock into a frame whose Z is parallel to the tool where one direction is enough. Judge loads "
-        "of other cuts by an upright one of the same depth and width.",
-    ),
-    Code(
         code="GS921",
         severity=Severity.NOTE,
         title="Heaters are not simulated",

@@ -243,23 +243,22 @@ def test_a_shank_as_wide_as_the_flutes_does_not_rub_in_its_own_slot():
     assert depths == [0.0, 0.0, 0.0]
 
 
-def test_a_leaning_tool_removes_without_force():
+def test_a_leaning_tool_without_a_law_removes_without_force():
     axis = np.tile([math.sin(0.1), 0.0, math.cos(0.1)], (140, 1))
-    found, stock = run(axis=axis)
+    found, stock = run(axis=axis, process=Milling(cutter=tool()))
 
     assert found["removed"].sum() == pytest.approx(60e-3 * 40e-3 * 20e-3 - stock.volume, rel=1e-9)
-    assert np.array_equal(found["leaning_cut"], found["removed"])
     assert found["engaged"].any() and not found.wrench.any() and not found.deflection.any()
 
 
-def test_upright_cuts_before_and_after_a_leaning_one_are_felt():
+def test_upright_cuts_and_a_leaning_one_between_them_are_felt():
     """The tool leans in the middle third of a slot; all that is removed is what the stock loses."""
     lean = np.concatenate([np.zeros(50), np.full(40, 0.1), np.zeros(50)])
     axis = np.stack([np.zeros(140), np.sin(lean), np.cos(lean)], axis=1)
     found, stock = run(axis=axis, axis_before=np.concatenate([axis[:1], axis[:-1]]))
     felt = np.linalg.norm(found.wrench[:, :3], axis=1) > 0.0
 
-    assert felt[40:50].all() and felt[100:].all() and not felt[50:90].any()
+    assert felt[40:].all()
     assert found["removed"].sum() == pytest.approx(60e-3 * 40e-3 * 20e-3 - stock.volume, rel=1e-9)
     plain, _ = run()
     assert np.array_equal(found["removed"][:50], plain["removed"][:50])

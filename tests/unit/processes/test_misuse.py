@@ -16,7 +16,6 @@ MM3 = 1e-9
 SHAPE = {"rapid": bool, "changed": bool, "retreat": bool, "tool": np.int64, "setting": np.int64, "time": float}
 WRITTEN = (
     "removed", "rapid_cut", "rapid_bound", "stopped_cut", "reversed_cut", "shank_depth", "holder_depth", "inside",
-    "leaning_cut",
 )  # fmt: skip
 
 
@@ -102,14 +101,13 @@ def test_a_holder_that_rubs_on_over_many_rows_is_one_event_with_its_greatest_dep
     assert "3.000 mm" in findings[0].message
 
 
-def test_shank_tilt_and_spindle_have_their_codes() -> None:
-    rows = use(4, shank_depth={0: 0.001}, leaning_cut={1: 6 * MM3}, stopped_cut={2: 7 * MM3}, reversed_cut={3: 8 * MM3})
+def test_shank_and_spindle_have_their_codes() -> None:
+    rows = use(4, shank_depth={0: 0.001}, stopped_cut={2: 7 * MM3}, reversed_cut={3: 8 * MM3})
 
     assert sorted((f.code, f.span.line) for f in found(rows)) == [
         ("GS404", 1),
         ("GS501", 3),
         ("GS502", 4),
-        ("GS920", 2),
     ]
 
 
