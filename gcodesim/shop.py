@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from gcodesim.arithmetic.matrices import applied, multiplied
+from gcodesim.arithmetic.matrices import applied, multiplied, norms
 from gcodesim.cell import Cell, Placement, place
 from gcodesim.cell.cell import MAIN
 from gcodesim.cell.leftover import NOTHING_LEFT, Leftover, no_stock
@@ -26,7 +26,7 @@ from gcodesim.processes.sheet import Sheet
 from gcodesim.processes.signal import Signal, signals_read_by
 from gcodesim.scene import WORK, Body, Mover, Scene, Stand
 from gcodesim.solids import Box, Cylinder, Mesh, MeshError, MeshFile, Placed, read_mesh
-from gcodesim.units import MM
+from gcodesim.units import MM, RPM
 
 if TYPE_CHECKING:
     from gcodesim.material.stock import Stock
@@ -44,6 +44,9 @@ BODIES: Final = "bodies"
 
 WORK_FRAME: Final = "G54"
 """Where the log draws the frame `stock` of a cell without one."""
+
+USUAL_LATHE: Final = 4000.0 * RPM
+"""Greatest speed [rad/s] of a lathe's spindle where the cell gives no `limits: {spindle_speed: …}`."""
 
 FINEST_DEFAULT: Final = 0.05 * MM
 COARSEST_DEFAULT: Final = 0.5 * MM
@@ -64,6 +67,11 @@ class PlacedStock:
     X_WS: Pose
     material: Material | None
     initial: float
+
+    @property
+    def revolved(self) -> bool:
+        """Whether it turns in a lathe; then `stock` is a `material.Revolved`."""
+        return hasattr(self.stock, "profile")
 
 
 @frozen(eq=False)
@@ -131,6 +139,13 @@ class Shop:
         """Which words of the program give signals."""
         return self.cell.channels[self.channel].signals
 
+    @property
+    def fastest(self) -> float | None:
+        """The greatest speed [rad/s] of the spindle of a lathe; None on every other machine."""
+        if not self.mover.lathe:
+            return None
+        return self.cell.limits.spindle_speed or USUAL_LATHE
+
     def tool(self, number: int) -> Tool | None:
         """The tool with this number; None for the empty spindle and for numbers that the cell does not have."""
         return self.cell.tools.get(number)
@@ -170,6 +185,7 @@ def _machine(tool: MachineTool) -> Mover:
         retreat=np.array([0.0, 0.0, 1.0]),
         timed_only=tuple(axis.letter for axis in tool.axes if axis.rotary and axis.at is None),
         seen_whole=False,
+        lathe=tool.lathe,
         description=None if tool.model is None else model_path(tool.model),
     )
 
@@ -253,7 +269,7 @@ def with_stock(shop: Shop) -> tuple[Shop, list[Diagnostic]]:
     """The shop with its workpieces; a finding for each that does not fit into memory or cannot be read."""
     stocks: dict[str, PlacedStock] = {}
     stands: dict[str, Stand] = {}
-    findings = _undrawn(shop)
+    findings = [*_undrawn(shop), *_idle_on_lathe(shop)]
     for name, spec in shop.cell.stocks.items():
         made = _stock(shop, name, spec)
         if isinstance(made, Diagnostic):
@@ -264,7 +280,8 @@ def with_stock(shop: Shop) -> tuple[Shop, list[Diagnostic]]:
             material = _material_named(shop.cell, made.material)
         frame = f"{STOCK}/{name}"
         X_WS = shop.placement.stocks[name] if name in shop.placement.stocks else shop.scene.at_rest(frame)
-        made = _upright(shop, made, X_WS)
+        if not shop.mover.lathe:
+            made = _upright(shop, made, X_WS)
         turn = Pose(np.zeros(3), made.turn)
         stand = shop.scene.frames[frame]
         stands[frame] = Stand(stand.parent, stand.X @ turn)
@@ -303,6 +320,27 @@ def side_by_side(first: Shop, others: Sequence[Shop]) -> list[Shop]:
         )
         for shop in shops
     ]
+
+
+def _idle_on_lathe(shop: Shop) -> list[Diagnostic]:
+    """GS435 for each tool that could cut, but not on this machine."""
+    if not (shop.cell.stocks and shop.cell.tools):
+        return []
+    findings = []
+    for number, tool in sorted(shop.cell.tools.items()):
+        turns = "turning" in tool.processes
+        if turns == shop.mover.lathe or not (turns or "milling" in tool.processes) or tool.kind == "drill":
+            continue
+        what = "a driven mill cuts nothing from work that turns" if shop.mover.lathe else "the work does not turn"
+        findings.append(
+            Diagnostic(
+                code="GS435",
+                span=shop.cell.span("tools", str(number)),
+                message=f"{tool.name} is moved but takes nothing: {what}",
+                hint="turn with lathe tools on a lathe (`machine: lathe_xz`), mill with mills on other machines",
+            )
+        )
+    return findings
 
 
 def _undrawn(shop: Shop) -> list[Diagnostic]:
@@ -354,6 +392,8 @@ def _stock(shop: Shop, name: str, spec: StockSpec) -> Stock | Diagnostic:
                 message=no_stock(shape.name, shape.path.name, fault),
                 hint=NOTHING_LEFT,
             )
+    if shop.mover.lathe:
+        return _revolved(shop, name, spec)
     lower, upper = bounds_of(shape)
     size = (upper[0] - lower[0], upper[1] - lower[1], upper[2] - lower[2])
     resolution = spec.resolution or default_resolution(shop.cell, size)
@@ -379,6 +419,41 @@ def _stock(shop: Shop, name: str, spec: StockSpec) -> Stock | Diagnostic:
     from gcodesim.material.mesh import stock_of_mesh
 
     return stock_of_mesh(*read_mesh(shape.path, shape.scale), resolution, material)
+
+
+def _revolved(shop: Shop, name: str, spec: StockSpec) -> Stock | Diagnostic:
+    """The stock of a lathe: a bar or a tube about the spindle's axis."""
+    from gcodesim.material.guards import guards_of
+    from gcodesim.material.revolved import Revolved
+
+    shape = spec.shape
+    X_MS = shop.placement.X_WM.inverse() @ shop.placement.stocks.get(name, Pose.identity())
+    aside = float(norms(X_MS.p[None, :2])[0])
+    if not isinstance(shape, Cylinder) or aside > 1e-6 or X_MS.R[2, 2] < 1.0 - 1e-9:
+        what = "is no cylinder" if not isinstance(shape, Cylinder) else f"stands {aside / MM:.3f} mm beside the spindle"
+        return Diagnostic(
+            code="GS436",
+            span=shop.cell.span("stock", name),
+            message=f"stock `{name}` {what}; a lathe turns bars and tubes about its Z axis",
+            hint="`cylinder: [diameter, length]`, with `bore` for a tube, and G54 at X0",
+        )
+    bore = 0.5 * (spec.bore or 0.0)
+    if bore >= shape.radius:
+        return Diagnostic(
+            code="GS436",
+            span=shop.cell.span("stock", name, "bore"),
+            message=f"the bore of stock `{name}` is as wide as the bar",
+            hint="`bore` is the diameter of the hole",
+        )
+    return Revolved.bar(
+        shape.radius,
+        shape.bottom,
+        shape.top,
+        bore=bore,
+        resolution=spec.resolution,
+        material=spec.material or "",
+        guards=guards_of(spec.chuck, spec.tailstock, shape.bottom, shape.top, shape.radius),
+    )
 
 
 def default_resolution(cell: Cell, size: tuple[float, float, float]) -> float:

@@ -557,6 +557,32 @@ TX2 = Model(
     ),
 )
 
+LATHE = Model(
+    name="lathe_xz",
+    source="A typical two-axis lathe, nobody's product; base M on the spindle nose, work turns about Z at X0.",
+    colour=(0.75, 0.78, 0.82),
+    axes=(
+        Axis(ORIGIN, X, -0.03, 0.25, 0.25, 0.0, 3.0, "X", "prismatic"),
+        Axis(ORIGIN, Z, 0.0, 1.1, 0.4, 0.0, 3.0, "Z", "prismatic"),
+    ),
+    flange=ORIGIN,
+    flange_rpy=(math.pi, 0, 0),
+    bodies=(
+        (
+            Block((-0.35, -0.2, -0.5), (0.2, 0.2, -0.06)),
+            Tube((0, 0, -0.06), (0, 0, 0), 0.08),
+            Block((-0.35, -0.2, -0.5), (-0.25, 0.2, 1.2)),
+        ),
+        (Block((0.16, -0.06, 0.12), (0.24, 0.06, 1.2)),),
+        (Block((0.03, -0.06, 0.0), (0.16, 0.06, 0.12)),),
+    ),
+    masses=(
+        box_mass(1800.0, (-0.35, -0.2, -0.5), (0.2, 0.2, 1.2), remark="mass and inertia assumed"),
+        box_mass(150.0, (0.16, -0.06, 0.12), (0.24, 0.06, 1.2)),
+        box_mass(80.0, (0.03, -0.06, 0.0), (0.16, 0.06, 0.12)),
+    ),
+)
+
 GANTRY = Model(
     name="gantry_xyz",
     source="A typical three-axis router, nobody's product; base M at the travel corner, flange on the spindle nose.",
@@ -625,7 +651,7 @@ TRUNNION = Model(
     ),
 )
 
-MODELS = (KR10, KR210, UR10E, GANTRY, IRB1200, IRB6700, M20IA, TX2, KR10_SIXX, TRUNNION)
+MODELS = (KR10, KR210, UR10E, GANTRY, LATHE, IRB1200, IRB6700, M20IA, TX2, KR10_SIXX, TRUNNION)
 
 
 def main() -> None:

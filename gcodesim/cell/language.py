@@ -10,11 +10,17 @@ from gcodesim.canon.systems import name_of_system
 from gcodesim.cell import Cell, Placement, place
 from gcodesim.cell.cell import MAIN
 from gcodesim.cell.channel import Channel
+from gcodesim.cell.machine import MachineTool
 from gcodesim.cell.tool_point import MachinePoint
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText
 from gcodesim.rs274 import MappedAction, Settings, ToolEntry, ToolTable, read_parameters
 from gcodesim.rs274.dialects import DIALECTS
 from gcodesim.units import MM
+
+USUAL_PATH_CONTROL: Final = "G64"
+
+KEPT_CORNERS: Final = "G64 P0.01"
+"""Of a lathe: with G64 alone a rapid along the work would begin before the tool has left its groove."""
 
 _UNTURNED: Final = 1e-6  # deg
 
@@ -39,7 +45,8 @@ def settings_of_cell(
                 number=number,
                 pocket=number,
                 offset=(0.0, 0.0, lengths[number], 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
-                diameter=float(getattr(tool, "diameter", 0.0)),
+                diameter=float(getattr(tool, "diameter", 2.0 * getattr(tool, "nose_radius", 0.0))),
+                orientation=int(getattr(tool, "orientation", 0)),
                 comment=tool.name,
             )
             for number, tool in cell.tools.items()
@@ -69,14 +76,22 @@ def settings_of_cell(
         m_codes=_actions(own),
         wired=_wired(own),
         has_cell=True,
+        turns=isinstance(mover := cell.machine_of(channel), MachineTool) and mover.lathe,
         tool_length=own.tool_length,
         loaded_tool=own.loaded_tool or 0,
         auto_length=lengths,
-        path_control=own.path_control,
+        path_control=_path_control(cell, channel),
         tool_point=MachinePoint.of(cell.machine_of(channel)),
         options={"decimal_point": own.decimal_point, "compensation_start": own.compensation_start},
     )
     return settings, findings
+
+
+def _path_control(cell: Cell, channel: str) -> str:
+    """What is in force before the program says so; on a lathe corners are kept, unless the cell says otherwise."""
+    own, machine = cell.channels[channel], cell.machine_of(channel)
+    said = own.path_control != USUAL_PATH_CONTROL
+    return KEPT_CORNERS if isinstance(machine, MachineTool) and machine.lathe and not said else own.path_control
 
 
 def _actions(channel: Channel) -> dict[str, MappedAction]:

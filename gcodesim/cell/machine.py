@@ -192,6 +192,9 @@ class MachineForm:
         Choice(("linear", "independent")), "G0 in a straight line, or each axis for itself", default="linear"
     )
     home: Any = key(JointList(letters=True, example="[0, 0, 0]"), "axes at the start", default=None)
+    lathe: bool | None = key(
+        "switch", "the work turns about Z at X0 of the machine (default: as the model)", default=None, quiet=True
+    )
     base: Place = key(Record(Place, "a place"), "where machine zero is", default=Place(), quiet=True)
 
     def checked(self, to: Reading, path: Path) -> MachineTool | Unread:
@@ -199,10 +202,10 @@ class MachineForm:
             model = shipped(self.model, "machine", to, (*path, "model"))
             if isinstance(model, Unread):
                 return UNREAD
-            chain = shipped_chain(model.name)
+            chain, turned = shipped_chain(model.name), model.lathe
             axes = _model_axes(chain, model.home, self.axes, to, (*path, "axes"))
         elif self.axes:
-            chain = None
+            chain, turned = None, False
             axes = _own_axes(self.axes, to, (*path, "axes"))
         else:
             return to.fault("GS705", to.span(path), "the machine has neither `model` nor `axes`", "give one of them")
@@ -225,7 +228,8 @@ class MachineForm:
         ]
         if not all(within):
             return UNREAD
-        return MachineTool(model=self.model, shipped=chain, axes=axes, rapids=self.rapids, base=self.base)
+        turns = bool(self.lathe) if self.lathe is not None else turned
+        return MachineTool(model=self.model, shipped=chain, axes=axes, rapids=self.rapids, base=self.base, lathe=turns)
 
     def _home_path(self, letter: str, index: int, path: Path) -> Path:
         if self.home is None:
@@ -419,7 +423,10 @@ def chain_point(chain: Chain, driven: int) -> tuple[float, float, float]:
 
 @frozen
 class MachineTool:
-    """A machine tool of the cell. `shipped` is the content of the URDF of its `model`, None without a model."""
+    """A machine tool of the cell. `shipped` is the content of the URDF of its `model`, None without a model.
+
+    On a `lathe` the work turns about Z at X0 of the machine.
+    """
 
     model: str | None
     axes: tuple[MachineAxis, ...]
@@ -427,6 +434,7 @@ class MachineTool:
     base: Place
     shipped: Chain | None = field(compare=False, repr=False, default=None)
     X_WM: Pose = field(default_factory=Pose.identity, compare=False)
+    lathe: bool = False
 
     @property
     def home(self) -> tuple[float, ...]:

@@ -36,6 +36,7 @@ Bounds = tuple[tuple[float, float, float], tuple[float, float, float]]
 STOCK: Final = "stock"
 FIXTURE: Final = "fixture"
 CLEARANCE: Final = 0.1  # m by which the longest tool clears the stock's top, at the top of Z
+CHUCK_FACE: Final = 0.08  # m from the nose of a lathe's spindle to the end of stock without a place
 _UPRIGHT: Final = 1e-9  # Z axes whose dot product is nearer to 1 than this count as parallel
 
 
@@ -120,7 +121,7 @@ def place(cell: Cell, channel: str = MAIN) -> Placement:
     waiting = {name: stock for name, stock in cell.stocks.items() if stock.place.frame is None}
     automatic = bool(mover.axes and waiting) and not own.work_offsets
     if automatic:
-        offsets[1], note = _automatic(cell, mover)
+        offsets[1], note = (_before_chuck if getattr(mover, "lathe", False) else _automatic)(cell, mover)
         findings.append(note)
     elif mover.axes and not own.work_offsets:
         findings += _at_machine_zero(cell)
@@ -196,6 +197,24 @@ def _upright_base(cell: Cell, channel: Channel, robot: MachineTool | Robot) -> P
 def bounds_of(shape: StockShape) -> Bounds:
     """Least and greatest corner [m] of a shape in its own frame."""
     return shape.bounds if isinstance(shape, Box | Cylinder) else (shape.lower, shape.upper)
+
+
+def _before_chuck(cell: Cell, machine: MachineTool | Robot) -> tuple[Pose, Diagnostic]:
+    """G54 of a lathe for stock without a place: on the spindle's axis, the stock's lower end at the chuck."""
+    lows = [
+        stock.place.X.apply(np.array(list(product(*zip(*bounds_of(stock.shape), strict=True)))))[:, 2].min()
+        for stock in cell.stocks.values()
+        if stock.place.frame is None
+    ]
+    p = np.round(np.array([0.0, 0.0, CHUCK_FACE - min(lows)]), 9) + 0.0
+    note = Diagnostic(
+        code="GS725",
+        span=cell.span("stock"),
+        message=f"G54 was placed at X0 Z{p[2] / MM:.10g} mm of the machine: on the axis of the spindle, "
+        f"the stock's end {CHUCK_FACE / MM:.10g} mm before the spindle nose",
+        hint="`work_offsets: {G54: {xyz: [0, 0, z]}}` places it yourself",
+    )
+    return Pose(p, np.eye(3)), note
 
 
 def _automatic(cell: Cell, machine: MachineTool | Robot) -> tuple[Pose, Diagnostic]:

@@ -345,6 +345,24 @@ class _MaterialName(Kind):
 
 
 @frozen
+class Chuck:
+    """The jaws that hold the stock of a lathe at its lower end."""
+
+    diameter: float = key(Quantity("length", _SIDE), "over the jaws", example="160 mm")
+    grip: float = key(Quantity("length", _SIDE), "length of the stock between the jaws", example="25 mm")
+    length: float = key(Quantity("length", _SIDE), "length of jaws and chuck", default=0.08, example="80 mm")
+
+
+@frozen
+class Tailstock:
+    """A live centre (60 degrees) at the free end of the stock of a lathe, on a quill."""
+
+    diameter: float = key(Quantity("length", _SIDE), "of the quill", example="50 mm")
+    length: float = key(Quantity("length", _SIDE), "of centre and quill", default=0.15, example="150 mm")
+    tip: float = key(Quantity("length", _SIDE), "of the centre before it is as thick as the quill", default=0.03)
+
+
+@frozen
 class StockSpec(ShapeKeys):
     """Material to work on. `place.frame` None: placed by the rules of `placement.py`."""
 
@@ -357,6 +375,13 @@ class StockSpec(ShapeKeys):
         _MaterialName(), "id or alias of a material; without one it is cut without force", default=None
     )
     resolution: float | None = key(Quantity("length", _GRID), "grid of the stock", default=None, example="0.2 mm")
+    bore: float | None = key(
+        Quantity("length", _SIDE), "diameter of the hole of a tube, on a lathe", default=None, example="20 mm"
+    )
+    chuck: Chuck | None = key(Record(Chuck, "a chuck"), "what holds it on a lathe", default=None)
+    tailstock: Tailstock | None = key(
+        Record(Tailstock, "a tailstock"), "the centre at its free end on a lathe", default=None
+    )
     shape: StockShape = field(default=Box(lower=(0.0, 0.0, 0.0), upper=(0.0, 0.0, 0.0)))
 
     def checked(self, to: Reading, path: Path) -> StockSpec | Unread:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Any
+from math import pi
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,10 +12,13 @@ from numpy.typing import NDArray
 from gcodesim.canon import Action, Event, Output
 from gcodesim.cell.signals import SignalSource, SignalWord
 from gcodesim.motion.tool_path import PathEvent, ToolPath
-from gcodesim.processes.signal import ACTIVE, SPINDLE, Signal
+from gcodesim.processes.signal import ACTIVE, PITCH, SPINDLE, SURFACE_SPEED, Signal
 from gcodesim.units import RPM
 
 Array = NDArray[np.float64]
+
+THREADS: Final = frozenset(("G33", "G76", "G32", "G34", "G92"))
+"""Motion words of moves that keep step with the spindle, where they are feeds."""
 
 
 def signals_of_rows(
@@ -31,6 +35,7 @@ def signals_of_rows(
     spindle = np.array([each.spindle for each in path.states], dtype=float)[state]
     active = path.active.astype(bool) if len(path) else np.zeros(1, dtype=bool)
     found: dict[str, NDArray[Any]] = {SPINDLE.name: spindle, ACTIVE.name: active}
+    found |= _of_lathes(path, state, spindle, read or {})
     by_action = {name: signal for name, signal in (read or {}).items() if signal.set_by and name != ACTIVE.name}
     if not (sources or by_action):
         return found
@@ -41,6 +46,22 @@ def signals_of_rows(
         found[name] = _held(changes, len(spindle), signal.default)
     for name, source in (sources or {}).items():
         found[name] = source.factor * _numbers(source.word, heard, spindle) + source.zero
+    return found
+
+
+def _of_lathes(
+    path: ToolPath, state: NDArray[Any], spindle: Array, read: Mapping[str, Signal]
+) -> dict[str, NDArray[Any]]:
+    """Cutting speed and pitch (n,) for processes that read them."""
+    found: dict[str, NDArray[Any]] = {}
+    if SURFACE_SPEED.name in read:
+        found[SURFACE_SPEED.name] = np.array([each.surface_speed for each in path.states], dtype=float)[state]
+    if PITCH.name in read:
+        threads = np.array([each.word in THREADS for each in path.states], dtype=bool)[state]
+        turns = np.abs(spindle) / (2.0 * pi)
+        feed = path.feed if len(path) else np.zeros(1)
+        line = threads & np.isfinite(feed) & (turns > 0.0)
+        found[PITCH.name] = np.where(line, np.where(line, feed, 0.0) / np.where(turns > 0.0, turns, 1.0), 0.0)
     return found
 
 

@@ -57,7 +57,9 @@ class TaskTarget(Protocol):
 def targets_of(shop: Shop, acts_on: ActsOn) -> list[TaskTarget]:
     """The targets of a process that acts on things of this sort."""
     if acts_on == "stock":
-        return [StockTarget(placed) for placed in shop.stocks.values()]
+        return [StockTarget(placed) for placed in shop.stocks.values() if not placed.revolved]
+    if acts_on == "revolved":
+        return [StockTarget(placed) for placed in shop.stocks.values() if placed.revolved]
     if acts_on == "surface":
         return [SkinTarget(placed) for placed in shop.stocks.values()]
     if acts_on == "bodies":

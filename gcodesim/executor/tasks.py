@@ -106,6 +106,12 @@ class Tasks:
             for target in targets_of(self.shop, variant.acts_on):
                 process = variant.of(tool, target.material)
                 yield Task(tool=tool, target=target, process=process, state=process.begin())
+            if variant.acts_on != "stock":
+                continue
+            for target in targets_of(self.shop, "revolved"):
+                turning = variant.of_revolved(tool, target.material)
+                if turning is not None:  # else GS435 says so
+                    yield Task(tool=tool, target=target, process=turning, state=turning.begin())
 
     def kept(self, number: int) -> list[Task]:
         """The tasks of a tool that is kept from taking material: those that take none and are not about contact.

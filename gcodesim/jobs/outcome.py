@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, cast
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.jobs.job import Job
 from gcodesim.jobs.joint_results import joint_results
-from gcodesim.jobs.results import Results, StockResult, Times, joint_rows, line_rows, tool_rows
+from gcodesim.jobs.results import Results, StockResult, Times, TurnedResult, joint_rows, line_rows, tool_rows
 from gcodesim.motion.tool_path import HOME, RAPID
 from gcodesim.processes.column import LINES, RESULTS
 from gcodesim.shop import Shop
@@ -22,8 +22,12 @@ from gcodesim.version import __version__
 
 if TYPE_CHECKING:
     from gcodesim.executor import Execution
+    from gcodesim.material.revolved import Revolved
     from gcodesim.motion.trajectory import TimedEvent
     from gcodesim.planning import Plan
+
+PROFILE_TOLERANCE: Final = 1e-6
+"""By how much [m] the outlines of a turned part in the results may be beside those of the run."""
 
 INTERRUPTED: Final = "GS616"
 """The finding of a run that somebody stopped."""
@@ -213,8 +217,19 @@ def _stock_results(shop: Shop, execution: Execution) -> dict[str, StockResult]:
             remaining=stock.volume,
             resolution=stock.cell,
             error_bound=stock.error_bound(),
+            turned=_turned(cast("Revolved", stock)) if placed.revolved else None,
         )
     return results
+
+
+def _turned(stock: Revolved) -> TurnedResult:
+    return TurnedResult(
+        parted=stock.in_chuck > 0.0,
+        in_chuck=stock.in_chuck,
+        scrap=stock.scrap,
+        threads=stock.thread_volume,
+        profiles=[loop for profile in stock.finished for loop in stock.outlines(profile, PROFILE_TOLERANCE)],
+    )
 
 
 def _joints(plan: Plan, shop: Shop, execution: Execution | None) -> list[dict[str, Any]]:

@@ -28,6 +28,31 @@ RunStatus = Literal["ok", "findings", "failed"]
 
 
 @frozen
+class TurnedResult:
+    """What else is told of the stock of a lathe: volumes [m³], and outlines of the finished part (k, 2) (z, r) [m].
+
+    `parted`: the part was parted off; then `in_chuck` is the rest of the bar, and `scrap` other pieces that fell.
+    """
+
+    parted: bool
+    in_chuck: float
+    scrap: float
+    threads: float
+    profiles: Sequence[Array]
+
+    def as_json(self) -> dict[str, Any]:
+        return {
+            "parted_off": self.parted,
+            "in_chuck_mm3": rounded(self.in_chuck / MM3),
+            "scrap_mm3": rounded(self.scrap / MM3),
+            "thread_mm3": rounded(self.threads / MM3),
+            "profiles_z_r_mm": [
+                [[rounded(z / MM), rounded(r / MM)] for z, r in loop.tolist()] for loop in self.profiles
+            ],
+        }
+
+
+@frozen
 class StockResult:
     """One stock at the end; volumes [m³], resolution [m]."""
 
@@ -38,6 +63,7 @@ class StockResult:
     remaining: float
     resolution: float
     error_bound: float
+    turned: TurnedResult | None = None
 
     def as_json(self) -> dict[str, Any]:
         return {
@@ -48,6 +74,7 @@ class StockResult:
             "remaining_mm3": rounded(self.remaining / MM3),
             "resolution_mm": rounded(self.resolution / MM),
             "error_bound_mm3": rounded(self.error_bound / MM3),
+            **({} if self.turned is None else self.turned.as_json()),
         }
 
 

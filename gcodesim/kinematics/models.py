@@ -16,7 +16,8 @@ _FOLDER: Final = Path(__file__).resolve().parent.parent / "models"
 class ShippedModel:
     """A shipped machine: `stiffness` [N·m/rad] a joint or None for a rigid machine, `home` [rad, m], `payload` [kg].
 
-    `urdf` is the file of a model that another package brings; ours are found by their name.
+    `lathe`: the work turns about Z at X0. `urdf` is the file of a model that another package brings; ours are found
+    by their name.
 
     Travel, speed, effort and, where a source names it, acceleration stand in
     the URDF; `stiffness_source` says where the stiffness comes from.
@@ -30,6 +31,7 @@ class ShippedModel:
     stiffness: tuple[float, ...] | None = None
     stiffness_source: str = ""
     urdf: Path | None = None
+    lathe: bool = False
 
     @property
     def path(self) -> Path:
@@ -106,6 +108,7 @@ _SHIPPED: Final = {
             stiffness=_STIFF_200_KG,
             stiffness_source=_SCALED,
         ),
+        ShippedModel(name="lathe_xz", title="two-axis lathe", kind="machine", home=(0.15, 0.6), lathe=True),
         ShippedModel(
             name="mill_xyzac_trunnion",
             title="five-axis mill with tilting rotary table",

@@ -109,6 +109,8 @@ def load_stock(path: Path) -> Stock:
 
 def stock_from_bytes(raw: bytes, name: str) -> Stock:
     """The stock in the bytes of a file called `name`; StockFileError if they are not a stock."""
+    if raw.startswith(b"gcodesim-revolved/"):
+        return _revolved(raw, name)
     if raw.startswith(_OLDER):
         raise StockFileError(f"{name} is of an older gcodesim, which kept walls otherwise: run its program again")
     if not raw.startswith(_MAGIC):
@@ -143,3 +145,15 @@ def stock_from_bytes(raw: bytes, name: str) -> Stock:
     if len(fields) == 2:
         stock.lattice = Lattice(fields, (own_columns(fields[0]), own_columns(fields[1])), offset)
     return stock
+
+
+def _revolved(raw: bytes, name: str) -> Stock:
+    """The stock of a lathe."""
+    from gcodesim.material.revolved_file import MAGIC, revolved_from_bytes
+
+    if not raw.startswith(MAGIC):
+        raise StockFileError(f"{name} is of another version of gcodesim")
+    try:
+        return revolved_from_bytes(raw)
+    except (ValueError, KeyError, TypeError, zlib.error) as fault:
+        raise StockFileError(f"{name} is damaged: {fault}") from fault

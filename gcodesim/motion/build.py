@@ -43,6 +43,7 @@ from gcodesim.canon import (
 from gcodesim.canon.batch import EXACT, MoveBatch
 from gcodesim.canon.batch import RAPID as RAPID_MOVE
 from gcodesim.frames import Pose
+from gcodesim.motion import pace
 from gcodesim.motion.rows import PathRows, Tags
 from gcodesim.motion.tool_path import (
     ARC,
@@ -90,8 +91,15 @@ class PathBuilder:
     """Builds a path event by event, or leg by leg: each leg goes on in the state in which the one before ended."""
 
     def __init__(
-        self, start: Axes = ZERO, path_control: PathMode | None = None, tilts: Mapping[int, Pose] | None = None
+        self,
+        start: Axes = ZERO,
+        path_control: PathMode | None = None,
+        tilts: Mapping[int, Pose] | None = None,
+        *,
+        fastest: float | None = None,
     ) -> None:
+        """`fastest` [rad/s] is the greatest speed of a lathe's spindle, where the work turns about X0; else None."""
+        self.fastest = fastest
         self.at: Axes = start
         self.first = start
         self.tilts = tilts or {}
@@ -117,7 +125,7 @@ class PathBuilder:
             self._other(event)
 
     def _batch(self, batch: MoveBatch) -> None:
-        if self.tilts:
+        if self.tilts or (self.fastest is not None and self.current.surface_speed > 0.0):
             for event in batch.events():
                 self.add(event)
             return
@@ -182,6 +190,10 @@ class PathBuilder:
             self._stand()  # waits for the spindle's angle
             self._row(LINE, event, event.end, event.pitch * self._revolutions(), False)
         else:
+            if self._paced(event):
+                for end, feed in pace.along_line(self.at, event.end, event.feed, self._pace()):
+                    self._row(LINE, event, end, feed, False)
+                return
             self._row(
                 LINE,
                 event,
@@ -191,9 +203,25 @@ class PathBuilder:
                 event.extrude,
             )
 
+    def _paced(self, event: LinearFeed | ArcFeed) -> bool:
+        """Whether the feed changes on the way, since it is per turn of a spindle that keeps the cutting speed."""
+        return (
+            self.fastest is not None
+            and self.current.surface_speed > 0.0
+            and event.feed_unit == "m/rev"
+            and event.end[0] != self.at[0]
+        )
+
+    def _pace(self) -> pace.Pace:
+        return pace.Pace(surface=self.current.surface_speed, cap=abs(self.current.spindle))
+
     def _motion(self, event: Move) -> None:
         if isinstance(event, Rapid):
             self._row(HOME if event.home else RAPID, event, event.end, np.inf, False)
+        elif isinstance(event, ArcFeed) and self._paced(event) and not self.tilts:
+            for end, sweep, feed in pace.along_arc(self.at, event, self._pace()):
+                self.rows.shape(event.center, event.normal, sweep)
+                self._row(ARC, event, end, feed, False)
         elif isinstance(event, ArcFeed):
             center, normal = event.center, event.normal
             tilt = self._tilt(event)
@@ -233,7 +261,9 @@ class PathBuilder:
         elif isinstance(event, Spindle):
             sign = {"cw": 1.0, "ccw": -1.0, "off": 0.0}[event.direction]
             surface = event.unit == "m/s"
-            self.spindle_speed = (event.max_speed or 0.0) if surface else event.speed
+            most = self.fastest or 0.0
+            cap = min(event.max_speed or most, most or event.max_speed or 0.0)
+            self.spindle_speed = cap if surface else event.speed
             surface_speed = event.speed if surface and sign else 0.0
             self._set(replace(now, spindle=sign * self.spindle_speed, surface_speed=surface_speed))
         elif isinstance(event, Coolant):
@@ -289,7 +319,9 @@ class PathBuilder:
         self.rows.stop()
 
     def _revolutions(self) -> float:
-        """Spindle speed [rev/s]; 0 when it stands."""
+        """Spindle speed [rev/s]; 0 when it stands. On a lathe that keeps the cutting speed, the one at this radius."""
+        if self.fastest is not None and self.current.surface_speed > 0.0:
+            return self._pace().turns(abs(self.at[0]))
         return abs(self.current.spindle) / (2.0 * pi)
 
     def _speed(self, feed: float, unit: str) -> float:

@@ -9,6 +9,7 @@ PROCESSES = Family(
     milling="gcodesim.processes.milling:Milling",
     extrusion="gcodesim.processes.extrusion:Extrusion",
     sensing="gcodesim.processes.sensing:Sensing",
+    turning="gcodesim.processes.turning:Turning",
 )
 
 __all__ = ["PROCESSES"]

@@ -86,6 +86,14 @@ class Milling(Process):
         """The process of a cutter in stock of `material`."""
         return cls(cutter=tool, law=None if material is None else material.law)
 
+    @classmethod
+    def of_revolved(cls, tool: Cutter, material: Material | None) -> Process | None:
+        """A drill in the tailstock of a lathe; mills do nothing there."""
+        from gcodesim.processes.turning import drilling_of
+        from gcodesim.tools.drill import Drill
+
+        return drilling_of(tool, material) if isinstance(tool, Drill) else None
+
     def begin(self) -> ProcessState:
         """State of a tool that was just put in; if it stands in material, it cuts nothing until it has left it."""
         from gcodesim.processes.milling_kernels import STATE

@@ -3,6 +3,7 @@
 A process acts on targets, with one `Task` for each; `acts_on` names their sort:
 
 - `stock`: each stock of the cell in turn, a `material.Stock`, which the process may change in place;
+- `revolved`: the same for the stock of a lathe, a `material.revolved.Revolved`; it is no `stock`;
 - `surface`: the skin of each stock in turn, a `Skin`, which can be looked at but not cut;
 - `bodies`: everything in the cell that does not move by itself, all at once, as a tuple of `SolidBody`;
 - `nothing`: there is no target. `run` gets None, and its frame S is that of the bodies.
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-ActsOn = Literal["stock", "surface", "bodies", "nothing"]
+ActsOn = Literal["stock", "revolved", "surface", "bodies", "nothing"]
 
 
 class Skin(Protocol):
@@ -103,6 +104,11 @@ class Process:
     def of(cls, tool: Any, material: Material | None) -> Self:
         """The process of `tool` at a target of `material`, which is None if it is not known or there is no stock."""
         raise NotImplementedError
+
+    @classmethod
+    def of_revolved(cls, tool: Any, material: Material | None) -> Process | None:
+        """For a process that acts on `stock`: what `tool` does to that of a lathe; None if it can do nothing there."""
+        return None
 
     @property
     def zone(self) -> Zone:

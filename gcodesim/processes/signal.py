@@ -39,6 +39,12 @@ class Signal:
 SPINDLE: Final = Signal("spindle", "rad/s")
 """Speed of the spindle: S with M3 (positive) or M4 (negative), 0 while it stands."""
 
+SURFACE_SPEED: Final = Signal("surface_speed", "m/s")
+"""Cutting speed under G96, 0 under G97; then `SPINDLE` is the greatest speed."""
+
+PITCH: Final = Signal("pitch", "m")
+"""Travel in a turn of the spindle in moves that keep step with it, as in a thread; 0 in all others."""
+
 ACTIVE: Final = Signal("active", set_by=(SetBy("tool", "activate", 1.0), SetBy("tool", "deactivate", 0.0)))
 """1 while the process of the tool is switched on, otherwise 0."""
 

@@ -418,7 +418,7 @@ class Executor:
     def _tell_of_lathe(self) -> None:
         lathe = self.control.dialect.lathe
         foreign = lathe_of(self.run.source, lathe)
-        if lathe is None or foreign is None:
+        if lathe is None or foreign is None or self.control.settings.turns:
             return
         finding = self._foreign(lathe.code, foreign, lathe.message, lathe.hint)
         if lathe.refused:

@@ -30,7 +30,8 @@ class Settings:
     listens to, digital such as `P1`, analog such as `E0`. `auto_length` gives the true
     length [m] of each tool of the cell; with `tool_length="auto"` a program
     without any G43 or G49 applies it at M6. `path_control` is in force before
-    the program's first G61 or G64. `has_cell` makes user M-codes legal.
+    the program's first G61 or G64. `has_cell` makes user M-codes legal;
+    `turns`: the machine is a lathe.
     `loaded_tool` is in the spindle before the first block, 0 for none; in a program
     without G43 its length counts from there on.
     `answered`: whoever iterates the run answers each `canon.ProbeMove` and
@@ -55,6 +56,7 @@ class Settings:
     m_codes: Mapping[str, MappedAction] = field(default_factory=dict)
     wired: frozenset[str] = frozenset()
     has_cell: bool = False
+    turns: bool = False
     answered: bool = False
     start: Axes = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     tool_length: Literal["auto", "strict"] = "auto"

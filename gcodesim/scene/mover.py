@@ -28,7 +28,8 @@ class Mover:
 
     `retreat` (3,) is the direction, in the path's X, Y, Z, in which a tool leaves the work along its own axis; None
     where it depends on the pose. `timed_only` are joints whose place is unknown, so that they only take time.
-    `seen_whole`: a viewer should see all of it beside the part. `description` is the file that describes it.
+    `seen_whole`: a viewer should see all of it beside the part; `lathe`: the work
+    turns, about Z at X0 of its base. `description` is the file that describes it.
     """
 
     name: str
@@ -41,6 +42,7 @@ class Mover:
     retreat: Array | None = None
     timed_only: tuple[str, ...] = ()
     seen_whole: bool = True
+    lathe: bool = False
     description: Path | None = None
 
     @property

@@ -35,6 +35,11 @@ TOOLS = Family(
     drag_knife="gcodesim.tools.drag_knife:DragKnife",
     extruder="gcodesim.tools.extruder:Extruder",
     probe="gcodesim.tools.probe:Probe",
+    turning_tool="gcodesim.tools.turning_tool:TurningTool",
+    boring_tool="gcodesim.tools.turning_tool:BoringTool",
+    grooving_tool="gcodesim.tools.grooving_tool:GroovingTool",
+    parting_tool="gcodesim.tools.grooving_tool:PartingTool",
+    threading_tool="gcodesim.tools.threading_tool:ThreadingTool",
 )
 
 __all__ = ["TOOLS"]

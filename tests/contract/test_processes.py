@@ -61,7 +61,7 @@ def test_columns_have_one_meaning_and_are_told(name):
 
     assert len({column.name for column in writes}) == len(writes)
     assert all(column.says and column.of in ("sum", "greatest", "any", "last") for column in writes)
-    assert PROCESSES[name].acts_on in ("stock", "surface", "bodies", "nothing")
+    assert PROCESSES[name].acts_on in ("stock", "revolved", "surface", "bodies", "nothing")
 
 
 @pytest.mark.parametrize("maker", list(makers()))

@@ -91,4 +91,54 @@ CODES: tuple[Code, ...] = (
         remedy="Take the `resolution` that the hint names. On a large stock with a fine tool, describe only the piece "
         "that is cut.",
     ),
+    Code(
+        code="GS431",
+        severity=Severity.ERROR,
+        title="Back edge of a turning tool cuts",
+        what="While a turning tool goes down a slope, its back edge, or an edge beside the cutting one, takes material "
+        "that the tip does not reach.",
+        why="The finished contour is gouged there, and the edge is made to cut on a side where it has no clearance.",
+        remedy="Use an insert with a smaller tip angle (VBMT instead of CNMG), a holder with another lead angle, or "
+        "turn the slope from the other side.",
+    ),
+    Code(
+        code="GS432",
+        severity=Severity.ERROR,
+        title="Shank of a lathe tool in the work",
+        what="The shank of a turning tool or a boring bar is inside of the material.",
+        why="It cannot cut: it rubs, bends, or breaks.",
+        remedy="Cut less deep, use longer edges, a thinner boring bar, or drill a wider hole before.",
+    ),
+    Code(
+        code="GS433",
+        severity=Severity.ERROR,
+        title="Lathe tool in chuck or tailstock",
+        what="The tool runs into the jaws of the chuck, or into the tailstock, that the stock names.",
+        why="The jaws turn: tool and chuck are destroyed, and parts of them fly off.",
+        remedy="Let the work stand out farther, end the cut earlier, or go to the tool change by another way.",
+    ),
+    Code(
+        code="GS434",
+        severity=Severity.ERROR,
+        title="Drill beside the middle",
+        what="A drill on a lathe feeds into the work beside the axis of the spindle.",
+        why="The work turns about that axis, so the drill is bent and breaks; the hole that is shown is too wide.",
+        remedy="Go to X0 first. Holes beside the middle need a driven tool, which is not simulated.",
+    ),
+    Code(
+        code="GS435",
+        severity=Severity.WARNING,
+        title="Tool cuts nothing on this machine",
+        what="A mill on a lathe, or a lathe tool on a machine whose work does not turn.",
+        why="Its moves are run, but the material that it would take stays.",
+        remedy="Put the work of that tool into a cell of its own, with the machine that does it.",
+    ),
+    Code(
+        code="GS436",
+        severity=Severity.ERROR,
+        title="Stock does not fit a lathe",
+        what="The stock of a lathe is no cylinder, stands beside the axis of the spindle, or its bore is too wide.",
+        why="A lathe keeps its stock as a profile of revolution about the axis of the spindle.",
+        remedy="Give `cylinder: [diameter, length]`, for a tube `bore` as well, and leave X and Y of G54 at 0.",
+    ),
 )

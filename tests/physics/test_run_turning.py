@@ -1,0 +1,136 @@
+"""Whole turning programs: volumes in closed form, forces by Kienzle, times of G96, gouges and collisions."""
+
+from __future__ import annotations
+
+import json
+from math import pi, radians, sin, tan
+from pathlib import Path
+
+import pytest
+
+from tests.physics.runs import run_texts
+
+DATA = Path(__file__).parents[1] / "data" / "turning"
+CASES = {case["name"]: case for case in json.loads((DATA / "cases.json").read_text())}
+HEAD = "G21 G18 G7 G90 G40 G49\nT1 M6 G43\n"
+
+
+def cell_of(stock: str, tools: str = "1: {type: turning_tool}", more: str = "") -> str:
+    head = f"gcodesim: 1\nmachine: lathe_xz\nstock: {{{stock}}}\ntools:\n  {tools}\n"
+    return f"{head}{more}simulation: {{world: kinematic, rate: 100 Hz}}\n"
+
+
+def codes(ran) -> set[str]:
+    return {finding.code for finding in ran.results.findings}
+
+
+@pytest.mark.parametrize("name", sorted(name for name, case in CASES.items() if "g71" not in name))
+def test_the_finished_part_has_its_volume(name: str) -> None:
+    case = CASES[name]
+    bar = case["stock"]["cylinder_mm"]
+    tools = "\n  ".join(f"{k}: {{type: {tool['type'].replace(' ', '_')}}}" for k, tool in case["tools"].items())
+    size = f"cylinder: [{bar['diameter']}, {bar['z'][1] - bar['z'][0]}], xyz: [0, 0, {bar['z'][0]}]"
+
+    ran = run_texts((DATA / case["program"]).read_text(), cell_of(size, tools))
+
+    stock = ran.results.stocks["stock"].as_json()
+    assert stock["remaining_mm3"] == pytest.approx(case["expect"]["remaining_volume_mm3"], rel=5e-4)
+    whole = stock["removed_mm3"] + stock["remaining_mm3"] + stock["in_chuck_mm3"] + stock["scrap_mm3"]
+    assert whole == pytest.approx(case["stock"]["volume_mm3"], rel=1e-6)
+    assert not {code for code in codes(ran) if code.startswith("GS4")}
+
+
+def test_forces_of_longitudinal_turning_are_those_of_kienzle() -> None:
+    """kc11 1700 N/mm², mc 0.25, depth 2 mm, feed 0.2 mm, lead angle 95 and 45 deg: h = f sin k, b = a / sin k."""
+    for lead in (95.0, 60.0):
+        tool = f"1: {{type: turning_tool, tip_angle: 55, lead_angle: {lead}, edge: 20}}"
+        material = "materials:\n  mine: {kc11: 1700 N/mm^2, mc: 0.25, normal_ratio: 0.4, axial_ratio: 0}\n"
+        ran = run_texts(
+            HEAD + "G97 S1000 M3\nG95 F0.2\nG0 X36 Z2\nG1 Z-20\nG0 X50\nM5\nM2\n",
+            cell_of("cylinder: [40, 50], xyz: [0, 0, -50], material: mine", tool, material),
+        )
+
+        h, b = 0.2 * sin(radians(lead)), 2.0 / sin(radians(lead))
+        main = 1700.0 * h**0.75 * b
+        rows = ran.execution.rows
+        assert rows["main_force"].max() == pytest.approx(main, rel=0.01)
+        assert rows["feeding_force"].max() == pytest.approx(0.4 * main * sin(radians(lead)), rel=0.02)
+        assert rows["torque"].max() == pytest.approx(main * 0.019, rel=0.02)
+        assert rows["power"].max() == pytest.approx(main * 0.019 * 2.0 * pi * 1000.0 / 60.0, rel=0.02)
+
+
+def test_facing_at_a_constant_cutting_speed_takes_the_time_of_the_integral() -> None:
+    """G96 S200 m/min with at most 2000 rpm, feed 0.2 mm a turn, from X60 to X0."""
+    ran = run_texts(
+        HEAD + "G96 S200 D2000 M3\nG95 F0.2\nG0 X60 Z2\nZ-1\nG1 X0\nG0 Z5\nM5\nM2\n",
+        cell_of("cylinder: [50, 40], xyz: [0, 0, -40]"),
+    )
+
+    knee = 200e3 / (2.0 * pi * 2000.0)  # mm, radius at which the cap is reached
+    turns = pi * (30.0**2 - knee**2) / 200e3 + knee / 2000.0  # min per mm, along the radius
+    assert ran.results.times.feed == pytest.approx(60.0 * turns / 0.2, rel=0.01)
+
+
+def test_the_back_edge_of_a_wide_insert_gouges_on_a_steep_slope() -> None:
+    """Down a slope of 30 deg: a tip of 80 deg at a lead of 95 leaves 5 deg behind, one of 35 deg 52."""
+    program = HEAD + "G97 S1000 M3\nG95 F0.1\nG0 X36 Z2\nG1 Z-10\nX24 Z-20.392\nZ-25\nG0 X60\nM5\nM2\n"
+    found = {}
+    for insert in ("CNMG120404", "VBMT160404"):
+        tool = f"1: {{type: turning_tool, insert: {insert}}}"
+        found[insert] = run_texts(program, cell_of("cylinder: [40, 60], xyz: [0, 0, -60]", tool))
+
+    gouges = [f for f in found["CNMG120404"].results.findings if f.code == "GS431"]
+    assert [f.span.line for f in gouges] == [7]
+    assert "GS431" not in codes(found["VBMT160404"])
+
+
+def test_tools_in_the_chuck_and_shanks_in_the_work_are_found() -> None:
+    stock = "cylinder: [40, 60], xyz: [0, 0, -60], chuck: {diameter: 100, grip: 20}"
+    near = HEAD + "G97 S1000 M3\nG95 F0.2\nG0 X38 Z2\nG1 Z-39.9\nG0 X60\nM5\nM2\n"
+    deep = near.replace("Z-39.9", "Z-41")
+    bore = "1: {type: boring_tool, width: 16}"
+    tight = HEAD + "G97 S1000 M3\nG95 F0.2\nG0 X11 Z2\nG1 Z-20\nG0 X10\nZ5\nM5\nM2\n"
+
+    assert "GS433" not in codes(run_texts(near, cell_of(stock)))
+    assert [f.span.line for f in run_texts(deep, cell_of(stock)).results.findings if f.code == "GS433"] == [6]
+    tube = "cylinder: [40, 60], bore: 10, xyz: [0, 0, -60]"
+    assert "GS432" in codes(run_texts(tight, cell_of(tube, bore)))
+
+
+def test_a_thread_is_told_beside_the_body_of_revolution() -> None:
+    """M20 x 1.5, 0.92 mm deep from the face to the relief at Z-22: a triangle of 60 deg on its helix.
+
+    The section at one mark of the spindle has one groove more or less at an end: 1 of 15.
+    """
+    case = CASES["thread_g76"]
+    tools = "2: {type: grooving_tool}\n  3: {type: threading_tool}"
+    ran = run_texts((DATA / case["program"]).read_text(), cell_of("cylinder: [20, 50], xyz: [0, 0, -50]", tools))
+
+    section = 0.92**2 * tan(radians(30.0))
+    helix = 2.0 * pi * (10.0 - 0.92 / 3.0) * 22.0 / 1.5
+    assert ran.results.stocks["stock"].as_json()["thread_mm3"] == pytest.approx(section * helix, rel=1.0 / 15.0)
+
+
+def test_boring_and_drilling() -> None:
+    tools = "1: {type: drill, diameter: 10}\n  2: {type: boring_tool}"
+    program = (
+        "G21 G18 G7 G90 G40 G49\nT1 M6 G43\nG97 S800 M3\nG95 F0.1\nG0 X0 Z3\nG1 Z-33.0043\nG0 Z100\nX50\n"
+        "T2 M6 G43\nM3\nG0 X20 Z2\nG1 Z-20\nX9\nG0 Z5\nX50\nM5\nM2\n"
+    )
+
+    ran = run_texts(program, cell_of("cylinder: [30, 30], xyz: [0, 0, -30]", tools))
+
+    tip = 5.0 / 1.6642795
+    assert tip == pytest.approx(3.0043, abs=1e-3)
+    expected = pi * (15.0**2 * 30.0 - 5.0**2 * 30.0 - (10.0**2 - 5.0**2) * 20.0)
+    assert ran.results.stocks["stock"].as_json()["remaining_mm3"] == pytest.approx(expected, rel=5e-4)
+
+
+def test_a_tool_that_is_put_in_inside_of_the_work_cuts_nothing_until_it_has_left() -> None:
+    program = HEAD + "G97 S1000 M3\nG95 F0.2\nG0 X30 Z100\nT2 M6 G43\nG0 X50\nM5\nM2\n"
+    tools = "1: {type: turning_tool, length: 50}\n  2: {type: turning_tool, length: 170}"
+
+    ran = run_texts(program, cell_of("cylinder: [40, 60], xyz: [0, 0, -60]", tools))
+
+    assert ran.results.stocks["stock"].as_json()["removed_mm3"] == 0.0
+    assert "GS403" in codes(ran)
