@@ -127,12 +127,17 @@ class Shop:
     @property
     def sheet(self) -> Sheet:
         """The columns that a run in this cell has."""
-        return Sheet.of(self.cell.tools.values())
+        return Sheet.of(self.cell.tools.values(), ("turning",) if self.mover.lathe else ())
 
     @property
     def signals(self) -> dict[str, Signal]:
         """What the processes of its tools read."""
-        return signals_read_by(self.cell.tools.values())
+        found = signals_read_by(self.cell.tools.values())
+        if self.mover.lathe:
+            from gcodesim.processes import PROCESSES
+
+            found |= {signal.name: signal for signal in PROCESSES["turning"].reads}
+        return found
 
     @property
     def signal_sources(self) -> Mapping[str, SignalSource]:

@@ -91,6 +91,14 @@ def _results() -> Json:
                 remaining_mm3=number("volume at the end"),
                 resolution_mm=number("distance of its columns"),
                 error_bound_mm3=number("by how much the volumes may be wrong"),
+                parted_off=truth("lathe only: whether the part was parted off; then the volume at the end is its own"),
+                in_chuck_mm3=number("lathe only: what the chuck still holds after that"),
+                scrap_mm3=number("lathe only: other pieces that came loose"),
+                thread_mm3=number("lathe only: what grooves of threads take; not in the other volumes"),
+                profiles_z_r_mm=array(
+                    "lathe only: outlines of the finished part in its half plane, closed, material on the right",
+                    array("an outline", array("z and radius", number("mm"))),
+                ),
             ),
         ),
         tools=array(
@@ -152,6 +160,8 @@ def _results() -> Json:
     results["properties"] |= _several_programs(hashed)
     for entry in ("tools", "not_simulated"):  # where several programs run at once
         results["properties"][entry]["items"]["properties"]["channel"] = text("of several programs at once, whose")
+    stock = results["properties"]["stocks"]["additionalProperties"]
+    stock["required"] = stock["required"][: stock["required"].index("parted_off")]
     results["required"] = [name for name in results["required"] if name != "probings"]
     return results
 

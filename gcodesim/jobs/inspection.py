@@ -64,7 +64,7 @@ class Inspector:
             grain=_grain(shop),
         )
         self._kinds = {
-            kind: np.isin(rows.tool, [number for number, tool in shop.cell.tools.items() if kind in tool.processes])
+            kind: np.isin(rows.tool, [n for n, tool in shop.cell.tools.items() if _does(shop, kind, tool)])
             for kind in shop.sheet.kinds[1:]
         }
 
@@ -156,6 +156,11 @@ class Inspector:
                 )
             )
         return found
+
+
+def _does(shop: Shop, kind: str, tool: Tool) -> bool:
+    """Whether a tool may carry out this kind of process: on a lathe any turns, drills as well."""
+    return kind in tool.processes or (kind == "turning" and shop.mover.lathe)
 
 
 def _rows_of(plan: Plan, words: frozenset[str]) -> Flags:

@@ -23,11 +23,13 @@ class Sheet:
     columns: tuple[Column, ...] = HOUSE
 
     @staticmethod
-    def of(tools: Iterable[Tool]) -> Sheet:
-        """The sheet of a cell with these tools. ValueError when two processes use one name for different columns."""
+    def of(tools: Iterable[Tool], more: Iterable[str] = ()) -> Sheet:
+        """The sheet of a cell with these tools, and with `more` kinds of process that their machine lets them do.
+
+        ValueError when two processes use one name for different columns."""
         from gcodesim.processes import PROCESSES
 
-        kinds = PROCESSES.in_order(kind for tool in tools for kind in tool.processes)
+        kinds = PROCESSES.in_order([*(kind for tool in tools for kind in tool.processes), *more])
         known = {column.name: column for column in HOUSE}
         owner = dict.fromkeys(known, "every run")
         for kind in kinds:

@@ -195,7 +195,7 @@ def drilling_of(drill: Drill, material: Material | None) -> Turning:
     """The process of a drill in a tailstock: the same cut, with the lips sharing the feed of a turn."""
     r, top = drill.radius, drill.flute_length
     outline = np.array([(0.0, 0.0), (drill.tip_height, -r), (top, -r), (top, r), (drill.tip_height, r)])
-    return _LatheDrilling(
+    return Turning(
         outline=outline,
         cutting=np.array([True, False, False, False, True]),
         shank=np.zeros((0, 2)),
@@ -203,13 +203,6 @@ def drilling_of(drill: Drill, material: Material | None) -> Turning:
         law=None if material is None else material.law,
         beside=True,
     )
-
-
-@frozen(slots=False, eq=False)
-class _LatheDrilling(Turning):
-    """A drill keeps the kind of process that it has on every machine."""
-
-    kind: ClassVar[str] = "milling"
 
 
 def edge_elements(outline: Array, cutting: NDArray[np.bool_]) -> Array:
