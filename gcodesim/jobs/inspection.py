@@ -27,6 +27,7 @@ from gcodesim.units import KW
 if TYPE_CHECKING:
     from gcodesim.executor import Execution
     from gcodesim.planning import Plan
+    from gcodesim.tools.tool import Tool
 
 
 class Inspector:
