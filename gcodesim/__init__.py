@@ -25,6 +25,7 @@ if TYPE_CHECKING:
         linear_interpolation,
         spline_interpolation,
     )
+    from gcodesim.session import open_cell
 
 _PLACES = {
     "Cell": "gcodesim.cell",
@@ -35,6 +36,7 @@ _PLACES = {
     "circular_interpolation": "gcodesim.motion",
     "linear_interpolation": "gcodesim.motion",
     "load_cell": "gcodesim.api",
+    "open_cell": "gcodesim.session",
     "read": "gcodesim.api",
     "simulate": "gcodesim.api",
     "spline_interpolation": "gcodesim.motion",
@@ -50,6 +52,7 @@ __all__ = [
     "circular_interpolation",
     "linear_interpolation",
     "load_cell",
+    "open_cell",
     "read",
     "simulate",
     "spline_interpolation",

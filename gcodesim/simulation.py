@@ -38,6 +38,8 @@ from gcodesim.shop import Shop, open_shop
 
 if TYPE_CHECKING:
     from gcodesim.executor import Execution, Progress
+    from gcodesim.executor.record import StepRecord
+    from gcodesim.executor.totals import JointTotals, RowTotals
     from gcodesim.jobs.inspection import Inspector
     from gcodesim.log.live import LiveView
     from gcodesim.planning import Plan
@@ -268,12 +270,13 @@ def _run(
     def part_of(each: Job, watcher: Recorder | None) -> Part:
         assert each.plan is not None and each.shop is not None
         inspector = inspectors[each.channel]
-        return Part(
-            plan=each.plan,
-            shop=each.shop,
-            inspect=lambda record, rows, joints: each.shown(inspector.fresh(record, rows, joints)),
-            watcher=watcher,
-        )
+
+        def inspect(record: StepRecord, rows: RowTotals, joints: JointTotals) -> list[Diagnostic]:
+            if each.seen is not None:
+                each.seen(record)
+            return each.shown(inspector.fresh(record, rows, joints))
+
+        return Part(plan=each.plan, shop=each.shop, inspect=inspect, watcher=watcher)
 
     watchers = [None for _ in job.all] if recorder is None else [recorder, *recorder.others]
     try:

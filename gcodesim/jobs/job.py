@@ -19,6 +19,7 @@ from gcodesim.rs274 import Run, Settings
 from gcodesim.shop import Shop
 
 if TYPE_CHECKING:
+    from gcodesim.executor.record import StepRecord
     from gcodesim.jobs.meetings import Meetings
     from gcodesim.planning import Plan
 
@@ -66,7 +67,8 @@ class Job:
 
     Several programs at once are a job each: `others` are those of further channels, in the order of their names, and
     `meetings` tells when they wait for each other; only the first job has them. `held` is the mark at which a program
-    waits for ever; it is the last that is read of it. `alone`: no other program runs.
+    waits for ever; it is the last that is read of it. `alone`: no other program runs. `seen` gets each window of the
+    run as soon as it has been moved through.
     """
 
     program: SourceText
@@ -78,6 +80,7 @@ class Job:
     meetings: Meetings | None = None
     held: Span | None = None
     alone: bool = True
+    seen: Callable[[StepRecord], None] | None = None
     shop: Shop | None = None
     reading: Run | None = None
     plan: Plan | None = None

@@ -1,0 +1,486 @@
+"""A cell that a Python program moves: robots to joints and poses, tools coupled and switched, paths run."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from types import FrameType, TracebackType
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from gcodesim import simulation
+from gcodesim.api import InputError
+from gcodesim.canon import Pause, ToolChange
+from gcodesim.cell.loader import load_cell
+from gcodesim.diagnostics import Diagnostic, Findings, Severity, SourceText, Span
+from gcodesim.frames import Array, Pose, quaternion_from_rotation, rotation_from_quaternion
+from gcodesim.frozen import frozen
+from gcodesim.jobs.job import Job, Options
+from gcodesim.kinematics.protocol import Status
+from gcodesim.motion.joining import standing_until
+from gcodesim.motion.timing import event_durations
+from gcodesim.motion.tool_path import PathEvent, ToolPath, ToolState
+from gcodesim.planning import Plan, plan_path, posing_of
+from gcodesim.session.run_thread import RunThread
+from gcodesim.session.servo_kernels import JointBounds, approach
+from gcodesim.session.table_plan import Stretched, merged, plan_of
+from gcodesim.shop import Shop, open_shop
+from gcodesim.units import MM
+
+if TYPE_CHECKING:
+    from gcodesim.executor.record import StepRecord
+    from gcodesim.jobs.results import Results
+    from gcodesim.tools.tool import Tool
+
+_OWN: Final = str(Path(__file__).parents[1])
+_NO_SCRIPT: Final = "session"
+_UNLIMITED: Final = 1e6  # [rad/s, m/s, and per s] where a description names no limit
+
+
+class MisuseError(ValueError):
+    """A call that the cell, as it stands, cannot obey; the text says why and what to do. Nothing has changed."""
+
+
+@frozen(eq=False)
+class JointState:
+    """A robot after the last step, in the order of its joints: positions, velocities and efforts of motors (j,), SI.
+
+    `reaction` (6,): force [N] and torque [N·m] of the flange on the tool, at the flange, in axes of the base.
+    """
+
+    names: tuple[str, ...]
+    position: Array
+    velocity: Array
+    effort: Array
+    reaction: Array
+
+
+def open_cell(
+    cell: Path | str, out: Path | str | None = None, *, world: str | None = None, force: bool = False
+) -> OpenCell:
+    """Open the cell that the file `cell` describes, to be used in a `with` statement.
+
+    With `out`, a folder, what a run writes is written there; in place of lines of a program stand those of the calling
+    script. `world` and `force` as of `gcodesim run`. Raises `InputError` when the cell has errors, OSError
+    when it cannot be read, `WorldUnavailable` when the world cannot be opened here.
+    """
+    from gcodesim.world import require_world
+
+    loaded = load_cell(Path(cell))
+    if loaded.cell is None:
+        raise InputError(list(loaded.findings), loaded.sources)
+    script = _script()
+    job = Job(
+        program=script,
+        loaded=loaded,
+        options=Options(world=world, force=force),
+        findings=Findings(),
+        sources={**loaded.sources, script.name: script},
+    )
+    job.findings.extend(loaded.findings)
+    job.shop = open_shop(loaded.cell)
+    standing = simulation.standing_findings(job.shop)
+    job.findings.extend(standing)
+    if any(finding.level >= Severity.ERROR for finding in standing):
+        raise InputError(list(job.findings), job.sources)
+    require_world(job.world)
+    return OpenCell(job, None if out is None else Path(out))
+
+
+class OpenCell:
+    """An open cell; time stands until `step` or a path is run. Made by `open_cell`."""
+
+    def __init__(self, job: Job, out: Path | None) -> None:
+        assert job.cell is not None and job.shop is not None
+        self._job = job
+        self._run = RunThread(job, out)
+        job.legs, job.seen = self._run, self._see
+        self._step_ns = job.cell.simulation.step_ns
+        self._wanted_ns = self._done_steps = 0
+        self._waiting: list[Stretched] = []
+        self._events: list[ToolChange] = []
+        self._q = job.shop.home.copy()
+        self._qd = np.zeros_like(self._q)
+        self._target = self._q.copy()
+        self._bounds = _bounds(job.shop)
+        self._state = ToolState()
+        self._active = False
+        self._record: StepRecord | None = None
+        self._closed = False
+        self._arm = Arm(self)
+        self._tools: dict[int, HandTool] = {}
+
+    def __enter__(self) -> OpenCell:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, fault: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    # ---- what is in the cell
+
+    def robot(self, name: str | None = None) -> Arm:
+        """The robot, or machine tool, that the cell's first channel moves. MisuseError for another name."""
+        if name is not None and name != self._shop.name:
+            raise MisuseError(f"`{name}` cannot be moved: the first channel of this cell moves `{self._shop.name}`")
+        return self._arm
+
+    def tool(self, number: int) -> HandTool:
+        """The tool with this number. MisuseError when the cell has none."""
+        if number not in self._shop.cell.tools:
+            known = ", ".join(str(each) for each in sorted(self._shop.cell.tools)) or "none"
+            raise MisuseError(f"the cell has no tool {number}; it has {known}")
+        return self._tools.setdefault(number, HandTool(self, number))
+
+    @property
+    def time(self) -> float:
+        """Seconds since the cell was opened, tool changes included."""
+        self._flush()
+        return self._done_steps * self._step_ns * 1e-9
+
+    @property
+    def findings(self) -> list[Diagnostic]:
+        """What has been found so far, with the severities of the cell."""
+        self._flush()
+        return self._job.shown(self._job.findings)
+
+    @property
+    def results(self) -> Results:
+        """The results, as of a run; MisuseError while the cell is open."""
+        if self._run.results is None:
+            raise MisuseError("results are there when the cell has been closed, after the `with` statement")
+        return self._run.results
+
+    # ---- time
+
+    def step(self, seconds: float) -> None:
+        """Let time pass: joints go on to their targets. Parts of a step of the simulation count with the next call."""
+        self._check_open()
+        if not (np.isfinite(seconds) and seconds > 0.0):
+            raise MisuseError(f"time cannot pass by {seconds} s; give a number above 0")
+        self._wanted_ns += round(seconds * 1e9)
+        count = self._wanted_ns // self._step_ns
+        self._wanted_ns -= count * self._step_ns
+        if count:
+            self._pass(count)
+
+    def close(self) -> None:
+        """End the run, write what is to be written; further calls do nothing."""
+        if self._closed:
+            return
+        try:
+            if self._record is None and not self._waiting:
+                self._pass(1)  # so that there is a log of a cell in which nothing was done
+            self._flush()
+        finally:
+            self._closed = True
+            self._run.end()
+
+    # ---- inside
+
+    @property
+    def _shop(self) -> Shop:
+        assert self._job.shop is not None
+        return self._job.shop
+
+    def _see(self, record: StepRecord) -> None:
+        self._record = record
+
+    def _check_open(self) -> None:
+        if self._closed:
+            raise MisuseError("this cell is closed; open it again")
+
+    def _pass(self, count: int) -> None:
+        """`count` steps towards the target; they are run when somebody asks what they did."""
+        table = np.empty((count + 1, len(self._q)))
+        table[0] = self._q
+        approach(self._q, self._qd, self._target, self._bounds, self._step_ns * 1e-9, table[1:])
+        events, self._events = tuple(self._events), []
+        self._waiting.append(Stretched(q=table, state=self._state, span=_caller(), active=self._active, events=events))
+
+    def _flush(self) -> None:
+        """Run all steps that wait."""
+        stretches, self._waiting = merged(self._waiting), []
+        if stretches:
+            changes = event_durations(self._shop.cell.magazine.change_time)
+            self._advance(plan_of(stretches, self._shop, self._step_ns * 1e-9, changes))
+
+    def _advance(self, leg: Plan) -> None:
+        """Run a leg, filled up to a whole step."""
+        begin = self._done_steps * self._step_ns * 1e-9
+        steps = -(-leg.trajectory.duration_ns // self._step_ns)
+        end = steps * self._step_ns * 1e-9
+        if end - leg.trajectory.duration > 1e-12:
+            pause = Pause(span=_caller(), seconds=end - leg.trajectory.duration)
+            leg = replace(leg, trajectory=standing_until(leg.trajectory, end, pause))
+        for finding in self._found(leg):
+            later = replace(finding, time=None if finding.time is None else finding.time + begin)
+            self._job.findings.add(later, key=(later.code, later.span, "of a session"))
+        self._done_steps += steps
+        self._run.advance(leg)
+
+    def _found(self, leg: Plan) -> list[Diagnostic]:
+        """What is wrong with the motion of a leg."""
+        found = list(leg.findings)
+        if self._shop.cell.fixtures:
+            from gcodesim.checks.clearance import clearance_findings, standing_bodies
+
+            bodies = standing_bodies(self._shop.scene, self._shop.name)
+            found += clearance_findings(leg, self._shop.cell.tools, bodies, X_BM=self._shop.X_BM)
+        return found
+
+    def _change_tool(self, number: int) -> None:
+        self._check_open()
+        self._active = False
+        self._state = replace(self._state, tool=number, spindle=0.0)
+        self._events.append(ToolChange(span=_caller(), tool=number))
+
+    def _measured(self) -> Array:
+        """Where the joints are (j,); before the first step, where they stand."""
+        self._flush()
+        return self._q if self._record is None else self._record.world.q[-1]
+
+    def _aim(self, q: Array) -> None:
+        self._check_open()
+        self._target = q
+
+    def _run_path(self, path: ToolPath, frame: str, active: bool | None) -> None:
+        """Run moves as a program would, from where the robot stands, with the tool that it holds."""
+        self._check_open()
+        if not len(path):
+            raise MisuseError("the path has no moves")
+        if np.any(np.abs(self._qd) > 0.0):
+            raise MisuseError("the robot is moving; let it come to rest with `cell.step` before it runs a path")
+        self._flush()
+        shop, tool = self._shop, self._shop.tool(self._state.tool)
+        placed = shop.placement.work_offsets
+        names = {f"G{54 + k}" if k < 6 else f"G59.{k - 5}": k + 1 for k in range(9)}
+        if names.get(frame) not in placed:
+            raise MisuseError(f"there is no work system `{frame}`; use G54 to G59.3")
+        system = names[frame]
+        length = 0.0 if tool is None else tool.true_length
+        state = replace(self._state, system=system, offset=(0.0, 0.0, length, 0.0, 0.0, 0.0), word="G1")
+        n = len(path)
+        zeros = np.zeros(n, dtype=np.int32)
+        on = path.active if active is None else np.full(n, active)
+        if on.any() and tool is None:
+            raise MisuseError("the path is to be run with the process on, but the robot holds no tool")
+        own = replace(
+            path.transform(placed[system]), active=on, state=zeros, states=(state,), source=zeros, spans=(_caller(),)
+        )
+        own = replace(own, events=tuple(PathEvent(0, event) for event in self._events))
+        leg = plan_path(
+            own,
+            shop.kinematics,
+            posing_of(shop),
+            home=self._q,
+            duration_of=event_durations(shop.cell.magazine.change_time),
+            tool_frames={number: each.X_FT for number, each in shop.cell.tools.items()},
+        )
+        self._events = []
+        self._advance(leg)
+        end = leg.trajectory.sample(np.array([leg.trajectory.duration]))
+        self._q = leg.joints(end)[0].copy()
+        self._target = self._q.copy()
+
+
+class Arm:
+    """A robot, or a machine tool, of an open cell. Joint values in rad and m, in the order of `joint_names`."""
+
+    def __init__(self, cell: OpenCell) -> None:
+        self._cell = cell
+
+    @property
+    def name(self) -> str:
+        return self._cell._shop.name
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        return self._cell._shop.kinematics.joints.names
+
+    @property
+    def joint_state(self) -> JointState:
+        """The state after the last step; zeros, at home, before the first."""
+        q = self._cell._measured()
+        record, zero = self._cell._record, np.zeros(len(q))
+        if record is None:
+            return JointState(
+                names=self.joint_names, position=q.copy(), velocity=zero, effort=zero, reaction=np.zeros(6)
+            )
+        world = record.world
+        return JointState(
+            names=self.joint_names,
+            position=world.q[-1].copy(),
+            velocity=world.qd[-1].copy(),
+            effort=world.effort[-1].copy(),
+            reaction=world.reaction[-1].copy(),
+        )
+
+    @property
+    def tool(self) -> HandTool | None:
+        """The tool that it holds."""
+        number = self._cell._state.tool
+        return self._cell.tool(number) if number else None
+
+    @property
+    def endeffector_pose(self) -> tuple[Array, Array]:
+        """Position (3,) [m] and orientation x y z w in the world of the tip of the tool, or of the flange."""
+        shop = self._cell._shop
+        X_BF = Pose.from_matrix(shop.kinematics.forward(self._cell._measured()[None])[0])
+        X_WT = shop.X_WB @ X_BF @ self._X_FT()
+        return X_WT.p, quaternion_from_rotation(X_WT.R)
+
+    def set_joint_position(self, q: Mapping[str, float] | ArrayLike) -> None:
+        """Where the joints are to go with the next steps: all (j,), or some by name. MisuseError beyond a limit."""
+        joints = self._cell._shop.kinematics.joints
+        target = self._cell._target.copy()
+        if isinstance(q, Mapping):
+            for name, value in q.items():
+                if name not in joints.names:
+                    raise MisuseError(f"`{self.name}` has no joint `{name}`; it has {', '.join(joints.names)}")
+                target[joints.names.index(name)] = value
+        else:
+            given = np.asarray(q, dtype=float)
+            if given.shape != target.shape:
+                raise MisuseError(f"`{self.name}` has {len(target)} joints; {given.size} values are given")
+            target = given.copy()
+        for k in np.flatnonzero(~((target >= joints.lower) & (target <= joints.upper))):
+            raise MisuseError(
+                f"{joints.names[k]} cannot go to {target[k]:.6g}: its limits are {joints.lower[k]:.6g} and "
+                f"{joints.upper[k]:.6g} {'m' if joints.kinds[k] == 'prismatic' else 'rad'}"
+            )
+        self._cell._aim(target)
+
+    def set_endeffector_pose(self, position: ArrayLike, orientation: ArrayLike | None = None) -> None:
+        """Where the tip of the tool, or the flange, is to be with the next steps, in the world; joints go evenly there.
+
+        `orientation` x y z w; without it the tool keeps its own. MisuseError, with the reason, when no joints do it.
+        """
+        cell, shop = self._cell, self._cell._shop
+        held = self._cell._target
+        if orientation is None:
+            R = (shop.X_WB @ Pose.from_matrix(shop.kinematics.forward(held[None])[0]) @ self._X_FT()).R
+        else:
+            R = rotation_from_quaternion(np.asarray(orientation, dtype=float))
+        X_WT = Pose(np.asarray(position, dtype=float), R)
+        X_BF = shop.X_WB.inverse() @ X_WT @ self._X_FT().inverse()
+        q, status = shop.kinematics.inverse(X_BF.matrix[None], held)
+        if status[0] in (Status.REACH, Status.LIMIT):
+            why = "is out of reach" if status[0] == Status.REACH else "needs a joint beyond its limit"
+            place = ", ".join(f"{value / MM:.1f}" for value in X_WT.p)
+            raise MisuseError(f"`{self.name}` cannot go there: the tip at ({place}) mm in the world {why}")
+        cell._aim(q[0].copy())
+
+    def run(self, path: ToolPath, frame: str = "G54") -> None:
+        """Run the moves of a path with the tip of the tool, from where the robot stands to the end, as a program does.
+
+        Points are those of the work system `frame`. The tool is held as the cell says (`orientation:`). MisuseError
+        while the robot moves, for a path without moves, or where it is switched on and no tool is held.
+        """
+        self._cell._run_path(path, frame, None)
+
+    def _X_FT(self) -> Pose:
+        tool = self._cell._shop.tool(self._cell._state.tool)
+        return Pose.identity() if tool is None else tool.X_FT
+
+
+class HandTool:
+    """A tool of an open cell."""
+
+    def __init__(self, cell: OpenCell, number: int) -> None:
+        self._cell, self.number = cell, number
+
+    @property
+    def spec(self) -> Tool:
+        """What the cell says of it."""
+        return self._cell._shop.cell.tools[self.number]
+
+    @property
+    def is_coupled(self) -> bool:
+        return self._cell._state.tool == self.number
+
+    def couple(self, arm: Arm) -> None:
+        """Let `arm` hold the tool; like M6, it takes the time that the cell says, with the next steps.
+
+        MisuseError when the arm holds a tool already, or is of another cell.
+        """
+        if arm._cell is not self._cell:
+            raise MisuseError(f"tool {self.number} and `{arm.name}` are in two different cells")
+        held = self._cell._state.tool
+        if held == self.number:
+            raise MisuseError(f"`{arm.name}` holds tool {held} already")
+        if held:
+            raise MisuseError(f"`{arm.name}` holds tool {held}; decouple that first")
+        self._cell._change_tool(self.number)
+
+    def decouple(self) -> None:
+        """Put the tool back. MisuseError when no robot holds it."""
+        self._held()
+        self._cell._change_tool(0)
+
+    def activate(self) -> None:
+        """Switch the process of the tool on, from the next step on. MisuseError when no robot holds it."""
+        self._held()
+        if not self.spec.processes:
+            raise MisuseError(f"tool {self.number} ({self.spec.kind}) has no process that could be switched on")
+        self._cell._active = True
+
+    def deactivate(self) -> None:
+        """Switch the process off. MisuseError when no robot holds the tool."""
+        self._held()
+        self._cell._active = False
+
+    def spin(self, speed: float) -> None:
+        """Turn the spindle from the next step on [rad/s]; above 0 as M3, below as M4, 0 stops it."""
+        self._held()
+        if not np.isfinite(speed):
+            raise MisuseError(f"a spindle cannot turn with {speed} rad/s")
+        self._cell._state = replace(self._cell._state, spindle=float(speed))
+
+    def extrude(self, path: ToolPath, frame: str = "G54") -> None:
+        """Run a path with the process on all along; see `Arm.run`. MisuseError when the tool is no extruder."""
+        self._held()
+        if "extrusion" not in self.spec.processes:
+            raise MisuseError(f"tool {self.number} ({self.spec.kind}) does not extrude")
+        self._cell._run_path(path, frame, True)
+
+    def _held(self) -> None:
+        self._cell._check_open()
+        if not self.is_coupled:
+            raise MisuseError(f"no robot holds tool {self.number}; call `couple` first")
+
+
+def _bounds(shop: Shop) -> JointBounds:
+    joints = shop.kinematics.joints
+    return JointBounds(
+        np.minimum(np.asarray(joints.speed, dtype=float), _UNLIMITED),
+        np.minimum(np.asarray(joints.acceleration, dtype=float), _UNLIMITED),
+    )
+
+
+def _place() -> tuple[str, int] | None:
+    """File and line of the nearest caller outside gcodesim."""
+    frame: FrameType | None = sys._getframe(1)
+    while frame is not None and frame.f_code.co_filename.startswith(_OWN):
+        frame = frame.f_back
+    return None if frame is None else (frame.f_code.co_filename, frame.f_lineno)
+
+
+def _script() -> SourceText:
+    """The file that calls, or an empty text where there is none, as at a prompt."""
+    place = _place()
+    try:
+        return SourceText.read(Path(place[0])) if place is not None else SourceText(_NO_SCRIPT, b"")
+    except OSError:
+        return SourceText(_NO_SCRIPT, b"")
+
+
+def _caller() -> Span:
+    """The line of the script that called."""
+    place = _place()
+    return Span(_NO_SCRIPT) if place is None else Span(Path(place[0]).name, place[1])

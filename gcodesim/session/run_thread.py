@@ -1,0 +1,89 @@
+"""A run that waits between its legs: `simulation.run` in a thread, which goes on when the session has a further leg."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from queue import SimpleQueue
+from threading import Thread
+from typing import TYPE_CHECKING
+
+from gcodesim import simulation
+from gcodesim.diagnostics import Severity
+from gcodesim.planning.legs import followed_by
+from gcodesim.shop import with_stock
+
+if TYPE_CHECKING:
+    from gcodesim.jobs.job import Job
+    from gcodesim.jobs.results import Results
+    from gcodesim.planning import Plan
+
+
+class RunThread:
+    """The run of `job`; itself what `job.legs` has to be. Only one of the two threads works at any time."""
+
+    def __init__(self, job: Job, out: Path | None) -> None:
+        self._job, self._out = job, out
+        self._further: SimpleQueue[bool] = SimpleQueue()
+        self._reached: SimpleQueue[bool] = SimpleQueue()
+        self._thread: Thread | None = None
+        self._fault: BaseException | None = None
+        self._working = False
+        self.results: Results | None = None
+
+    # ---- for the session
+
+    def advance(self, leg: Plan) -> None:
+        """Run a leg; returns when it is done. Raises what the run raises."""
+        before = self._job.plan
+        self._job.plan = leg if before is None else followed_by(before, leg)
+        self._working = True
+        if self._thread is None:
+            self._thread = Thread(target=self._run, name="gcodesim session", daemon=True)
+            self._thread.start()
+        else:
+            self._further.put(True)
+        self._wait()
+
+    def end(self) -> None:
+        """There is no further leg: close log and results."""
+        if self._thread is None or not self._thread.is_alive():
+            return
+        if self._working:  # somebody interrupted `advance`
+            self._wait()
+        if self.results is None and self._thread.is_alive():
+            self._further.put(False)
+            self._wait()
+        self._thread.join()
+
+    def _wait(self) -> None:
+        self._reached.get()
+        self._working = False
+        if self._fault is not None:
+            raise self._fault
+
+    def _run(self) -> None:
+        try:
+            self.results, _ = simulation.run(self._job, self._out)
+        except BaseException as fault:
+            self._fault = fault
+        self._reached.put(False)
+
+    # ---- for the run
+
+    def onward(self) -> Plan | None:
+        """Wait for a further leg; None: there is none."""
+        self._reached.put(True)
+        return self._job.plan if self._further.get() else None
+
+    def stock_up(self) -> bool:
+        """Load the stocks; False if a fault in one of them, which is reported, keeps the job from running."""
+        assert self._job.shop is not None
+        self._job.shop, problems = with_stock(self._job.shop)
+        self._job.findings.extend(problems)
+        return not any(problem.level >= Severity.ERROR for problem in problems)
+
+    def stop(self) -> None:
+        """Nothing is left to report."""
+
+    def tell_of_untouched_stock(self) -> None:
+        """A session does not probe."""

@@ -1,0 +1,202 @@
+"""A cell moved from Python: the same engine, log and findings as a run, and misuse told in words."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import gcodesim
+from gcodesim.session import MisuseError, OpenCell
+
+CELL = """\
+gcodesim: 1
+robots:
+  arm: {model: kuka_kr10_r1100_2, home: [0, -90, 90, 0, 90, 0], stiffness: rigid}
+frames: {table: {in: world, xyz: [600, 0, 300]}}
+stock: {plate: {box: [20, 16, 10], in: table, resolution: 0.5, zero: top-front-left}}
+work_offsets: {G54: {in: table}}
+orientation: {tool_axis: -Z of G54}
+tools:
+  1: {type: flat_end_mill, diameter: 6, flutes: 3}
+  2: {type: extruder, bead_width: 6, bead_height: 3}
+magazine: {change_time: 0.5 s}
+simulation: {world: kinematic}
+"""
+SLOT = gcodesim.ToolPath.from_points(
+    1e-3 * np.array([[-5.0, 8.0, 4.0], [-5.0, 8.0, -2.0], [25.0, 8.0, -2.0], [25.0, 8.0, 4.0]]), feed=0.05
+)
+
+
+def _cell(tmp_path: Path) -> Path:
+    (tmp_path / "cell.yaml").write_text(CELL)
+    return tmp_path / "cell.yaml"
+
+
+def test_joints_go_to_their_target_within_their_limits_and_stay(tmp_path: Path) -> None:
+    speeds = []
+    with gcodesim.open_cell(_cell(tmp_path)) as cell:
+        arm = cell.robot("arm")
+        arm.set_joint_position({arm.joint_names[0]: 0.5, arm.joint_names[4]: 1.0})
+        for _ in range(60):
+            cell.step(0.01)  # two and a half steps of the simulation
+            speeds.append(arm.joint_state.velocity.copy())
+
+        assert cell.time == pytest.approx(0.6)
+        limits = cell._shop.kinematics.joints
+        assert (np.abs(speeds) <= limits.speed + 1e-9).all() and np.abs(speeds).max() > 0.5
+        assert (np.abs(np.diff(speeds, axis=0)) <= limits.acceleration * 0.0121).all()
+        state = arm.joint_state
+        assert state.position[[0, 4]].tolist() == [0.5, 1.0]
+        assert not state.velocity.any()
+
+
+def test_a_pose_is_reached_and_the_tool_keeps_its_attitude(tmp_path: Path) -> None:
+    with gcodesim.open_cell(_cell(tmp_path)) as cell:
+        arm, tool = cell.robot(), cell.tool(1)
+        tool.couple(arm)
+        _, before = arm.endeffector_pose
+        arm.set_endeffector_pose([0.62, -0.05, 0.45])
+        cell.step(2.5)
+        position, orientation = arm.endeffector_pose
+
+        assert position == pytest.approx([0.62, -0.05, 0.45], abs=1e-9)
+        assert abs(orientation @ before) == pytest.approx(1.0, abs=1e-12)  # the same turn, of either sign
+        weight = 9.80665 * tool.spec.inertia.mass
+        assert np.linalg.norm(arm.joint_state.reaction[:3]) == pytest.approx(weight, rel=1e-6)
+
+
+def test_a_path_cuts_what_the_same_program_cuts(tmp_path: Path) -> None:
+    with gcodesim.open_cell(_cell(tmp_path), out=tmp_path / "session") as cell:
+        arm, tool = cell.robot(), cell.tool(1)
+        tool.couple(arm)
+        tool.spin(500.0)
+        arm.run(SLOT)
+    program = tmp_path / "slot.nc"
+    program.write_text("T1 M6\nG43 H1\nS4775 M3\n" + SLOT.to_gcode().replace("M2\n", "M5\nM2\n"))
+    run = gcodesim.simulate(program, _cell(tmp_path), out=tmp_path / "run")
+
+    own = cell.results.stocks["plate"]
+    assert own.removed == pytest.approx(run.stocks["plate"].removed, abs=own.error_bound)
+    assert own.removed == pytest.approx(20e-3 * 6e-3 * 2e-3, abs=own.error_bound)
+    assert cell.results.status == "ok"
+    assert {file.name for file in (tmp_path / "session").iterdir()} == {
+        file.name for file in (tmp_path / "run").iterdir()
+    }
+    results = json.loads((tmp_path / "session" / "results.json").read_text())
+    assert results["inputs"]["program"]["name"] == Path(__file__).name
+    lines = (tmp_path / "session" / "lines.csv").read_text().splitlines()
+    assert lines[-1].startswith(Path(__file__).name)
+
+
+def test_what_is_stepped_through_is_one_run_however_it_is_asked(tmp_path: Path) -> None:
+    logs = []
+    for name, asks in (("quiet", False), ("asking", True)):
+        with gcodesim.open_cell(_cell(tmp_path), out=tmp_path / name) as cell:
+            arm = cell.robot()
+            arm.set_joint_position({arm.joint_names[1]: -1.2})
+            for _ in range(20):
+                cell.step(0.004)
+                if asks:
+                    assert cell.time > 0.0 and len(arm.joint_state.position) == 6
+        logs.append(cell.results)
+
+    assert logs[0].joints == logs[1].joints
+    assert logs[0].times.feed == pytest.approx(logs[1].times.feed, abs=1e-12)
+
+
+def test_the_same_session_gives_the_same_bytes(tmp_path: Path) -> None:
+    for name in ("one", "two"):
+        with gcodesim.open_cell(_cell(tmp_path), out=tmp_path / name) as cell:
+            tool = cell.tool(1)
+            tool.couple(cell.robot())
+            tool.spin(500.0)
+            cell.robot().run(SLOT)
+
+    for file in (tmp_path / "one").iterdir():
+        assert file.read_bytes() == (tmp_path / "two" / file.name).read_bytes(), file.name
+
+
+def test_an_extruder_puts_material_onto_the_stock(tmp_path: Path) -> None:
+    path = gcodesim.ToolPath.from_points(1e-3 * np.array([[4.0, 8.0, 3.0], [16.0, 8.0, 3.0]]), feed=0.02)
+    with gcodesim.open_cell(_cell(tmp_path)) as cell:
+        tool = cell.tool(2)
+        tool.couple(cell.robot())
+        tool.extrude(path)
+
+    assert cell.results.stocks["plate"].deposited > 100e-9
+
+
+def test_bullet_moves_the_same_way(tmp_path: Path) -> None:
+    ends = []
+    for world in ("kinematic", "bullet"):
+        with gcodesim.open_cell(_cell(tmp_path), world=world) as cell:
+            arm = cell.robot()
+            arm.set_joint_position({arm.joint_names[0]: 0.1})
+            cell.step(0.5)
+            ends.append(arm.joint_state)
+
+    assert ends[1].position == pytest.approx(ends[0].position, abs=1e-4)
+    assert ends[1].effort == pytest.approx(ends[0].effort, abs=1.0)
+
+
+def test_a_fault_in_the_script_closes_the_cell_and_keeps_the_log(tmp_path: Path) -> None:
+    with pytest.raises(ZeroDivisionError), gcodesim.open_cell(_cell(tmp_path), out=tmp_path / "out") as cell:
+        cell.step(0.1)
+        _ = 1 / 0
+
+    assert (tmp_path / "out" / "run.mcap").exists()
+    assert cell.results.status == "ok"
+
+
+def _held(cell: OpenCell) -> None:
+    cell.tool(1).couple(cell.robot())
+
+
+def _twice(cell: OpenCell) -> None:
+    _held(cell)
+    cell.tool(2).couple(cell.robot())
+
+
+def _moving(cell: OpenCell) -> None:
+    arm = cell.robot()
+    arm.set_joint_position({arm.joint_names[0]: 1.0})
+    cell.step(0.05)
+    arm.run(SLOT)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "text"),
+    [
+        (lambda cell: cell.robot("leg"), "`leg` cannot be moved: the first channel of this cell moves `arm`"),
+        (lambda cell: cell.tool(9), "the cell has no tool 9; it has 1, 2"),
+        (lambda cell: cell.tool(2).activate(), "no robot holds tool 2; call `couple` first"),
+        (_twice, "`arm` holds tool 1; decouple that first"),
+        (lambda cell: cell.step(0.0), "time cannot pass by 0.0 s"),
+        (lambda cell: cell.robot().set_joint_position([0.0]), "`arm` has 6 joints; 1 values are given"),
+        (lambda cell: cell.robot().set_joint_position([9.0] + [0.0] * 5), "cannot go to 9: its limits are"),
+        (lambda cell: cell.robot().set_joint_position({"elbow": 0.0}), "no joint `elbow`"),
+        (lambda cell: cell.robot().set_endeffector_pose([5.0, 0.0, 0.0]), "is out of reach"),
+        (lambda cell: cell.robot().run(SLOT, frame="G60"), "there is no work system `G60`"),
+        (_moving, "the robot is moving"),
+        (lambda cell: (_held(cell), cell.tool(1).extrude(SLOT)), "does not extrude"),
+        (lambda cell: cell.results, "after the `with` statement"),
+    ],
+)
+def test_wrong_use_is_told(wrong: Callable[[OpenCell], Any], text: str, tmp_path: Path) -> None:
+    with gcodesim.open_cell(_cell(tmp_path)) as cell, pytest.raises(MisuseError, match=text):
+        wrong(cell)
+
+
+def test_a_closed_cell_and_a_wrong_one_are_told(tmp_path: Path) -> None:
+    with gcodesim.open_cell(_cell(tmp_path)) as cell:
+        pass
+    with pytest.raises(MisuseError, match="this cell is closed"):
+        cell.step(1.0)
+    (tmp_path / "bad.yaml").write_text(CELL.replace("tools:", "tols:"))
+    with pytest.raises(gcodesim.InputError, match="tols"):
+        gcodesim.open_cell(tmp_path / "bad.yaml")
