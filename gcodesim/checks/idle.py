@@ -45,14 +45,6 @@ def idle_findings(cell: Cell, running: Sequence[str]) -> Iterator[Diagnostic]:
                 hint=f"its {other.robot or MACHINE} is left out; name its program: `--channel {name}=PROGRAM`, "
                 "or `program:` in the cell",
             )
-    for name in moved:
-        if name in cell.robots and cell.fixtures:
-            yield Diagnostic(
-                code="GS917",
-                span=cell.span("fixtures"),
-                message=f"the links of `{name}` are not checked against fixtures; tools and holders are",
-                hint="look in the replay whether the arm stays clear of them",
-            )
     for name in movers:
         if name not in moved and not any((other.robot or MACHINE) == name for other in cell.channels.values()):
             path = ("machine",) if name == MACHINE else ("robots", name)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -38,6 +39,7 @@ from gcodesim.units import MM
 
 if TYPE_CHECKING:
     from gcodesim.checks.contact import Contact
+    from gcodesim.checks.machine_collisions import MachineChecks
     from gcodesim.jobs.job import Job
 
 _QUESTIONS: Final = (canon.ProbeMove, canon.Input)
@@ -216,6 +218,15 @@ class Legs:
 
             hits = clearance_findings(plan, shop.cell.tools, standing_bodies(shop.scene, shop.name), X_BM=shop.X_BM)
             yield from (hit for hit in hits if not self._backs_off(hit))
+        yield from self._machine_checks.findings(plan)
+
+    @cached_property
+    def _machine_checks(self) -> MachineChecks:
+        """The links of the machine, checked leg by leg."""
+        from gcodesim.checks.machine_collisions import MachineChecks
+
+        shop = self.shop
+        return MachineChecks.of(shop.scene, shop.name, shop.cell.tools, shop.X_BM)
 
     def _backs_off(self, hit: Diagnostic) -> bool:
         """Whether a tool is only on its way out of what it has probed."""

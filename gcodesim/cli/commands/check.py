@@ -15,7 +15,7 @@ def add_parser(commands: Any) -> None:
         "check",
         help="limits, reach, fixtures and time of a program in a cell; no material",
         description="Plan the motion of programs in a cell, each for itself: travel and joint limits, reach, "
-        "collisions of tools with fixtures, time. Nothing is cut and no log is written.",
+        "collisions, time. Nothing is cut and no log is written.",
     )
     add_programs(parser)
     add_cell(parser, required=True)

@@ -8,6 +8,11 @@ _HOW = (
     " been there."
 )
 
+_MOVING = (
+    " Shapes are those for collisions of the description, round ones exactly; the whole way between two points of the"
+    " program is looked at, so nothing is missed in between."
+)
+
 CODES: tuple[Code, ...] = (
     Code(
         code="GS301",
@@ -41,5 +46,33 @@ CODES: tuple[Code, ...] = (
         what="The nozzle or body of a process tool enters a fixture." + _HOW,
         why="The tool is bent or torn off, and its calibration is lost.",
         remedy="Lift the tool before it passes the fixture, or move the fixture.",
+    ),
+    Code(
+        code="GS305",
+        severity=Severity.ERROR,
+        title="Link hits a fixture",
+        what="A link of the arm or of the machine, or a fixture that a machine carries, enters a fixture." + _MOVING,
+        why="The arm stops with a fault at best; the fixture is torn off, and the arm has to be measured again.",
+        remedy="Move the fixture or the work, turn the tool about its axis (`spin`), or choose another `home`, so that"
+        " the arm comes another way. The base of the arm is not checked: it stands still beside what stands still.",
+    ),
+    Code(
+        code="GS306",
+        severity=Severity.ERROR,
+        title="Machine hits itself",
+        what="Two links of a machine meet that are no neighbours, or its tool meets a link other than the one that"
+        " carries it." + _MOVING,
+        why="A control stops before that, or the machine is damaged.",
+        remedy="Turn the tool about its axis, or place the work farther from the base.",
+    ),
+    Code(
+        code="GS307",
+        severity=Severity.WARNING,
+        title="Link hits the stock",
+        what="A link, or a fixture that the machine carries, enters a stock in the shape that this has at the start;"
+        " what the program has cut away by then still counts." + _MOVING,
+        why="The link pushes against the part, which moves or breaks.",
+        remedy="Use a longer tool, or place the work so that the arm reaches it from outside. Where the link goes into"
+        " what has been cut out, nothing is wrong.",
     ),
 )

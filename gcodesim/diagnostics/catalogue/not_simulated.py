@@ -119,12 +119,14 @@ CODES += (
         remedy="Give `at: [x, y, z]`, a point on the axis in machine coordinates.",
     ),
     Code(
-        code="GS917",
+        code="GS930",
         severity=Severity.NOTE,
-        title="Links of an arm are not checked",
-        what="The cell has an arm and fixtures. Tools and holders are checked against fixtures, links are not.",
-        why="A run without errors says nothing about an elbow that goes through a wall.",
-        remedy="Look at the replay of the log. `checks: {GS917: error}` lets no such run pass unseen.",
+        title="Bodies of a machine overlap at the start",
+        what="Two links, or a tool and a link, are in each other where the program begins. Shapes of links are often"
+        " drawn with an overlap, so this pair is left out of the check; all others are looked at.",
+        why="Should the two really hit each other later, nothing would be said.",
+        remedy="Look at the start of the replay: shapes that overlap by design may stay so. If the machine stands in"
+        " itself, change its `home`. `checks: {GS930: error}` lets no pair be left out unseen.",
     ),
 )
 

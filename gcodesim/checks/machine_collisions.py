@@ -1,0 +1,268 @@
+"""What the links of a machine, its tools and what it carries hit on the way of a whole plan."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.arithmetic.matrices import applied, multiplied
+from gcodesim.checks.clearance import place_in_system
+from gcodesim.checks.machine_bodies import CarriedBody, MachineBodies, may_meet_by_motion
+from gcodesim.checks.rigid import Convex
+from gcodesim.diagnostics import Diagnostic
+from gcodesim.frames import Array, Pose
+from gcodesim.kinematics.chain import Tree
+from gcodesim.tools.parts import body_part
+from gcodesim.units import MM
+
+if TYPE_CHECKING:
+    from gcodesim.checks.meetings import JointWay, Meeting
+    from gcodesim.checks.plan_way import PlanWay
+    from gcodesim.planning.plan import Plan
+    from gcodesim.scene import Scene
+    from gcodesim.tools.tool import Tool
+
+Pairs = list[tuple[int, int]]
+
+SELF: Final = "GS306"
+_HINTS: Final = {
+    "GS305": "move the fixture or the work, or reach it another way",
+    SELF: "another orientation of the tool or another place of the work keeps the links apart",
+    "GS307": "use a longer tool, or move the stock",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class MachineChecks:
+    """A machine, its tools by number and what is around it, checked plan by plan; `X_BM` is machine zero in B.
+
+    `allowed` are names of bodies of the machine that were in each other where a plan began.
+    """
+
+    machine: MachineBodies
+    tools: Mapping[int, Tool]
+    X_BM: Pose
+    allowed: set[tuple[str, str]] = field(default_factory=set)
+
+    @staticmethod
+    def of(scene: Scene, name: str, tools: Mapping[int, Tool], X_BM: Pose) -> MachineChecks:
+        """The mover `name` of a scene."""
+        return MachineChecks(MachineBodies.of(scene, name), tools, X_BM)
+
+    def findings(self, plan: Plan) -> list[Diagnostic]:
+        """GS305 to GS307 and GS930 along a plan, in the order of time."""
+        if not len(plan.path) or not len(plan.trajectory.pieces):
+            return []
+        return _once_a_block(_Check(plan, self).findings())
+
+
+@dataclass(frozen=True, eq=False)
+class _Check:
+    """One plan, and the machine that runs it."""
+
+    plan: Plan
+    checks: MachineChecks
+
+    @property
+    def machine(self) -> MachineBodies:
+        return self.checks.machine
+
+    def findings(self) -> Iterator[Diagnostic]:
+        own = self.machine.bodies
+        yield from self._of_bodies(own, self.machine.pairs(), None)
+        for number, tool in sorted(self.checks.tools.items()):
+            if not (self._tool_of_row == number).any():
+                continue
+            parts = self.machine.of_tool(tool)
+            bodies = [*own, *parts]
+            pairs = [
+                (i, j)
+                for j in range(len(own), len(bodies))
+                for i in range(len(own))
+                if may_meet_by_motion(bodies[i], bodies[j], self.machine.tree)
+            ]
+            pairs = self._maybe(bodies, pairs)
+            if pairs:
+                for run in self._runs_of(number):
+                    yield from self._of_bodies(bodies, pairs, run)
+
+    @cached_property
+    def _tool_of_row(self) -> NDArray[np.int64]:
+        path = self.plan.path
+        tools: NDArray[np.int64] = np.array([state.tool for state in path.states])[path.state]
+        return tools
+
+    def _runs_of(self, number: int) -> list[tuple[int, int]]:
+        """Stretches with this tool in the spindle, run by run."""
+        rows = self.plan.trajectory.pieces.row_first[self._way.piece]
+        mine = np.concatenate([[False], self._tool_of_row[rows] == number, [False]])
+        edges = np.flatnonzero(mine[1:] != mine[:-1])
+        return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+
+    @cached_property
+    def _way(self) -> PlanWay:
+        from gcodesim.checks.plan_way import PlanWay
+
+        return PlanWay.of(
+            self.plan, self.machine.greatest_reach(self.checks.tools.values(), np.abs(self._travel).max(axis=0))
+        )
+
+    @cached_property
+    def _travel(self) -> tuple[Array, Array]:
+        extremes = self.plan.extremes()
+        return extremes.least, extremes.most
+
+    def _maybe(self, bodies: Sequence[CarriedBody], pairs: Pairs) -> Pairs:
+        """Those pairs whose bounds may meet somewhere in the travel of the plan."""
+        boxes = [swept_bounds(body, self.machine.tree, *self._travel) for body in bodies]
+        return [(i, j) for i, j in pairs if _cross(boxes[i], boxes[j])]
+
+    def _of_bodies(
+        self, bodies: Sequence[CarriedBody], pairs: Pairs, run: tuple[int, int] | None
+    ) -> Iterator[Diagnostic]:
+        """Findings for some of the bodies on a run of stretches; None: on all of the way."""
+        pairs = self._maybe(bodies, pairs)
+        if not pairs:
+            return
+        from gcodesim.checks.meetings import JointWay
+
+        begin, end = run or (0, len(self._way.piece))
+        whole = self._way.way
+        way = JointWay(whole.q[begin : end + 1], whole.bend[begin:end])
+        for i, j in self._touching_at_start(bodies, pairs, way):
+            names = (bodies[i].rigid.name, bodies[j].rigid.name)
+            if names not in self.checks.allowed:
+                self.checks.allowed.add(names)
+                yield self._allowed(*names, begin)
+        rest = [(i, j) for i, j in pairs if (bodies[i].rigid.name, bodies[j].rigid.name) not in self.checks.allowed]
+        for meeting in self.machine.moving(bodies, rest).search(way):
+            yield self._finding(bodies[meeting.first], bodies[meeting.second], meeting, begin)
+
+    def _touching_at_start(self, bodies: Sequence[CarriedBody], pairs: Pairs, way: JointWay) -> Pairs:
+        """Pairs of the machine itself that are in each other where the way begins: so it was drawn."""
+        from gcodesim.checks.meetings import JointWay
+
+        own = [pair for pair in pairs if _is_self(bodies[pair[0]], bodies[pair[1]])]
+        met = self.machine.moving(bodies, own).search(JointWay.straight(way.q[:1]))
+        return [(meeting.first, meeting.second) for meeting in met]
+
+    def _allowed(self, one: str, other: str, begin: int) -> Diagnostic:
+        return Diagnostic(
+            code="GS930",
+            message=f"`{one}` and `{other}` are in each other at the start; they are not checked against each other",
+            span=self.plan.path.span(self._way.row(begin)),
+            hint="their shapes overlap by design, or the machine stands in itself: look at the start of the replay",
+            bodies=(one, other),
+        )
+
+    def _finding(self, one: CarriedBody, other: CarriedBody, meeting: Meeting, begin: int) -> Diagnostic:
+        way = self._way
+        stretch = begin + meeting.stretch
+        row = way.row(stretch)
+        q = way.way.at(stretch, meeting.share)[None]
+        tip = self.plan.tip(q, np.array([row]))[0, :3, 3]
+        system, point = place_in_system(self.checks.X_BM.inverse().apply(tip), self.plan.path.state_of(row))
+        where = " ".join(f"{letter}{value / MM:.3f}" for letter, value in zip("XYZ", point + 0.0, strict=True))
+        if one.role == "link" and other.role == "tool":
+            one, other = other, one
+        code = _code(one, other)
+        depth = -meeting.gap / MM
+        return Diagnostic(
+            code=code,
+            message=f"{_words(one)} hits {_object(other)}, {depth:.3f} mm deep, "
+            f"first with the tip at {where} of {system}",
+            span=self.plan.path.span(row),
+            hint=_HINTS[code],
+            time=way.time(stretch, meeting.share),
+            value=depth,
+            limit=0.0,
+            unit="mm",
+            bodies=(one.rigid.name, other.rigid.name),
+        )
+
+
+def _is_self(one: CarriedBody, other: CarriedBody) -> bool:
+    """Whether both belong to the machine: links, tools, and what is fixed to a link beside another one."""
+    return {one.role, other.role} <= {"link", "tool", "holder"} or (
+        "link" in (one.role, other.role) and min(one.carrier, other.carrier) >= 0
+    )
+
+
+def _code(one: CarriedBody, other: CarriedBody) -> str:
+    roles = {one.role, other.role}
+    if "stock" in roles:
+        return "GS307"
+    return "GS305" if "fixture" in roles else SELF
+
+
+def _words(body: CarriedBody) -> str:
+    if body.part:
+        return f"{body_part(body.part).words} of {body.rigid.name}"
+    return f"`{body.rigid.name}`" if body.role == "link" else body.rigid.name
+
+
+def _object(body: CarriedBody) -> str:
+    return f"stock `{body.rigid.name}` as it is at the start" if body.role == "stock" else _words(body)
+
+
+def _once_a_block(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
+    """In the order of time; where a machine folds into itself in one block, the first pair of bodies with their count.
+
+    Of several parts of one body that hit the same other one in one block, the first.
+    """
+    first: dict[tuple[object, ...], Diagnostic] = {}
+    for found in sorted(findings, key=lambda finding: finding.time or 0.0):
+        key = (found.code, found.span) if found.code == SELF else (found.code, found.span, found.bodies)
+        known = first.get(key)
+        first[key] = found if known is None else replace(known, count=known.count + (found.code == SELF))
+    return list(first.values())
+
+
+Bounds = tuple[Array, Array]
+
+
+def swept_bounds(body: CarriedBody, tree: Tree, least: Array, most: Array) -> Bounds | None:
+    """Corners in the base of all that a body may take while joints shift from `least` to `most`; None if they turn."""
+    X = Pose.identity()
+    chain = []
+    joint = body.carrier
+    while joint >= 0:
+        if not tree.prismatic[joint]:
+            return None
+        chain.append(joint)
+        X = Pose.from_matrix(tree.before[joint]) @ X
+        joint = int(tree.parent[joint])
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for convex in body.rigid.convexes:
+        below, above = _bounds(convex, X)
+        low, high = np.minimum(low, below), np.maximum(high, above)
+    R = np.eye(3)
+    for joint in reversed(chain):
+        R = multiplied(R, tree.before[joint, :3, :3])
+        way = applied(R, tree.axis[joint])
+        ends = np.array([way * least[joint], way * most[joint]])
+        low, high = low + ends.min(axis=0), high + ends.max(axis=0)
+    return low, high
+
+
+def _bounds(convex: Convex, X: Pose) -> Bounds:
+    if convex.origin is None or convex.axis is None:
+        points = X.apply(convex.points)
+        return points.min(axis=0) - convex.grown, points.max(axis=0) + convex.grown
+    axis = X.rotate(convex.axis)
+    across = np.sqrt(np.maximum(1.0 - axis * axis, 0.0))
+    middle = X.apply(convex.origin) + convex.points[:, 1:2] * axis
+    spread = convex.points[:, :1] * across
+    return (middle - spread).min(axis=0), (middle + spread).max(axis=0)
+
+
+def _cross(one: Bounds | None, other: Bounds | None) -> bool:
+    """Whether two boxes have a point in common; what is not known may."""
+    if one is None or other is None:
+        return True
+    return bool((one[0] <= other[1]).all() and (other[0] <= one[1]).all())
