@@ -26,6 +26,7 @@ RELATIVE = 1e-6  # to this share of itself
 MOST_POINTS = 160  # of the polytope
 MOST_FACES = 2 * MOST_POINTS
 LEAST = 1e-13  # what a unit vector must have across an axis to count as not along it
+FRONT = 1e-10  # [m] a corner this little in front of a face is in its plane
 FLAT = 1e-12  # [m] a polytope thinner than this has no inside
 
 Ints = NDArray[np.int64]
@@ -48,7 +49,7 @@ class Convexes(NamedTuple):
 
 
 class GapRoom(NamedTuple):
-    """Room to work in: simplex, its nearest point, weights, direction, a point, another, and the polytope."""
+    """Room to work in: simplex, its nearest point, weights, direction, two points, polytope, marks of its faces."""
 
     simplex: Array
     closest: Array
@@ -60,6 +61,8 @@ class GapRoom(NamedTuple):
     faces: Ints
     planes: Array
     edges: Ints
+    seen: Ints
+    heap: Ints
 
 
 def gap_room() -> GapRoom:
@@ -75,6 +78,8 @@ def gap_room() -> GapRoom:
         np.zeros((MOST_FACES, 3), dtype=np.int64),
         np.zeros((MOST_FACES, 4)),
         np.zeros((3 * MOST_FACES, 2), dtype=np.int64),
+        np.zeros(MOST_FACES, dtype=np.int64),
+        np.zeros(MOST_FACES, dtype=np.int64),
     )
 
 
@@ -218,7 +223,7 @@ def _depth(a: int, b: int, bodies: Convexes, Xa: Array, Xb: Array, room: GapRoom
         for c in range(3):
             corners[count, c] = room.point[c]
         count += 1
-        used = _grow(room, used, count - 1)
+        used = _grow(room, used, count - 1, best)
         if used == 0:
             break
     return least
@@ -305,27 +310,62 @@ def _face(corners: Array, faces: Ints, planes: Array, f: int, behind: int) -> No
 
 
 @kernel
-def _grow(room: GapRoom, used: int, new: int) -> int:
+def _twin(faces: Ints, used: int, i: int, j: int) -> int:
+    """The face that has the edge from corner `i` to `j`; -1: none."""
+    for f in range(used):
+        for c in range(3):
+            if faces[f, c] == i and faces[f, (c + 1) % 3] == j:
+                return f
+    return -1
+
+
+@kernel
+def _seen_from(room: GapRoom, used: int, new: int, best: int) -> int:
+    """Mark faces that corner `new` lies in front of, from `best` on over their edges; how many edges their rim has.
+
+    Only what hangs together is taken: of faces in one plane with the corner, rounding would take some here and there.
+    """
+    corners, faces, planes, edges, seen = room.corners, room.faces, room.planes, room.edges, room.seen
+    x, y, z = corners[new, 0], corners[new, 1], corners[new, 2]
+    for f in range(used):
+        seen[f] = 0
+    seen[best] = 1
+    room.heap[0] = best
+    top, rim = 0, 0
+    while top >= 0:
+        f = room.heap[top]
+        top -= 1
+        for c in range(3):
+            i, j = faces[f, c], faces[f, (c + 1) % 3]
+            g = _twin(faces, used, j, i)
+            if g >= 0 and seen[g] == 1:
+                continue
+            front = g >= 0 and planes[g, 0] * x + planes[g, 1] * y + planes[g, 2] * z > planes[g, 3] + FRONT
+            if front:
+                seen[g] = 1
+                top += 1
+                room.heap[top] = g
+            else:
+                edges[rim, 0], edges[rim, 1] = i, j
+                rim += 1
+    # a face may have been taken after its neighbour had put their edge on the rim
+    kept = 0
+    for e in range(rim):
+        g = _twin(faces, used, edges[e, 1], edges[e, 0])
+        if g < 0 or seen[g] == 0:
+            edges[kept, 0], edges[kept, 1] = edges[e, 0], edges[e, 1]
+            kept += 1
+    return kept
+
+
+@kernel
+def _grow(room: GapRoom, used: int, new: int, best: int) -> int:
     """Replace the faces that corner `new` lies in front of; how many faces there are now, 0 when there is no room."""
     corners, faces, planes, edges = room.corners, room.faces, room.planes, room.edges
-    x, y, z = corners[new, 0], corners[new, 1], corners[new, 2]
-    kept, rim = 0, 0
+    rim = _seen_from(room, used, new, best)
+    kept = 0
     for f in range(used):
-        seen = planes[f, 0] * x + planes[f, 1] * y + planes[f, 2] * z > planes[f, 3]
-        if seen or planes[f, 3] == math.inf:
-            for c in range(3):
-                i, j = faces[f, c], faces[f, (c + 1) % 3]
-                twin = -1
-                for e in range(rim):
-                    if edges[e, 0] == j and edges[e, 1] == i:
-                        twin = e
-                if twin >= 0:
-                    rim -= 1
-                    edges[twin, 0], edges[twin, 1] = edges[rim, 0], edges[rim, 1]
-                else:
-                    edges[rim, 0], edges[rim, 1] = i, j
-                    rim += 1
-        else:
+        if room.seen[f] == 0:
             for c in range(3):
                 faces[kept, c] = faces[f, c]
             for c in range(4):

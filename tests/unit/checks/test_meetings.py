@@ -9,7 +9,7 @@ from gcodesim.checks.meetings import JointWay, MovingBodies
 from gcodesim.checks.rigid import RigidBody, is_closed, is_convex, is_within
 from gcodesim.frames import Pose, rotation_about
 from gcodesim.kinematics.chain import Tree
-from gcodesim.solids import Box, Cylinder, Mesh, Placed, Revolution, Solid, Sphere, triangles_of
+from gcodesim.solids import Box, Cone, Cylinder, Mesh, Placed, Revolution, Solid, Sphere, triangles_of
 
 X, Y, Z = np.eye(3)
 
@@ -151,3 +151,26 @@ def test_coaxial_round_bodies_keep_their_distance() -> None:
         other = RigidBody(name="b", solids=(Placed(rod, Pose(R @ np.array([0.0, 0.0, 0.073]), spun)),))
         gap = pair_of(ALONG_X, one, other).least_gap(JointWay.straight(np.zeros((1, 1))))
         assert gap == pytest.approx(0.023, abs=6e-6)
+
+
+def test_depth_is_the_least_way_out_in_any_direction() -> None:
+    """A ball and a cone: the overlap along every one of many directions is at least the depth, and one comes close."""
+    rng = np.random.default_rng(3)
+    away = rng.normal(size=(20_000, 3))
+    away /= np.linalg.norm(away, axis=1)[:, None]
+    for _ in range(20):
+        radius, half = rng.uniform(0.005, 0.03, 2).tolist()
+        turn = rng.normal(size=3)
+        R = rotation_about(turn / np.linalg.norm(turn), float(rng.uniform(0.0, 3.0)))
+        at = 0.005 * rng.normal(size=3)
+        cone = Cone(bottom_radius=radius, top_radius=0.0, bottom=-half, top=half)
+        ball = body("ball", Sphere(radius=0.01), carrier=0)
+        pair = pair_of(ALONG_X, ball, RigidBody(name="cone", solids=(Placed(cone, Pose(at, R)),)))
+        found = pair.search(JointWay.straight(np.zeros((1, 1))))
+        along = away @ R[:, 2]
+        across = np.sqrt(1.0 - along * along)
+        overlap = away @ at + np.maximum(half * along, radius * across - half * along) + 0.01
+        if overlap.min() > 1e-4:
+            (meeting,) = found
+            assert -meeting.gap <= overlap.min() + 1e-8
+            assert -meeting.gap == pytest.approx(overlap.min(), abs=3e-4)
