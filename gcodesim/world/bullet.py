@@ -24,7 +24,6 @@ from typing import Any, Final
 
 import numpy as np
 
-from gcodesim.arithmetic.turn_kernels import wrench_from_axes
 from gcodesim.frames import Array, Pose, rotation_from_quaternion
 from gcodesim.kinematics.dynamics import inverse_dynamics
 from gcodesim.solids import Box, Cylinder, Placed, Sphere
@@ -288,23 +287,27 @@ class BulletWorld(WorldBase):
     def _push(self, commands: Array, wrench: Array, ask: Callable[[int, Array], Array] | None) -> Push:
         """Let `wrench` (m, 6), base axes, act on the tool at the tip; `ask(k, q)` fills row k where it is not known."""
         p, client, body, link = self._bullet, self._client, self._body, self._tip_link
-        X_WB, turned = self.robot.X_WB.matrix, np.empty(6)
+        R_WB: list[list[float]] = self.robot.X_WB.R.tolist()
+        known: list[list[float]] = wrench.tolist() if ask is None else []  # plain numbers: a step has only a few
         missed_before = self._q - self._commanded
 
         def push(k: int, state: JointStates | None) -> None:
-            if ask is not None:
+            if ask is None:
+                row = known[k]
+            else:
                 # a step ends on its command, or short of it by as much as the step before
                 missed = missed_before if state is None else np.array([joint[0] for joint in state]) - commands[k - 1]
                 wrench[k] = ask(k, commands[k] + missed)
-            row = wrench[k]
-            if link is None or not row.any():
+                row = wrench[k].tolist()
+            if link is None or not any(row):
                 return
             # asking for the tip also refreshes the place of the link, from which Bullet computes the lever
             tip = self._tip_now()
-            wrench_from_axes(X_WB, row, turned)
-            force = turned.tolist()
-            p.applyExternalForce(body, link, force[:3], tip, p.WORLD_FRAME, client)
-            p.applyExternalTorque(body, link, force[3:], p.WORLD_FRAME, client)
+            fx, fy, fz, mx, my, mz = row
+            force = [x * fx + y * fy + z * fz for x, y, z in R_WB]
+            moment = [x * mx + y * my + z * mz for x, y, z in R_WB]
+            p.applyExternalForce(body, link, force, tip, p.WORLD_FRAME, client)
+            p.applyExternalTorque(body, link, moment, p.WORLD_FRAME, client)
 
         return push
 
