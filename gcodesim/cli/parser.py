@@ -27,6 +27,7 @@ COMMANDS = (
     "list",
     "schema",
     "completion",
+    "mcp",
     "warm_up",
 )
 

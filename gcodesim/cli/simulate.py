@@ -94,8 +94,10 @@ def _met(arguments: argparse.Namespace, path: Path, loaded: LoadedCell, job: Job
         findings=results.findings,
         suppressed=[(finding, entry.reason) for finding, entry in suppressed],
         sources=sources,
-        files=lambda: {file.name: file for file in arguments.channel.values()}
-        | files_of(arguments, path, sources, list(dict.fromkeys(folders)), loaded),
+        files=lambda: (
+            {file.name: file for file in arguments.channel.values()}
+            | files_of(arguments, path, sources, list(dict.fromkeys(folders)), loaded)
+        ),
         results=results.as_json(),
     )
 
