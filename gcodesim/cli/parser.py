@@ -15,6 +15,7 @@ COMMANDS = (
     "lint",
     "canon",
     "cell",
+    "place",
     "init",
     "info",
     "export",

@@ -86,6 +86,10 @@ class Flange:
         rate = self.turning.at(piece, s)[1]
         return np.concatenate([v, -rate[:, None] * self.R_BO[self.pieces.row_first[piece]][:, :, 2]], axis=1)
 
+    def unturned(self) -> Flange:
+        """The same with a spin of 0 all along."""
+        return replace(self, spin=0.0, turning=None)
+
     @property
     def last_spin(self) -> float:
         """The spin [rad] at the end of the path."""
@@ -247,7 +251,7 @@ class FixedAttitude:
         Where there is none, they are as they were, and the text says which part of the path can be run.
         """
         free = self.spin is None
-        straight = replace(flange, spin=0.0 if free else flange.spin)
+        straight = flange.unturned() if free else flange
         dense = simple[0] if len(simple[0]) > len(nodes) else nodes
         chains = 0
         for trial in TRIALS:

@@ -74,7 +74,7 @@ def route_along(
     seeds: dict[int, Array] = {}
     previous = home
     for k in range(len(nodes.chains)):
-        chosen, cut = _cut(kinematics, flange, nodes, k, trial[0], free)
+        chosen, cut = cut_through(kinematics, flange, nodes, k, trial[0], free)
         way = even_way(kinematics, cut, margin=_ROOM, start=previous, spins=trial[1], branches=branches)
         if way is None:
             return Route(None, seeds, k)
@@ -93,7 +93,7 @@ def _evenly(first: int, end: int, most: int) -> NDArray[np.int64]:
     return np.unique(np.rint(np.linspace(first, end - 1, most)).astype(np.int64))
 
 
-def _cut(
+def cut_through(
     kinematics: Kinematics, flange: FlangePoses, nodes: Nodes, chain: int, rungs: int, free: bool
 ) -> tuple[NDArray[np.int64], Cut]:
     """The nodes of a chain that become rungs, and the cut through them."""
@@ -128,7 +128,7 @@ def dead_end(
 ) -> DeadEnd:
     """How far the `chain` of nodes can be run that ends a route."""
     rungs, spins = TRIALS[0]
-    chosen, cut = _cut(kinematics, flange, nodes, chain, rungs, free)
+    chosen, cut = cut_through(kinematics, flange, nodes, chain, rungs, free)
     ladder = rungs_of(kinematics, cut, grid(cut, spins), branches)
     _, first, last = earliest(ladder.ladder, link(ladder.ladder, cut.step, False))
     if last - first + 1 == len(cut):  # rungs have a way, the nodes between do not

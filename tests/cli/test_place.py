@@ -1,0 +1,68 @@
+"""`gcodesim place`: a part that cannot be reached gets a place where it can."""
+
+import json
+import subprocess
+import sys
+
+PROGRAM = "G21 G90 G17\nT1 M6\nM3 S9000\nG0 X0 Y0 Z50\nG1 Z0 F2000\nG1 X200\nG1 Y200\nG0 Z50\nM5\nM2\n"
+CELL = """gcodesim: 1
+frames:
+  table: {in: world, xyz: [1000, 0, 250]}   # too far
+robots: {arm: {model: kuka_kr10_r1100_2}}
+work_offsets: {G54: {in: table}}
+tools: {1: {type: flat_end_mill, diameter: 6, length: 40}}
+"""
+
+
+def gcodesim(folder, *words):
+    return subprocess.run(
+        [sys.executable, "-m", "gcodesim", *words], cwd=folder, capture_output=True, text=True, timeout=600, check=False
+    )
+
+
+def files(folder, cell=CELL):
+    (folder / "part.nc").write_text(PROGRAM)
+    (folder / "cell.yaml").write_text(cell)
+
+
+def test_the_part_gets_a_place_that_check_accepts(tmp_path):
+    files(tmp_path)
+    within = ("--within", "400,0,0", "--step", "200")
+    before = gcodesim(tmp_path, "check", "part.nc", "--cell", "cell.yaml")
+    assert before.returncode == 1 and "GS202" in before.stdout
+    said = gcodesim(tmp_path, "place", "part.nc", "--cell", "cell.yaml", *within, "-o", "seen")
+    assert said.returncode == 0, said.stderr
+    assert "now: the program cannot be run" in said.stdout
+    assert "frames.table: xyz [600, 0, 250 mm]" in said.stdout
+    assert sorted(path.name for path in (tmp_path / "seen").iterdir()) == ["reach.stl", "reach.svg"]
+    assert (tmp_path / "cell.yaml").read_text() == CELL
+    told = gcodesim(tmp_path, "place", "part.nc", "--cell", "cell.yaml", *within, "--write", "--format", "json")
+    result = json.loads(told.stdout)
+    assert result["best"]["shift_mm"] == [-400.0, 0.0, 0.0] and result["written"] is True
+    assert result["good_shifts_mm"] == [[-200.0, 0.0, 0.0], [-400.0, 0.0, 0.0]]
+    assert result["now"] == {"good": False, "margin_deg": None}
+    assert (tmp_path / "cell.yaml").read_text() == CELL.replace("[1000, 0, 250]", "[600, 0, 250 mm]")
+    after = gcodesim(tmp_path, "check", "part.nc", "--cell", "cell.yaml")
+    assert after.returncode == 0, after.stdout
+
+
+def test_the_arm_moves_the_other_way(tmp_path):
+    files(tmp_path)
+    said = gcodesim(
+        tmp_path, "place", "part.nc", "--cell", "cell.yaml", "--arm", "--within", "400,0,0", "--step", "200"
+    )
+    assert "the arm shifted by X+400 mm" in said.stdout and "robots.arm.base: xyz [400, 0, 0 mm]" in said.stdout
+
+
+def test_where_nothing_fits_the_status_is_1(tmp_path):
+    files(tmp_path, CELL.replace("1000", "9000"))
+    said = gcodesim(tmp_path, "place", "part.nc", "--cell", "cell.yaml", "--within", "100", "--step", "100")
+    assert said.returncode == 1 and "no place was found" in said.stdout
+
+
+def test_a_machine_tool_has_no_use_for_it(tmp_path):
+    files(tmp_path, "machine: gantry_xyz\ntools: {1: {type: flat_end_mill, diameter: 6, length: 40}}\n")
+    said = gcodesim(tmp_path, "place", "part.nc", "--cell", "cell.yaml")
+    assert said.returncode == 2 and "is for arms" in said.stderr
+    wrong = gcodesim(tmp_path, "place", "part.nc", "--cell", "cell.yaml", "--within", "1,2")
+    assert wrong.returncode == 2
