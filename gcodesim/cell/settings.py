@@ -67,12 +67,15 @@ class Units:
 
 @frozen
 class Limits:
-    """The most that spindle and process may need; None: unlimited."""
+    """The most that spindle and process may need, and how near bodies may come; None: unlimited."""
 
     spindle_power: float | None = key(Quantity("power", POSITIVE), "greatest spindle power", default=None)
     spindle_speed: float | None = key(Quantity("rotational speed", POSITIVE), "greatest spindle speed", default=None)
     spindle_torque: float | None = key(Quantity("torque", POSITIVE), "greatest spindle torque", default=None)
     force: float | None = key(Quantity("force", POSITIVE), "greatest force on the tool", default=None)
+    clearance: float | None = key(
+        Quantity("length", POSITIVE), "least distance of links and tools from fixtures", default=None
+    )
 
 
 _PATTERN: Final = "([Gg][Ss]|[A-Za-z][A-Za-z0-9]{2,15}-)([0-9](?:[0-9]{2}|[0-9][xX]|[xX]{2}))"

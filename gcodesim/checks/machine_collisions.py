@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from gcodesim.checks.meetings import JointWay, Meeting
     from gcodesim.checks.plan_way import PlanWay
     from gcodesim.planning.plan import Plan
-    from gcodesim.scene import Scene
     from gcodesim.tools.tool import Tool
 
 Pairs = list[tuple[int, int]]
@@ -41,21 +40,18 @@ _HINTS: Final = {
 class MachineChecks:
     """A machine, its tools by number and what is around it, checked plan by plan; `X_BM` is machine zero in B.
 
+    Links, tools and carried fixtures that come nearer than `clearance` [m] to a fixture are near misses.
     `allowed` are names of bodies of the machine that were in each other where a plan began.
     """
 
     machine: MachineBodies
     tools: Mapping[int, Tool]
     X_BM: Pose
+    clearance: float | None = None
     allowed: set[tuple[str, str]] = field(default_factory=set)
 
-    @staticmethod
-    def of(scene: Scene, name: str, tools: Mapping[int, Tool], X_BM: Pose) -> MachineChecks:
-        """The mover `name` of a scene."""
-        return MachineChecks(MachineBodies.of(scene, name), tools, X_BM)
-
     def findings(self, plan: Plan) -> list[Diagnostic]:
-        """GS305 to GS307 and GS930 along a plan, in the order of time."""
+        """GS305 to GS308 and GS930 along a plan, in the order of time."""
         if not len(plan.path) or not len(plan.trajectory.pieces):
             return []
         return _once_a_block(_Check(plan, self).findings())
@@ -74,7 +70,9 @@ class _Check:
 
     def findings(self) -> Iterator[Diagnostic]:
         own = self.machine.bodies
-        yield from self._of_bodies(own, self.machine.pairs(), None)
+        pairs = self.machine.pairs()
+        yield from self._of_bodies(own, pairs, None)
+        yield from self._near_misses(own, [pair for pair in pairs if _is_beside(own[pair[0]], own[pair[1]])], None)
         for number, tool in sorted(self.checks.tools.items()):
             if not (self._tool_of_row == number).any():
                 continue
@@ -86,10 +84,16 @@ class _Check:
                 for i in range(len(own))
                 if may_meet_by_motion(bodies[i], bodies[j], self.machine.tree)
             ]
-            pairs = self._maybe(bodies, pairs)
-            if pairs:
+            beside = [
+                (i, j)
+                for j in range(len(own), len(bodies))
+                for i in range(len(own))
+                if own[i].role == "fixture" and own[i].carrier != bodies[j].carrier and self.checks.clearance
+            ]
+            if self._maybe(bodies, pairs) or self._maybe(bodies, beside):
                 for run in self._runs_of(number):
                     yield from self._of_bodies(bodies, pairs, run)
+                    yield from self._near_misses(bodies, beside, run)
 
     @cached_property
     def _tool_of_row(self) -> NDArray[np.int64]:
@@ -120,7 +124,8 @@ class _Check:
     def _maybe(self, bodies: Sequence[CarriedBody], pairs: Pairs) -> Pairs:
         """Those pairs whose bounds may meet somewhere in the travel of the plan."""
         boxes = [swept_bounds(body, self.machine.tree, *self._travel) for body in bodies]
-        return [(i, j) for i, j in pairs if _cross(boxes[i], boxes[j])]
+        room = self.checks.clearance or 0.0
+        return [(i, j) for i, j in pairs if _cross(boxes[i], boxes[j], room)]
 
     def _of_bodies(
         self, bodies: Sequence[CarriedBody], pairs: Pairs, run: tuple[int, int] | None
@@ -129,11 +134,7 @@ class _Check:
         pairs = self._maybe(bodies, pairs)
         if not pairs:
             return
-        from gcodesim.checks.meetings import JointWay
-
-        begin, end = run or (0, len(self._way.piece))
-        whole = self._way.way
-        way = JointWay(whole.q[begin : end + 1], whole.bend[begin:end])
+        begin, way = self._part(run)
         for i, j in self._touching_at_start(bodies, pairs, way):
             names = (bodies[i].rigid.name, bodies[j].rigid.name)
             if names not in self.checks.allowed:
@@ -142,6 +143,29 @@ class _Check:
         rest = [(i, j) for i, j in pairs if (bodies[i].rigid.name, bodies[j].rigid.name) not in self.checks.allowed]
         for meeting in self.machine.moving(bodies, rest).search(way):
             yield self._finding(bodies[meeting.first], bodies[meeting.second], meeting, begin)
+
+    def _part(self, run: tuple[int, int] | None) -> tuple[int, JointWay]:
+        """The first stretch of a run, and the way along it; None: all of the way."""
+        from gcodesim.checks.meetings import JointWay
+
+        begin, end = run or (0, len(self._way.piece))
+        whole = self._way.way
+        return begin, JointWay(whole.q[begin : end + 1], whole.bend[begin:end])
+
+    def _near_misses(
+        self, bodies: Sequence[CarriedBody], pairs: Pairs, run: tuple[int, int] | None
+    ) -> Iterator[Diagnostic]:
+        """GS308 for each time that one of the pairs comes nearer than the clearance without a collision."""
+        clearance = self.checks.clearance
+        pairs = self._maybe(bodies, pairs) if clearance else []
+        if not pairs or clearance is None:
+            return
+        from gcodesim.checks.meetings import TOUCH
+
+        begin, way = self._part(run)
+        for meeting in self.machine.moving(bodies, pairs).search(way, level=clearance):
+            if meeting.gap > -TOUCH:
+                yield self._near_miss(bodies[meeting.first], bodies[meeting.second], meeting, begin, clearance)
 
     def _touching_at_start(self, bodies: Sequence[CarriedBody], pairs: Pairs, way: JointWay) -> Pairs:
         """Pairs of the machine itself that are in each other where the way begins: so it was drawn."""
@@ -160,14 +184,38 @@ class _Check:
             bodies=(one, other),
         )
 
-    def _finding(self, one: CarriedBody, other: CarriedBody, meeting: Meeting, begin: int) -> Diagnostic:
-        way = self._way
-        stretch = begin + meeting.stretch
-        row = way.row(stretch)
-        q = way.way.at(stretch, meeting.share)[None]
+    def _near_miss(
+        self, one: CarriedBody, other: CarriedBody, meeting: Meeting, begin: int, clearance: float
+    ) -> Diagnostic:
+        stretch, share = begin + meeting.deepest[0], meeting.deepest[1]
+        if other.part or other.role == "link":
+            one, other = other, one
+        gap = max(meeting.gap, 0.0) / MM
+        return Diagnostic(
+            code="GS308",
+            message=f"{_words(one)} passes {_object(other)} at {gap:.3f} mm, less than {clearance / MM:g} mm, "
+            f"with the tip at {self._tip_words(stretch, share)}",
+            span=self.plan.path.span(self._way.row(stretch)),
+            hint="keep more distance, or change `clearance` under `limits`",
+            time=self._way.time(stretch, share),
+            value=gap,
+            limit=clearance / MM,
+            unit="mm",
+            bodies=(one.rigid.name, other.rigid.name),
+        )
+
+    def _tip_words(self, stretch: int, share: float) -> str:
+        """Where the tip is, in the work system in force."""
+        row = self._way.row(stretch)
+        q = self._way.way.at(stretch, share)[None]
         tip = self.plan.tip(q, np.array([row]))[0, :3, 3]
         system, point = place_in_system(self.checks.X_BM.inverse().apply(tip), self.plan.path.state_of(row))
         where = " ".join(f"{letter}{value / MM:.3f}" for letter, value in zip("XYZ", point + 0.0, strict=True))
+        return f"{where} of {system}"
+
+    def _finding(self, one: CarriedBody, other: CarriedBody, meeting: Meeting, begin: int) -> Diagnostic:
+        way = self._way
+        stretch = begin + meeting.stretch
         if one.role == "link" and other.role == "tool":
             one, other = other, one
         code = _code(one, other)
@@ -175,8 +223,8 @@ class _Check:
         return Diagnostic(
             code=code,
             message=f"{_words(one)} hits {_object(other)}, {depth:.3f} mm deep, "
-            f"first with the tip at {where} of {system}",
-            span=self.plan.path.span(row),
+            f"first with the tip at {self._tip_words(stretch, meeting.share)}",
+            span=self.plan.path.span(way.row(stretch)),
             hint=_HINTS[code],
             time=way.time(stretch, meeting.share),
             value=depth,
@@ -191,6 +239,11 @@ def _is_self(one: CarriedBody, other: CarriedBody) -> bool:
     return {one.role, other.role} <= {"link", "tool", "holder"} or (
         "link" in (one.role, other.role) and min(one.carrier, other.carrier) >= 0
     )
+
+
+def _is_beside(one: CarriedBody, other: CarriedBody) -> bool:
+    """Whether one is a fixture and the other no stock; links of one machine are near each other by design."""
+    return "fixture" in (one.role, other.role) and "stock" not in (one.role, other.role)
 
 
 def _code(one: CarriedBody, other: CarriedBody) -> str:
@@ -261,8 +314,8 @@ def _bounds(convex: Convex, X: Pose) -> Bounds:
     return (middle - spread).min(axis=0), (middle + spread).max(axis=0)
 
 
-def _cross(one: Bounds | None, other: Bounds | None) -> bool:
-    """Whether two boxes have a point in common; what is not known may."""
+def _cross(one: Bounds | None, other: Bounds | None, room: float) -> bool:
+    """Whether two boxes come nearer than `room` [m] along each axis; what is not known may."""
     if one is None or other is None:
         return True
-    return bool((one[0] <= other[1]).all() and (other[0] <= one[1]).all())
+    return bool((one[0] <= other[1] + room).all() and (other[0] <= one[1] + room).all())

@@ -223,10 +223,12 @@ class Legs:
     @cached_property
     def _machine_checks(self) -> MachineChecks:
         """The links of the machine, checked leg by leg."""
+        from gcodesim.checks.machine_bodies import MachineBodies
         from gcodesim.checks.machine_collisions import MachineChecks
 
         shop = self.shop
-        return MachineChecks.of(shop.scene, shop.name, shop.cell.tools, shop.X_BM)
+        machine = MachineBodies.of(shop.scene, shop.name)
+        return MachineChecks(machine, shop.cell.tools, shop.X_BM, shop.cell.limits.clearance)
 
     def _backs_off(self, hit: Diagnostic) -> bool:
         """Whether a tool is only on its way out of what it has probed."""

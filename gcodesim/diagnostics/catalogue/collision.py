@@ -75,4 +75,13 @@ CODES: tuple[Code, ...] = (
         remedy="Use a longer tool, or place the work so that the arm reaches it from outside. Where the link goes into"
         " what has been cut out, nothing is wrong.",
     ),
+    Code(
+        code="GS308",
+        severity=Severity.WARNING,
+        title="Near miss",
+        what="A link, a tool or a fixture that the machine carries comes nearer to a fixture than `clearance` under"
+        " `limits` allows, without touching it. The message has the least distance of one passing, and where.",
+        why="Fixtures stand, and arms go, some tenths of a millimetre or some millimetres beside where they are drawn.",
+        remedy="Keep more distance. Without `clearance` in the cell nothing is said of near misses.",
+    ),
 )

@@ -105,3 +105,22 @@ def test_bodies_that_overlap_from_the_start_are_named_and_left_out() -> None:
     cell = ARM.replace("[0, -90, 90, 0, 90, 0]", "[0, -120, 155, 0, 55, 0]").replace("[600, 0, 300]", "[0, 0, 0]")
     found = hits("G21 G91 G94\nG0 X100 Z-100\nM2\n", cell)
     assert [(hit.code, hit.bodies) for hit in found] == [("GS930", ("arm/link_2", "arm/link_4"))]
+
+
+@pytest.mark.parametrize("height", [5.0, 1.5, 0.5])
+def test_a_near_miss_has_its_least_distance(height: float) -> None:
+    """The cutter passes over a clamp; a collision is no near miss."""
+    clamp = "fixtures: {clamp: {box: [20, 20, 40], in: world, xyz: [250, 190, -300]}}\nlimits: {clearance: 2 mm}\n"
+    found = hits(HEAD + f"G0 X0 Y0 Z{40 + height}\nG0 X100\nM2\n", MILL + clamp)
+    if height > 2.0:
+        assert found == []
+    else:
+        (miss,) = found
+        assert (miss.code, miss.span.line, miss.limit) == ("GS308", 5, 2.0)
+        assert miss.value == pytest.approx(height, abs=1e-3)
+
+
+def test_a_collision_is_no_near_miss() -> None:
+    clamp = "fixtures: {clamp: {box: [20, 20, 40], in: world, xyz: [250, 190, -300]}}\nlimits: {clearance: 2 mm}\n"
+    found = hits(HEAD + "G0 X0 Y0 Z35\nG0 X100\nM2\n", MILL + clamp)
+    assert [hit.code for hit in found] == ["GS301"]
