@@ -12,7 +12,15 @@ from numpy.typing import NDArray
 from gcodesim.canon import Action, Event, Output
 from gcodesim.cell.signals import SignalSource, SignalWord
 from gcodesim.motion.tool_path import PathEvent, ToolPath
-from gcodesim.processes.signal import ACTIVE, PITCH, SPINDLE, SURFACE_SPEED, Signal
+from gcodesim.processes.signal import (
+    ACTIVE,
+    BEAD_HEIGHT,
+    BEAD_WIDTH,
+    PITCH,
+    SPINDLE,
+    SURFACE_SPEED,
+    Signal,
+)
 from gcodesim.units import RPM
 
 Array = NDArray[np.float64]
@@ -36,6 +44,10 @@ def signals_of_rows(
     active = path.active.astype(bool) if len(path) else np.zeros(1, dtype=bool)
     found: dict[str, NDArray[Any]] = {SPINDLE.name: spindle, ACTIVE.name: active}
     found |= _of_lathes(path, state, spindle, read or {})
+    if path.extrude.any():
+        sections = [each.section for each in path.states]
+        for signal, size in ((BEAD_WIDTH, "width"), (BEAD_HEIGHT, "height")):
+            found[signal.name] = np.array([0.0 if s is None else getattr(s, size) for s in sections])[state]
     by_action = {name: signal for name, signal in (read or {}).items() if signal.set_by and name != ACTIVE.name}
     if not (sources or by_action):
         return found

@@ -94,6 +94,7 @@ def stint_of(
         stop = _into(X_BS, steps.tip[begin:end, :3, 3])
         step, share = np.arange(count), np.tile([0.0, 1.0], (count, 1))
         row = steps.row[begin:end]
+        filament = _of_steps(steps, begin, end)
     else:
         first, last = np.searchsorted(steps.piece_step, [begin, end])
         R, p = X_BS[0, :3, :3], X_BS[0, :3, 3]
@@ -103,6 +104,7 @@ def stint_of(
             steps.piece_share[first:last],
             steps.piece_row[first:last],
         )
+        filament = None if steps.piece_filament is None else steps.piece_filament[first:last]
     R_SB = X_BS[:, :3, :3].transpose(0, 2, 1)
     axis = -applied(R_SB, steps.tip[begin:end, :3, 2])
     R_before = np.concatenate([R_SB[:1], R_SB[:-1]])
@@ -124,11 +126,22 @@ def stint_of(
         rapid=rapid,
         signals={signal.name: rows.signal(signal, step_row) for signal in task.process.reads},
         dt=steps.dt,
+        filament=filament,
         compliance=_seen_from(R_SB, compliance(jacobian(), shop.stiffness))
         if task.process.pushes and shop.stiffness is not None
         else None,
     )
     return Stint(task=task, begin=begin, end=end, window=window, X_BS=X_BS, share=share)
+
+
+def _of_steps(steps: StepWindow, begin: int, end: int) -> Array | None:
+    """Filament (end - begin,) [m] of whole steps."""
+    if steps.piece_filament is None:
+        return None
+    first, last = np.searchsorted(steps.piece_step, [begin, end])
+    total = np.zeros(end - begin)
+    np.add.at(total, steps.piece_step[first:last] - begin, steps.piece_filament[first:last])
+    return total
 
 
 def _into(X: Array, points: Array) -> Array:

@@ -57,7 +57,8 @@ class TaskTarget(Protocol):
 def targets_of(shop: Shop, acts_on: ActsOn) -> list[TaskTarget]:
     """The targets of a process that acts on things of this sort."""
     if acts_on == "stock":
-        return [StockTarget(placed) for placed in shop.stocks.values() if not placed.revolved]
+        grows = any("extrusion" in tool.processes for tool in shop.cell.tools.values())
+        return [StockTarget(placed, grows) for placed in shop.stocks.values() if not placed.revolved]
     if acts_on == "revolved":
         return [StockTarget(placed) for placed in shop.stocks.values() if placed.revolved]
     if acts_on == "surface":
@@ -70,9 +71,10 @@ def targets_of(shop: Shop, acts_on: ActsOn) -> list[TaskTarget]:
 
 @frozen(kw_only=False, eq=False)
 class StockTarget:
-    """A stock that the process may change."""
+    """A stock that the process may change; it `grows` where the cell has an extruder, perhaps in the same window."""
 
     placed: PlacedStock
+    grows: bool = False
 
     @property
     def name(self) -> str:
@@ -92,10 +94,11 @@ class StockTarget:
 
     @property
     def room(self) -> Bounds:
-        return self.placed.stock.bounds
+        low, high = self.placed.stock.bounds
+        return low, np.append(high[:2], np.inf) if self.grows else high
 
     def filled(self) -> Bounds:
-        low, high = self.room
+        low, high = self.placed.stock.bounds
         return low, np.append(high[:2], self.placed.stock.top)
 
     def memento(self) -> Callable[[], None]:

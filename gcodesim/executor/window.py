@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.executor.filament import filament_between
 from gcodesim.executor.tasks import RowColumns
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
@@ -47,7 +48,8 @@ class StepWindow:
 
     The sweep of the tip in B, cut where rows, pieces and steps end: m pieces
     from `piece_start` to `piece_end` (m, 3) [m], in step `piece_step` (m,),
-    `piece_share` (m, 2) of the step, in row `piece_row` (m,). `others` are the commanded joints (n, j) of further
+    `piece_share` (m, 2) of the step, in row `piece_row` (m,), with
+    `piece_filament` (m,) [m] through the nozzle (None: no E words). `others` are the commanded joints (n, j) of further
     movers by name, where several programs run at once.
     """
 
@@ -64,6 +66,7 @@ class StepWindow:
     piece_step: Ints
     piece_share: Array
     piece_row: Ints
+    piece_filament: Array | None = None
     others: dict[str, Array] = field(default_factory=dict)
 
     def joints(self, mover: str, begin: int, end: int) -> dict[str, Array]:
@@ -134,6 +137,7 @@ def window_of(plan: Plan, rows: RowColumns, first: int, count: int, dt_ns: int, 
         piece_step=step,
         piece_share=share,
         piece_row=np.clip(trajectory.sample(centre).row, 0, last),
+        piece_filament=filament_between(trajectory, at_knots),
     )
     carry.tool, carry.shift, carry.gap, carry.tip = int(tool[-1]), shift[-1], gap[-1], tip[-1]
     return window

@@ -156,14 +156,59 @@ def _results() -> Json:
                 z_mm=number("mm"),
             ),
         ),
+        printing=_printing(),
     )
     results["properties"] |= _several_programs(hashed)
     for entry in ("tools", "not_simulated"):  # where several programs run at once
         results["properties"][entry]["items"]["properties"]["channel"] = text("of several programs at once, whose")
     stock = results["properties"]["stocks"]["additionalProperties"]
     stock["required"] = stock["required"][: stock["required"].index("parted_off")]
-    results["required"] = [name for name in results["required"] if name != "probings"]
+    results["required"] = [name for name in results["required"] if name not in ("probings", "printing")]
     return results
+
+
+def _printing() -> Json:
+    """What a print took; only of a program with E words."""
+    volume, length = number("mm³, from the diameter of the filament"), number("mm of filament that went forward so")
+    return record(
+        "what a print took; only of a program with E words",
+        filament_mm=number("sum of all E words"),
+        filament_forward_mm=number("what goes forward, retraction not taken off"),
+        filament_laid_mm=number("what goes forward while the head moves"),
+        laid_mm3=volume,
+        nozzles=array(
+            "the tools that extrude",
+            record(
+                "a nozzle",
+                tool=whole("its number"),
+                filament_mm=number("sum of its E words"),
+                forward_mm=number("what goes forward"),
+                laid_mm=length,
+                laid_mm3=volume,
+            ),
+        ),
+        layers=array(
+            "in order",
+            record(
+                "a layer, by the slicer's comments, else by height",
+                layer=whole("from 1; 0: before the first", least=0),
+                z_mm=number("height of most of it"),
+                time_s=number("moves, and filament alone"),
+                laid_mm=length,
+                laid_mm3=volume,
+            ),
+        ),
+        features=array(
+            "in the order in which they come first",
+            record(
+                "a feature",
+                feature=text("as the slicer calls it; empty: before the first"),
+                time_s=number("moves, and filament alone"),
+                laid_mm=length,
+                laid_mm3=volume,
+            ),
+        ),
+    )
 
 
 def _several_programs(hashed: Json) -> dict[str, Json]:

@@ -14,6 +14,7 @@ from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.jobs.job import Job
 from gcodesim.jobs.joint_results import joint_results
+from gcodesim.jobs.printing import printing_of
 from gcodesim.jobs.results import Results, StockResult, Times, TurnedResult, joint_rows, line_rows, tool_rows
 from gcodesim.motion.tool_path import HOME, RAPID
 from gcodesim.processes.column import LINES, RESULTS
@@ -129,6 +130,7 @@ def _results_of(job: Job, execution: Execution | None, *, failed: bool) -> Resul
         not_simulated=_not_simulated(job),
         probings=[probing for probing in job.probings if probing.time * 1e9 <= _end_ns(job, plan, execution)],
         lines=line_rows(path, row_time, length, totals, stands, ran, shop.sheet.own(LINES)),
+        printing=printing_of(plan, shop.cell.tools, row_time),
         columns=own,
     )
 

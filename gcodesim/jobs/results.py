@@ -143,6 +143,8 @@ class Results:
     not_simulated: Sequence[Mapping[str, Any]] = ()
     probings: Sequence[ProbeResult] = ()
     lines: LineRows = field(default_factory=lambda: LineRows())
+    printing: Mapping[str, Any] | None = None
+    """What a print took (`jobs/printing.py`); None of programs without E words."""
     columns: Sequence[Column] = ()
     """Columns of processes that stand in `tools` behind those that every run has."""
     channels: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
@@ -172,6 +174,8 @@ class Results:
         if self.channels:
             value["channels"] = {name: dict(channel) for name, channel in self.channels.items()}
             value["meetings"] = dict(self.meetings or {})
+        if self.printing is not None:
+            value["printing"] = dict(self.printing)
         cleaned: dict[str, Any] = clean(value)
         return cleaned
 

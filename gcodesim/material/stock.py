@@ -235,9 +235,9 @@ class Stock:
 
     @property
     def bounds(self) -> tuple[Array, Array]:
-        """The lowest and the highest corner (3,) [m] of the stock at the start."""
+        """The lowest and the highest corner (3,) [m] of the stock at the start, or as high as beads lie on it."""
         far = self.origin + self.spacing * self.field.columns.number.shape
-        return np.append(self.origin, self.z_range[0]), np.append(far, self.z_range[1])
+        return np.append(self.origin, self.z_range[0]), np.append(far, max(self.z_range[1], self.top))
 
     @property
     def top(self) -> float:

@@ -1,11 +1,14 @@
-"""Extrusion: a nozzle lays a bead along its path while it is switched on.
+"""Extrusion: a nozzle lays a bead along its path.
 
-The bead is a rectangle with round ends; its volume is section times length, whatever the pump could deliver. Where
-material is already in the way the bead loses that part, so less than the nominal volume may be added. No force.
+Two ways, by what the program says. With E words, filament is counted: its volume goes onto whatever lies below, as a
+bead whose width follows from that volume and the gap below the nozzle. Without them, a bead of the tool's own size is
+laid while an M-code has switched the tool on: its volume is section times length, whatever the pump could deliver, and
+where material is already in the way the bead loses that part. No force.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -13,33 +16,41 @@ from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import norms
 from gcodesim.frozen import frozen
-from gcodesim.processes.column import ADDED, ENGAGED, Column, Shown
+from gcodesim.processes.column import ADDED, ENGAGED, RESULTS, Column, Shown
 from gcodesim.processes.protocol import Process
-from gcodesim.processes.signal import ACTIVE, Signal
+from gcodesim.processes.signal import ACTIVE, BEAD_HEIGHT, BEAD_WIDTH, Signal
 from gcodesim.processes.window import ProcessState, ProcessStep, Window
 from gcodesim.tools.extruder import Extruder
 
 if TYPE_CHECKING:
+    from gcodesim.diagnostics import Diagnostic
     from gcodesim.material.stock import Stock
     from gcodesim.processes.materials import Material
+    from gcodesim.processes.rows import Rows
 
 Array = NDArray[np.float64]
 
 
 @frozen(slots=False, eq=False)
 class Extrusion(Process):
-    """The printing process of one extruder: adds its bead to the stock on feed moves while active.
+    """The printing process of one extruder: adds its bead to the stock on feed moves.
 
-    It lays its bead wherever it is switched on, so its zone is everywhere. It exerts no force, so the machine does not
+    It lays its bead wherever it gives material, so its zone is everywhere. It exerts no force, so the machine does not
     yield and a whole window can be laid at once.
     """
 
     kind: ClassVar[str] = "extrusion"
-    reads: ClassVar[tuple[Signal, ...]] = (ACTIVE,)
+    reads: ClassVar[tuple[Signal, ...]] = (ACTIVE, BEAD_WIDTH, BEAD_HEIGHT)
     writes: ClassVar[tuple[Column, ...]] = (
         ADDED,
         ENGAGED,
         Column("nominal", "m^3", "sum", Shown.NOWHERE, "volume that it meant to add"),
+        Column("extruded", "m^3", "sum", RESULTS, "volume of filament laid while the head moves"),
+        Column("beside", "m^3", "sum", RESULTS, "extruded beside the stock, where it is not kept"),
+        Column("swollen", "m^3", "sum", RESULTS, "found no room below the nozzle and stands above it"),
+        Column("unsupported", "m", "sum", RESULTS, "laid where nothing is below"),
+        Column("laid_length", "m", "sum", RESULTS, "way on which a bead was laid"),
+        Column("meant", "m^3", "sum", RESULTS, "volume of beads of the width and height that are named"),
     )
 
     extruder: Extruder
@@ -53,8 +64,15 @@ class Extrusion(Process):
     def laid_section(self) -> float:
         return self.extruder.bead_width * self.extruder.bead_height
 
+    def begin(self) -> ProcessState:
+        from gcodesim.material.strand import CARRY
+
+        return ProcessState(values=np.full(CARRY, np.inf))
+
     def run(self, stock: Stock | None, window: Window, state: ProcessState) -> ProcessStep:
-        """Add to `stock` (in place) along the active pieces of `window`."""
+        """Add to `stock` (in place) what goes through the nozzle along the pieces of `window`."""
+        if window.filament is not None:
+            return self._by_volume(stock, window, window.filament, state)
         n = window.steps
         laid = window.signals[ACTIVE.name][window.piece_step] > 0.0
         lengths = norms(window.piece_end - window.piece_start) * laid
@@ -69,6 +87,43 @@ class Extrusion(Process):
             )
             added = _sums(window.piece_step[laid], found.volume, n)
         return ProcessStep.free(n, {"added": added, "nominal": nominal, "engaged": nominal > 0.0})
+
+    def _by_volume(self, stock: Stock | None, window: Window, filament: Array, state: ProcessState) -> ProcessStep:
+        """The volume of the filament, wherever it finds room."""
+        n = window.steps
+        some = np.flatnonzero(filament > 0.0)
+        if stock is None or not len(some):
+            return ProcessStep.free(n)
+        from gcodesim.material.strand import Strand, lay_strand
+
+        extruder, step = self.extruder, window.piece_step[some]
+        volume = filament[some] * extruder.filament_area
+        width, height = window.signals[BEAD_WIDTH.name][step], window.signals[BEAD_HEIGHT.name][step]
+        height = np.where(height > 0.0, height, extruder.bead_height)
+        width = np.maximum(np.where(width > 0.0, width, extruder.bead_width), height)
+        start, end = window.piece_start[some], window.piece_end[some]
+        found = lay_strand(stock, Strand(start, end, volume, width, height), state.values)
+        length = norms(end - start)
+        asked = ((width - height) * height + 0.25 * np.pi * (height * height)) * length
+        columns = {
+            "added": found.volume,
+            "nominal": volume,
+            "extruded": volume,
+            "beside": found.beside,
+            "swollen": found.above,
+            "unsupported": length * (1.0 - found.support),
+            "laid_length": length,
+            "meant": asked,
+        }
+        sums = {name: _sums(step, values, n) for name, values in columns.items()}
+        return ProcessStep.free(n, {**sums, "engaged": sums["extruded"] > 0.0})
+
+    @classmethod
+    def findings(cls, rows: Rows) -> Iterable[Diagnostic]:
+        """GS520 to GS524: beads in the air, of another size than flow allows, beside the stock, or without room."""
+        from gcodesim.processes.printing import printing_findings
+
+        return printing_findings(rows)
 
 
 def _sums(step: NDArray[np.int64], value: Array, steps: int) -> Array:

@@ -48,6 +48,10 @@ PITCH: Final = Signal("pitch", "m")
 ACTIVE: Final = Signal("active", set_by=(SetBy("tool", "activate", 1.0), SetBy("tool", "deactivate", 0.0)))
 """1 while the process of the tool is switched on, otherwise 0."""
 
+BEAD_WIDTH: Final = Signal("bead_width", "m")
+BEAD_HEIGHT: Final = Signal("bead_height", "m")
+"""Size of the bead that the slicer's comments name; 0 where they do not."""
+
 
 def signals_read_by(tools: Iterable[Tool]) -> dict[str, Signal]:
     """The signals that the processes of these tools read, by name, with the actions of all readers."""

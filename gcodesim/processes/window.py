@@ -29,7 +29,8 @@ class Window:
     same); velocity (n, 3) [m/s] of the tip; rapid (n,): the step is part
     of a G0; `signals` maps each `Signal` that the process reads to its values (n,), flags as such; compliance
     (n, 6, 6) of the tip: wrench (force, torque) to displacement (translation, rotation), or None for a rigid machine;
-    dt [s] of one step.
+    dt [s] of one step; filament (c,) [m]: what
+    E words of a printer's program send through the nozzle along each piece, None where there are none.
     """
 
     piece_start: Array
@@ -43,6 +44,7 @@ class Window:
     compliance: Array | None = None
     piece_share: Array | None = None
     axis_before: Array | None = None
+    filament: Array | None = None
 
     @property
     def steps(self) -> int:

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any, Final
+
 from gcodesim.jobs.results import Results
+
+_MOST_FEATURES: Final = 8
 
 
 def summary_rows(results: Results) -> list[list[str]]:
@@ -41,6 +46,8 @@ def summary_rows(results: Results) -> list[list[str]]:
                 most = "greatest " if column.of == "greatest" else ""
                 shown = f"{tool[column.key]:.4g} {column.people_unit}".strip()
                 rows.append([f"{tool['name']}: {most}{column.name.replace('_', ' ')}", shown, column.says])
+    if results.printing is not None:
+        rows += _printing_rows(results.printing)
     for joint in results.joints:
         # a margin that is least where the machine stands at the start says nothing about the program
         if joint["margin"] is not None and joint["line_of_margin"] is not None:
@@ -49,4 +56,18 @@ def summary_rows(results: Results) -> list[list[str]]:
     count = sum(entry["count"] for entry in results.not_simulated)
     words = ", ".join(f"{entry['word']} ({entry['count']})" for entry in results.not_simulated)
     rows.append(["words not simulated", str(count), words])
+    return rows
+
+
+def _printing_rows(printing: Mapping[str, Any]) -> list[list[str]]:
+    """Filament, the layers with the longest of them, and the features that take most time."""
+    rows = [["filament", f"{printing['filament_mm']:.1f} mm", f"{printing['laid_mm3']:.1f} mm³ laid"]]
+    layers, features = printing["layers"], printing["features"]
+    if layers:
+        slowest = max(layers, key=lambda each: each["time_s"])
+        where = f"longest: {slowest['time_s']:.1f} s at Z {slowest['z_mm']:g} mm"
+        rows.append(["layers", str(len(layers)), where])
+    for each in sorted(features, key=lambda one: -one["time_s"])[:_MOST_FEATURES]:
+        if each["feature"]:
+            rows.append([f"  {each['feature']}", f"{each['time_s']:.1f} s", f"{each['laid_mm3']:.1f} mm³"])
     return rows

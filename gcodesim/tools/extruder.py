@@ -21,15 +21,18 @@ class Extruder(Tool):
 
     bead_width: float = key("length", "width of a laid bead", example="4 mm")
     bead_height: float = key("length", "height of a laid bead, from the layer below to the nozzle", example="2 mm")
-    filament_diameter: float | None = key(
-        "length", "diameter of filament, where E words count it", default=None, example="1.75 mm"
-    )
+    filament_diameter: float = key("length", "diameter of the filament that E words count", default=1.75 * MM)
 
     @property
     def bead_area(self) -> float:
         """Cross-section of the bead [m²]: (w - h) h + pi h²/4."""
         height = self.bead_height
         return (self.bead_width - height) * height + 0.25 * pi * (height * height)
+
+    @property
+    def filament_area(self) -> float:
+        """Cross-section of the filament [m²]."""
+        return 0.25 * pi * (self.filament_diameter * self.filament_diameter)
 
     @property
     def primitives(self) -> tuple[Primitive, ...]:
@@ -49,9 +52,12 @@ class Extruder(Tool):
                     f"{self.bead_width / MM:g} mm: a bead is at least as wide as high",
                 )
             )
-        if self.filament_diameter is not None and not self.filament_diameter > 0.0:
-            found.append(("filament_diameter", "`filament_diameter` must be greater than 0"))
         return found
 
     def _positive(self) -> dict[str, float]:
-        return {"bead_width": self.bead_width, "bead_height": self.bead_height, **Tool._positive(self)}
+        return {
+            "bead_width": self.bead_width,
+            "bead_height": self.bead_height,
+            "filament_diameter": self.filament_diameter,
+            **Tool._positive(self),
+        }

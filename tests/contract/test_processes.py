@@ -35,7 +35,12 @@ def window(z, n=50):
         axis=np.tile([0.0, 0.0, 1.0], (n, 1)),
         velocity=np.diff(points, axis=0) / 0.02,
         rapid=np.zeros(n, dtype=bool),
-        signals={"spindle": np.full(n, 300.0), "active": np.ones(n, dtype=bool)},
+        signals={
+            "spindle": np.full(n, 300.0),
+            "active": np.ones(n, dtype=bool),
+            "bead_width": np.zeros(n),
+            "bead_height": np.zeros(n),
+        },
         dt=0.02,
     )
 

@@ -1,0 +1,49 @@
+"""Laying a strand by its volume on a stock."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.material.strand_kernels import Laid, lay
+
+if TYPE_CHECKING:
+    from gcodesim.material.stock import Stock
+
+Array = NDArray[np.float64]
+
+CARRY = 4
+"""Numbers that a strand takes from one call to the next: where it ended (3) [m], and its height there [m]."""
+
+
+class Strand(NamedTuple):
+    """c pieces of a strand in S: from `starts` to `ends` (c, 3) [m] of the nozzle's tip with `volumes` (c,) [m³].
+
+    `widths` and `heights` (c,) [m] are those that the bead is meant to have.
+    """
+
+    starts: Array
+    ends: Array
+    volumes: Array
+    widths: Array
+    heights: Array
+
+
+def lay_strand(stock: Stock, strand: Strand, carry: Array) -> Laid:
+    """Lay a strand on whatever lies below it, in place; `carry` (CARRY,) is changed.
+
+    What lies beside the stock's grid is not kept and told as such; all else is in the stock. Columns along x and y are
+    given up.
+    """
+    stock.lattice = None
+    count = len(strand.volumes)
+    laid = Laid(*np.zeros((len(Laid._fields), count)))
+    ways = np.ascontiguousarray(np.hstack([strand.starts, strand.ends]))
+    volumes = np.ascontiguousarray(strand.volumes)
+    sizes = np.ascontiguousarray(np.column_stack([strand.widths, strand.heights]))
+    done = 0
+    while (done := lay(stock.field, ways, volumes, sizes, carry, done, laid)) < count:
+        stock.grow()
+    return laid

@@ -1,0 +1,306 @@
+"""Laying a strand by volume: what a nozzle gives goes where there is room, onto whatever lies below, and none is lost.
+
+A piece of the way gives a volume. Its cross-section A = volume / length becomes a bead of height h, the gap below the
+nozzle, and of width w = A / h + h (1 - pi / 4), a rectangle with half-round sides. Each column takes the share of that
+section that lies over it, filled up from what is below. What finds no room under the nozzle goes sideways as far as
+there is room, and what is left then swells up beside the nozzle. Volume is conserved to rounding.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.compiled import kernel
+from gcodesim.material.bead_kernels import bead_thickness, unite
+from gcodesim.material.field_kernels import PATCH_SHIFT, Columns, Field
+from gcodesim.material.removal_kernels import overlap
+from gcodesim.material.sweep_kernels import x_of, y_of
+
+Array = NDArray[np.float64]
+
+ROUND = 1.0 - 0.25 * math.pi  # of the height that half-round sides take off the width
+DEEPEST = 1.5  # of the nominal height: how far below the nozzle there may be support
+UNDER = 1.05  # of the nominal height: below this a bead of the same layer does not count as support
+LEAST = 0.25  # of the nominal height: a gap that is less says only that a neighbour is there already
+WIDEST = 3.0  # of the nominal width: what is asked for beyond that goes where it can
+TINY = 1.0e-15  # [m³]
+
+
+class Nozzle(NamedTuple):
+    """What the nozzle is set to: nominal `width` and `height` of its bead; it fuses with what is nearer than `fuse`."""
+
+    width: float
+    height: float
+    fuse: float
+
+
+class Laid(NamedTuple):
+    """What became of c pieces: `volume` in the stock, swollen `above` the nozzle, `beside` the stock [m³];
+    whether there was `support` below; `width` of the bead [m]."""
+
+    volume: Array
+    above: Array
+    beside: Array
+    support: Array
+    width: Array
+
+
+class Room(NamedTuple):
+    """Columns that a piece may reach, m of them: indices, share of the section, free height [m] below the nozzle."""
+
+    i: NDArray[np.int64]
+    j: NDArray[np.int64]
+    share: Array
+    free: Array
+
+
+@kernel
+def top_below(columns: Columns, i: int, j: int, tip: float, fuse: float) -> float:
+    """Height [m] of the highest material of a column up to `tip`, which counts inside material; -inf if none."""
+    lo, hi, count = columns
+    top = -np.inf
+    for k in range(count[i, j]):
+        if hi[i, j, k] <= lo[i, j, k]:
+            continue
+        if lo[i, j, k] <= tip + fuse:
+            top = min(hi[i, j, k], tip)
+    return top
+
+
+@kernel
+def room_below(columns: Columns, i: int, j: int, tip: float, nozzle: Nozzle) -> float:
+    """The height [m] that is free between the nozzle and what carries the bead in a column, or its own height."""
+    top = top_below(columns, i, j, tip, nozzle.fuse)
+    gap = tip - top
+    if gap > DEEPEST * nozzle.height:
+        return nozzle.height
+    return max(gap, 0.0)
+
+
+@kernel
+def cell_of(field: Field, x: float, y: float) -> tuple[int, int]:
+    """The column over (x, y); it may lie outside."""
+    grid = field.grid
+    return math.floor((x - grid.x) / grid.dx), math.floor((y - grid.y) / grid.dy)
+
+
+@kernel
+def carries(field: Field, x: float, y: float, tip: float, height: float) -> bool:
+    """Whether something lies under a bead of `height` at (x, y), its own layer left out; True beside the stock."""
+    i, j = cell_of(field, x, y)
+    nx, ny = field.columns.number.shape
+    if i < 0 or j < 0 or i >= nx or j >= ny:
+        return True
+    return overlap(field.columns, i, j, tip - DEEPEST * height, tip - UNDER * height) > 0.0
+
+
+@kernel
+def is_carried(field: Field, start: Array, end: Array, nozzle: Nozzle, width: float) -> bool:
+    """Whether a piece lies on something: under its middle, or under either half."""
+    x, y, tip = 0.5 * (start[0] + end[0]), 0.5 * (start[1] + end[1]), 0.5 * (start[2] + end[2])
+    dx, dy = end[0] - start[0], end[1] - start[1]
+    length = math.sqrt(dx * dx + dy * dy)
+    if carries(field, x, y, tip, nozzle.height):
+        return True
+    if length == 0.0:
+        return False
+    ox, oy = -dy / length * width / 3.0, dx / length * width / 3.0
+    return carries(field, x + ox, y + oy, tip, nozzle.height) or carries(field, x - ox, y - oy, tip, nozzle.height)
+
+
+@kernel
+def gap_ahead(field: Field, start: Array, end: Array, nozzle: Nozzle) -> float:
+    """The free height [m] below the nozzle just ahead of where it goes, where nothing of this strand lies yet."""
+    dx, dy = end[0] - start[0], end[1] - start[1]
+    length = math.sqrt(dx * dx + dy * dy)
+    if length == 0.0:
+        return nozzle.height
+    ahead = max(field.grid.dx, field.grid.dy) * 1.5
+    i, j = cell_of(field, end[0] + dx / length * ahead, end[1] + dy / length * ahead)
+    nx, ny = field.columns.number.shape
+    if i < 0 or j < 0 or i >= nx or j >= ny:
+        return nozzle.height
+    return room_below(field.columns, i, j, end[2], nozzle)
+
+
+@kernel
+def gather(
+    field: Field, start: Array, end: Array, width: float, height: float, nozzle: Nozzle, wide: bool
+) -> tuple[Room, float]:
+    """The columns of a piece with their shares of the section and their room, and the share beside the stock.
+
+    `wide`: all columns as far again on either side, each with a share that is its room.
+    """
+    columns, grid = field.columns, field.grid
+    nx, ny = columns.number.shape
+    dx, dy = end[0] - start[0], end[1] - start[1]
+    length = math.sqrt(dx * dx + dy * dy)
+    ux, uy = (dx / length, dy / length) if length > 0.0 else (1.0, 0.0)
+    across_cell = abs(uy) * grid.dx + abs(ux) * grid.dy
+    along_cell = abs(ux) * grid.dx + abs(uy) * grid.dy
+    reach = (1.5 if wide else 0.5) * width + 0.5 * across_cell
+    far = reach + 0.5 * along_cell
+    first_i = math.floor((min(start[0], end[0]) - far - grid.x) / grid.dx)
+    last_i = (math.floor((max(start[0], end[0]) + far - grid.x) / grid.dx)) + 1
+    first_j = math.floor((min(start[1], end[1]) - far - grid.y) / grid.dy)
+    last_j = (math.floor((max(start[1], end[1]) + far - grid.y) / grid.dy)) + 1
+    most = max(last_i - first_i, 0) * max(last_j - first_j, 0)
+    at_i, at_j = np.empty(most, dtype=np.int64), np.empty(most, dtype=np.int64)
+    share, free = np.empty(most), np.empty(most)
+    m, beside = 0, 0.0
+    rise = end[2] - start[2]
+    for i in range(first_i, last_i):
+        x = x_of(grid, i) - start[0]
+        for j in range(first_j, last_j):
+            y = y_of(grid, j) - start[1]
+            along, across = x * ux + y * uy, y * ux - x * uy
+            low, high = max(along - 0.5 * along_cell, 0.0), min(along + 0.5 * along_cell, length)
+            part = high - low if length > 0.0 else (along_cell if abs(along) <= 0.5 * along_cell else 0.0)
+            if part <= 0.0 or abs(across) > reach:
+                continue
+            weight = part if wide else part * bead_thickness(across, across_cell, width, height)
+            if weight <= 0.0:
+                continue
+            if i < 0 or j < 0 or i >= nx or j >= ny:
+                beside += 0.0 if wide else weight
+                continue
+            tip = start[2] + rise * min(max(along / length, 0.0), 1.0) if length > 0.0 else end[2]
+            room = room_below(columns, i, j, tip, nozzle)
+            at_i[m], at_j[m], free[m] = i, j, room
+            share[m] = room if wide else weight
+            m += 1
+    return Room(at_i[:m], at_j[:m], share[:m], free[:m]), beside
+
+
+@kernel
+def put(field: Field, i: int, j: int, tip: float, thickness: float, nozzle: Nozzle) -> float:
+    """Put `thickness` [m] of material into a column: onto what is below the nozzle, or hanging there; -1: no interval
+    is left for it. What finds no room under the nozzle stands above it."""
+    columns, _, _, dirty, tops = field
+    lo, hi, count = columns
+    top = top_below(columns, i, j, tip, nozzle.fuse)
+    bottom = top if tip - top <= DEEPEST * nozzle.height else tip - nozzle.height
+    if top >= tip - nozzle.fuse:  # up to the nozzle all is full: it swells above
+        for k in range(count[i, j]):
+            if lo[i, j, k] <= tip + nozzle.fuse and hi[i, j, k] >= tip - nozzle.fuse:
+                bottom = hi[i, j, k]
+    added, left = 0.0, thickness
+    for _ in range(8):  # what it meets on its way up fuses with it
+        grown = unite(columns, i, j, bottom, bottom + left, nozzle.fuse)
+        if grown < 0.0:
+            return -1.0
+        added += grown
+        left -= grown
+        bottom += grown
+        if left <= 1.0e-12:
+            break
+        for k in range(count[i, j]):
+            if lo[i, j, k] <= bottom + nozzle.fuse and hi[i, j, k] >= bottom - nozzle.fuse:
+                bottom = hi[i, j, k]
+    pi, pj = i >> PATCH_SHIFT, j >> PATCH_SHIFT
+    dirty[pi, pj] = 1
+    tops[pi, pj] = max(tops[pi, pj], bottom + left)
+    return added
+
+
+@kernel
+def has_interval(columns: Columns, room: Room) -> bool:
+    """Whether every column can take one more interval."""
+    lo, _, count = columns
+    for m in range(len(room.i)):  # noqa: SIM110  (kernels have no generators)
+        if count[room.i[m], room.j[m]] >= lo.shape[2]:
+            return False
+    return True
+
+
+@kernel
+def lay_piece(
+    field: Field, start: Array, end: Array, volume: float, nozzle: Nozzle, before: float
+) -> tuple[float, float, float, bool, float, float]:
+    """Lay `volume` [m³] along a piece; in the stock, above the nozzle, beside the stock, support, width, height.
+
+    `before` is the height of the strand so far, 0 where it begins. A first value of -1 means that a column has no
+    interval left, and nothing was done.
+    """
+    columns, grid = field.columns, field.grid
+    dx, dy = end[0] - start[0], end[1] - start[1]
+    length = max(math.sqrt(dx * dx + dy * dy), 1.0e-9)
+    section = volume / length
+    height = gap_ahead(field, start, end, nozzle)
+    if height < LEAST * nozzle.height:
+        height = before if before > 0.0 else nozzle.height
+    least = 0.25 * math.pi * height * height
+    if section < least:  # a thin round strand, which does not fill the gap
+        height = math.sqrt(section / (0.25 * math.pi))
+        width = height
+    else:
+        width = section / height + ROUND * height
+    width = min(width, max(WIDEST * nozzle.width, height))
+    support = is_carried(field, start, end, nozzle, width)
+    tip = 0.5 * (start[2] + end[2])
+    room, beside = gather(field, start, end, width, height, nozzle, False)
+    wide, _ = gather(field, start, end, width, height, nozzle, True)
+    if not has_interval(columns, wide) or not has_interval(columns, room):
+        return -1.0, 0.0, 0.0, support, width, height
+    total = beside
+    for m in range(len(room.share)):
+        total += room.share[m]
+    if total <= 0.0:
+        return 0.0, 0.0, volume, support, width, height
+    lost = volume * beside / total
+    area = grid.dx * grid.dy
+    inside, left = 0.0, 0.0
+    for m in range(len(room.share)):
+        wanted = volume * room.share[m] / total / area
+        given = min(wanted, room.free[m])
+        left += (wanted - given) * area
+        if given > 0.0:
+            inside += put(field, room.i[m], room.j[m], tip, given, nozzle) * area
+    if left > TINY and len(wide.i) > 0:  # sideways, as far as there is room
+        free = 0.0
+        for m in range(len(wide.i)):
+            wide.free[m] = room_below(columns, wide.i[m], wide.j[m], tip, nozzle)
+            free += wide.free[m] * area
+        part = min(left / free, 1.0) if free > 0.0 else 0.0
+        if part > 0.0:
+            for m in range(len(wide.i)):
+                if wide.free[m] > 0.0:
+                    added = put(field, wide.i[m], wide.j[m], tip, wide.free[m] * part, nozzle) * area
+                    inside += added
+                    left -= added
+    above = 0.0
+    if left > TINY:
+        total -= beside
+        for m in range(len(room.share)):
+            above += put(field, room.i[m], room.j[m], tip, left * room.share[m] / total / area, nozzle) * area
+    return inside + above, above, lost, support, width, height
+
+
+@kernel
+def lay(field: Field, ways: Array, volumes: Array, sizes: Array, carry: Array, first: int, laid: Laid) -> int:
+    """Lay pieces `first`… in order; the index of the piece that found no room, or their number.
+
+    ways (c, 6): start and end of the nozzle tip in S [m]; volumes (c,) [m³], none where it is not positive; sizes
+    (c, 2): nominal width and height [m]; carry (4,): where the last piece ended and the height of its strand. To go on
+    after a stop, give the columns more room and call again.
+    """
+    pieces = len(ways)
+    for p in range(first, pieces):
+        start, end = ways[p, :3], ways[p, 3:]
+        if volumes[p] <= 0.0:
+            continue
+        nozzle = Nozzle(sizes[p, 0], sizes[p, 1], 1.0e-9)
+        goes_on = np.max(np.abs(carry[:3] - start)) < 1.0e-9
+        inside, above, beside, support, width, height = lay_piece(
+            field, start, end, volumes[p], nozzle, carry[3] if goes_on else 0.0
+        )
+        if inside < 0.0:
+            return p
+        laid.volume[p], laid.above[p], laid.beside[p] = inside, above, beside
+        laid.support[p], laid.width[p] = 1.0 if support else 0.0, width
+        carry[:3], carry[3] = end, height
+    return pieces

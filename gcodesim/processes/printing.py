@@ -1,0 +1,143 @@
+"""What is wrong with a print: beads in the air, flow that the bead cannot be, material beside the stock."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.diagnostics import Diagnostic
+from gcodesim.processes.rows import Rows
+from gcodesim.units import MM, MM3
+
+Array = NDArray[np.float64]
+
+AIR: Final = 0.5 * MM
+"""Length of bead without support that counts: less is the edge of what is below."""
+
+FREE: Final = 2.0 * MM
+"""Length of bead that the strand before it holds by itself, as where it goes round a corner in the air."""
+
+SPILL: Final = 0.25
+"""Share of the bead of the row behind it that does not make a row one with a bead."""
+
+SHORT: Final = 0.01
+"""[s] Rows that take less may have no step of their own."""
+
+OFF: Final = 0.2
+"""Share by which flow may miss the bead; slicers stay within some per cent."""
+
+_WORTH: Final = 0.02  # share of all that was extruded from which on a loss or swelling is worth a finding
+
+
+def printing_findings(rows: Rows) -> Iterator[Diagnostic]:
+    """GS520 to GS524 from the columns that `Extrusion` writes by volume."""
+    volume = rows["extruded"]
+    if not volume.any():
+        return
+    yield from _in_the_air(rows)
+    yield from _off_size(rows, volume)
+    total = float(volume.sum())
+    for code, name, what, hint in (
+        ("GS522", "beside", "lies beside the stock, where it is not kept", "make the stock, which is the bed, as large "
+         "as the print"),
+        ("GS523", "swollen", "found no room below the nozzle and swells up beside it", "look for layers that are too "
+         "thin, a wrong `filament_diameter`, or paths that lie on each other"),
+    ):  # fmt: skip
+        lost = rows[name]
+        if float(lost.sum()) > _WORTH * total:
+            first = int(np.argmax(lost > 0.0))
+            yield _told(
+                rows,
+                first,
+                code,
+                f"{lost.sum() / MM3:.1f} of {total / MM3:.1f} mm³ {what}",
+                hint,
+                (float(lost.sum()) / MM3, _WORTH * total / MM3, "mm³"),
+                int((lost > 0.0).sum()),
+            )
+
+
+def _laying(way: Array) -> NDArray[np.intp]:
+    """Rows on which a strand is laid. A step counts for the row in its middle, so the row before may have a bit."""
+    following = np.append(way[1:], 0.0)
+    return np.flatnonzero((way > 0.0) & (way > SPILL * following))
+
+
+def _in_the_air(rows: Rows) -> Iterator[Diagnostic]:
+    """Beads with nothing below: a stretch that rests on something at both ends is a bridge."""
+    air, way = rows["unsupported"], rows["laid_length"]
+    laying = _laying(way)
+    if not len(laying):
+        return
+    hanging = air[laying] > np.minimum(AIR, 0.5 * way[laying])
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], hanging, [False]]).astype(np.int8)))
+    bridges: list[tuple[int, float]] = []
+    floating: list[tuple[int, float]] = []
+    for begin, end in edges.reshape(-1, 2).tolist():
+        run = laying[begin:end]
+        length = float(air[run].sum())
+        first, last = int(run[0]), int(run[-1])
+        before = begin > 0 and _joined(rows, int(laying[begin - 1]), first)
+        behind = end < len(laying) and _joined(rows, last, int(laying[end]))
+        held = [before or air[first] < 0.98 * way[first], behind or air[last] < 0.98 * way[last]]
+        (bridges if all(held) else floating).append((first, length))
+    floating = [each for each in floating if each[1] > FREE]
+    if floating:
+        total = sum(length for _, length in floating)
+        yield _told(
+            rows,
+            floating[0][0],
+            "GS520",
+            f"the bead lies in the air: {total / MM:.1f} mm without anything below",
+            "print a support, or the layer below, first",
+            (total / MM, AIR / MM, "mm"),
+            len(floating),
+        )
+    if bridges:
+        total, longest = sum(length for _, length in bridges), max(length for _, length in bridges)
+        yield _told(rows, bridges[0][0], "GS521", f"{total / MM:.1f} mm of bead bridge what is empty below; longest "
+                    f"stretch: {longest / MM:.1f} mm", "both ends rest on something", (longest / MM, AIR / MM, "mm"),
+                    len(bridges))  # fmt: skip
+
+
+def _joined(rows: Rows, one: int, next_one: int) -> bool:
+    """Whether two rows lay one strand: between them there may be rows too short for a step, but no way around."""
+    return bool(rows.time[next_one] - rows.time[one + 1] < SHORT)
+
+
+def _off_size(rows: Rows, volume: Array) -> Iterator[Diagnostic]:
+    """Flow that is much more or less than the bead's size asks for."""
+    asked = rows["meant"]
+    rated = _laying(rows["laid_length"])
+    off = rated[np.abs(volume[rated] - asked[rated]) > OFF * asked[rated]]
+    if not len(off):
+        return
+    share, way = float(asked[off].sum()), float(rows["laid_length"][off].sum())
+    if share < _WORTH * float(asked.sum()):
+        return
+    flow, wanted = float(volume[off].sum()) / way / MM**2, share / way / MM**2
+    less = "less" if flow < wanted else "more"
+    message = f"flow and speed give a section of {flow:.3g} mm²; beads of the size named ask for {wanted:.3g} mm²"
+    message += f", {abs(flow / wanted - 1.0):.0%} {less} flows"
+    hint = "check E, `filament_diameter`, `bead_width` and `bead_height`"
+    yield _told(rows, int(off[0]), "GS524", message, hint, (flow, wanted, "mm²"), len(off))
+
+
+def _told(
+    rows: Rows, row: int, code: str, message: str, hint: str, numbers: tuple[float, float, str], count: int
+) -> Diagnostic:
+    value, limit, unit = numbers
+    return Diagnostic(
+        code=code,
+        message=message,
+        hint=hint,
+        span=rows.span(row),
+        time=float(rows.time[row]),
+        count=count,
+        value=value,
+        limit=limit,
+        unit=unit,
+    )
