@@ -17,6 +17,7 @@ COMMANDS = (
     "cell",
     "place",
     "init",
+    "import_",
     "info",
     "export",
     "plot",
@@ -67,5 +68,5 @@ def parser_for(words: Sequence[str]) -> Parser:
 
     Declaring the options of all commands takes longer than reading a short program.
     """
-    asked = [name for name in COMMANDS if list(words[:1]) == [name.replace("_", "-")]]
+    asked = [name for name in COMMANDS if list(words[:1]) == [name.strip("_").replace("_", "-")]]
     return build_parser(asked or COMMANDS)

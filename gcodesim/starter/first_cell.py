@@ -336,6 +336,8 @@ class FirstCell:
                 values.append(f"corner_radius: {told.corner_radius:g} {unit}")
             if told.point_angle is not None:
                 values.append(f"point_angle: {told.point_angle:g} deg")
+            if told.angle is not None:
+                values.append(f"angle: {told.angle:g} deg")
             text = f"{{{', '.join(values)}}}"
             lines += [f"  # {source}{asked}", f"  {told.number}: {text}"]
             for number, of in self.found.offsets.items():

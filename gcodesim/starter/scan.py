@@ -55,7 +55,14 @@ _CORNERS: Final = tuple(
     for word in ("MIN", "MAX")
 )
 _INCH = re.compile(r"[Gg]0*20(?![0-9.])")
+_CONES: Final = ("v_bit", "chamfer_mill", "engraver", "countersink")
+_DEGREES = re.compile(rf"{_NUMBER}\s*(?:-\s*)?(?:deg\b|degrees?\b|°)", re.IGNORECASE)
 _KINDS: Final = (
+    *((word, "v_bit") for word in ("v bit", "v-bit", "vbit", "v-groove", "v groove", "v-carv", "v carv")),
+    *((word, "chamfer_mill") for word in ("chamfer", "fasen")),
+    *((word, "countersink") for word in ("countersink", "counter sink")),
+    ("engrav", "engraver"),
+    ("spot", "spot_drill"),
     ("ball", "ball_end_mill"),
     ("bull", "bull_nose_end_mill"),
     *((word, "drill") for word in ("drill", "bore", "bohr", "broca", "foret", "taladr", "tap", "reamer")),
@@ -72,6 +79,7 @@ class ScannedTool:
     diameter: float | None = None
     corner_radius: float | None = None
     point_angle: float | None = None
+    angle: float | None = None
     comment: str = ""
 
 
@@ -199,15 +207,34 @@ def _tool_of(number: int, text: str, comment: str, line: int, inch: bool) -> Sca
         kind = "ball_end_mill" if radius >= 0.5 * diameter else "bull_nose_end_mill"
     if kind == "bull_nose_end_mill" and not radius:
         kind = "flat_end_mill"
+    angle = _angle_of(text) if kind in _CONES else None
+    if kind == "v_bit" and angle is None:
+        kind = "chamfer_mill"  # whose usual angle a cell need not say
     return ScannedTool(
         number=number,
         line=line,
         type=kind,
         diameter=diameter or None,
         corner_radius=radius if kind == "bull_nose_end_mill" else None,
-        point_angle=float(point[1]) if point is not None and kind == "drill" else None,
+        point_angle=float(point[1]) if point is not None and kind in ("drill", "spot_drill") else None,
+        angle=angle,
         comment=comment,
     )
+
+
+def tool_in_words(number: int, text: str, inch: bool) -> ScannedTool:
+    """What a description says about a tool; lengths in inches if asked, else mm."""
+    return _tool_of(number, text, text.strip(), 0, inch)
+
+
+def _angle_of(text: str) -> float | None:
+    """The included angle of a cone [deg]; posts give half of it as its taper."""
+    if taper := _POINT.search(text):
+        half = float(taper[1])
+        return 2.0 * half if "taper" in taper[0].lower() and half < 90.0 else half
+    degrees = _DEGREES.search(text)
+    angle = None if degrees is None else float(degrees[1])
+    return angle if angle is not None and 1.0 <= angle < 180.0 else None
 
 
 def _diameter_of(text: str, inch: bool) -> float | None:

@@ -87,3 +87,18 @@ def test_a_program_without_anything_gives_a_cell_that_loads() -> None:
     assert codes_of(cell_for(SourceText("x.nc", b"M2\n"))) == []
     assert codes_of(cell_for(SourceText("x.nc", b""))) == []
     assert codes_of(cell_for(SourceText("x.nc", b"\xff\x00(T)(T0)(T1 \x07\x85 D=)\nT1 M6"))) == []
+
+
+@pytest.mark.parametrize(
+    ("comment", "kind", "angle"),
+    [
+        ("T1 90 deg V bit D12", "v_bit", 90.0),
+        ("T1 D=6. CR=0. TAPER=45deg - ZMIN=-1. - chamfer mill", "chamfer_mill", 90.0),
+        ("T1 30 degree engraver D6", "engraver", 30.0),
+        ("T1 V-bit 12 mm", "chamfer_mill", None),
+        ("T1 6 mm end mill D6", "flat_end_mill", None),
+    ],
+)
+def test_a_cone_is_no_end_mill(comment, kind, angle):
+    (tool,) = scan(SourceText("a.nc", f"({comment})\nT1 M6\nG1 X1 F100\nM2\n".encode())).tools
+    assert (tool.type, tool.angle) == (kind, angle)

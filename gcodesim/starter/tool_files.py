@@ -1,0 +1,496 @@
+"""Tools from the files of LinuxCNC, Fusion, FreeCAD and CAMotics: tool tables, libraries, tool bits, projects.
+
+Every tool of a file is read, read with something approximated, or refused with a reason; none becomes a cylinder
+in silence. What comes out are keys of a cell.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import zipfile
+from collections.abc import Iterator, Mapping
+from dataclasses import field
+from io import BytesIO
+from pathlib import Path, PurePosixPath
+from typing import Any, Final
+
+from gcodesim.diagnostics import SourceText
+from gcodesim.frozen import frozen
+from gcodesim.rs274 import ToolTable
+from gcodesim.starter.scan import tool_in_words
+from gcodesim.units import INCH, MM
+
+Json = Mapping[str, Any]
+
+LARGEST: Final = 64 * 1024 * 1024
+"""Bytes of the largest library that is read."""
+
+
+EMPTY: Final = "left out: T0 is the empty spindle, no tool"
+
+
+class ToolFileError(Exception):
+    """A file that holds no tools in a known form; the text says why."""
+
+
+@frozen
+class ReadTool:
+    """One tool of a file. `keys` are its keys in a cell, as text; none: it is refused, and `notes` say why."""
+
+    number: int
+    name: str
+    keys: Mapping[str, str] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+    @property
+    def refused(self) -> bool:
+        return not self.keys and self.notes[:1] != (EMPTY,)
+
+
+@frozen
+class ToolFile:
+    """What a file says: its tools, and other lines of a cell, such as the stock."""
+
+    what: str
+    tools: tuple[ReadTool, ...]
+    stock: str = ""
+
+
+def read_tools(path: Path, *, inch: bool = False) -> ToolFile:
+    """The tools of a file, told by its ending and content; OSError, or ToolFileError: no tools in a known form."""
+    data = path.read_bytes()
+    if len(data) > LARGEST:
+        raise ToolFileError(f"{path} is larger than a tool library")
+    if path.suffix.lower() in (".tbl", ".tool"):
+        return _linuxcnc(path, data, inch)
+    if data[:2] == b"PK":
+        return _fusion(_json(_unpacked(path, data), path))
+    found = _json(data, path)
+    if isinstance(found.get("data"), list):
+        return _fusion(found)
+    if path.suffix.lower() == ".fctl" or (isinstance(found.get("tools"), list) and "version" in found):
+        return _freecad_library(found, path)
+    if "shape" in found and "parameter" in found:
+        return ToolFile(what="tool bit of FreeCAD", tools=(_freecad(1, found),))
+    if isinstance(found.get("tools"), dict):
+        return _camotics(found)
+    raise ToolFileError(f"{path} is no tool table, library of Fusion or FreeCAD, or project of CAMotics")
+
+
+def _json(data: bytes, path: Path) -> Json:
+    try:
+        found = json.loads(data.decode("utf-8-sig"))
+    except (ValueError, RecursionError) as error:
+        reason = "is not in UTF-8" if isinstance(error, UnicodeDecodeError) else "is no JSON"
+        raise ToolFileError(f"{path} {reason}") from None
+    if not isinstance(found, dict):
+        raise ToolFileError(f"{path} holds no tools: a mapping is expected")
+    return found
+
+
+def _unpacked(path: Path, data: bytes) -> bytes:
+    try:
+        with zipfile.ZipFile(BytesIO(data)) as archive:
+            names = [name for name in archive.namelist() if name.endswith(".json")]
+            if not names or archive.getinfo(names[0]).file_size > LARGEST:
+                raise ToolFileError(f"{path} holds no library of tools")
+            return archive.read(names[0])
+    except (zipfile.BadZipFile, NotImplementedError, RuntimeError, zipfile.zlib.error) as error:  # type: ignore[attr-defined]
+        raise ToolFileError(f"{path} cannot be unpacked: {error}") from None
+
+
+def _number(value: Any) -> float | None:
+    """A finite number, or the number that a text such as `6.00 mm` begins with."""
+    if isinstance(value, bool) or value is None:
+        return None
+    if isinstance(value, str):
+        match = re.match(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)", value)
+        value = float(match[1]) if match else None
+    return float(value) if isinstance(value, int | float) and math.isfinite(value) else None
+
+
+def _whole(value: Any) -> int | None:
+    number = _number(value)
+    return int(number) if number is not None and number == int(number) else None
+
+
+def _flag(number: int | None, name: str) -> ReadTool | None:
+    """The refusal of a number that no tool of a cell has."""
+    if number is None:
+        return ReadTool(number=0, name=name, notes=("refused: it has no number",))
+    if number == 0:
+        return ReadTool(number=0, name=name, notes=(EMPTY,))
+    if not 1 <= number <= 99_999:
+        return ReadTool(number=number, name=name, notes=("refused: its number is not within 1 to 99999",))
+    return None
+
+
+def _quoted(text: str) -> str:
+    plain = " ".join("".join(c if c.isprintable() else " " for c in text).split())
+    return json.dumps(plain, ensure_ascii=False)
+
+
+class _Keys:
+    """Keys of one tool while they are gathered."""
+
+    def __init__(self, kind: str, name: str, unit: str) -> None:
+        self.found: dict[str, str] = {"type": kind}
+        if name.strip():
+            self.found["name"] = _quoted(name)
+        self.unit, self.notes = unit, list[str]()
+
+    def length(self, key: str, value: float | None) -> None:
+        if value is not None and value > 0.0:
+            self.found[key] = f"{round(value, 6):g} {self.unit}"
+
+    def angle(self, key: str, value: float | None) -> None:
+        if value is not None:
+            self.found[key] = f"{round(value, 6):g} deg"
+
+    def count(self, key: str, value: Any) -> None:
+        number = _whole(value)
+        if number is not None and number > 0:
+            self.found[key] = str(number)
+
+    def tool(self, number: int, name: str, needs: tuple[str, ...] = ("diameter",)) -> ReadTool:
+        lacking = [key for key in needs if key not in self.found]
+        if lacking:
+            return ReadTool(number=number, name=name, notes=(f"refused: it does not say its {lacking[0]}",))
+        return ReadTool(number=number, name=name, keys=self.found, notes=tuple(self.notes))
+
+
+_NEEDS: Final = {
+    "bull_nose_end_mill": ("diameter", "corner_radius"),
+    "corner_rounding_mill": ("corner_radius", "tip_diameter"),
+    "dovetail_mill": ("diameter", "flute_length"),
+    "engraver": ("diameter",),
+    "saw": ("diameter", "flute_length"),
+    "t_slot_mill": ("diameter", "flute_length"),
+    "tap": ("diameter", "pitch"),
+    "taper_ball_end_mill": ("diameter", "tip_diameter", "taper"),
+    "v_bit": ("diameter", "angle"),
+}
+
+
+def _made(keys: _Keys, number: int, name: str) -> ReadTool:
+    return keys.tool(number, name, _NEEDS.get(keys.found["type"], ("diameter",)))
+
+
+# --- LinuxCNC
+
+
+def _linuxcnc(path: Path, data: bytes, inch: bool) -> ToolFile:
+    table, findings = ToolTable.read(SourceText(str(path), data), inch=inch)
+    unit, si = ("in", INCH) if inch else ("mm", MM)
+    tools = []
+    for number, entry in table.items():
+        if refusal := _flag(number, entry.comment):
+            tools.append(refusal)
+            continue
+        told = tool_in_words(number, entry.comment, inch)
+        keys = _Keys(told.type, entry.comment, unit)
+        keys.length("diameter", entry.diameter / si if entry.diameter > 0.0 else told.diameter)
+        keys.length("corner_radius", told.corner_radius)
+        keys.angle("point_angle", told.point_angle)
+        keys.angle("angle", told.angle)
+        keys.length("length", entry.offset[2] / si)
+        if told.type == "flat_end_mill" and "mill" not in entry.comment.lower():
+            keys.notes.append("approximated: a table does not say what kind of tool it is; a flat end mill is assumed")
+        else:
+            keys.notes.append(f"approximated: the comment speaks of a {told.type.replace('_', ' ')}")
+        if told.diameter is not None and entry.diameter > 0.0 and abs(told.diameter * si - entry.diameter) > 0.02 * MM:
+            keys.notes.append(
+                f"differs: D is {entry.diameter / si:g} {unit}, the comment says {told.diameter:g} {unit}"
+            )
+        tools.append(_made(keys, number, entry.comment))
+    lost = [ReadTool(number=0, name=f"line {f.span.line}", notes=(f"refused: {f.message}",)) for f in findings]
+    return ToolFile(what="tool table of LinuxCNC", tools=(*tools, *lost))
+
+
+# --- Fusion
+
+_FUSION: Final = {
+    "flat end mill": "flat_end_mill",
+    "ball end mill": "ball_end_mill",
+    "bull nose end mill": "bull_nose_end_mill",
+    "face mill": "face_mill",
+    "chamfer mill": "chamfer_mill",
+    "tapered mill": "taper",
+    "dovetail mill": "dovetail_mill",
+    "lollipop mill": "lollipop_mill",
+    "slot mill": "t_slot_mill",
+    "radius mill": "corner_rounding_mill",
+    "thread mill": "thread_mill",
+    "drill": "drill",
+    "spot drill": "spot_drill",
+    "center drill": "spot_drill",
+    "counter sink": "countersink",
+    "reamer": "reamer",
+    "tap right hand": "tap",
+    "tap left hand": "tap",
+    "boring bar": "boring_bar",
+    "probe": "probe",
+}
+_FUSION_READ: Final = frozenset(
+    ("DC", "DCX", "LCF", "LB", "NOF", "RE", "SIG", "TA", "TP", "tip-diameter", "shoulder-diameter", "OAL", "SFDM",
+     "shoulder-length", "assemblyGaugeLength", "HAND", "CSP", "LF", "NT", "thread-profile-angle")
+)  # fmt: skip
+
+
+def _fusion(library: Json) -> ToolFile:
+    tools = [_fusion_tool(entry) for entry in library["data"] if isinstance(entry, dict)]
+    return ToolFile(what="library of Fusion", tools=tuple(tool for tool in tools if tool is not None))
+
+
+def _fusion_tool(entry: Json) -> ReadTool | None:
+    word = str(entry.get("type", "")).strip().lower()
+    if word == "holder":
+        return None
+    post, geometry = _mapping(entry.get("post-process")), _mapping(entry.get("geometry"))
+    name = str(entry.get("description") or entry.get("product-id") or word)
+    number = _whole(post.get("number"))
+    if refusal := _flag(number, name):
+        return refusal
+    assert number is not None
+    if word not in _FUSION:
+        return ReadTool(number=number, name=name, notes=(f"refused: gcodesim knows no `{word}`",))
+    unit = "in" if str(entry.get("unit", "")).startswith("inch") else "mm"
+
+    def value(key: str) -> float | None:
+        return _number(geometry.get(key))
+
+    kind = _FUSION[word]
+    taper, corner, tip = value("TA"), value("RE"), value("tip-diameter")
+    if kind == "taper":
+        kind = "taper_ball_end_mill" if corner and taper else "engraver"
+    keys = _Keys(kind, name, unit)
+    keys.length("diameter", value("DC"))
+    if kind == "face_mill":
+        keys.length("diameter", value("DCX") or value("DC"))
+        if taper is not None:
+            keys.angle("lead_angle", taper)
+    keys.count("flutes", geometry.get("NOF"))
+    keys.length("flute_length", value("LCF"))
+    keys.length("length", value("LB") or value("LF"))
+    if kind == "bull_nose_end_mill":
+        keys.length("corner_radius", corner)
+    elif kind == "corner_rounding_mill":
+        keys.length("corner_radius", corner)
+        keys.length("tip_diameter", tip or value("DC"))
+        keys.found.pop("diameter", None)
+    elif kind == "taper_ball_end_mill":
+        # its DC is the ball at the tip
+        keys.length("tip_diameter", value("DC"))
+        keys.angle("taper", taper)
+        keys.length("diameter", value("SFDM") or value("shoulder-diameter"))
+    elif kind in ("chamfer_mill", "engraver"):
+        keys.angle("angle", None if taper is None else 2.0 * taper)
+        keys.length("tip_diameter", tip)
+    elif kind == "dovetail_mill":
+        keys.angle("angle", None if taper is None else 90.0 - taper)
+    elif kind == "countersink":
+        keys.angle("angle", value("SIG") or (None if taper is None else 2.0 * taper))
+        keys.length("tip_diameter", tip)
+    elif kind in ("drill", "spot_drill"):
+        keys.angle("point_angle", value("SIG"))
+    elif kind in ("tap", "thread_mill"):
+        keys.length("pitch", value("TP"))
+    if kind in ("lollipop_mill", "thread_mill", "tap", "probe"):
+        keys.found.pop("flute_length", None)
+    if kind == "probe":
+        keys.found.pop("flutes", None)
+    if word in ("center drill", "slot mill"):
+        keys.notes.append(f"approximated: a {word} is taken for a {kind.replace('_', ' ')}")
+    if word.startswith("tap left"):
+        keys.notes.append("approximated: a left-hand tap is taken for a right-hand one")
+    _fusion_holder(entry, keys)
+    ignored = sorted(set(geometry) - _FUSION_READ)
+    if ignored:
+        keys.notes.append(f"not used: {', '.join(f'`{key}`' for key in ignored)}")
+    return _made(keys, number, name)
+
+
+def _fusion_holder(entry: Json, keys: _Keys) -> None:
+    segments = _mapping(entry.get("holder")).get("segments")
+    parts = [part for part in segments if isinstance(part, dict)] if isinstance(segments, list) else []
+    heights = [_number(part.get("height")) or 0.0 for part in parts]
+    wide = [max(_number(part.get(key)) or 0.0 for key in ("lower-diameter", "upper-diameter")) for part in parts]
+    if parts and sum(heights) > 0.0 and max(wide) > 0.0:
+        sizes = f"diameter: {round(max(wide), 6):g} {keys.unit}, length: {round(sum(heights), 6):g} {keys.unit}"
+        keys.found["holder"] = f"{{{sizes}}}"
+        if len(parts) > 1 or len(set(wide)) > 1:
+            keys.notes.append("approximated: the holder is a cylinder as wide as the widest of its segments")
+
+
+def _mapping(value: Any) -> Json:
+    return value if isinstance(value, dict) else {}
+
+
+# --- FreeCAD
+
+_FREECAD: Final = {
+    "endmill": "flat_end_mill",
+    "ballend": "ball_end_mill",
+    "bullnose": "bull_nose_end_mill",
+    "torus": "bull_nose_end_mill",
+    "chamfer": "chamfer_mill",
+    "v-bit": "v_bit",
+    "vbit": "v_bit",
+    "dovetail": "dovetail_mill",
+    "drill": "drill",
+    "slittingsaw": "saw",
+    "thread-mill": "thread_mill",
+    "threadmill": "thread_mill",
+    "tap": "tap",
+    "reamer": "reamer",
+    "probe": "probe",
+}
+
+
+def _freecad_library(library: Json, path: Path) -> ToolFile:
+    tools = []
+    for entry in library.get("tools") or ():
+        if not isinstance(entry, dict):
+            continue
+        number, place = _whole(entry.get("nr")), str(entry.get("path", ""))
+        name = PurePosixPath(place.replace("\\", "/")).name
+        if refusal := _flag(number, name):
+            tools.append(refusal)
+            continue
+        assert number is not None
+        found = next((at for at in _places(path, name) if at.is_file()), None)
+        if not name or found is None:
+            tools.append(ReadTool(number=number, name=name, notes=(f"refused: `{name}` is not beside the library",)))
+            continue
+        try:
+            tools.append(_freecad(number, _json(found.read_bytes(), found)))
+        except (OSError, ToolFileError) as error:
+            tools.append(ReadTool(number=number, name=name, notes=(f"refused: {error}",)))
+    return ToolFile(what="library of FreeCAD", tools=tuple(tools))
+
+
+def _places(library: Path, name: str) -> Iterator[Path]:
+    """Where a tool bit of a library may be: beside it, or in FreeCAD's folder `Bit` beside its `Library`."""
+    yield library.parent / name
+    yield library.parent / "Bit" / name
+    yield library.parent.parent / "Bit" / name
+
+
+def _freecad(number: int, bit: Json) -> ReadTool:
+    name = str(bit.get("name", ""))
+    shape = PurePosixPath(str(bit.get("shape", "")).replace("\\", "/")).stem.lower()
+    if shape not in _FREECAD:
+        return ReadTool(number=number, name=name, notes=(f"refused: gcodesim knows no tool of the shape `{shape}`",))
+    parameters = {**_mapping(bit.get("attribute")), **_mapping(bit.get("parameter"))}
+    units = {"in" if str(parameters.get(key, "")).strip().endswith(('"', "in")) else "mm" for key in ("Diameter",)}
+    kind = _FREECAD[shape]
+    keys = _Keys(kind, name, units.pop())
+    used = {"Diameter", "Length", "ShankDiameter", "Flutes", "Material", "Chipload", "SpindleDirection", "ToolBitID"}
+
+    def value(key: str) -> float | None:
+        used.add(key)
+        return _number(parameters.get(key))
+
+    keys.length("diameter", value("Diameter"))
+    keys.count("flutes", parameters.get("Flutes"))
+    keys.length("length", value("Length"))
+    if kind not in ("probe", "v_bit", "thread_mill", "saw", "drill"):
+        keys.length("flute_length", value("CuttingEdgeHeight") or value("CuttingEdgeLength"))
+    angle = value("CuttingEdgeAngle")
+    if kind in ("chamfer_mill", "v_bit"):
+        tip = value("TipDiameter")
+        flat = value("FlatRadius")
+        keys.angle("angle", angle)
+        keys.length("tip_diameter", tip or (None if flat is None else 2.0 * flat))
+        value("FlatHeight")
+        value("CuttingEdgeHeight")
+    elif kind == "dovetail_mill":
+        keys.angle("angle", angle)
+        keys.length("neck_diameter", value("NeckDiameter"))
+        value("NeckHeight")
+    elif kind == "bull_nose_end_mill":
+        flat = value("FlatRadius")
+        diameter = value("Diameter")
+        beyond = None if flat is None or diameter is None else 0.5 * diameter - flat
+        keys.length("corner_radius", value("CornerRadius") or beyond)
+    elif kind == "drill":
+        keys.angle("point_angle", value("TipAngle"))
+    elif kind == "saw":
+        keys.length("flute_length", value("BladeThickness"))
+        keys.length("neck_diameter", value("ShankDiameter"))
+    elif kind == "thread_mill":
+        keys.angle("angle", value("cuttingAngle"))
+        keys.length("crest", value("Crest"))
+        keys.length("neck_diameter", value("NeckDiameter"))
+    elif kind == "tap":
+        keys.length("pitch", value("Pitch"))
+    if kind == "probe":
+        keys.found.pop("flutes", None)
+    ignored = sorted(set(parameters) - used)
+    if ignored:
+        keys.notes.append(f"not used: {', '.join(f'`{key}`' for key in ignored)}")
+    return _made(keys, number, name)
+
+
+# --- CAMotics
+
+
+def _camotics(project: Json) -> ToolFile:
+    tools = []
+    for key, entry in project["tools"].items():
+        if not isinstance(entry, dict):
+            continue
+        number = _whole(entry.get("number", key))
+        name = str(entry.get("description") or "")
+        refusal = _flag(number, name)
+        if refusal is None:
+            assert number is not None
+            refusal = _camotics_tool(number, name, entry, project)
+        tools.append(refusal)
+    return ToolFile(what="project of CAMotics", tools=tuple(tools), stock=_camotics_stock(project))
+
+
+def _camotics_tool(number: int, name: str, entry: Json, project: Json) -> ReadTool:
+    shape = str(entry.get("shape", "cylindrical")).lower()
+    units = str(entry.get("units", project.get("units", "metric"))).lower()
+    unit = "in" if units in ("imperial", "inch") else "mm"
+    diameter, length = _number(entry.get("diameter")), _number(entry.get("length"))
+    tip = _number(entry.get("snub_diameter"))
+    if shape == "cylindrical":
+        keys = _Keys("flat_end_mill", name, unit)
+    elif shape == "ballnose":
+        keys = _Keys("ball_end_mill", name, unit)
+    elif shape in ("conical", "snubnose"):
+        keys = _Keys("v_bit", name, unit)
+        if diameter and length:
+            half = math.atan2(0.5 * (diameter - (tip or 0.0 if shape == "snubnose" else 0.0)), length)
+            keys.angle("angle", math.degrees(2.0 * half))
+        if shape == "snubnose":
+            keys.length("tip_diameter", tip)
+    elif shape == "spheroid" and diameter and length and abs(length - diameter) < 1e-6 * diameter:
+        keys = _Keys("lollipop_mill", name, unit)
+        keys.notes.append("approximated: a ball on a neck of half its diameter")
+    else:
+        return ReadTool(number=number, name=name, notes=(f"refused: gcodesim knows no tool of the shape `{shape}`",))
+    keys.length("diameter", diameter)
+    if shape in ("cylindrical", "ballnose"):
+        keys.length("flute_length", length)
+        if diameter and length:
+            keys.length("length", max(length, 4.0 * diameter))
+            keys.notes.append("approximated: it does not say how long the tool is; 4 diameters, or the edges")
+    return _made(keys, number, name)
+
+
+def _camotics_stock(project: Json) -> str:
+    workpiece = _mapping(project.get("workpiece"))
+    bounds = _mapping(workpiece.get("bounds"))
+    corners = [bounds.get("min"), bounds.get("max")]
+    if workpiece.get("automatic") or not all(isinstance(c, list) and len(c) == 3 for c in corners):
+        return ""
+    values = [[_number(part) for part in corner or ()] for corner in corners]
+    if any(part is None for corner in values for part in corner):
+        return ""
+    low, high = (f"[{', '.join(f'{part:g}' for part in corner)} mm]" for corner in values)
+    return f"stock: {{min: {low}, max: {high}, in: G54}}\n"

@@ -1,0 +1,166 @@
+"""Tools from the files of others: each read, approximated or refused by name, and what is read is a sound cell."""
+
+import json
+import math
+import zipfile
+
+import pytest
+
+from gcodesim.cli.main import main
+from gcodesim.starter.tool_files import ToolFileError, read_tools
+from tests.unit.cell.text import sound
+
+CHAMFER = {
+    "type": "chamfer mill",
+    "unit": "millimeters",
+    "description": "chamfer 90",
+    "geometry": {"DC": 12, "LCF": 6, "LB": 30, "NOF": 4, "TA": 45, "tip-diameter": 1},
+    "post-process": {"number": 3},
+    "holder": {
+        "segments": [
+            {"height": 20, "lower-diameter": 20, "upper-diameter": 30},
+            {"height": 30, "lower-diameter": 40, "upper-diameter": 40},
+        ]
+    },
+}
+INCH = {"DC": 0.5, "RE": 0.03, "NOF": 3, "LCF": 1, "LB": 2}
+LIBRARY = {
+    "data": [
+        CHAMFER,
+        {"type": "form mill", "unit": "inches", "description": "ogee", "geometry": {}, "post-process": {"number": 4}},
+        {"type": "bull nose end mill", "unit": "inches", "geometry": INCH, "post-process": {"number": 5}},
+        {"type": "holder", "description": "alone"},
+        {"type": "drill", "unit": "millimeters", "geometry": {"DC": 5, "SIG": 140}, "post-process": {"number": 6}},
+    ]
+}
+VBIT = {
+    "version": 2,
+    "name": "60 Deg. V-Bit",
+    "shape": "v-bit.fcstd",
+    "parameter": {
+        "CuttingEdgeAngle": "60.0000 °",
+        "Diameter": "10.0000 mm",
+        "FlatHeight": "1.0000 mm",
+        "FlatRadius": "0.5000 mm",
+        "Length": "20.0000 mm",
+        "ShankDiameter": "5.0000 mm",
+    },
+    "attribute": {},
+}
+PROJECT = {
+    "units": "metric",
+    "tools": {
+        "1": {"shape": "conical", "length": 5, "diameter": 10, "number": 1},
+        "2": {"units": "imperial", "shape": "snubnose", "length": 0.5, "diameter": 0.5, "snub_diameter": 0.1},
+        "3": {"shape": "spheroid", "length": 4, "diameter": 10},
+    },
+    "workpiece": {"automatic": False, "bounds": {"min": [0, 0, -10], "max": [50, 40, 0]}},
+}
+
+
+def tools_of(found, head="machine: gantry_xyz\n"):
+    """The tools as a cell reads them."""
+    lines = [
+        f"  {tool.number}: {{{', '.join(f'{key}: {value}' for key, value in tool.keys.items())}}}\n"
+        for tool in found.tools
+        if tool.keys
+    ]
+    return sound(f"{head}{found.stock}tools:\n{''.join(lines)}").tools
+
+
+def notes_of(found, number):
+    return [note for tool in found.tools if tool.number == number for note in tool.notes]
+
+
+def test_a_table_of_linuxcnc(tmp_path):
+    file = tmp_path / "tool.tbl"
+    file.write_text(
+        "T0 P0 D0 ;empty\nT1 P1 Z50.8 D6.35 ;1/4 in flat end mill\nT2 D12 ;90 deg V bit\nT3 D3 ;6 mm ball end mill\n"
+        "T4 D8\nT5 Zx\n"
+    )
+    found = read_tools(file)
+    tools = tools_of(found)
+
+    assert [tools[n].kind for n in (1, 2, 3, 4)] == ["flat_end_mill", "v_bit", "ball_end_mill", "flat_end_mill"]
+    assert tools[1].length == pytest.approx(50.8e-3)
+    assert tools[2].angle == pytest.approx(math.radians(90.0))
+    assert "empty spindle" in notes_of(found, 0)[0]
+    assert not found.tools[0].refused
+    assert any("D is 3 mm, the comment says 6 mm" in note for note in notes_of(found, 3))
+    assert any("a flat end mill is assumed" in note for note in notes_of(found, 4))
+    assert any(tool.refused and "`Zx`" in tool.notes[0] for tool in found.tools)
+    assert tools_of(read_tools(file, inch=True))[1].diameter == pytest.approx(6.35 * 25.4e-3)
+
+
+@pytest.mark.parametrize("packed", [False, True])
+def test_a_library_of_fusion(tmp_path, packed):
+    file = tmp_path / ("library.tools" if packed else "library.json")
+    if packed:
+        with zipfile.ZipFile(file, "w") as archive:
+            archive.writestr("tools.json", json.dumps(LIBRARY))
+    else:
+        file.write_text(json.dumps(LIBRARY))
+    found = read_tools(file)
+    tools = tools_of(found)
+
+    assert [tool.number for tool in found.tools] == [3, 4, 5, 6]
+    assert tools[3].kind == "chamfer_mill"
+    assert (tools[3].angle, tools[3].tip_diameter) == pytest.approx((math.radians(90.0), 1e-3))
+    assert tools[3].holder.length == pytest.approx(50e-3)
+    assert any("widest of its segments" in note for note in notes_of(found, 3))
+    assert notes_of(found, 4) == ["refused: gcodesim knows no `form mill`"]
+    assert (tools[5].diameter, tools[5].corner_radius) == pytest.approx((12.7e-3, 0.03 * 25.4e-3))
+    assert tools[6].point_angle == pytest.approx(math.radians(140.0))
+
+
+def test_bits_and_libraries_of_freecad(tmp_path):
+    (tmp_path / "Bit").mkdir()
+    (tmp_path / "Library").mkdir()
+    (tmp_path / "Bit" / "v.fctb").write_text(json.dumps(VBIT), encoding="utf-8")
+    library = tmp_path / "Library" / "shop.fctl"
+    library.write_text(json.dumps({"version": 1, "tools": [{"nr": 7, "path": "v.fctb"}, {"nr": 8, "path": "no.fctb"}]}))
+    one, many = read_tools(tmp_path / "Bit" / "v.fctb"), read_tools(library)
+
+    assert tools_of(one)[1].angle == pytest.approx(math.radians(60.0))
+    assert tools_of(many)[7].tip_diameter == pytest.approx(1e-3)
+    assert notes_of(many, 8) == ["refused: `no.fctb` is not beside the library"]
+
+
+def test_a_project_of_camotics(tmp_path):
+    file = tmp_path / "part.camotics"
+    file.write_text(json.dumps(PROJECT))
+    found = read_tools(file)
+    tools = tools_of(found)
+
+    assert tools[1].angle == pytest.approx(math.radians(90.0))
+    assert tools[2].tip_height == pytest.approx(0.5 * 25.4e-3, rel=1e-5)
+    assert notes_of(found, 3) == ["refused: gcodesim knows no tool of the shape `spheroid`"]
+    assert found.stock == "stock: {min: [0, 0, -10 mm], max: [50, 40, 0 mm], in: G54}\n"
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("a.json", b"{"),
+        ("a.json", b"[]"),
+        ("a.json", b"{}"),
+        ("a.tools", b"PK\x03\x04rubbish"),
+        ("a.json", b"\xff\xfe"),
+    ],
+)
+def test_what_is_no_tool_file_is_told(tmp_path, name, content):
+    file = tmp_path / name
+    file.write_bytes(content)
+    with pytest.raises(ToolFileError):
+        read_tools(file)
+    assert main(["import", "tools", str(file)]) == 2
+
+
+def test_the_command_prints_keys_and_tells_what_is_refused(tmp_path, capsys):
+    file = tmp_path / "library.json"
+    file.write_text(json.dumps(LIBRARY))
+    assert main(["import", "tools", str(file)]) == 1
+    out, told = capsys.readouterr()
+    assert "  6: {type: drill, " in out
+    assert "T4 (ogee): refused: gcodesim knows no `form mill`" in told
+    assert "3 tools read, 1 refused" in told
