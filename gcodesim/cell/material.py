@@ -116,6 +116,7 @@ class MaterialKind(Kind):
 def written_as(material: Material) -> MaterialForm:
     """The keys that give this material."""
     law = material.law
+    assert law is not None  # only the library has materials without one
     if isinstance(law, Kienzle):
         ratios = {"normal_ratio": law.kn11 / law.kc11, "axial_ratio": law.ka11 / law.kc11}
         return MaterialForm(kc11=law.kc11, mc=law.mc, **ratios, source=material.source)

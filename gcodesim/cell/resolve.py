@@ -269,6 +269,10 @@ def _check_materials(to: Reading) -> None:
         elif not LIBRARY[name].usable:
             message = f"the source of material `{name}` is in doubt: {LIBRARY[name].note}"
             to.findings.add(Diagnostic(code="GS729", span=span, message=message))
+        elif LIBRARY[name].law is None:
+            message = f"there are no force data for `{name}`: it is cut without force"
+            hint = f"give constants of your own: `materials: {{my_{LIBRARY[name].id}: {{kc11: … N/mm^2, mc: …}}}}`"
+            to.findings.add(Diagnostic(code="GS926", span=span, message=message, hint=hint))
 
 
 def _check_mesh_sizes(cell: Cell, to: Reading) -> None:

@@ -31,12 +31,13 @@ _FILE: Final = Path(__file__).parent.parent / "data" / "materials.json"
 class Material:
     """A work material with its force law.
 
+    Without a `law` no source is known for its constants: it is cut without force.
     `assumed` says what was filled in because the source does not give it; `usable` False: its source is in doubt.
     """
 
     id: str
     name: str
-    law: Kienzle | LinearEdge
+    law: Kienzle | LinearEdge | None
     source: str
     condition: str = ""
     iso: str = ""
@@ -59,6 +60,7 @@ class Library(Mapping[str, Material]):
         table = json.loads(_FILE.read_text(encoding="utf-8"))
         found = [_kienzle(row, table) for row in table["kienzle"]]
         found += [_linear_edge(row, table) for row in table["linear_edge"]]
+        found += [_without_force(row) for row in table["without_force"]]
         return {material.id: material for material in found}
 
     @cached_property
@@ -109,6 +111,17 @@ def _kienzle(row: dict[str, Any], table: dict[str, Any]) -> Material:
         note=_note(row, table),
         assumed=tuple(assumed),
         usable=row.get("usable", True),
+        aliases=tuple(row.get("aliases", ())),
+    )
+
+
+def _without_force(row: dict[str, Any]) -> Material:
+    """A material that is named, so that nobody takes another one's constants for it."""
+    return Material(
+        id=row["id"],
+        name=f"{row['name']}, no force data",
+        law=None,
+        source="none that states its specific force with the thickness of the chip",
         aliases=tuple(row.get("aliases", ())),
     )
 

@@ -179,6 +179,14 @@ CODES += (
         remedy="Use `gcodesim run` for such a program.",
     ),
     Code(
+        code="GS926",
+        severity=Severity.NOTE,
+        title="Forces in this material are not simulated",
+        what="The material of the stock is known by name, but no source gives constants of its cutting force.",
+        why="Woods, plastics, foams, wax and graphite are cut; force, torque and power of these lines are 0.",
+        remedy="Give constants from own tests under `materials:`, with their source, and name that material.",
+    ),
+    Code(
         code="GS921",
         severity=Severity.NOTE,
         title="Heaters are not simulated",

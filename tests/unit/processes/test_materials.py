@@ -12,7 +12,7 @@ def test_every_entry_names_its_source_and_has_sound_constants():
         if isinstance(material.law, Kienzle):
             assert 2e8 < material.law.kc11 < 5e9
             assert 0.0 < material.law.mc < 0.4
-        else:
+        elif material.law is not None:
             assert isinstance(material.law, LinearEdge)
             assert material.law.ktc > 2e8
             assert material.law.kte < 5e4 or not material.usable
@@ -66,3 +66,16 @@ def test_suggestions(wrong, wanted):
 
 def test_no_suggestion_for_nonsense():
     assert LIBRARY.suggest("qqqq") == []
+
+
+@pytest.mark.parametrize("name", ["beech", "MDF", "Delrin", "hdpe", "wax", "graphite", "carbon fibre"])
+def test_what_has_no_force_data_is_known_by_name(name):
+    material = LIBRARY[name]
+    assert material.law is None
+    assert "no force data" in material.name
+
+
+@pytest.mark.parametrize("name", ["ti6al4v", "titanium", "AISI 304", "1.4404"])
+def test_titanium_and_stainless_steel_have_constants_with_a_source(name):
+    assert LIBRARY[name].law is not None
+    assert "ISCAR" in LIBRARY[name].source
