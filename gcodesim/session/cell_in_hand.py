@@ -24,7 +24,7 @@ from gcodesim.kinematics.protocol import Status
 from gcodesim.motion.joining import standing_until
 from gcodesim.motion.timing import event_durations
 from gcodesim.motion.tool_path import PathEvent, ToolPath, ToolState
-from gcodesim.planning import Plan, plan_path, posing_of
+from gcodesim.planning import Plan, joint_moves, plan_path, posing_of
 from gcodesim.session.run_thread import RunThread
 from gcodesim.session.servo_kernels import JointBounds, approach
 from gcodesim.session.table_plan import Stretched, merged, plan_of
@@ -200,6 +200,10 @@ class OpenCell:
         table = np.empty((count + 1, len(self._q)))
         table[0] = self._q
         approach(self._q, self._qd, self._target, self._bounds, self._step_ns * 1e-9, table[1:])
+        self._wait_for(table)
+
+    def _wait_for(self, table: Array) -> None:
+        """Steps through joint vectors (n + 1, j) that are to be run."""
         events, self._events = tuple(self._events), []
         self._waiting.append(Stretched(q=table, state=self._state, span=_caller(), active=self._active, events=events))
 
@@ -249,13 +253,30 @@ class OpenCell:
         self._check_open()
         self._target = q
 
+    def _move_joints(self, target: Array) -> None:
+        """Go to `target` (j,) from rest to rest, all joints together, and wait until that is done."""
+        self._check_open()
+        self._check_rest()
+        own = self._shop.kinematics.joints
+        step, dt = target - self._q, self._step_ns * 1e-9
+        count = max(int(np.ceil(joint_moves.duration(step, own) / dt - 1e-9)), 1)
+        times: Array = np.arange(count + 1, dtype=float) * dt
+        share = joint_moves.share_at(times, *joint_moves.law(step, own))
+        table = self._q + share[:, None] * step
+        table[-1] = target
+        self._wait_for(table)
+        self._q, self._target = target.copy(), target.copy()
+
+    def _check_rest(self) -> None:
+        if np.any(np.abs(self._qd) > 0.0):
+            raise MisuseError("the robot is moving; let it come to rest with `cell.step` first")
+
     def _run_path(self, path: ToolPath, frame: str, active: bool | None) -> None:
         """Run moves as a program would, from where the robot stands, with the tool that it holds."""
         self._check_open()
         if not len(path):
             raise MisuseError("the path has no moves")
-        if np.any(np.abs(self._qd) > 0.0):
-            raise MisuseError("the robot is moving; let it come to rest with `cell.step` before it runs a path")
+        self._check_rest()
         self._flush()
         shop, tool = self._shop, self._shop.tool(self._state.tool)
         placed = shop.placement.work_offsets
@@ -337,6 +358,25 @@ class Arm:
 
     def set_joint_position(self, q: Mapping[str, float] | ArrayLike) -> None:
         """Where the joints are to go with the next steps: all (j,), or some by name. MisuseError beyond a limit."""
+        self._cell._aim(self._joints_of(q))
+
+    def move_joints(self, *vectors: Mapping[str, float] | ArrayLike) -> None:
+        """Go through joint vectors from rest to rest, all joints together (PTP); returns when the last is reached.
+
+        MisuseError beyond a limit, before anything moves, and while the robot moves already.
+        """
+        self._cell._check_rest()
+        for target in [self._joints_of(q) for q in vectors]:
+            self._cell._move_joints(target)
+
+    def move_to(self, position: ArrayLike, orientation: ArrayLike | None = None) -> None:
+        """Bring the tip to a pose in the world by a joint move (PTP), and wait; as `set_endeffector_pose` otherwise."""
+        self._cell._check_rest()
+        self.set_endeffector_pose(position, orientation)
+        self._cell._move_joints(self._cell._target.copy())
+
+    def _joints_of(self, q: Mapping[str, float] | ArrayLike) -> Array:
+        """All joint values (j,) that a script means; MisuseError when they are none of this robot's."""
         joints = self._cell._shop.kinematics.joints
         target = self._cell._target.copy()
         if isinstance(q, Mapping):
@@ -354,7 +394,7 @@ class Arm:
                 f"{joints.names[k]} cannot go to {target[k]:.6g}: its limits are {joints.lower[k]:.6g} and "
                 f"{joints.upper[k]:.6g} {'m' if joints.kinds[k] == 'prismatic' else 'rad'}"
             )
-        self._cell._aim(target)
+        return target
 
     def set_endeffector_pose(self, position: ArrayLike, orientation: ArrayLike | None = None) -> None:
         """Where the tip of the tool, or the flange, is to be with the next steps, in the world; joints go evenly there.

@@ -70,6 +70,25 @@ def test_a_pose_is_reached_and_the_tool_keeps_its_attitude(tmp_path: Path) -> No
         assert np.linalg.norm(arm.joint_state.reaction[:3]) == pytest.approx(weight, rel=1e-6)
 
 
+def test_a_joint_move_ends_at_rest_with_all_joints_together(tmp_path: Path) -> None:
+    with gcodesim.open_cell(_cell(tmp_path), out=tmp_path / "out") as cell:
+        arm = cell.robot()
+        first = cell.robot().joint_state.position
+        ends = [first + np.array([0.4, 0.1, -0.2, 0.0, 0.3, 1.0]), first + 0.05]
+        arm.move_joints(*ends)
+        state, duration = arm.joint_state, cell.time
+        arm.move_to([0.6, 0.1, 0.5])
+
+        assert state.position == pytest.approx(ends[1], abs=1e-12)
+        assert np.abs(state.velocity).max() < 0.05  # of the last step, in which it brakes
+        assert 0.2 < duration < 2.0
+        assert arm.endeffector_pose[0] == pytest.approx([0.6, 0.1, 0.5], abs=1e-9)
+    joints = cell.results.joints
+    assert max(row["most"] for row in joints) > np.degrees(first.max() + 0.3) - 1e-6
+    limits = cell._shop.kinematics.joints
+    assert all(row["max_speed"] <= np.degrees(limit) + 1e-6 for row, limit in zip(joints, limits.speed, strict=True))
+
+
 def test_a_path_cuts_what_the_same_program_cuts(tmp_path: Path) -> None:
     with gcodesim.open_cell(_cell(tmp_path), out=tmp_path / "session") as cell:
         arm, tool = cell.robot(), cell.tool(1)
