@@ -24,7 +24,7 @@ from gcodesim.cell.settings import (
     Units,
     matches,
 )
-from gcodesim.cell.stock import Fixture, FixtureKind, StockKind, StockSpec, Target
+from gcodesim.cell.stock import Fixture, FixtureKind, StockKind, StockSpec, Target, ZoneShape
 from gcodesim.cell.tooling import TOOL, TOOL_NUMBERS
 from gcodesim.declarations.composed import ListOf
 from gcodesim.declarations.file_kind import FileValue
@@ -63,6 +63,12 @@ _ROBOTS: Final = MapOf(
 )
 _TOOLS: Final = MapOf(
     TOOL_NUMBERS, TOOL, "tools by number, such as `1: {type: flat_end_mill, diameter: 10 mm}`", lenient=True
+)
+_ZONES: Final = MapOf(
+    names_of("zone"),
+    Record(ZoneShape, "the zone"),
+    "zones by name, such as `handover: {box: [300, 300, 200], in: table}`",
+    lenient=True,
 )
 _MATERIALS: Final = MapOf(
     _ANY_NAME, MaterialKind(), "materials by name, such as `beech: {kc11: 26 N/mm^2, mc: 0.3}`", lenient=True
@@ -106,6 +112,9 @@ class Cell:
         default=None,
     )
     fixtures: Mapping[str, Fixture] = key(FixtureKind(), "bodies that must not be touched", default={}, quiet=True)
+    zones: Mapping[str, ZoneShape] = key(
+        _ZONES, "spaces in which only one machine may be at a time", default={}, quiet=True
+    )
     limits: Limits = key(Record(Limits, "`limits`"), "limits of spindle and process", default=Limits(), quiet=True)
     checks: Mapping[str, Severity] = key(_CHECKS, "severities that differ in this cell", default={}, quiet=True)
     suppress: tuple[Suppression, ...] = key(

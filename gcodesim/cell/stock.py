@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import field, replace
 from difflib import get_close_matches
 from pathlib import Path as FilePath
-from typing import Any, Final
+from typing import Any, ClassVar, Final
 
 from gcodesim.cell.leftover import Leftover, leftover
 from gcodesim.cell.mesh_size import MESH_SUFFIXES, bounds
@@ -403,17 +403,25 @@ class StockSpec(ShapeKeys):
 class Fixture(ShapeKeys):
     """A body that must not be touched: vise, clamp, table."""
 
+    what: ClassVar[str] = "fixture"
     name: str = ""
     place: Place = inline(Place)
     shape: StockShape = field(default=Box(lower=(0.0, 0.0, 0.0), upper=(0.0, 0.0, 0.0)))
 
     def checked(self, to: Reading, path: Path) -> Fixture | Unread:
-        shape = _shape_of(self, "the fixture", (), to, path)
+        shape = _shape_of(self, f"the {self.what}", (), to, path)
         if isinstance(shape, Unread) or shape is None:
             return UNREAD
         if self.place.frame is None:
             to.default((*path, "in"), "world")
         return replace(self, name=str(path[-1]), shape=shape)
+
+
+@frozen
+class ZoneShape(Fixture):
+    """A space in which only one machine may be while several programs run at once; the box around it counts."""
+
+    what: ClassVar[str] = "zone"
 
 
 @frozen

@@ -20,7 +20,7 @@ from gcodesim.shop import Shop
 
 if TYPE_CHECKING:
     from gcodesim.executor.record import StepRecord
-    from gcodesim.jobs.meetings import Meetings
+    from gcodesim.jobs.meetings import Appointments
     from gcodesim.planning import Plan
 
 KINEMATIC: Final = "kinematic"
@@ -77,7 +77,7 @@ class Job:
     findings: Findings
     channel: str = MAIN
     others: Sequence[Job] = ()
-    meetings: Meetings | None = None
+    meetings: Appointments | None = None
     held: Span | None = None
     alone: bool = True
     seen: Callable[[StepRecord], None] | None = None

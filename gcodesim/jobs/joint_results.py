@@ -11,7 +11,7 @@ import numpy as np
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.frozen import frozen
 from gcodesim.jobs.block_times import block_times
-from gcodesim.jobs.meetings import Meetings, is_wait
+from gcodesim.jobs.meetings import Appointments, is_wait
 from gcodesim.jobs.results import LineRows, Results, StockResult
 from gcodesim.numbers import rounded
 from gcodesim.units import MM
@@ -29,7 +29,7 @@ class ChannelResult:
     job: Job
     results: Results
     end: float | None
-    meetings: Meetings
+    meetings: Appointments
     blocks: Sequence[Mapping[str, Any]] | None = None
 
     def as_json(self) -> dict[str, Any]:

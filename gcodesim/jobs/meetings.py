@@ -6,13 +6,18 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from gcodesim.canon import Action, Event
 from gcodesim.cell.channel import WAIT
+from gcodesim.cell.placement import bounds_of
+from gcodesim.checks.sharing import Occupant, SharedZone, sharing_findings
 from gcodesim.diagnostics import Diagnostic, Severity, Span
+from gcodesim.frames import WORLD
 from gcodesim.frozen import frozen
 from gcodesim.motion.waits import with_waits
 from gcodesim.numbers import rounded
-from gcodesim.planning.meetings import Agenda, Arrival, Standing, Timetable, timetable
+from gcodesim.planning.meetings import Agenda, Arrival, Halt, Timetable, timetable
 from gcodesim.planning.waiting import waiting
 from gcodesim.shop import side_by_side
 
@@ -27,13 +32,13 @@ def is_wait(item: object) -> bool:
 
 
 @frozen
-class Meetings:
+class Appointments:
     """How the programs of a run meet; `marks` are the events of each channel at which it waits, in order."""
 
     table: Timetable
     marks: Mapping[str, Sequence[Action]]
 
-    def at(self, standing: Standing) -> Action:
+    def at(self, standing: Halt) -> Action:
         """The mark at which a channel stands."""
         return self.marks[standing.channel][standing.index]
 
@@ -61,7 +66,7 @@ class Meetings:
             "lone": [self._place(standing) for standing in table.lone],
         }
 
-    def _place(self, standing: Standing) -> dict[str, Any]:
+    def _place(self, standing: Halt) -> dict[str, Any]:
         mark = self.at(standing)
         return {
             "channel": standing.channel,
@@ -71,7 +76,7 @@ class Meetings:
         }
 
 
-def meet(jobs: Sequence[Job], read_again: Callable[[Job, int], None]) -> Meetings:
+def meet(jobs: Sequence[Job], read_again: Callable[[Job, int], None]) -> Appointments:
     """Put the programs of `jobs` on one clock: their plans get waits, and the first job the findings about them.
 
     A program that waits for ever at a mark is read and planned again up to there by `read_again(job, marks passed)`.
@@ -84,14 +89,34 @@ def meet(jobs: Sequence[Job], read_again: Callable[[Job, int], None]) -> Meeting
         assert job.plan is not None
         marks[job.channel], agendas[job.channel] = _agenda(job.plan)
     table = timetable(agendas)
-    meetings = Meetings(table=table, marks=marks)
+    meetings = Appointments(table=table, marks=marks)
     for job in jobs:
         waits = table.waits[job.channel]
         if table.ends[job.channel] is None:
             read_again(job, len(waits) - 1)
         _delay(job, [wait.seconds for wait in waits])
     jobs[0].findings.extend(findings(meetings))
+    jobs[0].findings.extend(_sharing(jobs))
     return meetings
+
+
+def _sharing(jobs: Sequence[Job]) -> Iterator[Diagnostic]:
+    """What is wrong with zones and tools that the programs share."""
+    cell = jobs[0].cell
+    assert cell is not None
+    zones = []
+    for name, zone in cell.zones.items():
+        low, high = bounds_of(zone.shape)
+        X_W = cell.frames[zone.place.frame or WORLD] @ zone.place.X
+        zones.append(SharedZone(name=name, X_W=X_W, low=np.array(low), high=np.array(high)))
+    occupants = []
+    for job in jobs:
+        assert job.plan is not None and job.shop is not None
+        loaded = cell.channels[job.channel].loaded_tool or 0
+        occupants.append(
+            Occupant(channel=job.channel, plan=job.plan, X_WB=job.shop.X_WB, tools=cell.tools, loaded=loaded)
+        )
+    return sharing_findings(zones, sorted(occupants, key=lambda each: each.channel))
 
 
 def share_shop(job: Job) -> None:
@@ -126,7 +151,7 @@ def _delay(job: Job, seconds: Sequence[float]) -> None:
     job.probings = [replace(probing, time=late(probing.time)) for probing in job.probings]
 
 
-def findings(meetings: Meetings) -> Iterator[Diagnostic]:
+def findings(meetings: Appointments) -> Iterator[Diagnostic]:
     """GS620 to GS622: programs that wait in a circle, for one that has ended, and at marks that nobody else uses."""
     table = meetings.table
     if table.circle:
@@ -165,7 +190,7 @@ def lone_marks(channel: str, events: Sequence[Event]) -> list[Diagnostic]:
     return [replace(lone_mark(channel, mark), severity=Severity.NOTE) for mark in first.values()]
 
 
-def _deadlock(meetings: Meetings) -> Diagnostic:
+def _deadlock(meetings: Appointments) -> Diagnostic:
     circle = meetings.table.circle
     marks = [meetings.at(standing) for standing in circle]
     following = [*circle[1:], circle[0]]
@@ -188,13 +213,13 @@ def _named(span: Span) -> str:
     return f"line {span.line} of {span.file}"
 
 
-def _count(meetings: Meetings, standing: Standing) -> int:
+def _count(meetings: Appointments, standing: Halt) -> int:
     """How often a channel has come to the mark at which it stands, this time included."""
     mark = meetings.at(standing).verb
     return sum(each.verb == mark for each in meetings.marks[standing.channel][: standing.index + 1])
 
 
-def _times(meetings: Meetings, channel: str, mark: str) -> str:
+def _times(meetings: Appointments, channel: str, mark: str) -> str:
     count = sum(each.verb == mark for each in meetings.marks[channel])
     return "once" if count == 1 else "twice" if count == 2 else f"{count} times"
 

@@ -46,7 +46,7 @@ class Wait:
 
 
 @frozen(kw_only=False)
-class Standing:
+class Halt:
     """Channel `channel` stands at its arrival `index`."""
 
     channel: str
@@ -64,9 +64,9 @@ class Timetable:
 
     waits: Mapping[str, tuple[Wait, ...]]
     ends: Mapping[str, float | None]
-    circle: tuple[Standing, ...]
-    ended: tuple[tuple[Standing, str], ...]
-    lone: tuple[Standing, ...]
+    circle: tuple[Halt, ...]
+    ended: tuple[tuple[Halt, str], ...]
+    lone: tuple[Halt, ...]
 
     @property
     def total(self) -> float | None:
@@ -172,15 +172,15 @@ class _Desk:
             lone=tuple(self._lone()),
         )
 
-    def _standing(self, name: str) -> Standing:
-        return Standing(name, self._next[name])
+    def _standing(self, name: str) -> Halt:
+        return Halt(name, self._next[name])
 
-    def _lone(self) -> Iterable[Standing]:
+    def _lone(self) -> Iterable[Halt]:
         for name, agenda in self._agendas.items():
             seen = set()
             for index, arrival in enumerate(agenda.arrivals):
                 if arrival.mark not in seen and self._together(name, arrival) == (name,):
-                    yield Standing(name, index)
+                    yield Halt(name, index)
                 seen.add(arrival.mark)
 
 

@@ -191,4 +191,29 @@ CODES: tuple[Code, ...] = (
             "programs of further channels with `--channel NAME=PROGRAM` or `program:` in the cell."
         ),
     ),
+    Code(
+        code="GS623",
+        severity=Severity.ERROR,
+        title="Two machines in one zone",
+        what=(
+            "Two programs have their machines in a zone of the cell at the same time. Of a machine, the lines between "
+            "its joints count and its tool up to the flange; of a zone, the box around it. Looked at every 10 ms."
+        ),
+        why="A zone says where machines would run into each other. Nothing keeps them apart there.",
+        remedy=(
+            "Let the second program wait at a mark (`m_codes: {M200: {wait: zone_free}}`) to which the first one comes "
+            "when it has left the zone."
+        ),
+    ),
+    Code(
+        code="GS624",
+        severity=Severity.WARNING,
+        title="One tool in two spindles",
+        what="Two programs have the same tool of the cell in their spindles at the same time.",
+        why="`tools:` lists what is there, and each tool is there once: the second machine finds an empty pocket.",
+        remedy=(
+            "Give each machine a tool of its own, with a number of its own. If they do share it, let one of them put "
+            "it back (T0 M6) and wait at a mark before the other takes it."
+        ),
+    ),
 )

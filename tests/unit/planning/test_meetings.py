@@ -6,7 +6,7 @@ import random
 
 import pytest
 
-from gcodesim.planning.meetings import Agenda, Arrival, Standing, Timetable, Wait, timetable
+from gcodesim.planning.meetings import Agenda, Arrival, Halt, Timetable, Wait, timetable
 
 
 def together(**programs: list[float | str]) -> Timetable:
@@ -44,7 +44,7 @@ def test_a_circle_of_three_leaves_out_who_waits_behind_it() -> None:
         a=[1.0, "ab", "ca", "cd"], b=[2.0, "bc", "ab"], c=[3.0, "ca", "bc", "cd"], d=[4.0, "cd"]
     )
 
-    assert table.circle == (Standing("a", 0), Standing("b", 0), Standing("c", 0))
+    assert table.circle == (Halt("a", 0), Halt("b", 0), Halt("c", 0))
     assert table.total is None
     assert table.stopped_at == 4.0
     assert table.waits["d"] == (Wait(4.0, None),)
@@ -54,7 +54,7 @@ def test_who_waits_for_one_that_has_ended_is_in_no_circle() -> None:
     table = together(a=["m", "m"], b=["m"], c=["m", 7.0])
 
     assert not table.circle
-    assert table.ended == ((Standing("a", 1), "b"), (Standing("a", 1), "c"))
+    assert table.ended == ((Halt("a", 1), "b"), (Halt("a", 1), "c"))
     assert table.ends == {"a": None, "b": 0.0, "c": 7.0}
     assert table.stopped_at == 7.0
 
@@ -62,7 +62,7 @@ def test_who_waits_for_one_that_has_ended_is_in_no_circle() -> None:
 def test_a_lone_mark_is_passed_and_told_once() -> None:
     table = together(a=["x", 1.0, "x", "m"], b=["m"])
 
-    assert table.lone == (Standing("a", 0),)
+    assert table.lone == (Halt("a", 0),)
     assert table.total == 1.0
 
 
@@ -78,7 +78,7 @@ def test_named_partners_wait_for_nobody_else() -> None:
     )
 
     assert table.ends == {"a": 2.0, "b": 2.0, "c": None}
-    assert table.ended == ((Standing("c", 0), "a"), (Standing("c", 0), "b"))
+    assert table.ended == ((Halt("c", 0), "a"), (Halt("c", 0), "b"))
 
 
 @pytest.mark.parametrize("seed", range(200))
