@@ -52,9 +52,16 @@ def load_cell(path: Path | str, allow_paths: Sequence[Path] = ()) -> Cell:
 
 
 def simulate(
-    program: Path | str, cell: Cell | Path | str, out: Path | str | None = None, *, force: bool = False
+    program: Path | str,
+    cell: Cell | Path | str,
+    out: Path | str | None = None,
+    *,
+    channels: Mapping[str, Path | str] | None = None,
+    force: bool = False,
 ) -> Results:
     """Run `program` in `cell`; with `out`, a folder, write there what `gcodesim run` writes.
+
+    `channels` names programs that run at the same time in further channels of the cell.
 
     Files in `out` that the run reads, or that gcodesim did not write, are overwritten only with `force` (GS750).
 
@@ -66,7 +73,8 @@ def simulate(
     once the files in `out` are closed; it is a `gcodesim.simulation.RunInterrupted` when there are results so far.
     """
     loaded = _as_loaded(cell) if isinstance(cell, Cell) else read_cell_file(Path(cell))
-    job = simulation.prepare(SourceText.read(Path(program)), loaded, Options(force=force))
+    further = {name: SourceText.read(Path(path)) for name, path in (channels or {}).items()}
+    job = simulation.prepare(SourceText.read(Path(program)), loaded, Options(force=force, channels=further))
     results, _ = simulation.run(job, None if out is None else Path(out))
     return results
 

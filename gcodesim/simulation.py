@@ -63,9 +63,20 @@ def prepare(program: SourceText, loaded: LoadedCell, options: Options | None = N
     options = options or Options()
     if loaded.cell is None:
         return _prepared(program, loaded, options, MAIN, running=())
-    cast = cast_of(loaded.cell, program, options.channels)
+    known = loaded.cell.channels
+    cast = cast_of(loaded.cell, program, {name: text for name, text in options.channels.items() if name in known})
     jobs = [_prepared(text, loaded, options, name, running=tuple(cast)) for name, text in cast.items()]
     job = jobs[0]
+    job.findings.extend(
+        Diagnostic(
+            code="GS712",
+            span=loaded.cell.span("channels"),
+            message=f"there is no channel `{name}`, for which a program is named",
+            hint=f"channels are {', '.join(f'`{each}`' for each in known)}",
+        )
+        for name in options.channels
+        if name not in known
+    )
     if len(jobs) > 1:
         job.others = jobs[1:]
         if all(each.plan is not None for each in jobs):

@@ -155,7 +155,7 @@ class MCode:
     verb: str
 
 
-_MARK: Final = Text(pattern=r"[^\s/]([^/]*[^\s/])?", form="the name of a mark, such as `part_in`")
+_MARK: Final = Text(pattern=r"[\w.-]+", form="the name of a mark, such as `part_in`")
 
 
 @frozen(kw_only=False)

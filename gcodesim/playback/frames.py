@@ -44,6 +44,12 @@ class RecordedFrames:
                 poses[child] = _matrices(p, q)
         return RecordedFrames(moving.t_ns, parents, poses)
 
+    def joined(self, other: RecordedFrames) -> RecordedFrames:
+        """These frames and those of another channel, which were recorded at the same times."""
+        if len(other.t_ns) != len(self.t_ns):  # a part of the log is missing
+            return self
+        return RecordedFrames(self.t_ns, {**self.parents, **other.parents}, {**self.poses, **other.poses})
+
     def in_world(self, frame: str) -> Array:
         """X_WF (n or 1, 4, 4) of a frame; one that the log does not have is at the origin of the world."""
         X = np.eye(4)[None]

@@ -176,7 +176,8 @@ class Recording:
         The pass also notes where the tiles are.
         """
         wanted: dict[int, tuple[str, Callable[[RawMessage], Any]]] = {}
-        for topic in ("/tf_static", "/program", "/event", "/scene/cell", "/scene/path", "/scene/tool"):
+        others = [f"/{name}{topic}" for name in self.channels for topic in ("/event", "/scene/tool")]
+        for topic in ("/tf_static", "/program", "/event", "/scene/cell", "/scene/path", "/scene/tool", *others):
             channel = self.log.channel_id(topic)
             if channel is not None:
                 wanted[channel] = (topic, decoder_of(self.log, channel))
@@ -196,7 +197,19 @@ class Recording:
 
     @cached_property
     def events(self) -> tuple[LogEvent, ...]:
-        return tuple(LogEvent.of(t_ns, message) for t_ns, message in self._changes.get("/event", []))
+        told = [
+            LogEvent.of(t_ns, message)
+            for topic in ("/event", *(f"/{name}/event" for name in self.channels))
+            for t_ns, message in self._changes.get(topic, [])
+        ]
+        return tuple(sorted(told, key=lambda event: event.t_ns))
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """The names of further programs that ran at the same time; their topics have them in front."""
+        topics = (channel.topic for channel in self.log.channels.values())
+        programs = (topic.removesuffix("/program") for topic in topics if topic.endswith("/program"))
+        return tuple(name[1:] for name in programs if name)
 
     def series(self, topic: str, every_ns: int = 0) -> Series:
         """A periodic topic as columns, empty when the log has none; all seven are read at once."""
@@ -209,8 +222,29 @@ class Recording:
         return self._series[topic, every_ns]
 
     def frames(self, every_ns: int = 0) -> RecordedFrames:
+        """The frames of all channels."""
         static = self._changes.get("/tf_static", [])
-        return RecordedFrames.of(static[-1][1] if static else None, self.series("/tf", every_ns))
+        frames = RecordedFrames.of(static[-1][1] if static else None, self.series("/tf", every_ns))
+        for name in self.channels:
+            frames = frames.joined(RecordedFrames.of(None, self.series(f"/{name}/tf", every_ns)))
+        return frames
+
+    def joints(self, every_ns: int = 0) -> list[Series]:
+        """The joint states of all channels, the first one first."""
+        topics = ("/joint_states", *(f"/{name}/joint_states" for name in self.channels))
+        return [self.series(topic, every_ns) for topic in topics]
+
+    def tools(self) -> list[tuple[int, tuple[Drawing, ...]]]:
+        """The tools in all spindles, whenever one of them changes."""
+        own = [self.drawings(topic) for topic in ("/scene/tool", *(f"/{name}/scene/tool" for name in self.channels))]
+        shown: list[tuple[Drawing, ...]] = [() for _ in own]
+        found: dict[int, tuple[Drawing, ...]] = {}
+        changes = [(t_ns, i, content) for i, drawn in enumerate(own) for t_ns, content in drawn]
+        changes.sort(key=lambda change: change[:2])
+        for t_ns, i, content in changes:
+            shown[i] = content
+            found[t_ns] = tuple(drawing for each in shown for drawing in each)
+        return list(found.items())
 
     def drawings(self, topic: str) -> list[tuple[int, tuple[Drawing, ...]]]:
         """Time and content of a scene topic that is not a tile, in order."""

@@ -110,6 +110,7 @@ class Cache:
         """The folder of a case's entry, and the entry's name in it."""
         parts = [self._version, self._settings, case.name, case.file, repr(case.options)]
         parts += [_digest(path) for path in (case.test_file, case.program, case.cell, case.golden)]
+        parts += [f"{name} {_digest(path)}" for name, path in sorted(case.channels.items())]
         # folders that the command line lets the cell read count by their names
         parts += [shown_path(folder, self._root) for folder in case.allow_path]
         key = hashlib.sha256("\0".join(parts).encode()).hexdigest()

@@ -29,6 +29,7 @@ class Case:
     """One program in one cell. Paths can be opened; `name` and `file` are for people, from the root, with `/`.
 
     `spans` are places in the test file by path, such as ``("expect", "status")`` or ``("options", "dialect")``.
+    `channels` are the programs of further channels.
     `edits` are texts that are read in place of the files at some paths, to ask what the case would see.
     """
 
@@ -41,6 +42,7 @@ class Case:
     tolerances: Mapping[str, Tolerance] = field(default_factory=lambda: dict(DEFAULTS))
     expect: Expected = field(default_factory=Expected)
     allow_path: tuple[Path, ...] = ()
+    channels: Mapping[str, Path] = field(default_factory=dict)
     spans: Mapping[At, Span] = field(default_factory=dict)
     test_file: Path | None = None
     edits: Mapping[Path, bytes] = field(default_factory=dict)
@@ -236,6 +238,14 @@ def _cases_of(
             programs.append(own)
     if content.cell is not None and not readable.has(file.parent / content.cell):
         return [], [*faults, readable.fault(f"the cell `{content.cell}`", spans.get(("cell",), span))]
+    channels = {channel: file.parent / text for channel, text in content.channels.items()}
+    for channel, path in channels.items():
+        at = spans.get(("channels", channel), span)
+        if not readable.has(path):
+            return [], [*faults, readable.fault(f"the program `{content.channels[channel]}`", at)]
+        if not path.is_file():
+            message = f"the program `{content.channels[channel]}` is not there"
+            return [], [*faults, Diagnostic(code="GS610", span=at, message=message, hint=_near(path))]
     cell = default_cell if content.cell is None else file.parent / content.cell
     if content.options.mode != "lint" and (cell is None or not cell.is_file()):
         at = spans.get(("cell",), span)
@@ -261,6 +271,7 @@ def _cases_of(
                 options=content.options,
                 tolerances={**DEFAULTS, **content.tolerances},
                 expect=content.expect,
+                channels=channels,
                 allow_path=tuple(file.parent / folder for folder in content.allow_path),
                 spans={at: place for at, place in spans.items() if at[:1] in (("expect",), ("options",))},
                 test_file=file,

@@ -7,11 +7,13 @@ from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Any, Final
 
+from gcodesim.cell.placing import names_of
 from gcodesim.cell.settings import CODE_PATTERNS, code_pattern
 from gcodesim.declarations.composed import ListOf
 from gcodesim.declarations.files import Shelf
 from gcodesim.declarations.keys import key
 from gcodesim.declarations.kind import POSITIVE, SCHEMA_DIALECT, Json, Kind, Range, short
+from gcodesim.declarations.map_of import MapOf
 from gcodesim.declarations.nodes import Mapping as MappingNode
 from gcodesim.declarations.nodes import Node, Scalar, compose
 from gcodesim.declarations.plain_kinds import Choice, Switch, Text, Whole
@@ -161,6 +163,12 @@ class CaseFile:
         quiet=True,
     )
     cell: str | None = key(Text(), "the cell, seen from this file", default=None, quiet=True)
+    channels: Mapping[str, str] = key(
+        MapOf(names_of("channel"), Text(), "programs by channel, such as `feeder: feeder.nc`"),
+        "programs that run at the same time in further channels, seen from this file",
+        default={},
+        quiet=True,
+    )
     allow_path: tuple[str, ...] = key(
         ListOf(Text(), single=True), "folders from which the cell may take files", default=(), quiet=True
     )

@@ -13,7 +13,8 @@ _NOT_COMPARED: Final = frozenset(
     {
         *("inputs", "schema", "findings", "stopped_at"),
         *("line_of_max_force", "line_of_margin", "first_line", "error_bound_mm3"),
-        *("file", "line"),  # of a probing move
+        *("file", "line"),  # of a probing move, or a mark
+        *("program", "blocks"),  # of one of several programs
     }
 )
 INCOMPLETE: Final = "incomplete"
@@ -79,7 +80,15 @@ def is_number(value: Any) -> bool:
 
 def _by_name(entries: Sequence[Mapping[str, Any]]) -> dict[str, Mapping[str, Any]]:
     """List entries by their own names, so that an additional entry does not shift all others."""
-    return {str(next((entry[name] for name in _NAMES if name in entry), i)): entry for i, entry in enumerate(entries)}
+    return {entry_name(entry, i): entry for i, entry in enumerate(entries)}
+
+
+def entry_name(entry: Mapping[str, Any], index: int) -> str:
+    """The name of an entry in a list: its own, after that of its channel if it has one; else its place."""
+    name = next((entry[name] for name in _NAMES if name in entry), None)
+    if name is None:
+        return str(index)
+    return f"{entry['channel']}/{name}" if "channel" in entry else str(name)
 
 
 def value_at(results: Mapping[str, Any], path: str) -> Any:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 from gcodesim.diagnostics import SourceText
 from gcodesim.frozen import frozen
 from gcodesim.regress.changes import Change, Comparison, SurfaceChange
-from gcodesim.regress.compare import change_of, compare_results, is_number, value_at
+from gcodesim.regress.compare import change_of, compare_results, entry_name, is_number, value_at
 from gcodesim.regress.findings import compare_findings
 from gcodesim.regress.motion import MotionStep, steps_of
 from gcodesim.regress.moves import compare_motion
@@ -54,13 +54,16 @@ class Facts:
 def facts_of_run(job: Job, results: Results) -> Facts:
     """The facts of a job that has run."""
     stocks = {} if job.shop is None else {name: placed.stock for name, placed in job.shop.stocks.items()}
+    readings = [(each.program, each.reading) for each in job.all if each.reading is not None]
     return Facts(
         name=job.program.name,
-        # read once more: a job keeps its moves as arrays, not as events
-        steps=None if job.reading is None else tuple(steps_of(interpret(job.program, job.reading.settings))),
+        # read once more: a job keeps its moves as arrays, not as events; several programs one after the other
+        steps=tuple(step for text, known in readings for step in steps_of(interpret(text, known.settings)))
+        if readings
+        else None,
         results=results.as_json(),
         surfaces=stocks,
-        sources=job.sources,
+        sources={name: source for each in reversed(job.all) for name, source in each.sources.items()},
     )
 
 
@@ -129,7 +132,7 @@ def _totals(old: Mapping[str, Any], new: Mapping[str, Any], tolerances: Toleranc
     """Time, distance, volumes of stocks and the greatest force of each tool, where they differ at all."""
     paths = [*_TOTALS]
     paths += [f"stocks.{name}.{what}" for name in old.get("stocks", {}) for what in _OF_STOCK]
-    paths += [f"tools.{tool['number']}.max_force_N" for tool in old.get("tools", ())]
+    paths += [f"tools.{entry_name(tool, i)}.max_force_N" for i, tool in enumerate(old.get("tools", ()))]
     changes = []
     for path in paths:
         try:

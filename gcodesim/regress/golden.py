@@ -17,8 +17,14 @@ SCHEMA: Final = "gcodesim-golden/1"
 SUFFIX: Final = ".golden.json"
 
 _DIGITS: Final = 7
-_RESULTS: Final = ("status", "time", "distance", "stocks", "tools", "joints", "not_simulated", "probings")
-_PLACES: Final = ("line_of_max_force", "line_of_margin", "first_line", "error_bound_mm3", "file", "line")
+_RESULTS: Final = (
+    *("status", "time", "distance", "stocks", "tools", "joints", "not_simulated", "probings"),
+    *("channels", "meetings"),
+)
+_PLACES: Final = (
+    *("line_of_max_force", "line_of_margin", "first_line", "error_bound_mm3", "file", "line"),
+    *("program", "blocks"),
+)
 _OF_FINDING: Final = ("code", "severity", "file", "line", "count", "message")
 
 

@@ -178,6 +178,7 @@ def _simulate(case: Case, program: SourceText, loaded: LoadedCell, how: Judging)
         settings=lambda settings: _settings(case, settings),
         today=how.today,
         fail_on=None if how.fail_on == "never" else Severity[how.fail_on.upper()],
+        channels={name: case.read(path) for name, path in case.channels.items()},
     )
     job = prepare(program, loaded, options)
     faults: list[Diagnostic] = []
@@ -189,20 +190,28 @@ def _simulate(case: Case, program: SourceText, loaded: LoadedCell, how: Judging)
     facts = facts_of_run(job, results)
     if case.options.mode == "check" or faults:
         facts = replace(facts, surfaces={})
-    subroutines = () if job.reading is None else job.reading.settings.subroutines
+    readings = [each.reading for each in job.all if each.reading is not None]
+    subroutines = list(dict.fromkeys(folder for known in readings for folder in known.settings.subroutines))
+    programs = {name: source for known in reversed(readings) for name, source in known.sources.items()}
+    sources = {name: source for each in reversed(job.all) for name, source in each.sources.items()}
     return Outcome(
         facts=facts,
         findings=list(results.findings),
         suppressed=_suppressed(job),
-        programs=job.sources if job.reading is None else job.reading.sources,
-        files=files_read(case.program, job.sources, subroutines, loaded),
+        programs=programs or job.sources,
+        files={path.name: path for path in case.channels.values()}
+        | files_read(case.program, sources, subroutines, loaded),
         until=() if job.cell is None else tuple(entry.until for entry in job.cell.suppress if entry.until is not None),
         faults=faults,
     )
 
 
 def _suppressed(job: Job) -> list[tuple[Diagnostic, str]]:
-    pairs = suppressed_findings(job.findings, job.cell, job.program, job.options.today)
+    pairs = [
+        pair
+        for each in job.all
+        for pair in suppressed_findings(each.findings, job.cell, each.program, job.options.today)
+    ]
     return [(finding, entry.reason) for finding, entry in pairs]
 
 

@@ -53,7 +53,7 @@ def replay_of(recording: Recording, pack: Pack) -> dict[str, Any]:
     every_ns = _thinning(recording)
     tree = recording.frames(every_ns)
     cell = [drawing for _, content in recording.drawings("/scene/cell") for drawing in content]
-    tools = recording.drawings("/scene/tool")
+    tools = recording.tools()
     stock = _stock_frames(tree)
     home = stock[0] if stock else "world"
     t_ns = tree.t_ns
@@ -104,12 +104,13 @@ def _signals(recording: Recording, track: Array, kind: NDArray[np.int64], every_
     work = track[kind != RAPID] if (kind != RAPID).any() else track
     extent = float(np.ptp(work, axis=0).max(initial=0.0))
     length = max(extent * _TIP_TOLERANCE, _LEAST_TOLERANCE)
-    series = recording.series("/joint_states", every_ns)
-    names = [name for name in series.names if name.endswith("].position")]
     slides = {joint["name"] for joint in recording.results.get("joints", ()) if joint["unit"] == "mm"}
     tolerance = [length] * 3
     columns = [track]
-    if len(series.t_ns) == len(track):
+    for series in recording.joints(every_ns):
+        names = [name for name in series.names if name.endswith("].position")]
+        if len(series.t_ns) != len(track):
+            continue
         columns.append(series.columns(*names) if names else np.zeros((len(track), 0)))
         tolerance += [
             length if name[len("joints[") : -len("].position")] in slides else _TURN_TOLERANCE for name in names

@@ -22,6 +22,10 @@ def summary_rows(results: Results) -> list[list[str]]:
         rows.append(["  dwell", f"{times.dwell:.1f} s"])
     if times.tool_change:
         rows.append(["  tool changes", f"{times.tool_change:.1f} s"])
+    for name, channel in results.channels.items():
+        end = "does not end" if channel["end_s"] is None else f"{channel['end_s']:.1f} s"
+        remark = f"{channel['program']['name']}, of it {channel['time']['wait_s']:.1f} s waiting for others"
+        rows.append([f"  channel {name}", end, remark])
     rows += [
         ["feed distance", f"{results.feed_distance * 1e3:.1f} mm"],
         ["rapid distance", f"{results.rapid_distance * 1e3:.1f} mm"],

@@ -1,0 +1,25 @@
+(right half of the same block)
+G21 G90 G17 G94 G64 P0.02
+T2 M6
+G43 H2
+S12000 M3
+G0 X70 Y20 Z30
+M200
+G0 Z2
+G1 Z-2 F300
+G1 Y-20 F800
+G1 X60
+G1 Y20
+G1 X50
+G1 Y-20
+G0 Z30
+(wait for the middle)
+M201
+G0 X12 Y25
+G0 Z2
+G1 Z-1.5 F300
+G1 Y-25 F800
+G0 Z30
+G0 X70
+M5
+M2
