@@ -9,6 +9,7 @@ from typing import Any, Final
 import numpy as np
 import pybullet as p
 
+from gcodesim.arithmetic.elementary import atan2
 from gcodesim.frames import Array
 from gcodesim.pybullet_industrial.bodies import UrdfBody
 
@@ -71,7 +72,7 @@ class AGVRobot(UrdfBody):
         x, y = self.target_pose[:2] - np.array(position[:2])
         return (
             math.hypot(x, y),
-            _half_turn(math.atan2(y, x) - heading),
+            _half_turn(atan2(float(y), float(x)) - heading),
             _half_turn(heading - float(self.target_pose[2])),
         )
 

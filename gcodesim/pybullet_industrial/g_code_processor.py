@@ -14,6 +14,7 @@ from typing import Any, Final
 import numpy as np
 import pybullet as p
 
+from gcodesim.arithmetic.matrices import norms
 from gcodesim.frames import Array
 from gcodesim.pybullet_industrial.endeffector_tool import EndeffectorTool
 from gcodesim.pybullet_industrial.g_code_simplifier import JOINT_KEY, Lines
@@ -170,7 +171,7 @@ class GCodeProcessor:
             return circular_interpolation(*ends, line["R"], samples, self.axis, clockwise, start, end)
 
         steps = np.diff(drawn(self.interpolation_approach).positions, axis=1)
-        length = float(np.linalg.norm(steps, axis=0).sum())
+        length = float(norms(np.ascontiguousarray(steps.T)).sum())
         return drawn(int(np.ceil(length / self.interpolation_precision)) + 1)
 
     def _joints(self, line: Mapping[str, Any]) -> dict[str, float]:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gcodesim.arithmetic.elementary import atan2, cos, sin
+from gcodesim.arithmetic.matrices import dot, norm
 from gcodesim.frames import Array
 from gcodesim.motion import builders
 from gcodesim.pybullet_industrial.toolpath import ToolPath
@@ -21,10 +22,10 @@ def slerp(start_quat: ArrayLike, end_quat: ArrayLike, t_vals: ArrayLike) -> Arra
     """Quaternions (n, 4) at shares `t_vals` (n,) of the shorter turn, with the sign of the start (Shoemake 1985)."""
     first, last = np.asarray(start_quat, dtype=float), np.asarray(end_quat, dtype=float)
     found = builders.slerp(first, last, t_vals)
-    first = first / math.sqrt(float(first @ first))
+    first = first / norm(first)
     along = np.concatenate([first[None], found])
     for i in range(1, len(along)):  # canonical signs jump where w passes zero; a turn does not
-        if along[i] @ along[i - 1] < 0.0:
+        if dot(along[i], along[i - 1]) < 0.0:
             along[i] = -along[i]
     return along[1:]
 

@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 import pybullet as p
 
+from gcodesim.arithmetic.elementary import cos, sin
+from gcodesim.arithmetic.matrices import applied
 from gcodesim.frames import Array
 from gcodesim.pybullet_industrial.bodies import with_changes
 from gcodesim.pybullet_industrial.turns import matrix_of
@@ -96,12 +98,12 @@ class Paint(_Coloured):
         if self.target_id == -1:
             return
         position, orientation = self.get_target_pose(self.target_id, self.target_link_id)
-        self._at = matrix_of(orientation).T @ (self._at - position)
+        self._at = applied(matrix_of(orientation).T.copy(), self._at - position)
         self._draw(self.properties["particle size"])
 
     def _draw(self, size: float) -> None:
         tilt, around = np.linspace(-np.pi, 0.0, _SPOTS), np.linspace(0.0, 10.0 * np.pi, _SPOTS)
-        sphere = np.stack([np.sin(tilt) * np.cos(around), np.sin(tilt) * np.sin(around), np.cos(tilt)], axis=1)
+        sphere = np.stack([sin(tilt) * cos(around), sin(tilt) * sin(around), cos(tilt)], axis=1)
         points = self._at + size * sphere
         for before, after in pairwise(points):
             line = p.addUserDebugLine(
@@ -129,7 +131,7 @@ class Paint(_Coloured):
         if self.target_id == -1:
             return self._at
         position, orientation = self.get_target_pose(self.target_id, self.target_link_id)
-        moved: Array = position + matrix_of(orientation) @ self._at
+        moved: Array = position + applied(matrix_of(orientation), self._at)
         return moved
 
     def remove(self) -> None:

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 import pybullet as p
 
+from gcodesim.arithmetic.elementary import cos, power, sin
+from gcodesim.arithmetic.matrices import applied, dot, norm
 from gcodesim.frames import Array
 from gcodesim.pybullet_industrial.bodies import with_changes
 from gcodesim.pybullet_industrial.endeffector_tool import EndeffectorTool
@@ -53,17 +55,17 @@ class MillingTool(EndeffectorTool):
         velocity = p.getLinkState(self.urdf, link, computeLinkVelocity=1)[7]
         rays = self.properties["number of rays"]
         hits = np.array([ray[0] != -1 for ray in ray_cast_result]).reshape(self.properties["number of teeth"], rays)
-        return float(np.linalg.norm(velocity)), hits.sum(axis=1) * self.properties["height"] / rays
+        return norm(np.array(velocity)), hits.sum(axis=1) * self.properties["height"] / rays
 
     def cast_rays(self, position: Any, orientation: Any, debug: bool = False) -> Any:
         """What the rays of all teeth meet, tooth by tooth from its lower end; with `debug` they are drawn for 1 s."""
         R, rays = matrix_of(orientation), self.properties["number of rays"]
         heights = np.arange(rays)[:, None] * (self.properties["height"] / rays) * np.array([0.0, 0.0, 1.0])
         starts, ends = [], []
-        for angle in self._teeth():
-            out = self.properties["diameter"] * np.array([np.sin(angle), np.cos(angle), 0.0])
-            starts += list(np.asarray(position) + heights @ R.T)
-            ends += list(np.asarray(position) + (heights + out) @ R.T)
+        for angle in self._teeth().tolist():
+            out = self.properties["diameter"] * np.array([sin(angle), cos(angle), 0.0])
+            starts += list(np.asarray(position) + applied(R, heights))
+            ends += list(np.asarray(position) + applied(R, heights + out))
         for start, end in zip(starts, ends, strict=True) if debug else ():
             p.addUserDebugLine(start, end, [1, 0, 0], 1, lifeTime=1)
         return p.rayTestBatch(starts, ends)
@@ -89,9 +91,11 @@ class MillingTool(EndeffectorTool):
         depth = np.asarray(cutting_depth, dtype=float)
         if chip <= 0.0 or not depth.any():
             return np.zeros(3)
-        size = self.properties["material_specific_force"] * chip ** (1.0 - self.properties["chip_thickness_exponent"])
+        size = self.properties["material_specific_force"] * power(
+            chip, 1.0 - self.properties["chip_thickness_exponent"]
+        )
         angles = np.asarray(teeth_angles, dtype=float)
-        force: Array = -size * np.array([depth @ np.sin(angles), depth @ np.cos(angles), 0.0])
+        force: Array = -size * np.array([dot(depth, sin(angles)), dot(depth, cos(angles)), 0.0])
         return force
 
     def change_properties(self, new_properties: Mapping[str, Any]) -> None:

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 import pybullet as p
 
+from gcodesim.arithmetic.elementary import cos, sin
+from gcodesim.arithmetic.matrices import applied
 from gcodesim.frames import Array
 from gcodesim.pybullet_industrial.bodies import with_changes
 from gcodesim.pybullet_industrial.endeffector_tool import EndeffectorTool
@@ -47,9 +49,9 @@ class RayCaster(EndeffectorTool):
         count, half = self.properties["number of rays"], 0.5 * self.properties["opening angle"]
         around = np.random.uniform(-np.pi, np.pi, count)
         tilt = np.random.uniform(-half, half, count)
-        directions = np.stack([np.sin(tilt) * np.cos(around), np.sin(tilt) * np.sin(around), np.cos(tilt)])
+        directions = np.stack([sin(tilt) * cos(around), sin(tilt) * sin(around), cos(tilt)], axis=1)
         start = np.asarray(position, dtype=float)
-        ends = start - self.properties["maximum distance"] * (matrix_of(orientation) @ directions).T
+        ends = start - self.properties["maximum distance"] * applied(matrix_of(orientation), directions)
         return p.rayTestBatch([start] * count, list(ends))
 
     def calculate_process_force(self, ray_cast_results: Any, tcp_frame: str | None = None) -> Array:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from gcodesim.arithmetic.matrices import applied, multiplied
 from gcodesim.frames import Array
 from gcodesim.motion import ToolPath as Moves
 from gcodesim.pybullet_industrial.turns import matrix_of, quaternion_of
@@ -46,8 +47,8 @@ class ToolPath:
     def rotate(self, quaternion: ArrayLike) -> None:
         """Turn this path itself: positions about the origin, each orientation about its own axes."""
         R = matrix_of(quaternion)
-        self.positions[:] = R @ self.positions
-        turned = [quaternion_of(matrix_of(own) @ R) for own in self.orientations.T]
+        self.positions[:] = applied(R, np.ascontiguousarray(self.positions.T)).T
+        turned = [quaternion_of(multiplied(matrix_of(own), R)) for own in self.orientations.T]
         self.orientations[:] = np.array(turned).reshape(-1, 4).T
 
     def draw(self, pose: bool = False, color: Sequence[float] = (0, 0, 1)) -> None:

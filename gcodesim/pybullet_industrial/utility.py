@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pybullet as p
 
+from gcodesim.arithmetic.matrices import norm
 from gcodesim.frames import Array
 from gcodesim.pybullet_industrial.robot_base import RobotBase
 from gcodesim.pybullet_industrial.turns import matrix_of
@@ -87,6 +88,6 @@ def _ray_of_pixel(x: float, y: float) -> tuple[Array, Array]:
     width, height, distance = camera[0], camera[1], camera[10]
     forward, across, up, target = (np.array(camera[k]) for k in (5, 6, 7, 11))
     start = target - distance * forward
-    ahead = _FAR * (target - start) / np.linalg.norm(target - start)
+    ahead = _FAR * (target - start) / norm(target - start)
     end = start + ahead + (x / width - 0.5) * across - (y / height - 0.5) * up
     return start, end

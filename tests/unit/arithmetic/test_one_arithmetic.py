@@ -29,7 +29,7 @@ LIBRARIES = {
 POSES = {
     *("cell/placement.py", "cell/placing.py", "cell/reach.py", "checks/clearance.py", "checks/missing_length.py"),
     *("executor/track.py", "planning/shop_posing.py", "recorder/frames.py", "scene/scene.py", "shop.py"),
-    "solids/solid.py",
+    *("session/cell_in_hand.py", "solids/solid.py"),
 }
 ARRAYS = {"R", "T", "p", "q", "matrix", "turn"}  # attributes that are arrays, not poses
 
