@@ -15,7 +15,7 @@ import numpy as np
 
 from gcodesim.kinematics import kinematics_of, load_urdf, model_path
 from gcodesim.planning.configuration import can_run, search
-from gcodesim.planning.ladder import Cut
+from gcodesim.planning.ladder import Passage
 from gcodesim.units import DEG, MM
 
 FOLDER = Path(__file__).parent / "data" / "configurations"
@@ -43,7 +43,7 @@ def kinematics_for(name):
 
 
 def cut_of(case, free):
-    """The `Cut` of a case or a placement."""
+    """The `Passage` of a case or a placement."""
     poses = np.array(case["poses"], dtype=float)
     X_BT = np.zeros((len(poses), 4, 4))
     z, x = (v / np.linalg.norm(v, axis=1, keepdims=True) for v in (poses[:, 3:6], poses[:, 6:9]))
@@ -54,7 +54,7 @@ def cut_of(case, free):
     X_BT[:, 3, 3] = 1.0
     X_FT = np.array(case["X_FT_mm"], dtype=float)
     X_FT[:3, 3] *= MM
-    return Cut(X_BT=X_BT, X_FT=X_FT, free=free, step=np.full(6, case["step_bound_deg"] * DEG))
+    return Passage(X_BT=X_BT, X_FT=X_FT, free=free, step=np.full(6, case["step_bound_deg"] * DEG))
 
 
 def degrees(q):

@@ -14,7 +14,7 @@ import numpy as np
 
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
-from gcodesim.planning.ladder import Cut, Rungs, rungs_of
+from gcodesim.planning.ladder import Passage, Rungs, rungs_of
 from gcodesim.planning.ladder_kernels import ENDLESS, TURN, Rails, earliest, link, shortest, trace, widest
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ START_SHARE: Final = 0.02  # of the squared way from where the arm stands to whe
 _SHARE: Final = 0.98  # of the best margin that the way which keeps clear has; of those the shortest is taken
 
 
-class Obstacle(StrEnum):
+class Hindrance(StrEnum):
     """Why a pose is not reached.
 
     REACH: no joints put the tool there. LIMIT: such joints exist, but none within limits. WAY: there are some within
@@ -41,7 +41,7 @@ class Obstacle(StrEnum):
 
 
 @frozen(kw_only=False, eq=False)
-class Way:
+class LadderWay:
     """Joints q (n, j) and spins (n,) [rad] through a cut.
 
     `margin` is their least distance from limits and `travel` the sum of what all of them go [rad, m].
@@ -65,9 +65,9 @@ class Configuration:
 
     prefix: int
     stretch: tuple[int, int]
-    clear: Way | None
-    short: Way | None
-    obstacle: Obstacle | None = None
+    clear: LadderWay | None
+    short: LadderWay | None
+    obstacle: Hindrance | None = None
 
     @property
     def continuous(self) -> bool:
@@ -75,14 +75,14 @@ class Configuration:
         return self.obstacle is None
 
 
-def grid(cut: Cut, count: int = SPINS) -> Array:
+def grid(cut: Passage, count: int = SPINS) -> Array:
     """Spins (n, s) [rad] to try at every pose: all around if the tool is free."""
     around = TURN * np.arange(count) / count if cut.free else np.zeros(1)
     return np.tile(around, (len(cut), 1))
 
 
 def search(
-    kinematics: Kinematics, cut: Cut, *, spins: int = SPINS, branches: tuple[int, ...] | None = None
+    kinematics: Kinematics, cut: Passage, *, spins: int = SPINS, branches: tuple[int, ...] | None = None
 ) -> Configuration:
     """The ways through `cut` (at least one pose); so many `spins` are tried all around. `branches`: only these."""
     rungs = rungs_of(kinematics, cut, grid(cut, spins), branches)
@@ -106,7 +106,7 @@ def search(
     return Configuration(prefix=prefix, stretch=(first, last), clear=clear, short=short, obstacle=obstacle)
 
 
-def can_run(kinematics: Kinematics, cut: Cut, *, spins: int = SPINS) -> bool:
+def can_run(kinematics: Kinematics, cut: Passage, *, spins: int = SPINS) -> bool:
     """Whether there is a continuous way through `cut`."""
     rungs = rungs_of(kinematics, cut, grid(cut, spins))
     if not rungs.counts.all():
@@ -116,18 +116,18 @@ def can_run(kinematics: Kinematics, cut: Cut, *, spins: int = SPINS) -> bool:
 
 def even_way(
     kinematics: Kinematics,
-    cut: Cut,
+    cut: Passage,
     *,
     margin: float,
     start: Array,
     spins: int,
     branches: tuple[int, ...] | None = None,
-) -> Way | None:
+) -> LadderWay | None:
     """The way through `cut` on which joints move most evenly, beginning near joints `start` (j,); None: there is none.
 
     It keeps `margin` [rad, m] from limits, or nearly the best one where that is less.
     """
-    way: Way | None = None
+    way: LadderWay | None = None
     for steps in (None, *_WITHIN) if cut.free else (None,):
         tried = grid(cut, spins) if steps is None or way is None else _spins_beside(way, steps * TURN / spins)
         rungs = rungs_of(kinematics, cut, tried, branches)
@@ -141,7 +141,7 @@ def even_way(
     return way
 
 
-def _spins_beside(way: Way, apart: float) -> Array:
+def _spins_beside(way: LadderWay, apart: float) -> Array:
     """Spins (n, s) [rad] at and beside those of `way`, up to `apart` [rad] away."""
     spins: Array = way.spins[:, None] + apart * np.arange(-_BESIDE, _BESIDE + 1) / _BESIDE
     return spins
@@ -156,23 +156,23 @@ def on_branches(kinematics: Kinematics, X_BF: Array, q: Array, branches: tuple[i
     return bool(here[:, [b for b in branches if b < here.shape[1]]].any(axis=1).all())
 
 
-def obstacle_at(rungs: Rungs, pose: int) -> Obstacle:
+def obstacle_at(rungs: Rungs, pose: int) -> Hindrance:
     """Why `pose`, the first that is not reached from the start, is not."""
     if not rungs.in_reach[pose]:
-        return Obstacle.REACH
-    return Obstacle.WAY if rungs.counts[pose] else Obstacle.LIMIT
+        return Hindrance.REACH
+    return Hindrance.WAY if rungs.counts[pose] else Hindrance.LIMIT
 
 
 def refined(
-    kinematics: Kinematics, cut: Cut, way: Way, apart: float, branches: tuple[int, ...] | None, *, clear: bool
-) -> Way:
+    kinematics: Kinematics, cut: Passage, way: LadderWay, apart: float, branches: tuple[int, ...] | None, *, clear: bool
+) -> LadderWay:
     """The best way with spins beside those of `way`, within `apart` [rad]: the clearest, else the shortest."""
     rungs = rungs_of(kinematics, cut, _spins_beside(way, apart), branches)
     rails = link(rungs.ladder, cut.step, False)
     return way_with(rungs, rails, _SHARE * widest(rungs.ladder, rails) if clear else 0.0)
 
 
-def way_with(rungs: Rungs, rails: Rails, margin: float, start: Array | None = None) -> Way:
+def way_with(rungs: Rungs, rails: Rails, margin: float, start: Array | None = None) -> LadderWay:
     """The cheapest of the ways through all rungs that keep `margin` from limits; there has to be one.
 
     With joints `start` (j,) it also counts how far from there the way begins.
@@ -196,4 +196,4 @@ def way_with(rungs: Rungs, rails: Rails, margin: float, start: Array | None = No
         q[1:, endless] -= TURN * np.cumsum(whole, axis=0)
     room = np.minimum(q - ladder.lower, ladder.upper - q)[:, ~endless]
     travel = float(np.abs(np.diff(q, axis=0)).sum())
-    return Way(q, rungs.spin[steps[:, 0]], float(room.min(initial=np.inf)), travel)
+    return LadderWay(q, rungs.spin[steps[:, 0]], float(room.min(initial=np.inf)), travel)

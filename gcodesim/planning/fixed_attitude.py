@@ -39,9 +39,9 @@ from gcodesim.planning.posing import Posed
 from gcodesim.planning.reach import report_poses, report_slow_joints
 from gcodesim.planning.route import TRIALS, dead_end, route_along
 from gcodesim.planning.route_findings import report_dead_end, report_route
+from gcodesim.planning.spin_along import SpinAlong
 from gcodesim.planning.spin_choice import SampledPath, SpinChoice, choose_spin
 from gcodesim.planning.travel import report_missing_axes
-from gcodesim.planning.turning import Turning
 
 if TYPE_CHECKING:
     from gcodesim.kinematics.protocol import Kinematics
@@ -65,7 +65,7 @@ class Flange:
     R_BO: Array  # of every row (n, 3, 3)
     offset: Array  # of every row (n, 3) [m]
     spin: float
-    turning: Turning | None = None  # of the tool about itself along the path, on top of `spin`
+    turning: SpinAlong | None = None  # of the tool about itself along the path, on top of `spin`
 
     def poses(self, piece: NDArray[np.int64], s: Array, positions: Array) -> Array:
         """X_BF (k, 4, 4) with the controlled point at `positions` (k, 3), which are at `s` (k,) of `piece` (k,)."""

@@ -22,7 +22,7 @@ _EXACTLY: Final = 1e-6  # of a turn, by which a range may exceed whole turns wit
 
 
 @frozen(eq=False)
-class Cut:
+class Passage:
     """Poses of the tip that have to be reached one after the other without a jump.
 
     X_BT (n, 4, 4) at spin 0; X_FT (4, 4). `free`: the tool may be turned about its own axis, Z of T, by any angle at
@@ -37,15 +37,15 @@ class Cut:
     def __len__(self) -> int:
         return len(self.X_BT)
 
-    def part(self, first: int, end: int) -> Cut:
+    def part(self, first: int, end: int) -> Passage:
         """Poses `first` to `end` (left out)."""
-        return Cut(X_BT=self.X_BT[first:end], X_FT=self.X_FT, free=self.free, step=self.step)
+        return Passage(X_BT=self.X_BT[first:end], X_FT=self.X_FT, free=self.free, step=self.step)
 
-    def shifted(self, shift: Array) -> Cut:
+    def shifted(self, shift: Array) -> Passage:
         """The same with all positions moved by `shift` (3,) [m] in B."""
         X_BT = self.X_BT.copy()
         X_BT[:, :3, 3] += shift
-        return Cut(X_BT=X_BT, X_FT=self.X_FT, free=self.free, step=self.step)
+        return Passage(X_BT=X_BT, X_FT=self.X_FT, free=self.free, step=self.step)
 
     def flange(self, spins: Array) -> Array:
         """X_BF (n, s, 4, 4) with the tool turned by `spins` (n, s) [rad]."""
@@ -76,7 +76,7 @@ class Rungs:
         return counts
 
 
-def rungs_of(kinematics: Kinematics, cut: Cut, spins: Array, branches: tuple[int, ...] | None = None) -> Rungs:
+def rungs_of(kinematics: Kinematics, cut: Passage, spins: Array, branches: tuple[int, ...] | None = None) -> Rungs:
     """The ladder of `cut` at `spins` (n, s) [rad]; `branches` keeps only those of a closed form."""
     n, s = spins.shape
     flange = cut.flange(spins).reshape(-1, 4, 4)

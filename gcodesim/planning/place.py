@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.arithmetic.matrices import applied
+from gcodesim.arithmetic.matrices import applied, dot, norm
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.planning.configuration import grid
 from gcodesim.planning.fixed_attitude import ArmJoints, FixedAttitude
-from gcodesim.planning.ladder import Cut, rungs_of
+from gcodesim.planning.ladder import Passage, rungs_of
 from gcodesim.planning.ladder_kernels import link, widest
 from gcodesim.planning.legs import LegJoints
 from gcodesim.planning.nodes import Nodes
@@ -33,7 +33,7 @@ NOWHERE: Final = -1.0
 
 
 @frozen(kw_only=False, eq=False)
-class Place:
+class Spot:
     """A `shift` (3,) [m] in axes of the world, and the least distance [rad] of a joint from its limits there."""
 
     shift: Array
@@ -45,7 +45,7 @@ class Place:
         return self.margin >= 0.0
 
 
-def cuts_of(plan: Plan, posing: FixedAttitude) -> list[Cut]:
+def cuts_of(plan: Plan, posing: FixedAttitude) -> list[Passage]:
     """What an arm has to run without a jump, one cut for each stretch between joint moves."""
     legs = plan.joint_path.legs if isinstance(plan.joint_path, LegJoints) else (plan,)
     paths = [leg.joint_path for leg in legs if isinstance(leg.joint_path, ArmJoints)]
@@ -64,11 +64,11 @@ def cuts_of(plan: Plan, posing: FixedAttitude) -> list[Cut]:
     return cuts
 
 
-def margin_at(kinematics: Kinematics, cuts: list[Cut], shift: Array, branches: tuple[int, ...] | None) -> float:
+def margin_at(kinematics: Kinematics, cuts: list[Passage], shift: Array, branches: tuple[int, ...] | None) -> float:
     """The most room [rad] to joint limits with all cuts shifted by (3,) [m] in B; `NOWHERE` without a way."""
     moved = [cut.shifted(shift) for cut in cuts]
     for cut in moved:
-        few = Cut(
+        few = Passage(
             X_BT=cut.X_BT[:: max(len(cut) // _FIRST_LOOK, 1)],
             X_FT=cut.X_FT,
             free=cut.free,
@@ -90,27 +90,27 @@ def margin_at(kinematics: Kinematics, cuts: list[Cut], shift: Array, branches: t
 
 def places(
     kinematics: Kinematics,
-    cuts: list[Cut],
+    cuts: list[Passage],
     R_BW: Array,
     within: Array,
     step: float,
     branches: tuple[int, ...] | None,
-) -> list[Place]:
+) -> list[Spot]:
     """All places on a grid of `step` [m] whose shifts are `within` (3,) [m] of the present one, the nearest first."""
     counts = [int(np.floor(w / step + 1e-9)) for w in within]
     shifts = [step * np.array(c, dtype=float) for c in product(*(range(-n, n + 1) for n in counts))]
-    shifts.sort(key=lambda shift: (float(shift @ shift), *(-shift)))
-    return [Place(shift, margin_at(kinematics, cuts, applied(R_BW, shift), branches)) for shift in shifts]
+    shifts.sort(key=lambda shift: (dot(shift, shift), *(-shift)))
+    return [Spot(shift, margin_at(kinematics, cuts, applied(R_BW, shift), branches)) for shift in shifts]
 
 
-def best_place(found: list[Place], step: float) -> Place | None:
+def best_place(found: list[Spot], step: float) -> Spot | None:
     """The place with the most room to limits, there and one step away in each axis; the nearest among equals.
 
     So that the part may stand a little off it. Where no place is good with all of its neighbours, the best alone.
     """
     margins = {_key(place.shift, step): place.margin for place in found}
 
-    def around(place: Place) -> float:
+    def around(place: Spot) -> float:
         x, y, z = _key(place.shift, step)
         beside = ((1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1))
         return min(place.margin, *(margins.get((x + a, y + b, z + c), place.margin) for a, b, c in beside))
@@ -139,11 +139,11 @@ class Region:
 
 
 def region_of(
-    kinematics: Kinematics, cuts: list[Cut], R_BW: Array, p_WB: Array, branches: tuple[int, ...] | None
+    kinematics: Kinematics, cuts: list[Passage], R_BW: Array, p_WB: Array, branches: tuple[int, ...] | None
 ) -> Region:
     """Where in the world the tip can be in the attitude in which the program begins, with some spin if that is free."""
     first = cuts[0]
-    reach = _reach(kinematics) + float(np.sqrt(np.sum(first.X_FT[:3, 3] ** 2)))
+    reach = _reach(kinematics) + norm(first.X_FT[:3, 3])
     cell = float(np.ceil(reach / _CELLS / _ROUND) * _ROUND)
     axis = cell * np.arange(-_CELLS, _CELLS + 1)
     layers = []
@@ -152,7 +152,7 @@ def region_of(
         points = np.stack([np.full_like(y, x), y, z], axis=-1).reshape(-1, 3)
         X_BT = np.tile(first.X_BT[0], (len(points), 1, 1))
         X_BT[:, :3, 3] = applied(R_BW, points)
-        cut = Cut(X_BT=X_BT, X_FT=first.X_FT, free=first.free, step=first.step)
+        cut = Passage(X_BT=X_BT, X_FT=first.X_FT, free=first.free, step=first.step)
         layers.append(rungs_of(kinematics, cut, grid(cut, _SPINS // 3), branches).counts.reshape(y.shape) > 0)
     inside = np.array(layers)
     if not inside.any():
@@ -166,4 +166,4 @@ def region_of(
 def _reach(kinematics: Kinematics) -> float:
     """A length [m] that the flange is never farther than from the base."""
     chain = kinematics.chain
-    return float(sum(np.sqrt(np.sum(joint.X[:3, 3] ** 2)) for joint in chain.joints))
+    return float(sum(norm(joint.X[:3, 3]) for joint in chain.joints))

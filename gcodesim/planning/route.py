@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.kinematics.path_kernels import JUMP
-from gcodesim.planning.configuration import Obstacle, even_way, grid, obstacle_at, way_with
-from gcodesim.planning.ladder import Cut, rungs_of
+from gcodesim.planning.configuration import Hindrance, even_way, grid, obstacle_at, way_with
+from gcodesim.planning.ladder import Passage, rungs_of
 from gcodesim.planning.ladder_kernels import TURN, earliest, link
 from gcodesim.planning.nodes import Nodes
-from gcodesim.planning.turning import Turning
+from gcodesim.planning.spin_along import SpinAlong
 
 if TYPE_CHECKING:
     from gcodesim.kinematics.protocol import Kinematics
@@ -39,7 +39,7 @@ class Route:
     `chains` counts the chains that have a way, one after the other; the route is complete if all have.
     """
 
-    turning: Turning | None
+    turning: SpinAlong | None
     seeds: dict[int, Array]
     chains: int
 
@@ -55,7 +55,7 @@ class DeadEnd:
     first: int
     last: int
     next_node: int
-    obstacle: Obstacle
+    obstacle: Hindrance
     q: Array | None
 
 
@@ -82,7 +82,7 @@ def route_along(
         pieces.append(nodes.piece[chosen])
         places.append(nodes.s[chosen])
         spins.append(_smooth(way.spins))
-    turning = Turning.through(flange.pieces, pieces, places, spins) if free and spins else None
+    turning = SpinAlong.through(flange.pieces, pieces, places, spins) if free and spins else None
     return Route(turning, seeds, len(nodes.chains))
 
 
@@ -95,12 +95,12 @@ def _evenly(first: int, end: int, most: int) -> NDArray[np.int64]:
 
 def cut_through(
     kinematics: Kinematics, flange: FlangePoses, nodes: Nodes, chain: int, rungs: int, free: bool
-) -> tuple[NDArray[np.int64], Cut]:
+) -> tuple[NDArray[np.int64], Passage]:
     """The nodes of a chain that become rungs, and the cut through them."""
     a, b = nodes.chains[chain]
     chosen = _evenly(a, b, max(_FEWEST, rungs * (b - a) // max(len(nodes), 1)))
     X = flange.at(nodes.piece[chosen], nodes.s[chosen])
-    return chosen, Cut(X_BT=X, X_FT=np.eye(4), free=free, step=np.full(len(kinematics.joints), JUMP))
+    return chosen, Passage(X_BT=X, X_FT=np.eye(4), free=free, step=np.full(len(kinematics.joints), JUMP))
 
 
 def _smooth(spins: Array) -> Array:
@@ -132,7 +132,7 @@ def dead_end(
     ladder = rungs_of(kinematics, cut, grid(cut, spins), branches)
     _, first, last = earliest(ladder.ladder, link(ladder.ladder, cut.step, False))
     if last - first + 1 == len(cut):  # rungs have a way, the nodes between do not
-        return DeadEnd(nodes.chains[chain], int(chosen[0]), int(chosen[-1]), int(chosen[-1]), Obstacle.WAY, None)
+        return DeadEnd(nodes.chains[chain], int(chosen[0]), int(chosen[-1]), int(chosen[-1]), Hindrance.WAY, None)
     after = last + 1 if last + 1 < len(cut) else first - 1
     q = None
     if last >= first:

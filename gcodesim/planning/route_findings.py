@@ -8,11 +8,11 @@ import numpy as np
 
 from gcodesim.diagnostics import Diagnostic, Findings
 from gcodesim.kinematics.protocol import Status
-from gcodesim.planning.configuration import Obstacle
+from gcodesim.planning.configuration import Hindrance
 from gcodesim.planning.nodes import Nodes
 from gcodesim.planning.reach import FlangePoses, why
 from gcodesim.planning.route import DeadEnd
-from gcodesim.planning.turning import Turning
+from gcodesim.planning.spin_along import SpinAlong
 from gcodesim.units import DEG
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 _TURNED: Final = 1.0 * DEG  # of spin along the path that is worth a word
 
 
-def report_route(flange: FlangePoses, turning: Turning | None, nodes: Nodes, findings: Findings) -> None:
+def report_route(flange: FlangePoses, turning: SpinAlong | None, nodes: Nodes, findings: Findings) -> None:
     """A note that one spin and one configuration near home would not have done."""
     path = flange.pieces.path
     first = path.span(int(flange.pieces.row_last[nodes.piece[0]]))
@@ -61,7 +61,7 @@ def report_dead_end(kinematics: Kinematics, flange: FlangePoses, nodes: Nodes, e
         part = f"nothing of {whole} can be run"
     else:
         part = f"at most {100.0 * share:.0f} % of {whole} can be run, from line {line(end.first)} to {line(end.last)}"
-    if end.obstacle is Obstacle.WAY:
+    if end.obstacle is Hindrance.WAY:
         ends = "then" if end.next_node >= end.last else "before that"
         findings.add(
             Diagnostic(

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from gcodesim.cell.shifting import Shifted
     from gcodesim.diagnostics import SourceText
     from gcodesim.frames import Array
-    from gcodesim.planning.place import Place
+    from gcodesim.planning.place import Spot
     from gcodesim.shop import Shop
 
 _PICTURE, _MESH = "reach.svg", "reach.stl"
@@ -154,7 +154,7 @@ def _write(path: Path, source: SourceText, moved: list[Shifted]) -> None:
 
 
 def _draw(
-    folder: Path, shop: Shop, cuts: list[Any], R_BW: Array, best: Place | None, branches: tuple[int, ...] | None
+    folder: Path, shop: Shop, cuts: list[Any], R_BW: Array, best: Spot | None, branches: tuple[int, ...] | None
 ) -> list[str]:
     """Picture and mesh of what the tip reaches; their names."""
     from io import BytesIO
@@ -180,7 +180,7 @@ def _draw(
     return [_PICTURE, _MESH]
 
 
-def _in_words(place: Place) -> str:
+def _in_words(place: Spot) -> str:
     from gcodesim.units import DEG
 
     if not place.good:
@@ -190,7 +190,7 @@ def _in_words(place: Place) -> str:
     return f"joints stay {place.margin / DEG:.1f} deg from their limits"
 
 
-def _degrees(place: Place) -> float | None:
+def _degrees(place: Spot) -> float | None:
     from gcodesim.units import DEG
 
     return round(place.margin / DEG, 3) if place.good and math.isfinite(place.margin) else None

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from gcodesim.kinematics import MODELS
-from gcodesim.planning.configuration import Obstacle, can_run, search
-from gcodesim.planning.ladder import Cut
+from gcodesim.planning.configuration import Hindrance, can_run, search
+from gcodesim.planning.ladder import Passage
 from gcodesim.planning.ladder_kernels import LIMITED, TURN, Ladder, earliest, link, shortest, trace, widest
 from gcodesim.units import DEG
 from tests.configuration_cases import answer, answer_placement, compare, kinematics_for, read_cases
@@ -95,7 +95,7 @@ def swing(name, *, free):
     q = home + np.linspace(0.0, 1.0, 9)[:, None] * np.array([0.4, -0.1, 0.1, 0.3, -0.2, 0.5])
     X_FT = np.eye(4)
     X_FT[:3, 3] = 0.02, 0.0, 0.15
-    return robot, q, Cut(X_BT=robot.forward(q) @ X_FT, X_FT=X_FT, free=free, step=np.full(6, 20 * DEG))
+    return robot, q, Passage(X_BT=robot.forward(q) @ X_FT, X_FT=X_FT, free=free, step=np.full(6, 20 * DEG))
 
 
 @pytest.mark.parametrize("name", ARMS)
@@ -135,11 +135,11 @@ def test_what_is_out_of_reach_ends_a_cut():
     robot, _, cut = swing("ur10e", free=False)
     far = cut.X_BT.copy()
     far[5:, 2, 3] += 3.0
-    found = search(robot, Cut(X_BT=far, X_FT=cut.X_FT, free=False, step=cut.step))
-    assert (found.prefix, found.stretch, found.obstacle) == (5, (0, 4), Obstacle.REACH)
+    found = search(robot, Passage(X_BT=far, X_FT=cut.X_FT, free=False, step=cut.step))
+    assert (found.prefix, found.stretch, found.obstacle) == (5, (0, 4), Hindrance.REACH)
     assert len(found.clear.q) == 5
     away = search(robot, cut.shifted(np.array([9.0, 0.0, 0.0])))
-    assert (away.prefix, away.stretch, away.clear, away.obstacle) == (0, (0, -1), None, Obstacle.REACH)
+    assert (away.prefix, away.stretch, away.clear, away.obstacle) == (0, (0, -1), None, Hindrance.REACH)
     assert not can_run(robot, cut.shifted(np.array([9.0, 0.0, 0.0])))
     assert can_run(robot, cut)
 

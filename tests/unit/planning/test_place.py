@@ -5,7 +5,7 @@ import pytest
 
 from gcodesim.planning import FixedAttitude
 from gcodesim.planning.configuration import can_run
-from gcodesim.planning.place import NOWHERE, Place, best_place, cuts_of, margin_at, places, region_of
+from gcodesim.planning.place import NOWHERE, Spot, best_place, cuts_of, margin_at, places, region_of
 from gcodesim.report.reach_picture import mesh_of, picture_of
 from tests.unit.planning.test_route import around
 
@@ -42,7 +42,7 @@ def test_a_grid_of_places_begins_where_the_part_is(plan, cuts):
 
 def test_the_best_place_has_room_on_all_sides():
     def place(x, margin):
-        return Place(np.array([x, 0.0, 0.0]), margin)
+        return Spot(np.array([x, 0.0, 0.0]), margin)
 
     row = [place(0.0, NOWHERE), place(0.1, 0.5), place(0.2, 0.4), place(0.3, 0.4), place(0.4, 0.3)]
     assert best_place(row, 0.1) is row[2]

@@ -15,7 +15,7 @@ _APART: Final = 1.0  # [m] of way that a joint move counts for, so that spins on
 
 
 @frozen(kw_only=False, eq=False)
-class Turning:
+class SpinAlong:
     """Spins as cubic Hermite splines through knots: at `way` (k,) [m] the `spin` (k,) [rad], its `slope` (k,) [rad/m].
 
     `begin` (m,) is the way at which each piece begins, and `fixed` (m,) marks joint moves, at whose ends splines
@@ -29,7 +29,7 @@ class Turning:
     slope: Array
 
     @staticmethod
-    def through(pieces: Pieces, piece: list[NDArray[np.int64]], s: list[Array], spin: list[Array]) -> Turning:
+    def through(pieces: Pieces, piece: list[NDArray[np.int64]], s: list[Array], spin: list[Array]) -> SpinAlong:
         """Splines through spins (k,) at places `s` (k,) of `piece` (k,), one list entry for each chain.
 
         Slopes are those of the parabola through a knot and its neighbours, so speed of turning has no steps.
@@ -38,7 +38,7 @@ class Turning:
         begin = np.cumsum(length) - length
         ways = [_way(begin, pieces.fixed, p, at) for p, at in zip(piece, s, strict=True)]
         slopes = [_slopes(way, value) for way, value in zip(ways, spin, strict=True)]
-        return Turning(begin, pieces.fixed.copy(), np.concatenate(ways), np.concatenate(spin), np.concatenate(slopes))
+        return SpinAlong(begin, pieces.fixed.copy(), np.concatenate(ways), np.concatenate(spin), np.concatenate(slopes))
 
     def at(self, piece: NDArray[np.int64], s: Array) -> tuple[Array, Array]:
         """Spins (k,) [rad] and their derivatives by the way (k,) [rad/m] at `s` (k,) of `piece` (k,)."""
