@@ -73,7 +73,7 @@ def test_the_package_adds_to_every_family_by_one_line_each() -> None:
 @pytest.mark.parametrize(
     ("family", "row"),
     [
-        ("tools", "engraver"),
+        ("tools", "laser_engraver"),
         ("processes", "engraving"),
         ("dialects", "bright"),
         ("machines", "bright_table          Bright engraving table"),
@@ -89,8 +89,8 @@ def test_cell_show_and_schema_have_its_keys(shop: Shop) -> None:
     shown = shop("cell", "show", "engraver.yaml").out
     schema = shop("cell", "schema").json
 
-    assert "type: engraver" in shown and "full_speed: 1000 rpm" in shown and "focus: 2 mm  # default" in shown
-    assert schema["$defs"]["engraver"]["properties"]["power"]["description"] == "power of the beam"
+    assert "type: laser_engraver" in shown and "full_speed: 1000 rpm" in shown and "focus: 2 mm  # default" in shown
+    assert schema["$defs"]["laser_engraver"]["properties"]["power"]["description"] == "power of the beam"
     assert "bright" in json.dumps(schema)
 
 
@@ -99,7 +99,7 @@ def test_its_keys_are_checked_as_ours(shop: Shop) -> None:
     done = shop("cell", "validate", "engraver.yaml")
 
     assert done.status == 1
-    assert "engraver.yaml:9:30: error GS709: `power` is 40 mm, a length; a power such as `40 W` is expected" in done.out
+    assert "engraver.yaml:9:36: error GS709: `power` is 40 mm, a length; a power such as `40 W` is expected" in done.out
 
 
 def test_its_dialect_reads_the_program(shop: Shop) -> None:
@@ -226,7 +226,7 @@ BROKEN = {
     "is not there": ("tools", "away", "no_such_module:Tool", "ModuleNotFoundError: No module named 'no_such_module'"),
     "has no such name": ("tools", "away", "math:Tool", "AttributeError: module 'math' has no attribute 'Tool'"),
     "is something else": ("tools", "away", "math:pi", "which is no Tool"),
-    "has another name": ("tools", "away", "bright_engraver.tool:Engraver", "whose `kind` is `engraver`"),
+    "has another name": ("tools", "away", "bright_engraver.tool:Engraver", "whose `kind` is `laser_engraver`"),
 }
 
 
@@ -240,7 +240,7 @@ def test_what_is_broken_names_its_package(
     shutil.copytree(SOURCE / "example", tmp_path, dirs_exist_ok=True)
     shop = Shop(own, tmp_path)
     fine = shop("cell", "validate", "engraver.yaml")
-    shop.write("engraver.yaml", "type: engraver", "type: away")
+    shop.write("engraver.yaml", "type: laser_engraver", "type: away")
     done = shop("cell", "validate", "engraver.yaml")
 
     assert fine.status == 0  # it hurts nobody who does not use it
@@ -279,13 +279,13 @@ def test_a_fault_in_its_code_is_not_ours(site: Path, tmp_path: Path) -> None:
 def test_two_packages_with_one_name_are_told(site: Path, tmp_path: Path) -> None:
     own = tmp_path / "site"
     shutil.copytree(site, own)
-    add_metadata(own, "other-engraver", "3.0", {"gcodesim.tools": {"engraver": "other:Engraver"}})
+    add_metadata(own, "other-engraver", "3.0", {"gcodesim.tools": {"laser_engraver": "other:Engraver"}})
     shutil.copytree(SOURCE / "example", tmp_path, dirs_exist_ok=True)
     done = Shop(own, tmp_path)("cell", "validate", "engraver.yaml")
 
     assert done.status == 2
     assert done.err == (
-        "gcodesim: the package bright-engraver 1.2 and the package other-engraver 3.0 both add `engraver` to "
+        "gcodesim: the package bright-engraver 1.2 and the package other-engraver 3.0 both add `laser_engraver` to "
         "`gcodesim.tools`; one of them has to go\n"
     )
 

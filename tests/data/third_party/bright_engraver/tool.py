@@ -33,7 +33,7 @@ class BeamKeys:
 class Engraver(Tool):
     """A laser that burns lines into a surface that it does not touch."""
 
-    kind: ClassVar[str] = "engraver"
+    kind: ClassVar[str] = "laser_engraver"
     process: ClassVar[str] = "engraving"
 
     beam: BeamKeys = inline(BeamKeys)
