@@ -10,16 +10,18 @@ from gcodesim.declarations.plain_kinds import Text, Whole
 from gcodesim.declarations.quantity import Quantity
 from gcodesim.processes import PROCESSES
 from gcodesim.tools import TOOLS
+from gcodesim.tools.outline_kind import OutlineKind
 from gcodesim.tools.tool import Holder
 
 # a sound value for any required key, by its kind
-SAMPLE = {Quantity: 4.0e-3, Whole: 2, Text: "tool"}
+SAMPLE = {Quantity: 4.0e-3, Whole: 2, Text: "tool", OutlineKind: ((0.0, 0.0), (3.0e-3, 1.0e-3), (5.0e-3, 20.0e-3))}
 # where one value for all would be an impossible tool
-SPECIAL = {"diameter": 10.0e-3, "bead_height": 2.0e-3}
+SPECIAL = {"diameter": 10.0e-3, "bead_height": 2.0e-3, "tip_diameter": 1.0e-3, "angle": 1.5, "taper": 0.3}
 
 
 def sample(kind: str, **more):
-    required = {p.name: SPECIAL.get(p.name, SAMPLE[type(p.kind)]) for p in all_keys(TOOLS[kind]).values() if p.required}
+    keys = all_keys(TOOLS[kind]).values()
+    required = {p.field: SPECIAL.get(p.name, SAMPLE[type(p.kind)]) for p in keys if p.required}
     return TOOLS[kind](number=3, **required, **more)
 
 
@@ -31,7 +33,7 @@ def test_is_named_as_in_the_table(kind):
 
 @pytest.mark.parametrize("kind", TOOLS)
 def test_every_field_but_the_number_is_a_documented_key(kind):
-    told = {p.name for p in all_keys(TOOLS[kind]).values()}
+    told = {p.field for p in all_keys(TOOLS[kind]).values()}
 
     assert told == {field.name for field in fields(TOOLS[kind])} - {"number"}
     assert all(p.doc and p.kind.expected for p in all_keys(TOOLS[kind]).values())
@@ -50,7 +52,7 @@ def test_bodies_fill_the_true_length(kind):
     holder = Holder(diameter=0.04, length=0.05)
     tool = sample(kind, holder=holder)
 
-    assert min(body.bottom for body in tool.primitives) == 0.0
+    assert min(body.bottom for body in tool.primitives) == pytest.approx(0.0, abs=1e-15)
     assert max(body.top for body in tool.primitives) == pytest.approx(tool.true_length)
     assert tool.true_length == pytest.approx(tool.length + 0.05)
     assert tool.X_FT.p[2] == pytest.approx(tool.true_length)
@@ -81,6 +83,8 @@ def test_shape_and_edge_tell_of_the_same_outline(kind):
     from gcodesim.material.kernels import underside
 
     tool = sample(kind)
+    if tool.form is not None:
+        pytest.skip("cut by its outline itself")
     for row in tool.edge:
         s = np.linspace(0.05, 0.95, 7)
         if row[0] > 0.0:
