@@ -40,6 +40,12 @@ class Standing:
     carrier: Callable[[Array], Array] | None = None
     role: Role = "fixture"
 
+    def only(self, names: frozenset[str] | None) -> Standing:
+        """Those of these bodies that have one of the names; None: all."""
+        if names is None:
+            return self
+        return Standing(tuple(body for body in self.bodies if body.name in names), self.carrier, self.role)
+
 
 def standing_bodies(scene: Scene, base: str) -> list[Standing]:
     """The bodies of a scene that a tool on the mover `base` may not enter, by what they stand on."""

@@ -29,6 +29,9 @@ if TYPE_CHECKING:
 Pairs = list[tuple[int, int]]
 
 SELF: Final = "GS306"
+_BESIDE: Final = 5e-3
+"""How near [m] a tool must come to a fixture for its sweep to be looked at; far more than that sweep rounds off."""
+
 _HINTS: Final = {
     "GS305": "move the fixture or the work, or reach it another way",
     SELF: "another orientation of the tool or another place of the work keeps the links apart",
@@ -49,6 +52,12 @@ class MachineChecks:
     X_BM: Pose
     clearance: float | None = None
     allowed: set[tuple[str, str]] = field(default_factory=set)
+
+    def fixtures_beside(self, plan: Plan) -> frozenset[str] | None:
+        """Labels of the fixtures that a tool may come nearer to than `_BESIDE`; None: of any."""
+        if not len(plan.path) or not len(plan.trajectory.pieces):
+            return None
+        return _Check(plan, self).fixtures_beside()
 
     def findings(self, plan: Plan) -> list[Diagnostic]:
         """GS305 to GS308 and GS930 along a plan, in the order of time."""
@@ -95,6 +104,28 @@ class _Check:
                     yield from self._of_bodies(bodies, pairs, run)
                     yield from self._near_misses(bodies, beside, run)
 
+    def fixtures_beside(self) -> frozenset[str] | None:
+        """See `MachineChecks.fixtures_beside`."""
+        own = [body for body in self.machine.bodies if body.role == "fixture"]
+        found: set[str] = set()
+        for number, tool in sorted(self.checks.tools.items()):
+            if not (self._tool_of_row == number).any():
+                continue
+            bodies = [*own, *self.machine.of_tool(tool)]
+            couples = [(i, j) for j in range(len(own), len(bodies)) for i in range(len(own))]
+            found |= {own[i].rigid.name for i, j in couples if own[i].carrier == bodies[j].carrier}
+            pairs = self._maybe(bodies, [(i, j) for i, j in couples if own[i].rigid.name not in found], _BESIDE)
+            if not pairs:
+                continue
+            from gcodesim.checks.meetings import MOST
+
+            for run in self._runs_of(number):
+                near = self.machine.moving(bodies, pairs).search(self._part(run)[1], level=_BESIDE)
+                if len(near) >= MOST:
+                    return None
+                found |= {own[meeting.first].rigid.name for meeting in near}
+        return frozenset(found)
+
     @cached_property
     def _tool_of_row(self) -> NDArray[np.int64]:
         path = self.plan.path
@@ -121,10 +152,10 @@ class _Check:
         extremes = self.plan.extremes()
         return extremes.least, extremes.most
 
-    def _maybe(self, bodies: Sequence[CarriedBody], pairs: Pairs) -> Pairs:
+    def _maybe(self, bodies: Sequence[CarriedBody], pairs: Pairs, least: float = 0.0) -> Pairs:
         """Those pairs whose bounds may meet somewhere in the travel of the plan."""
         boxes = [swept_bounds(body, self.machine.tree, *self._travel) for body in bodies]
-        room = self.checks.clearance or 0.0
+        room = max(self.checks.clearance or 0.0, least)
         return [(i, j) for i, j in pairs if _cross(boxes[i], boxes[j], room)]
 
     def _of_bodies(

@@ -24,7 +24,8 @@ TOUCH: Final = 1e-6
 SearchScene = tuple[Couple, JointTree, WayColumns, Forest, Convexes]
 Rooms = tuple[WayRoom, GapRoom]
 
-_MOST: Final = 4096  # meetings of one search
+MOST: Final = 4096
+"""Meetings that one search finds at most."""
 
 
 @frozen(kw_only=False, eq=False)
@@ -120,7 +121,7 @@ class MovingBodies:
 
         if not len(self.pairs) or not len(way.bend):
             return []
-        found = Meetings(np.zeros((_MOST, 6), dtype=np.int64), np.zeros((_MOST, 3)), np.zeros(1, dtype=np.int64))
+        found = Meetings(np.zeros((MOST, 6), dtype=np.int64), np.zeros((MOST, 3)), np.zeros(1, dtype=np.int64))
         scene, walk, rooms = self._room(way)
         meet(self._roots, level, 0.0, scene, walk, rooms, found)
         meetings = self._inside_at_start(way) if level <= 0.0 else []

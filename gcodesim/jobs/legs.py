@@ -216,7 +216,9 @@ class Legs:
         if shop.cell.fixtures:
             from gcodesim.checks.clearance import clearance_findings, standing_bodies
 
-            hits = clearance_findings(plan, shop.cell.tools, standing_bodies(shop.scene, shop.name), X_BM=shop.X_BM)
+            beside = self._machine_checks.fixtures_beside(plan)
+            standing = [some.only(beside) for some in standing_bodies(shop.scene, shop.name)]
+            hits = clearance_findings(plan, shop.cell.tools, standing, X_BM=shop.X_BM)
             yield from (hit for hit in hits if not self._backs_off(hit))
         yield from self._machine_checks.findings(plan)
 
