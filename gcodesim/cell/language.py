@@ -17,6 +17,8 @@ from gcodesim.rs274 import MappedAction, Settings, ToolEntry, ToolTable, read_pa
 from gcodesim.rs274.dialects import DIALECTS
 from gcodesim.units import MM
 
+AXIS_PLACES: Final = ("X", "Y", "Z")
+
 USUAL_PATH_CONTROL: Final = "G64"
 
 KEPT_CORNERS: Final = "G64 P0.01"
@@ -64,6 +66,8 @@ def settings_of_cell(
         parameters = placement.parameters()
     else:  # the cell's own work offsets override those of the file
         parameters |= placement.parameters(placement.given)
+    for number, value in _reference_points(cell.machine_of(channel)).items():
+        parameters.setdefault(number, value)
     if not DIALECTS[own.dialect].turned_systems:
         findings += _turned(cell, channel, placement)
     settings = Settings(
@@ -85,6 +89,18 @@ def settings_of_cell(
         options={"decimal_point": own.decimal_point, "compensation_start": own.compensation_start},
     )
     return settings, findings
+
+
+def _reference_points(machine: object) -> dict[int, float]:
+    """Where G28 and G30 lead on a lathe [mm]: home, since machine zero is in the chuck."""
+    if not (isinstance(machine, MachineTool) and machine.lathe):
+        return {}
+    return {
+        first + AXIS_PLACES.index(axis.letter): axis.home / MM
+        for first in (5161, 5181)
+        for axis in machine.axes
+        if axis.letter in AXIS_PLACES
+    }
 
 
 def _path_control(cell: Cell, channel: str) -> str:

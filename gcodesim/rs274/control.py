@@ -7,7 +7,7 @@ the run restores the state (`Control.begin`, `Control.roll_back`).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Literal
 
 from gcodesim import canon
@@ -27,8 +27,13 @@ from gcodesim.units import DEG, MINUTE, MM, RPM
 
 if TYPE_CHECKING:
     from gcodesim.rs274.compensation import CornerRule
+    from gcodesim.rs274.words import Words
 
 _PATH_MODES: dict[int, str] = {610: "exact_path", 611: "exact_stop", 640: "blend"}
+
+
+def _no_contour(number: int) -> Iterable[Words]:
+    raise Fault("GS106", f"there is no subroutine O{number}", at="q")
 
 
 class Control:
@@ -55,6 +60,7 @@ class Control:
         self.block_number = 0
         self.last_system: canon.WorkSystem | None = None
         self.not_simulated: dict[str, tuple[int, Span]] = {}
+        self.contours: Callable[[int], Iterable[Words]] = _no_contour  # the blocks of subroutine O…, for G70 to G72
         self.corner_rule: CornerRule | None = None  # of cutter compensation; None for RS274's
         self.auto_length = False  # M6 also applies the length: nothing in the program is about lengths
         self.length_cancelled = False  # G49 is all that the program says about them

@@ -6,7 +6,7 @@ from gcodesim import canon
 from gcodesim.rs274 import compensation, machine_codes, modes, offsets
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.dialects import g_name
-from gcodesim.rs274.dialects.linuxcnc import CANCEL, LENGTH, MOTION, NON_MODAL
+from gcodesim.rs274.dialects.linuxcnc import CANCEL, CONTOUR_CYCLES, LENGTH, MOTION, NON_MODAL
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.motions import MOTIONS
 from gcodesim.rs274.words import Words, check_use, is_used
@@ -17,7 +17,7 @@ _CLAIMS_AXES = frozenset((100, 280, 300, 520, 920))
 _LENGTH_NEEDS_NO_MOTION = frozenset((431, 432))  # of these only G43.1 keeps the axis words to itself
 _ARCS = frozenset((20, 30))  # a modal one continues if only its centre is given
 # motions that make sense without any axis word
-_NEEDS_NO_AXES = frozenset((0, 10, 20, 30, 52))
+_NEEDS_NO_AXES = frozenset((0, 10, 20, 30, 52, *CONTOUR_CYCLES))
 
 
 def motion_of(words: Words, control: Control) -> int:
@@ -106,7 +106,7 @@ def execute(words: Words, control: Control) -> None:
         raise Fault("GS170", f"G5.3 and {g_name(g[MOTION]).upper()} exclude each other", at=g_name(g[MOTION]))
 
     for letter in NOT_MODELLED:
-        if letter in words.values:
+        if letter in words.values and motion not in CONTOUR_CYCLES:
             control.skip(letter.upper(), words.block.place_of(letter))
 
     modes.spindle_mode(words, control)
@@ -172,7 +172,7 @@ def _check_spindle_number(words: Words) -> None:
 
 
 _ONE_SPINDLE = frozenset(("g33", "g33.1", "g74", "g76", "g84", "g95", "g96", "g97", "m19", "m51"))
-_NOT_MODAL = frozenset((50, 51))  # splines are called by name each time and leave the motion in force
+_NOT_MODAL = frozenset((50, 51, *CONTOUR_CYCLES))  # splines are called by name each time and leave the motion in force
 _PLAIN = frozenset("xyzabcfijkrp")
 _PLAIN_MOTIONS = frozenset((0, 10, 20, 30))
 

@@ -10,6 +10,7 @@ from gcodesim.rs274.control import Control
 from gcodesim.rs274.cycles import cycle
 from gcodesim.rs274.ends import end_point
 from gcodesim.rs274.feeds import check_feed, resolve_inverse_time, straight_length
+from gcodesim.rs274.lathe_contours import contour_cycle
 from gcodesim.rs274.probing import probe
 from gcodesim.rs274.splines import cubic_spline, nurbs_start, quadratic_spline
 from gcodesim.rs274.threads import rigid_tap, thread, thread_cycle
@@ -73,6 +74,7 @@ MOTIONS: dict[int, MotionCode] = {
     730: cycle,
     740: cycle,
     760: _ending_cycles(thread_cycle),
+    **dict.fromkeys((700, 710, 711, 712, 720, 721, 722), _ending_cycles(contour_cycle)),
     800: _end_cycles,
     **dict.fromkeys((810, 820, 830, 840, 850, 860, 870, 880, 890), cycle),
 }

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 import time
-from collections.abc import Generator
+from collections.abc import Generator, Iterator
 from pathlib import Path
 
 from gcodesim import canon
@@ -121,6 +122,7 @@ class Executor:
             else:
                 self.control.auto_length, self.control.length_cancelled = not words, words == {b"9"}
         self.control.frames = self.flow.frames
+        self.control.contours = self._contour
         self.recovery = Recovery(self.control)
         self.watches = Watches()
         self.deadline = None if settings.time_limit is None else time.monotonic() + settings.time_limit
@@ -303,6 +305,23 @@ class Executor:
         if control.state.diameter and "x" in words.values:
             words.values["x"] *= 0.5  # G7: X is a diameter, whatever uses it
         return words
+
+    def _contour(self, number: int) -> Iterator[Words]:
+        """The blocks of subroutine O`number` of the main file, which hold the contour of a cycle."""
+        begin = re.compile(rf"\s*O\s*0*{number}\s+SUB\b", re.IGNORECASE)
+        end = re.compile(rf"\s*O\s*0*{number}\s+ENDSUB\b", re.IGNORECASE)
+        lines = self.file.lines
+        first = next((index for index, line in enumerate(lines) if begin.match(line)), None)
+        if first is None:
+            raise Fault("GS106", f"there is no subroutine O{number} in this file", at="q")
+        for index in range(first + 1, len(lines)):
+            if end.match(lines[index]):
+                return
+            block = self.file.block(index)
+            if block.flow is not None or block.settings:
+                raise Fault("GS106", f"the contour O{number} may hold moves only (line {index + 1})", at="q")
+            if block.words:
+                yield self._words(block)
 
     def _execute(self, words: Words, index: int) -> None:
         control = self.control

@@ -24,14 +24,16 @@ def codes(ran) -> set[str]:
     return {finding.code for finding in ran.results.findings}
 
 
-@pytest.mark.parametrize("name", sorted(name for name, case in CASES.items() if "g71" not in name))
+@pytest.mark.parametrize("name", sorted(CASES))
 def test_the_finished_part_has_its_volume(name: str) -> None:
     case = CASES[name]
     bar = case["stock"]["cylinder_mm"]
     tools = "\n  ".join(f"{k}: {{type: {tool['type'].replace(' ', '_')}}}" for k, tool in case["tools"].items())
     size = f"cylinder: [{bar['diameter']}, {bar['z'][1] - bar['z'][0]}], xyz: [0, 0, {bar['z'][0]}]"
 
-    ran = run_texts((DATA / case["program"]).read_text(), cell_of(size, tools))
+    dialect = "dialect: fanuc_lathe\n" if case["dialect"] == "fanuc" else ""
+
+    ran = run_texts((DATA / case["program"]).read_text(), cell_of(size, tools, dialect))
 
     stock = ran.results.stocks["stock"].as_json()
     assert stock["remaining_mm3"] == pytest.approx(case["expect"]["remaining_volume_mm3"], rel=5e-4)
@@ -134,3 +136,44 @@ def test_a_tool_that_is_put_in_inside_of_the_work_cuts_nothing_until_it_has_left
 
     assert ran.results.stocks["stock"].as_json()["removed_mm3"] == 0.0
     assert "GS403" in codes(ran)
+
+
+def fanuc(body: str) -> str:
+    return f"%\nO0001\nG21 G18 G40 G99\nT0101\nG97 S1000 M3\n{body}G0 X100. Z100.\nM5\nM30\n%\n"
+
+
+FANUC_PARTS = {
+    # program between start and end, volume that it takes from a bar of 40 x 60 [mm³]
+    "G90": ("G0 X42. Z2.\nG90 X36. Z-20. F0.2\nX32.\nX30.\n", pi * (20.0**2 - 15.0**2) * 20.0),
+    "G90 with steps": ("G0 X42. Z2.\nG90 U-6. W-22. F0.2\n", pi * (20.0**2 - 18.0**2) * 20.0),
+    "G90 R": (
+        "G0 X42. Z0.\nG90 X40. Z-20. R-5. F0.2\n",
+        pi * 20.0**2 * 20.0 - pi / 3.0 * 20.0 * (20.0**2 + 20.0 * 15.0 + 15.0**2),
+    ),
+    "G75": ("G0 X42. Z-20.\nG75 R0.5\nG75 X30. Z-26. P2000 Q2500 F0.1\n", pi * (20.0**2 - 15.0**2) * 9.0),
+    "G72": (
+        "G0 X42. Z2.\nG72 W2. R0.5\nG72 P10 Q20 U0.4 W0.1 F0.2\nN10 G0 Z-12.\nG1 X30. F0.1\nZ-5.\n"
+        "N20 X20. Z0.5\nG70 P10 Q20\n",
+        pi * 20.0**2 * 12.0
+        - pi * 15.0**2 * 7.0
+        - pi / 3.0 * 5.0 * (15.0**2 + 15.0 * 115.0 / 11.0 + (115.0 / 11.0) ** 2),
+    ),
+    "G73": (
+        "G0 X50. Z5.\nG73 U4. W2. R3\nG73 P10 Q20 U0.4 W0.1 F0.2\nN10 G0 X30. Z1.\nG1 Z-20. F0.1\n"
+        "N20 X42.\nG70 P10 Q20\n",
+        pi * (20.0**2 - 15.0**2) * 20.0,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", sorted(FANUC_PARTS))
+def test_cycles_of_fanuc_leave_the_part_that_they_describe(name: str) -> None:
+    body, taken = FANUC_PARTS[name]
+    tool = "grooving_tool" if name == "G75" else "turning_tool"
+
+    ran = run_texts(
+        fanuc(body), cell_of("cylinder: [40, 60], xyz: [0, 0, -60]", f"1: {{type: {tool}}}", "dialect: fanuc_lathe\n")
+    )
+
+    stock = ran.results.stocks["stock"].as_json()
+    assert stock["initial_mm3"] - stock["remaining_mm3"] == pytest.approx(taken, rel=2e-3)

@@ -8,6 +8,7 @@ DIALECTS = Family(
     of="gcodesim.rs274.dialects.dialect:Dialect",
     called="name",
     fanuc="gcodesim.rs274.dialects.fanuc:FANUC",
+    fanuc_lathe="gcodesim.rs274.dialects.fanuc_lathe:FANUC_LATHE",
     grbl="gcodesim.rs274.dialects.grbl:GRBL",
     klipper="gcodesim.rs274.dialects.marlin:KLIPPER",
     linuxcnc="gcodesim.rs274.dialects.linuxcnc:LINUXCNC",

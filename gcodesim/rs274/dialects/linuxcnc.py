@@ -11,11 +11,14 @@ NON_MODAL, MOTION, PLANE, DISTANCE, CENTRE, FEED_MODE, UNITS, COMPENSATION, LENG
 CANCEL_CYCLES = 800  # G80, which may stand twice in a block
 RETRACT, SYSTEM, PATH, SPINDLE_MODE, DIAMETER, CANCEL, SHIFT = 10, 12, 13, 14, 15, 16, 17
 
+CONTOUR_CYCLES = (700, 710, 711, 712, 720, 721, 722)
+
 _G_GROUPS = {
     NON_MODAL: (40, 53, 100, 280, 281, 300, 301, 520, 530, 920),
     SHIFT: (921, 922, 923),
     MOTION: (
         *(0, 10, 20, 30, 50, 51, 52, 330, 331, 382, 383, 384, 385),
+        *CONTOUR_CYCLES,
         *(730, 740, 760, 810, 820, 830, 840, 850, 860, 870, 880, 890),
     ),
     CANCEL: (CANCEL_CYCLES,),  # ends a cycle, and may share a block with another motion
@@ -48,28 +51,22 @@ _ARCS = {"g2", "g3"}
 _CYCLES = {"g73", "g74", "g81", "g82", "g83", "g84", "g85", "g86", "g87", "g88", "g89"}
 _COMPENSATION = {"g41", "g41.1", "g42", "g42.1"}
 
+_CONTOURS = {"g70", "g71", "g71.1", "g71.2", "g72", "g72.1", "g72.2"}
+
 _USERS = {
-    "d": _COMPENSATION | {"g96"},
+    "d": _COMPENSATION | _CONTOURS | {"g96"},
     "$": {"m3", "m4", "m5", "m19", "m51", "g33", "g33.1", "g76"},  # or S
-    "e": {"g33", "g33.1", "g76", "m66", "m67", "m68"},
+    "e": _CONTOURS | {"g33", "g33.1", "g76", "m66", "m67", "m68"},
     "h": {"g43", "g43.2", "g76"},
-    "i": _ARCS | {"g5", "g5.1", "g10", "g33.1", "g76", "g87"},
+    "i": _CONTOURS | _ARCS | {"g5", "g5.1", "g10", "g33.1", "g76", "g87"},
     "j": _ARCS | {"g5", "g5.1", "g10", "g33.1", "g76", "g87"},
     "k": _ARCS | {"g33", "g33.1", "g76", "g87"},
     "l": (_CYCLES - {"g74"}) | _COMPENSATION | {"g10", "g76", "g5.2", "m66", "m98"},
-    "p": _ARCS
+    "p": _CONTOURS | _ARCS
     | {"g4", "g10", "g5", "g5.2", "g64", "g74", "g76", "g82", "g84", "g86", "g88", "g89"}
     | {"m19", "m50", "m51", "m52", "m53", "m62", "m63", "m64", "m65", "m66", "m98", "user"},
-    "q": {"g5", "g10", "g64", "g73", "g76", "g83", "m19", "m61", "m66", "m67", "m68", "user"},
-    "r": _ARCS | _CYCLES | {"g10", "g41.1", "g42.1", "g76", "m19"},
-}
-
-# cycles of its lathes; on other controls G70 and G71 choose the unit
-_CYCLE = "a cycle of lathes"
-_UNSIMULATED = {
-    700: f"{_CYCLE} (inches are G20)",
-    710: f"{_CYCLE} (millimetres are G21)",
-    **dict.fromkeys((711, 712, 720, 721, 722), _CYCLE),
+    "q": _CONTOURS | {"g5", "g10", "g64", "g73", "g76", "g83", "m19", "m61", "m66", "m67", "m68", "user"},
+    "r": _CONTOURS | _ARCS | _CYCLES | {"g10", "g41.1", "g42.1", "g76", "m19"},
 }
 
 _LATHE = Lathe(
@@ -91,7 +88,6 @@ LINUXCNC = Dialect(
     users={letter: frozenset(names) for letter, names in _USERS.items()},
     user_m_codes=range(100, 200),
     letters=frozenset("abcdefghijklmpqrstuvwxyz@^$"),
-    unsimulated=_UNSIMULATED,
     lathe=_LATHE,
     # the remaps of its five-axis configurations: kinematics with the tip, and without (manual, "Switchable Kinematics")
     tip_m_codes={428: True, 429: False},

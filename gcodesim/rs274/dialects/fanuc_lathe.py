@@ -1,0 +1,15 @@
+"""Fanuc 0i-TF and its like: lathes with G-code system A; see `gcodesim/rs274/fanuc/lathe.py`."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from gcodesim.rs274.dialects.fanuc import FANUC
+
+FANUC_LATHE = dataclasses.replace(
+    FANUC,
+    name="fanuc_lathe",
+    executor="gcodesim.rs274.fanuc.lathe:FanucLatheExecutor",
+    lathe=None,
+    further_systems=(),  # those of the milling control
+)
