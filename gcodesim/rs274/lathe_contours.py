@@ -15,6 +15,7 @@ from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.roughing import ContourMove, Point, beside, chords, passes
 from gcodesim.rs274.words import Words
 
+_UNITS = {700: "inches are G20", 710: "millimetres are G21"}
 _MOTIONS = {0: 0, 10: 0, 20: -1, 30: 1}
 
 
@@ -22,9 +23,10 @@ def contour_cycle(words: Words, control: Control, code: int) -> None:
     """Execute G70, G71.n or G72.n; `control.contours` gives the blocks of the subroutine."""
     state, values, who = control.state, words.values, f"G{code // 10}"
     if "q" not in words.values:
-        unit = {700: "inches are G20 on this control", 710: "millimetres are G21 on this control"}.get(code, "")
-        what = f"{who} needs the word Q, the number of the subroutine with the contour"
-        raise Fault("GS105", what, at=who.lower() if who.lower() in words.names else None, hint=unit)
+        at = who.lower() if who.lower() in words.names else None
+        if code in _UNITS and {"x", "z"}.isdisjoint(words.values):  # on other controls they choose the unit
+            raise Fault("GS915", f"{who} is not simulated without Q: a cycle of lathes ({_UNITS[code]})", at=at)
+        raise Fault("GS105", f"{who} needs the word Q, the number of the subroutine with the contour", at=at)
     number = words.values["q"]
     if state.plane != 180:
         raise Fault("GS106", f"{who} works in the XZ plane only", hint="say G18 before")
