@@ -289,14 +289,11 @@ def _way_of(window: Window) -> BladeWay:
 
 
 def _speeds(window: Window) -> Array:
-    """Speed (n,) [m/s] along the way in each step, over the part of it that moves."""
+    """Speed (c,) [m/s] of each piece."""
     way = window.piece_end - window.piece_start
-    lengths = np.bincount(window.piece_step, weights=np.sqrt((way * way).sum(axis=1)), minlength=window.steps)
     share = window.piece_share
-    moving: Array = np.ones(window.steps)
-    if share is not None:
-        moving = np.bincount(window.piece_step, share[:, 1] - share[:, 0], window.steps).astype(float)
-    speed: Array = lengths / (window.dt * np.maximum(moving, 1e-9))
+    parts = np.ones(len(way)) if share is None else share[:, 1] - share[:, 0]
+    speed: Array = np.sqrt((way * way).sum(axis=1)) / (window.dt * np.maximum(parts, 1e-9))
     return speed
 
 

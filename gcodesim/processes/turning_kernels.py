@@ -90,9 +90,11 @@ class Blade(NamedTuple):
 
 
 class BladeWay(NamedTuple):
-    """c pieces: start and end (c, 2) in (z, r) [m], step (c,), share (c,) of its time, and columns (n,) of the steps.
+    """c pieces: start and end (c, 2) in (z, r) [m], step (c,), share (c,) of its time, speed (c,) [m/s].
 
-    speed [m/s] along the way, spindle [rev/s], pitch [m/turn] of a thread or 0, rapid.
+    Columns (n,) of the steps:
+
+    spindle [rev/s], pitch [m/turn] of a thread or 0, rapid.
     """
 
     start: Array
@@ -323,7 +325,7 @@ def turn(
         expected, radius = _would_take(lathe, hull, count)
         if expected > 0.0:
             if length > 0.0 and way.spindle[k] > 0.0 and radius > 0.0 and not way.rapid[k]:
-                feed = way.speed[k] / way.spindle[k]
+                feed = way.speed[c] / way.spindle[k]
                 section = expected / (2.0 * radius * length) * feed
                 wrong = _forces(lathe, blade, start, dz / length, dr / length, feed, section, way.share[c], out[k])
                 out[k, BACK] += wrong * np.pi * expected

@@ -36,6 +36,7 @@ class FanucLatheExecutor(FanucExecutor):
         if not self.started:
             self.started, self.prepared, self.cycle_words = True, {}, {}
             self.control.state.plane = 180
+            self.control.auto_length = False  # T0101 names its offset
         given = [(letter, float(value)) for letter, value in block.words if isinstance(value, (int, float))]
         codes = [value for letter, value in given if letter == "g"]
         if self.control.writing or not _ONE_SHOT.isdisjoint(codes):
