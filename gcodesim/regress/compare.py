@@ -78,9 +78,13 @@ def is_number(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
-def _by_name(entries: Sequence[Mapping[str, Any]]) -> dict[str, Mapping[str, Any]]:
-    """List entries by their own names, so that an additional entry does not shift all others."""
-    return {entry_name(entry, i): entry for i, entry in enumerate(entries)}
+def _by_name(entries: Sequence[Any]) -> dict[str, Mapping[str, Any]]:
+    """List entries by their own names, so that an additional entry does not shift all others.
+
+    Entries without names, as the points of an outline, are left out: surfaces are compared by themselves.
+    """
+    named = [(i, entry) for i, entry in enumerate(entries) if not isinstance(entry, list | int | float)]
+    return {entry_name(entry, i): entry for i, entry in named}
 
 
 def entry_name(entry: Mapping[str, Any], index: int) -> str:
