@@ -43,7 +43,6 @@ def test_sound_cells_are_valid(path: Path, validator: Draft202012Validator) -> N
         "no_machine",
         "rapids_word",
         "word_on",
-        "tool_number_zero",
         "tool_type_unknown",
         "bull_nose_without_radius",
         "unit_missing",
