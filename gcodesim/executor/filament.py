@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 
 from gcodesim.frames import Array
 from gcodesim.motion.trajectory import Samples, Trajectory
+
+LEAST: Final = 1e-11
+"""[m] What is less is rounding of the sum, on a way without filament."""
 
 
 def filament_between(trajectory: Trajectory, samples: Samples) -> Array | None:
@@ -25,5 +30,6 @@ def filament_between(trajectory: Trajectory, samples: Samples) -> Array | None:
     amount = np.where(joint, 0.0, way[end - row] - way[begin - row])
     base = way[np.where(joint, end - 1, begin) - row]
     at = samples.piece - first
-    through: Array = np.maximum(np.diff(base[at] + amount[at] * np.clip(samples.fraction, 0.0, 1.0)), 0.0)
+    through: Array = np.diff(base[at] + amount[at] * np.clip(samples.fraction, 0.0, 1.0))
+    through[through < LEAST] = 0.0
     return through
