@@ -260,7 +260,7 @@ def follow(
         if i == 0:
             here = t
         elif fresh and i <= HALVINGS:
-            here = t + (1.0 - t) * 0.5 ** (HALVINGS + 4 - i)
+            here = t + (1.0 - t) * 2.0 ** (i - HALVINGS - 4)
         elif fresh:
             here = t + (1.0 - t) * (i - HALVINGS) / SAMPLES
         else:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.matrices import applied
 from gcodesim.checks.meetings import JointWay
 from gcodesim.frames import Array
 from gcodesim.motion.curve_kernels import ROUND
@@ -47,7 +48,7 @@ class PlanWay:
         for last in range(_ROUNDS):
             q0, middle, q1 = (_joints_at(plan, piece, s) for s in (s0, 0.5 * (s0 + s1), s1))
             bend = _SAFETY * _leaves(q0, middle, q1)
-            slack = bend @ reach if last < _ROUNDS - 1 else np.zeros(len(piece))
+            slack = applied(bend, reach) if last < _ROUNDS - 1 else np.zeros(len(piece))
             parts = np.clip(np.ceil(np.sqrt(slack / SLACK)), 1, _MOST_PARTS).astype(np.int64)
             if not (parts > 1).any():
                 break

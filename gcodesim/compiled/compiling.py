@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from gcodesim import compiled
 from gcodesim.compiled.arguments import Argument, Arguments, class_of
-from gcodesim.compiled.target import level
+from gcodesim.compiled.target import level, tuning
 
 if TYPE_CHECKING:
     from gcodesim.compiled import Kernel
@@ -169,11 +169,11 @@ def _codegen() -> Any:
             return level()
 
         def _get_host_cpu_features(self) -> str:
-            return ""
+            return tuning()
 
     made = Codegen("gcodesim")
     target = llvm.Target.from_triple(llvm.get_process_triple())
-    made.movable = target.create_target_machine(cpu=level(), opt=3, reloc="pic", codemodel="small")
+    made.movable = target.create_target_machine(cpu=level(), features=tuning(), opt=3, reloc="pic", codemodel="small")
     return made
 
 

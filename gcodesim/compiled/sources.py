@@ -16,7 +16,7 @@ from types import CodeType
 from typing import Final, NamedTuple
 
 ROOT: Final = Path(__file__).parents[1]
-WAY: Final = ("arguments.py", "compiling.py", "entry.py", "memory.py")
+WAY: Final = ("arguments.py", "compiling.py", "entry.py", "memory.py", "target.py")
 """Files of this package on which machine code depends."""
 _IMPORT: Final = re.compile(
     rb"^[ \t]*(?:from[ \t]+([\w.]+)[ \t]+import[ \t]+(\([^)]*\)|.*)|import[ \t]+([\w.]+))", re.MULTILINE

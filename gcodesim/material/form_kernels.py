@@ -40,7 +40,8 @@ def remove_form(field: Field, start: Array, end: Array, slabs: Array) -> tuple[f
     widest = 0.0
     for number in range(len(slabs)):
         widest = max(widest, slabs[number, 5])
-    flat = np.sqrt((end[0] - start[0]) ** 2 + (end[1] - start[1]) ** 2)
+    dx, dy = end[0] - start[0], end[1] - start[1]
+    flat = np.sqrt(dx * dx + dy * dy)
     parts = max(1, int(np.ceil(flat / (FAR * widest))))
     area, total = field.grid.dx * field.grid.dy, 0.0
     for part in range(parts):

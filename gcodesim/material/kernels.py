@@ -15,6 +15,7 @@ from gcodesim.material.field_kernels import (
     tighten_tops,
     top_nearby,
 )
+from gcodesim.material.form_kernels import remove_form, touch_form
 from gcodesim.material.place_kernels import ELSEWHERE, Places, ToColumns, ask_places, share_between, to_columns
 from gcodesim.material.query_kernels import (
     difference,
@@ -29,6 +30,7 @@ from gcodesim.material.removal_kernels import (
     scratch,
     touch_piece,
 )
+from gcodesim.material.revolved_kernels import discs_across, ring_at, swept_outline, take_ring
 from gcodesim.material.sweep_kernels import Shape, underside
 from gcodesim.material.wall_kernels import beyond_columns
 
@@ -47,17 +49,23 @@ __all__ = [
     "coarsest",
     "diagonal",
     "difference",
+    "discs_across",
     "fill_slices",
     "occupancy",
     "patch_at",
     "patch_tops",
     "remove",
+    "remove_form",
     "remove_piece",
+    "ring_at",
     "scratch",
     "share_between",
+    "swept_outline",
+    "take_ring",
     "tighten_tops",
     "to_columns",
     "top_nearby",
+    "touch_form",
     "touch_piece",
     "underside",
     "volume_of",

@@ -18,7 +18,7 @@ CARRY = 4
 """Numbers that a strand takes from one call to the next: where it ended (3) [m], and its height there [m]."""
 
 
-class Strand(NamedTuple):
+class FilamentStrand(NamedTuple):
     """c pieces of a strand in S: from `starts` to `ends` (c, 3) [m] of the nozzle's tip with `volumes` (c,) [m³].
 
     `widths` and `heights` (c,) [m] are those that the bead is meant to have.
@@ -31,7 +31,7 @@ class Strand(NamedTuple):
     heights: Array
 
 
-def lay_strand(stock: Stock, strand: Strand, carry: Array) -> Laid:
+def lay_strand(stock: Stock, strand: FilamentStrand, carry: Array) -> Laid:
     """Lay a strand on whatever lies below it, in place; `carry` (CARRY,) is changed.
 
     What lies beside the stock's grid is not kept and told as such; all else is in the stock. Columns along x and y are

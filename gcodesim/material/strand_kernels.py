@@ -49,7 +49,7 @@ class Laid(NamedTuple):
     width: Array
 
 
-class Room(NamedTuple):
+class StrandRoom(NamedTuple):
     """Columns that a piece may reach, m of them: indices, share of the section, free height [m] below the nozzle."""
 
     i: NDArray[np.int64]
@@ -130,7 +130,7 @@ def gap_ahead(field: Field, start: Array, end: Array, nozzle: Nozzle) -> float:
 @kernel
 def gather(
     field: Field, start: Array, end: Array, width: float, height: float, nozzle: Nozzle, wide: bool
-) -> tuple[Room, float]:
+) -> tuple[StrandRoom, float]:
     """The columns of a piece with their shares of the section and their room, and the share beside the stock.
 
     `wide`: all columns as far again on either side, each with a share that is its room.
@@ -173,7 +173,7 @@ def gather(
             at_i[m], at_j[m], free[m] = i, j, room
             share[m] = room if wide else weight
             m += 1
-    return Room(at_i[:m], at_j[:m], share[:m], free[:m]), beside
+    return StrandRoom(at_i[:m], at_j[:m], share[:m], free[:m]), beside
 
 
 @kernel
@@ -208,7 +208,7 @@ def put(field: Field, i: int, j: int, tip: float, thickness: float, nozzle: Nozz
 
 
 @kernel
-def has_interval(columns: Columns, room: Room) -> bool:
+def has_interval(columns: Columns, room: StrandRoom) -> bool:
     """Whether every column can take one more interval."""
     lo, _, count = columns
     for m in range(len(room.i)):  # noqa: SIM110  (kernels have no generators)

@@ -14,6 +14,7 @@ from typing import Final
 import numpy as np
 
 from gcodesim.arithmetic.elementary import cos, log, power, sin
+from gcodesim.arithmetic.matrices import dot, norm
 from gcodesim.canon import ArcFeed, Axes
 from gcodesim.frozen import frozen
 
@@ -84,11 +85,11 @@ def along_arc(start: Axes, arc: ArcFeed, pace: Pace) -> Iterator[tuple[Axes, flo
     """The ends, sweeps [rad] and feeds [m/s] of the rows of an arc; each turns by no more than 5 degrees."""
     parts = max(1, ceil(abs(arc.sweep) / np.radians(5.0)))
     p, c, n = (np.array(v[:3], dtype=float) for v in (start, arc.center, arc.normal))
-    along = np.dot(p - c, n) * n
+    along = dot(p - c, n) * n
     u = p - c - along
     v = np.array([n[1] * u[2] - n[2] * u[1], n[2] * u[0] - n[0] * u[2], n[0] * u[1] - n[1] * u[0]])
-    rise = (np.array(arc.end[:3], dtype=float) - p) @ n
-    growth = np.sqrt(((np.array(arc.end[:3]) - c - along - rise * n) ** 2).sum()) / max(np.sqrt((u * u).sum()), 1e-12)
+    rise = dot(np.array(arc.end[:3], dtype=float) - p, n)
+    growth = norm(np.array(arc.end[:3]) - c - along - rise * n) / max(norm(u), 1e-12)
     before = start
     for k in range(1, parts + 1):
         share = k / parts

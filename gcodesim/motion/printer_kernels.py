@@ -28,7 +28,7 @@ class Moves(NamedTuple):
     rest: Column
 
 
-class Corners(NamedTuple):
+class JunctionLimits(NamedTuple):
     """What rules the corner behind each move: `jerk` (n, 4), `deviation` (n,), `corner` (n,), as in `MotionLimits`."""
 
     jerk: Column
@@ -86,7 +86,7 @@ def corner_speed(moves: Moves, k: int, deviation: float, is_klipper: bool) -> fl
 
 
 @kernel(short=True)
-def junctions(moves: Moves, corners: Corners) -> Column:
+def junctions(moves: Moves, corners: JunctionLimits) -> Column:
     """The greatest speed (n,) [m/s] at the end of each move, 0 where it ends at rest."""
     n = len(moves.length)
     out = np.zeros(n)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from gcodesim.canon import Extrude
 from gcodesim.frames import Array
 from gcodesim.motion.pieces import Pieces
-from gcodesim.motion.printer_kernels import Corners, Moves, junctions, within_buffer
+from gcodesim.motion.printer_kernels import JunctionLimits, Moves, junctions, within_buffer
 from gcodesim.motion.tool_path import ARC, EXACT_PATH, ToolPath
 
 _FAR: Final = 200  # moves from which on a planner counts as looking to the end
@@ -54,7 +54,7 @@ def as_printed(pieces: Pieces) -> Pieces:
     rest = _rests(pieces)
     rest[:-1] |= ~planned[1:] | ~planned[:-1]
     moves = Moves(begin, end, pieces.length, speed, acceleration, rest)
-    junction = junctions(moves, Corners(limits.jerk, limits.deviation, limits.corner))
+    junction = junctions(moves, JunctionLimits(limits.jerk, limits.deviation, limits.corner))
     if (limits.buffer < _FAR).any():
         junction = within_buffer(pieces.length, acceleration, junction, limits.buffer)
     return replace(pieces, speed=speed, acceleration=acceleration, junction=junction, ratio=np.ones(len(pieces)))

@@ -94,7 +94,7 @@ class Extrusion(Process):
         some = np.flatnonzero(filament > 0.0)
         if stock is None or not len(some):
             return ProcessStep.free(n)
-        from gcodesim.material.strand import Strand, lay_strand
+        from gcodesim.material.strand import FilamentStrand, lay_strand
 
         extruder, step = self.extruder, window.piece_step[some]
         volume = filament[some] * extruder.filament_area
@@ -102,7 +102,7 @@ class Extrusion(Process):
         height = np.where(height > 0.0, height, extruder.bead_height)
         width = np.maximum(np.where(width > 0.0, width, extruder.bead_width), height)
         start, end = window.piece_start[some], window.piece_end[some]
-        found = lay_strand(stock, Strand(start, end, volume, width, height), state.values)
+        found = lay_strand(stock, FilamentStrand(start, end, volume, width, height), state.values)
         length = norms(end - start)
         asked = ((width - height) * height + 0.25 * np.pi * (height * height)) * length
         columns = {

@@ -22,7 +22,7 @@ from gcodesim.processes.leaning import bend_of, bent_pieces, memory_of, part_of,
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from gcodesim.material.field_kernels import Field
+    from gcodesim.material.kernels import Field
     from gcodesim.material.stock import Stock
     from gcodesim.processes.milling import Milling
     from gcodesim.processes.milling_kernels import Motion

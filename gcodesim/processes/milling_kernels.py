@@ -19,16 +19,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.compiled import kernel
-from gcodesim.material.form_kernels import remove_form, touch_form
 from gcodesim.material.kernels import (
     Field,
     Shape,
     coarsest,
     patch_at,
+    remove_form,
     remove_piece,
     scratch,
     tighten_tops,
     top_nearby,
+    touch_form,
     touch_piece,
 )
 from gcodesim.processes.engagement_kernels import Heading, Room

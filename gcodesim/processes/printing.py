@@ -118,7 +118,7 @@ def _off_size(rows: Rows, volume: Array) -> Iterator[Diagnostic]:
     share, way = float(asked[off].sum()), float(rows["laid_length"][off].sum())
     if share < _WORTH * float(asked.sum()):
         return
-    flow, wanted = float(volume[off].sum()) / way / MM**2, share / way / MM**2
+    flow, wanted = float(volume[off].sum()) / way / (MM * MM), share / way / (MM * MM)
     less = "less" if flow < wanted else "more"
     message = f"flow and speed give a section of {flow:.3g} mm²; beads of the size named ask for {wanted:.3g} mm²"
     message += f", {abs(flow / wanted - 1.0):.0%} {less} flows"

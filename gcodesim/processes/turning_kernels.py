@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 
 from gcodesim.arithmetic.power_kernels import power
 from gcodesim.compiled import kernel
-from gcodesim.material.field_kernels import Array, Ints
-from gcodesim.material.revolved_kernels import discs_across, ring_at, swept_outline, take_ring
+from gcodesim.material.kernels import discs_across, ring_at, swept_outline, take_ring
 
+Array = NDArray[np.float64]
+Ints = NDArray[np.int32]
 Flags = NDArray[np.bool_]
 
 (

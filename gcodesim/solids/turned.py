@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
-from math import hypot, pi
 
 from gcodesim.arithmetic.elementary import atan2
 from gcodesim.frozen import frozen
@@ -23,13 +23,13 @@ class OutlineArc:
     @property
     def radius(self) -> float:
         """[m]"""
-        return hypot(self.to[0] - self.centre[0], self.to[1] - self.centre[1])
+        return math.hypot(self.to[0] - self.centre[0], self.to[1] - self.centre[1])
 
     def angles(self, start: Point) -> tuple[float, float]:
         """Angle of `start` about the centre, from +r, and the turn to the end [rad], negative if clockwise."""
         begin = float(atan2(start[1] - self.centre[1], start[0] - self.centre[0]))
         end = float(atan2(self.to[1] - self.centre[1], self.to[0] - self.centre[0]))
-        return begin, (end - begin) % (2.0 * pi) if self.ccw else -((begin - end) % (2.0 * pi))
+        return begin, (end - begin) % (2.0 * math.pi) if self.ccw else -((begin - end) % (2.0 * math.pi))
 
 
 Outline = Sequence["Point | OutlineArc"]

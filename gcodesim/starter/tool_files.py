@@ -16,6 +16,7 @@ from io import BytesIO
 from pathlib import Path, PurePosixPath
 from typing import Any, Final
 
+from gcodesim.arithmetic.elementary import atan2
 from gcodesim.diagnostics import SourceText
 from gcodesim.frozen import frozen
 from gcodesim.rs274 import ToolTable
@@ -465,7 +466,7 @@ def _camotics_tool(number: int, name: str, entry: Json, project: Json) -> ReadTo
     elif shape in ("conical", "snubnose"):
         keys = _Keys("v_bit", name, unit)
         if diameter and length:
-            half = math.atan2(0.5 * (diameter - (tip or 0.0 if shape == "snubnose" else 0.0)), length)
+            half = atan2(0.5 * (diameter - (tip or 0.0 if shape == "snubnose" else 0.0)), length)
             keys.angle("angle", math.degrees(2.0 * half))
         if shape == "snubnose":
             keys.length("tip_diameter", tip)

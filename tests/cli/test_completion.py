@@ -189,7 +189,9 @@ def test_every_value_says_what_it_may_be() -> None:
     ]
     free = {value.name for value in values if not (value.words or value.files or value.folders)}
     lengths = {"MM", "X,Y,Z"}
-    assert free - lengths == {"N", "S", "DAY", "PORT", "T", "FROM:TO", "FIRST:LAST", "NAME=VALUE", "NAME=PROGRAM", "A,B", "NAME", "0|1"}
+    assert free - lengths == {
+        *("N", "S", "DAY", "PORT", "T", "FROM:TO", "FIRST:LAST", "NAME=VALUE", "NAME=PROGRAM", "A,B", "NAME", "0|1"),
+    }
 
 
 def test_the_outline_has_the_whole_command_line() -> None:

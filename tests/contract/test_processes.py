@@ -13,8 +13,16 @@ from gcodesim.processes.window import Window
 from gcodesim.tools import TOOLS
 
 VALUES = {
-    **{"diameter": 10e-3, "bead_width": 4e-3, "bead_height": 2e-3, "corner_radius": 2e-3, "tip_diameter": 1e-3},
-    **{"flute_length": 4e-3, "step_length": 4e-3, "pitch": 1e-3, "taper": 0.3, "angle": 1.5},
+    "diameter": 10e-3,
+    "bead_width": 4e-3,
+    "bead_height": 2e-3,
+    "corner_radius": 2e-3,
+    "tip_diameter": 1e-3,
+    "flute_length": 4e-3,
+    "step_length": 4e-3,
+    "pitch": 1e-3,
+    "taper": 0.3,
+    "angle": 1.5,
     "form_outline": ((0.0, 0.0), (3e-3, 1e-3), (5e-3, 20e-3)),
 }
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from gcodesim import canon
 from gcodesim.canon.printing import Four
-from gcodesim.rs274.marlin.line import Line
+from gcodesim.rs274.marlin.line import MarlinLine
 from gcodesim.rs274.marlin.moves import number, set_offset
 from gcodesim.rs274.marlin.printer import area_of
 from gcodesim.units import MINUTE, MM
@@ -15,39 +15,39 @@ from gcodesim.units import MINUTE, MM
 if TYPE_CHECKING:
     from gcodesim.rs274.marlin.executor import PrinterExecutor
 
-Act = Callable[["PrinterExecutor", Line], None]
+Act = Callable[["PrinterExecutor", MarlinLine], None]
 _XYZE: Final = "xyze"
 
 
 def _e_mode(relative: bool) -> Act:
     """M82, M83."""
 
-    def act(do: PrinterExecutor, line: Line) -> None:
+    def act(do: PrinterExecutor, line: MarlinLine) -> None:
         do.printer.e_relative = relative
 
     return act
 
 
-def _four(line: Line, known: Four, unit: float) -> Four:
+def _four(line: MarlinLine, known: Four, unit: float) -> Four:
     """The values of X Y Z E in a line, in `unit`; others stay."""
     values = [number(line, a) * unit if a in line.values else k for a, k in zip(_XYZE, known, strict=True)]
     return tuple(values)  # type: ignore[return-value]
 
 
-def _accelerations(do: PrinterExecutor, line: Line) -> None:
+def _accelerations(do: PrinterExecutor, line: MarlinLine) -> None:
     """M201: greatest accelerations of the axes [mm/s²]."""
     limits = do.printer.limits
     do.limit(limits._replace(acceleration=_four(line, limits.acceleration, do.control.state.unit)))
 
 
-def _speeds(do: PrinterExecutor, line: Line) -> None:
+def _speeds(do: PrinterExecutor, line: MarlinLine) -> None:
     """M203: greatest speeds of the axes [mm/s], in RepRapFirmware [mm/min]."""
     limits = do.printer.limits
     unit = do.control.state.unit / (MINUTE if do.counts_minutes else 1.0)
     do.limit(limits._replace(speed=_four(line, limits.speed, unit)))
 
 
-def _acceleration(do: PrinterExecutor, line: Line) -> None:
+def _acceleration(do: PrinterExecutor, line: MarlinLine) -> None:
     """M204: P printing, R retracting, T travel; S is printing and travel."""
     limits, unit = do.printer.limits, do.control.state.unit
 
@@ -63,7 +63,7 @@ def _acceleration(do: PrinterExecutor, line: Line) -> None:
     do.limit(limits)
 
 
-def _jerk(do: PrinterExecutor, line: Line) -> None:
+def _jerk(do: PrinterExecutor, line: MarlinLine) -> None:
     """M205: X Y Z E jerk [mm/s], J junction deviation [mm], which rules as soon as it is said."""
     limits, unit = do.printer.limits, do.control.state.unit
     if line.has(_XYZE):
@@ -73,13 +73,13 @@ def _jerk(do: PrinterExecutor, line: Line) -> None:
     do.limit(limits)
 
 
-def _jerk_a_minute(do: PrinterExecutor, line: Line) -> None:
+def _jerk_a_minute(do: PrinterExecutor, line: MarlinLine) -> None:
     """M566 of RepRapFirmware: greatest steps of speed [mm/min]."""
     limits = do.printer.limits
     do.limit(limits._replace(jerk=_four(line, limits.jerk, do.control.state.unit / MINUTE), deviation=0.0, corner=0.0))
 
 
-def _retraction(do: PrinterExecutor, line: Line) -> None:
+def _retraction(do: PrinterExecutor, line: MarlinLine) -> None:
     """M207: S length, F feed, Z lift of G10; R and T are length and feed of G11 (RepRapFirmware)."""
     length, feed, lift = do.printer.retraction
     more, back = do.printer.recovery
@@ -95,7 +95,7 @@ def _retraction(do: PrinterExecutor, line: Line) -> None:
     )
 
 
-def _recovery(do: PrinterExecutor, line: Line) -> None:
+def _recovery(do: PrinterExecutor, line: MarlinLine) -> None:
     """M208: S further length, F feed of G11."""
     more, back = do.printer.recovery
     mm = do.control.state.unit / MM
@@ -105,20 +105,20 @@ def _recovery(do: PrinterExecutor, line: Line) -> None:
     )
 
 
-def _pace(do: PrinterExecutor, line: Line) -> None:
+def _pace(do: PrinterExecutor, line: MarlinLine) -> None:
     """M220: feeds in per cent; B keeps the value for R."""
     if line.get("s") is not None and number(line, "s") > 0.0:
         do.printer.pace = 0.01 * number(line, "s")
 
 
-def _flow(do: PrinterExecutor, line: Line) -> None:
+def _flow(do: PrinterExecutor, line: MarlinLine) -> None:
     """M221: flow in per cent, of tool T."""
     tool = line.get("t")
     if line.get("s") is not None:
         do.printer.flow[do.printer.tool if tool is None else int(tool)] = 0.01 * number(line, "s")
 
 
-def _volumetric(do: PrinterExecutor, line: Line) -> None:
+def _volumetric(do: PrinterExecutor, line: MarlinLine) -> None:
     """M200: with a diameter D, E words are mm³; D0 or S0 ends that."""
     tool = line.get("t")
     index = do.printer.tool if tool is None else int(tool)
@@ -129,23 +129,23 @@ def _volumetric(do: PrinterExecutor, line: Line) -> None:
         do.diameters[index] = diameter * do.control.state.unit
 
 
-def _offset(do: PrinterExecutor, line: Line) -> None:
+def _offset(do: PrinterExecutor, line: MarlinLine) -> None:
     """M218: where nozzle T is, seen from the first."""
     tool = line.get("t")
     set_offset(do, line, do.printer.tool if tool is None else int(tool))
 
 
-def _stop(do: PrinterExecutor, line: Line) -> None:
+def _stop(do: PrinterExecutor, line: MarlinLine) -> None:
     """M0, M1: wait for somebody."""
     do.control.out.append(canon.Stop(span=do.control.span))
 
 
-def _message(do: PrinterExecutor, line: Line) -> None:
+def _message(do: PrinterExecutor, line: MarlinLine) -> None:
     """M117, M118."""
     do.control.out.append(canon.Message(span=do.control.span, text=line.text))
 
 
-def _end(do: PrinterExecutor, line: Line) -> None:
+def _end(do: PrinterExecutor, line: MarlinLine) -> None:
     """M2, M112: nothing more is done."""
     do.control.out.append(canon.End(span=do.control.span))
     do.control.finished = True

@@ -13,7 +13,7 @@ from gcodesim.rs274.marlin.codes import CODES
 from gcodesim.rs274.marlin.comments import take_comment
 from gcodesim.rs274.marlin.lanes import PrinterLanes
 from gcodesim.rs274.marlin.limits import first_limits, first_retraction
-from gcodesim.rs274.marlin.line import Line, line_of
+from gcodesim.rs274.marlin.line import MarlinLine, line_of
 from gcodesim.rs274.marlin.macros import MACROS
 from gcodesim.rs274.marlin.moves import MOVES
 from gcodesim.rs274.marlin.printer import Printer
@@ -78,12 +78,12 @@ class PrinterExecutor(Executor):
         if len(control.notes) > MOST_NOTES:
             self._hand_over_notes()
 
-    def _check_sum(self, line: Line) -> None:
+    def _check_sum(self, line: MarlinLine) -> None:
         if line.checksum is not None and line.checksum[0] != line.checksum[1]:
             said, counted = line.checksum
             self.control.warn("GS017", f"the checksum is {said}; the line has {counted}", "a control asks for it again")
 
-    def _do(self, line: Line) -> None:
+    def _do(self, line: MarlinLine) -> None:
         name = line.name
         if not name:
             letter = next(iter(line.values))
@@ -113,13 +113,13 @@ class PrinterExecutor(Executor):
         else:
             self.skip(name, line)
 
-    def _macro(self, line: Line) -> None:
+    def _macro(self, line: MarlinLine) -> None:
         if line.name in MACROS:
             MACROS[line.name](self, line)
         else:
             self.skip(f"macro {line.name}", line)
 
-    def _mapped(self, line: Line) -> bool:
+    def _mapped(self, line: MarlinLine) -> bool:
         """Whether the cell gives an M code a meaning, which is then carried out."""
         if line.name[0] != "M":
             return False
@@ -144,7 +144,7 @@ class PrinterExecutor(Executor):
 
     # -- what commands do
 
-    def skip(self, word: str, line: Line) -> None:
+    def skip(self, word: str, line: MarlinLine) -> None:
         """Count a command that is read and not simulated."""
         self.control.skip(word, line.place)
 
@@ -155,7 +155,7 @@ class PrinterExecutor(Executor):
             self.printer.limits = limits
             self.control.out.append(canon.PlannerLimits(span=self.control.span, limits=limits))
 
-    def choose_tool(self, index: int, line: Line) -> None:
+    def choose_tool(self, index: int, line: MarlinLine) -> None:
         """T: another nozzle; T0 is tool 0 of the cell, or its tool 1 where it counts from 1."""
         number = index + self._first_number
         if self.settings.has_cell and number not in self.control.tools:

@@ -31,8 +31,8 @@ _REALS, _WHOLE = Argument("f8", 1), Argument("i8", 1)
 _TAKES: Final = (
     Argument("u1", 1, readonly=True),
     _WHOLE,
-    Argument(parts=(_REALS, _WHOLE), named=name_of(at.State) or ""),
-    Argument(parts=(Argument("f8", 2), Argument("i4", 2)), named=name_of(at.Rows) or ""),
+    Argument(parts=(_REALS, _WHOLE), named=name_of(at.PrintState) or ""),
+    Argument(parts=(Argument("f8", 2), Argument("i4", 2)), named=name_of(at.PrintRows) or ""),
     Argument("i8"),
     Argument("i8"),
 )
@@ -51,8 +51,8 @@ class PrinterLane:
         self._do = do
         self.worth_a_batch = 1 if do.run.settings.lane == "compiled" else _WORTH_A_BATCH
         self._text = do.run.source.table
-        self._state = at.State(np.zeros(at.NUMBERS), np.zeros(at.MODES, dtype=np.int64))
-        self._rows = at.Rows(np.empty((MOST_ROWS, at.VALUES)), np.empty((MOST_ROWS, at.FACTS), dtype=np.int32))
+        self._state = at.PrintState(np.zeros(at.NUMBERS), np.zeros(at.MODES, dtype=np.int64))
+        self._rows = at.PrintRows(np.empty((MOST_ROWS, at.VALUES)), np.empty((MOST_ROWS, at.FACTS), dtype=np.int32))
 
     def is_open(self) -> bool:
         """Whether the line at hand may be tried: a turned work system is left to the other lane."""

@@ -10,18 +10,18 @@ from gcodesim.compiled import kernel
 from gcodesim.rs274.plain.columns import Column
 from gcodesim.rs274.plain.text_kernels import behind_blanks, byte_at
 
-# `State.numbers`
+# `PrintState.numbers`
 X, Y, Z, E, F = 0, 1, 2, 3, 4
 NUMBERS = 5
-# `State.modes`
+# `PrintState.modes`
 INCREMENTAL, E_RELATIVE, ROWS, AT = 0, 1, 2, 3
 MODES = 4
-# columns of `Rows.facts`
+# columns of `PrintRows.facts`
 KIND, LINE, COLUMN, END_COLUMN = 0, 1, 2, 3
 FACTS = 4
 # kinds of rows; 0 and 1 are the numbers of the motion words
 FILAMENT, COMMENT = 2, 3
-# columns of `Rows.values`: X Y Z of the end, F, and the step of E
+# columns of `PrintRows.values`: X Y Z of the end, F, and the step of E
 VALUES = 5
 
 _MOST_DIGITS = 15  # so many are exact in a float, and so is the power of ten behind them
@@ -29,14 +29,14 @@ _WORDS = 5
 _TEN = 10.0
 
 
-class Rows(NamedTuple):
+class PrintRows(NamedTuple):
     """What the lines say, a row each: `values` (n, VALUES), `facts` (n, FACTS)."""
 
     values: Column
     facts: Column
 
 
-class State(NamedTuple):
+class PrintState(NamedTuple):
     """`numbers`: X Y Z E F in program units; `modes`: how they count, how many rows there are, where a line is read."""
 
     numbers: Column
@@ -129,7 +129,7 @@ def read_move(text: Column, at: int, stop: int, found: Column, has: Column) -> b
 
 
 @kernel
-def move_to(state: State, found: Column, has: Column, values: Column) -> int:
+def move_to(state: PrintState, found: Column, has: Column, values: Column) -> int:
     """Change the state by the words of a move, with its end, feed and step of E in `values`; what kind of row it is.
 
     -1: it is none, because nothing moves; -2: a motion.
@@ -160,7 +160,7 @@ def move_to(state: State, found: Column, has: Column, values: Column) -> int:
 
 
 @kernel
-def read_lines(text: Column, starts: Column, state: State, rows: Rows, first: int, most: int) -> int:
+def read_lines(text: Column, starts: Column, state: PrintState, rows: PrintRows, first: int, most: int) -> int:
     """Carry out at most `most` lines from line `first` on, as far as they are known here; how many.
 
     `modes[ROWS]` becomes the number of rows that they made.

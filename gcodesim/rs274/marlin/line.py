@@ -22,7 +22,7 @@ _TEXTS: Final = frozenset(("M16", "M23", "M28", "M29", "M30", "M32", "M36", "M98
 
 
 @dataclass(slots=True)
-class Line:
+class MarlinLine:
     """What a line says. `name` is the command, as G1, M104, T0 or START_PRINT; empty where it has none.
 
     `values` has the number of each letter (None for the X of `G28 X`), `places` where it stands, `text` what
@@ -48,9 +48,9 @@ class Line:
         return any(letter in self.values for letter in letters)
 
 
-def line_of(text: str) -> Line:
+def line_of(text: str) -> MarlinLine:
     """Read one line; a Fault where it is no line of such a program."""
-    line = Line()
+    line = MarlinLine()
     code, _, line.note = text.partition(";")
     if found := _CHECKSUM.search(code):
         sent = code[: found.start() + found.group().index("*")]
@@ -87,7 +87,7 @@ def _checksum(sent: str) -> int:
     return total
 
 
-def _read_words(code: str, at: int, line: Line) -> None:
+def _read_words(code: str, at: int, line: MarlinLine) -> None:
     stop = len(code.rstrip())
     while at < stop:
         found = _WORD.match(code, at)

@@ -6,14 +6,14 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Final
 
 from gcodesim.rs274.fault import Fault
-from gcodesim.rs274.marlin.line import Line
+from gcodesim.rs274.marlin.line import MarlinLine
 from gcodesim.units import MM
 
 if TYPE_CHECKING:
     from gcodesim.rs274.marlin.executor import PrinterExecutor
 
 
-def _number(line: Line, name: str) -> float | None:
+def _number(line: MarlinLine, name: str) -> float | None:
     """The number of a setting; None where it is not there."""
     text = line.settings.get(name)
     if text is None:
@@ -27,7 +27,7 @@ def _number(line: Line, name: str) -> float | None:
     return value
 
 
-def _velocity_limit(do: PrinterExecutor, line: Line) -> None:
+def _velocity_limit(do: PrinterExecutor, line: MarlinLine) -> None:
     """SET_VELOCITY_LIMIT: VELOCITY [mm/s], ACCEL [mm/s²], SQUARE_CORNER_VELOCITY [mm/s]."""
     limits = do.printer.limits
     if (speed := _number(line, "VELOCITY")) is not None and speed > 0.0:
@@ -43,14 +43,14 @@ def _velocity_limit(do: PrinterExecutor, line: Line) -> None:
     do.limit(limits)
 
 
-def _save(do: PrinterExecutor, line: Line) -> None:
+def _save(do: PrinterExecutor, line: MarlinLine) -> None:
     """SAVE_GCODE_STATE."""
     state, printer = do.control.state, do.printer
     saved = (state.g92, state.incremental, printer.e_relative, printer.e, printer.feed)
     printer.saved[line.settings.get("NAME", "default")] = saved
 
 
-def _restore(do: PrinterExecutor, line: Line) -> None:
+def _restore(do: PrinterExecutor, line: MarlinLine) -> None:
     """RESTORE_GCODE_STATE: names of places and modes as they were; the head stays (MOVE=1 is told)."""
     state, printer = do.control.state, do.printer
     saved = printer.saved.get(line.settings.get("NAME", "default"))
@@ -64,7 +64,7 @@ def _restore(do: PrinterExecutor, line: Line) -> None:
         do.skip("macro RESTORE_GCODE_STATE MOVE", line)
 
 
-def _retraction(do: PrinterExecutor, line: Line) -> None:
+def _retraction(do: PrinterExecutor, line: MarlinLine) -> None:
     """SET_RETRACTION: lengths [mm] and speeds [mm/s] of G10 and G11."""
     length, feed, lift = do.printer.retraction
     more, back = do.printer.recovery
@@ -79,7 +79,7 @@ def _retraction(do: PrinterExecutor, line: Line) -> None:
     do.printer.recovery = (more if values[2] is None else values[2], back if values[3] is None else 60.0 * values[3])
 
 
-def _activate(do: PrinterExecutor, line: Line) -> None:
+def _activate(do: PrinterExecutor, line: MarlinLine) -> None:
     """ACTIVATE_EXTRUDER EXTRUDER=extruder1: the second one."""
     name = line.settings.get("EXTRUDER", "extruder").lower()
     number = name.removeprefix("extruder")
@@ -89,7 +89,7 @@ def _activate(do: PrinterExecutor, line: Line) -> None:
     do.choose_tool(int(number or "0"), line)
 
 
-MACROS: Final[dict[str, Callable[[PrinterExecutor, Line], None]]] = {
+MACROS: Final[dict[str, Callable[[PrinterExecutor, MarlinLine], None]]] = {
     "SET_VELOCITY_LIMIT": _velocity_limit,
     "SAVE_GCODE_STATE": _save,
     "RESTORE_GCODE_STATE": _restore,

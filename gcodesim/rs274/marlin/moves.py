@@ -10,7 +10,7 @@ from gcodesim.rs274.arcs import arc_of
 from gcodesim.rs274.block import Block
 from gcodesim.rs274.circles import sweep_of
 from gcodesim.rs274.fault import Fault
-from gcodesim.rs274.marlin.line import Line
+from gcodesim.rs274.marlin.line import MarlinLine
 from gcodesim.rs274.state import ZERO, Vector
 from gcodesim.rs274.words import Words
 from gcodesim.units import INCH, MINUTE, MM
@@ -22,7 +22,7 @@ _AXES: Final = "xyz"
 _NO_BLOCK: Final = Block(line=0, text="", words=[])
 
 
-def move(do: PrinterExecutor, line: Line) -> None:
+def move(do: PrinterExecutor, line: MarlinLine) -> None:
     """G0, G1: both go straight at F."""
     end, filament = _ends(do, line)
     state = do.control.state
@@ -42,7 +42,7 @@ def move(do: PrinterExecutor, line: Line) -> None:
         extrude(do, filament, do.printer.speed * state.unit / MINUTE)
 
 
-def arc(do: PrinterExecutor, line: Line) -> None:
+def arc(do: PrinterExecutor, line: MarlinLine) -> None:
     """G2, G3: by I and J from the start, or by R; P counts full turns besides, as in Marlin."""
     end, filament = _ends(do, line)
     control = do.control
@@ -81,7 +81,7 @@ def arc(do: PrinterExecutor, line: Line) -> None:
     state.current = end
 
 
-def _ends(do: PrinterExecutor, line: Line) -> tuple[Vector, float]:
+def _ends(do: PrinterExecutor, line: MarlinLine) -> tuple[Vector, float]:
     """Where a move goes, and the filament [m] for it."""
     state, printer = do.control.state, do.printer
     ends = list(state.current)
@@ -102,7 +102,7 @@ def _ends(do: PrinterExecutor, line: Line) -> tuple[Vector, float]:
     return tuple(ends), filament  # type: ignore[return-value]
 
 
-def number(line: Line, letter: str) -> float:
+def number(line: MarlinLine, letter: str) -> float:
     """The number of a letter that must have one."""
     value = line.values[letter]
     if value is None:
@@ -119,7 +119,7 @@ def extrude(do: PrinterExecutor, length: float, feed: float, by_firmware: bool =
         do.control.out.append(event)
 
 
-def retract(do: PrinterExecutor, line: Line) -> None:
+def retract(do: PrinterExecutor, line: MarlinLine) -> None:
     """G10: retraction by the firmware; with P, S, R, X, Y or Z it sets a tool (RepRapFirmware)."""
     if line.has("psrxyzl"):
         _set_tool(do, line)
@@ -133,7 +133,7 @@ def retract(do: PrinterExecutor, line: Line) -> None:
     _lift(do, lift)
 
 
-def recover(do: PrinterExecutor, line: Line) -> None:
+def recover(do: PrinterExecutor, line: MarlinLine) -> None:
     """G11."""
     printer = do.printer
     if not printer.is_retracted:
@@ -158,7 +158,7 @@ def _lift(do: PrinterExecutor, lift: float) -> None:
     control.out.append(canon.LinearFeed(span=control.span, end=end, block=control.block_number, word="G10", feed=feed))
 
 
-def _set_tool(do: PrinterExecutor, line: Line) -> None:
+def _set_tool(do: PrinterExecutor, line: MarlinLine) -> None:
     """G10 P… of RepRapFirmware: offsets of a nozzle move it, temperatures do not matter here."""
     if line.has("sr"):
         do.skip("G10 S", line)
@@ -167,7 +167,7 @@ def _set_tool(do: PrinterExecutor, line: Line) -> None:
         set_offset(do, line, do.printer.tool if tool is None else int(tool), sign=-1.0)
 
 
-def set_offset(do: PrinterExecutor, line: Line, tool: int, sign: float = 1.0) -> None:
+def set_offset(do: PrinterExecutor, line: MarlinLine, tool: int, sign: float = 1.0) -> None:
     """Where a nozzle is, seen from the first one [program units]."""
     offset = list(do.printer.offset_of(tool))
     for axis, letter in enumerate(_AXES):
@@ -176,7 +176,7 @@ def set_offset(do: PrinterExecutor, line: Line, tool: int, sign: float = 1.0) ->
     do.printer.offsets[tool] = tuple(offset)  # type: ignore[assignment]
 
 
-def home(do: PrinterExecutor, line: Line) -> None:
+def home(do: PrinterExecutor, line: MarlinLine) -> None:
     """G28: X and Y go to 0 first, then Z, so that the nozzle meets nothing on its way; shifts of G92 are forgotten."""
     control = do.control
     state = control.state
@@ -199,7 +199,7 @@ def home(do: PrinterExecutor, line: Line) -> None:
             control.rapid(tuple(end), "G28")  # type: ignore[arg-type]
 
 
-def set_position(do: PrinterExecutor, line: Line) -> None:
+def set_position(do: PrinterExecutor, line: MarlinLine) -> None:
     """G92: what the present place is called; nothing moves."""
     state, printer = do.control.state, do.printer
     every = not line.has("xyze")
@@ -216,7 +216,7 @@ def set_position(do: PrinterExecutor, line: Line) -> None:
         do.control.say_system()
 
 
-def dwell(do: PrinterExecutor, line: Line) -> None:
+def dwell(do: PrinterExecutor, line: MarlinLine) -> None:
     """G4: S in seconds, P in milliseconds; S counts where both stand."""
     seconds = line.get("s")
     if seconds is None:
@@ -224,12 +224,12 @@ def dwell(do: PrinterExecutor, line: Line) -> None:
     do.control.dwell(seconds)
 
 
-def nothing(do: PrinterExecutor, line: Line) -> None:
+def nothing(do: PrinterExecutor, line: MarlinLine) -> None:
     """A command that changes nothing that is simulated, or that is in force anyway."""
 
 
-def _unit(unit: float) -> Callable[[PrinterExecutor, Line], None]:
-    def act(do: PrinterExecutor, line: Line) -> None:
+def _unit(unit: float) -> Callable[[PrinterExecutor, MarlinLine], None]:
+    def act(do: PrinterExecutor, line: MarlinLine) -> None:
         old = do.control.state.unit
         do.control.change_unit(unit)
         do.printer.e *= old / unit
@@ -238,8 +238,8 @@ def _unit(unit: float) -> Callable[[PrinterExecutor, Line], None]:
     return act
 
 
-def _distance(incremental: bool) -> Callable[[PrinterExecutor, Line], None]:
-    def act(do: PrinterExecutor, line: Line) -> None:
+def _distance(incremental: bool) -> Callable[[PrinterExecutor, MarlinLine], None]:
+    def act(do: PrinterExecutor, line: MarlinLine) -> None:
         do.control.state.incremental = incremental
         if do.e_follows_distance:
             do.printer.e_relative = incremental
@@ -247,15 +247,15 @@ def _distance(incremental: bool) -> Callable[[PrinterExecutor, Line], None]:
     return act
 
 
-def _plane(plane: int) -> Callable[[PrinterExecutor, Line], None]:
-    def act(do: PrinterExecutor, line: Line) -> None:
+def _plane(plane: int) -> Callable[[PrinterExecutor, MarlinLine], None]:
+    def act(do: PrinterExecutor, line: MarlinLine) -> None:
         if plane != 170:
             raise Fault("GS105", f"{line.name} chooses a plane in which a printer draws no arcs", at=line.place)
 
     return act
 
 
-MOVES: Final[dict[str, Callable[[PrinterExecutor, Line], None]]] = {
+MOVES: Final[dict[str, Callable[[PrinterExecutor, MarlinLine], None]]] = {
     "G0": move,
     "G1": move,
     "G2": arc,

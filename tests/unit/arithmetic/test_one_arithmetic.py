@@ -29,6 +29,7 @@ LIBRARIES = {
 POSES = {
     *("cell/placement.py", "cell/placing.py", "cell/reach.py", "checks/clearance.py", "checks/missing_length.py"),
     *("executor/track.py", "planning/shop_posing.py", "recorder/frames.py", "scene/scene.py", "shop.py"),
+    *("checks/machine_bodies.py", "checks/machine_collisions.py", "checks/sharing.py", "jobs/meetings.py"),
     *("session/cell_in_hand.py", "solids/solid.py"),
 }
 SCRIPTS = "pybullet_industrial"
