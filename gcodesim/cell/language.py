@@ -10,7 +10,7 @@ from gcodesim.canon.systems import name_of_system
 from gcodesim.cell import Cell, Placement, place
 from gcodesim.cell.cell import MAIN
 from gcodesim.cell.channel import Channel
-from gcodesim.cell.machine import MachineTool
+from gcodesim.cell.machine import is_lathe
 from gcodesim.cell.tool_point import MachinePoint
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText
 from gcodesim.rs274 import MappedAction, Settings, ToolEntry, ToolTable, read_parameters
@@ -80,7 +80,7 @@ def settings_of_cell(
         m_codes=_actions(own),
         wired=_wired(own),
         has_cell=True,
-        turns=isinstance(mover := cell.machine_of(channel), MachineTool) and mover.lathe,
+        turns=is_lathe(cell.machine_of(channel)),
         tool_length=own.tool_length,
         loaded_tool=own.loaded_tool or 0,
         auto_length=lengths,
@@ -93,12 +93,12 @@ def settings_of_cell(
 
 def _reference_points(machine: object) -> dict[int, float]:
     """Where G28 and G30 lead on a lathe [mm]: home, since machine zero is in the chuck."""
-    if not (isinstance(machine, MachineTool) and machine.lathe):
+    if not is_lathe(machine):
         return {}
     return {
         first + AXIS_PLACES.index(axis.letter): axis.home / MM
         for first in (5161, 5181)
-        for axis in machine.axes
+        for axis in getattr(machine, "axes", ())
         if axis.letter in AXIS_PLACES
     }
 
@@ -107,7 +107,7 @@ def _path_control(cell: Cell, channel: str) -> str:
     """What is in force before the program says so; on a lathe corners are kept, unless the cell says otherwise."""
     own, machine = cell.channels[channel], cell.machine_of(channel)
     said = own.path_control != USUAL_PATH_CONTROL
-    return KEPT_CORNERS if isinstance(machine, MachineTool) and machine.lathe and not said else own.path_control
+    return KEPT_CORNERS if is_lathe(machine) and not said else own.path_control
 
 
 def _actions(channel: Channel) -> dict[str, MappedAction]:

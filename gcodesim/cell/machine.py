@@ -579,3 +579,8 @@ def _plain_axis(axis: MachineAxis) -> Json:
     row |= {"side": axis.side, "assumed_acceleration": axis.assumed_acceleration}
     row |= {"at_mm": POINT.plain(axis.at)[1]} if axis.at is not None else {}
     return row | ({"direction": list(axis.direction)} if axis.direction is not None else {})
+
+
+def is_lathe(machine: object) -> bool:
+    """Whether a machine turns the work against a tool that stands; an arm never does."""
+    return bool(getattr(machine, "lathe", False))

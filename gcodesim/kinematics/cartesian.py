@@ -146,6 +146,12 @@ class Cartesian(Machine):
             q[row] = q[row - 1] if row else seed
         return q, status
 
+    def _beside_axes(self, way: Array) -> float:
+        """How far the nose cannot go along `way` (3,), for want of an axis [m]."""
+        on = np.flatnonzero(self.chain.tree.path)
+        J = self.jacobian(np.zeros(len(self.joints)))[0][:3, on]
+        return norm(way - applied(J, applied(least_inverse(J), way)))
+
     def branches(self, X_BF: Array) -> Array:
         """The joint vectors (b, j) of one pose (4, 4): one, or none when the head cannot turn so."""
         if self._rotary_head:
@@ -163,6 +169,10 @@ class Cartesian(Machine):
         X, here = poses(X_BF)[0], self.forward(previous)[0]
         cosine = 0.5 * ((here[:3, :3] * X[:3, :3]).sum() - 1.0)
         angle = acos(np.clip(cosine, -1.0, 1.0))
+        away = self._beside_axes(X[:3, 3] - here[:3, 3])
+        if not angle > 0.0 and away > 0.0:
+            what = "distance from where its axes lead"
+            return Reason(status=Status.REACH, what=what, value=away, limit=0.0, unit="m")
         return Reason(
             status=Status.REACH, what="turn of the spindle from its own direction", value=angle, limit=0.0, unit="rad"
         )

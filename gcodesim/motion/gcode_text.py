@@ -21,6 +21,7 @@ _CENTRES: Final = "IJK"
 _PLANES: Final = {2: "G17", 1: "G18", 0: "G19"}
 _MODES: Final = {EXACT_STOP: "G61.1", EXACT_PATH: "G61", BLEND: "G64"}
 _WITH_TURNS: Final = ("linuxcnc", "rs274")  # P of an arc counts turns; G61 and G64 are as in LinuxCNC
+_OF_LATHES: Final = ("fanuc_lathe",)
 _OF_MACHINES: Final = ("fanuc", "grbl", *_WITH_TURNS)  # the others, of printers, take one code a line, and no end
 _DECIMALS: Final = 6  # of mm and degrees
 _UPRIGHT: Final = 1.0 - 1e-9  # share of an arc's normal along an axis
@@ -31,10 +32,12 @@ def gcode_of(path: ToolPath, dialect: str = "linuxcnc", switch: tuple[str, str] 
 
     `dialect` is a name of `DIALECTS`. `switch` are the words before which the process tool begins and ends to work, as
     ("M62 P1", "M63 P1"). ValueError where the language cannot say it: an unknown dialect, an arc about an axis that
-    leans, several turns of an arc, a path with the tool on and no `switch`.
+    leans, several turns of an arc, the language of a lathe, a path with the tool on and no `switch`.
     """
     if dialect not in DIALECTS:
         raise ValueError(f"there is no dialect `{dialect}`; there are {', '.join(DIALECTS)}")
+    if dialect in _OF_LATHES:
+        raise ValueError(f"`{dialect}` is the language of lathes, which follow no path in space")
     if path.active.any() and switch is None:
         raise ValueError('the process tool is switched on in this path: give the words, as switch=("M62 P1", "M63 P1")')
     return "".join(f"{line}\n" for line in _Writer(path, dialect, switch).lines())

@@ -36,7 +36,7 @@ class JunctionLimits(NamedTuple):
     corner: Column
 
 
-@kernel(short=True)
+@kernel
 def step_factor(before: Column, after: Column, jerk: Column, speed: float) -> float:
     """By how much [-] a common speed has to be reduced so that no axis changes its own by more than `jerk` (4,).
 
@@ -54,7 +54,7 @@ def step_factor(before: Column, after: Column, jerk: Column, speed: float) -> fl
     return factor
 
 
-@kernel(short=True)
+@kernel
 def corner_speed(moves: Moves, k: int, deviation: float, is_klipper: bool) -> float:
     """The greatest speed in the corner between moves k and k + 1 by junction deviation [m].
 

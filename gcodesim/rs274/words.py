@@ -136,6 +136,7 @@ def exponent(block: Block) -> str:
 def elsewhere(knows: Callable[[Dialect], bool], own: Dialect) -> str:
     """A hint at other dialects that know something; empty if none does."""
     names = [name for name in DIALECTS if name != own.name and knows(DIALECTS[name])]
+    names = [name for name in names if not any(name.startswith(f"{other}_") for other in names)]  # a kind of another
     if not names:
         return ""
     return f"{' and '.join(names)} {'know' if len(names) > 1 else 'knows'} it (--dialect {names[0]})"

@@ -10,7 +10,7 @@ from gcodesim.canon import Extrude
 from gcodesim.canon.printing import MotionLimits
 from gcodesim.diagnostics import Span
 from gcodesim.material.stock import Stock
-from gcodesim.material.strand import CARRY, Strand, lay_strand
+from gcodesim.material.strand import CARRY, FilamentStrand, lay_strand
 from gcodesim.motion.printer_law import filament_time
 from gcodesim.rs274.marlin.limits import MARLIN_LIMITS
 from gcodesim.units import MM, MM3
@@ -41,7 +41,7 @@ def straight(x, y, z, width, height, volume, cell=0.25):
     each = np.full(60, volume / 60 * MM3)
     sizes = np.full(60, width * MM), np.full(60, height * MM)
     before = stock.volume
-    laid = lay_strand(stock, Strand(points[:-1], points[1:], each, *sizes), np.full(CARRY, np.inf))
+    laid = lay_strand(stock, FilamentStrand(points[:-1], points[1:], each, *sizes), np.full(CARRY, np.inf))
     assert stock.volume - before == pytest.approx(laid.volume.sum(), rel=1e-9)
     return stock, laid
 

@@ -189,7 +189,7 @@ def test_a_robot_whose_mesh_cannot_be_read_still_runs(tmp_path):
 MODELS = {
     "kuka_kr10_r1100_2": (600, 200),
     "kuka_kr210_r2700_2": (1500, 600),
-    "ur10e": (600, 200),
+    "ur10e": (700, 300),
     "abb_irb1200_5_90": (450, 150),
     "abb_irb6700_200_260": (1500, 700),
     "fanuc_m20ia": (900, 300),

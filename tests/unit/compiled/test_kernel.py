@@ -18,11 +18,13 @@ import gcodesim
 from gcodesim import compiled
 from gcodesim.canon import ArcFeed, Event, LinearFeed, PathMode
 from gcodesim.compiled import Kernel, kernel
-from gcodesim.diagnostics import Span
+from gcodesim.diagnostics import SourceText, Span
 from gcodesim.motion import build_tool_path
 from gcodesim.motion.blend import blend
 from gcodesim.motion.pieces import AxisLimits
+from gcodesim.motion.printer_law import as_printed, without_blending
 from gcodesim.motion.timing import time_law
+from gcodesim.rs274 import Settings, interpret
 
 HERE = Span("t", 1, 1, 1, 2)
 LIMITS = AxisLimits(
@@ -106,6 +108,9 @@ def test_short_calls_have_the_bits_of_the_compiled_kernel(monkeypatch: pytest.Mo
     for _ in range(20):
         path = build_tool_path(list(random_events(random, 60)), (0.0,) * 6)
         assert time_law(blend(path, LIMITS)).duration > 0.0
+    source = SourceText.read(Path(__file__).parents[2] / "data" / "programs" / "posts" / "marlin_slicer.nc")
+    printed = build_tool_path(list(interpret(source, Settings(dialect="marlin"))), (0.0,) * 6)
+    assert time_law(as_printed(blend(without_blending(printed), LIMITS))).duration > 0.0
     assert seen == set(short_kernels())
 
 

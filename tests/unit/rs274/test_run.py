@@ -268,7 +268,7 @@ def test_a_tool_works_without_its_length_where_only_g49_is_said(program):
 
 
 def test_one_cause_is_one_finding(program) -> None:
-    done = program("G0 X1\nM428\nG1 X2\nX3\nM428\nX4\nM2\n")
+    done = program("G0 X1\nM438\nG1 X2\nX3\nM438\nX4\nM2\n")
 
     assert [(f.code, f.span.line, f.count) for f in done.errors] == [("GS013", 2, 2), ("GS107", 3, 3)]
 

@@ -14,7 +14,7 @@ from gcodesim.starter.first_cell import cell_for
 from gcodesim.starter.scan import scan
 from gcodesim.tools.flat_end_mill import FlatEndMill
 
-PROGRAMS = sorted(path for path in (Path(__file__).parents[3] / "programs").glob("*.n*c"))
+PROGRAMS = sorted(p for p in (Path(__file__).parents[3] / "programs").glob("*.n*c") if p.stem != "pin")  # for a lathe
 
 
 def codes_of(cell: bytes) -> list[str]:
