@@ -19,7 +19,7 @@ from typing import Final
 
 from gcodesim.compiled.folder import folders
 from gcodesim.compiled.known import LIST, kernel_of, known_parts
-from gcodesim.compiled.object_code import ObjectCode, codes_in
+from gcodesim.compiled.object_code import ObjectCode, codes_in, symbol_of
 
 ROOT: Final = Path(__file__).parents[1]
 OTHERS: Final = "what is rarer"
@@ -157,6 +157,11 @@ def run(folder: Path, name: str, world: str, cell: str, program: str) -> None:
     subprocess.run([sys.executable, "-c", _JOB, world], check=True, env=environment, cwd=place)
 
 
+def is_of_today(code: ObjectCode) -> bool:
+    """Whether code is that of the sources as they are; a cache keeps that of earlier ones, too."""
+    return exists(code.signature) and symbol_of(*kernel_of(code.signature)) == code.symbol
+
+
 def codes(folder: str = "") -> Iterator[ObjectCode]:
     """Code of this package's kernels in a cache; without a folder in that of the user."""
     before = os.environ.get("XDG_CACHE_HOME")
@@ -164,7 +169,7 @@ def codes(folder: str = "") -> Iterator[ObjectCode]:
         os.environ["XDG_CACHE_HOME"] = f"{folder}/cache"
     try:
         for place in folders():
-            yield from (code for code in codes_in(place) if code.signature.startswith("gcodesim."))
+            yield from (code for code in codes_in(place) if code.signature.startswith("gcodesim.") and is_of_today(code))
     finally:
         if folder and before is None:
             del os.environ["XDG_CACHE_HOME"]
