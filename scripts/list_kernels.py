@@ -169,7 +169,8 @@ def codes(folder: str = "") -> Iterator[ObjectCode]:
         os.environ["XDG_CACHE_HOME"] = f"{folder}/cache"
     try:
         for place in folders():
-            yield from (code for code in codes_in(place) if code.signature.startswith("gcodesim.") and is_of_today(code))
+            ours = (code for code in codes_in(place) if code.signature.startswith("gcodesim."))
+            yield from filter(is_of_today, ours)
     finally:
         if folder and before is None:
             del os.environ["XDG_CACHE_HOME"]
