@@ -199,14 +199,20 @@ def bounds_of(shape: StockShape) -> Bounds:
     return shape.bounds if isinstance(shape, Box | Cylinder) else (shape.lower, shape.upper)
 
 
+def _corners_without_place(cell: Cell) -> Array:
+    """Corners (n, 3) [m], in G54, of the boxes around all stock whose place the cell leaves open."""
+    return np.concatenate(
+        [
+            stock.place.X.apply(np.array(list(product(*zip(*bounds_of(stock.shape), strict=True)))))
+            for stock in cell.stocks.values()
+            if stock.place.frame is None
+        ]
+    )
+
+
 def _before_chuck(cell: Cell, machine: MachineTool | Robot) -> tuple[Pose, Diagnostic]:
     """G54 of a lathe for stock without a place: on the spindle's axis, the stock's lower end at the chuck."""
-    lows = [
-        stock.place.X.apply(np.array(list(product(*zip(*bounds_of(stock.shape), strict=True)))))[:, 2].min()
-        for stock in cell.stocks.values()
-        if stock.place.frame is None
-    ]
-    p = np.round(np.array([0.0, 0.0, CHUCK_FACE - min(lows)]), 9) + 0.0
+    p = np.round(np.array([0.0, 0.0, CHUCK_FACE - _corners_without_place(cell)[:, 2].min()]), 9) + 0.0
     note = Diagnostic(
         code="GS725",
         span=cell.span("stock"),
@@ -219,13 +225,7 @@ def _before_chuck(cell: Cell, machine: MachineTool | Robot) -> tuple[Pose, Diagn
 
 def _automatic(cell: Cell, machine: MachineTool | Robot) -> tuple[Pose, Diagnostic]:
     """G54 for stock without a place: its middle at mid-travel in X and Y, its top in reach of the longest tool."""
-    cloud = np.concatenate(
-        [
-            stock.place.X.apply(np.array(list(product(*zip(*bounds_of(stock.shape), strict=True)))))
-            for stock in cell.stocks.values()
-            if stock.place.frame is None
-        ]
-    )
+    cloud = _corners_without_place(cell)
     low, high = cloud.min(axis=0), cloud.max(axis=0)
     x, y, z = (machine.axis(letter) for letter in "XYZ")
     longest = max((tool.true_length for tool in cell.tools.values()), default=0.0)

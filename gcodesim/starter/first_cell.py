@@ -90,7 +90,7 @@ class FirstCell:
         """From moves, words and comments; NoCellError for a program that no dialect can read."""
         found, seen = scan(program), survey(program)
         if seen.foreign:
-            raise NoCellError(f"{program.name} is a program for {seen.foreign}; its cell is not guessed")
+            raise NoCellError(f"{program.name} is a program for {seen.foreign}")
         return FirstCell(program=program.name, found=found, seen=seen, tools=_tools(found, seen))
 
     def text(self) -> bytes:

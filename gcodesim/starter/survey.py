@@ -22,7 +22,7 @@ from gcodesim.rs274 import Settings, interpret
 from gcodesim.rs274.assumed import assumed_tools
 from gcodesim.rs274.dialects import DIALECTS
 from gcodesim.rs274.length_words import length_words
-from gcodesim.rs274.other_machines import foreign_of, lathe_of
+from gcodesim.rs274.other_machines import Foreign, foreign_of, lathe_of
 from gcodesim.units import MM
 
 _DIALECTS: Final = ("linuxcnc", "fanuc", "grbl")  # the first of those that understand most is taken
@@ -91,12 +91,13 @@ class Reach:
 
 @frozen
 class Survey:
-    """What a program does. `foreign` says why no dialect reads it; `machine` is the box of G53 moves [m].
+    """What a program does.
 
-    `own` has the zeros [m] of work systems that the program sets itself in coordinates of the machine, `lift` is the
-    longest tool offset that it sets by words, `called` are the tools that come into the spindle. `from_zero`: the first
-    move counts from where the machine stands. `spins`: the spindle is switched on with a speed. `measured`: lengths of
-    tools are put in force, or nothing is said of them.
+    `foreign` says for what else it is and why there is no cell; `machine` is the box of G53 moves [m]. `own` has the
+    zeros [m] of work systems that the program sets itself in coordinates of the machine, `lift` is the longest tool
+    offset that it sets by words, `called` are the tools that come into the spindle. `from_zero`: the first move counts
+    from where the machine stands. `spins`: the spindle is switched on with a speed. `measured`: lengths of tools are
+    put in force, or nothing is said of them.
     """
 
     dialect: str
@@ -117,6 +118,20 @@ class Survey:
     measured: bool
 
 
+def _why_no_cell(foreign: Foreign) -> str:
+    """For which other control a program is, by which word, and what follows."""
+    place = f"(`{foreign.word}`, line {foreign.line})"
+    unread = {"Klartext": "Heidenhain's Klartext", "Sinumerik": "a Sinumerik"}.get(foreign.kind)
+    if unread is not None:
+        return f"{unread} {place}; no dialect of gcodesim reads it"
+    kind, remedy = (
+        ("a 3D printer", "`dialect: marlin`, an `extruder` as tool 0")
+        if foreign.kind == "printer"
+        else ("a lathe", "`dialect: fanuc_lathe`, `machine: lathe_xz`")
+    )
+    return f"{kind} {place}; its cell cannot be guessed, write one with {remedy}"
+
+
 def survey(program: SourceText) -> Survey:
     """Read the program with every tool that it may name, its work systems at machine zero."""
     dialect, why, ends = _dialect_of(program)
@@ -132,13 +147,10 @@ def survey(program: SourceText) -> Survey:
     for item in run.stream():
         for event in item.events() if type(item) is MoveBatch else (item,):
             walk.take(event)  # type: ignore[arg-type]
-    kinds = {"printer": "a 3D printer's control", "Klartext": "Heidenhain's Klartext", "Sinumerik": "a Sinumerik"}
     return Survey(
         dialect=dialect,
         why=why,
-        foreign=""
-        if foreign is None
-        else f"{kinds.get(foreign.kind, 'a lathe')} (`{foreign.word}`, line {foreign.line})",
+        foreign="" if foreign is None else _why_no_cell(foreign),
         failed=run.failed,
         systems={index: reach for index, moves in sorted(walk.systems.items()) if (reach := _reach(moves)) is not None},
         machine=_box(np.array(walk.machine).reshape(-1, 3)) if walk.machine else None,

@@ -116,7 +116,7 @@ def test_what_no_dialect_reads_is_told(cli, write, tmp_path: Path) -> None:
     write("part.h", KLARTEXT)
     for arguments in (("run", "part.h"), ("run", "part.h", "--cell", "auto")):
         done = cli(*arguments)
-        assert done.status == 2 and "Klartext" in done.err and "its cell is not guessed" in done.err
+        assert done.status == 2 and "Klartext" in done.err and "no dialect of gcodesim reads it" in done.err
     assert not (tmp_path / "out").exists()
 
 

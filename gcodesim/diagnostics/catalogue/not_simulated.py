@@ -163,11 +163,13 @@ CODES += (
     Code(
         code="GS916",
         severity=Severity.WARNING,
-        title="Turning is not simulated",
-        what="The program is for a lathe: it has codes of turning and never names Y.",
-        why="The work stands still here, and a tool is a cutter that turns. Material, forces and collisions would be "
+        title="A turning program without a lathe",
+        what="The program is for a lathe: it has codes of turning and never names Y. The cell has none, or there is no "
+        "cell.",
+        why="The work stands still then, and a tool is a cutter that turns. Material, forces and collisions would be "
         "those of milling.",
-        remedy="Look at paths and times of such a program only; leave out the stock.",
+        remedy="Run it in a cell with `machine: lathe_xz` or a lathe of your own. On a mill look at paths and times "
+        "only, and leave out the stock.",
     ),
     Code(
         code="GS919",

@@ -162,8 +162,7 @@ _LATHE = Lathe(
     refused=True,
     code="GS016",
     message="this is a program for a lathe (`{word}`, and never Y): the Fanuc dialect here is that of milling",
-    hint="on a lathe X is a diameter, T0101 a tool with its offset, G98 and G99 are feeds: "
-    "nothing of it would be right",
+    hint="`--dialect fanuc_lathe` reads it: X is a diameter there, T0101 a tool with its offset, G98 and G99 are feeds",
 )
 
 FANUC = Dialect(

@@ -75,7 +75,7 @@ _LATHE = Lathe(
     refused=False,
     code="GS916",
     message="this is a program for a lathe (`{word}`, and never Y): the moves are right, the work stands still",
-    hint="look at paths and times only",
+    hint="a cell with `machine: lathe_xz` turns the work; in any other look at paths and times only",
 )
 
 LINUXCNC = Dialect(
