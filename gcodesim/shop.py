@@ -13,7 +13,8 @@ from gcodesim.cell import Cell, Placement, place
 from gcodesim.cell.cell import MAIN
 from gcodesim.cell.leftover import NOTHING_LEFT, Leftover, no_stock
 from gcodesim.cell.machine import MachineTool
-from gcodesim.cell.placement import FIXTURE, STOCK, bounds_of
+from gcodesim.cell.part import Part
+from gcodesim.cell.placement import FIXTURE, PART, STOCK, bounds_of
 from gcodesim.cell.placing import MACHINE
 from gcodesim.cell.robot import Payload, Robot
 from gcodesim.cell.signals import SignalSource
@@ -25,7 +26,8 @@ from gcodesim.kinematics import Cartesian, Chain, Inertial, Kinematics, Link, ki
 from gcodesim.processes.sheet import Sheet
 from gcodesim.processes.signal import Signal, signals_read_by
 from gcodesim.scene import WORK, Body, Mover, Scene, Stand
-from gcodesim.solids import Box, Cylinder, Mesh, MeshError, MeshFile, Placed, read_mesh
+from gcodesim.solids import Box, Cylinder, Hulls, Mesh, MeshError, MeshFile, Placed, Solid, read_mesh
+from gcodesim.tools.body import STEEL_DENSITY
 from gcodesim.units import MM, RPM
 
 if TYPE_CHECKING:
@@ -216,6 +218,7 @@ def _scene(cell: Cell, mover: Mover, placement: Placement) -> Scene:
         BODIES: _work_stand(mover, Pose.identity()),
         **{f"{STOCK}/{name}": _work_stand(mover, X_WS) for name, X_WS in placement.stocks.items()},
         **{f"{FIXTURE}/{name}": _work_stand(mover, X_W) for name, X_W in placement.fixtures.items()},
+        **{f"{PART}/{name}": _work_stand(mover, X_W) for name, X_W in placement.parts.items()},
         **{name: Stand(on.link, on.X) for name, on in placement.carried.items()},
     }
     movers = {mover.name: mover}
@@ -237,13 +240,24 @@ def _links(mover: Mover) -> Iterator[Body]:
 
 
 def _standing(cell: Cell) -> Iterator[Body]:
-    """Stocks, in their shape at the start, and fixtures."""
+    """Stocks, in their shape at the start, fixtures, and parts."""
     for name, stock in cell.stocks.items():
         solid = solid_of(stock.shape)
         yield Body(name=f"{STOCK}/{name}", solids=() if solid is None else (Placed(solid),), role="stock")
     for name, fixture in cell.fixtures.items():
         solid = solid_of(fixture.shape)
         yield Body(name=f"{FIXTURE}/{name}", solids=() if solid is None else (Placed(solid),), role="fixture")
+    for name, part in cell.parts.items():
+        solid = solid_of(part.shape)
+        solids = () if solid is None else (Placed(solid),)
+        yield Body(name=f"{PART}/{name}", solids=solids, role="part", mass=_mass(part, solid), friction=part.friction)
+
+
+def _mass(part: Part, solid: Solid | None) -> float:
+    """[kg] of a part; of steel where the cell does not say it."""
+    if part.mass is not None or solid is None or isinstance(solid, Hulls):
+        return part.mass or 0.0
+    return STEEL_DENSITY * abs(solid.volume)
 
 
 def _work_stand(mover: Mover, X_W: Pose) -> Stand:
@@ -319,6 +333,7 @@ def side_by_side(first: Shop, others: Sequence[Shop]) -> list[Shop]:
                 shop.placement,
                 stocks=first.placement.stocks,
                 fixtures=first.placement.fixtures,
+                parts=first.placement.parts,
                 target=first.placement.target,
                 carried=first.placement.carried,
             ),

@@ -11,6 +11,7 @@ from gcodesim.cell.channel import Channel
 from gcodesim.cell.machine import MachineKind, MachineTool
 from gcodesim.cell.material import MaterialKind
 from gcodesim.cell.packages import PackageFolder
+from gcodesim.cell.part import PARTS, Part
 from gcodesim.cell.placing import MACHINE, Carried, Place, names_of
 from gcodesim.cell.robot import Robot, RobotKind
 from gcodesim.cell.settings import (
@@ -112,6 +113,7 @@ class Cell:
         default=None,
     )
     fixtures: Mapping[str, Fixture] = key(FixtureKind(), "bodies that must not be touched", default={}, quiet=True)
+    parts: Mapping[str, Part] = key(PARTS, "rigid things that are carried", default={}, quiet=True)
     zones: Mapping[str, ZoneShape] = key(
         _ZONES, "spaces in which only one machine may be at a time", default={}, quiet=True
     )

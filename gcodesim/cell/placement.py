@@ -35,6 +35,7 @@ Bounds = tuple[tuple[float, float, float], tuple[float, float, float]]
 
 STOCK: Final = "stock"
 FIXTURE: Final = "fixture"
+PART: Final = "part"
 CLEARANCE: Final = 0.1  # m by which the longest tool clears the stock's top, at the top of Z
 CHUCK_FACE: Final = 0.08  # m from the nose of a lathe's spindle to the end of stock without a place
 _UPRIGHT: Final = 1e-9  # Z axes whose dot product is nearer to 1 than this count as parallel
@@ -45,9 +46,9 @@ class Placement:
     """The places of everything that depends on the work systems.
 
     `X_WM` is M of the channel in the world; `work_offsets` X_MP of systems 1 (G54) to 9 (G59.3), and of
-    additional ones that the cell names (101 is G54.1 P1); they turn about Z of M only. `stocks`, `fixtures` and
-    `target` are X_W of the bodies' own frames, without those that stand on a link: these are `carried`, by names such
-    as `stock/plate` and `fixture/clamp`. `given` are the systems that the cell names; `automatic`: G54 was
+    additional ones that the cell names (101 is G54.1 P1); they turn about Z of M only. `stocks`, `fixtures`,
+    `parts` and `target` are X_W of the bodies' own frames, without those that stand on a link: these are `carried`, by
+    names such as `stock/plate` and `fixture/clamp`. `given` are the systems that the cell names; `automatic`: G54 was
     chosen by the rule for stock without a place.
     """
 
@@ -59,6 +60,7 @@ class Placement:
     fixtures: Mapping[str, Pose]
     target: Pose | None
     carried: Mapping[str, Carried] = field(default_factory=dict)
+    parts: Mapping[str, Pose] = field(default_factory=dict)
     frames: Mapping[str, Pose] = field(default_factory=dict)
     findings: tuple[Diagnostic, ...] = ()
 
@@ -138,7 +140,10 @@ def place(cell: Cell, channel: str = MAIN) -> Placement:
     )
     stocks = {f"{STOCK}/{name}": stock.place for name, stock in cell.stocks.items()}
     fixtures = {f"{FIXTURE}/{name}": fixture.place for name, fixture in cell.fixtures.items()}
-    carried = {name: on_link for name, place in (stocks | fixtures).items() if (on_link := _on_link(cell, place))}
+    parts = {f"{PART}/{name}": part.place for name, part in cell.parts.items()}
+    carried = {
+        name: on_link for name, place in (stocks | fixtures | parts).items() if (on_link := _on_link(cell, place))
+    }
     return replace(
         result,
         stocks={
@@ -150,6 +155,11 @@ def place(cell: Cell, channel: str = MAIN) -> Placement:
             name: _standing(result, fixture.place, "world")
             for name, fixture in cell.fixtures.items()
             if f"{FIXTURE}/{name}" not in carried
+        },
+        parts={
+            name: _standing(result, part.place, "world")
+            for name, part in cell.parts.items()
+            if f"{PART}/{name}" not in carried
         },
         target=None if cell.target is None else _standing(result, cell.target.place, "G54"),
         carried=carried,

@@ -14,6 +14,7 @@ from gcodesim.cell.cell import Cell
 from gcodesim.cell.channel import Channel, Orientation
 from gcodesim.cell.machine import LinearAxis, MachineForm, RotaryAxis
 from gcodesim.cell.material import MaterialForm
+from gcodesim.cell.part import Part
 from gcodesim.cell.placing import Place
 from gcodesim.cell.robot import RobotForm
 from gcodesim.cell.settings import Limits, LogSettings, Magazine, Simulation, Suppression
@@ -33,8 +34,9 @@ SECTIONS: Final[tuple[tuple[str, type], ...]] = (
     ("A channel (`channels`); where there is but one, its keys stand at top level", Channel),
     ("`orientation`", Orientation),
     ("A signal (`signals`)", SignalSource),
-    ("Shapes of stock and fixtures", ShapeKeys),
+    ("Shapes of stock, fixtures and parts", ShapeKeys),
     ("`stock`, besides its shape and place", StockSpec),
+    ("`parts`, besides their shape and place", Part),
     ("`materials`", MaterialForm),
     ("`target`, besides its place", Target),
     ("`magazine`, besides its place", Magazine),

@@ -24,8 +24,8 @@ from gcodesim.rs274.dialects.systems import dialect_with
 from gcodesim.solids import Box
 from gcodesim.units import MM
 
-_FOLLOW_WORK: Final = ("stock", "fixtures", "target")
-_ON_LINKS: Final = ("frames", "stock", "fixtures")
+_FOLLOW_WORK: Final = ("stock", "fixtures", "target", "parts")
+_ON_LINKS: Final = ("frames", "stock", "fixtures", "parts")
 _STRANGE: Final = 100.0  # times larger or smaller than the rest
 
 
@@ -165,7 +165,7 @@ def _check_frames(cell: Cell, to: Reading) -> None:
 def _fault_on_link(cell: Cell, name: str, span: Span, to: Reading) -> None:
     link = cell.carried[name].link if name in cell.carried else name
     message = f"`{name}` moves" if link == name else f"`{name}` moves with `{link}`"
-    to.fault("GS712", span, message, "only frames, stock and fixtures may stand in it")
+    to.fault("GS712", span, message, "only frames, stock, fixtures and parts may stand in it")
 
 
 def _fault_of_frame(cell: Cell, name: str, fixed: list[str], path: Path, to: Reading) -> None:
@@ -178,7 +178,7 @@ def _fault_of_frame(cell: Cell, name: str, fixed: list[str], path: Path, to: Rea
         to.fault("GS712", span, f"there is no frame `{name}`", suggestion(name, list(dict.fromkeys(known))))
     elif not follows_work:
         message = f"`{name}` is no fixed frame"
-        to.fault("GS712", span, message, "only stock, fixtures, the target and a tool axis may stand in it")
+        to.fault("GS712", span, message, "only stock, fixtures, parts, the target and a tool axis may stand in it")
 
 
 def _is_on_unknown(cell: Cell, name: str, to: Reading) -> bool:
@@ -280,6 +280,7 @@ def _check_mesh_sizes(cell: Cell, to: Reading) -> None:
     meshes: list[tuple[StockShape | None, Path]] = [
         (f.shape, ("fixtures", name, "mesh")) for name, f in cell.fixtures.items()
     ]
+    meshes += [(p.shape, ("parts", name, "mesh")) for name, p in cell.parts.items()]
     meshes += [(cell.target.shape, ("target", "mesh"))] if cell.target is not None else []
     meshes += [(s.shape, (("stock", name, "mesh"))) for name, s in cell.stocks.items()]
     scale = _size_of_cell(cell)

@@ -65,6 +65,7 @@ def _poses(cell: Cell, placement: Placement) -> list[tuple[str, str, Pose]]:
     rows += [(name_of_system(index), zero, placement.work_offsets[index]) for index in systems]
     rows += [(f"stock {name}", "world", X) for name, X in placement.stocks.items()]
     rows += [(f"fixture {name}", "world", X) for name, X in placement.fixtures.items()]
+    rows += [(f"part {name}", "world", X) for name, X in placement.parts.items()]
     rows += [(name, on.link, on.X) for name, on in cell.carried.items()]
     rows += [(name.replace("/", " ", 1), on.link, on.X) for name, on in placement.carried.items()]
     return rows + ([("target", "world", placement.target)] if placement.target is not None else [])

@@ -174,7 +174,7 @@ def _nothing_to_put_back() -> None:
 
 @frozen(kw_only=False, eq=False)
 class StandingBody:
-    """A fixture or a stock as seen by a process that acts on bodies; all in one common frame S."""
+    """A fixture, a part or a stock as seen by a process that acts on bodies; all in one common frame S."""
 
     name: str
     role: str
@@ -186,7 +186,7 @@ class StandingBody:
 
 
 def standing_bodies(shop: Shop) -> tuple[StandingBody, ...]:
-    """The fixtures of the shop that are at rest in `BODIES`, then the stocks that are."""
+    """The fixtures and parts of the shop that are at rest in `BODIES`, then the stocks that are."""
     bodies = []
     carrier, _ = shop.scene.standing_on(BODIES)
 
@@ -194,9 +194,10 @@ def standing_bodies(shop: Shop) -> tuple[StandingBody, ...]:
         return shop.scene.standing_on(frame)[0] == carrier
 
     for body in shop.scene.bodies:
-        if body.role != "fixture" or not stands_there(body.name):
+        if body.role not in ("fixture", "part") or not stands_there(body.name):
             continue
-        X = shop.placement.fixtures[body.label]
+        placed_bodies = shop.placement.fixtures if body.role == "fixture" else shop.placement.parts
+        X = placed_bodies[body.label]
         for solid in (own.solid for own in body.solids):
             box = _box_around(X, *solid.bounds)
             bodies.append(StandingBody(body.label, body.role, box, partial(_moved, X, partial(_skin, solid))))

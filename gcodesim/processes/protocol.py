@@ -60,7 +60,7 @@ class SolidBody(Protocol):
 
     @property
     def role(self) -> str:
-        """What it is: `fixture` or `stock`."""
+        """What it is: `fixture`, `stock` or `part`."""
 
     @property
     def box(self) -> tuple[Array, Array]:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final
 
+from gcodesim.frames import Pose
 from gcodesim.log import DrawnMesh, DrawnShape, DrawnSolid, Entity
 from gcodesim.log.shapes import Color
 from gcodesim.recorder.frames import Frames
+from gcodesim.scene import Role
 from gcodesim.solids import Box, Cone, Cylinder, Hulls, Placed, Sphere, triangles_of
 from gcodesim.tools.parts import body_part
 
@@ -15,12 +18,16 @@ if TYPE_CHECKING:
     from gcodesim.tools.tool import Tool
 
 FIXTURE: Final[Color] = (0.45, 0.36, 0.28, 1.0)
+PART: Final[Color] = (0.36, 0.5, 0.68, 1.0)
 RAW: Final[Color] = (0.62, 0.64, 0.67, 1.0)
 CUT: Final[Color] = (0.86, 0.74, 0.42, 1.0)
 
 
+_COLORS: Final[Mapping[Role, Color]] = {"fixture": FIXTURE, "part": PART}
+
+
 def cell_entities(frames: Frames) -> tuple[Entity, ...]:
-    """Links of the robot or machine, each in its frame, and fixtures in the frame that carries them."""
+    """Links of the robot or machine, each in its frame; fixtures in the frame that carries them; parts in their own."""
     shop = frames.shop
     by_link: dict[int, list[DrawnShape]] = {}
     for own in shop.kinematics.link_shapes:
@@ -32,10 +39,11 @@ def cell_entities(frames: Frames) -> tuple[Entity, ...]:
         if shapes
     ]
     for body in shop.scene.bodies:
-        if body.role != "fixture" or not frames.draws(body.name):
+        own = body.name in frames.parts
+        if not own and (body.role != "fixture" or not frames.draws(body.name)):
             continue
-        frame, X = frames.carrier(body.name)
-        shapes = [shape for placed in body.solids if (shape := drawn(placed.at(X), FIXTURE)) is not None]
+        frame, X = (body.name, Pose.identity()) if own else frames.carrier(body.name)
+        shapes = [shape for placed in body.solids if (shape := drawn(placed.at(X), _COLORS[body.role])) is not None]
         if shapes:
             entities.append(Entity(id=body.name, frame=frame, shapes=tuple(shapes)))
     return tuple(entities)

@@ -43,6 +43,7 @@ class Frames:
     `stocks` maps the names of stocks' frames in the log to those in the scene; a cell without stock has one, at G54.
     Where several programs run at once, further channels put their name (`prefix`) before `tool`, `tcp`, `part` and
     `path`, and have the stocks and fixtures that their own machine carries; all others are those of the first.
+    `parts` are the frames of parts, which any gripper may move; all are those of the first channel.
     """
 
     shop: Shop
@@ -53,6 +54,7 @@ class Frames:
     moving_work: bool
     moving_path: bool
     prefix: str = ""
+    parts: tuple[str, ...] = ()
 
     @staticmethod
     def of(shop: Shop, prefix: str = "") -> Frames:
@@ -72,6 +74,7 @@ class Frames:
             moving_work=shop.scene.moves(f"{shop.name}/{WORK}"),
             moving_path=shop.mover.shifts_work,
             prefix=prefix,
+            parts=() if prefix else tuple(body.name for body in shop.scene.bodies if body.role == "part"),
         )
 
     @property
@@ -133,6 +136,7 @@ class Frames:
         frames += [("world", name) for name in self.moving_stocks]
         if self.moving_path:
             frames.append(("world", self.path_frame))
+        frames += [("world", name) for name in self.parts]
         return tuple(frames)
 
     @property
@@ -152,6 +156,7 @@ class Frames:
         columns += [shop.scene.track(self.stocks[name], {shop.name: q}) for name in self.moving_stocks]
         if self.moving_path:
             columns.append(self.carried(q, np.tile(np.eye(4), (len(q), 1, 1))))
+        columns += [shop.scene.track(name, {shop.name: q}) for name in self.parts]
         rows = np.empty((len(q), len(self.links) + len(columns), 7))
         write_poses(shop.kinematics.links(q), np.array(self.links, dtype=np.int64), 0, rows)
         for column, X in enumerate(columns, start=len(self.links)):
