@@ -39,10 +39,10 @@ def cell_entities(frames: Frames) -> tuple[Entity, ...]:
         if shapes
     ]
     for body in shop.scene.bodies:
-        own = body.name in frames.parts
-        if not own and (body.role != "fixture" or not frames.draws(body.name)):
+        is_part = body.name in frames.parts
+        if not is_part and (body.role != "fixture" or not frames.draws(body.name)):
             continue
-        frame, X = (body.name, Pose.identity()) if own else frames.carrier(body.name)
+        frame, X = (body.name, Pose.identity()) if is_part else frames.carrier(body.name)
         shapes = [shape for placed in body.solids if (shape := drawn(placed.at(X), _COLORS[body.role])) is not None]
         if shapes:
             entities.append(Entity(id=body.name, frame=frame, shapes=tuple(shapes)))
