@@ -23,6 +23,7 @@ from gcodesim.declarations.reading import UNREAD, Path, Reading, Reference, Unre
 from gcodesim.declarations.record import Record, not_a_mapping
 from gcodesim.declarations.scalars import measured
 from gcodesim.frozen import frozen
+from gcodesim.kinematics.attitude import WordTurn
 from gcodesim.processes.signal import actions_of_all
 from gcodesim.rs274.dialects import DIALECTS
 from gcodesim.rs274.settings import canonical_m_code
@@ -31,6 +32,9 @@ DEFAULT_PATH_CONTROL: Final = "G64"
 
 _AXIS = re.compile(r"\s*([+-]?)\s*([XYZxyz])(?:\s+of\s+(\S+))?\s*")
 _PATH_CONTROL = re.compile(r"\s*[Gg]\s*(61\.1|61|64)\s*(?:[Pp]\s*([0-9.]+))?\s*(?:[Qq]\s*([0-9.]+))?\s*")
+
+_TURN = re.compile(r"([XYZxyz])\s*\(\s*([+-]?)\s*([ABCabc])\s*\)")
+_TURNS = re.compile(r"(\s*[XYZxyz]\s*\(\s*[+-]?\s*[ABCabc]\s*\)){1,3}\s*")
 
 VERBS: Final[dict[str, tuple[str, ...]]] = {"tool": ("activate", "deactivate"), "gripper": ("open", "close")}
 """What an M-code may do, and to what, before processes of third parties add to it."""
@@ -116,14 +120,53 @@ class _Spin(Kind):
         return Quantity("angle").plain(value)
 
 
+@frozen(kw_only=False)
+class _Words(Kind):
+    """`Z(A) Y(B) X(C)`."""
+
+    @property
+    def expected(self) -> str:
+        return "turns such as `Z(A) Y(B) X(C)`: an axis and, in brackets, the word A, B or C that turns about it"
+
+    def read(self, node: Node, to: Reading, path: Path) -> tuple[WordTurn, ...] | Unread:
+        text = scalar(self, node, to, path)
+        if isinstance(text, Unread):
+            return UNREAD
+        if _TURNS.fullmatch(text.text) is None:
+            return to.fault("GS711", text.span, f"`{path[-1]}` is `{short(text.text)}`; {self.expected} is expected")
+        found = _TURN.findall(text.text.upper())
+        words = [word for _, _, word in found]
+        if len(set(words)) < len(words):
+            return to.fault("GS711", text.span, f"`{path[-1]}` turns twice by one word", "each of A, B, C at most once")
+        return tuple(
+            WordTurn("XYZ".index(axis), "ABC".index(word), -1.0 if sign == "-" else 1.0) for axis, sign, word in found
+        )
+
+    def schema(self, definitions: dict[str, Json]) -> Json:
+        return {"type": "string", "pattern": f"^{_TURNS.pattern}$", "examples": ["Z(A) Y(B) X(C)", "Z(-C) X(-A)"]}
+
+    def show(self, value: Any) -> Any:
+        return " ".join(f"{'XYZ'[t.axis]}({'-' if t.sign < 0.0 else ''}{'ABC'[t.word]})" for t in value)
+
+    def plain(self, value: Any) -> tuple[str, Any]:
+        return "", self.show(value)
+
+
 @frozen
 class Orientation:
-    """How an arm holds the tool in a program without angles. `spin` None: free, chosen near the previous joints."""
+    """How an arm holds the tool. `spin` None: free, chosen near the previous joints, or 0 with three `words`."""
 
     tool_axis: ToolAxis = key(
         _AxisOf(), "direction of the tool's Z, from holder to tip", default=ToolAxis(axis=(0.0, 0.0, -1.0), frame=None)
     )
     spin: float | None = key(_Spin(), "angle about the tool axis, or `free`", default=None)
+    words: tuple[WordTurn, ...] | None = key(
+        _Words(),
+        "how A, B and C lean the tool: turns from the work system on, each about an axis that those before have turned",
+        default=None,
+        quiet=True,
+        example="Z(A) Y(B) X(C)",
+    )
 
 
 @frozen(kw_only=False)

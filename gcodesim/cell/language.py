@@ -8,9 +8,10 @@ from typing import Final
 from gcodesim.arithmetic.elementary import atan2
 from gcodesim.canon.systems import name_of_system
 from gcodesim.cell import Cell, Placement, place
+from gcodesim.cell.arm_point import ArmPoint
 from gcodesim.cell.cell import MAIN
 from gcodesim.cell.channel import Channel
-from gcodesim.cell.machine import is_lathe
+from gcodesim.cell.machine import MachineTool, is_lathe
 from gcodesim.cell.tool_point import MachinePoint
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText
 from gcodesim.rs274 import MappedAction, Settings, ToolEntry, ToolTable, read_parameters
@@ -85,10 +86,15 @@ def settings_of_cell(
         loaded_tool=own.loaded_tool or 0,
         auto_length=lengths,
         path_control=_path_control(cell, channel),
-        tool_point=MachinePoint.of(cell.machine_of(channel)),
+        tool_point=_tool_point(cell, channel, placement),
         options={"decimal_point": own.decimal_point, "compensation_start": own.compensation_start},
     )
     return settings, findings
+
+
+def _tool_point(cell: Cell, channel: str, placement: Placement) -> MachinePoint | ArmPoint | None:
+    mover = cell.machine_of(channel)
+    return MachinePoint.of(mover) if isinstance(mover, MachineTool) else ArmPoint.of(cell, channel, placement)
 
 
 def _reference_points(machine: object) -> dict[int, float]:

@@ -106,6 +106,19 @@ class Joints:
         """Place of joint `name`; ValueError when there is none."""
         return self.names.index(name)
 
+    def part(self, chosen: Indices) -> Joints:
+        """Only the joints at places `chosen` (k,)."""
+        return Joints(
+            names=tuple(self.names[i] for i in chosen),
+            kinds=tuple(self.kinds[i] for i in chosen),
+            lower=self.lower[chosen],
+            upper=self.upper[chosen],
+            speed=self.speed[chosen],
+            acceleration=self.acceleration[chosen],
+            effort=self.effort[chosen],
+            assumed_acceleration=self.assumed_acceleration[chosen],
+        )
+
 
 @frozen(eq=False)
 class LinkShape:

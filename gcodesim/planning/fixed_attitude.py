@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import field, replace
-from functools import cached_property
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 import numpy as np
@@ -20,30 +19,34 @@ from gcodesim.canon import Axes
 from gcodesim.diagnostics import Findings
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
+from gcodesim.kinematics.attitude import Words
 from gcodesim.kinematics.protocol import Status
 from gcodesim.motion.blend import blend
 from gcodesim.motion.blend_kernels import NORMAL_SHARE
-from gcodesim.motion.pieces import OVERLAP, Pieces
+from gcodesim.motion.pieces import OVERLAP, AxisLimits, Pieces
 from gcodesim.motion.timing import Caps
 from gcodesim.motion.tool_path import HOME, Commanded, ToolPath
-from gcodesim.motion.trajectory import Samples
 from gcodesim.planning import joint_moves
+from gcodesim.planning.arm_joints import ArmJoints
 from gcodesim.planning.arm_kernels import JointCaps, SegmentRates, joint_caps, joint_rates
 from gcodesim.planning.axis_posing import offsets
 from gcodesim.planning.configuration import on_branches
-from gcodesim.planning.flange_poses import flange_origins, flange_poses, spin_of, turned
+from gcodesim.planning.flange import Flange
+from gcodesim.planning.flange_poses import spin_of
+from gcodesim.planning.guide import CHOSEN, GROUND, Guide, Outside
 from gcodesim.planning.joint_rows import with_joint_rows
 from gcodesim.planning.nodes import Nodes
-from gcodesim.planning.plan import JointExtremes, JointPath
+from gcodesim.planning.plan import JointPath
 from gcodesim.planning.posing import Posed
 from gcodesim.planning.reach import report_poses, report_slow_joints
 from gcodesim.planning.route import TRIALS, dead_end, route_along
 from gcodesim.planning.route_findings import report_dead_end, report_route
-from gcodesim.planning.spin_along import SpinAlong
 from gcodesim.planning.spin_choice import SampledPath, SpinChoice, choose_spin
-from gcodesim.planning.travel import report_missing_axes
+from gcodesim.planning.travel import report_missing_axes, report_travel
 
 if TYPE_CHECKING:
+    from gcodesim.kinematics.attitude import AttitudeLaw
+    from gcodesim.kinematics.chain import Joints
     from gcodesim.kinematics.protocol import Kinematics
 
 Solved: TypeAlias = tuple[Nodes, Array, NDArray[np.uint8]]  # nodes, joints (k, j) and status (k,) at them
@@ -55,116 +58,6 @@ _CLOSE: Final = 1e-6  # [m]
 _STEEPEST: Final = 10.0
 _REACH: Final = 1  # statuses of the inverse kinematics that leave the path
 _FLIP: Final = 4
-
-
-@frozen(kw_only=False, eq=False)
-class Flange:
-    """Where the flange has to be when the controlled point is somewhere on the pieces."""
-
-    pieces: Pieces
-    R_BO: Array  # of every row (n, 3, 3)
-    offset: Array  # of every row (n, 3) [m]
-    spin: float
-    turning: SpinAlong | None = None  # of the tool about itself along the path, on top of `spin`
-
-    def poses(self, piece: NDArray[np.int64], s: Array, positions: Array) -> Array:
-        """X_BF (k, 4, 4) with the controlled point at `positions` (k, 3), which are at `s` (k,) of `piece` (k,)."""
-        row = self.pieces.row_first[piece]
-        R = self.R_BO[row]
-        X = flange_poses(flange_origins(positions, self.offset[row], R), R, self.spin)
-        return X if self.turning is None else turned(X, self.turning.at(piece, s)[0])
-
-    def at(self, piece: NDArray[np.int64], s: Array) -> Array:
-        """X_BF (k, 4, 4) at places `s` (k,) of `piece` (k,)."""
-        return self.poses(piece, s, self.pieces.points(piece, s)[0][:, :3])
-
-    def velocities(self, piece: NDArray[np.int64], s: Array) -> Array:
-        """Velocity (k, 3) of the flange by the way, or (k, 6) with the angular one, where it turns."""
-        v = self.pieces.points(piece, s)[1][:, :3]
-        if self.turning is None:
-            return v
-        rate = self.turning.at(piece, s)[1]
-        return np.concatenate([v, -rate[:, None] * self.R_BO[self.pieces.row_first[piece]][:, :, 2]], axis=1)
-
-    def unturned(self) -> Flange:
-        """The same with a spin of 0 all along."""
-        return replace(self, spin=0.0, turning=None)
-
-    @property
-    def last_spin(self) -> float:
-        """The spin [rad] at the end of the path."""
-        return self.spin if self.turning is None else self.spin + float(self.turning.spin[-1])
-
-
-@frozen(slots=False, kw_only=False, eq=False)
-class ArmJoints:
-    """Joints along a trajectory: exact inverse kinematics from the nearest node, straight lines in joint moves.
-
-    Where the path is out of reach (`bridged`, by the node that ends the segment) joints run straight between nodes.
-    """
-
-    kinematics: Kinematics
-    flange: Flange
-    nodes: Nodes
-    q_nodes: Array
-    bridged: NDArray[np.bool_]
-    home: Array
-    moves: dict[int, tuple[Array, Array]]  # joints at start and end of pieces in joint space
-
-    def joints(self, samples: Samples) -> Array:
-        """Joint values (n, j) [rad, m] at samples in order of time."""
-        q = np.tile(self.home, (len(samples), 1))
-        pieces = self.flange.pieces
-        if not len(pieces) or not len(samples):
-            return q
-        own = pieces.fixed[samples.piece]
-        after = self.nodes.at_or_after(self._keys, samples.piece, samples.s, pieces.length)
-        bridge = ~own & self.bridged[after]
-        # runs of samples on one joint move, on one bridge, or of exact joints between them
-        run = np.where(own, 3 * samples.piece, 3 * np.cumsum(pieces.fixed)[samples.piece] + 1 + bridge)
-        starts = np.flatnonzero(np.append(True, run[1:] != run[:-1]))
-        for a, b in zip(starts, np.append(starts[1:], len(run)), strict=True):
-            if own[a]:
-                q[a:b] = self._in_joint_space(int(samples.piece[a]), samples.s[a:b])
-            elif bridge[a]:
-                q[a:b] = self._on_bridge(after[a:b], samples.piece[a:b], samples.s[a:b])
-            else:
-                X = self.flange.poses(samples.piece[a:b], samples.s[a:b], samples.position[a:b, :3])
-                seed = int(after[a]) - (not self.nodes.head[after[a]])
-                q[a:b] = self.kinematics.inverse(X, self.q_nodes[seed])[0]
-        return q
-
-    @cached_property
-    def _keys(self) -> Array:
-        return self.nodes.keys(self.flange.pieces.length)
-
-    def _on_bridge(self, node: NDArray[np.intp], piece: NDArray[np.int64], s: Array) -> Array:
-        nodes = self.nodes
-        begin = np.where(nodes.piece[node] == nodes.piece[node - 1], nodes.s[node - 1], 0.0)
-        share = np.clip((s - begin) / np.maximum(nodes.s[node] - begin, 1e-300), 0.0, 1.0)[:, None]
-        q: Array = self.q_nodes[node - 1] + share * (self.q_nodes[node] - self.q_nodes[node - 1])
-        return q
-
-    def _in_joint_space(self, piece: int, t: Array) -> Array:
-        q0, q1 = self.moves[piece]
-        step = q1 - q0
-        if not np.any(np.abs(step) > joint_moves.STILL):
-            return np.tile(q1, (len(t), 1))
-        share = joint_moves.share_at(t, *joint_moves.law(step, self.kinematics.joints))
-        q: Array = q0 + share[:, None] * step
-        return q
-
-    def extremes(self) -> JointExtremes:
-        """How far each joint goes at the nodes and at the ends of joint moves."""
-        q, piece = [self.home[None], self.q_nodes], [np.zeros(1, dtype=np.int64), self.nodes.piece]
-        for move, (_, end) in self.moves.items():
-            q.append(end[None])
-            piece.append(np.array([move]))
-        table = np.concatenate(q)
-        rows = self.flange.pieces.row_first
-        row = rows[np.concatenate(piece)].astype(np.int64) if len(rows) else np.zeros(len(table), dtype=np.int64)
-        low, high = table.argmin(axis=0), table.argmax(axis=0)
-        return JointExtremes(table.min(axis=0), table.max(axis=0), row[low], row[high])
 
 
 @frozen(eq=False)
@@ -180,6 +73,10 @@ class FixedAttitude:
     closed form on which the arm has to be; None: all.
 
     Where one spin and one branch do not do, all configurations are searched, and a free spin changes along the path.
+
+    With a `law` the words a, b, c of the path lean O: about `axes[system]` in B, or those of B. It counts for the
+    whole program when `words_lean`, else once the tip is commanded. `outside` are external axes; `platforms` says
+    which of them carries the work of a system, so that points of that system go along with it.
     """
 
     frames: Mapping[int, Array] = field(default_factory=dict)
@@ -190,43 +87,99 @@ class FixedAttitude:
     home: Array | None = None
     held: Array | None = None
     branches: tuple[int, ...] | None = None
+    law: AttitudeLaw | None = None
+    words_lean: bool = False
+    axes: Mapping[int, Array] = field(default_factory=dict)
+    outside: Outside | None = None
+    platforms: Mapping[int, int] = field(default_factory=dict)
 
     @property
     def understands(self) -> frozenset[Commanded]:
-        return frozenset((Commanded.AXES,))
+        if self.law is None and self.outside is None:
+            return frozenset((Commanded.AXES,))
+        return frozenset((Commanded.AXES, Commanded.POINT))
 
     def start(self, kinematics: Kinematics, home: Array) -> Axes:
         """Where the flange stands at `home` (j,), seen from M."""
         p_BF = kinematics.forward(np.asarray(home, dtype=float)[None])[0, :3, 3]
         x, y, z = self.X_BM.inverse().apply(p_BF)
-        return (float(x), float(y), float(z), 0.0, 0.0, 0.0)
+        words = [0.0, 0.0, 0.0]
+        if self.outside is not None:
+            values = np.asarray(home)[self.outside.assembly.externals]
+            for column, value in zip(self.outside.columns, values, strict=True):
+                if column != CHOSEN:
+                    words[column] = float(value)
+        return (float(x), float(y), float(z), words[0], words[1], words[2])
 
     def pose(self, path: ToolPath, kinematics: Kinematics, home: Array, findings: Findings) -> Posed:
         """Where poses are out of reach, the joints run straight to where they are in reach again; a finding says so."""
         home = np.asarray(home, dtype=float)
-        path = path.transform(self.X_BM)
-        report_missing_axes(path, np.arange(3), findings)
+        arm, own = (kinematics, home) if self.outside is None else self._arm_alone(home)
+        path = _seen_from_base(path, self.X_BM)
+        self._report_words(path, kinematics, findings)
         rows = with_joint_rows(path, self.R_BO(path), joint_rapids=self.joint_rapids, held=self.held)
         path = rows.path
         R_BO = self.R_BO(path)
-        probe = SampledPath.of(rows, R_BO)
-        near = spin_of(kinematics.forward(home[None])[0, :3, :3], R_BO[0] if len(path) else self.upright)
-        choice = choose_spin(kinematics, probe, home, near, self.spin)
-        pieces = blend(path, choice.limits, own_time=np.where(rows.joint, 1.0, np.nan))
-        flange = Flange(pieces, R_BO, offsets(path)[:, :3], choice.spin)
+        guide = self._guide(path)
+        probe = SampledPath.of(rows, R_BO, guide)
+        near = spin_of(arm.forward(own[None])[0, :3, :3], R_BO[0] if len(path) else self.upright)
+        choice = choose_spin(arm, probe, own, near, self.spin)
+        limits = choice.limits if guide is None else _with_words(choice.limits, guide, kinematics.joints)
+        pieces = blend(path, limits, own_time=np.where(rows.joint, 1.0, np.nan))
+        flange = Flange(pieces, R_BO, offsets(path)[:, :3], choice.spin, guide=guide)
         at_home = pieces.fixed & rows.home[pieces.row_first]
-        solved = _solve(kinematics, flange, Nodes.of(pieces, at_home), choice, home)
+        solved = _solve(arm, flange, Nodes.of(pieces, at_home), choice, own)
         part = ""
-        if not self._will_do(kinematics, flange, *solved):
+        if not self._will_do(arm, flange, *solved):
             flange, solved, part = self._searched(
-                kinematics, flange, Nodes.of(pieces, at_home), choice, home, solved, findings
+                arm, flange, Nodes.of(pieces, at_home), choice, own, solved, findings
             )
         nodes, q_nodes, status = solved
-        report_poses(kinematics, flange, nodes, q_nodes, status, probe, choice, home, part, findings)
+        report_poses(arm, flange, nodes, q_nodes, status, probe, choice, own, part, findings)
         bridged = _bridge(nodes, q_nodes, status)
+        if self.outside is not None:
+            q_nodes = self._together(flange, nodes, q_nodes)
         moves = _joint_moves(kinematics, pieces, nodes, q_nodes, home, home if self.home is None else self.home)
         caps = _caps(kinematics, flange, nodes, q_nodes, bridged, findings)
         return Posed(pieces, ArmJoints(kinematics, flange, nodes, q_nodes, bridged, home, moves), caps)
+
+    def _arm_alone(self, home: Array) -> tuple[Kinematics, Array]:
+        assert self.outside is not None
+        return self.outside.assembly.arm, home[self.outside.assembly.own]
+
+    def _together(self, flange: Flange, nodes: Nodes, q: Array) -> Array:
+        """All joints (k, j) at nodes, of those of the arm."""
+        assert self.outside is not None and flange.guide is not None
+        values = flange.guide.externals(nodes.piece, nodes.s, flange.pieces.points(nodes.piece, nodes.s)[0])
+        assert values is not None
+        return self.outside.assembly.together(q, values)
+
+    def _report_words(self, path: ToolPath, kinematics: Kinematics, findings: Findings) -> None:
+        """Words that mean nothing to this arm, and external axes that leave their travel."""
+        known = {0, 1, 2} | (set() if self.outside is None else {3 + int(c) for c in self.outside.columns if c >= 0})
+        if self._leans(path):
+            known |= {3 + turn.word for turn in self.law.turns} if isinstance(self.law, Words) else {3, 4, 5}
+        report_missing_axes(path, np.array(sorted(known)), findings)
+        if self.outside is not None:
+            chosen = np.flatnonzero(self.outside.columns != CHOSEN)
+            joints = kinematics.joints.part(self.outside.assembly.externals[chosen])
+            letters = [name.rpartition("/")[2] for name in joints.names]
+            report_travel(path, 3 + self.outside.columns[chosen], joints, findings, letters=letters)
+
+    def _leans(self, path: ToolPath) -> bool:
+        """Whether words of the path lean the tool."""
+        if self.law is None:
+            return False
+        return self.words_lean or any(state.control is Commanded.POINT for state in path.states)
+
+    def _guide(self, path: ToolPath) -> Guide | None:
+        """What else than the tip changes the place of the flange; None for a fixed attitude in still work."""
+        law = self.law if self._leans(path) else None
+        if law is None and self.outside is None:
+            return None
+        table = np.array([self.axes.get(state.system, np.eye(3)) for state in path.states]).reshape(-1, 3, 3)
+        numbers = np.array([self.platforms.get(state.system, GROUND) for state in path.states], dtype=np.int64)
+        return Guide(law=law, axes=table[path.state], outside=self.outside, platform=numbers[path.state])
 
     def _will_do(
         self, kinematics: Kinematics, flange: Flange, nodes: Nodes, q: Array, status: NDArray[np.uint8]
@@ -353,13 +306,17 @@ def _caps(
     pieces, joints, i = flange.pieces, kinematics.joints, nodes.segments
     piece, begin = nodes.piece[i], nodes.begin
     length = nodes.s[i] - begin
-    J = np.ascontiguousarray(kinematics.jacobian(q))
+    outside = None if flange.guide is None else flange.guide.outside
+    own = q if outside is None else q[:, outside.assembly.own]
+    J = np.ascontiguousarray((kinematics if outside is None else outside.assembly.arm).jacobian(own))
     speed_limit = np.minimum(joints.speed, 1e6)
     acceleration_limit = np.minimum(joints.acceleration, 1e6)
     out, back = flange.velocities(piece, begin), flange.velocities(piece, begin + length)
     leaving, arriving = np.zeros((len(nodes), out.shape[1])), np.zeros((len(nodes), out.shape[1]))
     leaving[i - 1], arriving[i] = out, back
     rates = joint_rates(J, leaving, arriving)
+    if outside is not None:
+        rates = _with_outside(rates, outside, flange, (i, piece, begin, length))
     # between close nodes the difference of joints is only rounding; the rates at their ends are enough
     mean_rate = np.where(length[:, None] > _CLOSE, (q[i] - q[i - 1]) / length[:, None], 0.0)
     bridge = bridged[i, None]
@@ -394,6 +351,41 @@ def _caps(
         (junction, zeros),
     )
     return Caps(*(np.concatenate(pair)[order] for pair in columns))
+
+
+def _with_outside(
+    rates: tuple[Array, Array],
+    outside: Outside,
+    flange: Flange,
+    segments: tuple[NDArray[np.intp], NDArray[np.int64], Array, Array],
+) -> tuple[Array, Array]:
+    """Rates of all joints by the way: those of the arm at each node, leaving and arriving, and those outside."""
+    i, piece, begin, length = segments
+    leaving, arriving = (np.zeros((len(rates[0]), len(outside.columns))) for _ in range(2))
+    for table, node, s in ((leaving, i - 1, begin), (arriving, i, begin + length)):
+        table[node] = outside.slopes(piece, s, flange.pieces.points(piece, s)[1])
+    return outside.assembly.together(rates[0], leaving), outside.assembly.together(rates[1], arriving)
+
+
+def _seen_from_base(path: ToolPath, X_BM: Pose) -> ToolPath:
+    """The path in B; its words stay as they are."""
+    start, end = path.start.copy(), path.end.copy()
+    for points in (start, end):
+        points[:, :3] = X_BM.apply(points[:, :3])
+    return replace(path, start=start, end=end, center=X_BM.apply(path.center), normal=X_BM.rotate(path.normal))
+
+
+def _with_words(limits: AxisLimits, guide: Guide, joints: Joints) -> AxisLimits:
+    """Limits of a, b, c too: of an external axis its own, of a leaning tool those of the slowest joint."""
+    speed, acceleration = limits.speed.copy(), limits.acceleration.copy()
+    turning = np.array([kind == "revolute" for kind in joints.kinds])
+    if guide.law is not None and turning.any():
+        speed[3:], acceleration[3:] = joints.speed[turning].min(), joints.acceleration[turning].min()
+    if guide.outside is not None:
+        for joint, column in zip(guide.outside.assembly.externals, guide.outside.columns, strict=True):
+            if column != CHOSEN:
+                speed[3 + column], acceleration[3 + column] = joints.speed[joint], joints.acceleration[joint]
+    return AxisLimits(speed=speed, acceleration=acceleration)
 
 
 def _neighbourhood(values: Array) -> Array:

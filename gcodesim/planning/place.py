@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from gcodesim.arithmetic.matrices import applied, dot, norm
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
+from gcodesim.planning.arm_joints import ArmJoints
 from gcodesim.planning.configuration import grid
-from gcodesim.planning.fixed_attitude import ArmJoints, FixedAttitude
+from gcodesim.planning.fixed_attitude import FixedAttitude
 from gcodesim.planning.ladder import Passage, rungs_of
 from gcodesim.planning.ladder_kernels import link, widest
 from gcodesim.planning.legs import LegJoints

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gcodesim.arithmetic.matrices import applied, dot, norm
+from gcodesim.cell.arm_point import attitude_of
 from gcodesim.frames import Array
+from gcodesim.kinematics.attitude import Words
 from gcodesim.kinematics.branch_names import branches_named
 from gcodesim.kinematics.tool_point import ToolPoint
 from gcodesim.planning.axis_attitude import AxisAttitude
@@ -40,12 +42,21 @@ def _fixed_attitude(shop: Shop) -> FixedAttitude:
         system: _upright(applied(R_BW, shop.placement.tool_axis(own, system)), shop, system)
         for system in shop.placement.work_offsets
     }
+    law = attitude_of(shop.cell, shop.channel, shop.placement)
+    words = isinstance(law, Words)
+    X_BP = {system: shop.X_BM @ X_MP for system, X_MP in shop.placement.work_offsets.items()}
+    spin = None if own is None else own.spin
+    if spin is None and isinstance(law, Words) and len(law.turns) == len("ABC"):
+        spin = 0.0
     return FixedAttitude(
         frames=frames,
         upright=frames[1],
-        spin=None if own is None else own.spin,
+        spin=spin,
         X_BM=shop.X_BM,
         branches=_branches(shop),
+        law=law,
+        words_lean=words,
+        axes={system: X.R if words else shop.X_BM.R for system, X in X_BP.items()},
     )
 
 

@@ -19,6 +19,7 @@ from gcodesim.planning.joint_rows import JointRows
 
 if TYPE_CHECKING:
     from gcodesim.kinematics.protocol import Kinematics
+    from gcodesim.planning.guide import Guide
 
 SPINS: Final = 24  # candidates all around
 POSES: Final = 240  # at which a candidate is tried
@@ -41,8 +42,11 @@ class SampledPath:
     number: list[int]
 
     @staticmethod
-    def of(rows: JointRows, R_BO: Array) -> SampledPath:
-        """Points all along the path, not more than about `POSES` of them."""
+    def of(rows: JointRows, R_BO: Array, guide: Guide | None = None) -> SampledPath:
+        """Points all along the path, not more than about `POSES` of them; with a `guide` as the arm's base sees them.
+
+        External axes that are chosen are at rest.
+        """
         path = rows.path
         heads = np.flatnonzero(rows.joint & ~rows.home)
         bounds = np.append(np.flatnonzero(rows.joint), len(path))
@@ -68,8 +72,14 @@ class SampledPath:
             at += len(row)
         row = np.concatenate(row_parts) if row_parts else np.zeros(0, dtype=np.intp)
         share = np.concatenate(share_parts) if share_parts else np.zeros(0)
-        R = R_BO[row]
-        origins = flange_origins(curves.points_at(row, share), offsets(path)[row, :3], R)
+        R, points = R_BO[row], curves.points_at(row, share)
+        if guide is not None:
+            words = path.start[row, 3:] + share[:, None] * (path.end[row, 3:] - path.start[row, 3:])
+            points = np.concatenate([points, words], axis=1)
+            R = guide.leaning(R, row, points)
+        origins = flange_origins(points[:, :3], offsets(path)[row, :3], R)
+        if guide is not None and guide.outside is not None:
+            origins, R = guide.from_arm(origins, R, row, guide.outside.commanded(points))
         return SampledPath(origins, R, chains, [int(c) for c in chosen])
 
 

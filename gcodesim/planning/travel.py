@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -77,10 +78,12 @@ def report_travel(
     joints: Joints,
     findings: Findings,
     ranges: tuple[Array, Array] | None = None,
+    letters: Sequence[str] = AXIS_LETTERS,
 ) -> None:
     """Report each end of travel that is passed, once: the first line, the worst value and a shift that would fit.
 
-    `ranges` are the axis values of rows, if they are not those of `axis_ranges`.
+    `ranges` are the axis values of rows, if they are not those of `axis_ranges`; `letters` the names of the joints, if
+    they are not those of the `axes`.
     """
     if not len(path):
         return
@@ -90,7 +93,10 @@ def report_travel(
             beyond = sign * (values[:, axis] - limit)
             rows = np.flatnonzero(beyond > _SLACK)
             if len(rows):
-                _report_axis(path, rows, int(axis), j, float(limit), values[:, axis], (low, high), joints, findings)
+                letter = letters[axis] if letters is AXIS_LETTERS else letters[j]
+                _report_axis(
+                    path, rows, int(axis), j, float(limit), values[:, axis], (low, high), joints, letter, findings
+                )
 
 
 def _report_axis(
@@ -102,10 +108,11 @@ def _report_axis(
     values: Array,
     ranges: tuple[Array, Array],
     joints: Joints,
+    letter: str,
     findings: Findings,
 ) -> None:
-    letter = AXIS_LETTERS[axis]
-    unit, factor = ("mm", MM) if axis < 3 else ("deg", DEG)
+    linear = joints.kinds[j] == "prismatic"
+    unit, factor = ("mm", MM) if linear else ("deg", DEG)
     first = int(rows[0])
     worst = int(rows[np.argmax(np.abs(values[rows] - limit))])
     value = float(values[first])
@@ -142,6 +149,6 @@ def _report_axis(
             count=len(np.unique(path.block[rows])),
             value=value,
             limit=limit,
-            unit="m" if axis < 3 else "rad",
+            unit="m" if linear else "rad",
         )
     )

@@ -25,7 +25,7 @@ class ToolPointLaw(Protocol):
 
     @property
     def letters(self) -> tuple[str, ...]:
-        """Its rotary axes whose place is known."""
+        """Its rotary axes whose place is known; of an arm, the words that turn the tool or an external axis."""
         ...
 
     def axes(self, tip: canon.Axes, offset: canon.Axes) -> canon.Axes:
@@ -58,9 +58,12 @@ def nearest(ways: list[canon.Axes], here: canon.Axes, tilting: int) -> canon.Axe
     return min(ways, key=effort)
 
 
-def is_possible(control: Control) -> bool:
-    """Whether rotary axes of the machine have places; without a cell nobody asks where axes stand."""
-    return control.settings.tool_point is not None or not control.settings.has_cell
+def is_possible(control: Control, *, by_vector: bool = False) -> bool:
+    """Whether words turn the tool in known ways, or a vector does; without a cell nobody asks where axes stand."""
+    law = control.settings.tool_point
+    if law is None:
+        return not control.settings.has_cell
+    return by_vector or bool(law.letters)
 
 
 def switch(control: Control, *, on: bool) -> None:

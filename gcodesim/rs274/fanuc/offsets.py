@@ -15,6 +15,7 @@ from gcodesim.rs274.ends import end_point
 from gcodesim.rs274.fanuc import polar
 from gcodesim.rs274.fanuc import variables as numbers
 from gcodesim.rs274.fanuc.control import FanucControl
+from gcodesim.rs274.fanuc.vectors import BY_VECTOR
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.state import AXES, ZERO, Vector, add, subtract
 from gcodesim.rs274.words import Words, place_of
@@ -54,7 +55,7 @@ def tool_length(words: Words, control: FanucControl) -> None:
     if state.upright:
         tool_point.switch(control, on=True)
     elif mode in tool_point.CENTRE_POINT:
-        if tool_point.is_possible(control):
+        if tool_point.is_possible(control, by_vector=mode == BY_VECTOR):
             tool_point.switch(control, on=True)
         elif code is not None:
             name = g_name(code)

@@ -1,0 +1,66 @@
+"""How the words of a program lean the tool of an arm, and how tip and words belong together, for the program reader."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from gcodesim import canon
+from gcodesim.frozen import frozen
+from gcodesim.kinematics.attitude import AttitudeLaw, Direction, Words
+
+if TYPE_CHECKING:
+    from gcodesim.cell.cell import Cell
+    from gcodesim.cell.placement import Placement
+
+_UPRIGHT: Final = 1e-9
+
+
+def attitude_of(cell: Cell, channel: str, placement: Placement) -> AttitudeLaw | None:
+    """What words a, b, c of an arm's program mean to its tool; None where they mean nothing.
+
+    Without `words` the tool may be commanded by its direction, if it stands upright on the work systems else.
+    """
+    own = cell.channels[channel].orientation
+    if own is not None and own.words is not None:
+        return Words(turns=own.words)
+    down = -placement.X_WM.R[:, 2]
+    for system in placement.given or (1,):
+        if np.abs(placement.tool_axis(own, system) - down).max() > _UPRIGHT:
+            return None
+    return Direction()
+
+
+@frozen(eq=False)
+class ArmPoint:
+    """`rs274.tool_point.ToolPointLaw` of an arm: its tip is where the program says, whatever the tool's attitude.
+
+    So to the control the axes stand above the tip by the length offset. `letters` turn the tool.
+    """
+
+    law: AttitudeLaw
+    letters: tuple[str, ...]
+
+    @staticmethod
+    def of(cell: Cell, channel: str, placement: Placement) -> ArmPoint | None:
+        """None where neither words nor a vector lean the tool."""
+        law = attitude_of(cell, channel, placement)
+        if law is None:
+            return None
+        words = sorted("ABC"[turn.word] for turn in law.turns) if isinstance(law, Words) else []
+        return ArmPoint(law=law, letters=tuple(words))
+
+    def axes(self, tip: canon.Axes, offset: canon.Axes) -> canon.Axes:
+        x, y, z, a, b, c = (t + o for t, o in zip(tip, offset, strict=True))
+        return (x, y, z, a, b, c)
+
+    def tip(self, axes: canon.Axes, offset: canon.Axes) -> canon.Axes:
+        x, y, z, a, b, c = (t - o for t, o in zip(axes, offset, strict=True))
+        return (x, y, z, a, b, c)
+
+    def attitudes(self, direction: canon.Point, axes: canon.Axes) -> list[canon.Axes]:
+        if not isinstance(self.law, Direction):
+            return []
+        a, b, c = Direction.values(np.array(direction)).tolist()
+        return [(*axes[:3], a, b, c)]

@@ -1,0 +1,77 @@
+"""How a tool leans by three numbers a, b, c: angles about axes in an order that somebody chose, or a direction."""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from gcodesim.arithmetic.elementary import cos_sin
+from gcodesim.arithmetic.matrices import multiplied, norms
+from gcodesim.frames import Array
+from gcodesim.frozen import frozen
+
+_BACK: Final = 1e-12  # 1 + z of a direction that points straight back
+
+
+class WordTurn(NamedTuple):
+    """A turn about axis 0 to 2 (X, Y, Z) of the frame that the turns before have left, by `sign` times the word 0 to 2.
+
+    Words are A, B, C.
+    """
+
+    axis: int
+    word: int
+    sign: float
+
+
+@frozen(eq=False)
+class Words:
+    """Turns one after the other, each about an axis that the ones before have turned (intrinsic)."""
+
+    turns: tuple[WordTurn, ...]
+
+    def rotations(self, values: Array) -> Array:
+        """R (k, 3, 3) of words a, b, c (k, 3) [rad]; zero is upright."""
+        R = np.tile(np.eye(3), (len(values), 1, 1))
+        for turn in self.turns:
+            cosine, sine = cos_sin(turn.sign * values[:, turn.word])
+            own = np.zeros((len(values), 3, 3))
+            i, j = (turn.axis + 1) % 3, (turn.axis + 2) % 3
+            own[:, turn.axis, turn.axis] = 1.0
+            own[:, i, i], own[:, j, j] = cosine, cosine
+            own[:, i, j], own[:, j, i] = -sine, sine
+            R = multiplied(R, own)
+        return R
+
+
+@frozen(eq=False)
+class Direction:
+    """From tip to holder along (a, b, 1 + c), so that zero is upright; of any length but zero.
+
+    Straight lines between such vectors are great circles of directions.
+    """
+
+    def rotations(self, values: Array) -> Array:
+        """R (k, 3, 3) of vectors (k, 3): the shortest turn that brings Z into the direction; straight back about X."""
+        d = values + np.array([0.0, 0.0, 1.0])
+        d = d / np.maximum(norms(d), 1e-12)[:, None]
+        x, y, z = d.T
+        back = 1.0 + z < _BACK
+        share = 1.0 / np.where(back, 1.0, 1.0 + z)
+        R = np.empty((len(d), 3, 3))
+        R[:, 0, 0], R[:, 0, 1], R[:, 0, 2] = 1.0 - share * x * x, -share * x * y, x
+        R[:, 1, 0], R[:, 1, 1], R[:, 1, 2] = -share * x * y, 1.0 - share * y * y, y
+        R[:, 2, 0], R[:, 2, 1], R[:, 2, 2] = -x, -y, z
+        R[back] = np.diag([1.0, -1.0, -1.0])
+        return R
+
+    @staticmethod
+    def values(direction: Array) -> Array:
+        """a, b, c (3,) of a direction (3,) from tip to holder."""
+        d = np.asarray(direction, dtype=float)
+        out: Array = d / norms(d) - np.array([0.0, 0.0, 1.0])
+        return out
+
+
+AttitudeLaw = Words | Direction

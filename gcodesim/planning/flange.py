@@ -1,0 +1,84 @@
+"""Where the flange of an arm has to be along a path, for the controlled point and the attitude that are commanded."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.arithmetic.matrices import multiplied
+from gcodesim.frames import Array
+from gcodesim.frozen import frozen
+from gcodesim.motion.pieces import Pieces
+from gcodesim.planning.flange_poses import flange_origins, flange_poses, turned
+from gcodesim.planning.guide import Guide
+from gcodesim.planning.spin_along import SpinAlong
+
+_PROBE: Final = 1e-5  # [m, rad] over which a slope is taken
+
+
+@frozen(kw_only=False, eq=False)
+class Flange:
+    """Where the flange has to be when the controlled point is somewhere on the pieces.
+
+    A `guide` turns the frame O along the path, or carries the work or the arm; without one O stands still in each row.
+    """
+
+    pieces: Pieces
+    R_BO: Array  # of every row (n, 3, 3)
+    offset: Array  # of every row (n, 3) [m]
+    spin: float
+    turning: SpinAlong | None = None  # of the tool about itself along the path, on top of `spin`
+    guide: Guide | None = None
+
+    def poses(self, piece: NDArray[np.int64], s: Array, positions: Array) -> Array:
+        """X_BF (k, 4, 4) with the controlled point at `positions` (k, 6), which are at `s` (k,) of `piece` (k,)."""
+        row = self.pieces.row_first[piece]
+        R = self.R_BO[row]
+        if self.guide is None:
+            X = flange_poses(flange_origins(positions[:, :3], self.offset[row], R), R, self.spin)
+        else:
+            R = self.guide.leaning(R, row, positions)
+            p = flange_origins(positions[:, :3], self.offset[row], R)
+            X = flange_poses(*self.guide.from_arm(p, R, row, self.guide.externals(piece, s, positions)), self.spin)
+        return X if self.turning is None else turned(X, self.turning.at(piece, s)[0])
+
+    def at(self, piece: NDArray[np.int64], s: Array) -> Array:
+        """X_BF (k, 4, 4) at places `s` (k,) of `piece` (k,)."""
+        return self.poses(piece, s, self.pieces.points(piece, s)[0])
+
+    def velocities(self, piece: NDArray[np.int64], s: Array) -> Array:
+        """Velocity (k, 3) of the flange by the way, or (k, 6) with the angular one, where it turns."""
+        if self.guide is not None:
+            return self._twists(piece, s)
+        v = self.pieces.points(piece, s)[1][:, :3]
+        if self.turning is None:
+            return v
+        rate = self.turning.at(piece, s)[1]
+        return np.concatenate([v, -rate[:, None] * self.R_BO[self.pieces.row_first[piece]][:, :, 2]], axis=1)
+
+    def _twists(self, piece: NDArray[np.int64], s: Array) -> Array:
+        """The same (k, 6) by the difference of two neighbours on the tangent."""
+        points, slope = self.pieces.points(piece, s)
+        step = _PROBE / np.maximum(np.abs(slope).max(axis=1, initial=0.0), 1e-12)
+        straight = replace(self, turning=None)
+        ahead, behind = (straight.poses(piece, s + d, points + d[:, None] * slope) for d in (step, -step))
+        if self.turning is not None:
+            rate = self.turning.at(piece, s)[1]
+            middle = self.turning.at(piece, s)[0]
+            ahead, behind = turned(ahead, middle + step * rate), turned(behind, middle - step * rate)
+        width = 2.0 * step[:, None]
+        R = multiplied(ahead[:, :3, :3], behind[:, :3, :3].swapaxes(1, 2))
+        turn = 0.5 * np.stack([R[:, 2, 1] - R[:, 1, 2], R[:, 0, 2] - R[:, 2, 0], R[:, 1, 0] - R[:, 0, 1]], axis=1)
+        return np.concatenate([(ahead[:, :3, 3] - behind[:, :3, 3]) / width, turn / width], axis=1)
+
+    def unturned(self) -> Flange:
+        """The same with a spin of 0 all along."""
+        return replace(self, spin=0.0, turning=None)
+
+    @property
+    def last_spin(self) -> float:
+        """The spin [rad] at the end of the path."""
+        return self.spin if self.turning is None else self.spin + float(self.turning.spin[-1])

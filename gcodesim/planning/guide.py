@@ -1,0 +1,102 @@
+"""What changes the place of the flange along a path besides the tip: the attitude that is commanded, external axes.
+
+The columns a, b, c of a path hold what the letters of the program say. On an arm these lean the tool, or are values
+of external axes. External axes that the planner chooses run along splines instead.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.arithmetic.matrices import applied, inverse_pose, multiplied
+from gcodesim.frames import Array
+from gcodesim.frozen import frozen
+
+if TYPE_CHECKING:
+    from gcodesim.kinematics.assembly import Assembly
+    from gcodesim.kinematics.attitude import AttitudeLaw
+    from gcodesim.planning.spin_along import SpinAlong
+
+Rows = NDArray[np.intp] | NDArray[np.int32] | NDArray[np.int64]
+CHOSEN = -1
+"""The column of an external axis that no word commands."""
+GROUND = -1
+"""The platform of work that no external axis carries."""
+
+
+@frozen(eq=False)
+class Outside:
+    """The external axes of an `assembly`: `columns` (e,) is which of a, b, c each is, or `CHOSEN`.
+
+    Chosen ones are at `rest` (e,) until they run `along` splines, one for each axis (None: commanded).
+    """
+
+    assembly: Assembly
+    columns: NDArray[np.int64]
+    rest: Array
+    along: tuple[SpinAlong | None, ...] = ()
+
+    def commanded(self, positions: Array) -> Array:
+        """Values (k, e) with the path at `positions` (k, 6); chosen axes at rest."""
+        values = np.tile(self.rest, (len(positions), 1))
+        own = self.columns != CHOSEN
+        values[:, own] = positions[:, 3 + self.columns[own]]
+        return values
+
+    def values(self, piece: NDArray[np.int64], s: Array, positions: Array) -> Array:
+        """Values (k, e) at places `s` (k,) of `piece` (k,)."""
+        values = self.commanded(positions)
+        for axis, spline in enumerate(self.along):
+            if spline is not None:
+                values[:, axis] = spline.at(piece, s)[0]
+        return values
+
+    def slopes(self, piece: NDArray[np.int64], s: Array, slope: Array) -> Array:
+        """The derivatives of `values` by the way, where the path has the derivative `slope` (k, 6)."""
+        slopes = np.zeros((len(slope), len(self.columns)))
+        own = self.columns != CHOSEN
+        slopes[:, own] = slope[:, 3 + self.columns[own]]
+        for axis, spline in enumerate(self.along):
+            if spline is not None:
+                slopes[:, axis] = spline.at(piece, s)[1]
+        return slopes
+
+
+@frozen(eq=False)
+class Guide:
+    """By `law` the frame O leans, about `axes` (n, 3, 3) of each row in B; None: it does not.
+
+    `outside` are the external axes, None without; `platform` (n,) is which of them carries the work of each row.
+    """
+
+    law: AttitudeLaw | None
+    axes: Array
+    outside: Outside | None
+    platform: NDArray[np.int64]
+
+    def leaning(self, R_BO: Array, row: Rows, positions: Array) -> Array:
+        """R_BO (k, 3, 3) upright, leaned as the path says at `positions` (k, 6) in rows `row` (k,)."""
+        if self.law is None:
+            return R_BO
+        Q = self.axes[row]
+        leaned: Array = multiplied(Q, self.law.rotations(positions[:, 3:]), Q.swapaxes(1, 2), R_BO)
+        return leaned
+
+    def externals(self, piece: NDArray[np.int64], s: Array, positions: Array) -> Array | None:
+        """Values (k, e) of the external axes; None without any."""
+        return None if self.outside is None else self.outside.values(piece, s, positions)
+
+    def from_arm(self, p: Array, R: Array, row: Rows, values: Array | None) -> tuple[Array, Array]:
+        """Points (k, 3) and axes (k, 3, 3) given in the work, as the base of the arm sees them."""
+        if self.outside is None or values is None:
+            return p, R
+        assembly = self.outside.assembly
+        X = inverse_pose(assembly.base(values))
+        for index in range(len(assembly.platforms)):
+            here = self.platform[row] == index
+            if here.any():
+                X[here] = multiplied(X[here], assembly.platform(index, values[here]))
+        return applied(X[:, :3, :3], p) + X[:, :3, 3], multiplied(X[:, :3, :3], R)
