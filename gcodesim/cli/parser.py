@@ -27,6 +27,7 @@ COMMANDS = (
     "diff",
     "explain",
     "list",
+    "process",
     "schema",
     "completion",
     "mcp",

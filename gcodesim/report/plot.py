@@ -22,11 +22,11 @@ FORMATS: Final = ("svg", "png", "pdf")
 _WIDTH, _HEIGHT, _HEAD = 11.0, 1.9, 1.1  # inches: of the picture, of one chart, of title and line axis
 _SLOTS: Final = 1500  # two points in each: finer than a screen is wide
 _INK, _MUTED, _GRID = "#1f2933", "#66727f", "#e4e8ec"
-_COLOURS: Final = ("#1768ac", "#d1495b", "#2e933c", "#edae49", "#7b4fb5", "#e07a9c", "#8d5524", "#66727f")
+COLOURS: Final = ("#1768ac", "#d1495b", "#2e933c", "#edae49", "#7b4fb5", "#e07a9c", "#8d5524", "#66727f")
 _FAINT: Final = "#b9c3cd"
 _BANDS: Final = ("#f5f8fb", "#fdf8ef")  # one tool, the next tool
 _SEVERE: Final = {"error": "#d1495b", "warning": "#edae49"}
-_STYLE: Final = {
+STYLE: Final = {
     "font.family": "DejaVu Sans",  # ships with the library, so that every machine draws the same
     "font.size": 9.0,
     "svg.hashsalt": "gcodesim",
@@ -46,7 +46,7 @@ _STYLE: Final = {
     "grid.linewidth": 0.7,
     "path.simplify": True,
 }
-_METADATA: Final[dict[str, dict[str, Any]]] = {
+METADATA: Final[dict[str, dict[str, Any]]] = {
     "svg": {"Date": None, "Creator": "gcodesim"},
     "png": {"Software": "gcodesim"},
     "pdf": {"CreationDate": None, "Creator": "gcodesim", "Producer": None},
@@ -76,7 +76,7 @@ def draw(
         raise NoPlotError("the log has no such numbers in that time")
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
-        matplotlib.rcParams.update(_STYLE)
+        matplotlib.rcParams.update(STYLE)
         height = _HEAD + _HEIGHT * len(shown)
         figure = Figure(figsize=(_WIDTH, height), dpi=110, facecolor="white")
         FigureCanvasAgg(figure)
@@ -94,7 +94,7 @@ def draw(
         subtitle = f"{cell}, {world} world" if world else cell
         figure.text(0.885, 1.0 - 0.26 / height, subtitle, ha="right", color=_MUTED)
         out = BytesIO()
-        figure.savefig(out, format=kind, metadata=_METADATA[kind])
+        figure.savefig(out, format=kind, metadata=METADATA[kind])
     return out.getvalue()
 
 
@@ -108,7 +108,7 @@ def _chart(axis: Axes, chart: Chart, first_ns: int, last_ns: int, gaps: Sequence
     for curve in chart.curves:
         inside = _within(curve.t_ns, first_ns, last_ns)
         t_ns, values = thinned(curve.t_ns[inside], curve.values[inside], _SLOTS)
-        colour = _FAINT if curve.faint else _COLOURS[plain.index(curve) % len(_COLOURS)]
+        colour = _FAINT if curve.faint else COLOURS[plain.index(curve) % len(COLOURS)]
         t_ns, values = _broken(t_ns, values, gaps)
         seconds = t_ns * 1e-9
         above = 2 if curve.faint else 3

@@ -8,12 +8,7 @@ import numpy as np
 import pytest
 
 from gcodesim.material.stock import Stock
-from gcodesim.processes.laws import Kienzle, LinearEdge
-from gcodesim.processes.milling import Milling
-from gcodesim.processes.window import Window
-from gcodesim.tools import TOOLS
-from gcodesim.units import DEG, MM, MM3, N_PER_MM2, RPM
-from tests.physics.end_mill import (
+from gcodesim.processes.constant_cut import (
     ConstantCut,
     chip_force,
     end_mill_forces,
@@ -23,6 +18,11 @@ from tests.physics.end_mill import (
     mean_chip_thickness,
     plunge_forces,
 )
+from gcodesim.processes.laws import Kienzle, LinearEdge
+from gcodesim.processes.milling import Milling
+from gcodesim.processes.window import Window
+from gcodesim.tools import TOOLS
+from gcodesim.units import DEG, MM, MM3, N_PER_MM2, RPM
 from tests.tops import top_at
 
 DATA = Path(__file__).parents[1] / "data" / "physics"

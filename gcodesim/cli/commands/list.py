@@ -8,6 +8,7 @@ from typing import Any
 from gcodesim.cli.exits import OK
 
 WHAT = (
+    "calculators",
     "codes",
     "dialects",
     "exporters",
@@ -48,6 +49,10 @@ def _rows(what: str) -> list[list[str]]:
         from gcodesim.kinematics.models import MODELS
 
         return [[name, model.title] for name, model in MODELS.items()]
+    if what == "calculators":
+        from gcodesim.calculator import CALCULATORS
+
+        return [[name, CALCULATORS[name].says] for name in CALCULATORS.in_order(CALCULATORS)]
     if what == "exporters":
         from gcodesim.export import EXPORTERS
 

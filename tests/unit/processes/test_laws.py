@@ -2,8 +2,8 @@
 
 import pytest
 
+from gcodesim.processes.constant_cut import chip_force
 from gcodesim.processes.laws import Kienzle, LinearEdge
-from tests.physics.end_mill import chip_force
 
 MM = 1e-3
 

@@ -1,0 +1,24 @@
+"""Physics as a calculator: one file a model, over the functions that a run uses; `CALCULATORS[name]` is the class."""
+
+from typing import Any, Final
+
+from gcodesim.family import Family
+
+# some names have a dot, so that they cannot be keywords
+_PLACES: Final[dict[str, Any]] = {
+    "kienzle": "gcodesim.calculator.chip:KienzleChip",
+    "linear_edge": "gcodesim.calculator.chip:LinearEdgeChip",
+    "endmill": "gcodesim.calculator.endmill:EndMill",
+    "drill": "gcodesim.calculator.drill:Drilling",
+    "turning": "gcodesim.calculator.turning:TurningCut",
+    "additive.fdm": "gcodesim.calculator.bead:FilamentLine",
+    "additive.bead": "gcodesim.calculator.bead:BeadSection",
+    "motion.trapezoid": "gcodesim.calculator.motion:Trapezoid",
+    "motion.corner": "gcodesim.calculator.motion:RoundedCorner",
+    "robot.compliance": "gcodesim.calculator.arm:ArmCompliance",
+}
+
+CALCULATORS = Family("calculators", of="gcodesim.calculator.model:Model", called="kind", **_PLACES)
+"""The order is that in which they are listed."""
+
+__all__ = ["CALCULATORS"]

@@ -1,0 +1,393 @@
+"""Forces of a cutter in a cut of known size, without stock: what the calculator tells.
+
+Sums over teeth, heights and angles of the mechanistic model (Altintas 2012, sec. 2.8), integrated by Gauss-Legendre
+quadrature between the limits of each tooth's contact, so that nothing depends on a grid. A run uses the same laws and
+the same outlines of edges, but reads the engagement from the stock and samples it at fixed angles (`force_kernels`);
+tests hold both together. Frame K: X along the feed, Z to the holder, Y to the left; phi clockwise from Y; forces act
+on the tool.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cache
+from itertools import pairwise
+from math import ceil, floor, pi
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.arithmetic.elementary import acos, asin, cos, cos_sin, power, sin, tan
+from gcodesim.frozen import frozen
+from gcodesim.processes.laws import Kienzle, Law
+from gcodesim.tools.cutter import Cutter
+
+Array = NDArray[np.float64]
+
+Mode = Literal["up", "down", "slot", "centred"]
+MODES: Final = ("up", "down", "slot", "centred")
+
+_HEIGHT_NODES: Final = 24
+_ANGLE_NODES: Final = 160
+_TURN_ANGLES: Final = 360
+_UPRIGHT: Final = 1e-12
+"""Cosine of kappa below which an edge is part of a cylinder."""
+
+
+@frozen
+class ConstantCut:
+    """A cut of constant size: `up` (conventional), `down` (climb), `slot` or `centred`; depth `ap`, width `ae` [m].
+
+    Contact runs over the same angles at every height: up 0 to acos(1 - 2 ae/D), down from 180 degrees minus that to
+    180, slot 0 to 180, centred the same way to both sides of 90; `entry` and `exit` [rad] replace them.
+    `feed_per_tooth` [m]; `spindle` [rad/s] matters for power and removal rate only.
+    """
+
+    mode: Mode
+    ap: float
+    ae: float
+    feed_per_tooth: float
+    spindle: float = 0.0
+    entry: float | None = None
+    exit: float | None = None
+
+    def limits(self, diameter: float) -> tuple[float, float]:
+        """First and last angle of contact [rad] of a cutter of `diameter` [m]."""
+        swept = acos(min(max(1.0 - 2.0 * self.ae / diameter, -1.0), 1.0))
+        half = asin(min(max(self.ae / diameter, 0.0), 1.0))
+        first, last = {
+            "slot": (0.0, pi),
+            "up": (0.0, swept),
+            "down": (pi - swept, pi),
+            "centred": (0.5 * pi - half, 0.5 * pi + half),
+        }[self.mode]
+        return (first if self.entry is None else self.entry, last if self.exit is None else self.exit)
+
+
+@frozen
+class RunOut:
+    """The axis of the edges stands `offset` [m] beside that of the spindle (Kline and DeVor 1983, eq. 1).
+
+    The radius of tooth j at height z is larger by offset cos(angle - 2 pi j / N + 2 z tan(helix) / D); `angle` [rad] is
+    that of the offset ahead of tooth 0 at the tip.
+    """
+
+    offset: float
+    angle: float = 0.0
+
+    def growth(self, teeth: int, lag: float, z: Array) -> Array:
+        """By how much the radius of each tooth is larger (teeth, n) [m] at heights z (n,)."""
+        at = np.arange(teeth)[:, None] * (2.0 * pi / teeth) - lag * z[None, :]
+        grown: Array = self.offset * cos(np.ascontiguousarray(self.angle - at))
+        return grown
+
+
+@frozen(eq=False)
+class CutForces:
+    """Force (3,) [N] in K, torque [N·m] and power [W], mean over a revolution; `mrr` removal rate [m³/s].
+
+    peak_force (3,): greatest absolute value of each component over the rotation; peak: of its magnitude; likewise
+    peak_torque.
+    """
+
+    force: Array
+    torque: float
+    power: float
+    mrr: float
+    peak_force: Array
+    peak: float
+    peak_torque: float
+
+
+@frozen(eq=False)
+class _Nodes:
+    """Nodes along an edge: radius, height [m], kappa [rad], width b [m] (weights of the quadrature included)."""
+
+    r: Array
+    z: Array
+    kappa: Array
+    b: Array
+
+
+@cache
+def _legendre(count: int) -> tuple[Array, Array]:
+    x, w = np.polynomial.legendre.leggauss(count)
+    return x, w
+
+
+def _quadrature(a: float, b: float, count: int) -> tuple[Array, Array]:
+    """Gauss-Legendre nodes and weights on [a, b]."""
+    x, w = _legendre(count)
+    return 0.5 * (b - a) * x + 0.5 * (a + b), 0.5 * (b - a) * w
+
+
+def _pieces(cutter: Cutter, ap: float, lead_angle: float | None) -> Iterator[tuple[Array, float, float]]:
+    """Pieces of the edge below `ap` as (row of `Cutter.edge`, lower and upper z [m]); flat bottoms are left out."""
+    if lead_angle is not None:
+        row = np.array([0.0, cutter.radius, 0.0, lead_angle, lead_angle, ap / sin(lead_angle), 0.0, ap])
+        yield row, 0.0, ap
+        return
+    for row in cutter.edge:
+        if row[7] > row[6] and row[6] < ap:
+            yield row, float(row[6]), min(float(row[7]), ap)
+
+
+def _between(row: Array, z0: float, z1: float, lead_angle: float | None) -> _Nodes:
+    """Nodes on the part z0..z1 [m] of one piece; db = dz / sin(kappa), on arcs db = radius dkappa."""
+    if row[0] > 0.0:
+        ends = [acos(min(max((row[2] - z) / row[0], -1.0), 1.0)) for z in (z0, z1)]
+        kappa, w = _quadrature(ends[0], ends[1], _HEIGHT_NODES)
+        cosine, sine = cos_sin(kappa)
+        return _Nodes(r=row[1] + row[0] * sine, z=row[2] - row[0] * cosine, kappa=kappa, b=row[0] * w)
+    z, w = _quadrature(z0, z1, _HEIGHT_NODES)
+    kappa = np.full_like(z, row[3])
+    slope = 0.0 if lead_angle is not None else cos(float(row[3])) / sin(float(row[3]))
+    return _Nodes(r=row[1] + (z - row[2]) * slope, z=z, kappa=kappa, b=w / sin(float(row[3])))
+
+
+def _uncut(cutter: Cutter, cut: ConstantCut, run_out: RunOut | None, tooth: int, z: Array, sin_phi: Array) -> Array:
+    """Radial thickness [m] of the chip of a tooth at heights z (n,); below 0 it passes through air.
+
+    sin_phi (…, n). With run-out a tooth takes what is left by the deepest of those before it (Kline and DeVor 1983).
+    """
+    thickness = cut.feed_per_tooth * sin_phi
+    if run_out is None:
+        return np.maximum(thickness, 0.0)
+    growth = run_out.growth(cutter.flutes, _lag(cutter), z)
+    least = cutter.flutes * thickness
+    for before in range(1, cutter.flutes):
+        step = growth[tooth] - growth[(tooth + before) % cutter.flutes]
+        least = np.minimum(least, before * thickness + step)
+    return least
+
+
+def _lag(cutter: Cutter) -> float:
+    """By how much a tooth is late for each metre of height [rad/m]."""
+    return 2.0 * tan(cutter.helix) / cutter.diameter
+
+
+def _elements(nodes: _Nodes, width: Array, phi: Array, chip: Array) -> Array:
+    """Elements (n, COLUMNS) for the kernel; width, phi and chip have one shape, the last axis that of nodes."""
+    from gcodesim.processes import constant_cut_kernels as k
+
+    out = np.empty((*chip.shape, k.COLUMNS))
+    cos_phi, sin_phi = cos_sin(np.ascontiguousarray(phi))
+    cos_kappa, sin_kappa = cos_sin(nodes.kappa)
+    cos_kappa[np.abs(cos_kappa) < _UPRIGHT] = 0.0
+    out[..., k.RADIUS], out[..., k.WIDTH] = nodes.r, width
+    out[..., k.SIN_KAPPA], out[..., k.COS_KAPPA] = sin_kappa, cos_kappa
+    out[..., k.SIN_PHI], out[..., k.COS_PHI] = sin_phi, cos_phi
+    out[..., k.CHIP] = np.where(chip < 0.0, -1.0, chip * sin_kappa)
+    return out.reshape(-1, k.COLUMNS)
+
+
+def _summed(law: Law, parts: list[Array]) -> tuple[Array, float]:
+    """Force (3,) in K and torque of all elements."""
+    from gcodesim.processes.constant_cut_kernels import COLUMNS, SUMS, add_elements
+
+    sums = np.zeros(SUMS)
+    elements = np.concatenate(parts) if parts else np.zeros((0, COLUMNS))
+    add_elements(np.ascontiguousarray(elements), law.packed, sums)
+    return sums[:3], float(sums[3])
+
+
+def instantaneous_forces(
+    cutter: Cutter,
+    law: Law,
+    cut: ConstantCut,
+    theta: float,
+    lead_angle: float | None = None,
+    run_out: RunOut | None = None,
+) -> tuple[Array, float]:
+    """Force (3,) [N] in K and torque [N·m] with tooth 0 at `theta` [rad] at the tip.
+
+    A tooth lags by 2 z tan(helix) / D at height z; each stretch of edge between the limits of contact is integrated
+    on its own. lead_angle [rad]: kappa of an edge at constant radius, instead of the cutter's own outline.
+    """
+    start, end = cut.limits(cutter.diameter)
+    lag = _lag(cutter)
+    parts: list[Array] = []
+    for row, z0, z1 in _pieces(cutter, cut.ap, lead_angle):
+        for tooth in range(cutter.flutes):
+            tip = theta + tooth * 2.0 * pi / cutter.flutes
+            for a, b in _contacts(tip, lag, start, end, z0, z1):
+                nodes = _between(row, a, b, lead_angle)
+                phi = np.ascontiguousarray(tip - lag * nodes.z)
+                chip = _uncut(cutter, cut, run_out, tooth, nodes.z, sin(phi))
+                parts.append(_elements(nodes, nodes.b, phi, chip))
+    return _summed(law, parts)
+
+
+def _contacts(tip: float, lag: float, start: float, end: float, z0: float, z1: float) -> Iterator[tuple[float, float]]:
+    """Stretches of height (a, b) in z0..z1 where a tooth that is at angle `tip` at the tool's tip is in contact."""
+    limits = [z0, z1]
+    if lag != 0.0:
+        low, high = sorted((tip - lag * z0, tip - lag * z1))
+        for limit in (start, end):
+            first, last = ceil((low - limit) / (2.0 * pi)), floor((high - limit) / (2.0 * pi))
+            limits += [(tip - limit - 2.0 * pi * turn) / lag for turn in range(first, last + 1)]
+    limits.sort()
+    for a, b in pairwise(limits):
+        if b > a:
+            phi = (tip - lag * 0.5 * (a + b)) % (2.0 * pi)
+            if start <= phi <= end:
+                yield a, b
+
+
+@frozen(eq=False)
+class OneTurn:
+    """Forces (n, 3) [N] in K and torque (n,) [N·m] with tooth 0 at `angle` (n,) [rad]."""
+
+    angle: Array
+    force: Array
+    torque: Array
+
+
+def revolution(
+    cutter: Cutter,
+    law: Law,
+    cut: ConstantCut,
+    lead_angle: float | None = None,
+    run_out: RunOut | None = None,
+    angles: int = _TURN_ANGLES,
+) -> OneTurn:
+    """One revolution, at `angles` even steps."""
+    theta: Array = np.arange(angles, dtype=np.float64) * (2.0 * pi / angles)
+    found = [instantaneous_forces(cutter, law, cut, float(angle), lead_angle, run_out) for angle in theta]
+    return OneTurn(
+        angle=theta, force=np.array([force for force, _ in found]), torque=np.array([torque for _, torque in found])
+    )
+
+
+def end_mill_forces(
+    cutter: Cutter,
+    law: Law,
+    cut: ConstantCut,
+    *,
+    lead_angle: float | None = None,
+    run_out: RunOut | None = None,
+    peaks: bool = True,
+) -> CutForces:
+    """Mean and peak forces of `cutter` in a cut of constant size.
+
+    The mean over a revolution does not depend on the helix; kappa follows the outline of the cutter (flat bottoms do
+    not cut in a horizontal feed), or is `lead_angle` [rad] at constant radius. Power is torque times `cut.spindle`.
+    """
+    start, end = cut.limits(cutter.diameter)
+    force, torque, section = np.zeros(3), 0.0, 0.0
+    if end > start and cut.ap > 0.0:
+        phi, w = _quadrature(start, end, _ANGLE_NODES)
+        alike = cutter.flutes if run_out is None else 1
+        share = alike / (2.0 * pi)
+        parts: list[Array] = []
+        for row, z0, z1 in _pieces(cutter, cut.ap, lead_angle):
+            nodes = _between(row, z0, z1, lead_angle)
+            angle = np.broadcast_to(phi[:, None], (len(phi), len(nodes.z)))
+            width = share * w[:, None] * nodes.b[None, :]
+            for tooth in range(cutter.flutes // alike):
+                chip = _uncut(cutter, cut, run_out, tooth, nodes.z, sin(np.ascontiguousarray(angle)))
+                parts.append(_elements(nodes, width, angle, chip))
+            section += float((nodes.r * nodes.b * sin(nodes.kappa)).sum()) * (cos(start) - cos(end))
+        force, torque = _summed(law, parts)
+    feed = cut.feed_per_tooth * cutter.flutes * cut.spindle / (2.0 * pi)
+    peak_force, peak, peak_torque = np.zeros(3), 0.0, 0.0
+    if peaks and end > start and cut.ap > 0.0:
+        for theta in _peak_angles(cutter, cut, run_out is not None):
+            now, moment = instantaneous_forces(cutter, law, cut, theta, lead_angle, run_out)
+            peak_force = np.maximum(peak_force, np.abs(now))
+            peak = max(peak, float(np.sqrt((now * now).sum())))
+            peak_torque = max(peak_torque, moment)
+    return CutForces(
+        force=force, torque=torque, power=torque * cut.spindle, mrr=section * feed,
+        peak_force=peak_force, peak=peak, peak_torque=peak_torque,
+    )  # fmt: skip
+
+
+def _peak_angles(cutter: Cutter, cut: ConstantCut, whole_turn: bool) -> list[float]:
+    """Angles of tooth 0 [rad] at which peaks are looked for: over one pitch, and where contact begins or ends."""
+    pitch = 2.0 * pi / cutter.flutes
+    late = _lag(cutter) * cut.ap
+    start, end = cut.limits(cutter.diameter)
+    corners = [angle + lag for angle in (start + 1e-9, end - 1e-9) for lag in (0.0, late)]
+    turns = cutter.flutes if whole_turn else 1
+    even = [i * pitch / _TURN_ANGLES for i in range(_TURN_ANGLES)]
+    return [angle + turn * pitch for turn in range(turns) for angle in (*even, *corners)]
+
+
+def tooth_chips(cutter: Cutter, cut: ConstantCut, run_out: RunOut | None = None, lead_angle: float = 0.5 * pi) -> Array:
+    """Greatest chip thickness (flutes,) [m] of each tooth at its tip within the angles of contact."""
+    start, end = cut.limits(cutter.diameter)
+    if end <= start:
+        return np.zeros(cutter.flutes)
+    phi = np.append(np.linspace(start, end, _TURN_ANGLES + 1), min(max(0.5 * pi, start), end))
+    at_tip = np.zeros(1)
+    most = [
+        float(_uncut(cutter, cut, run_out, tooth, at_tip, sin(phi)[:, None]).max()) for tooth in range(cutter.flutes)
+    ]
+    return np.maximum(np.array(most) * sin(lead_angle), 0.0)
+
+
+def plunge_forces(cutter: Cutter, law: Law, *, feed_per_rev: float, spindle: float = 0.0) -> CutForces:
+    """Forces of straight plunging or drilling in solid material, edges in to the full diameter; constant in time.
+
+    A drill: two lips (or `flutes`), each D / (2 sin sigma) long with h = f_z sin sigma, sigma half the point angle;
+    thrust from the normal force, torque from the tangential one at D/4 on average. A flat end mill: bottom edges
+    with kappa = 0, db = dr and h = f_z. The chisel edge is not modelled.
+    """
+    c = feed_per_rev / cutter.flutes
+    parts: list[Array] = []
+    for row in cutter.edge:
+        if row[0] > 0.0:
+            kappa, w = _quadrature(float(row[3]), float(row[4]), _HEIGHT_NODES)
+            nodes = _Nodes(r=row[1] + row[0] * sin(kappa), z=kappa, kappa=kappa, b=row[0] * w)
+        elif abs(cos(float(row[3]))) > 1e-12:
+            s, w = _quadrature(0.0, float(row[5]), _HEIGHT_NODES)
+            nodes = _Nodes(r=row[1] + s * cos(float(row[3])), z=s, kappa=np.full_like(s, row[3]), b=w)
+        else:
+            continue
+        found = _elements(nodes, nodes.b * cutter.flutes, np.zeros_like(nodes.kappa), np.zeros_like(nodes.kappa))
+        found[:, -1] = c * cos(nodes.kappa)
+        parts.append(found)
+    force, torque = _summed(law, parts)
+    force[:2] = 0.0  # all lips together push nowhere to the side
+    magnitude = abs(float(force[2]))
+    return CutForces(
+        force=force, torque=torque, power=torque * spindle,
+        mrr=pi * cutter.radius**2 * feed_per_rev * spindle / (2.0 * pi),
+        peak_force=np.abs(force), peak=magnitude, peak_torque=torque,
+    )  # fmt: skip
+
+
+def mean_chip_thickness(cutter: Cutter, cut: ConstantCut, lead_angle: float = 0.5 * pi) -> float:
+    """h_m = c sin(kappa) 2 ae / (D phi_s) [m]: chip thickness averaged over the angle of contact phi_s."""
+    start, end = cut.limits(cutter.diameter)
+    if end <= start:
+        return 0.0
+    return cut.feed_per_tooth * sin(lead_angle) * (cos(start) - cos(end)) / (end - start)
+
+
+def handbook_power(law: Kienzle, cutter: Cutter, cut: ConstantCut, lead_angle: float = 0.5 * pi) -> float:
+    """kc(h_m) ap ae v_f [W], as handbooks give it: never below the exact mean (Jensen), equal only for mc = 0."""
+    h = mean_chip_thickness(cutter, cut, lead_angle)
+    if h <= 0.0:
+        return 0.0
+    start, end = cut.limits(cutter.diameter)
+    feed = cut.feed_per_tooth * cutter.flutes * cut.spindle / (2.0 * pi)
+    return law.specific_force(h) * cut.ap * cutter.radius * (cos(start) - cos(end)) * feed
+
+
+def kienzle_pressure(kc11: float, mc: float, chip: float) -> float:
+    """kc [Pa] at chip thickness `chip` [m]: kc11 (h / 1 mm)**-mc with `kc11` [Pa]."""
+    return Kienzle(kc11=kc11, mc=mc, kn11=0.0, mn=mc, ka11=0.0, ma=mc).specific_force(chip)
+
+
+def chip_force(law: Law, *, width: float, chip: float) -> tuple[float, float, float]:
+    """Tangential, normal and axial force [N] on one edge `width` [m] wide at chip thickness `chip` [m].
+
+    A chip of zero thickness leaves the edge force alone; a negative one is no contact.
+    """
+    if chip < 0.0 or width <= 0.0:
+        return 0.0, 0.0, 0.0
+    force = [float(width * ((k * power(chip, p) if chip > 0.0 else 0.0) + e)) for k, p, e in law.packed]
+    return force[0], force[1], force[2]

@@ -1,0 +1,74 @@
+"""`gcodesim process`: the calculator on the command line."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+SLOT = ("endmill", "diameter=10 mm", "flutes=4", "ap=5mm", "feed_per_tooth=0.05 mm", "spindle=4000 rpm")
+
+
+def test_models_are_listed_and_described(cli) -> None:
+    listed = cli("process")
+    assert listed.status == 0 and "endmill " in listed.out and "kienzle " in listed.out
+
+    described = cli("process", "turning")
+    assert described.status == 0
+    assert "entering_angle" in described.out and "Fc" in described.out and "Kienzle 1952" in described.out
+
+
+def test_results_have_units_and_a_source(cli) -> None:
+    done = cli("process", *SLOT, "material=42CrMo4")
+
+    assert done.status == 0
+    assert "mrr                  666.667 mm^3/s" in done.out
+    assert "source: Altintas 2012" in done.out and "AISI 4140" in done.out
+
+
+def test_json_has_the_inputs_and_the_results(cli) -> None:
+    done = cli("process", *SLOT, "kc=2500 N/mm^2", "mc=0.26", "--format", "json")
+    said = json.loads(done.out)
+
+    assert said["model"] == "endmill" and said["inputs"]["diameter_mm"] == 10.0
+    assert said["results"]["mrr_mm3_s"] == pytest.approx(2000.0 / 3.0)
+    assert said["remarks"] == ["assumed: normal force 0.3, axial 0 of the tangential one"]
+
+
+def test_a_chart_of_one_revolution_is_the_same_each_time(cli, tmp_path) -> None:
+    for name in ("a.svg", "b.svg"):
+        assert cli("process", *SLOT, "material=42CrMo4", "--chart", name).status == 0
+    assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("process", "endmil", "ap=1"), "did you mean endmill"),
+        (("process", *SLOT, "material=42CrMo"), "there is no material 42CrMo"),
+        (("process", *SLOT), "no material: give"),
+        (("process", "endmill", "diameter=10", "ap=1", "ae=11", "mode=up", "material=42CrMo4"), "`ae` 11 mm"),
+        (("process", "kienzle", "h=0.1mm", "b=1mm", "material=42CrMo4", "--chart", "x.svg"), "has no chart"),
+        (("process", "--out", "x.json"), "--cases"),
+        (("process", "--cases", "none.json"), "none.json"),
+    ],
+)
+def test_misuse_is_one_line_and_status_2(cli, arguments: tuple[str, ...], told: str) -> None:
+    done = cli(*arguments)
+
+    assert done.status == 2 and not done.out
+    assert told in done.err and len(done.err.splitlines()) == 1
+
+
+def test_cases_go_in_and_results_come_out(cli, tmp_path) -> None:
+    case = {"id": "K", "model": "kienzle", "inputs": {"kc": 2500, "mc": 0.26, "b_mm": 5, "h_mm": 0.1}}
+    case["expected"] = {"Fc_kN": {}}
+    (tmp_path / "cases.json").write_text(json.dumps({"cases": [case]}))
+    done = cli("process", "--cases", "cases.json", "--out", "results.json")
+
+    assert done.status == 0 and not done.err
+    assert json.loads((tmp_path / "results.json").read_text())["K"]["Fc_kN"] == pytest.approx(2.27462607326)
+
+    (tmp_path / "cases.json").write_text(json.dumps({"cases": [case, {"id": "L", "model": "lathe"}]}))
+    done = cli("process", "--cases", "cases.json")
+    assert done.status == 1 and "L: there is no model lathe" in done.err and set(json.loads(done.out)) == {"K"}
