@@ -13,7 +13,7 @@ from gcodesim.cell.signals import SIGNALS, SignalSource
 from gcodesim.declarations.composed import ListOf
 from gcodesim.declarations.file_kind import File, FileValue
 from gcodesim.declarations.keys import key
-from gcodesim.declarations.kind import Json, Kind, scalar, short
+from gcodesim.declarations.kind import POSITIVE, Json, Kind, scalar, short
 from gcodesim.declarations.map_of import MapOf, NameRule
 from gcodesim.declarations.nodes import Mapping as MappingNode
 from gcodesim.declarations.nodes import Node, Scalar
@@ -344,6 +344,14 @@ class Channel:
     )
     signals: Mapping[str, SignalSource] = key(
         SIGNALS, "words of the program that give values to processes of the tools", default={}, quiet=True
+    )
+    laser_mode: float | None = key(
+        Quantity("ratio", POSITIVE),
+        "S for full power (grbl's `$30`) where the control drives a laser as grbl does with `$32=1`: power follows S, "
+        "none in G0, and with M4 it follows the speed too",
+        default=None,
+        example="1000",
+        quiet=True,
     )
     inputs: Mapping[str, InputSource] = key(
         MapOf(INPUTS, InputKind(), "inputs and what they read"),

@@ -84,6 +84,8 @@ DIMENSIONS: Final[dict[str, Dimension]] = {
         _dimension("volume flow", "mm^3/s", "mm3_s", "12 mm^3/s"),
         _dimension("mass flow", "g/min", "g_min", "15 g/min"),
         _dimension("density", "kg/m^3", "kg_m3", "2700 kg/m^3"),
+        _dimension("energy per volume", "J/mm^3", "J_mm3", "7.3 J/mm^3"),
+        _dimension("energy per area", "J/mm^2", "J_mm2", "0.5 J/mm^2"),
         _dimension("temperature", "degC", "degC", "200 degC", zero=False),
     )
 }
@@ -174,6 +176,10 @@ UNITS: Final[tuple[Unit, ...]] = (
     Unit("kg/s", "mass flow", 1.0),
     Unit("kg/m^3", "density", 1.0),
     Unit("g/cm^3", "density", 1e3),
+    Unit("J/mm^3", "energy per volume", 1e9, ("GJ/m^3",)),
+    Unit("J/cm^3", "energy per volume", 1e6),
+    Unit("J/mm^2", "energy per area", 1e6),
+    Unit("J/cm^2", "energy per area", 1e4),
     Unit("degC", "temperature", 1.0, ("celsius",), offset=ICE),
     Unit("K", "temperature", 1.0),
     Unit("degF", "temperature", 5.0 / 9.0, ("fahrenheit",), offset=ICE - 160.0 / 9.0),

@@ -16,6 +16,8 @@ from gcodesim.processes.signal import (
     ACTIVE,
     BEAD_HEIGHT,
     BEAD_WIDTH,
+    FEED,
+    LASER_MODE,
     PITCH,
     SPINDLE,
     SURFACE_SPEED,
@@ -30,11 +32,15 @@ THREADS: Final = frozenset(("G33", "G76", "G32", "G34", "G92"))
 
 
 def signals_of_rows(
-    path: ToolPath, sources: Mapping[str, SignalSource] | None = None, read: Mapping[str, Signal] | None = None
+    path: ToolPath,
+    sources: Mapping[str, SignalSource] | None = None,
+    read: Mapping[str, Signal] | None = None,
+    laser_mode: float | None = None,
 ) -> dict[str, NDArray[Any]]:
     """The signals (n,) of the n rows of `path`, in SI; a path without rows has one at rest.
 
-    `sources` are those of the cell, `read` the signals that processes of the cell read. Whatever is switched on the way
+    `sources` are those of the cell, `read` the signals that processes of the cell read, `laser_mode` the S that means
+    full power in a control that drives a laser itself. Whatever is switched on the way
     holds from the row on before which it stands. M62, M63 and M67 take effect with the next move, M64, M65 and M68 at
     once: both at the same border of rows, since the machine stands still for the second kind. S gives its number while
     the spindle turns, either way, and 0 while it stands. An output that was never set is 0, as is a code.
@@ -44,6 +50,10 @@ def signals_of_rows(
     active = path.active.astype(bool) if len(path) else np.zeros(1, dtype=bool)
     found: dict[str, NDArray[Any]] = {SPINDLE.name: spindle, ACTIVE.name: active}
     found |= _of_lathes(path, state, spindle, read or {})
+    if FEED.name in (read or {}):
+        found[FEED.name] = path.feed if len(path) else np.zeros(1)
+    if laser_mode is not None:
+        found[LASER_MODE.name] = np.full(len(spindle), laser_mode * RPM)
     if path.extrude.any():
         sections = [each.section for each in path.states]
         for signal, size in ((BEAD_WIDTH, "width"), (BEAD_HEIGHT, "height")):

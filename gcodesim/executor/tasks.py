@@ -56,7 +56,11 @@ class RowColumns:
     def of(path: ToolPath, shop: Shop | None = None) -> RowColumns:
         """The columns of `path`; its signals are those that the cell of `shop` gives to the processes of its tools."""
         numbers = np.array([state.tool for state in path.states], dtype=np.int64)
-        signals = signals_of_rows(path) if shop is None else signals_of_rows(path, shop.signal_sources, shop.signals)
+        if shop is None:
+            signals = signals_of_rows(path)
+        else:
+            mode = shop.cell.channels[shop.channel].laser_mode
+            signals = signals_of_rows(path, shop.signal_sources, shop.signals, mode)
         if not len(path):  # one row at rest, so that a program without moves has a state too
             none = np.zeros(1, dtype=bool)
             return RowColumns(tool=numbers[:1], rapid=none, probing=none, signals=signals, shift=np.zeros((1, 3)))

@@ -83,7 +83,7 @@ class Inspector:
     def final(self, execution: Execution) -> list[Diagnostic]:
         """All findings of the run."""
         return [
-            *self._misuse(execution.rows),
+            *self._misuse(execution.rows, ended=not execution.interrupted),
             *self._saturation(execution.joints),
             *self._limits(execution.rows),
         ]
@@ -97,12 +97,12 @@ class Inspector:
         told = (column for column in record.sheet.columns if column.shown_in & FINDINGS)
         return any(record[column.name].any() for column in told) or bool(self._turns and record["engaged"].any())
 
-    def _misuse(self, totals: RowTotals) -> list[Diagnostic]:
+    def _misuse(self, totals: RowTotals, *, ended: bool = False) -> list[Diagnostic]:
         """What each kind of process has to say about the rows of its tools."""
         found: list[Diagnostic] = []
         for kind, mine in self._kinds.items():
             columns = totals.columns if mine.all() else {n: np.where(mine, c, 0) for n, c in totals.columns.items()}
-            found += PROCESSES[kind].findings(replace(self._shape, columns=columns))
+            found += PROCESSES[kind].findings(replace(self._shape, columns=columns, ended=ended))
         return found
 
     def _saturation(self, joints: JointTotals) -> list[Diagnostic]:

@@ -33,7 +33,7 @@ from gcodesim.motion.timing import event_durations
 from gcodesim.motion.tool_path import ToolPath
 from gcodesim.planning import Plan, plan_path, posing_of
 from gcodesim.planning.legs import followed_by
-from gcodesim.processes.signal import ACTIVE
+from gcodesim.processes.signal import ACTIVE, BEAM, BEAM_POWER
 from gcodesim.shop import Shop, with_stock
 from gcodesim.units import MM
 
@@ -176,6 +176,12 @@ class Legs:
         self._job.findings.extend(self._reading.findings)
         self._tell_of_unheard()
 
+    @property
+    def _switch(self) -> SignalSource | None:
+        """What switches a process tool in this cell, if no action does."""
+        sources = self.shop.signal_sources
+        return next((sources[s.name] for s in (ACTIVE, BEAM, BEAM_POWER) if s.name in sources), None)
+
     # ---- plain legs
 
     def _plain_leg(self) -> Plan | None:
@@ -185,7 +191,7 @@ class Legs:
         self._job.events = [*self._job.events, *(noted.event for noted in path.events)]
         if self._read:
             self._ended = True
-            self._job.findings.extend(left_on(self._job.events, self.shop.signal_sources.get(ACTIVE.name)))
+            self._job.findings.extend(left_on(self._job.events, self._switch))
             if self._job.alone:
                 self._job.findings.extend(lone_marks(self._job.channel, self._job.events))
             whole = path if before is None else before.path.then(path)

@@ -93,9 +93,10 @@ class Stock:
     `lattice`; `exact` makes those of the stock as it was at the start, where its shape is known.
     `turn` (3, 3) is nearly always the identity: axes of the frame in which the columns stand, seen from the part's
     own frame, when the part was laid on another side (`turning`). All points are in the frame of the columns.
+    `doses` is what beams have given each column per area, (nx, ny), by the name of what is meant.
     """
 
-    __slots__ = ("exact", "field", "lattice", "material", "original", "resolution", "turn", "z_range")
+    __slots__ = ("doses", "exact", "field", "lattice", "material", "original", "resolution", "turn", "z_range")
 
     def __init__(
         self,
@@ -114,6 +115,7 @@ class Stock:
         self.turn: Array = np.eye(3)
         self.lattice: Lattice | None = None
         self.exact: Exact | None = None
+        self.doses: dict[str, Array] = {}
         self.original = original if original is not None else _copied(columns)
         nx, ny = columns.number.shape
         patches = (-(-nx // PATCH), -(-ny // PATCH))
@@ -297,6 +299,7 @@ class Stock:
         twin.field.walls[:] = self.field.walls
         twin.turn = self.turn.copy()
         twin.exact = self.exact
+        twin.doses = {name: dose.copy() for name, dose in self.doses.items()}
         twin.lattice = None if self.lattice is None else self.lattice.copy()
         return twin
 
@@ -304,9 +307,11 @@ class Stock:
         """Remember the state; calling the result restores it."""
         kept = _copied_field(self.field)
         lattice = None if self.lattice is None else self.lattice.copy()
+        doses = {name: dose.copy() for name, dose in self.doses.items()}
 
         def restore() -> None:
             self.field = _copied_field(kept)
+            self.doses = {name: dose.copy() for name, dose in doses.items()}
             self.lattice = None if lattice is None else lattice.copy()
 
         return restore

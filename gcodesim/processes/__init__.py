@@ -8,6 +8,8 @@ PROCESSES = Family(
     called="kind",
     milling="gcodesim.processes.milling:Milling",
     extrusion="gcodesim.processes.extrusion:Extrusion",
+    ablation="gcodesim.processes.ablation:Ablation",
+    erosion="gcodesim.processes.erosion:Erosion",
     sensing="gcodesim.processes.sensing:Sensing",
     turning="gcodesim.processes.turning:Turning",
 )

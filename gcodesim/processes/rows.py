@@ -30,7 +30,7 @@ class Rows:
     of unknown place, by letter, in which rows it turns; `grain` [m³] is the volume of a cell of the coarsest
     stock. `columns` are those that the process wrote, as summed up by the executor: zero in rows of other processes.
     `span` is where a row stands in the program, `change_spans` where the program asks for the tool that comes before a
-    row, and `with_word` gives the rows whose motion word is one of some.
+    row, and `with_word` gives the rows whose motion word is one of some; `ended`: the program has run to its end.
     """
 
     rapid: Flags
@@ -46,6 +46,7 @@ class Rows:
     turns: Mapping[str, Flags] = field(default_factory=dict)
     change_spans: Mapping[int, Span] = field(default_factory=dict)
     grain: float = 0.0
+    ended: bool = False
 
     def __len__(self) -> int:
         return len(self.rapid)

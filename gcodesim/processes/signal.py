@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from math import nan
 from typing import TYPE_CHECKING, Final
 
 from gcodesim.frozen import frozen
@@ -51,6 +52,24 @@ ACTIVE: Final = Signal("active", set_by=(SetBy("tool", "activate", 1.0), SetBy("
 BEAD_WIDTH: Final = Signal("bead_width", "m")
 BEAD_HEIGHT: Final = Signal("bead_height", "m")
 """Size of the bead that the slicer's comments name; 0 where they do not."""
+
+FEED: Final = Signal("feed", "m/s")
+"""Speed that the program asks for; infinite in rapids."""
+
+BEAM: Final = Signal("beam", default=nan, set_by=(SetBy("tool", "activate", 1.0), SetBy("tool", "deactivate", 0.0)))
+"""1 while a laser, jet or torch is on; not a number where no word says so, and its power alone tells."""
+
+BEAM_POWER: Final = Signal("power", "W", default=nan)
+"""Power of a beam; not a number where no word gives it, and it is the tool's own."""
+
+ABRASIVE: Final = Signal("abrasive", default=1.0)
+"""Share of the abrasive's full flow."""
+
+GAS: Final = Signal("gas", default=1.0)
+"""1 while gas flows; so it does where no word says anything of it."""
+
+LASER_MODE: Final = Signal("laser_mode")
+"""Speed of S that means full power where the control drives a laser as grbl does with `$32=1`; 0 where it does not."""
 
 
 def signals_read_by(tools: Iterable[Tool]) -> dict[str, Signal]:

@@ -1,0 +1,65 @@
+"""Laser: a beam that heats, engraves and cuts."""
+
+from __future__ import annotations
+
+from math import pi
+from typing import ClassVar, Literal
+
+from gcodesim.declarations.keys import key
+from gcodesim.declarations.kind import NOT_NEGATIVE, POSITIVE, Range
+from gcodesim.declarations.plain_kinds import Choice
+from gcodesim.declarations.quantity import Quantity
+from gcodesim.frozen import frozen
+from gcodesim.tools.beam_tool import BeamTool
+from gcodesim.units import UM
+
+
+@frozen
+class Laser(BeamTool):
+    """A laser. `diameter` is that at which a Gaussian beam has 1/e² of its greatest intensity (ISO 11146)."""
+
+    kind: ClassVar[str] = "laser"
+    process: ClassVar[str] = "ablation"
+
+    power: float = key(Quantity("power", POSITIVE), "full power of the beam", example="40 W")
+    absorptivity: float = key(
+        Quantity("ratio", Range(above=0.0, most=1.0)), "share of the power that the material takes up", default=1.0
+    )
+    specific_energy: float | None = key(
+        Quantity("energy per volume", POSITIVE),
+        "what it takes to remove material",
+        default=None,
+        rule="to melt the stock's material; of materials without data nothing is removed",
+    )
+    threshold: float = key(
+        Quantity("energy per area", NOT_NEGATIVE), "dose that a place takes up before material goes", default=0.0
+    )
+    profile: Literal["gaussian", "top_hat", "flat"] = key(
+        Choice(("gaussian", "top_hat", "flat")), "how the power spreads over the spot", default="gaussian"
+    )
+    wavelength: float = key(Quantity("length", POSITIVE), "wavelength of the light", default=1.06 * UM)
+    beam_quality: float = key(
+        Quantity("ratio", Range(least=1.0)), "M²: how much faster it widens than an ideal beam", default=1.0
+    )
+    rayleigh: float = key(
+        Quantity("length", POSITIVE),
+        "distance from the focus at which the spot has twice the area",
+        derive=lambda tool: pi * (0.5 * tool.diameter) ** 2 / (tool.beam_quality * tool.wavelength),
+        rule="pi radius² / (M² wavelength)",
+    )
+    tolerance: float = key(
+        "length",
+        "how far before or behind its focus it may strike",
+        derive=lambda tool: tool.rayleigh,
+        rule="the Rayleigh length",
+    )
+
+    @property
+    def share(self) -> float:
+        """Of the power, what goes into the material."""
+        return self.absorptivity
+
+    @property
+    def slope(self) -> float:
+        """A laser widens by its Rayleigh length alone."""
+        return 0.0

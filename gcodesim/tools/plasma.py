@@ -1,0 +1,56 @@
+"""Plasma torch: an arc that melts through conducting material."""
+
+from __future__ import annotations
+
+from math import inf, tan
+from typing import ClassVar, Literal
+
+from gcodesim.declarations.keys import key
+from gcodesim.declarations.kind import NOT_NEGATIVE, POSITIVE, Range
+from gcodesim.declarations.plain_kinds import Choice
+from gcodesim.declarations.quantity import Quantity
+from gcodesim.frozen import frozen
+from gcodesim.tools.beam_tool import BeamTool
+from gcodesim.units import MM
+
+
+@frozen
+class Plasma(BeamTool):
+    """A torch. `diameter` is the width of its kerf at the tip, `taper` by how much each wall leans inwards below."""
+
+    kind: ClassVar[str] = "plasma"
+    process: ClassVar[str] = "ablation"
+
+    power: float = key(Quantity("power", POSITIVE), "power of the arc, current times voltage", example="5 kW")
+    efficiency: float = key(
+        Quantity("ratio", Range(above=0.0, most=1.0)), "share of the power that melts material", default=0.3
+    )
+    specific_energy: float | None = key(
+        Quantity("energy per volume", POSITIVE),
+        "what it takes to remove material",
+        default=None,
+        rule="to melt the stock's material; of materials without data nothing is removed",
+    )
+    threshold: float = key(
+        Quantity("energy per area", NOT_NEGATIVE), "dose that a place takes up before material goes", default=0.0
+    )
+    profile: Literal["gaussian", "top_hat", "flat"] = key(
+        Choice(("gaussian", "top_hat", "flat")), "how the power spreads over the kerf", default="flat"
+    )
+    taper: float = key("angle", "lean of each wall of the kerf, which narrows downwards", default=0.0)
+    stand_off: float = key("length", "from the nozzle to the tip, the point that the program moves", default=1.5 * MM)
+
+    @property
+    def share(self) -> float:
+        """Of the power, what goes into the material."""
+        return self.efficiency
+
+    @property
+    def rayleigh(self) -> float:
+        """It widens by `slope` alone."""
+        return inf
+
+    @property
+    def slope(self) -> float:
+        """Growth of the radius with the distance [-]."""
+        return -tan(self.taper)
