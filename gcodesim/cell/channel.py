@@ -50,7 +50,6 @@ def all_verbs() -> dict[str, tuple[str, ...]]:
     return {name: tuple(dict.fromkeys([*VERBS.get(name, ()), *more.get(name, ())])) for name in names}
 
 
-
 @frozen(kw_only=False)
 class _AxisOf(Kind):
     """`-Z of G54`."""

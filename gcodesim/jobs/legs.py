@@ -38,6 +38,7 @@ from gcodesim.shop import Shop, with_stock
 from gcodesim.units import MM
 
 if TYPE_CHECKING:
+    from gcodesim.cell.signals import SignalSource
     from gcodesim.checks.contact import Contact
     from gcodesim.checks.machine_collisions import MachineChecks
     from gcodesim.jobs.job import Job

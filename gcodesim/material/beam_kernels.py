@@ -29,7 +29,8 @@ GAUSSIAN, TOP_HAT, FLAT = 0.0, 1.0, 2.0  # profiles of a footprint
 
 GAUSSIAN_REACH = 1.7  # radii beyond which 0.3 % of a Gaussian beam lies, which is left out
 NARROWEST = 0.1  # of the radius at the focus: no beam narrows to less
-ACROSS = 3.0  # rays across the radius of a beam, at least
+ACROSS = 3.0  # rays across the radius of a Gaussian beam, at least
+TO_THE_RIM = 10.0  # of one with a sharp rim
 MOST_RAYS = 8  # across a column
 STEEP = 0.3  # cosine of the incidence on a level plane, below which rays stand in a plane across the beam
 PARALLEL = 1.0e-6  # a direction with less beside Z is along Z
@@ -291,14 +292,14 @@ def follow_ray(on: Ablating, ray: Ray) -> tuple[float, float, float]:
 
 @kernel
 def distance_to(on: Ablating, p: Array, d: Array, form: BeamForm) -> float:
-    """How far [m] beyond the tip at p (3,) the axis in the direction d (3,) first strikes material; infinite: nowhere."""
+    """How far [m] beyond the tip at p (3,) the axis along d (3,) first strikes material; infinite: nowhere."""
     begin, far = form.mouth, form.reach - form.mouth
     axis = Ray(p[0] + d[0] * begin, p[1] + d[1] * begin, p[2] + d[2] * begin, d[0], d[1], d[2], far, 0.0, 0.0)
     return begin + follow_ray(on, axis)[2]
 
 
 class Bundle(NamedTuple):
-    """Where the rays of a beam stand: at `centre` + a · first + b · second (3,) for a in 0 … na - 1, b in 0 … nb - 1."""
+    """Where the rays of a beam stand: at `corner` + a · first + b · second (3,), a in 0 … na - 1, b in 0 … nb - 1."""
 
     corner: Array
     first: Array
@@ -314,11 +315,11 @@ def length_of(v: Array) -> float:
 
 
 @kernel
-def bundle_of(field: Field, centre: Array, d: Array, radius: float, outer: float) -> Bundle:
-    """The rays of a beam of `radius` [m] through `centre` (3,) in the direction d (3,), out to `outer` [m]."""
+def bundle_of(field: Field, centre: Array, d: Array, finest: float, outer: float) -> Bundle:
+    """The rays of a beam through `centre` (3,) in the direction d (3,), out to `outer` and at most `finest` [m] apart."""
     grid = field.grid
     if abs(d[2]) >= STEEP:
-        per = min(max(1, math.ceil(ACROSS * max(grid.dx, grid.dy) / radius)), MOST_RAYS)
+        per = min(max(1, math.ceil(max(grid.dx, grid.dy) / finest)), MOST_RAYS)
         sx, sy = grid.dx / per, grid.dy / per
         hx = outer * math.sqrt(1.0 + (d[0] / d[2]) * (d[0] / d[2])) + sx
         hy = outer * math.sqrt(1.0 + (d[1] / d[2]) * (d[1] / d[2])) + sy
@@ -326,7 +327,7 @@ def bundle_of(field: Field, centre: Array, d: Array, radius: float, outer: float
         b0, b1 = math.floor((centre[1] - hy - grid.y) / sy), math.ceil((centre[1] + hy - grid.y) / sy)
         corner = np.array([grid.x + (a0 + 0.5) * sx, grid.y + (b0 + 0.5) * sy, centre[2]])
         return Bundle(corner, np.array([sx, 0.0, 0.0]), np.array([0.0, sy, 0.0]), a1 - a0, b1 - b0)
-    step = min(0.5 * min(grid.dx, grid.dy), radius / ACROSS)
+    step = min(0.5 * min(grid.dx, grid.dy), finest)
     level = math.sqrt(d[0] * d[0] + d[1] * d[1])
     e = np.array([-d[1] / level, d[0] / level, 0.0])
     f = np.array([-d[2] * e[1], d[2] * e[0], d[0] * e[1] - d[1] * e[0]])
@@ -350,7 +351,8 @@ def shine(on: Ablating, form: BeamForm, p: Array, d: Array, volume: float, given
     radius, growth = radius_at(form, s), growth_at(form, s)
     centre = np.array([p[0] + d[0] * s, p[1] + d[1] * s, p[2] + d[2] * s])
     outer = radius * (GAUSSIAN_REACH if form.profile == GAUSSIAN else 1.0)
-    bundle = bundle_of(on.field, centre, d, radius, outer)
+    finest = radius / (ACROSS if form.profile == GAUSSIAN else TO_THE_RIM)
+    bundle = bundle_of(on.field, centre, d, finest, outer)
     spread = max(math.sqrt(length_of(bundle.first) * length_of(bundle.second)), 1.0e-3 * radius)
     total = 0.0
     weights = np.empty(bundle.na * bundle.nb)

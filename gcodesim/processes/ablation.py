@@ -58,7 +58,7 @@ class Ablation(Beam):
         return self.tool.threshold
 
     def setting(self, window: Window) -> Setting:
-        """Power by the words of the cell; in grbl's laser mode by S, none in rapids, after M4 in step with the speed."""
+        """Power by the words of the cell; in grbl's laser mode by S, none in rapids, after M4 with the speed."""
         signals, full = window.signals, self.tool.power
         asked = signals["power"]
         on = switched(window, ~np.isnan(asked))

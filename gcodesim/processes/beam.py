@@ -30,11 +30,12 @@ BEAM_ON = Column("beam", of="any", shown_in=LOG | LINES | RESULTS, says="the bea
 OUT_OF_FOCUS = Column(
     "out_of_focus", "m", "greatest", FINDINGS, "how far from where it is meant to strike, beyond the tolerance"
 )
+IN_FOCUS = Column("in_focus", of="any", shown_in=RESULTS, says="it strikes where it is meant to, within its tolerance")
 IN_RAPID = Column("beam_in_rapid", of="any", shown_in=FINDINGS, says="the beam is on in a rapid")
 WITHOUT_GAS = Column("beam_without_gas", of="any", shown_in=FINDINGS, says="the beam cuts while no gas flows")
 TOO_MUCH = Column("beam_too_much", "W", "greatest", FINDINGS, "power beyond that of the tool")
 
-GENERAL = (REMOVED, ENGAGED, BEAM_ON, OUT_OF_FOCUS, IN_RAPID, WITHOUT_GAS, TOO_MUCH)
+GENERAL = (REMOVED, ENGAGED, BEAM_ON, IN_FOCUS, OUT_OF_FOCUS, IN_RAPID, WITHOUT_GAS, TOO_MUCH)
 """Columns of every beam."""
 
 
@@ -101,9 +102,10 @@ class Beam(Process):
         )
         struck = strike_stock(stock, form, way, self.dose, self.threshold)
         removed = _sums(step, struck.taken, n)
-        off, dose = np.zeros(n), np.zeros(n)
-        far = np.where(np.isfinite(struck.off), struck.off, 0.0)
-        np.maximum.at(off, step, np.where(far > tool.tolerance * (1.0 + 1e-9), far, 0.0))
+        off, dose, sharp = np.zeros(n), np.zeros(n), np.zeros(n, dtype=bool)
+        allowed = tool.tolerance * (1.0 + 1e-9)
+        np.maximum.at(off, step, np.where(np.isfinite(struck.off) & (struck.off > allowed), struck.off, 0.0))
+        sharp[step[struck.off <= allowed]] = True
         np.maximum.at(dose, step, struck.dose)
         landed = _sums(step, struck.met, n)
         return ProcessStep.free(
@@ -112,6 +114,7 @@ class Beam(Process):
                 "removed": removed,
                 "engaged": landed > 0.0,
                 "beam": setting.on,
+                "in_focus": sharp,
                 "out_of_focus": off,
                 "beam_in_rapid": setting.on & window.rapid,
                 "beam_without_gas": setting.on & ~setting.gas & (landed > 0.0),

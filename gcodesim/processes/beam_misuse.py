@@ -1,9 +1,9 @@
-"""What is wrong with how a beam was used: on in a rapid, on nothing, never on, out of focus, with more than there is."""
+"""What is wrong with how a beam was used: on in a rapid, on nothing, never on, out of focus, without gas."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,10 +29,10 @@ def beam_findings(rows: Rows, kind: type[Beam]) -> Iterator[Diagnostic]:
             continue
         mine = rows.tool == number
         if mine.any():
-            yield from _of_tool(rows, kind, mine)
+            yield from _of_tool(rows, kind, tool, mine)
 
 
-def _of_tool(rows: Rows, kind: type[Beam], mine: Flags) -> Iterator[Diagnostic]:
+def _of_tool(rows: Rows, kind: type[Beam], tool: Any, mine: Flags) -> Iterator[Diagnostic]:
     lit, landed = rows["beam"], rows[kind.landed]
     name = rows.tool_name(int(np.argmax(mine)))
     rapid = mine & rows.rapid & (rows["beam_in_rapid"] > LEAST)
@@ -49,20 +49,21 @@ def _of_tool(rows: Rows, kind: type[Beam], mine: Flags) -> Iterator[Diagnostic]:
         hint = "the cell says what switches it: `signals` (`power`, `beam`), `m_codes` (`tool: activate`), `laser_mode`"
         yield _told(rows, mine & ~rows.rapid, "GS542", f"{name} moves along its path and is never on", hint, None)
     lit_rows = mine & (landed > 0.0)
-    unknown = getattr(rows.tools[int(rows.tool[np.argmax(mine)])], "specific_energy", 0.0) is None
+    unknown = getattr(tool, "specific_energy", 0.0) is None
     if rows.ended and unknown and lit_rows.any() and not rows["removed"][mine].any():
         hint = "give the tool a `specific_energy`, such as `3 J/mm^3`, if it is to engrave or cut"
         message = f"{name} gives {float(landed[mine].sum()):.4g} J and takes nothing: nobody knows what that would need"
         yield _told(rows, lit_rows, "GS546", message, hint, None)
-    off = np.where(mine, rows["out_of_focus"], 0.0)
+    # a row that has begun where it is meant to may go deep: the beam stands in its own hole
+    off = np.where(mine & (rows["in_focus"] <= 0.0), rows["out_of_focus"], 0.0)
     if off.any():
-        worst, allowed = float(off.max()) / MM, float(getattr(rows.tools[int(rows.tool[np.argmax(off)])], "tolerance"))
-        message = f"{name} strikes {worst:.3g} mm from where it is meant to; {allowed / MM:.3g} mm are allowed"
+        worst, allowed = float(off.max()) / MM, tool.tolerance / MM
+        message = f"{name} strikes {worst:.3g} mm from where it is meant to; {allowed:.3g} mm are allowed"
         yield _told(rows, off > 0.0, "GS543", message, "check the height, `stand_off`, `focus` and `tolerance`",
-                    (worst, allowed / MM, "mm"))  # fmt: skip
+                    (worst, allowed, "mm"))  # fmt: skip
     beyond = np.where(mine, rows["beam_too_much"], 0.0)
     if beyond.any():
-        most, full = float(beyond.max()), float(getattr(rows.tools[int(rows.tool[np.argmax(beyond)])], "power"))
+        most, full = float(beyond.max()), float(tool.power)
         message = f"the program asks {name} for {most:.4g} W; it has {full:.4g} W"
         yield _told(rows, beyond > 0.0, "GS544", message, "it runs with full power; check `signals` and `power`",
                     (most, full, "W"))  # fmt: skip

@@ -1,9 +1,8 @@
 """What it takes to melt metals: energy for each volume, from heat capacity and latent heat.
 
 Densities, heat capacities at 25 °C, melting points and heats of fusion are those of the pure elements, CRC Handbook of
-Chemistry and Physics (97th edition, sections 4 and 6). With a constant heat capacity the figure for iron comes out about
-a third below its true enthalpy, for the others within a tenth: alloys and cuts differ by more than that, so a measured
-`specific_energy` is better.
+Chemistry and Physics, sections 4 and 6. The heat capacity counts as constant, which for iron is about a third too
+little; alloys and real cuts differ by more than that, so a measured `specific_energy` is better.
 """
 
 from __future__ import annotations

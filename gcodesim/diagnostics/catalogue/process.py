@@ -134,7 +134,7 @@ CODES: tuple[Code, ...] = (
         title="Beam on in a rapid",
         what="A laser, jet, torch or blasting gun was on while the machine made a rapid move.",
         why="It marks or cuts a line across the work, and may strike what nobody expects it to.",
-        remedy="Switch it off before the G0. In grbl's laser mode (`laser_mode` of the cell) the control does so itself.",
+        remedy="Switch it off before the G0. With `laser_mode` in the cell, as grbl has it, the control does so itself.",
     ),
     Code(
         code="GS541",
@@ -150,13 +150,14 @@ CODES: tuple[Code, ...] = (
         title="Beam is never on",
         what="A tool that acts by a beam feeds along its path and is off all the time.",
         why="The part comes out untouched. Often the cell does not say which word switches the beam.",
-        remedy="Name the word in the cell: `signals: {power: {word: S, per: 1 W}}`, `m_codes: {M10: {tool: activate}}` or `laser_mode`.",
+        remedy="Name the word in the cell: `signals: {power: {word: S, per: 1 W}}`, `m_codes: {M10: {tool: activate}}` "
+        "or `laser_mode`.",
     ),
     Code(
         code="GS543",
         severity=Severity.WARNING,
         title="Beam strikes far from its focus",
-        what="The nearest place that the beam strikes is farther from where it is meant to strike than its `tolerance`.",
+        what="The nearest place that a beam strikes is farther from where it is meant to strike than its `tolerance`.",
         why="Out of focus a laser is wide and weak; a jet loses its force, a torch its arc.",
         remedy="Correct the height of the tool, or `stand_off`, `focus` and `tolerance` if they are wrong.",
     ),
@@ -180,7 +181,8 @@ CODES: tuple[Code, ...] = (
         code="GS546",
         severity=Severity.NOTE,
         title="No removal without its energy",
-        what="A beam gives energy to a material for which no specific energy is known, so nothing is removed; its dose is kept.",
+        what="A beam gives energy to a material for which no specific energy is known, so nothing is removed; its dose "
+        "is kept.",
         why="How much energy takes how much material depends on both; no figure is better than a wrong one.",
         remedy="Give the tool its `specific_energy`, from an own test: power times time over the volume that is gone.",
     ),
