@@ -316,7 +316,7 @@ def length_of(v: Array) -> float:
 
 @kernel
 def bundle_of(field: Field, centre: Array, d: Array, finest: float, outer: float) -> Bundle:
-    """The rays of a beam through `centre` (3,) in the direction d (3,), out to `outer` and at most `finest` [m] apart."""
+    """The rays of a beam through `centre` (3,) along d (3,), out to `outer` and at most `finest` [m] apart."""
     grid = field.grid
     if abs(d[2]) >= STEEP:
         per = min(max(1, math.ceil(max(grid.dx, grid.dy) / finest)), MOST_RAYS)

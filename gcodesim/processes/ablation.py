@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import norms
 from gcodesim.frozen import frozen
-from gcodesim.processes.beam import GENERAL, Beam, Setting, switched
+from gcodesim.processes.beam import GENERAL, Beam, BeamSetting, switched
 from gcodesim.processes.column import LINES, LOG, RESULTS, Column
 from gcodesim.processes.melting import melted
 from gcodesim.processes.signal import BEAM, BEAM_POWER, FEED, GAS, LASER_MODE, SPINDLE, Signal
@@ -57,7 +57,7 @@ class Ablation(Beam):
     def threshold(self) -> float:
         return self.tool.threshold
 
-    def setting(self, window: Window) -> Setting:
+    def setting(self, window: Window) -> BeamSetting:
         """Power by the words of the cell; in grbl's laser mode by S, none in rapids, after M4 with the speed."""
         signals, full = window.signals, self.tool.power
         asked = signals["power"]
@@ -76,4 +76,4 @@ class Ablation(Beam):
         lit = on & (power > 0.0)
         beyond = np.where(lit & (asked > full * (1.0 + 1e-9)), asked, 0.0)
         gas = np.asarray(signals["gas"] > 0.0, dtype=bool)
-        return Setting(on=lit, gives=power, takes=power * takes, gas=gas, beyond=beyond)
+        return BeamSetting(on=lit, gives=power, takes=power * takes, gas=gas, beyond=beyond)

@@ -39,7 +39,7 @@ GENERAL = (REMOVED, ENGAGED, BEAM_ON, IN_FOCUS, OUT_OF_FOCUS, IN_RAPID, WITHOUT_
 """Columns of every beam."""
 
 
-class Setting(NamedTuple):
+class BeamSetting(NamedTuple):
     """How a beam is set in each of n steps: whether it is `on`; what it gives [W], or [m³/s] of erosion, and the
     volume [m³/s] that it could take; whether `gas` flows, and power asked for `beyond` that of the tool [W]."""
 
@@ -65,7 +65,7 @@ class Beam(Process):
 
     tool: BeamTool
 
-    def setting(self, window: Window) -> Setting:
+    def setting(self, window: Window) -> BeamSetting:
         """What the signals of a window make of the beam."""
         raise NotImplementedError
 

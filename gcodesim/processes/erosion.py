@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from gcodesim.frozen import frozen
-from gcodesim.processes.beam import GENERAL, Beam, Setting, switched
+from gcodesim.processes.beam import GENERAL, Beam, BeamSetting, switched
 from gcodesim.processes.column import LINES, LOG, RESULTS, Column
 from gcodesim.processes.signal import ABRASIVE, BEAM, Signal
 from gcodesim.processes.window import Window
@@ -45,10 +45,10 @@ class Erosion(Beam):
         """The rate belongs to tool and material together, so the cell gives it with the tool."""
         return cls(tool=tool)
 
-    def setting(self, window: Window) -> Setting:
+    def setting(self, window: Window) -> BeamSetting:
         """On by a word of the cell; its rate follows the share of abrasive that flows."""
         n = window.steps
         on = switched(window, np.zeros(n, dtype=bool))
         rate = self.tool.removal_rate * np.maximum(window.signals["abrasive"], 0.0)
         yes = np.ones(n, dtype=bool)
-        return Setting(on=on & (rate > 0.0), gives=rate, takes=rate, gas=yes, beyond=np.zeros(n))
+        return BeamSetting(on=on & (rate > 0.0), gives=rate, takes=rate, gas=yes, beyond=np.zeros(n))

@@ -134,7 +134,7 @@ CODES: tuple[Code, ...] = (
         title="Beam on in a rapid",
         what="A laser, jet, torch or blasting gun was on while the machine made a rapid move.",
         why="It marks or cuts a line across the work, and may strike what nobody expects it to.",
-        remedy="Switch it off before the G0. With `laser_mode` in the cell, as grbl has it, the control does so itself.",
+        remedy="Switch it off before the G0. With `laser_mode` in the cell the control does so by itself.",
     ),
     Code(
         code="GS541",

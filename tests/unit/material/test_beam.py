@@ -33,7 +33,7 @@ def way(axis: tuple[float, float, float] = (0.0, 0.0, 1.0), rate: float = RATE, 
 
 def depths(stock: Stock, x: float = 5e-3) -> np.ndarray:
     """Depth (ny,) [m] along the line across the track at x."""
-    lo, hi, number = stock.field.columns
+    _, hi, number = stock.field.columns
     i = int(x / stock.cell)
     top = np.array([hi[i, j, n - 1] if n else stock.z_range[0] for j, n in enumerate(number[i])])
     return -top
@@ -52,8 +52,8 @@ def test_volume_and_dose_are_what_was_given(profile: str, axis: tuple[float, flo
     """All rays meet the wide plate, so all that they could take is gone, and all that they give is in the map."""
     stock = Stock.box((0.0, 0.0, -6e-3), (40e-3, 30e-3, 0.0), 0.4e-3)
     before = stock.volume
-    track = way(axis)
-    track = track._replace(starts=track.starts + [15e-3, 11e-3, 0.0], ends=track.ends + [15e-3, 11e-3, 0.0])
+    track, shift = way(axis), np.array([15e-3, 11e-3, 0.0])
+    track = track._replace(starts=track.starts + shift, ends=track.ends + shift)
 
     struck = strike_stock(stock, form(profile), track, "test")
 
