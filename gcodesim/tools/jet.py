@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from math import inf, tan
+from math import inf
 from typing import ClassVar, Literal
 
+from gcodesim.arithmetic.scalars import tan
 from gcodesim.declarations.keys import key
 from gcodesim.declarations.kind import POSITIVE
 from gcodesim.declarations.plain_kinds import Choice

@@ -44,7 +44,7 @@ class Laser(BeamTool):
     rayleigh: float = key(
         Quantity("length", POSITIVE),
         "distance from the focus at which the spot has twice the area",
-        derive=lambda tool: pi * (0.5 * tool.diameter) ** 2 / (tool.beam_quality * tool.wavelength),
+        derive=lambda tool: 0.25 * pi * (tool.diameter * tool.diameter) / (tool.beam_quality * tool.wavelength),
         rule="pi radius² / (M² wavelength)",
     )
     tolerance: float = key(
