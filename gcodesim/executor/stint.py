@@ -87,27 +87,28 @@ def stint_of(
     """
     count = end - begin
     X_BS = shop.scene.seen_from(shop.name, task.target.frame, steps.joints(shop.name, begin, end))
-    moving = bool(np.ptp(X_BS[:, :3], axis=0).any())
+    moving = bool((X_BS[1:, :3] != X_BS[:1, :3]).any())
     if moving:  # the table turns or travels: chords between the ends of steps, seen from the stock
         held = np.concatenate([X_BS[:1], X_BS[:-1]])
         start = _into(held, steps.tip_before[begin:end, :3, 3])
         stop = _into(X_BS, steps.tip[begin:end, :3, 3])
+        R_SB = X_BS[:, :3, :3].transpose(0, 2, 1)
+        R_before = np.concatenate([R_SB[:1], R_SB[:-1]])
         step, share = np.arange(count), np.tile([0.0, 1.0], (count, 1))
         row = steps.row[begin:end]
         filament = _of_steps(steps, begin, end)
     else:
         first, last = np.searchsorted(steps.piece_step, [begin, end])
-        R, p = X_BS[0, :3, :3], X_BS[0, :3, 3]
-        start, stop = applied(R.T, steps.piece_start[first:last] - p), applied(R.T, steps.piece_end[first:last] - p)
+        R_SB = R_before = X_BS[:1, :3, :3].transpose(0, 2, 1)
+        p = X_BS[0, :3, 3]
+        start, stop = applied(R_SB, steps.piece_start[first:last] - p), applied(R_SB, steps.piece_end[first:last] - p)
         step, share, row = (
             steps.piece_step[first:last] - begin,
             steps.piece_share[first:last],
             steps.piece_row[first:last],
         )
         filament = None if steps.piece_filament is None else steps.piece_filament[first:last]
-    R_SB = X_BS[:, :3, :3].transpose(0, 2, 1)
     axis = -applied(R_SB, steps.tip[begin:end, :3, 2])
-    R_before = np.concatenate([R_SB[:1], R_SB[:-1]])
     if not _is_near(task, start, stop, axis, task.target.room):
         return None
     velocity = np.zeros((count, 3))

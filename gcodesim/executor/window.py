@@ -136,7 +136,7 @@ def window_of(plan: Plan, rows: RowColumns, first: int, count: int, dt_ns: int, 
         piece_end=end + gap_before[step] + share[:, 1:] * bend,
         piece_step=step,
         piece_share=share,
-        piece_row=np.clip(trajectory.sample(centre).row, 0, last),
+        piece_row=np.clip(trajectory.rows_at(centre), 0, last),
         piece_filament=filament_between(trajectory, at_knots),
     )
     carry.tool, carry.shift, carry.gap, carry.tip = int(tool[-1]), shift[-1], gap[-1], tip[-1]

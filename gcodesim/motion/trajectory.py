@@ -149,8 +149,7 @@ class Trajectory:
         from gcodesim.motion.piece_kernels import sample
         from gcodesim.motion.timing_kernels import PhaseColumns
 
-        p = self.phases
-        phase = np.clip(np.searchsorted(p.time, t, side="right") - 1, 0, len(p.time) - 1)
+        p, phase = self.phases, self._phases_at(t)
         pieces = self._pieces_or_rest
         position, velocity, s, speed = sample(
             t,
@@ -171,13 +170,25 @@ class Trajectory:
             piece=piece,
             s=s,
             fraction=s / np.maximum(pieces.length[piece], 1e-300),
-            row=self.rows_at(t, event),
+            row=self._rows_at(t, event),
             speed=speed,
             event=event,
         )
 
-    def rows_at(self, t: Array, event: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Rows run at times `t` (n,); while the machine stands, the row that the event comes before."""
+    def rows_at(self, t: Array) -> NDArray[np.int64]:
+        """The rows of `sample(t)`, without the rest of it."""
+        if not len(self.phases.time):
+            return np.zeros(len(t), dtype=np.int64)
+        return self._rows_at(t, self.phases.event[self._phases_at(t)])
+
+    def _phases_at(self, t: Array) -> NDArray[np.int64]:
+        """The phases that last at times `t` (n,)."""
+        time = self.phases.time
+        phases: NDArray[np.int64] = np.clip(np.searchsorted(time, t, side="right") - 1, 0, len(time) - 1)
+        return phases
+
+    def _rows_at(self, t: Array, event: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Rows run at times `t` (n,) with `event` (n,); while the machine stands, the row that the event comes before."""
         last = max(len(self.row_end) - 1, 0)
         row = np.minimum(np.searchsorted(self.row_end, t, side="right"), last)
         if self.events and (event >= 0).any():

@@ -322,14 +322,14 @@ def peaks_of(teeth: Teeth, room: Room, used: int) -> tuple[float, float]:
         place = (rows[i, HEIGHT] * teeth.lag / teeth.radius / delta) % ANGLES
         whole = int(place)
         part = place - whole
+        rest = 1.0 - part
         for axis in range(4):
-            source = force[axis, i]
-            target = turning[axis, whole:]
-            target[begin] += (1.0 - part) * source[begin]
-            inner, here, earlier = target[begin + 1 : end], source[begin + 1 : end], source[begin : end - 1]
-            for k in range(inner.shape[0]):
-                inner[k] = inner[k] + (1.0 - part) * here[k] + part * earlier[k]
-            target[end] += part * source[end - 1]
+            source, target = force[axis, i][begin:end], turning[axis][whole + begin : whole + end + 1]
+            last = source.shape[0]
+            target[0] += rest * source[0]
+            for k in range(1, last):
+                target[k] = target[k] + rest * source[k] + part * source[k - 1]
+            target[last] += part * source[last - 1]
     for axis in range(4):  # both halves in one, then the first angles again, for values that turn past the end
         one, all_teeth = turning[axis, : 2 * ANGLES + 1], turning[axis, 2 * ANGLES + 1 : 3 * ANGLES + 1]
         for k in range(ANGLES):
@@ -343,10 +343,12 @@ def peaks_of(teeth: Teeth, room: Room, used: int) -> tuple[float, float]:
             here, following = one[whole : whole + ANGLES], one[whole + 1 : whole + 1 + ANGLES]
             for k in range(ANGLES):
                 all_teeth[k] += (1.0 - part) * here[k] + part * following[k]
+    first = 2 * ANGLES + 1
+    f_u, f_l, f_z, turn = turning[0][first:], turning[1][first:], turning[2][first:], turning[3][first:]
+    for k in range(ANGLES):  # apart from the search, whose steps depend on each other
+        f_u[k] = f_u[k] * f_u[k] + f_l[k] * f_l[k] + f_z[k] * f_z[k]
     greatest, torque = 0.0, 0.0
-    for k in range(2 * ANGLES + 1, 3 * ANGLES + 1):
-        square = 0.0
-        for axis in range(3):
-            square += turning[axis, k] * turning[axis, k]
-        greatest, torque = max(greatest, square), max(torque, turning[3, k])
+    for k in range(ANGLES):
+        greatest = f_u[k] if f_u[k] > greatest else greatest
+        torque = turn[k] if turn[k] > torque else torque
     return float(np.sqrt(greatest)), float(torque)
