@@ -188,7 +188,7 @@ class Trajectory:
         return phases
 
     def _rows_at(self, t: Array, event: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Rows run at times `t` (n,) with `event` (n,); while the machine stands, the row that the event comes before."""
+        """Rows run at times `t` (n,); while the machine stands, the row that the event (n,) comes before."""
         last = max(len(self.row_end) - 1, 0)
         row = np.minimum(np.searchsorted(self.row_end, t, side="right"), last)
         if self.events and (event >= 0).any():
