@@ -208,6 +208,7 @@ def _robot(robot: Robot) -> Mover:
         stiffness=None if robot.stiffness is None else np.array(robot.stiffness),
         seen_whole=not isinstance(kinematics, Cartesian),
         description=robot.description,
+        controller=robot.controller,
     )
 
 

@@ -20,6 +20,8 @@ from gcodesim.cell.robot import RobotForm
 from gcodesim.cell.settings import Limits, LogSettings, Magazine, Simulation, Suppression
 from gcodesim.cell.signals import SignalSource
 from gcodesim.cell.stock import ShapeKeys, StockSpec, Target
+from gcodesim.controllers.flexible import Flexible
+from gcodesim.controllers.pd import PD
 from gcodesim.declarations.keys import all_keys, keys
 from gcodesim.declarations.tables import key_table, units_as_text
 from gcodesim.key_page import rewrite
@@ -31,6 +33,8 @@ SECTIONS: Final[tuple[tuple[str, type], ...]] = (
     ("Axes X, Y, Z", LinearAxis),
     ("Axes A, B, C", RotaryAxis),
     ("`robots`", RobotForm),
+    ("`controller` of type `flexible`", Flexible),
+    ("`controller` of type `pd` or `computed_torque`", PD),
     ("A channel (`channels`); where there is but one, its keys stand at top level", Channel),
     ("`orientation`", Orientation),
     ("A signal (`signals`)", SignalSource),

@@ -11,6 +11,8 @@ import numpy as np
 from gcodesim.cell.joints import STIFFNESSES, JointList, Measure, check_within, in_si
 from gcodesim.cell.models import shipped, shipped_chain, user_chain
 from gcodesim.cell.placing import POINT, Place
+from gcodesim.controllers import CONTROLLERS, Controller
+from gcodesim.controllers.ideal import Ideal
 from gcodesim.declarations.composed import Either, ListOf
 from gcodesim.declarations.file_kind import File, FileValue
 from gcodesim.declarations.keys import key
@@ -20,6 +22,7 @@ from gcodesim.declarations.plain_kinds import Choice, Text
 from gcodesim.declarations.quantity import Quantity
 from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread
 from gcodesim.declarations.record import Record
+from gcodesim.declarations.variant import Variant
 from gcodesim.frames import Pose
 from gcodesim.frozen import frozen
 from gcodesim.kinematics.branch_names import PAIRS, WORDS
@@ -31,6 +34,14 @@ if TYPE_CHECKING:
 RIGID: Final = "rigid"
 _CONFIGURATION: Final = ListOf(Choice(WORDS, "a configuration"), single=True)
 _STIFFNESS_OF: Final[dict[Measure, str]] = {"angle": "torsional stiffness", "length": "stiffness"}
+
+
+@frozen
+class ControllerKind(Variant):
+    """A controller of a robot."""
+
+    def name(self, path: Path) -> str:
+        return "the controller"
 
 
 @frozen
@@ -47,6 +58,11 @@ class Payload:
         quiet=True,
         example="[0, 0, 80 mm]",
     )
+
+
+_CONTROLLER: Final = ControllerKind(
+    family=CONTROLLERS, what="controller", example="{type: computed_torque, bandwidth: 15 Hz}"
+)
 
 
 @frozen
@@ -67,6 +83,12 @@ class RobotForm:
     )
     payload: Payload | None = key(
         Record(Payload, "a payload", "mass"), "what hangs at the flange besides the tool", default=None
+    )
+    controller: Controller = key(
+        _CONTROLLER,
+        "how motors follow the command",
+        default=Ideal(),
+        quiet=True,
     )
     configuration: tuple[str, ...] | None = key(
         _CONFIGURATION,
@@ -134,6 +156,12 @@ class RobotForm:
             to.default((*path, "base", "in"), "world")
         if not self._can_stand(chain, to, (*path, "configuration")):
             return UNREAD
+        for name, values in self.controller.lists().items():
+            if len(values) not in (0, 1, len(measures)):
+                span = to.span((*path, "controller", name))
+                return to.fault(
+                    "GS706", span, f"`{name}` has {len(values)} entries; the robot has {len(measures)} joints"
+                )
         return Robot(
             name=str(path[-1]),
             model=self.model,
@@ -146,6 +174,7 @@ class RobotForm:
             stiffness=stiffness,
             payload=self.payload,
             configuration=self.configuration,
+            controller=self.controller,
         )
 
     def _can_stand(self, chain: Chain, to: Reading, path: Path) -> bool:
@@ -205,7 +234,7 @@ class Robot:
     `model` names a shipped one, else `urdf` is the file's name as written in the cell, and `flange` the link written
     there; `description` is where that file is, and `chain` its content. `home` [rad] or [m],
     `stiffness` of the gears [N·m/rad] or [N/m], or None for rigid ones; `configuration` names the branches on which it
-    has to be (None: all); `X_WB` is its base in the world.
+    has to be (None: all); `controller` is how its motors follow the command; `X_WB` is its base in the world.
     """
 
     axes: ClassVar[tuple[MachineAxis, ...]] = ()
@@ -222,6 +251,7 @@ class Robot:
     stiffness: tuple[float, ...] | None
     payload: Payload | None
     configuration: tuple[str, ...] | None = None
+    controller: Controller = Ideal()
     X_WB: Pose = field(default_factory=Pose.identity, compare=False)
 
     @property
@@ -277,6 +307,8 @@ class RobotKind(Kind):
         shown["stiffness"] = RIGID if value.stiffness is None else _show_stiffness(value)
         if value.payload is not None:
             shown["payload"] = Record(Payload, "a payload").show(value.payload)
+        if value.controller.law != "ideal":
+            shown["controller"] = _CONTROLLER.show(value.controller)
         if value.configuration is not None:
             shown["configuration"] = _CONFIGURATION.show(value.configuration)
         return shown
@@ -290,6 +322,8 @@ class RobotKind(Kind):
         shown["stiffness_SI"] = None if value.stiffness is None else list(value.stiffness)
         if value.payload is not None:
             shown["payload"] = Record(Payload, "a payload").plain(value.payload)[1]
+        if value.controller.law != "ideal":
+            shown["controller"] = _CONTROLLER.plain(value.controller)[1]
         if value.configuration is not None:
             shown["configuration"] = list(value.configuration)
         return "", shown

@@ -22,15 +22,15 @@ if TYPE_CHECKING:
 class Coupling:
     """What a world calls while it moves: joints (m, j) of steps go in, in order; wrenches (m, 6) in base axes come out.
 
-    A world without dynamics asks for all steps at once, at the commanded joints;
-    one with dynamics asks step by step. The distance of its joints from the command
-    moves the tip, and with it the cut. One stretch of steps has one tool.
+    A world that follows its command asks for all steps at once; one that does not asks step by step, and says where
+    the tip begins and would end, and how it gives way (`react`). One stretch of steps has one tool. `gears_move`: the
+    world moves the gears of the machine, and the process does not.
     """
 
-    def __init__(self, plan: Plan, shop: Shop, rows: RowColumns) -> None:
+    def __init__(self, plan: Plan, shop: Shop, rows: RowColumns, *, gears_move: bool = False) -> None:
         self._plan, self._shop, self._rows = plan, shop, rows
         self._tasks = Tasks(shop)
-        self._moved = np.zeros(3)
+        self._gears_move = gears_move
 
     def follow(self, plan: Plan, rows: RowColumns) -> None:
         """Go on with a plan that has further legs, and its rows."""
@@ -51,31 +51,25 @@ class Coupling:
         tasks = self._tasks.of(number) if cuts else self._tasks.kept(number)
 
         def jacobian() -> Array:
-            return self._tip_jacobian(steps, begin, end)
+            return self.tip_jacobian(steps, begin, end)
 
-        made = [stint_of(self._shop, self._rows, task, steps, begin, end, jacobian) for task in tasks]
-        return Stretch(self, self._plan, steps, begin, end, [stint for stint in made if stint is not None])
+        ask = None if self._gears_move else jacobian
+        made = [stint_of(self._shop, self._rows, task, steps, begin, end, ask) for task in tasks]
+        return Stretch(self._plan, steps, begin, end, [stint for stint in made if stint is not None])
 
-    def _tip_jacobian(self, steps: StepWindow, begin: int, end: int) -> Array:
+    def tip_jacobian(self, steps: StepWindow, begin: int, end: int) -> Array:
         """Jacobians (n, 6, j) of the tip in base axes."""
         q = steps.q[begin:end]
         tool = self._shop.tool(int(steps.tool[begin]))
         J = self._shop.kinematics.jacobian(q)
         return J if tool is None else shift_jacobian(J, self._shop.kinematics.forward(q), tool.X_FT.p)
 
-    def moved_from(self, now: Array) -> Array:
-        """The offset (3,) [m] of the tip from the command one step ago; from here on it is `now`."""
-        before, self._moved = self._moved, now
-        return before
-
 
 class Stretch:
     """Consecutive steps with one tool; itself the function that a world calls."""
 
-    def __init__(
-        self, coupling: Coupling, plan: Plan, steps: StepWindow, begin: int, end: int, stints: list[Stint]
-    ) -> None:
-        self._coupling, self._plan, self._steps = coupling, plan, steps
+    def __init__(self, plan: Plan, steps: StepWindow, begin: int, end: int, stints: list[Stint]) -> None:
+        self._plan, self._steps = plan, steps
         self.begin, self.end, self.stints = begin, end, stints
 
     @property
@@ -84,24 +78,25 @@ class Stretch:
         return any(stint.task.process.pushes for stint in self.stints)
 
     def __call__(self, first: int, q: Array) -> Array:
-        """What the tool feels (m, 6) from step `first` of the stretch on, with joints at `q` (m, j) after each step."""
-        commanded = self._steps.q[self.begin + first : self.begin + first + len(q)]
+        """What the tool feels (n, 6) in all steps, with joints (n, j) as commanded."""
         wrench = np.zeros((len(q), 6))
+        for stint in self.stints:
+            stint.run()
+            if stint.wrench is not None:
+                wrench += stint.wrench
+        return wrench
+
+    def react(self, k: int, q_before: Array, q_free: Array, response: Array) -> Array:
+        """What the tool feels (6,) in step `k` of the stretch, base axes; see `world.protocol.Reacting`."""
+        wrench, at = np.zeros(6), self.begin + k
         if not self.stints:
             return wrench
-        if len(q) == self.end - self.begin and np.array_equal(q, commanded):
-            for stint in self.stints:
-                stint.run()
-                if stint.wrench is not None:
-                    wrench += stint.wrench
-            return wrench
-        for i in range(len(q)):
-            k = self.begin + first + i
-            moved = self._plan.tip(q[i : i + 1], self._steps.row[k : k + 1])[0, :3, 3] - self._steps.tip[k, :3, 3]
-            before = self._coupling.moved_from(moved)
-            for stint in self.stints:
-                if stint.task.process.pushes:
-                    wrench[i] += stint.step(first + i, before, moved)
+        steps, row = self._steps, np.repeat(self._steps.row[at], 2)
+        tips = self._plan.tip(np.array([q_before, q_free]), row)[:, :3, 3]
+        before, moved = tips[0] - steps.tip_before[at, :3, 3], tips[1] - steps.tip[at, :3, 3]
+        for stint in self.stints:
+            if stint.task.process.pushes:
+                wrench += stint.step(k, before, moved, response)
         return wrench
 
     def whole(self) -> Array:

@@ -77,9 +77,7 @@ def execute_together(
     watcher = first_track.watcher
     most = MOST_STEPS if watcher is None else max(1, min(MOST_STEPS, watcher.interval_steps))
     planned, interrupted = 0, False
-    cutter = CutThread(
-        None if watcher is None else watcher.look, undoable=any(track.world.may_lag for track in tracks)
-    )
+    cutter = CutThread(None if watcher is None else watcher.look, undoable=any(track.world.may_lag for track in tracks))
     behind = Behind()
     in_hand: list[tuple[Track, WindowCut]] = []
     try:
@@ -93,11 +91,12 @@ def execute_together(
             taken: list[tuple[Track, StepRecord, Sequence[Diagnostic]]] = []
             while now is not None:
                 track, cut = now
-                cutter.begin(cut)
+                if track.world.keeps_to_command:
+                    cutter.begin(cut)
                 following = next(cuts, None)
                 in_hand = [now] if following is None else [now, following]
                 cutter.wait(cut)
-                if following is not None and follows:
+                if following is not None and follows and following[0].world.keeps_to_command:
                     cutter.begin(following[1])
                 ahead = None if following is None else following[1]
                 steps, follows = _move(track.world, track.shop, cutter, cut, ahead)
@@ -146,7 +145,12 @@ def _move(
     for index, stretch in enumerate(cut.stretches):
         attach(world, shop, int(cut.window.tool[stretch.begin]))
         q = cut.window.q[stretch.begin : stretch.end]
-        if not stretch.pushes:
+        if not world.keeps_to_command:
+            follows = False
+            moved.append(world.run(q, stretch if stretch.pushes else None))
+            stretch.finish()
+            cut.wrenches.append(np.zeros(0))
+        elif not stretch.pushes:
             moved.append(world.run(q))
         elif world.keeps_up(q, cut.wrenches[index]):
             moved.append(world.run(q, cut.wrenches[index]))
@@ -159,9 +163,13 @@ def _move(
             stretch.finish()
             cut.wrenches.append(np.zeros(0))
             cutter.cut(cut)
+    if not world.keeps_to_command:
+        cutter.see(cut)
     return moved[0] if len(moved) == 1 else _joined(moved), follows
 
 
 def _joined(parts: list[WorldSteps]) -> WorldSteps:
-    names = ("q", "qd", "qdd", "effort", "saturated", "reaction")
+    names = ["q", "qd", "qdd", "effort", "saturated", "reaction"]
+    if parts[0].gear is not None:
+        names.append("gear")
     return WorldSteps(**{name: np.concatenate([getattr(part, name) for part in parts]) for name in names})

@@ -53,13 +53,22 @@ class Stint:
         window = self.window
         return self.task.process.zone.bounds(window.piece_start, window.piece_end, window.axis, NEAR)
 
-    def step(self, k: int, moved_before: Array, moved: Array) -> Array:
-        """Step `k` of this stint, its tip off the command by `moved_before` … `moved` (3,) [m]; wrench (6,); in B."""
+    def step(self, k: int, moved_before: Array, moved: Array, response: Array) -> Array:
+        """Step `k` of this stint, its tip off the command by `moved_before` … `moved` (3,) [m]; wrench (6,); in B.
+
+        Under a wrench F the machine moves the tip by `response` (6, 6) F besides.
+        """
         if self._loop is None:
             self._loop = self.task.process.loop(self.task.target.given, self.window, self.task.state)
         seen, out = np.empty((2, 3)), np.empty(6)
         into_axes(self.X_BS[k], moved_before, moved, seen)
-        wrench_from_axes(self.X_BS[k], self._loop.step(k, seen[0], seen[1], self.share), out)
+        if getattr(self._loop, "yields", False):
+            R_SB = self.X_BS[k : k + 1, :3, :3].transpose(0, 2, 1)
+            gives = _seen_from(R_SB, response[None])[0, :3]
+            wrench = self._loop.step(k, seen[0], seen[1], self.share, gives)
+        else:
+            wrench = self._loop.step(k, seen[0], seen[1], self.share)
+        wrench_from_axes(self.X_BS[k], wrench, out)
         return out
 
     def finish(self) -> None:
@@ -79,11 +88,18 @@ class Stint:
 
 
 def stint_of(
-    shop: Shop, rows: RowColumns, task: Task, steps: StepWindow, begin: int, end: int, jacobian: Callable[[], Array]
+    shop: Shop,
+    rows: RowColumns,
+    task: Task,
+    steps: StepWindow,
+    begin: int,
+    end: int,
+    jacobian: Callable[[], Array] | None,
 ) -> Stint | None:
     """The stint for steps `begin` to `end`, all with the task's tool; None if it stays away from the target.
 
-    `jacobian` gives those of the tip (n, 6, j) in base axes; a rigid machine does not ask for them.
+    `jacobian` gives those of the tip (n, 6, j) in base axes; a rigid machine does not ask for them. None: the world
+    itself moves the gears, so that they are no matter of the process.
     """
     count = end - begin
     X_BS = shop.scene.seen_from(shop.name, task.target.frame, steps.joints(shop.name, begin, end))
@@ -129,7 +145,7 @@ def stint_of(
         dt=steps.dt,
         filament=filament,
         compliance=_seen_from(R_SB, compliance(jacobian(), shop.stiffness))
-        if task.process.pushes and shop.stiffness is not None
+        if task.process.pushes and shop.stiffness is not None and jacobian is not None
         else None,
     )
     return Stint(task=task, begin=begin, end=end, window=window, X_BS=X_BS, share=share)

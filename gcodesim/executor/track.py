@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from gcodesim.arithmetic.matrices import applied
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.executor.ahead import WindowCut
 from gcodesim.executor.coupling import Coupling
@@ -28,6 +29,7 @@ from gcodesim.world import RobotBody, WorldSteps, open_world, tool_body
 if TYPE_CHECKING:
     from gcodesim.planning import Plan
     from gcodesim.world import World
+
 
 @frozen
 class Progress:
@@ -109,8 +111,15 @@ class Track:
         self._standing: dict[str, float] = {}
         self._home = plan.joints(plan.trajectory.sample(np.zeros(1)))[0]
         self._joints = JointTotals.start(self._home)
-        self.world = open_world(world_name, RobotBody(chain=shop.kinematics.chain, X_WB=shop.X_WB), dt_ns)
-        self._coupling, self._guard = Coupling(plan, shop, self.rows), ProbeGuard(shop)
+        body = RobotBody(
+            chain=shop.kinematics.chain,
+            X_WB=shop.X_WB,
+            stiffness=None if shop.stiffness is None else tuple(shop.stiffness.tolist()),
+            controller=shop.mover.controller,
+        )
+        self.world = open_world(world_name, body, dt_ns)
+        gears_move = body.controller.law != "ideal"
+        self._coupling, self._guard = Coupling(plan, shop, self.rows, gears_move=gears_move), ProbeGuard(shop)
         self.volumes: dict[str, tuple[float, float]] = {}
         self.done = self.last_row = 0
 
@@ -168,6 +177,11 @@ class Track:
     def take(self, cut: WindowCut, steps: WorldSteps) -> StepRecord:
         """Take over what was done in a window."""
         record = record_of(cut.window, steps, cut.stints, self._sheet, self._standing)
+        if steps.gear is not None:
+            for stretch in cut.stretches:
+                here = slice(stretch.begin, stretch.end)
+                J = self._coupling.tip_jacobian(cut.window, stretch.begin, stretch.end)
+                record.deflection[here] += applied(J, steps.gear[here])
         self._standing = record.standing
         add_volumes(self.volumes, cut.stints)
         self._totals.add(record)

@@ -19,7 +19,7 @@ from gcodesim.arithmetic.matrices import applied, dots
 from gcodesim.frozen import frozen
 from gcodesim.processes.column import ENGAGED, FINDINGS, LOG, POWER, REMOVED, RESULTS, TORQUE, Column, Shown
 from gcodesim.processes.laws import Law
-from gcodesim.processes.leaning import Leaning, cut_in_three, cut_leaning, part_of
+from gcodesim.processes.leaning import Leaning, cut_in_three, cut_leaning, memory_of, part_of
 from gcodesim.processes.leaning_force import leave
 from gcodesim.processes.misuse import cutter_findings
 from gcodesim.processes.protocol import Process
@@ -98,7 +98,7 @@ class Milling(Process):
         """State of a tool that was just put in; if it stands in material, it cuts nothing until it has left it."""
         from gcodesim.processes.milling_kernels import STATE
 
-        return ProcessState(values=np.zeros(STATE))
+        return ProcessState(values=np.zeros(STATE + 6))  # and the mean wrench of the last step
 
     @cached_property
     def zone(self) -> Zone:
@@ -118,7 +118,10 @@ class Milling(Process):
             return ProcessStep.free(window.steps)
         turns = Turns.of(window)
         out = self.run_parts(stock, packed_motion(window, turns), Leaning.of(window, turns), state)
-        return self._step_of(_of_steps(out, turns), stock, window)
+        done = self._step_of(_of_steps(out, turns), stock, window)
+        if window.steps:
+            felt_in(state.values)[:] = done.wrench[-1]
+        return done
 
     def run_parts(self, stock: Stock, motion: Motion, leaning: Leaning, state: ProcessState) -> Array:
         """The same on m parts of steps in the form that kernels take, for loops of single steps; out (m, OUTPUTS)."""
@@ -267,6 +270,9 @@ class Milling(Process):
 class MillingLoop:
     """A window that is cut step by step; anything that each step needs is made once."""
 
+    yields: ClassVar[bool] = True
+    """`step` takes how the machine gives way during the step."""
+
     def __init__(self, process: Milling, stock: Stock, window: Window, state: ProcessState) -> None:
         self._process, self._stock, self._window, self._state = process, stock, window, state
         self._turns = Turns.of(window)
@@ -275,11 +281,19 @@ class MillingLoop:
         self._last = np.append(self._turns.first[1:], len(self._turns.step))
         self._out: list[Array] = []
 
-    def step(self, k: int, moved_before: Array, moved: Array, share: Array) -> Array:
+    def step(self, k: int, moved_before: Array, moved: Array, share: Array, response: Array | None = None) -> Array:
         """Step `k`, in order. The tip is off the window's pieces by `moved_before` … `moved` (3,) [m].
 
-        `share` (c, 2) tells where in its step each piece begins and ends. Wrench (6,) on the tool in S.
+        `share` (c, 2) tells where in its step each piece begins and ends. Wrench (6,) on the tool in S. Chips are those
+        of the way and the speed that the tip really has. Under a wrench F the machine moves the tip by `response`
+        (3, 6) F more in this step; that is solved together with the bend of the tool, of which it is then no part.
         """
+        values = self._state.values
+        if response is not None:
+            # the way of the tip as it goes on under the wrench of the last step: what is left to solve is small
+            gone = applied(response[None], felt_in(values)[None])[0]
+            moved_before = moved_before - gone
+            memory_of(values).delta[:] += gone
         motion, here = self._motion, slice(int(self._turns.first[k]), int(self._last[k]))
         a, b = int(motion.first_piece[here.start]), int(motion.first_piece[here.stop])
         bend = moved - moved_before
@@ -288,20 +302,58 @@ class MillingLoop:
             ends=motion.ends[a:b] + moved_before + share[a:b, 1:] * bend,
             first_piece=motion.first_piece[here.start : here.stop + 1] - a,
             axis=motion.axis[here],
-            velocity=motion.velocity[here],
+            velocity=motion.velocity[here] + across(bend, motion.axis[here]) / self._window.dt,
             spindle=motion.spindle[here],
             rapid=motion.rapid[here],
-            compliance=motion.compliance[here],
+            compliance=self._compliance(here, response),
         )
         leaning = Leaning(self._leaning.parts[here], *self._leaning.axes(a, b))
         out = self._process.run_parts(self._stock, step, leaning, self._state)
+        if response is not None:
+            self._leave_to_machine(out, response)
         self._out.append(out)
         wrench: Array = out[0, :6] if len(out) == 1 else applied(out[:, :6].T, self._turns.share[here])
+        felt_in(values)[:] = wrench
         return wrench
+
+    def _compliance(self, here: slice, response: Array | None) -> Array:
+        """Compliance of the tip in the parts of a step (m or 0, 3, 6): of gears, and of what moves in this step."""
+        own = self._motion.compliance[here]
+        if response is None:
+            return own
+        count = here.stop - here.start
+        both: Array = np.ascontiguousarray(np.tile(response, (count, 1, 1)))
+        return both + own if len(own) else both
+
+    def _leave_to_machine(self, out: Array, response: Array) -> None:
+        """Take what the machine has moved under the wrench off the bend of the tool: the next step begins there."""
+        from gcodesim.processes import milling_kernels as m
+
+        moved = applied(response, out[:, m.WRENCH : m.WRENCH + 6])
+        out[:, m.DEFLECTION : m.DEFLECTION + 3] -= moved
+        kept = memory_of(self._state.values)
+        kept.delta[:] = out[-1, m.DEFLECTION : m.DEFLECTION + 3]
 
     def finish(self) -> ProcessStep:
         """The outcome of all steps."""
         return self._process._step_of(_of_steps(np.concatenate(self._out), self._turns), self._stock, self._window)
+
+
+def across(way: Array, axis: Array) -> Array:
+    """The part (m, 3) of a way (3,) that goes across the axes (m, 3) of a tool.
+
+    A tool that trembles along its axis would plunge in one step and hover in the next, with the edge forces of all of
+    its bottom or none; what it really does is to rest on the floor. So at the bottom chips are those of the command.
+    """
+    along = dots(axis, np.broadcast_to(way, axis.shape))
+    return way - along[:, None] * axis
+
+
+def felt_in(values: Array) -> Array:
+    """A view of the mean wrench (6,) of the last step, in S, among the numbers that a process keeps."""
+    from gcodesim.processes.milling_kernels import STATE
+
+    return values[STATE : STATE + 6]
 
 
 def _along_axis(force: Array, axis: Array) -> Array:

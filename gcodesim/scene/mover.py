@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import field
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 
+from gcodesim.controllers.controller import Controller
+from gcodesim.controllers.ideal import Ideal
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.kinematics.chain import BASE, FLANGE
@@ -29,7 +32,8 @@ class Mover:
     `retreat` (3,) is the direction, in the path's X, Y, Z, in which a tool leaves the work along its own axis; None
     where it depends on the pose. `timed_only` are joints whose place is unknown, so that they only take time.
     `seen_whole`: a viewer should see all of it beside the part; `lathe`: the work
-    turns, about Z at X0 of its base. `description` is the file that describes it.
+    turns, about Z at X0 of its base. `description` is the file that describes it;
+    `controller` is how its motors follow the command.
     """
 
     name: str
@@ -44,6 +48,7 @@ class Mover:
     seen_whole: bool = True
     lathe: bool = False
     description: Path | None = None
+    controller: Controller = field(default_factory=Ideal)
 
     @property
     def joint_names(self) -> tuple[str, ...]:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Final
 
-from gcodesim.family import Family
+from gcodesim.family import Family, object_at
 from gcodesim.world.body import RobotBody, ToolBody, tool_body
 from gcodesim.world.protocol import STANDARD_GRAVITY, Couple, World, WorldSteps, WorldUnavailable
 
@@ -13,6 +13,13 @@ WORLDS = Family(
     kinematic="gcodesim.world.kinematic:KinematicWorld",
     bullet="gcodesim.world.bullet:BulletWorld",
 )
+
+
+DRIVEN: Final = {
+    "kinematic": "gcodesim.world.driven:DrivenWorld",
+    "bullet": "gcodesim.world.driven_bullet:DrivenBulletWorld",
+}
+"""The same worlds where motors obey a controller."""
 
 
 def open_world(
@@ -30,7 +37,7 @@ def open_world(
     """
     if step_ns <= 0:
         raise ValueError(f"the step is {step_ns} ns; it has to be positive")
-    kind: Any = WORLDS[name]
+    kind: Any = WORLDS[name] if robot.controller.law == "ideal" else object_at(DRIVEN[name])
     world: World = kind(robot, step_ns, gravity=gravity)
     return world
 
@@ -43,6 +50,7 @@ def require_world(name: str) -> None:
 
 
 __all__ = [
+    "DRIVEN",
     "STANDARD_GRAVITY",
     "WORLDS",
     "Couple",

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gcodesim.controllers.controller import Controller
+from gcodesim.controllers.ideal import Ideal
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.solids import Box, Cylinder, Placed, Sphere, widest
@@ -47,12 +49,15 @@ class RobotBody:
     """A robot or machine tool: its chain, where its root is in W, and what its motors can deliver.
 
     `effort` (j,) limits the motors of the driven joints [N·m, N], inf is
-    unlimited; None takes the limits of the chain.
+    unlimited; None takes the limits of the chain. `controller` is how its motors follow the command; with an ideal one
+    `stiffness` (j,) of the gears [N·m/rad, N/m], None where they are rigid, is a matter of the process alone.
     """
 
     chain: Chain
     X_WB: Pose = field(default_factory=Pose.identity)
     effort: tuple[float, ...] | None = None
+    stiffness: tuple[float, ...] | None = None
+    controller: Controller = field(default_factory=Ideal)
 
     def __post_init__(self) -> None:
         if not self.chain.driven:

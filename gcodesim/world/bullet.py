@@ -31,7 +31,7 @@ from gcodesim.world.body import RobotBody, ToolBody, centred
 from gcodesim.world.model import BulletModel, joint_name, merged_model, payload_of
 from gcodesim.world.protocol import STANDARD_GRAVITY, Couple, WorldSteps, WorldUnavailable
 from gcodesim.world.reaction import tool_reaction
-from gcodesim.world.state import WorldBase, wrench_rows
+from gcodesim.world.state import WorldBase, reaction_of, wrench_rows
 
 # what a motor without limit may give [N·m, N]: far above any machine, and still an ordinary number for the solver
 UNLIMITED: Final = 1e9
@@ -49,8 +49,8 @@ UPRIGHT: Final = (0.0, 0.0, 0.0, 1.0)
 
 # one entry for each joint: position, velocity, sensor reading, motor effort
 JointStates = tuple[tuple[float, float, tuple[float, ...], float], ...]
-# push(k, joint states after the step before): let the process act during step k of a chunk
-Push = Callable[[int, JointStates | None], None]
+# push(k): let the process act during step k of a chunk
+Push = Callable[[int], None]
 
 
 def import_pybullet() -> Any:
@@ -79,6 +79,7 @@ class BulletWorld(WorldBase):
     """A robot with masses, motors and gravity in PyBullet; see `gcodesim.world.protocol.World`."""
 
     may_lag = True
+    keeps_to_command = True
     require = staticmethod(import_pybullet)
 
     def __init__(
@@ -94,6 +95,7 @@ class BulletWorld(WorldBase):
         self._body = -1
         self._pockets: dict[str, int] = {}
         self._q = self._qd = self._commanded = np.zeros(self.joint_count)
+        self._felt = np.zeros(6)
         self._client = self._bullet.connect(self._bullet.DIRECT)
         if self._client < 0:
             raise WorldUnavailable("pybullet gives no further world in this process; close one first")
@@ -168,7 +170,7 @@ class BulletWorld(WorldBase):
     def reset(self, q: Array) -> None:
         """Stand still at joint vector `q` (j,)."""
         self._q = self._commanded = self._joint_vector(q)
-        self._qd = np.zeros(self.joint_count)
+        self._qd, self._felt = np.zeros(self.joint_count), np.zeros(6)
         self._write_state()
 
     def attach(self, tool: ToolBody | None, pocket: Pose | None = None) -> None:
@@ -198,6 +200,32 @@ class BulletWorld(WorldBase):
         )
         return number
 
+    # moved by torques: for a robot with a controller
+
+    def take_torques(self, dt: float) -> None:
+        """From now on steps of `dt` [s] in which joints have no motors, only the torques of `under_torques`."""
+        p, client = self._bullet, self._client
+        p.setPhysicsEngineParameter(fixedTimeStep=dt, physicsClientId=client)
+        none = [0.0] * len(self._joints)
+        p.setJointMotorControlArray(
+            self._body, self._joints, p.VELOCITY_CONTROL, targetVelocities=none, forces=none, physicsClientId=client
+        )
+
+    def put(self, q: Array, qd: Array) -> None:
+        """Put the joints at `q` (j,) with speeds `qd` (j,)."""
+        self._q, self._qd = q.copy(), qd.copy()
+        self._write_state()
+
+    def under_torques(self, torque: Array) -> tuple[Array, Array]:
+        """One step under `torque` (j,) [N·m, N] at the joints; joints and their speeds (j,) after it."""
+        p, client = self._bullet, self._client
+        p.setJointMotorControlArray(
+            self._body, self._joints, p.TORQUE_CONTROL, forces=torque.tolist(), physicsClientId=client
+        )
+        p.stepSimulation(client)
+        states = p.getJointStates(self._body, self._joints, client)
+        return np.array([s[0] for s in states]), np.array([s[1] for s in states])
+
     # stepping
 
     def run(self, q_command: Array, couple: Couple | Array | None = None) -> WorldSteps:
@@ -213,14 +241,15 @@ class BulletWorld(WorldBase):
             rows = slice(first, min(first + CHUNK, n))
             push: Push | None = None
             if callable(couple):
-                push = self._push(commands[rows], wrench[rows], partial(couple_row, couple, first))
-            elif couple is not None:
-                push = self._push(commands[rows], wrench[rows], None)
-            states = self._lean_loop(commands[rows], push)
+                states = self._asking_loop(commands[rows], wrench[rows], partial(reaction_of, couple), first)
+            else:
+                push = None if couple is None else self._push(wrench[rows])
+                states = self._lean_loop(commands[rows], push)
             after = slice(first + 1, rows.stop + 1)
             joints = list(chain.from_iterable(states))
             for field, column in ((0, q[after]), (1, qd[after]), (3, effort[rows])):
                 column.ravel()[:] = np.fromiter(map(itemgetter(field), joints), dtype=float, count=len(joints))
+            self._felt = wrench[rows.stop - 1].copy()
             self._q, self._qd, self._commanded = q[rows.stop].copy(), qd[rows.stop].copy(), commands[rows.stop - 1]
         return WorldSteps(
             q=q[1:],
@@ -265,10 +294,9 @@ class BulletWorld(WorldBase):
         forces = np.where(np.isinf(self._limit), UNLIMITED, self._limit).tolist()
         states: list[JointStates] = []
         keep = states.append
-        state = None
         for k, target in enumerate(commands.tolist()):
             if push is not None:
-                push(k, state)
+                push(k)
             command(
                 body,
                 joints,
@@ -280,25 +308,37 @@ class BulletWorld(WorldBase):
                 physicsClientId=client,
             )
             step(client)
-            state = read(body, joints, client)
-            keep(state)
+            keep(read(body, joints, client))
         return states
 
-    def _push(self, commands: Array, wrench: Array, ask: Callable[[int, Array], Array] | None) -> Push:
-        """Let `wrench` (m, 6), base axes, act on the tool at the tip; `ask(k, q)` fills row k where it is not known."""
+    def _asking_loop(self, commands: Array, wrench: Array, ask: Callable[..., Array], first: int) -> list[JointStates]:
+        """The same, with a process that is asked before each step; its answers fill `wrench` (m, 6).
+
+        It hears where the joints will be (`Foresight`); `first` is the number of the first step in the run.
+        """
+        from gcodesim.world.foresight import Foresight
+
+        foresight = Foresight(self.robot.chain, self.tool, self.gravity_B, self._limit, self.dt)
+        push = self._push(wrench)
+        q, qd, before = self._q, self._qd, self._commanded
+        states: list[JointStates] = []
+        for k, command in enumerate(commands):
+            felt = wrench[k - 1] if k else self._felt
+            free, response, target = foresight.of(q.copy(), qd.copy(), before, command, felt)
+            wrench[k] = ask(first + k, q, free, response)
+            late = np.abs(q - before) > LATE
+            states += self._lean_loop(np.where(late, target, command)[None], _at(push, k))
+            q, qd = (np.array([joint[field] for joint in states[-1]]) for field in (0, 1))
+            before = command
+        return states
+
+    def _push(self, wrench: Array) -> Push:
+        """Let `wrench` (m, 6), base axes, act on the tool at the tip; row k as it is when step k begins."""
         p, client, body, link = self._bullet, self._client, self._body, self._tip_link
         R_WB: list[list[float]] = self.robot.X_WB.R.tolist()
-        known: list[list[float]] = wrench.tolist() if ask is None else []  # plain numbers: a step has only a few
-        missed_before = self._q - self._commanded
 
-        def push(k: int, state: JointStates | None) -> None:
-            if ask is None:
-                row = known[k]
-            else:
-                # a step ends on its command, or short of it by as much as the step before
-                missed = missed_before if state is None else np.array([joint[0] for joint in state]) - commands[k - 1]
-                wrench[k] = ask(k, commands[k] + missed)
-                row = wrench[k].tolist()
+        def push(k: int) -> None:
+            row = wrench[k].tolist()
             if link is None or not any(row):
                 return
             # asking for the tip also refreshes the place of the link, from which Bullet computes the lever
@@ -326,10 +366,9 @@ class BulletWorld(WorldBase):
             self._client = -1
 
 
-def couple_row(couple: Couple, first: int, k: int, q: Array) -> Array:
-    """The wrench (6,) that `couple` returns for row `first + k` at joints `q` (j,)."""
-    row: Array = wrench_rows(couple, first + k, q[None])[0]
-    return row
+def _at(push: Push, k: int) -> Push:
+    """`push` of row `k`, for a loop of one step."""
+    return lambda _: push(k)
 
 
 def _visual(p: Any, placed: Placed) -> dict[str, Any]:

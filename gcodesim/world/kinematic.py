@@ -17,6 +17,7 @@ class KinematicWorld(WorldBase):
     """Follows every command exactly and says what effort that takes; see `gcodesim.world.protocol.World`."""
 
     may_lag = False
+    keeps_to_command = True
 
     def __init__(
         self,

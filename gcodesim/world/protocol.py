@@ -27,6 +27,17 @@ STANDARD_GRAVITY: Final = (0.0, 0.0, -9.80665)
 Couple = Callable[[int, Array], Array]
 
 
+class Reacting(Protocol):
+    """A process that is told what the machine does. `react` is what a world calls for each step, in order."""
+
+    def react(self, k: int, q_before: Array, q_free: Array, response: Array) -> Array:
+        """The wrench (6,) on the tool at the tip in step `k`, base axes.
+
+        The joints (j,) of the links begin the step at `q_before` and end it at `q_free` if there is no wrench; a
+        wrench F moves the tip by `response` (6, 6) F besides (translation, rotation vector).
+        """
+
+
 class WorldUnavailable(RuntimeError):  # noqa: N818  (it is no error of ours: something is not installed here)
     """This world cannot be opened on this machine; the text says what would help."""
 
@@ -42,6 +53,8 @@ class WorldSteps:
     saturated (n, j) the motor is at its effort limit, or the motion would need more than that
     reaction (n, 6) wrench of the flange on the tool at the flange F, base axes, force then torque [N, N·m];
              zero without a tool
+    gear     (n, j) how far the links are off the motors, besides what gravity does [rad, m]; None where no gear is
+             part of the world
     """
 
     q: Array
@@ -50,6 +63,7 @@ class WorldSteps:
     effort: Array
     saturated: NDArray[np.bool_]
     reaction: Array
+    gear: Array | None = None
 
 
 class World(Protocol):
@@ -58,6 +72,8 @@ class World(Protocol):
     step_ns: int
     may_lag: bool
     """Whether joints can be elsewhere than commanded."""
+    keeps_to_command: bool
+    """Whether they usually are where they are commanded to be, so that it pays to cut ahead."""
 
     @property
     def tool(self) -> ToolBody | None:

@@ -66,3 +66,15 @@ def wrench_rows(couple: Couple | Array, first: int, q: Array) -> Array:
     if wrench.shape != (len(q), 6):
         raise ValueError(f"the process gave a wrench of shape {wrench.shape} for {len(q)} steps")
     return wrench
+
+
+def reaction_of(couple: Couple, k: int, q_before: Array, q_free: Array, response: Array) -> Array:
+    """The wrench (6,) in step `k`: of a process that reacts as `Reacting` says, else at the joints `q_free`."""
+    react = getattr(couple, "react", None)
+    if react is None:
+        row: Array = wrench_rows(couple, k, q_free[None])[0]
+        return row
+    wrench: Array = np.asarray(react(k, q_before, q_free, response), dtype=float)
+    if wrench.shape != (6,):
+        raise ValueError(f"the process gave a wrench of shape {wrench.shape} for one step")
+    return wrench
