@@ -113,7 +113,7 @@ def test_what_the_tool_feels_is_told_in_base_axes() -> None:
 
 def test_step_by_step_it_hears_in_its_own_axes_how_far_the_tip_is_off() -> None:
     made, process = stint(EVERYWHERE, 0.0, R=rotation_about(np.array([0.0, 0.0, 1.0]), np.pi / 2))
-    wrenches = [made.step(k, np.zeros(3), np.array([0.0, 1e-3, 0.0])) for k in range(4)]
+    wrenches = [made.step(k, np.zeros(3), np.array([0.0, 1e-3, 0.0]), np.zeros((6, 6))) for k in range(4)]
     loop = made._loop
     made.finish()
 
