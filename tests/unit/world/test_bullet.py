@@ -64,7 +64,7 @@ def test_a_motor_at_its_limit_falls_behind_and_catches_up(world: BulletWorld) ->
 
 
 def test_the_process_hears_of_the_lag(world: BulletWorld) -> None:
-    """A joint that cannot follow is not where it was told to be; the process hears where it is, and where it will be."""
+    """A joint that cannot follow is not where it was told to be; the process hears where it is and will be."""
     world.attach(PEN)
     before, foreseen = np.empty((40, 6)), np.empty((40, 6))
 
