@@ -252,7 +252,7 @@ def part_step(
 @kernel
 def friction_of(i: int, drives: Drives, speed: float) -> float:
     """Friction [N·m·s/rad, N·s/m] of a motor as a damper at `speed`: Coulomb and viscous."""
-    return drives.coulomb[i] / max(abs(speed), CREEP) + drives.viscous[i]
+    return float(drives.coulomb[i] / max(abs(speed), CREEP) + drives.viscous[i])
 
 
 @kernel
