@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
+from functools import partial
+from math import isnan
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -26,7 +28,9 @@ from gcodesim.kinematics import Cartesian, Chain, Inertial, Kinematics, Link, ki
 from gcodesim.processes.sheet import Sheet
 from gcodesim.processes.signal import Signal, signals_read_by
 from gcodesim.scene import WORK, Body, Mover, Scene, Stand
-from gcodesim.solids import Box, Cylinder, Hulls, Mesh, MeshError, MeshFile, Placed, Solid, read_mesh
+from gcodesim.scene.coated import Coated, Shading
+from gcodesim.solids import Box, Cylinder, Hulls, Mesh, MeshError, MeshFile, Placed, Solid, read_mesh, triangles_of
+from gcodesim.solids.mesh_file import Triangles
 from gcodesim.tools.body import STEEL_DENSITY
 from gcodesim.units import MM, RPM
 
@@ -49,6 +53,12 @@ WORK_FRAME: Final = "G54"
 
 USUAL_LATHE: Final = 4000.0 * RPM
 """Greatest speed [rad/s] of a lathe's spindle where the cell gives no `limits: {spindle_speed: …}`."""
+
+COATED_COLUMNS: Final = 400_000
+"""Columns of a stock whose surface is coated: as fine as a film can be, within a second."""
+
+_IN_THE_WAY: Final = ("fixture", "stock", "part", "obstacle")
+"""Roles of bodies that may stand between a gun and what it coats."""
 
 FINEST_DEFAULT: Final = 0.05 * MM
 COARSEST_DEFAULT: Final = 0.5 * MM
@@ -82,7 +92,7 @@ class Shop:
 
     `mover` is what the program moves, one of the scene's. `X_BM` is machine zero seen from its base B (of a machine:
     M); on an arm M is B, turned when its work systems are tilted. `beside` are the movers of other programs that run at
-    the same time.
+    the same time. `coated` are the bodies that spray may coat, by the names of their frames.
     """
 
     cell: Cell
@@ -92,6 +102,7 @@ class Shop:
     X_BM: Pose
     scene: Scene
     stocks: Mapping[str, PlacedStock] = field(default_factory=dict)
+    coated: Mapping[str, Coated] = field(default_factory=dict)
     beside: tuple[str, ...] = ()
 
     @property
@@ -133,8 +144,12 @@ class Shop:
 
     @property
     def signals(self) -> dict[str, Signal]:
-        """What the processes of its tools read."""
-        found = signals_read_by(self.cell.tools.values())
+        """What the processes of its tools read. A switch without a position of its own is off where codes switch it."""
+        codes = {(code.target, code.verb) for code in self.cell.channels[self.channel].m_codes.values()}
+        found = {
+            name: replace(signal, default=0.0) if isnan(signal.default) and signal.is_set_by(codes) else signal
+            for name, signal in signals_read_by(self.cell.tools.values()).items()
+        }
         if self.mover.lathe:
             from gcodesim.processes import PROCESSES
 
@@ -308,7 +323,58 @@ def with_stock(shop: Shop) -> tuple[Shop, list[Diagnostic]]:
         stocks[name] = PlacedStock(
             name=name, frame=frame, spec=spec, stock=made, X_WS=X_WS @ turn, material=material, initial=made.volume
         )
-    return replace(shop, stocks=stocks, scene=shop.scene.with_frames(stands)), findings
+    stocked = replace(shop, stocks=stocks, scene=shop.scene.with_frames(stands))
+    return replace(stocked, coated=_coated(stocked)), findings
+
+
+def _coated(shop: Shop) -> dict[str, Coated]:
+    """The bodies that a spray gun may coat, all standing in each other's way."""
+    coats = shop.cell.coats
+    if not coats:
+        return {}
+    from gcodesim.processes.spray_pattern import finest
+
+    usual = finest(shop.cell.tools.values())
+    sizes = {frame: spec.resolution or usual for frame, spec in coats.items()}
+    skins = {placed.frame: _stock_skin(placed.stock) for placed in shop.stocks.values()}
+    solids = {body.name: partial(_skin_of, body) for body in shop.scene.bodies if body.role in _IN_THE_WAY}
+    skins = {**skins, **{frame: skin for frame, skin in solids.items() if frame not in skins}}
+    shading = Shading([*skins.items()])
+    found = {}
+    for frame, size in sizes.items():
+        placed = shop.stocks.get(frame.rpartition("/")[2]) if frame.startswith(f"{STOCK}/") else None
+        if placed is not None:
+            stock = placed.stock
+            found[frame] = Coated(
+                frame, skins[frame], size, shading, volume=partial(getattr, stock, "volume"), in_part=stock.in_part
+            )
+        elif frame in skins:
+            found[frame] = Coated(frame, skins[frame], size, shading)
+    return found
+
+
+def _stock_skin(stock: Stock) -> Callable[[], Triangles]:
+    """The surface of a stock as it is when it is asked for."""
+
+    def skin() -> Triangles:
+        surface = stock.surface(stock.spacing_for(COATED_COLUMNS))
+        return Triangles(points=surface.vertices, faces=surface.faces.astype(np.int32, copy=False))
+
+    return skin
+
+
+def _skin_of(body: Body) -> Triangles:
+    """The skins of all solids of a body, in its frame."""
+    parts = [(placed.X, triangles_of(placed.solid)) for placed in body.solids]
+    if not parts:
+        raise ValueError("a body without a shape")
+    starts = np.cumsum([0, *(len(skin.points) for _, skin in parts)])
+    return Triangles(
+        points=np.concatenate([X.apply(skin.points) for X, skin in parts]),
+        faces=np.concatenate([skin.faces + at for (_, skin), at in zip(parts, starts[:-1], strict=True)]).astype(
+            np.int32
+        ),
+    )
 
 
 def side_by_side(first: Shop, others: Sequence[Shop]) -> list[Shop]:
@@ -329,6 +395,7 @@ def side_by_side(first: Shop, others: Sequence[Shop]) -> list[Shop]:
             shop,
             scene=replace(shop.scene, movers=movers, frames={**shop.scene.frames, **stands}),
             stocks=first.stocks,
+            coated=first.coated,
             beside=tuple(other.name for other in shops if other is not shop),
             placement=replace(
                 shop.placement,

@@ -29,6 +29,7 @@ from gcodesim.files.output_folder import (
 )
 from gcodesim.files.whole_file import write_whole
 from gcodesim.jobs.cast import cast_of, is_of_cell
+from gcodesim.jobs.coating import film_findings, film_names
 from gcodesim.jobs.job import KINEMATIC, Job, Options
 from gcodesim.jobs.meetings import meet, share_shop
 from gcodesim.jobs.outcome import first_error, results_of
@@ -302,6 +303,8 @@ def _run(
             job.legs.stop()
         for each, own in zip(job.all, (execution, *execution.others), strict=True):
             _inspect_all(each, inspectors[each.channel], own, coarse=coarse[each.channel])
+        if job.shop is not None:
+            job.findings.extend(film_findings(job.shop))
         results = results_of(job, execution)
         if recorder is not None:
             recorder.finish(results, execution)
@@ -347,7 +350,7 @@ def _not_run(job: Job, out: Path | None) -> Results:
 
 def _names(shop: Shop | None) -> list[str]:
     """The files that a run in this shop writes."""
-    return names_of(() if shop is None else shop.cell.stocks)
+    return names_of(()) if shop is None else names_of(shop.cell.stocks, film_names(shop.cell.coats))
 
 
 def _inputs(job: Job) -> list[Path]:

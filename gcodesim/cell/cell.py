@@ -8,6 +8,7 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
 from gcodesim.cell.channel import Channel
+from gcodesim.cell.film import NO_FILM, FilmSpec
 from gcodesim.cell.machine import MachineKind, MachineTool
 from gcodesim.cell.material import MaterialKind
 from gcodesim.cell.packages import PackageFolder
@@ -158,6 +159,18 @@ class Cell:
             assert self.machine is not None
             return self.machine
         return self.robots[name]
+
+    @property
+    def coats(self) -> Mapping[str, FilmSpec]:
+        """What is asked of the film on each body that a spray gun of this cell may coat, by `stock/plate` and such."""
+        from gcodesim.tools.spray_gun import SprayGun
+
+        if not any(isinstance(tool, SprayGun) for tool in self.tools.values()):
+            return {}
+        stocks = {f"stock/{name}": stock.film or NO_FILM for name, stock in self.stocks.items()}
+        parts = {f"part/{name}": part.film or NO_FILM for name, part in self.parts.items()}
+        fixtures = {f"fixture/{name}": each.film for name, each in self.fixtures.items() if each.film is not None}
+        return {**stocks, **parts, **fixtures}
 
     @property
     def link_names(self) -> tuple[str, ...]:

@@ -25,8 +25,9 @@ def reach_findings(cell: Cell, channel: str, placement: Placement) -> Iterator[D
     if not cell.tools:
         return
     mover = cell.machine_of(channel)
-    longest = max(tool.true_length for tool in cell.tools.values())
-    widest = max(max((body.widest for body in tool.primitives), default=0.0) for tool in cell.tools.values())
+    longest = max(tool.true_length + tool.reach for tool in cell.tools.values())
+    tools = cell.tools.values()
+    widest = max(tool.reach + max((body.widest for body in tool.primitives), default=0.0) for tool in tools)
     for name, X_WS in placement.stocks.items():
         corners = bounds_of(cell.stocks[name].shape)
         X_BS = mover.X_WB.inverse() @ X_WS

@@ -12,6 +12,7 @@ from typing import Final
 
 from gcodesim.cell.cell import Cell
 from gcodesim.cell.channel import Channel, Orientation
+from gcodesim.cell.film import FilmSpec, Region
 from gcodesim.cell.machine import LinearAxis, MachineForm, RotaryAxis
 from gcodesim.cell.material import MaterialForm
 from gcodesim.cell.part import Part
@@ -26,6 +27,7 @@ from gcodesim.declarations.keys import all_keys, keys
 from gcodesim.declarations.tables import key_table, units_as_text
 from gcodesim.key_page import rewrite
 from gcodesim.tools import TOOLS
+from gcodesim.tools.spray_gun import Fading, Footprint
 
 SECTIONS: Final[tuple[tuple[str, type], ...]] = (
     ("A place (`frames`, `base`, and among the keys of whatever stands somewhere)", Place),
@@ -41,6 +43,10 @@ SECTIONS: Final[tuple[tuple[str, type], ...]] = (
     ("Shapes of stock, fixtures and parts", ShapeKeys),
     ("`stock`, besides its shape and place", StockSpec),
     ("`parts`, besides their shape and place", Part),
+    ("`film` of stock, parts and fixtures", FilmSpec),
+    ("`inside` of `film`", Region),
+    ("`footprint` of a spray gun", Footprint),
+    ("`fading` of a spray gun", Fading),
     ("`materials`", MaterialForm),
     ("`target`, besides its place", Target),
     ("`magazine`, besides its place", Magazine),

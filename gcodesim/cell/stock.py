@@ -8,6 +8,7 @@ from difflib import get_close_matches
 from pathlib import Path as FilePath
 from typing import Any, ClassVar, Final
 
+from gcodesim.cell.film import FilmSpec
 from gcodesim.cell.leftover import Leftover, leftover
 from gcodesim.cell.mesh_size import MESH_SUFFIXES, bounds
 from gcodesim.cell.placing import POINT, Place, names_of
@@ -382,6 +383,7 @@ class StockSpec(ShapeKeys):
     tailstock: Tailstock | None = key(
         Record(Tailstock, "a tailstock"), "the centre at its free end on a lathe", default=None
     )
+    film: FilmSpec | None = key(FilmSpec, "how thick a coat on it has to be", default=None)
     shape: StockShape = field(default=Box(lower=(0.0, 0.0, 0.0), upper=(0.0, 0.0, 0.0)))
 
     def checked(self, to: Reading, path: Path) -> StockSpec | Unread:
@@ -406,6 +408,9 @@ class Fixture(ShapeKeys):
     what: ClassVar[str] = "fixture"
     name: str = ""
     place: Place = inline(Place)
+    film: FilmSpec | None = key(
+        FilmSpec, "how thick a coat on it has to be; without this key it is not coated", default=None
+    )
     shape: StockShape = field(default=Box(lower=(0.0, 0.0, 0.0), upper=(0.0, 0.0, 0.0)))
 
     def checked(self, to: Reading, path: Path) -> Fixture | Unread:

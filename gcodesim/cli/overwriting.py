@@ -15,7 +15,7 @@ from gcodesim.files.output_folder import names_of
 # --write-parameters and --write-baseline may name the files of --parameters and --baseline, to update them
 _READ: Final = ("program", "programs", "paths", "cell", "old_cell", "tools", "log", "other", "old", "new")
 _WRITTEN: Final = ("out", "junit", "sarif", "gitlab", "html", "write_parameters", "write_baseline")
-_OF_RUNS: Final = names_of(("*",))
+_OF_RUNS: Final = names_of(("*",), ("*",))
 _HEAD: Final = 1 << 16
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from gcodesim.arithmetic.matrices import applied, multiplied
+from gcodesim.arithmetic.matrices import applied, inverse_pose, multiplied
 from gcodesim.arithmetic.turn_kernels import into_axes, wrench_from_axes
 from gcodesim.executor.targets import Bounds
 from gcodesim.executor.tasks import RowColumns, Task
@@ -144,11 +144,23 @@ def stint_of(
         signals={signal.name: rows.signal(signal, step_row) for signal in task.process.reads},
         dt=steps.dt,
         filament=filament,
+        side=applied(R_SB, steps.tip[begin:end, :3, 0]),
+        where=_places(shop, steps.joints(shop.name, begin, end), X_BS),
         compliance=_seen_from(R_SB, compliance(jacobian(), shop.stiffness))
         if task.process.pushes and shop.stiffness is not None and jacobian is not None
         else None,
     )
     return Stint(task=task, begin=begin, end=end, window=window, X_BS=X_BS, share=share)
+
+
+def _places(shop: Shop, q: dict[str, Array], X_BS: Array) -> Callable[[str], Array]:
+    """Poses X_SF (n, 4, 4) of frames of the scene, with the joints of all movers at `q`."""
+
+    def where(frame: str) -> Array:
+        X_SF: Array = multiplied(inverse_pose(X_BS), shop.scene.seen_from(shop.name, frame, q))
+        return X_SF
+
+    return where
 
 
 def _of_steps(steps: StepWindow, begin: int, end: int) -> Array | None:

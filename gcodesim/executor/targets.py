@@ -12,10 +12,12 @@ from numpy.typing import NDArray
 
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
+from gcodesim.scene.coated import Coated
 from gcodesim.shop import BODIES, PlacedStock, Shop
 from gcodesim.solids import Solid, triangles_of
 
 if TYPE_CHECKING:
+    from gcodesim.material.film import Film, Shades
     from gcodesim.processes.materials import Material
     from gcodesim.processes.protocol import ActsOn
 
@@ -62,7 +64,9 @@ def targets_of(shop: Shop, acts_on: ActsOn) -> list[TaskTarget]:
     if acts_on == "revolved":
         return [StockTarget(placed) for placed in shop.stocks.values() if placed.revolved]
     if acts_on == "surface":
-        return [SkinTarget(placed) for placed in shop.stocks.values()]
+        skins = [SkinTarget(placed, coated=shop.coated.get(placed.frame)) for placed in shop.stocks.values()]
+        known = {skin.frame for skin in skins}
+        return [*skins, *(BodySkinTarget(each) for frame, each in shop.coated.items() if frame not in known)]
     if acts_on == "bodies":
         bodies = standing_bodies(shop)
         return [BodiesTarget(bodies)] if bodies else []
@@ -107,7 +111,22 @@ class StockTarget:
 
 @frozen(kw_only=False, eq=False)
 class SkinTarget(StockTarget):
-    """The surface of a stock, which the process only looks at; itself the `Skin`."""
+    """The surface of a stock, which the process does not cut; itself the `Skin`. A process may coat it."""
+
+    coated: Coated | None = None
+
+    @property
+    def coating(self) -> Film | None:
+        return None if self.coated is None else self.coated.begin()
+
+    @property
+    def shade_frames(self) -> tuple[str, ...]:
+        return () if self.coated is None else self.coated.shading.frames()
+
+    @property
+    def shades(self) -> Shades:
+        assert self.coated is not None
+        return self.coated.shading.before(self.frame)
 
     @property
     def given(self) -> Any:
@@ -122,7 +141,56 @@ class SkinTarget(StockTarget):
         return surface.vertices, surface.faces.astype(np.int32, copy=False)
 
     def memento(self) -> Callable[[], None]:
-        return _nothing_to_put_back
+        return _nothing_to_put_back if self.coated is None else self.coated.memento()
+
+
+@frozen(kw_only=False, eq=False)
+class BodySkinTarget:
+    """The surface of a rigid body that is to be coated; itself the `Skin`. It counts wherever the tool is."""
+
+    coated: Coated
+
+    material = None
+    room = None
+
+    @property
+    def name(self) -> str:
+        return self.coated.name
+
+    @property
+    def frame(self) -> str:
+        return self.coated.frame
+
+    @property
+    def given(self) -> Any:
+        return self
+
+    @property
+    def box(self) -> Bounds:
+        points, _ = self.triangles()
+        return points.min(axis=0), points.max(axis=0)
+
+    def triangles(self) -> tuple[Array, NDArray[np.int32]]:
+        skin = self.coated.skin()
+        return skin.points, skin.faces
+
+    @property
+    def coating(self) -> Film | None:
+        return self.coated.begin()
+
+    @property
+    def shade_frames(self) -> tuple[str, ...]:
+        return self.coated.shading.frames()
+
+    @property
+    def shades(self) -> Shades:
+        return self.coated.shading.before(self.frame)
+
+    def filled(self) -> None:
+        return None
+
+    def memento(self) -> Callable[[], None]:
+        return self.coated.memento()
 
 
 @frozen(kw_only=False, eq=False)

@@ -21,6 +21,7 @@ RESULTS_NAME: Final = "results.json"
 LINES_NAME: Final = "lines.csv"
 CELL_NAME: Final = "cell.yaml"
 STOCK_SUFFIXES: Final = (".stl", ".stock")
+FILM_SUFFIXES: Final = (".film.ply", ".film.csv")
 OVERWRITES: Final = "GS750"
 IN_USE: Final = "GS751"
 
@@ -31,8 +32,10 @@ _BEGINNINGS: Final[Mapping[str, tuple[tuple[int, bytes], ...]]] = {
     ".csv": ((0, b"file,line,time_s,"),),
     ".stl": ((0, b"gcodesim binary STL"),),
     ".stock": ((0, b"gcodesim-stock/"),),
+    ".film.ply": ((0, b"ply\nformat binary_little_endian 1.0\ncomment gcodesim film"),),
+    ".film.csv": ((0, b"x_mm,y_mm,z_mm,nx,ny,nz,area_mm2,film_um"),),
 }
-_HEAD: Final = 64
+_HEAD: Final = 80
 
 
 class FolderInUseError(Exception):
@@ -48,9 +51,16 @@ def link_on_the_way(out: Path) -> Path | None:
     return next((way for way in ways if way.is_symlink()), None)
 
 
-def names_of(stocks: Iterable[str]) -> list[str]:
-    """The files that a run with these stocks writes."""
-    return [LOG_NAME, RESULTS_NAME, LINES_NAME, *(f"{name}{suffix}" for name in stocks for suffix in STOCK_SUFFIXES)]
+def names_of(stocks: Iterable[str], coated: Iterable[str] = ()) -> list[str]:
+    """The files that a run with these stocks writes, and with films on the bodies `coated`."""
+    of_stocks = [f"{name}{suffix}" for name in stocks for suffix in STOCK_SUFFIXES]
+    of_films = [f"{name}{suffix}" for name in coated for suffix in FILM_SUFFIXES]
+    return [LOG_NAME, RESULTS_NAME, LINES_NAME, *of_stocks, *of_films]
+
+
+def _kind_of(name: str) -> str:
+    """How a name that gcodesim gives ends."""
+    return next((suffix for suffix in FILM_SUFFIXES if name.endswith(suffix)), Path(name).suffix)
 
 
 @contextmanager
@@ -92,7 +102,7 @@ def overwriting(out: Path, names: Sequence[str], inputs: Iterable[Path], span: S
     inputs, found = list(inputs), []
     for name in names:
         for path in (out / name, out / f"{name}.part"):
-            reason = _reason(path, Path(name).suffix, inputs)
+            reason = _reason(path, _kind_of(name), inputs)
             if reason:
                 found.append(
                     Diagnostic(

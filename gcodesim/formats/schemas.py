@@ -157,14 +157,47 @@ def _results() -> Json:
             ),
         ),
         printing=_printing(),
+        coating=_coating(),
     )
     results["properties"] |= _several_programs(hashed)
     for entry in ("tools", "not_simulated"):  # where several programs run at once
         results["properties"][entry]["items"]["properties"]["channel"] = text("of several programs at once, whose")
     stock = results["properties"]["stocks"]["additionalProperties"]
     stock["required"] = stock["required"][: stock["required"].index("parted_off")]
-    results["required"] = [name for name in results["required"] if name not in ("probings", "printing")]
+    results["required"] = [name for name in results["required"] if name not in ("probings", "printing", "coating")]
     return results
+
+
+def _coating() -> Json:
+    """What was sprayed; only of a run in which a gun was on."""
+    return record(
+        "what was sprayed; only of a run in which a gun was on",
+        sprayed_mm3=number("what left the guns"),
+        solids_mm3=number("share of it that stays when it is dry; the volumes that follow add up to it"),
+        film_mm3=number("on bodies: thickness times area of all faces"),
+        bounced_mm3=number("met a body and did not stay"),
+        overspray_mm3=number("met no body that is coated"),
+        transfer_share=number("film over solids"),
+        overspray_share=number("overspray over solids"),
+        bodies=table(
+            "bodies on which a gun sprayed, by name",
+            record(
+                "a body; all but `volume_mm3` are of the faces that count, by `faces` and `inside` of its `film`",
+                faces=whole("of the film in all"),
+                resolution_mm=number("greatest edge of a face"),
+                volume_mm3=number("of film, on all faces"),
+                area_mm2=number("of the faces that count"),
+                least_um=nullable(number("least thickness; null: no face counts")),
+                mean_um=nullable(number("mean by area")),
+                most_um=nullable(number("greatest thickness")),
+                uncovered_mm2=number("thinner than `bare`"),
+                uncovered_share=number("of the area"),
+                below_mm2=number("thinner than `least`"),
+                above_mm2=number("thicker than `most`"),
+                runs_mm2=number("where wet film runs, by `sag`"),
+            ),
+        ),
+    )
 
 
 def _printing() -> Json:

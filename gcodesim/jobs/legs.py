@@ -33,7 +33,7 @@ from gcodesim.motion.timing import event_durations
 from gcodesim.motion.tool_path import ToolPath
 from gcodesim.planning import Plan, plan_path, posing_of
 from gcodesim.planning.legs import followed_by
-from gcodesim.processes.signal import ACTIVE, BEAM, BEAM_POWER
+from gcodesim.processes.signal import ACTIVE, BEAM, BEAM_POWER, FLOW, SPRAY
 from gcodesim.shop import Shop, with_stock
 from gcodesim.units import MM
 
@@ -181,7 +181,7 @@ class Legs:
     def _switch(self) -> SignalSource | None:
         """What switches a process tool in this cell, if no action does."""
         sources = self.shop.signal_sources
-        return next((sources[s.name] for s in (ACTIVE, BEAM, BEAM_POWER) if s.name in sources), None)
+        return next((sources[s.name] for s in (ACTIVE, BEAM, BEAM_POWER, SPRAY, FLOW) if s.name in sources), None)
 
     # ---- plain legs
 

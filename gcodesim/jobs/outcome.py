@@ -12,6 +12,7 @@ from gcodesim.cell.verdict import idle_suppressions
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText, Span
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
+from gcodesim.jobs.coating import coating_of
 from gcodesim.jobs.job import Job
 from gcodesim.jobs.joint_results import joint_results
 from gcodesim.jobs.printing import printing_of
@@ -64,6 +65,9 @@ def _is_called(job: Job, source: SourceText) -> bool:
 def results_of(job: Job, execution: Execution | None, *, failed: bool = False) -> Results:
     """The results of a job; of several programs at once those of all, with the executions of `execution.others`."""
     own = _results_of(job, execution, failed=failed)
+    if execution is not None and job.shop is not None:
+        totals = [execution.rows, *(other.rows for other in execution.others)]
+        own = replace(own, coating=coating_of(job.shop, totals))
     if not job.others:
         return own
     ran = None if execution is None else execution.others

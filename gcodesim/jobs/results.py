@@ -145,6 +145,8 @@ class Results:
     lines: LineRows = field(default_factory=lambda: LineRows())
     printing: Mapping[str, Any] | None = None
     """What a print took (`jobs/printing.py`); None of programs without E words."""
+    coating: Mapping[str, Any] | None = None
+    """What was sprayed (`jobs/coating.py`); None where no gun was on."""
     columns: Sequence[Column] = ()
     """Columns of processes that stand in `tools` behind those that every run has."""
     channels: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
@@ -174,6 +176,8 @@ class Results:
         if self.channels:
             value["channels"] = {name: dict(channel) for name, channel in self.channels.items()}
             value["meetings"] = dict(self.meetings or {})
+        if self.coating is not None:
+            value["coating"] = dict(self.coating)
         if self.printing is not None:
             value["printing"] = dict(self.printing)
         cleaned: dict[str, Any] = clean(value)

@@ -10,6 +10,7 @@ PROCESSES = Family(
     extrusion="gcodesim.processes.extrusion:Extrusion",
     ablation="gcodesim.processes.ablation:Ablation",
     erosion="gcodesim.processes.erosion:Erosion",
+    spraying="gcodesim.processes.spraying:Spraying",
     sensing="gcodesim.processes.sensing:Sensing",
     turning="gcodesim.processes.turning:Turning",
 )

@@ -4,7 +4,8 @@ A process acts on targets, with one `Task` for each; `acts_on` names their sort:
 
 - `stock`: each stock of the cell in turn, a `material.Stock`, which the process may change in place;
 - `revolved`: the same for the stock of a lathe, a `material.revolved.Revolved`; it is no `stock`;
-- `surface`: the skin of each stock in turn, a `Skin`, which can be looked at but not cut;
+- `surface`: the skin of each stock, and of each other body that is to be coated, in turn: a `Skin`, which can be
+  looked at but not cut. Where the cell has a spray gun it is a `CoatedSkin`;
 - `bodies`: everything in the cell that does not move by itself, all at once, as a tuple of `SolidBody`;
 - `nothing`: there is no target. `run` gets None, and its frame S is that of the bodies.
 
@@ -28,6 +29,7 @@ from gcodesim.processes.zone import EVERYWHERE, Zone
 
 if TYPE_CHECKING:
     from gcodesim.diagnostics import Diagnostic
+    from gcodesim.material.film import Film, Shades
     from gcodesim.processes.materials import Material
     from gcodesim.processes.rows import Rows
 
@@ -49,6 +51,22 @@ class Skin(Protocol):
 
     def triangles(self) -> tuple[Array, NDArray[np.int32]]:
         """Points (v, 3) [m] in S and triangles (t, 3) that point outwards; made anew at each call."""
+
+
+class CoatedSkin(Skin, Protocol):
+    """A skin on which a film may be laid, in the same frame S."""
+
+    @property
+    def coating(self) -> Film | None:
+        """The film, begun on the skin as it is now if there is none; None where that cannot be."""
+
+    @property
+    def shade_frames(self) -> tuple[str, ...]:
+        """The frames of the bodies that may stand between a gun and the skin, for `Window.where`."""
+
+    @property
+    def shades(self) -> Shades:
+        """These bodies, each in its frame."""
 
 
 class SolidBody(Protocol):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
 from dataclasses import replace
 from math import nan
 from typing import TYPE_CHECKING, Final
@@ -36,6 +36,10 @@ class Signal:
     default: float = 0.0
     set_by: tuple[SetBy, ...] = ()
 
+    def is_set_by(self, actions: Container[tuple[str, str]]) -> bool:
+        """Whether one of these actions, by target and verb, sets it."""
+        return any((action.target, action.verb) in actions for action in self.set_by)
+
 
 SPINDLE: Final = Signal("spindle", "rad/s")
 """Speed of the spindle: S with M3 (positive) or M4 (negative), 0 while it stands."""
@@ -48,6 +52,12 @@ PITCH: Final = Signal("pitch", "m")
 
 ACTIVE: Final = Signal("active", set_by=(SetBy("tool", "activate", 1.0), SetBy("tool", "deactivate", 0.0)))
 """1 while the process of the tool is switched on, otherwise 0."""
+
+SPRAY: Final = Signal("spray", default=nan, set_by=(SetBy("tool", "activate", 1.0), SetBy("tool", "deactivate", 0.0)))
+"""1 while a spray gun is on; not a number where no word says so, and its flow alone tells."""
+
+FLOW: Final = Signal("flow", "m^3/s", nan)
+"""What leaves a gun while it is on; not a number where no word gives it, and it is the tool's own."""
 
 BEAD_WIDTH: Final = Signal("bead_width", "m")
 BEAD_HEIGHT: Final = Signal("bead_height", "m")

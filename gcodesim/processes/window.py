@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -29,6 +29,9 @@ class Window:
     same); velocity (n, 3) [m/s] of the tip; rapid (n,): the step is part
     of a G0; `signals` maps each `Signal` that the process reads to its values (n,), flags as such; compliance
     (n, 6, 6) of the tip: wrench (force, torque) to displacement (translation, rotation), or None for a rigid machine;
+    side (n, 3): unit vector along X of the tool at the end of each step. `where(frame)` gives the poses X_SF
+    (n, 4, 4) of any frame of the scene at the ends of the steps, seen from S, also of one that another machine moves.
+
     dt [s] of one step; filament (c,) [m]: what
     E words of a printer's program send through the nozzle along each piece, None where there are none.
     """
@@ -45,6 +48,8 @@ class Window:
     piece_share: Array | None = None
     axis_before: Array | None = None
     filament: Array | None = None
+    side: Array | None = None
+    where: Callable[[str], Array] | None = None
 
     @property
     def steps(self) -> int:

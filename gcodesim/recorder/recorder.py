@@ -17,7 +17,7 @@ from gcodesim.arithmetic.matrices import applied, multiplied, norms
 from gcodesim.canon import ToolChange
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.executor.record import StepRecord
-from gcodesim.files.output_folder import LINES_NAME, LOG_NAME, RESULTS_NAME
+from gcodesim.files.output_folder import FILM_SUFFIXES, LINES_NAME, LOG_NAME, RESULTS_NAME
 from gcodesim.files.whole_file import whole_file, write_whole
 from gcodesim.frames import Array
 from gcodesim.jobs.job import BULLET
@@ -444,6 +444,23 @@ class Recorder:
         write_whole(self._out / RESULTS_NAME, text)
         write_whole(self._out / LINES_NAME, results.lines_csv().encode())
         self._write_stocks()
+        self._write_films()
+
+    def _write_films(self) -> None:
+        from gcodesim.jobs.coating import film_name
+        from gcodesim.material.film_file import write_mesh, write_table
+
+        for coated in self._shop.coated.values():
+            film = coated.film
+            if film is None:
+                continue
+            name, spec = film_name(coated, self._shop), self._shop.cell.coats[coated.frame]
+            top = max(float(film.coat.dry.max()), spec.bare) if spec.most is None else spec.most
+            mesh, table = (self._out / f"{name}{suffix}" for suffix in FILM_SUFFIXES)
+            with whole_file(mesh) as file:
+                write_mesh(film, file, top=top, bare=spec.bare, in_part=coated.in_part)
+            with whole_file(table) as file:
+                write_table(film, file, in_part=coated.in_part)
 
     def _write_stocks(self) -> None:
         from gcodesim.material.stl import write_stl

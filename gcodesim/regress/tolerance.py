@@ -66,6 +66,12 @@ QUANTITIES: Final[Mapping[str, Compared]] = {
     "joint_effort": Compared(
         dimension="ratio", unit="", default=Tolerance(0.5, 0.02), what="greatest joint efforts, in N·m or N"
     ),
+    "film": Compared(
+        dimension="ratio", unit="", default=Tolerance(0.1, 2e-3), what="thickness of a film, in µm"
+    ),
+    "covered": Compared(
+        dimension="ratio", unit="", default=Tolerance(1e-3, 0.01), what="shares and areas of a coat, in mm²"
+    ),
     "count": Compared(dimension="ratio", unit="", default=Tolerance(0.0), what="counts, as of words not simulated"),
     "finding": Compared(dimension="ratio", unit="", default=Tolerance(0.01, 0.02), what="numbers inside findings"),
 }
@@ -81,6 +87,8 @@ _PATHS: Final = tuple(
         (r"joints\..*\.max_speed$", "joint_speed"),
         (r"joints\..*\.max_acceleration$", "joint_acceleration"),
         (r"joints\..*\.max_effort$", "joint_effort"),
+        (r"_um$", "film"),
+        (r"^coating\..*(_share|_mm2)$", "covered"),
         (r"_mm3$", "volume"),
         (r"_mm$", "distance"),
         (r"_s$", "time"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Final
 
+from gcodesim.jobs.coating import summary_of
 from gcodesim.jobs.results import Results
 
 _MOST_FEATURES: Final = 8
@@ -50,6 +51,8 @@ def summary_rows(results: Results) -> list[list[str]]:
                 most = "greatest " if column.of == "greatest" else ""
                 shown = f"{tool[column.key]:.4g} {column.people_unit}".strip()
                 rows.append([f"{tool['name']}: {most}{column.name.replace('_', ' ')}", shown, column.says])
+    if results.coating is not None:
+        rows += summary_of(results.coating)
     if results.printing is not None:
         rows += _printing_rows(results.printing)
     for joint in results.joints:

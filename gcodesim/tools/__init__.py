@@ -38,6 +38,7 @@ TOOLS = Family(
     plasma="gcodesim.tools.plasma:Plasma",
     jet="gcodesim.tools.jet:Jet",
     sand_blaster="gcodesim.tools.sand_blaster:SandBlaster",
+    spray_gun="gcodesim.tools.spray_gun:SprayGun",
     probe="gcodesim.tools.probe:Probe",
     turning_tool="gcodesim.tools.turning_tool:TurningTool",
     boring_tool="gcodesim.tools.turning_tool:BoringTool",

@@ -62,6 +62,11 @@ class Tool:
         return self.length + (self.holder.length if self.holder else 0.0)
 
     @property
+    def reach(self) -> float:
+        """How far from its tip it acts [m]; 0 of a tool that has to touch."""
+        return 0.0
+
+    @property
     def X_FT(self) -> Pose:
         """Tip frame seen from the flange: straight out by the true length."""
         return Pose(np.array([0.0, 0.0, self.true_length]), np.eye(3))

@@ -39,7 +39,7 @@ NEW = {
     },
     "processes": {
         "burning": "Burning",
-        "spraying": "Spraying",
+        "misting": "Misting",
         "feeling": "Feeling",
         "watching": "Watching",
         "shining": "Shining",
@@ -143,14 +143,14 @@ class Gun(Tool):
     """A spray gun."""
 
     kind: ClassVar[str] = "gun"
-    process: ClassVar[str] = "spraying"
+    process: ClassVar[str] = "misting"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Spraying(Process):
+class Misting(Process):
     """Acts on a surface: the thickest film so far, if all paint that hits the box spreads over its surface."""
 
-    kind: ClassVar[str] = "spraying"
+    kind: ClassVar[str] = "misting"
     acts_on: ClassVar[Any] = "surface"
     reads: ClassVar[tuple[Signal, ...]] = (ACTIVE, Signal("flow", "m^3/s", 1e-6))
     writes: ClassVar[tuple[Column, ...]] = (
@@ -160,7 +160,7 @@ class Spraying(Process):
     )
 
     @classmethod
-    def of(cls, tool: Gun, material: Any) -> Spraying:
+    def of(cls, tool: Gun, material: Any) -> Misting:
         return cls()
 
     @property

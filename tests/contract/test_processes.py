@@ -21,6 +21,7 @@ VALUES = {
     "flute_length": 4e-3,
     "step_length": 4e-3,
     "pitch": 1e-3,
+    "efficiency": 0.65,
     "taper": 0.3,
     "angle": 1.5,
     "power": 500.0,
