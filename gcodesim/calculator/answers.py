@@ -9,7 +9,7 @@ from typing import Any
 from gcodesim.calculator import CALCULATORS
 from gcodesim.calculator.model import CannotComputeError, Model, Value
 from gcodesim.calculator.reading import InputsRefusedError, model_of_case
-from gcodesim.calculator.unit_names import splits, suffix_unit
+from gcodesim.calculator.unit_names import named_unit, splits, suffix_unit
 from gcodesim.declarations.units import DIMENSIONS, Unit, find, in_unit
 from gcodesim.frozen import frozen
 
@@ -73,7 +73,7 @@ def quantity(model: Model, values: Mapping[str, Value], asked: str) -> Any:
         result = model.result_named(stem)
         if result is None:
             continue
-        unit = suffix_unit(suffix, result.dimension) if suffix else None
+        unit = suffix_unit(suffix or named_unit(stem, result.dimension), result.dimension)
         if suffix and unit is None:
             continue
         own = next((name for name in values if name == stem), None)

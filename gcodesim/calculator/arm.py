@@ -6,6 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from gcodesim.arithmetic.matrices import applied, norms
 from gcodesim.calculator.model import CannotComputeError, Model, Result, Value
 from gcodesim.declarations.keys import key
 from gcodesim.declarations.kind import POSITIVE
@@ -63,11 +64,11 @@ class ArmCompliance(Model):
         X = arm.forward(q)
         p = np.array(self.tcp_offset)
         J = shift_jacobian(arm.jacobian(q), X, p)
-        moved = compliance(J, np.array(stiffness))[0] @ np.array([*self.force, *self.torque])
-        tip = X[0, :3, 3] + X[0, :3, :3] @ p
+        moved = applied(compliance(J, np.array(stiffness)), np.array([*self.force, *self.torque]))[0]
+        tip = X[0, :3, 3] + applied(X[:, :3, :3], p)[0]
         return {
             "tcp": tip.tolist(),
             "tcp_displacement": moved[:3].tolist(),
-            "displacement_size": float(np.sqrt((moved[:3] ** 2).sum())),
+            "displacement_size": float(norms(moved[None, :3])[0]),
             "rotation": moved[3:].tolist(),
         }

@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import pi
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from gcodesim.arithmetic.matrices import norms
 from gcodesim.calculator.law_keys import CutModel
 from gcodesim.calculator.model import CannotComputeError, Result, Value
 from gcodesim.declarations.keys import key
@@ -210,7 +211,7 @@ class EndMill(CutModel):
             force, torque = instantaneous_forces(cutter, law, cut, theta, kappa, run_out)
             at = f"{theta / DEG:.10g}"
             found |= {f"F{axis}_theta{at}": float(force[i]) for i, axis in enumerate("xyz")}
-            found |= {f"F_theta{at}": float((force @ force) ** 0.5), f"torque_theta{at}": torque}
+            found |= {f"F_theta{at}": float(norms(force[None])[0]), f"torque_theta{at}": torque}
         return found
 
     def turn(self) -> OneTurn:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from gcodesim.calculator.model import Model, all_spellings, inputs_of
-from gcodesim.calculator.unit_names import splits, suffix_unit
+from gcodesim.calculator.unit_names import named_unit, splits, suffix_unit
 from gcodesim.declarations.composed import ListOf
 from gcodesim.declarations.files import Shelf
 from gcodesim.declarations.keys import Key, all_keys
@@ -86,7 +86,8 @@ def _meant(cls: type[Model], name: str) -> tuple[Key, str] | None:
     """The key that a name of an input means, and the unit at its end."""
     keys, spellings = inputs_of(cls), all_spellings(cls)
     if name in keys or name in spellings:
-        return keys[spellings.get(name, name)], ""
+        own = keys[spellings.get(name, name)]
+        return own, named_unit(name, _dimension(own.kind))
     for stem, suffix in splits(name):
         key = keys.get(spellings.get(stem, stem))
         if key is None:

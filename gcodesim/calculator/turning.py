@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import pi
+from math import pi, sqrt
 from typing import ClassVar
 
 from gcodesim.arithmetic.elementary import cos, sin
@@ -85,5 +85,5 @@ class TurningCut(CutModel):
             found |= {"spindle": turn, "feed_speed": self.feed_per_rev * turn / (2.0 * pi)}
         if self.nose_radius is not None:
             deep = self.feed_per_rev * self.feed_per_rev / (8.0 * self.nose_radius)
-            found |= {"roughness_rt": deep, "roughness_ra": deep * 4.0 / (9.0 * 3.0**0.5)}
+            found |= {"roughness_rt": deep, "roughness_ra": deep * 4.0 / (9.0 * sqrt(3.0))}
         return found

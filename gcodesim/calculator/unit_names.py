@@ -31,6 +31,12 @@ def suffix_unit(suffix: str, dimension: str) -> Unit | None:
     return known.get(suffix) or known.get(suffix.lower())
 
 
+def named_unit(name: str, dimension: str) -> str:
+    """The unit that a name is by itself, as `sfm`, `ipt` and `rpm` are; else empty. Single letters are none."""
+    unit = suffix_unit(name, dimension) if len(name) > 2 else None
+    return "" if unit is None else unit.name
+
+
 def splits(name: str) -> list[tuple[str, str]]:
     """All ways to take a unit off the end of a name: (`feed_mm`, `min`), (`feed`, `mm_min`)."""
     parts = name.split("_")

@@ -150,6 +150,8 @@ UNITS: Final[tuple[Unit, ...]] = (
     Unit("psi", "pressure", INCH_POUND * STANDARD_GRAVITY / (si.INCH * si.INCH)),
     Unit("bar", "pressure", 1e5),
     Unit("GPa", "pressure", 1e9, ("kN/mm^2",)),
+    Unit("hp·min/in^3", "pressure", si.HP * si.MINUTE / (si.INCH * si.INCH * si.INCH), ("hp/in^3/min",)),
+    Unit("kW·min/cm^3", "pressure", si.KW * si.MINUTE / 1e-6, ("kW/cm^3/min",)),
     Unit("N/mm", "force per length", si.N_PER_MM, ("kN/m",)),
     Unit("N/m", "force per length", 1.0),
     Unit("N/mm", "stiffness", si.N_PER_MM, ("kN/m",)),

@@ -354,7 +354,7 @@ def plunge_forces(cutter: Cutter, law: Law, *, feed_per_rev: float, spindle: flo
     magnitude = abs(float(force[2]))
     return CutForces(
         force=force, torque=torque, power=torque * spindle,
-        mrr=pi * cutter.radius**2 * feed_per_rev * spindle / (2.0 * pi),
+        mrr=pi * (cutter.radius * cutter.radius) * feed_per_rev * spindle / (2.0 * pi),
         peak_force=np.abs(force), peak=magnitude, peak_torque=torque,
     )  # fmt: skip
 
@@ -375,6 +375,13 @@ def handbook_power(law: Kienzle, cutter: Cutter, cut: ConstantCut, lead_angle: f
     start, end = cut.limits(cutter.diameter)
     feed = cut.feed_per_tooth * cutter.flutes * cut.spindle / (2.0 * pi)
     return law.specific_force(h) * cut.ap * cutter.radius * (cos(start) - cos(end)) * feed
+
+
+def handbook_pressure(law: Kienzle, diameter: float, cut: ConstantCut) -> tuple[float, float]:
+    """Mean chip thickness [m] of an upright edge, and kc [Pa] there, as handbooks take them for the power."""
+    start, end = cut.limits(diameter)
+    h = cut.feed_per_tooth * (cos(start) - cos(end)) / (end - start)
+    return h, law.specific_force(h)
 
 
 def kienzle_pressure(kc11: float, mc: float, chip: float) -> float:
