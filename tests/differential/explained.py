@@ -250,6 +250,11 @@ EXPLAINED: tuple[Explanation, ...] = (
         _computed_label,
     ),
     Explanation("an index of an output above 31 bits overflows in LinuxCNC", _overflow),
+    Explanation(
+        "M428 to M430 switch the kinematics of a machine of its own by remaps, which the standalone interpreter does "
+        "not have",
+        _found(r"LinuxCNC: M-code greater than 199: M4(28|29|30)\b"),
+    ),
     Explanation("of a number near 1e12 LinuxCNC prints fewer digits than it has", _last_digits),
 )
 
