@@ -215,12 +215,30 @@ def _machine(tool: MachineTool) -> Mover:
 def _robot(robot: Robot) -> Mover:
     """A robot as a mover of the scene."""
     kinematics = kinematics_of(_loaded(robot.chain, robot.payload))
+    home = np.array(robot.home)
+    stiffness = None if robot.stiffness is None else np.array(robot.stiffness)
+    outside: tuple[str, ...] = ()
+    if robot.externals:
+        from gcodesim.kinematics.assembly import Assembly
+
+        assembly = Assembly.of(kinematics, [external.carrier(robot.X_WB) for external in robot.externals])
+        outside = tuple(assembly.joints.names[i] for i in assembly.externals)
+        homes = {
+            f"{external.name}/{letter}": at
+            for external in robot.externals
+            for letter, at in zip(external.axes, external.homes, strict=True)
+        }
+        home = assembly.together(home[None], np.array([[homes[name] for name in outside]]))[0]
+        if stiffness is not None:  # carriages and tables count as rigid
+            stiffness = assembly.together(stiffness[None], np.full((1, len(outside)), np.inf))[0]
+        kinematics = assembly
     return Mover(
         name=robot.name,
         kinematics=kinematics,
         X_WB=robot.X_WB,
-        home=np.array(robot.home),
-        stiffness=None if robot.stiffness is None else np.array(robot.stiffness),
+        home=home,
+        stiffness=stiffness,
+        externals=outside,
         seen_whole=not isinstance(kinematics, Cartesian),
         description=robot.description,
         controller=robot.controller,
@@ -230,7 +248,7 @@ def _robot(robot: Robot) -> Mover:
 def _scene(cell: Cell, mover: Mover, placement: Placement) -> Scene:
     """The frames of a cell. Whatever names no link stands on the side that carries the work, with all axes at zero."""
     frames = {
-        WORK_FRAME: _work_stand(mover, placement.X_W("G54")),
+        WORK_FRAME: _system_stand(cell, mover, placement),
         BODIES: _work_stand(mover, Pose.identity()),
         **{f"{STOCK}/{name}": _work_stand(mover, X_WS) for name, X_WS in placement.stocks.items()},
         **{f"{FIXTURE}/{name}": _work_stand(mover, X_W) for name, X_W in placement.fixtures.items()},
@@ -243,6 +261,14 @@ def _scene(cell: Cell, mover: Mover, placement: Placement) -> Scene:
         if name not in movers:
             movers[name] = _mover(cell.machine if name == MACHINE and cell.machine else cell.robots[name])
     return Scene(movers=movers, frames=frames, bodies=(*_links(mover), *_standing(cell)))
+
+
+def _system_stand(cell: Cell, mover: Mover, placement: Placement) -> Stand:
+    """The stand of G54; on what an external axis carries it moves with that."""
+    link = placement.platforms.get(1)
+    if link is None:
+        return _work_stand(mover, placement.X_W("G54"))
+    return Stand(link, cell.robots[mover.name].platforms[link].inverse() @ placement.X_W("G54"))
 
 
 def _links(mover: Mover) -> Iterator[Body]:

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from gcodesim import canon
+from gcodesim.cell.externals import columns_of
 from gcodesim.frozen import frozen
-from gcodesim.kinematics.attitude import AttitudeLaw, Direction, Words
+from gcodesim.kinematics.attitude import AttitudeLaw, Direction, WordTurns
 
 if TYPE_CHECKING:
     from gcodesim.cell.cell import Cell
@@ -24,7 +25,9 @@ def attitude_of(cell: Cell, channel: str, placement: Placement) -> AttitudeLaw |
     """
     own = cell.channels[channel].orientation
     if own is not None and own.words is not None:
-        return Words(turns=own.words)
+        return WordTurns(turns=own.words)
+    if columns_of(cell.robots[str(cell.channels[channel].robot)].externals):
+        return None  # its words belong to external axes
     down = -placement.X_WM.R[:, 2]
     for system in placement.given or (1,):
         if np.abs(placement.tool_axis(own, system) - down).max() > _UPRIGHT:
@@ -39,17 +42,16 @@ class ArmPoint:
     So to the control the axes stand above the tip by the length offset. `letters` turn the tool.
     """
 
-    law: AttitudeLaw
+    law: AttitudeLaw | None
     letters: tuple[str, ...]
 
     @staticmethod
     def of(cell: Cell, channel: str, placement: Placement) -> ArmPoint | None:
         """None where neither words nor a vector lean the tool."""
         law = attitude_of(cell, channel, placement)
-        if law is None:
-            return None
-        words = sorted("ABC"[turn.word] for turn in law.turns) if isinstance(law, Words) else []
-        return ArmPoint(law=law, letters=tuple(words))
+        words = ["ABC"[turn.word] for turn in law.turns] if isinstance(law, WordTurns) else []
+        words += columns_of(cell.robots[str(cell.channels[channel].robot)].externals)
+        return None if law is None and not words else ArmPoint(law=law, letters=tuple(sorted(words)))
 
     def axes(self, tip: canon.Axes, offset: canon.Axes) -> canon.Axes:
         x, y, z, a, b, c = (t + o for t, o in zip(tip, offset, strict=True))

@@ -8,6 +8,7 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
 from gcodesim.cell.channel import Channel
+from gcodesim.cell.externals import External
 from gcodesim.cell.film import NO_FILM, FilmSpec
 from gcodesim.cell.machine import MachineKind, MachineTool
 from gcodesim.cell.material import MaterialKind
@@ -63,6 +64,12 @@ _FRAMES: Final = MapOf(
 _ROBOTS: Final = MapOf(
     names_of("robot"), RobotKind(), "robots by name, such as `arm: {model: kuka_kr10_r1100_2}`", lenient=True
 )
+_EXTERNALS: Final = MapOf(
+    names_of("external"),
+    Record(External, "external axes"),
+    "external axes by name, such as `rail: {carries: arm, axes: {U: {travel: [0, 3 m], speed: 1 m/s}}}`",
+    lenient=True,
+)
 _TOOLS: Final = MapOf(
     TOOL_NUMBERS, TOOL, "tools by number, such as `1: {type: flat_end_mill, diameter: 10 mm}`", lenient=True
 )
@@ -98,6 +105,9 @@ class Cell:
     )
     machine: MachineTool | None = key(MachineKind(), "a machine tool", default=None)
     robots: Mapping[str, Robot] = key(_ROBOTS, "robots", default={}, quiet=True)
+    externals: Mapping[str, External] = key(
+        _EXTERNALS, "axes that carry a robot or the work, moved by its program", default={}, quiet=True
+    )
     channels: Mapping[str, Channel] = key(
         _CHANNELS, "one program each; that of a run is for `main`, or else for the first", default={}, quiet=True
     )

@@ -11,6 +11,7 @@ from gcodesim.cell import Cell, Placement, place
 from gcodesim.cell.arm_point import ArmPoint
 from gcodesim.cell.cell import MAIN
 from gcodesim.cell.channel import Channel
+from gcodesim.cell.externals import SLIDING, columns_of
 from gcodesim.cell.machine import MachineTool, is_lathe
 from gcodesim.cell.tool_point import MachinePoint
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText
@@ -71,6 +72,7 @@ def settings_of_cell(
         parameters.setdefault(number, value)
     if not DIALECTS[own.dialect].turned_systems:
         findings += _turned(cell, channel, placement)
+    columns = _columns(cell, channel)
     settings = Settings(
         dialect=own.dialect,
         tool_table=table,
@@ -87,6 +89,8 @@ def settings_of_cell(
         auto_length=lengths,
         path_control=_path_control(cell, channel),
         tool_point=_tool_point(cell, channel, placement),
+        columns=columns,
+        lane="grammar" if columns else "auto",
         options={"decimal_point": own.decimal_point, "compensation_start": own.compensation_start},
     )
     return settings, findings
@@ -95,6 +99,16 @@ def settings_of_cell(
 def _tool_point(cell: Cell, channel: str, placement: Placement) -> MachinePoint | ArmPoint | None:
     mover = cell.machine_of(channel)
     return MachinePoint.of(mover) if isinstance(mover, MachineTool) else ArmPoint.of(cell, channel, placement)
+
+
+def _columns(cell: Cell, channel: str) -> dict[str, int]:
+    """Which of A, B, C carries the value of U, V or W, where these move an external axis."""
+    mover, own = cell.machine_of(channel), cell.channels[channel].orientation
+    if isinstance(mover, MachineTool):
+        return {}
+    words = () if own is None else own.words or ()
+    columns = columns_of(mover.externals, [turn.word for turn in words])
+    return {letter.lower(): column for letter, column in columns.items() if letter in SLIDING}
 
 
 def _reference_points(machine: object) -> dict[int, float]:

@@ -49,7 +49,8 @@ class Placement:
     additional ones that the cell names (101 is G54.1 P1); they turn about Z of M only. `stocks`, `fixtures`,
     `parts` and `target` are X_W of the bodies' own frames, without those that stand on a link: these are `carried`, by
     names such as `stock/plate` and `fixture/clamp`. `given` are the systems that the cell names; `automatic`: G54 was
-    chosen by the rule for stock without a place.
+    chosen by the rule for stock without a place. `platforms` says on which link an external axis carries a system; its
+    offset holds with that axis at zero.
     """
 
     X_WM: Pose
@@ -61,6 +62,7 @@ class Placement:
     target: Pose | None
     carried: Mapping[str, Carried] = field(default_factory=dict)
     parts: Mapping[str, Pose] = field(default_factory=dict)
+    platforms: Mapping[int, str] = field(default_factory=dict)
     frames: Mapping[str, Pose] = field(default_factory=dict)
     findings: tuple[Diagnostic, ...] = ()
 
@@ -138,11 +140,19 @@ def place(cell: Cell, channel: str = MAIN) -> Placement:
         frames=cell.frames,
         findings=tuple(findings),
     )
+    platforms = {
+        system_index(name): on[0]
+        for name, standing in own.work_offsets.items()
+        if (on := _platform_of(cell, mover, standing)) is not None
+    }
+    result = replace(result, platforms=platforms)
     stocks = {f"{STOCK}/{name}": stock.place for name, stock in cell.stocks.items()}
     fixtures = {f"{FIXTURE}/{name}": fixture.place for name, fixture in cell.fixtures.items()}
     parts = {f"{PART}/{name}": part.place for name, part in cell.parts.items()}
     carried = {
-        name: on_link for name, place in (stocks | fixtures | parts).items() if (on_link := _on_link(cell, place))
+        name: on_link
+        for name, place in (stocks | fixtures | parts).items()
+        if (on_link := _on_link(cell, place) or _with_system(result, mover, name, place))
     }
     return replace(
         result,
@@ -170,6 +180,15 @@ def _standing(placement: Placement, standing: Standing, default: str) -> Pose:
     return placement.X_W(standing.frame or default) @ standing.X
 
 
+def _with_system(placement: Placement, mover: MachineTool | Robot, name: str, standing: Standing) -> Carried | None:
+    """Where something stands on the platform that carries its work system; None if no external axis does."""
+    frame = standing.frame or ("G54" if name.startswith(STOCK) else "world")
+    link = placement.platforms.get(system_index(frame)) if frame in SYSTEMS else None
+    if link is None or not isinstance(mover, Robot):
+        return None
+    return Carried(link, mover.platforms[link].inverse() @ placement.X_W(frame) @ standing.X)
+
+
 def _on_link(cell: Cell, standing: Standing) -> Carried | None:
     """The link on which it stands; None if it is at rest."""
     name = standing.frame or ""
@@ -178,10 +197,20 @@ def _on_link(cell: Cell, standing: Standing) -> Carried | None:
     return Carried(name, standing.X) if name not in cell.frames and name in cell.link_names else None
 
 
+def _platform_of(cell: Cell, mover: MachineTool | Robot, standing: Standing) -> tuple[str, Pose] | None:
+    """The link that external axes of `mover` move, on which something stands, and the frame there at zero in W."""
+    on = _on_link(cell, replace(standing, xyz=(0.0, 0.0, 0.0), rpy=(0.0, 0.0, 0.0)))
+    if on is None or not isinstance(mover, Robot) or on.link not in mover.platforms:
+        return None
+    return on.link, mover.platforms[on.link] @ on.X
+
+
 def _offset(cell: Cell, X_WM: Pose, mover: MachineTool | Robot, standing: Standing) -> Pose:
     """X_MP of a work offset; without `in:` it counts from machine zero, on an arm from the base."""
     if standing.frame is None:
         X_WP = mover.X_WB @ standing.X
+    elif (on := _platform_of(cell, mover, standing)) is not None:
+        X_WP = on[1] @ standing.X
     else:
         X_WP = cell.frames[standing.frame] @ standing.X
     return _cleaned(X_WM.inverse() @ X_WP)

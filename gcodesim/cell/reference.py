@@ -12,6 +12,7 @@ from typing import Final
 
 from gcodesim.cell.cell import Cell
 from gcodesim.cell.channel import Channel, Orientation
+from gcodesim.cell.externals import External, SlidingAxis, TurningAxis
 from gcodesim.cell.film import FilmSpec, Region
 from gcodesim.cell.machine import LinearAxis, MachineForm, RotaryAxis
 from gcodesim.cell.material import MaterialForm
@@ -37,6 +38,9 @@ SECTIONS: Final[tuple[tuple[str, type], ...]] = (
     ("`robots`", RobotForm),
     ("`controller` of type `flexible`", Flexible),
     ("`controller` of type `pd` or `computed_torque`", PD),
+    ("`externals`", External),
+    ("External axes U, V, W", SlidingAxis),
+    ("External axes A, B, C", TurningAxis),
     ("A channel (`channels`); where there is but one, its keys stand at top level", Channel),
     ("`orientation`", Orientation),
     ("A signal (`signals`)", SignalSource),

@@ -9,7 +9,8 @@ from typing import Final
 from gcodesim.canon.systems import SYSTEMS, system_index, system_name
 from gcodesim.cell.cell import FORMAT, MAIN, Cell
 from gcodesim.cell.channel import Channel
-from gcodesim.cell.placing import MACHINE, FixedLink, FrameTree, Place
+from gcodesim.cell.externals import External, check_words, with_externals
+from gcodesim.cell.placing import MACHINE, Carried, FixedLink, FrameTree, Place
 from gcodesim.cell.receivers import with_signals
 from gcodesim.cell.settings import matches, with_step
 from gcodesim.cell.stock import MeshShape, StockShape
@@ -17,7 +18,7 @@ from gcodesim.declarations.keys import keys
 from gcodesim.declarations.reading import Path, Reading, suggestion
 from gcodesim.declarations.record import list_default
 from gcodesim.diagnostics import Diagnostic, Severity, Span, codes
-from gcodesim.frames import WORLD
+from gcodesim.frames import WORLD, Pose
 from gcodesim.kinematics.chain import BASE
 from gcodesim.rs274.dialects import DIALECTS
 from gcodesim.rs274.dialects.systems import dialect_with
@@ -38,12 +39,14 @@ def resolve(cell: Cell, to: Reading) -> Cell:
             f"format {cell.gcodesim} of cells is not known",
             f"write `gcodesim: {FORMAT}`",
         )
+    cell = with_externals(cell, to)
     cell = _with_frames(cell, to)
     cell = _with_channels(cell, to)
     if not to.broken & {("simulation",), ("log",)}:
         simulation, log = with_step(cell.simulation, cell.log, to)
         cell = replace(cell, simulation=simulation, log=log)
     _check_frames(cell, to)
+    check_words(cell, to)
     _check_materials(to)
     _check_stock_on_arm(cell, to)
     _check_systems(cell, to)
@@ -71,14 +74,29 @@ def _with_frames(cell: Cell, to: Reading) -> Cell:
         placed[MACHINE] = (cell.machine.base, ("machine", "base"))
     for name, robot in cell.robots.items():
         placed[robot.base_frame] = (robot.base, ("robots", name, "base"))
-        for link, X in robot.chain.fixed_links.items():
+        for link, X in robot.whole.fixed_links.items():
             placed.setdefault(f"{name}/{link}", (FixedLink(robot.base_frame, X), ("robots", name)))
+        for external in robot.externals:
+            placed[_base_of(external)] = (external.base, ("externals", external.name, "base"))
     tree = FrameTree(placed, cell.link_names, to)
+    for name, robot in cell.robots.items():
+        for external in robot.externals:
+            tree.carried[external.name] = Carried(f"{name}/{external.name}", Pose.identity())
     tree.resolve()
     bases = {name: tree.poses.get(name) or place.X for name, (place, _) in placed.items()}  # else a fault: see below
     machine = None if cell.machine is None else cell.machine.at(bases[MACHINE])
     robots = {name: robot.at(bases[robot.base_frame]) for name, robot in cell.robots.items()}
+    for name, robot in robots.items():
+        standing = tuple(replace(own, X_WE=bases[_base_of(own)]) for own in robot.externals)
+        robots[name] = robot.with_externals(standing)
+        for own in standing:
+            del tree.poses[_base_of(own)]
     return replace(cell, frames=tree.poses, carried=tree.carried, machine=machine, robots=robots)
+
+
+def _base_of(external: External) -> str:
+    """A name that no frame has, for the place where external axes stand."""
+    return f"{external.name} stands"
 
 
 def _with_channels(cell: Cell, to: Reading) -> Cell:
@@ -156,10 +174,20 @@ def _check_frames(cell: Cell, to: Reading) -> None:
             continue
         name, section = reference.name, reference.path[0]
         if name in cell.carried or (name in cell.link_names and name not in fixed):
-            if section not in _ON_LINKS:
+            if section not in _ON_LINKS and not _is_on_platform(cell, name, reference.path):
                 _fault_on_link(cell, name, to.span(reference.path), to)
         elif name not in fixed and not _is_on_unknown(cell, name, to):
             _fault_of_frame(cell, name, fixed, reference.path, to)
+
+
+def _is_on_platform(cell: Cell, name: str, path: Path) -> bool:
+    """Whether a work system stands on what the external axes of its own channel carry."""
+    if "work_offsets" not in path:
+        return False
+    link = cell.carried[name].link if name in cell.carried else name
+    channel = cell.channels.get(str(path[1])) if path[0] == "channels" else next(iter(cell.channels.values()), None)
+    robot = None if channel is None else cell.robots.get(str(channel.robot))
+    return robot is not None and link in robot.platforms
 
 
 def _fault_on_link(cell: Cell, name: str, span: Span, to: Reading) -> None:

@@ -28,6 +28,7 @@ from gcodesim.frozen import frozen
 from gcodesim.kinematics.branch_names import PAIRS, WORDS
 
 if TYPE_CHECKING:
+    from gcodesim.cell.externals import External
     from gcodesim.cell.machine import MachineAxis
     from gcodesim.kinematics.chain import Chain
 
@@ -253,22 +254,40 @@ class Robot:
     configuration: tuple[str, ...] | None = None
     controller: Controller = Ideal()
     X_WB: Pose = field(default_factory=Pose.identity, compare=False)
+    externals: tuple[External, ...] = field(default=(), compare=False, repr=False)
+
+    @property
+    def whole(self) -> Chain:
+        """The chain of arm and external axes."""
+        if not self.externals:
+            return self.chain
+        from gcodesim.kinematics.assembly import assembled
+
+        return assembled(self.chain, [external.carrier(self.X_WB) for external in self.externals])
 
     @property
     def link_names(self) -> tuple[str, ...]:
-        """Everything that can carry something: base, links and flange."""
-        return self.chain.carriers
+        """Everything that can carry something: base, links and flange, what external axes carry."""
+        return self.whole.carriers
 
     @property
     def base_frame(self) -> str:
         """The name of its base: `arm/base`."""
-        return f"{self.name}/{self.chain.base_name}"
+        return f"{self.name}/{self.whole.base_name}"
+
+    @property
+    def platforms(self) -> dict[str, Pose]:
+        """X_WC of what carries work, with its axes at zero, by the names of the links: `arm/positioner`."""
+        return {f"{self.name}/{external.name}": external.X_WE for external in self.externals if not external.carries}
 
     def axis(self, letter: str) -> MachineAxis | None:
         return None
 
     def at(self, X_WB: Pose) -> Robot:
         return replace(self, X_WB=X_WB)
+
+    def with_externals(self, externals: tuple[External, ...]) -> Robot:
+        return replace(self, externals=externals)
 
 
 def _show_stiffness(robot: Robot) -> list[str]:

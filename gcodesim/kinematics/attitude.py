@@ -17,7 +17,7 @@ _BACK: Final = 1e-12  # 1 + z of a direction that points straight back
 class WordTurn(NamedTuple):
     """A turn about axis 0 to 2 (X, Y, Z) of the frame that the turns before have left, by `sign` times the word 0 to 2.
 
-    Words are A, B, C.
+    WordTurns are A, B, C.
     """
 
     axis: int
@@ -26,7 +26,7 @@ class WordTurn(NamedTuple):
 
 
 @frozen(eq=False)
-class Words:
+class WordTurns:
     """Turns one after the other, each about an axis that the ones before have turned (intrinsic)."""
 
     turns: tuple[WordTurn, ...]
@@ -74,4 +74,4 @@ class Direction:
         return out
 
 
-AttitudeLaw = Words | Direction
+AttitudeLaw = WordTurns | Direction

@@ -19,7 +19,7 @@ from gcodesim.canon import Axes
 from gcodesim.diagnostics import Findings
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
-from gcodesim.kinematics.attitude import Words
+from gcodesim.kinematics.attitude import WordTurns
 from gcodesim.kinematics.protocol import Status
 from gcodesim.motion.blend import blend
 from gcodesim.motion.blend_kernels import NORMAL_SHARE
@@ -125,6 +125,7 @@ class FixedAttitude:
         near = spin_of(arm.forward(own[None])[0, :3, :3], R_BO[0] if len(path) else self.upright)
         choice = choose_spin(arm, probe, own, near, self.spin)
         limits = choice.limits if guide is None else _with_words(choice.limits, guide, kinematics.joints)
+        path = self._in_the_work(path)
         pieces = blend(path, limits, own_time=np.where(rows.joint, 1.0, np.nan))
         flange = Flange(pieces, R_BO, offsets(path)[:, :3], choice.spin, guide=guide)
         at_home = pieces.fixed & rows.home[pieces.row_first]
@@ -143,6 +144,13 @@ class FixedAttitude:
         caps = _caps(kinematics, flange, nodes, q_nodes, bridged, findings)
         return Posed(pieces, ArmJoints(kinematics, flange, nodes, q_nodes, bridged, home, moves), caps)
 
+    def _in_the_work(self, path: ToolPath) -> ToolPath:
+        """Rows whose work an external axis carries command the tip in that work."""
+        if not self.platforms:
+            return path
+        states = (replace(s, control=Commanded.POINT) if s.system in self.platforms else s for s in path.states)
+        return replace(path, states=tuple(states))
+
     def _arm_alone(self, home: Array) -> tuple[Kinematics, Array]:
         assert self.outside is not None
         return self.outside.assembly.arm, home[self.outside.assembly.own]
@@ -155,10 +163,10 @@ class FixedAttitude:
         return self.outside.assembly.together(q, values)
 
     def _report_words(self, path: ToolPath, kinematics: Kinematics, findings: Findings) -> None:
-        """Words that mean nothing to this arm, and external axes that leave their travel."""
+        """WordTurns that mean nothing to this arm, and external axes that leave their travel."""
         known = {0, 1, 2} | (set() if self.outside is None else {3 + int(c) for c in self.outside.columns if c >= 0})
         if self._leans(path):
-            known |= {3 + turn.word for turn in self.law.turns} if isinstance(self.law, Words) else {3, 4, 5}
+            known |= {3 + turn.word for turn in self.law.turns} if isinstance(self.law, WordTurns) else {3, 4, 5}
         report_missing_axes(path, np.array(sorted(known)), findings)
         if self.outside is not None:
             chosen = np.flatnonzero(self.outside.columns != CHOSEN)

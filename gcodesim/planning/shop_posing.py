@@ -8,8 +8,9 @@ import numpy as np
 
 from gcodesim.arithmetic.matrices import applied, dot, norm
 from gcodesim.cell.arm_point import attitude_of
+from gcodesim.cell.externals import columns_of
 from gcodesim.frames import Array
-from gcodesim.kinematics.attitude import Words
+from gcodesim.kinematics.attitude import WordTurns
 from gcodesim.kinematics.branch_names import branches_named
 from gcodesim.kinematics.tool_point import ToolPoint
 from gcodesim.planning.axis_attitude import AxisAttitude
@@ -18,7 +19,9 @@ from gcodesim.planning.posing import Posing
 from gcodesim.shop import Shop
 
 if TYPE_CHECKING:
+    from gcodesim.kinematics.attitude import AttitudeLaw
     from gcodesim.planning.fixed_attitude import FixedAttitude
+    from gcodesim.planning.guide import Outside
 
 
 def posing_of(shop: Shop) -> Posing:
@@ -43,11 +46,13 @@ def _fixed_attitude(shop: Shop) -> FixedAttitude:
         for system in shop.placement.work_offsets
     }
     law = attitude_of(shop.cell, shop.channel, shop.placement)
-    words = isinstance(law, Words)
+    words = isinstance(law, WordTurns)
     X_BP = {system: shop.X_BM @ X_MP for system, X_MP in shop.placement.work_offsets.items()}
     spin = None if own is None else own.spin
-    if spin is None and isinstance(law, Words) and len(law.turns) == len("ABC"):
+    if spin is None and isinstance(law, WordTurns) and len(law.turns) == len("ABC"):
         spin = 0.0
+    outside = _outside(shop, law)
+    names = [] if outside is None else [f"{shop.name}/{link}" for link in outside.assembly.platforms]
     return FixedAttitude(
         frames=frames,
         upright=frames[1],
@@ -57,17 +62,39 @@ def _fixed_attitude(shop: Shop) -> FixedAttitude:
         law=law,
         words_lean=words,
         axes={system: X.R if words else shop.X_BM.R for system, X in X_BP.items()},
+        outside=outside,
+        platforms={system: names.index(link) for system, link in shop.placement.platforms.items()},
+    )
+
+
+def _outside(shop: Shop, law: AttitudeLaw | None) -> Outside | None:
+    """The external axes of the robot; None without any."""
+    from gcodesim.kinematics.assembly import Assembly
+    from gcodesim.planning.guide import CHOSEN, Outside
+
+    assembly = shop.kinematics
+    if not isinstance(assembly, Assembly):
+        return None
+    leaning = [turn.word for turn in law.turns] if isinstance(law, WordTurns) else []
+    columns = columns_of(shop.cell.robots[shop.name].externals, leaning)
+    names = [assembly.joints.names[joint] for joint in assembly.externals]
+    return Outside(
+        assembly=assembly,
+        columns=np.array([columns.get(name.rpartition("/")[2], CHOSEN) for name in names], dtype=np.int64),
+        rest=shop.home[assembly.externals],
     )
 
 
 def _branches(shop: Shop) -> tuple[int, ...] | None:
     """Those that `configuration` of the robot allows; None where it says nothing."""
+    from gcodesim.kinematics.assembly import Assembly
     from gcodesim.kinematics.closed_form import ClosedForm
 
     robot = shop.cell.robots.get(shop.name)
-    if robot is None or not robot.configuration or not isinstance(shop.kinematics, ClosedForm):
+    arm = shop.kinematics.arm if isinstance(shop.kinematics, Assembly) else shop.kinematics
+    if robot is None or not robot.configuration or not isinstance(arm, ClosedForm):
         return None
-    return branches_named(shop.kinematics.arm, robot.configuration)
+    return branches_named(arm.arm, robot.configuration)
 
 
 def _upright(axis_B: Array, shop: Shop, system: int) -> Array:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import applied, inverse_pose, multiplied
 from gcodesim.frames import WORLD, Array, Pose
@@ -72,7 +73,7 @@ class Frames:
             stocks=stocks,
             moving_stocks=tuple(name for name, frame in stocks.items() if shop.scene.moves(frame)),
             moving_work=shop.scene.moves(f"{shop.name}/{WORK}"),
-            moving_path=shop.mover.shifts_work,
+            moving_path=shop.mover.shifts_work or bool(shop.placement.platforms),
             prefix=prefix,
             parts=() if prefix else tuple(body.name for body in shop.scene.bodies if body.role == "part"),
         )
@@ -114,7 +115,7 @@ class Frames:
 
     @property
     def path_frame(self) -> str:
-        """The frame in which the planned path is at rest: it moves with the table's linear axes, as the work does."""
+        """The frame in which the planned path is at rest: it moves with the work systems, as the work does."""
         return f"{self.prefix}path" if self.moving_path else "world"
 
     @property
@@ -155,7 +156,9 @@ class Frames:
         columns += [tools, tcp, part]
         columns += [shop.scene.track(self.stocks[name], {shop.name: q}) for name in self.moving_stocks]
         if self.moving_path:
-            columns.append(self.carried(q, np.tile(np.eye(4), (len(q), 1, 1))))
+            system = min(shop.placement.platforms, default=1)
+            systems = np.full(len(q), system, dtype=np.int64)
+            columns.append(self.carried(q, np.tile(np.eye(4), (len(q), 1, 1)), systems))
         columns += [shop.scene.track(name, {shop.name: q}) for name in self.parts]
         rows = np.empty((len(q), len(self.links) + len(columns), 7))
         write_poses(shop.kinematics.links(q), np.array(self.links, dtype=np.int64), 0, rows)
@@ -163,12 +166,28 @@ class Frames:
             _write(X, rows, column)
         return rows
 
-    def carried(self, q: Array, X_WP: Array) -> Array:
-        """Work systems (n, 4, 4) in W, given for a table at zero, moved by the table's linear axes at `q`."""
+    def carried(self, q: Array, X_WP: Array, systems: NDArray[np.int64]) -> Array:
+        """Poses (n, 4, 4) in W, given for a table at zero, moved as the work systems with these numbers (n,) at `q`.
+
+        Linear axes of a table shift them; what external axes carry turns too.
+        """
+        platforms = self.shop.placement.platforms
+        if platforms:
+            return self._on_platforms(q, X_WP, systems)
         if not self.moving_work:
             return X_WP
         X = X_WP.copy()
         X[:, :3, 3] += applied(self.shop.X_WB.R, self.shop.kinematics.table_travel(q))
+        return X
+
+    def _on_platforms(self, q: Array, X_WP: Array, systems: NDArray[np.int64]) -> Array:
+        shop, X = self.shop, X_WP.copy()
+        still = shop.cell.robots[shop.name].platforms
+        for system, link in shop.placement.platforms.items():
+            here = systems == system
+            if here.any():
+                moved = shop.scene.track(link, {shop.name: q[here]})
+                X[here] = multiplied(moved, still[link].inverse().matrix, X_WP[here])
         return X
 
     def seen_from_table(self, q: Array, X_W: Array) -> Array:

@@ -323,8 +323,10 @@ class Recorder:
         qd, effort, row = came["qd"], came["effort"], came["row"]
         X_WB = self._shop.X_WB
         target = multiplied(X_WB.matrix, came["target"])
-        part = self._systems[self._plan.path.state[row] if len(self._plan.path) else np.zeros(len(row), int)]
-        part = self._frames.carried(q, part)
+        path = self._plan.path
+        state = path.state[row] if len(path) else np.zeros(len(row), int)
+        systems = np.array([own.system for own in path.states], dtype=np.int64)[state]
+        part = self._frames.carried(q, self._systems[state], systems)
         errors, local = np.empty((len(row), 2)), np.empty((len(row), 3))
         compare(target, X_WT, part, errors, local)
         wrench = _in_world(X_WB.R, came["wrench"])

@@ -133,9 +133,27 @@ class Control:
             self.state.current = self.point_of(subtract(axes, self.state.tool_offset))
 
     def si_axes(self, tip: Vector) -> canon.Axes:
-        """X to C of `tip` in SI."""
+        """X to C of `tip` in SI; U, V, W that move something take the place of one of A, B, C."""
         unit = self.state.unit
+        if self.settings.columns:
+            words = [tip[3] * DEG, tip[4] * DEG, tip[5] * DEG]
+            for letter, column in self.settings.columns.items():
+                words[column] = tip[AXES.index(letter)] * unit
+            return (tip[0] * unit, tip[1] * unit, tip[2] * unit, words[0], words[1], words[2])
         return (tip[0] * unit, tip[1] * unit, tip[2] * unit, tip[3] * DEG, tip[4] * DEG, tip[5] * DEG)
+
+    def check_letters(self, words: Words) -> None:
+        """A fault where the block has one of A, B, C whose place is taken by U, V or W."""
+        for column in self.settings.columns.values():
+            letter = "abc"[column]
+            if letter in words.values:
+                moved = ", ".join(sorted(name.upper() for name in self.settings.columns))
+                raise Fault(
+                    "GS207",
+                    f"the program moves {letter.upper()}, which this machine does not have",
+                    at=letter,
+                    hint=f"its external axes are {moved}",
+                )
 
     def si_point(self, point: Vector) -> canon.Point:
         """X, Y, Z of a point in the active work system, in the machine frame and SI."""
@@ -198,7 +216,10 @@ class Control:
         index = round(get(numbers.ACTIVE_SYSTEM))
         state = self.state
         x, y, z, a, b, c = self.settings.start
-        axes = (x / MM, y / MM, z / MM, a / DEG, b / DEG, c / DEG, 0.0, 0.0, 0.0)
+        values = [x / MM, y / MM, z / MM, a / DEG, b / DEG, c / DEG, 0.0, 0.0, 0.0]
+        for letter, column in self.settings.columns.items():
+            values[AXES.index(letter)], values[3 + column] = (a, b, c)[column] / MM, 0.0
+        axes: Vector = tuple(values)  # type: ignore[assignment]
         state.system = index if 1 <= index <= 9 else 1
         self.parameters.numbers[numbers.ACTIVE_SYSTEM] = float(state.system)
         state.origin, state.rotation = self.system_offset(state.system)

@@ -105,8 +105,9 @@ def execute(words: Words, control: Control) -> None:
     if g.get(NON_MODAL) == 53 and g.get(MOTION, 52) != 52:
         raise Fault("GS170", f"G5.3 and {g_name(g[MOTION]).upper()} exclude each other", at=g_name(g[MOTION]))
 
+    control.check_letters(words)
     for letter in NOT_MODELLED:
-        if letter in words.values and motion not in CONTOUR_CYCLES:
+        if letter in words.values and letter not in control.settings.columns and motion not in CONTOUR_CYCLES:
             control.skip(letter.upper(), words.block.place_of(letter))
 
     modes.spindle_mode(words, control)
@@ -191,6 +192,8 @@ def is_plain_move(words: Words, control: Control) -> bool:
 def execute_move(words: Words, control: Control) -> None:
     """What `execute` does, for a plain move: only the feed can change before a fault."""
     state = control.state
+    if control.settings.columns:
+        control.check_letters(words)
     motion = motion_of(words, control)
     check_use(words, control.dialect, g_name(motion) if motion >= 0 else "")
     feed = (state.feed, state.feed_unit)

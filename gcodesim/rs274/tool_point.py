@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Protocol
 
 from gcodesim import canon
-from gcodesim.rs274.state import Vector
+from gcodesim.rs274.state import AXES, Vector
 from gcodesim.units import DEG
 
 if TYPE_CHECKING:
@@ -99,4 +99,9 @@ def tip_at(control: Control, axes: Vector, law: ToolPointLaw) -> Vector:
 def _program(control: Control, values: canon.Axes, rest: Vector) -> Vector:
     unit = control.state.unit
     x, y, z, a, b, c = values
+    if control.settings.columns:
+        found = [x / unit, y / unit, z / unit, a / DEG, b / DEG, c / DEG, *rest[6:]]
+        for letter, column in control.settings.columns.items():
+            found[AXES.index(letter)], found[3 + column] = values[3 + column] / unit, rest[3 + column]
+        return tuple(found)  # type: ignore[return-value]
     return (x / unit, y / unit, z / unit, a / DEG, b / DEG, c / DEG, *rest[6:])

@@ -32,8 +32,8 @@ class Mover:
     `retreat` (3,) is the direction, in the path's X, Y, Z, in which a tool leaves the work along its own axis; None
     where it depends on the pose. `timed_only` are joints whose place is unknown, so that they only take time.
     `seen_whole`: a viewer should see all of it beside the part; `lathe`: the work
-    turns, about Z at X0 of its base. `description` is the file that describes it;
-    `controller` is how its motors follow the command.
+    turns, about Z at X0 of its base. `description` is the file that describes it; `externals` are joints outside
+    of that, which have names of their own; `controller` is how its motors follow the command.
     """
 
     name: str
@@ -49,11 +49,13 @@ class Mover:
     lathe: bool = False
     description: Path | None = None
     controller: Controller = field(default_factory=Ideal)
+    externals: tuple[str, ...] = ()
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """Names as in the log: `arm/joint_1`, `machine/X`."""
-        return tuple(f"{self.name}/{joint}" for joint in self.kinematics.joints.names)
+        """Names as in the log: `arm/joint_1`, `machine/X`, `rail/U`."""
+        names = self.kinematics.joints.names
+        return tuple(joint if joint in self.externals else f"{self.name}/{joint}" for joint in names)
 
     def seen_from_base(self, link: str, q: Array) -> Array:
         """X_BL (n, 4, 4) of a link, the flange or the work side with the joints at `q` (n, j); KeyError: no such."""

@@ -11,7 +11,7 @@ from gcodesim.canon import Event, LinearFeed, PathMode, Rapid, ToolChange, ToolO
 from gcodesim.diagnostics import Span
 from gcodesim.frames import Array, Pose, rotation_about
 from gcodesim.kinematics import Kinematics, kinematics_of, load_urdf, model_path
-from gcodesim.kinematics.attitude import Words, WordTurn
+from gcodesim.kinematics.attitude import WordTurn, WordTurns
 from gcodesim.kinematics.cartesian import Axis, Cartesian, chain_of_axes
 from gcodesim.kinematics.tool_point import ToolPoint
 from gcodesim.motion import build_tool_path
@@ -40,7 +40,7 @@ MEMBERS: dict[str, tuple[str, Posing, Array]] = {
         np.radians([0, -90, 90, 0, 90, 0]),
     ),
 }
-LEANING = Words(turns=(WordTurn(axis=2, word=0, sign=1.0), WordTurn(axis=1, word=1, sign=-1.0)))
+LEANING = WordTurns(turns=(WordTurn(axis=2, word=0, sign=1.0), WordTurn(axis=1, word=1, sign=-1.0)))
 MEMBERS["words that lean"] = (
     MODELS[1],
     FixedAttitude(law=LEANING, words_lean=True),

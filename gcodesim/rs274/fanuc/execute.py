@@ -41,8 +41,10 @@ def execute(words: Words, control: FanucControl, has_point: dict[str, bool]) -> 
     `has_point` says of each letter whether its number was written with a point.
     """
     g, state = words.g, control.state
+    control.check_letters(words)
     for letter in NOT_MODELLED:
-        if letter in words.values and g.get(NON_MODAL) != 40:  # U of G4 is a time
+        moves = letter in control.settings.columns or g.get(NON_MODAL) == 40  # U of G4 is a time
+        if letter in words.values and not moves:
             control.skip(letter.upper(), words.block.place_of(letter))
     modes.units(words, control)  # before F, unlike RS274
     modes.plane(words, control)

@@ -1,0 +1,314 @@
+"""External axes of a robot: carriages that carry it, and positioners that carry the work."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import field, replace
+from typing import TYPE_CHECKING, Any, Final
+
+from gcodesim.cell.joints import Measure, check_within
+from gcodesim.cell.placing import POINT, Place
+from gcodesim.declarations.composed import Either
+from gcodesim.declarations.keys import key
+from gcodesim.declarations.kind import POSITIVE, WITHIN_REACH, Json, Kind
+from gcodesim.declarations.map_of import NameRule, read_name
+from gcodesim.declarations.nodes import Mapping as MappingNode
+from gcodesim.declarations.nodes import Node
+from gcodesim.declarations.plain_kinds import Switch, Text
+from gcodesim.declarations.quantity import Quantity, Vector
+from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread, suggestion
+from gcodesim.declarations.record import FREE, Record, not_a_mapping
+from gcodesim.declarations.units import shown
+from gcodesim.frames import Pose
+from gcodesim.frozen import frozen
+
+if TYPE_CHECKING:
+    from gcodesim.cell.cell import Cell
+    from gcodesim.cell.robot import Robot
+    from gcodesim.kinematics.assembly import Carrier
+
+TURNING: Final = ("A", "B", "C")
+SLIDING: Final = ("U", "V", "W")
+_UNLIMITED: Final = (-math.inf, math.inf)
+_SPIN_UP: Final = 0.25  # s to full speed, where no acceleration is given
+_DIRECTION: Final = Vector(Quantity("ratio"), 3, "[0, 1, 0]")
+
+
+@frozen
+class SlidingAxis:
+    """A linear external axis as written in the cell: U, V or W."""
+
+    travel: tuple[float, float] = key(
+        Vector(Quantity("length", WITHIN_REACH), 2, "[0, 3 m]"), "least and greatest position"
+    )
+    speed: float = key(Quantity("speed", POSITIVE), "greatest speed")
+    acceleration: float | None = key(
+        Quantity("acceleration", POSITIVE), "acceleration (assumed: full speed in 0.25 s)", default=None
+    )
+    home: float | None = key(
+        Quantity("length"), "position at the start (default 0, else the nearer end)", default=None, example="0 mm"
+    )
+    direction: tuple[float, float, float] | None = key(
+        _DIRECTION, "the way of positive motion in `base` (default: X, Y, Z for U, V, W)", default=None, quiet=True
+    )
+    moving_mass: float | None = key(
+        Quantity("mass", POSITIVE), "mass that the axis moves besides what stands on it", default=None, quiet=True
+    )
+    effort: float | None = key(
+        Either((("none", math.inf),), Quantity("force", POSITIVE)),
+        "greatest force, `none`: unlimited",
+        default=None,
+        quiet=True,
+    )
+    free: bool | None = key(Switch(), "the planner chooses where it stands", default=None, quiet=True)
+
+
+@frozen
+class TurningAxis:
+    """A rotary external axis as written in the cell: A, B or C."""
+
+    travel: tuple[float, float] = key(
+        Either((("unlimited", _UNLIMITED),), Vector(Quantity("angle"), 2, "[-120, 120 deg]")),
+        "least and greatest position, or `unlimited`",
+    )
+    speed: float = key(Quantity("angular speed", POSITIVE), "greatest speed")
+    acceleration: float | None = key(
+        Quantity("angular acceleration", POSITIVE), "acceleration (assumed: full speed in 0.25 s)", default=None
+    )
+    home: float | None = key(
+        Quantity("angle"), "position at the start (default 0, else the nearer end)", default=None, example="0 deg"
+    )
+    at: tuple[float, float, float] = key(
+        POINT, "a point on the axis, in `base`", default=(0.0, 0.0, 0.0), quiet=True, example="[0, 0, 150 mm]"
+    )
+    direction: tuple[float, float, float] | None = key(
+        _DIRECTION,
+        "what it turns right-handed about, in `base` (default: X, Y, Z for A, B, C)",
+        default=None,
+        quiet=True,
+    )
+    moving_mass: float | None = key(
+        Quantity("mass", POSITIVE), "mass that the axis moves besides what stands on it", default=None, quiet=True
+    )
+    effort: float | None = key(
+        Either((("none", math.inf),), Quantity("torque", POSITIVE)),
+        "greatest torque, `none`: unlimited",
+        default=None,
+        quiet=True,
+    )
+    free: bool | None = key(Switch(), "the planner chooses where it stands", default=None, quiet=True)
+
+
+AxisForm = SlidingAxis | TurningAxis
+
+
+def _letter(text: str) -> str | None:
+    return text.upper() if text.upper() in (*TURNING, *SLIDING) else None
+
+
+_LETTERS: Final = NameRule(
+    what="external axis (A, B, C, U, V, W)", pattern="[ABCUVWabcuvw]", canonical=_letter, known=(*TURNING, *SLIDING)
+)
+_RECORDS: Final = {
+    **{letter: Record(TurningAxis, f"axis {letter}") for letter in TURNING},
+    **{letter: Record(SlidingAxis, f"axis {letter}") for letter in SLIDING},
+}
+
+
+@frozen(kw_only=False)
+class _AxesKind(Kind):
+    """External axes by letter, in chain order."""
+
+    @property
+    def expected(self) -> str:
+        return "axes by letter, such as `U: {travel: [0, 3 m], speed: 1 m/s}`"
+
+    def read(self, node: Node, to: Reading, path: Path) -> Any:
+        if not isinstance(node, MappingNode):
+            return not_a_mapping(node, self.expected, to, path)
+        axes: dict[str, Any] = {}
+        for name, value in node.entries:
+            if name.text.startswith(FREE):
+                continue
+            letter = read_name(_LETTERS, name, [(*path, known) for known in axes], to)
+            if isinstance(letter, Unread):
+                axes[name.text] = UNREAD
+                continue
+            to.named((*path, letter), name.span)
+            axes[letter] = _RECORDS[letter].read(value, to, (*path, letter))
+        return UNREAD if any(value is UNREAD for value in axes.values()) else axes
+
+    def schema(self, definitions: dict[str, Json]) -> Json:
+        turning, sliding = _RECORDS["A"].schema(definitions), _RECORDS["U"].schema(definitions)
+        patterns = {"^[ABCabc]$": turning, "^[UVWuvw]$": sliding, f"^{FREE}": {}}
+        return {"type": "object", "patternProperties": patterns, "minProperties": 1, "additionalProperties": False}
+
+    def show(self, value: Any) -> Any:
+        return {letter: _RECORDS[letter].show(axis) for letter, axis in value.items()}
+
+    def plain(self, value: Any) -> tuple[str, Any]:
+        return "", {letter: _RECORDS[letter].plain(axis)[1] for letter, axis in value.items()}
+
+
+@frozen
+class External:
+    """External axes that carry a robot, or the work. `X_WE` is their frame in the world, once frames are known."""
+
+    axes: Mapping[str, AxisForm] = key(_AxesKind(), "its axes in chain order, from the ground on")
+    carries: str | None = key(
+        Text(form="the name of a robot"), "the robot that stands on it; without: it carries work", default=None
+    )
+    robot: str | None = key(
+        Text(form="the name of a robot"), "whose program moves it (default: the only robot)", default=None, quiet=True
+    )
+    base: Place = key(Record(Place, "a place"), "where it stands with all axes at zero", default=Place())
+    free: bool = key(Switch(), "the planner chooses where its axes stand", default=False)
+    name: str = ""
+    X_WE: Pose = field(default_factory=Pose.identity, compare=False)
+
+    def checked(self, to: Reading, path: Path) -> External | Unread:
+        good = True
+        for letter, axis in self.axes.items():
+            at = (*path, "axes", letter)
+            measure: Measure = "length" if letter in SLIDING else "angle"
+            low, high = axis.travel
+            if not low < high:
+                message = f"travel of axis {letter} goes from {shown(low, measure)} to {shown(high, measure)}"
+                to.fault("GS710", to.span((*at, "travel")), message, "the second must be greater")
+                good = False
+            elif axis.home is not None:
+                good &= check_within(axis.home, low, high, measure, f"axis {letter}", to, (*at, "home"))
+            if axis.direction is not None and not any(axis.direction):
+                to.fault("GS710", to.span((*at, "direction")), f"the direction of axis {letter} has no length")
+                good = False
+        if not self.axes:
+            hint = "such as `axes: {U: {travel: [0, 3 m], speed: 1 m/s}}`"
+            to.fault("GS705", to.span(path), "an external without axes", hint)
+            good = False
+        return replace(self, name=str(path[-1])) if good else UNREAD
+
+    @property
+    def homes(self) -> tuple[float, ...]:
+        """Where its axes start [m, rad]."""
+        return tuple(
+            min(max(0.0, axis.travel[0]), axis.travel[1]) if axis.home is None else axis.home
+            for axis in self.axes.values()
+        )
+
+    def is_free(self, letter: str) -> bool:
+        """Whether the planner chooses where this axis stands."""
+        own = self.axes[letter].free
+        return self.free if own is None else own
+
+    def carrier(self, X_WB: Pose) -> Carrier:
+        """What `kinematics.assembly` takes, for a robot with its base at `X_WB`."""
+        from gcodesim.kinematics.assembly import Carrier, ExternalAxis
+
+        units = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+        axes = tuple(
+            ExternalAxis(
+                name=f"{self.name}/{letter}",
+                kind="prismatic" if letter in SLIDING else "revolute",
+                vector=axis.direction or units["ABCUVW".index(letter) % 3],
+                point=axis.at if isinstance(axis, TurningAxis) else (0.0, 0.0, 0.0),
+                lower=axis.travel[0],
+                upper=axis.travel[1],
+                speed=axis.speed,
+                acceleration=axis.acceleration or axis.speed / _SPIN_UP,
+                effort=math.inf if axis.effort is None else axis.effort,
+                moving_mass=axis.moving_mass,
+            )
+            for letter, axis in self.axes.items()
+        )
+        return Carrier(
+            name=self.name, axes=axes, X_BE=X_WB.inverse() @ self.X_WE, carries_arm=self.carries is not None
+        )
+
+
+def columns_of(externals: Sequence[External], taken: Sequence[int] = ()) -> dict[str, int]:
+    """Which of the words a, b, c of a path (0 to 2) holds each commanded letter; -1 where there is no room.
+
+    A, B, C have their own; U, V, W take what is left. `taken` are words that lean the tool.
+    """
+    letters = [letter for external in externals for letter in external.axes if not external.is_free(letter)]
+    columns = {letter: TURNING.index(letter) for letter in letters if letter in TURNING}
+    left = [column for column in range(3) if column not in (*columns.values(), *taken)]
+    for letter in letters:
+        if letter in SLIDING:
+            columns[letter] = left.pop(0) if left else -1
+    return columns
+
+
+def with_externals(cell: Cell, to: Reading) -> Cell:
+    """`cell` with its externals given to the robots whose programs move them; faults become findings of `to`."""
+    given: dict[str, list[External]] = {}
+    robots = list(cell.robots)
+    for name, external in cell.externals.items():
+        path: Path = ("externals", name)
+        owner = external.carries or external.robot
+        which = "carries" if external.carries else "robot"
+        if owner is None and len(robots) == 1:
+            owner = robots[0]
+        if owner is None or owner not in robots:
+            if owner is None:
+                message = f"whose program moves `{name}` nobody can know"
+                message = message if robots else "external axes belong to a robot"
+                hint = "write `robot:` with its name" if robots else "axes of a machine tool stand under `machine`"
+                to.fault("GS722", to.span(path), message, hint)
+            elif owner not in to.names_in("robots"):  # else it has a fault of its own
+                to.fault("GS712", to.span((*path, which)), f"there is no robot `{owner}`", suggestion(owner, robots))
+            continue
+        if name in cell.robots or name in cell.placed_frames:
+            to.fault("GS719", to.key(path), f"`{name}` is the name of something else too", "choose another one")
+            continue
+        given.setdefault(owner, []).append(external)
+    equipped = dict(cell.robots)
+    for owner, own in given.items():
+        if _fits(equipped[owner], own, to):
+            equipped[owner] = equipped[owner].with_externals(tuple(own))
+    return replace(cell, robots=equipped)
+
+
+def _fits(robot: Robot, externals: Sequence[External], to: Reading) -> bool:
+    """Whether letters and names are there once."""
+    first: dict[str, str] = {}
+    good = True
+    for external in externals:
+        path: Path = ("externals", external.name)
+        if external.name in robot.chain.link_names:
+            message = f"`{external.name}` is the name of a link of `{robot.name}`"
+            to.fault("GS719", to.key(path), message, "choose another one")
+            good = False
+        for letter in external.axes:
+            if external.is_free(letter):
+                continue
+            if letter in first:
+                message = f"axis {letter} is commanded in `{first[letter]}` and in `{external.name}`"
+                to.fault("GS719", to.key((*path, "axes", letter)), message, "one letter, one axis")
+                good = False
+            first.setdefault(letter, external.name)
+    return good
+
+
+def check_words(cell: Cell, to: Reading) -> None:
+    """WordTurns that lean a tool are not those of an external axis, and there is room for all of them."""
+    for name, channel in cell.channels.items():
+        robot = cell.robots.get(str(channel.robot))
+        if robot is None or not robot.externals:
+            continue
+        words = () if channel.orientation is None else channel.orientation.words or ()
+        columns = columns_of(robot.externals, [turn.word for turn in words])
+        for external in robot.externals:
+            for letter in external.axes:
+                column = columns.get(letter)
+                leans = letter in TURNING and column in [turn.word for turn in words]
+                if column is None or (column >= 0 and not leans):
+                    continue
+                span = to.key(("externals", external.name, "axes", letter))
+                if leans:
+                    message = f"{letter} turns `{external.name}`, and by `words` the tool of channel `{name}` too"
+                    to.fault("GS719", span, message, "let the planner choose (`free: true`), or take other words")
+                else:
+                    message = f"{letter} is the fourth word besides X, Y, Z; a program may have three"
+                    to.fault("GS719", span, message, "let the planner choose where an axis stands: `free: true`")

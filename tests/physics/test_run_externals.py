@@ -1,0 +1,166 @@
+"""An arm on a rail, and an arm with a turn-tilt table: external axes in whole runs."""
+
+from __future__ import annotations
+
+from math import pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gcodesim.cell.loader import read_cell
+from gcodesim.diagnostics import SourceText
+from gcodesim.regress.surfaces import compare_stocks
+from gcodesim.simulation import Job, Options, prepare
+from gcodesim.units import MM
+from tests.physics.runs import run_texts
+
+RAIL = """gcodesim: 1
+robots:
+  arm: {model: kuka_kr10_r1100_2, base: {in: world, xyz: [0, 0, 200]}, stiffness: rigid}
+externals:
+  rail: {carries: arm, axes: {U: {travel: [0, 3 m], speed: 1 m/s, acceleration: 2 m/s^2, home: 100 mm%s}}}
+work_offsets: {G54: {in: world, xyz: [0, 600, 450]}}
+stock: {box: [900, 40, 10], in: G54, zero: top-front-left, material: al6082_t6, resolution: 1}
+tools:
+  1: {type: flat_end_mill, diameter: 10, flutes: 2, length: 60}
+"""
+POSITIONER = """gcodesim: 1
+robots:
+  arm: {model: kuka_kr10_r1100_2, stiffness: rigid}
+externals:
+  positioner:
+    axes:
+      A: {travel: [-90, 90 deg], speed: 90 deg/s, acceleration: 300 deg/s^2, at: [0, 0, 40]}
+      C: {travel: unlimited, speed: 180 deg/s, acceleration: 600 deg/s^2}
+    base: {in: world, xyz: [600, 0, 250]}
+frames: {pallet: {in: positioner, xyz: [0, 0, 20]}}
+work_offsets: {G54: {in: pallet, xyz: [0, 0, 30]}}
+stock: {cylinder: [70, 30], in: pallet, material: al6082_t6, resolution: 0.5}
+tools:
+  1: {type: flat_end_mill, diameter: 8, flutes: 2, length: 60}
+"""
+HEAD = "G21 G90 G94\nT1 M6\nS12000 M3\n"
+
+
+def planned(program: str, cell: str) -> Job:
+    loaded = read_cell(SourceText("cell.yaml", cell.encode()), Path("cell.yaml"))
+    return prepare(SourceText("program.nc", program.encode()), loaded, Options(world="kinematic"))
+
+
+def tips(job: Job, t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Joints (n, j), the tip X_WT and the platform's or the world's X_W (n, 4, 4) at times `t`."""
+    plan, shop = job.plan, job.shop
+    assert plan is not None and shop is not None
+    samples = plan.trajectory.sample(t)
+    q = plan.joints(samples)
+    X_WT = shop.X_WB.matrix @ plan.tip(q, np.minimum(samples.row, len(plan.path) - 1))
+    frame = shop.placement.platforms.get(1, "world")
+    return q, X_WT, shop.scene.track(frame, {shop.name: q})
+
+
+def test_an_arm_on_a_rail_cuts_what_it_does_not_reach_from_one_place() -> None:
+    """A slot of 800 mm, 10 wide and 2 deep, with round ends."""
+    program = HEAD + "G0 X50 Y20 Z30 U100\nG1 Z-2 F1000\nG1 X850 U900 F6000\nG0 Z30\nM5\nM2\n"
+    ran = run_texts(program, RAIL % "")
+
+    assert not ran.bad
+    assert ran.stock.removed / MM**3 == pytest.approx(800.0 * 10.0 * 2.0 + pi * 25.0 * 2.0, rel=0.01)
+    rail = next(joint for joint in ran.results.joints if joint["name"] == "rail/U")
+    assert (rail["unit"], rail["least"], rail["most"]) == ("mm", 100.0, 900.0)
+
+
+def test_the_tip_stays_while_the_rail_moves_under_the_arm() -> None:
+    """U alone: its feed is that of the rail, and the arm makes up for it."""
+    job = planned(HEAD + "G61\nG0 X200 Y20 Z30 U200\nG1 U800 F6000\nM2\n", RAIL % "")
+    plan = job.plan
+    assert plan is not None and not [f for f in job.findings if f.code.startswith("GS2")]
+    begin, end = float(plan.trajectory.row_start[-1]), float(plan.trajectory.row_end[-1])
+    q, X_WT, _ = tips(job, np.linspace(begin, end, 200))
+
+    assert np.ptp(q[:, 0]) == pytest.approx(0.6, abs=1e-9)
+    assert np.abs(X_WT[:, :3, 3] - np.array([200.0, 620.0, 480.0]) * MM).max() < 1e-7
+    assert end - begin == pytest.approx(0.6 / 0.1 + 0.1 / 2.0, rel=0.02)  # at 0.1 m/s, ramps of 2 m/s²
+
+
+@pytest.mark.parametrize("world", ["kinematic", "bullet"])
+def test_a_slot_in_turning_work_is_that_in_resting_work(world: str) -> None:
+    """The program is about the work: C and A that turn under a slot leave the same slot."""
+    slot = HEAD + "G0 X-50 Y5 Z20{0}\nG0 Z-3\nG1 X50{1} F3000\nG0 Z30\nM5\nM2\n"
+    still, turned = (
+        run_texts(slot.format(*words), POSITIONER, world=world) for words in (("", ""), (" A10 C-20", " A-15 C50"))
+    )
+
+    assert not still.bad and not turned.bad
+    one, two = (next(iter(ran.shop.stocks.values())).stock for ran in (still, turned))
+    assert compare_stocks("stock", one, two, 0.5) is None
+    assert turned.stock.removed == pytest.approx(still.stock.removed, rel=0.02)
+
+
+def test_the_tip_keeps_its_line_in_turning_work_within_all_limits() -> None:
+    program = HEAD + "G61\nG0 X-40 Y10 Z20 A0 C0\nG1 X30 Y-10 Z15 A25 C200 F9000\nG1 X0 Y0 Z20 A-10 C0\nM2\n"
+    job = planned(program, POSITIONER)
+    plan = job.plan
+    assert plan is not None
+    row = 1 + int(np.argmax(np.isfinite(plan.path.feed))) - 1
+    t = np.linspace(plan.trajectory.row_start[row], plan.trajectory.row_end[row], 400)
+    q, X_WT, X_WC = tips(job, t)
+    X_CT = np.linalg.inv(X_WC) @ X_WT
+    start, end = np.array([-40.0, 10.0, 70.0]) * MM, np.array([30.0, -10.0, 65.0]) * MM
+    along = (end - start) / np.linalg.norm(end - start)
+    beside = X_CT[:, :3, 3] - start
+    beside -= (beside @ along)[:, None] * along
+    assert np.abs(beside).max() < 1e-7
+    assert np.abs(X_CT[:, :3, 2] - [0.0, 0.0, -1.0]).max() < 1e-9
+    assert np.degrees(q[-1, -2:]) == pytest.approx([25.0, 200.0])
+
+    dt = 2e-3
+    q = tips(job, np.arange(0.0, plan.trajectory.duration, dt))[0]
+    joints = plan.kinematics.joints
+    speed = np.abs(np.diff(q, axis=0)) / dt
+    assert (speed.max(axis=0) <= 1.02 * joints.speed).all()
+    assert (q >= joints.lower - 1e-9).all() and (q <= joints.upper + 1e-9).all()
+
+
+def test_travel_letters_and_words_of_external_axes() -> None:
+    job = planned("G21 G90\nG0 X200 Y20 Z30 U3200\nG0 V5\nG0 A20\nM2\n", RAIL % "")
+    found = {f.code: f for f in job.findings}
+
+    assert "U would go to 3200.000 mm" in found["GS201"].message
+    assert found["GS201"].span.line == 2
+    assert found["GS207"].span.line == 4
+    assert job.reading is not None and "V" in job.reading.not_simulated
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "code", "line"),
+    [
+        ("carries: arm", "carries: leg", "GS712", 5),
+        ("[0, 3 m]", "[3 m, 0]", "GS710", 5),
+        ("home: 100 mm", "home: -1 m", "GS723", 5),
+        ("axes: {U:", "axes: {Q:", "GS711", 5),
+        ("  rail:", "  arm:", "GS719", 5),
+        ("work_offsets: {G54: {in: world", "work_offsets: {G54: {in: rail", "GS712", 6),
+    ],
+)
+def test_faults_of_externals(old: str, new: str, code: str, line: int) -> None:
+    text = (RAIL % "").replace(old, new)
+    loaded = read_cell(SourceText("cell.yaml", text.encode()), Path("cell.yaml"))
+
+    assert loaded.cell is None
+    assert (code, line) in [(f.code, f.span.line) for f in loaded.findings]
+
+
+def test_a_letter_is_there_once() -> None:
+    text = POSITIONER + "orientation: {words: Z(C) X(B)}\n"
+    loaded = read_cell(SourceText("cell.yaml", text.encode()), Path("cell.yaml"))
+
+    assert loaded.cell is None
+    assert [(f.code, f.span.line) for f in loaded.findings] == [("GS719", 8)]
+
+
+def test_what_an_external_axis_moves_has_its_name() -> None:
+    job = planned(HEAD + "G0 X0 Y0 Z20 A0 C0\nM2\n", POSITIONER)
+    assert job.shop is not None
+    assert job.shop.joint_names[-2:] == ("positioner/A", "positioner/C")
+    assert job.shop.scene.standing_on("stock/stock")[0] == "arm/positioner"
