@@ -210,7 +210,8 @@ def _offset(cell: Cell, X_WM: Pose, mover: MachineTool | Robot, standing: Standi
     if standing.frame is None:
         X_WP = mover.X_WB @ standing.X
     elif (on := _platform_of(cell, mover, standing)) is not None:
-        X_WP = on[1] @ standing.X
+        _, X_WC = on
+        X_WP = X_WC @ standing.X
     else:
         X_WP = cell.frames[standing.frame] @ standing.X
     return _cleaned(X_WM.inverse() @ X_WP)
