@@ -12,7 +12,7 @@ from gcodesim.cell.arm_point import ArmPoint
 from gcodesim.cell.cell import MAIN
 from gcodesim.cell.channel import Channel
 from gcodesim.cell.externals import SLIDING, columns_of
-from gcodesim.cell.machine import MachineTool, is_lathe
+from gcodesim.cell.machine import is_lathe
 from gcodesim.cell.tool_point import MachinePoint
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText
 from gcodesim.rs274 import MappedAction, Settings, ToolEntry, ToolTable, read_parameters
@@ -98,14 +98,12 @@ def settings_of_cell(
 
 def _tool_point(cell: Cell, channel: str, placement: Placement) -> MachinePoint | ArmPoint | None:
     mover = cell.machine_of(channel)
-    return MachinePoint.of(mover) if isinstance(mover, MachineTool) else ArmPoint.of(cell, channel, placement)
+    return MachinePoint.of(mover) if mover.axes else ArmPoint.of(cell, channel, placement)
 
 
 def _columns(cell: Cell, channel: str) -> dict[str, int]:
     """Which of A, B, C carries the value of U, V or W, where these move an external axis."""
     mover, own = cell.machine_of(channel), cell.channels[channel].orientation
-    if isinstance(mover, MachineTool):
-        return {}
     words = () if own is None else own.words or ()
     columns = columns_of(mover.externals, [turn.word for turn in words])
     return {letter.lower(): column for letter, column in columns.items() if letter in SLIDING}

@@ -31,6 +31,7 @@ from gcodesim.frozen import frozen
 from gcodesim.kinematics.chain import BASE, FLANGE
 
 if TYPE_CHECKING:
+    from gcodesim.cell.externals import External
     from gcodesim.kinematics.cartesian import Axis as KinematicAxis
     from gcodesim.kinematics.chain import Chain, Link
 
@@ -435,6 +436,16 @@ class MachineTool:
     shipped: Chain | None = field(compare=False, repr=False, default=None)
     X_WM: Pose = field(default_factory=Pose.identity, compare=False)
     lathe: bool = False
+
+    @property
+    def externals(self) -> tuple[External, ...]:
+        """Axes outside of it: a machine tool has none."""
+        return ()
+
+    @property
+    def platforms(self) -> dict[str, Pose]:
+        """What external axes carry."""
+        return {}
 
     @property
     def home(self) -> tuple[float, ...]:

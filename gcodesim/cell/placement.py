@@ -184,7 +184,7 @@ def _with_system(placement: Placement, mover: MachineTool | Robot, name: str, st
     """Where something stands on the platform that carries its work system; None if no external axis does."""
     frame = standing.frame or ("G54" if name.startswith(STOCK) else "world")
     link = placement.platforms.get(system_index(frame)) if frame in SYSTEMS else None
-    if link is None or not isinstance(mover, Robot):
+    if link is None:
         return None
     return Carried(link, mover.platforms[link].inverse() @ placement.X_W(frame) @ standing.X)
 
@@ -200,7 +200,7 @@ def _on_link(cell: Cell, standing: Standing) -> Carried | None:
 def _platform_of(cell: Cell, mover: MachineTool | Robot, standing: Standing) -> tuple[str, Pose] | None:
     """The link that external axes of `mover` move, on which something stands, and the frame there at zero in W."""
     on = _on_link(cell, replace(standing, xyz=(0.0, 0.0, 0.0), rpy=(0.0, 0.0, 0.0)))
-    if on is None or not isinstance(mover, Robot) or on.link not in mover.platforms:
+    if on is None or on.link not in mover.platforms:
         return None
     return on.link, mover.platforms[on.link] @ on.X
 
