@@ -34,6 +34,7 @@ from gcodesim.jobs.job import KINEMATIC, Job, Options
 from gcodesim.jobs.meetings import meet, share_shop
 from gcodesim.jobs.outcome import first_error, results_of
 from gcodesim.jobs.results import Results
+from gcodesim.processes import PROCESSES
 from gcodesim.rs274 import Settings, interpret
 from gcodesim.shop import Shop, open_shop
 
@@ -350,7 +351,11 @@ def _not_run(job: Job, out: Path | None) -> Results:
 
 def _names(shop: Shop | None) -> list[str]:
     """The files that a run in this shop writes."""
-    return names_of(()) if shop is None else names_of(shop.cell.stocks, film_names(shop.cell.coats))
+    if shop is None:
+        return names_of(())
+    kinds = [kind for kind in shop.sheet.kinds[1:] if getattr(PROCESSES[kind], "dose", "")]
+    doses = {name: [PROCESSES[kind].dose for kind in kinds] for name in shop.cell.stocks}
+    return names_of(shop.cell.stocks, film_names(shop.cell.coats), doses)
 
 
 def _inputs(job: Job) -> list[Path]:

@@ -34,9 +34,14 @@ def model_named(name: str) -> type[Model] | None:
     for cls in classes:
         if name in cls.also:
             return cls
-    last = name.rpartition(".")[2]
-    near = [cls for cls in classes if last in {other.rpartition(".")[2] for other in (cls.kind, *cls.also)}]
+    near = [cls for cls in classes if any(_alike(name, other) for other in (cls.kind, *cls.also))]
     return near[0] if len(near) == 1 else None
+
+
+def _alike(name: str, other: str) -> bool:
+    """Whether both names end alike, and do not begin differently: `spray.gaussian` is no `laser.gaussian`."""
+    (before, _, last), (begin, _, end) = name.rpartition("."), other.rpartition(".")
+    return last == end and (not before or not begin or before == begin)
 
 
 def names_of_models() -> list[str]:

@@ -315,5 +315,6 @@ def _print_verdict(
 
 def _print_files(out: Path, results: Results, others: Sequence[str]) -> None:
     print()
-    print(f"  files in {out}: {', '.join([*names_of(results.stocks), *others])}")
+    doses = {name: stock.doses for name, stock in results.stocks.items()}
+    print(f"  files in {out}: {', '.join([*names_of(results.stocks, doses=doses), *others])}")
     print(f"  look at it: open {out / LOG_NAME} in Foxglove or Lichtblick, with the layout that is inside")

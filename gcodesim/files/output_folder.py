@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Final
 
 from gcodesim.diagnostics import Diagnostic, Span
+from gcodesim.files.png import SIGNATURE, SOFTWARE, SOFTWARE_AT
 
 try:
     import fcntl
@@ -34,6 +35,8 @@ _BEGINNINGS: Final[Mapping[str, tuple[tuple[int, bytes], ...]]] = {
     ".stock": ((0, b"gcodesim-stock/"),),
     ".film.ply": ((0, b"ply\nformat binary_little_endian 1.0\ncomment gcodesim film"),),
     ".film.csv": ((0, b"x_mm,y_mm,z_mm,nx,ny,nz,area_mm2,film_um"),),
+    ".png": ((0, SIGNATURE), (SOFTWARE_AT, SOFTWARE)),
+    ".npy": ((0, b"\x93NUMPY"),),
 }
 _HEAD: Final = 80
 
@@ -51,11 +54,19 @@ def link_on_the_way(out: Path) -> Path | None:
     return next((way for way in ways if way.is_symlink()), None)
 
 
-def names_of(stocks: Iterable[str], coated: Iterable[str] = ()) -> list[str]:
-    """The files that a run with these stocks writes, and with films on the bodies `coated`."""
+def dose_names(stock: str, kind: str) -> tuple[str, str]:
+    """The files of a map of what beams gave a stock: picture and numbers."""
+    return f"{stock}.{kind}.png", f"{stock}.{kind}.npy"
+
+
+def names_of(
+    stocks: Iterable[str], coated: Iterable[str] = (), doses: Mapping[str, Iterable[str]] | None = None
+) -> list[str]:
+    """The files that a run with these stocks writes, with films on bodies `coated`, and maps of `doses` of stocks."""
     of_stocks = [f"{name}{suffix}" for name in stocks for suffix in STOCK_SUFFIXES]
     of_films = [f"{name}{suffix}" for name in coated for suffix in FILM_SUFFIXES]
-    return [LOG_NAME, RESULTS_NAME, LINES_NAME, *of_stocks, *of_films]
+    maps = (file for stock, kinds in (doses or {}).items() for kind in kinds for file in dose_names(stock, kind))
+    return [LOG_NAME, RESULTS_NAME, LINES_NAME, *of_stocks, *of_films, *maps]
 
 
 def _kind_of(name: str) -> str:

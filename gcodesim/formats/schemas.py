@@ -91,6 +91,18 @@ def _results() -> Json:
                 remaining_mm3=number("volume at the end"),
                 resolution_mm=number("distance of its columns"),
                 error_bound_mm3=number("by how much the volumes may be wrong"),
+                doses=table(
+                    "beams only: what they gave the stock, each with a map",
+                    record(
+                        "a dose",
+                        unit=text("of `greatest` and of the map"),
+                        greatest=number("of the place that got most"),
+                        total_unit=text("of `total`"),
+                        total=number("summed over the stock"),
+                        corner_mm=array("where the map begins", number("x and y in the stock's columns")),
+                        cell_mm=array("size of a cell of the map", number("along x and y")),
+                    ),
+                ),
                 parted_off=truth("lathe only: whether the part was parted off; then the volume at the end is its own"),
                 in_chuck_mm3=number("lathe only: what the chuck still holds after that"),
                 scrap_mm3=number("lathe only: other pieces that came loose"),
@@ -163,7 +175,7 @@ def _results() -> Json:
     for entry in ("tools", "not_simulated"):  # where several programs run at once
         results["properties"][entry]["items"]["properties"]["channel"] = text("of several programs at once, whose")
     stock = results["properties"]["stocks"]["additionalProperties"]
-    stock["required"] = stock["required"][: stock["required"].index("parted_off")]
+    stock["required"] = stock["required"][: stock["required"].index("doses")]
     results["required"] = [name for name in results["required"] if name not in ("probings", "printing", "coating")]
     return results
 

@@ -16,7 +16,16 @@ from gcodesim.jobs.coating import coating_of
 from gcodesim.jobs.job import Job
 from gcodesim.jobs.joint_results import joint_results
 from gcodesim.jobs.printing import printing_of
-from gcodesim.jobs.results import Results, StockResult, Times, TurnedResult, joint_rows, line_rows, tool_rows
+from gcodesim.jobs.results import (
+    DoseResult,
+    Results,
+    StockResult,
+    Times,
+    TurnedResult,
+    joint_rows,
+    line_rows,
+    tool_rows,
+)
 from gcodesim.motion.tool_path import HOME, RAPID
 from gcodesim.processes.column import LINES, RESULTS
 from gcodesim.shop import Shop
@@ -25,6 +34,7 @@ from gcodesim.version import __version__
 if TYPE_CHECKING:
     from gcodesim.executor import Execution
     from gcodesim.material.revolved import Revolved
+    from gcodesim.material.stock import Stock
     from gcodesim.motion.trajectory import TimedEvent
     from gcodesim.planning import Plan
 
@@ -224,8 +234,26 @@ def _stock_results(shop: Shop, execution: Execution) -> dict[str, StockResult]:
             resolution=stock.cell,
             error_bound=stock.error_bound(),
             turned=_turned(cast("Revolved", stock)) if placed.revolved else None,
+            doses={} if placed.revolved else _doses(stock),
         )
     return results
+
+
+def _doses(stock: Stock) -> dict[str, DoseResult]:
+    from gcodesim.processes.beam import DOSES
+
+    (x, y), (dx, dy) = stock.origin.tolist(), stock.spacing.tolist()
+    return {
+        name: DoseResult(
+            unit=DOSES[name].of_area,
+            greatest=float(dose.max()) / DOSES[name].per_area,
+            total_unit=DOSES[name].of_whole,
+            total=float(dose.sum()) * dx * dy / DOSES[name].whole,
+            corner=(x, y),
+            cell=(dx, dy),
+        )
+        for name, dose in sorted(stock.doses.items())
+    }
 
 
 def _turned(stock: Revolved) -> TurnedResult:

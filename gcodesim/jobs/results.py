@@ -53,6 +53,31 @@ class TurnedResult:
 
 
 @frozen
+class DoseResult:
+    """What beams gave a stock, seen from above: the greatest for each area, the sum over it, and the map's grid.
+
+    `corner` (x, y) [m] is where the map begins in the stock's columns, `cell` (dx, dy) [m] the size of its cells.
+    """
+
+    unit: str
+    greatest: float
+    total_unit: str
+    total: float
+    corner: tuple[float, float]
+    cell: tuple[float, float]
+
+    def as_json(self) -> dict[str, Any]:
+        return {
+            "unit": self.unit,
+            "greatest": rounded(self.greatest),
+            "total_unit": self.total_unit,
+            "total": rounded(self.total),
+            "corner_mm": [rounded(value / MM) for value in self.corner],
+            "cell_mm": [rounded(value / MM) for value in self.cell],
+        }
+
+
+@frozen
 class StockResult:
     """One stock at the end; volumes [m³], resolution [m]."""
 
@@ -64,6 +89,7 @@ class StockResult:
     resolution: float
     error_bound: float
     turned: TurnedResult | None = None
+    doses: Mapping[str, DoseResult] = field(default_factory=dict)
 
     def as_json(self) -> dict[str, Any]:
         return {
@@ -75,6 +101,7 @@ class StockResult:
             "resolution_mm": rounded(self.resolution / MM),
             "error_bound_mm3": rounded(self.error_bound / MM3),
             **({} if self.turned is None else self.turned.as_json()),
+            **({"doses": {name: dose.as_json() for name, dose in self.doses.items()}} if self.doses else {}),
         }
 
 

@@ -7,7 +7,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.material.beam_kernels import FLAT, GAUSSIAN, TOP_HAT, Ablating, BeamForm, BeamWay, Struck, strike
+from gcodesim.material.beam_kernels import (
+    FLAT,
+    GAUSSIAN,
+    TOP_HAT,
+    Ablating,
+    BeamForm,
+    BeamWay,
+    Struck,
+    radius_at,
+    share_within,
+    strike,
+)
 
 if TYPE_CHECKING:
     from gcodesim.material.stock import Stock
@@ -17,7 +28,7 @@ Array = NDArray[np.float64]
 PROFILES = {"gaussian": GAUSSIAN, "top_hat": TOP_HAT, "flat": FLAT}
 """How a beam spreads over its footprint; `flat` leaves a level floor when it moves."""
 
-__all__ = ["PROFILES", "BeamForm", "BeamWay", "Struck", "strike_stock"]
+__all__ = ["PROFILES", "BeamForm", "BeamWay", "Struck", "radius_at", "share_within", "strike_stock"]
 
 
 def strike_stock(stock: Stock, form: BeamForm, way: BeamWay, kind: str, threshold: float = 0.0) -> Struck:

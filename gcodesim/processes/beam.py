@@ -8,7 +8,7 @@ cuts that go through come from the rays (`material.beam_kernels`).
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from gcodesim.frozen import frozen
 from gcodesim.processes.column import ENGAGED, FINDINGS, LINES, LOG, REMOVED, RESULTS, Column
 from gcodesim.processes.protocol import Process
 from gcodesim.processes.window import ProcessState, ProcessStep, Window
+from gcodesim.units import MM, MM3
 
 if TYPE_CHECKING:
     from gcodesim.diagnostics import Diagnostic
@@ -37,6 +38,19 @@ TOO_MUCH = Column("beam_too_much", "W", "greatest", FINDINGS, "power beyond that
 
 GENERAL = (REMOVED, ENGAGED, BEAM_ON, IN_FOCUS, OUT_OF_FOCUS, IN_RAPID, WITHOUT_GAS, TOO_MUCH)
 """Columns of every beam."""
+
+
+class DoseUnit(NamedTuple):
+    """How a dose is told: for each area, and summed over it; with how much SI one of these is."""
+
+    of_area: str
+    per_area: float
+    of_whole: str
+    whole: float
+
+
+DOSES: Final = {"fluence": DoseUnit("J/mm^2", 1e6, "J", 1.0), "wear": DoseUnit("mm", MM, "mm^3", MM3)}
+"""What beams give: energy, or the depth by which a surface could be worn."""
 
 
 class BeamSetting(NamedTuple):

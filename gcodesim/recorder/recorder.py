@@ -467,11 +467,14 @@ class Recorder:
     def _write_stocks(self) -> None:
         from gcodesim.material.stl import write_stl
         from gcodesim.material.stock_file import SUFFIX
+        from gcodesim.recorder.dose_maps import write_doses
 
         for name, placed in self._shop.stocks.items():
             with whole_file(self._out / f"{name}.stl") as file:
                 write_stl(_as_placed(placed.stock), file)
             placed.stock.save(self._out / f"{name}{SUFFIX}")
+            if not placed.revolved:
+                write_doses(placed.stock, name, self._out)
 
     def abandon(self) -> None:
         """After a fault: keep what is there, under the name of an incomplete log."""

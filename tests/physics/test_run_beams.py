@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import struct
+import zlib
 from math import cos, erf, pi, sqrt
 from pathlib import Path
 
@@ -55,6 +57,44 @@ def test_the_balance_of_energy_of_a_laser() -> None:
     beside = sqrt(pi / 8) * 0.5 * erf(sqrt(2) * 0.25 / 0.5) / 0.25  # mean over the column beside the middle
     assert tool["max_fluence_J_m2"] * 1e-6 == pytest.approx(sqrt(2 / pi) * 80 / (0.5 * 4) * beside, rel=0.01)
     assert tool["max_force_N"] == 0.0
+
+
+def test_the_dose_is_a_picture_an_array_and_a_result(tmp_path: Path) -> None:
+    """Also of a laser that takes nothing: all that landed is in the map, white where most did."""
+    ran = go(LASER.replace("specific_energy: 10 J/mm^3", "threshold: 1000 J/mm^2"), POWER, "S80 M3", "M5", tmp_path)
+    dose = ran.stock.as_json()["doses"]["fluence"]
+    values = np.load(tmp_path / "stock.fluence.npy")
+    raw = (tmp_path / "stock.fluence.png").read_bytes()
+
+    assert ran.stock.removed == 0.0
+    assert values.shape == (160, 240) and dose["unit"] == "J/mm^2" and dose["total_unit"] == "J"
+    assert dose["total"] == pytest.approx(ran.results.tools[0]["landed_energy_J"], rel=1e-6)
+    assert values.sum() * 0.25 * 0.25 == pytest.approx(dose["total"], rel=1e-5)
+    assert values.max() == pytest.approx(dose["greatest"], rel=1e-6)
+    assert values[80, 120] > 20.0 and values[80, 20] == values[20, 120] == 0.0
+    picture = png_points(raw)
+    assert picture.max() == 255 and picture[160 - 1 - 80, 120] > 200 and picture[160 - 1 - 20, 120] == 0
+    again = tmp_path / "again"
+    go(LASER.replace("specific_energy: 10 J/mm^3", "threshold: 1000 J/mm^2"), POWER, "S80 M3", "M5", again)
+    for name in ("stock.fluence.png", "stock.fluence.npy", "results.json"):
+        assert (again / name).read_bytes() == (tmp_path / name).read_bytes()
+
+
+def png_points(raw: bytes) -> np.ndarray:
+    """The points of a grey picture of 8 bits whose rows have no filter; sums of its chunks are checked."""
+    assert raw[:8] == b"\x89PNG\r\n\x1a\n"
+    at, data, size = 8, b"", (0, 0)
+    while at < len(raw):
+        length, kind = struct.unpack(">I4s", raw[at : at + 8])
+        content = raw[at + 8 : at + 8 + length]
+        assert struct.unpack(">I", raw[at + 8 + length : at + 12 + length])[0] == zlib.crc32(kind + content)
+        if kind == b"IHDR":
+            size = struct.unpack(">II", content[:8])
+        data += content if kind == b"IDAT" else b""
+        at += 12 + length
+    rows = np.frombuffer(zlib.decompress(data), dtype=np.uint8).reshape(size[1], size[0] + 1)
+    assert not rows[:, 0].any()
+    return rows[:, 1:]
 
 
 def test_metals_take_what_melts_them() -> None:

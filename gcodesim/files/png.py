@@ -1,0 +1,41 @@
+"""Grey pictures as PNG (ISO/IEC 15948), 8 bits a point."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+SIGNATURE = b"\x89PNG\r\n\x1a\n"
+SOFTWARE = b"Software\0gcodesim"
+"""Text behind the header, so that a file of ours is known; it stands at byte `SOFTWARE_AT`."""
+SOFTWARE_AT = 41
+
+
+def grey_png(points: NDArray[np.uint8], comment: str = "") -> bytes:
+    """A picture with rows (h, w) from the top; `comment` goes with it as text (Latin-1)."""
+    import numpy as np
+
+    height, width = points.shape
+    rows = np.zeros((height, width + 1), dtype=np.uint8)  # each begins with the number of its filter: none
+    rows[:, 1:] = points
+    text = _chunk(b"tEXt", SOFTWARE)
+    if comment:
+        text += _chunk(b"tEXt", b"Comment\0" + comment.encode("latin-1", "replace"))
+    return b"".join(
+        (
+            SIGNATURE,
+            _chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)),
+            text,
+            _chunk(b"IDAT", zlib.compress(rows.tobytes(), 6)),
+            _chunk(b"IEND", b""),
+        )
+    )
+
+
+def _chunk(kind: bytes, content: bytes) -> bytes:
+    return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
