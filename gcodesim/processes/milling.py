@@ -1,9 +1,10 @@
 """Milling and drilling: cutting forces, deflection and removal of a rotating cutter.
 
 Mean wrench over a revolution by the mechanistic model (Altintas 2012, ch. 2) with the engagement read from the
-stock. Simplifications: run-out, differences between teeth, chatter and tool bending are not modelled; chip thickness is
-that of a circular tooth path; edges below the tip centre of a plunging flat end mill are treated like any other
-edges (kappa = 0, h = feed per tooth); the chisel edge of a drill is left out.
+stock. Simplifications: what run-out and chatter do to the cut is not modelled (`cutter_load` tells of them); tools bend
+only where the cell says what they are made of; chip thickness is that of a circular tooth path; edges below the tip
+centre of a plunging flat end mill are treated like any other edges (kappa = 0, h = feed per tooth); the chisel edge of
+a drill is left out.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from gcodesim.arithmetic.elementary import cos_sin, hypot, tan
 from gcodesim.arithmetic.matrices import applied, dots
 from gcodesim.frozen import frozen
 from gcodesim.processes.column import ENGAGED, FINDINGS, LOG, POWER, REMOVED, RESULTS, TORQUE, Column, Shown
+from gcodesim.processes.cutter_load import LOAD_COLUMNS, CutterLoad, load_findings, tool_compliance
 from gcodesim.processes.laws import Law
 from gcodesim.processes.leaning import Leaning, cut_in_three, cut_leaning, memory_of, part_of
 from gcodesim.processes.leaning_force import leave
@@ -87,6 +89,10 @@ class Milling(Process):
         return cls(cutter=tool, law=None if material is None else material.law)
 
     @classmethod
+    def columns_of(cls, tool: Cutter) -> tuple[Column, ...]:
+        return (*cls.writes, *LOAD_COLUMNS) if tool.watched else cls.writes
+
+    @classmethod
     def of_revolved(cls, tool: Cutter, material: Material | None) -> Process | None:
         """A drill in the tailstock of a lathe; mills do nothing there."""
         from gcodesim.processes.turning import drilling_of
@@ -109,19 +115,28 @@ class Milling(Process):
 
     @classmethod
     def findings(cls, rows: Rows) -> Iterable[Diagnostic]:
-        """GS401 to GS405, GS407, GS501 and GS502: see `misuse`."""
-        return cutter_findings(rows)
+        """GS401 to GS405, GS407, GS501 and GS502: see `misuse`; GS515 to GS517: see `cutter_load`."""
+        return [*cutter_findings(rows), *load_findings(rows)]
 
     def run(self, stock: Stock | None, window: Window, state: ProcessState) -> ProcessStep:
         """Cut `stock` (in place) along `window`; without stock nothing happens. `state` is updated."""
         if stock is None:
             return ProcessStep.free(window.steps)
         turns = Turns.of(window)
-        out = self.run_parts(stock, packed_motion(window, turns), Leaning.of(window, turns), state)
+        out = self.run_parts(stock, self._motion_of(window, turns), Leaning.of(window, turns), state)
         done = self._step_of(_of_steps(out, turns), stock, window)
         if window.steps:
             felt_in(state.values)[:] = done.wrench[-1]
         return done
+
+    def _motion_of(self, window: Window, turns: Turns) -> Motion:
+        """The motion as the kernel takes it; a tool that bends gives way besides the machine."""
+        motion = packed_motion(window, turns)
+        if self.cutter.substrate is None:
+            return motion
+        bends = tool_compliance(self.cutter, motion.axis)
+        own = motion.compliance
+        return motion._replace(compliance=own + bends if len(own) else bends)
 
     def run_parts(self, stock: Stock, motion: Motion, leaning: Leaning, state: ProcessState) -> Array:
         """The same on m parts of steps in the form that kernels take, for loops of single steps; out (m, OUTPUTS)."""
@@ -190,6 +205,7 @@ class Milling(Process):
                 "rapid_cut": np.where(rapid, removed, 0.0),
                 "rapid_bound": np.where(rapid, bound, 0.0),
                 "inside": out[:, m.INSIDE] > 0.0,
+                **({} if not self.cutter.watched else self._load.columns(out, window)),
             },
         )
 
@@ -202,6 +218,10 @@ class Milling(Process):
         bound = np.zeros(window.steps)
         np.add.at(bound, window.piece_step, 0.5 * stock.cell * walls)
         return bound
+
+    @cached_property
+    def _load(self) -> CutterLoad:
+        return CutterLoad(self.cutter, self.law)
 
     @cached_property
     def packed_tool(self) -> MillingTool:
@@ -276,7 +296,7 @@ class MillingLoop:
     def __init__(self, process: Milling, stock: Stock, window: Window, state: ProcessState) -> None:
         self._process, self._stock, self._window, self._state = process, stock, window, state
         self._turns = Turns.of(window)
-        self._motion = packed_motion(window, self._turns)
+        self._motion = process._motion_of(window, self._turns)
         self._leaning = Leaning.of(window, self._turns)
         self._last = np.append(self._turns.first[1:], len(self._turns.step))
         self._out: list[Array] = []

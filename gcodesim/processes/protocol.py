@@ -128,6 +128,11 @@ class Process:
         """For a process that acts on `stock`: what `tool` does to that of a lathe; None if it can do nothing there."""
         return None
 
+    @classmethod
+    def columns_of(cls, tool: Any) -> tuple[Column, ...]:
+        """The columns that it provides for `tool`: all that it `writes`, and more for what some tools ask for."""
+        return cls.writes
+
     @property
     def zone(self) -> Zone:
         """Where it acts, seen from the tip of its tool."""

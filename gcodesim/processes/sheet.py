@@ -29,11 +29,14 @@ class Sheet:
         ValueError when two processes use one name for different columns."""
         from gcodesim.processes import PROCESSES
 
+        tools = list(tools)
         kinds = PROCESSES.in_order([*(kind for tool in tools for kind in tool.processes), *more])
         known = {column.name: column for column in HOUSE}
         owner = dict.fromkeys(known, "every run")
         for kind in kinds:
-            for column in PROCESSES[kind].writes:
+            users = [tool for tool in tools if kind in tool.processes]
+            asked = (column for tool in users for column in PROCESSES[kind].columns_of(tool))
+            for column in dict.fromkeys((*PROCESSES[kind].writes, *asked)):
                 if column.shown_in is Shown.NOWHERE:
                     continue
                 other = known.setdefault(column.name, column)

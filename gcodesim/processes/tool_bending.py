@@ -27,6 +27,17 @@ class BeamSection:
     length: float
 
 
+def tip_way_of_moment(sections: Sequence[BeamSection], modulus: float) -> float:
+    """Way of the tip for a moment there [m/(N·m)]: the integral of z / (E I); `sections` from the tip to the holder."""
+    found, z0 = 0.0, 0.0
+    for section in sections:
+        z1 = z0 + section.length
+        square = section.diameter * section.diameter
+        found += 0.5 * (z1 * z1 - z0 * z0) / (modulus * pi * square * square / 64.0)
+        z0 = z1
+    return found
+
+
 def tip_compliance(sections: Sequence[BeamSection], modulus: float, load_height: float = 0.0) -> float:
     """Way of the tip for a side force [m/N] at `load_height` [m] above it; `sections` from the tip to the holder.
 

@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 
 from gcodesim.arithmetic.elementary import atan2, cos
 from gcodesim.declarations.keys import key
+from gcodesim.declarations.kind import NOT_NEGATIVE, POSITIVE, Range
+from gcodesim.declarations.plain_kinds import Choice
+from gcodesim.declarations.quantity import Quantity, Vector
 from gcodesim.frozen import frozen
 from gcodesim.tools.body import Primitive, cylinder
 from gcodesim.tools.tool import Tool
@@ -41,6 +44,15 @@ def arc_piece(rc: float, zc: float, radius: float, kappa0: float, kappa1: float)
 
 
 @frozen
+class Dynamics:
+    """The mode of a tool in its spindle that chatters: how its tip gives way to a force that swings."""
+
+    frequency: float = key(Quantity("frequency", POSITIVE), "natural frequency of the tip", example="800 Hz")
+    damping: float = key(Quantity("ratio", Range(above=0.0, below=1.0)), "its damping ratio", example="0.03")
+    stiffness: float = key(Quantity("stiffness", POSITIVE), "of that mode", example="8 N/um")
+
+
+@frozen
 class Cutter(Tool):
     """A cutter of revolution with `flutes` equal teeth; lengths [m], angles [rad]."""
 
@@ -66,6 +78,27 @@ class Cutter(Tool):
         rule="as `length`",
         example="25 mm",
     )
+
+    substrate: str | None = key(
+        Choice(("carbide", "hss", "steel")),
+        "what it is made of: then it bends like a beam; none: it is rigid",
+        default=None,
+    )
+    runout: float | None = key(
+        Quantity("length", NOT_NEGATIVE), "distance of its axis from that of the spindle", default=None, example="5 um"
+    )
+    chip_load: tuple[float, ...] | None = key(
+        Vector(Quantity("length", POSITIVE), 2),
+        "least and greatest thickness of its chips, from the table of its maker",
+        default=None,
+        example="[0.02, 0.08 mm]",
+    )
+    dynamics: Dynamics | None = key(Dynamics, "its mode, for a warning of chatter", default=None)
+
+    @property
+    def watched(self) -> bool:
+        """Whether its load is told: how it bends, what run-out does, its chips, chatter."""
+        return any(value is not None for value in (self.substrate, self.runout, self.chip_load, self.dynamics))
 
     @property
     def radius(self) -> float:
@@ -146,6 +179,8 @@ class Cutter(Tool):
             found.append(("flutes", f"`flutes` is {self.flutes}; a cutter has at least one"))
         if not -89.0 * DEG < self.helix < 89.0 * DEG:
             found.append(("helix", f"`helix` of {self.helix / DEG:g} deg is no helix; it lies between -89 and 89 deg"))
+        if self.chip_load is not None and self.chip_load[0] > self.chip_load[1]:
+            found.append(("chip_load", "`chip_load` names the least thickness first, then the greatest"))
         if self.flute_length > self.length:
             found.append(
                 (

@@ -88,6 +88,32 @@ CODES: tuple[Code, ...] = (
         remedy="Change S, or the limits of the spindle in the cell if they are wrong.",
     ),
     Code(
+        code="GS515",
+        severity=Severity.WARNING,
+        title="Chips thicker than the tool takes",
+        what="The thickest chip of a tooth is above the `chip_load` of its tool; run-out and thinning are included.",
+        why="Edges chip off, and flutes that are full of chips break the tool.",
+        remedy="Lower the feed, raise the speed, or correct `chip_load` and `runout` of the tool.",
+    ),
+    Code(
+        code="GS516",
+        severity=Severity.WARNING,
+        title="Chips thinner than the tool needs",
+        what="In whole moves the thickest chip of a tooth stays below the `chip_load` of its tool. In a narrow cut "
+        "chips are thinner than the feed per tooth.",
+        why="An edge that is pressed instead of cutting rubs, gets hot and wears.",
+        remedy="Raise the feed by as much as the chip is thinner, or lower the speed.",
+    ),
+    Code(
+        code="GS517",
+        severity=Severity.WARNING,
+        title="Cut that may chatter",
+        what="The depth of cut is above the limit of stability at this speed, by the lobes of the mode in `dynamics` "
+        "of the tool (Altintas and Budak 1995), taken as the same in both directions of the plane.",
+        why="Waves on the surface grow from tooth to tooth: noise, marks, broken edges.",
+        remedy="Cut less deep or less wide, or take a speed at which a tooth passes once in one, two, three … swings.",
+    ),
+    Code(
         code="GS520",
         severity=Severity.WARNING,
         title="Bead in the air",
