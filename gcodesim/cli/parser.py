@@ -28,6 +28,7 @@ COMMANDS = (
     "explain",
     "list",
     "process",
+    "optimise",
     "schema",
     "completion",
     "mcp",
