@@ -23,6 +23,8 @@ _PLACES: Final[dict[str, Any]] = {
     "remove.jet": "gcodesim.calculator.beams:JetCut",
     "remove.gaussian": "gcodesim.calculator.beams:GaussianSpot",
     "remove.energy": "gcodesim.calculator.beams:EnergyBalance",
+    "additive.spiral": "gcodesim.calculator.spiral_wall:SpiralWall",
+    "additive.weld": "gcodesim.calculator.welding:ArcWeld",
     "motion.trapezoid": "gcodesim.calculator.motion:Trapezoid",
     "motion.corner": "gcodesim.calculator.motion:RoundedCorner",
     "robot.compliance": "gcodesim.calculator.arm:ArmCompliance",
