@@ -33,7 +33,7 @@ class SpiralWall(Model):
         "additive.helix",
     )
     spellings: ClassVar[dict[str, str]] = {
-        "radius": "wall_radius", "D": "diameter", "wall_diameter": "diameter", "height": "wall_height", 
+        "radius": "wall_radius", "D": "diameter", "wall_diameter": "diameter", "height": "wall_height",
         "H": "wall_height",
         "bead_height": "layer_height", "pitch": "layer_height", "width": "bead_width", "extrusion_width": "bead_width",
         "wall_thickness": "bead_width", "v": "speed", "print_speed": "speed", "layers": "turns",

@@ -7,6 +7,7 @@ from typing import Any, Final, get_args
 
 from gcodesim.declarations.kind import Json
 from gcodesim.diagnostics import PATTERN
+from gcodesim.formats.calculator_schemas import optimise, process
 from gcodesim.formats.canon_schema import canon
 from gcodesim.formats.json_schema import (
     array,
@@ -524,6 +525,8 @@ SCHEMAS: Final[dict[str, Callable[[], Json]]] = {
     "mutants": _mutants,
     "diff": _diff,
     "canon": lambda: document("gcodesim canon --format json", canon(finding()), None),
+    "process": process,
+    "optimise": optimise,
     "baseline": _baseline,
     "info": _info,
     "cell": _cell,

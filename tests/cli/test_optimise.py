@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 
+import jsonschema
 import pytest
 
 CELL = """gcodesim: 1
@@ -41,6 +42,7 @@ def test_a_force_is_kept_and_only_f_words_differ(shop, cli, tmp_path) -> None:
     word = re.compile(r" ?F[0-9.]+")
 
     assert done.status == 0 and done.json["lines_above"] == []
+    jsonschema.validate(done.json, json.loads(cli("schema", "optimise").out))
     assert float(done.json["loads"]["force"]["before"].split()[0]) > 100.0
     assert 80.0 < float(done.json["loads"]["force"]["after"].split()[0]) <= 90.0
     assert done.json["time_s"]["after"] > done.json["time_s"]["before"]

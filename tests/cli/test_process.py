@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 
+import jsonschema
 import pytest
 
 SLOT = ("endmill", "diameter=10 mm", "flutes=4", "ap=5mm", "feed_per_tooth=0.05 mm", "spindle=4000 rpm")
@@ -72,3 +73,12 @@ def test_cases_go_in_and_results_come_out(cli, tmp_path) -> None:
     (tmp_path / "cases.json").write_text(json.dumps({"cases": [case, {"id": "L", "model": "lathe"}]}))
     done = cli("process", "--cases", "cases.json")
     assert done.status == 1 and "L: there is no model lathe" in done.err and set(json.loads(done.out)) == {"K"}
+
+
+def test_the_json_is_as_its_schema_says(cli) -> None:
+    schema = json.loads(cli("schema", "process").out)
+    done = cli("process", *SLOT, "kc=2500 N/mm^2", "mc=0.26", "runout=5 um", "theta=[10]", "--format", "json")
+
+    jsonschema.validate(json.loads(done.out), schema)
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate({"schema": "gcodesim-process/1"}, schema)

@@ -10,7 +10,7 @@ from gcodesim.cli.exits import OK, UsageError
 from gcodesim.cli.nearest import no_such
 from gcodesim.cli.outline import may_be
 
-_NAMES = ("results", "findings", "test", "diff", "canon", "baseline", "cell", "test-file")
+_NAMES = ("results", "findings", "test", "diff", "canon", "process", "optimise", "baseline", "cell", "test-file")
 
 
 def add_parser(commands: Any) -> None:
@@ -18,8 +18,8 @@ def add_parser(commands: Any) -> None:
         "schema",
         help="the JSON Schema of results, findings, verdicts, cells …",
         description="Print a JSON Schema (2020-12). results: results.json and what run and check print as JSON; "
-        "findings: lint and cell validate; test, diff, canon: these commands; baseline, cell, test-file: files that "
-        "are read.",
+        "findings: lint and cell validate; test, diff, canon, process, optimise: these commands; baseline, "
+        "cell, test-file: files that are read.",
     )
     may_be(parser.add_argument("name", metavar="NAME", help=", ".join(_NAMES)), lambda: _NAMES)
     parser.set_defaults(run=run)
