@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from gcodesim.arithmetic.matrices import applied, multiplied, norms
+from gcodesim.canon.systems import SYSTEMS
 from gcodesim.cell import Cell, Placement, place
 from gcodesim.cell.cell import MAIN
 from gcodesim.cell.leftover import NOTHING_LEFT, Leftover, no_stock
 from gcodesim.cell.machine import MachineTool
 from gcodesim.cell.part import Part
-from gcodesim.cell.placement import FIXTURE, PART, STOCK, bounds_of
+from gcodesim.cell.placement import FIXTURE, PART, SENSOR, STOCK, bounds_of
 from gcodesim.cell.placing import MACHINE
 from gcodesim.cell.robot import Payload, Robot
 from gcodesim.cell.signals import SignalSource
@@ -253,6 +254,7 @@ def _scene(cell: Cell, mover: Mover, placement: Placement) -> Scene:
         **{f"{STOCK}/{name}": _work_stand(mover, X_WS) for name, X_WS in placement.stocks.items()},
         **{f"{FIXTURE}/{name}": _work_stand(mover, X_W) for name, X_W in placement.fixtures.items()},
         **{f"{PART}/{name}": _work_stand(mover, X_W) for name, X_W in placement.parts.items()},
+        **{f"{SENSOR}/{name}": _sensor_stand(cell, name, mover, X_W) for name, X_W in placement.sensors.items()},
         **{name: Stand(on.link, on.X) for name, on in placement.carried.items()},
     }
     movers = {mover.name: mover}
@@ -307,6 +309,12 @@ def _work_stand(mover: Mover, X_W: Pose) -> Stand:
     if isinstance(mover.kinematics, Cartesian) and mover.moves(WORK):
         return Stand(f"{mover.name}/{WORK}", mover.X_WB.inverse() @ X_W)
     return Stand(WORLD, X_W)
+
+
+def _sensor_stand(cell: Cell, name: str, mover: Mover, X_W: Pose) -> Stand:
+    """A sensor moves with a moving table only if it stands in a work system."""
+    in_work = cell.sensors[name].mount.place.frame in SYSTEMS
+    return _work_stand(mover, X_W) if in_work else Stand(WORLD, X_W)
 
 
 def _loaded(chain: Chain, payload: Payload | None) -> Chain:

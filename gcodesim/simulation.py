@@ -42,8 +42,10 @@ if TYPE_CHECKING:
     from gcodesim.executor import Execution, Progress
     from gcodesim.executor.record import StepRecord
     from gcodesim.executor.totals import JointTotals, RowTotals
+    from gcodesim.executor.track import Watcher
     from gcodesim.jobs.inspection import Inspector
     from gcodesim.log.live import LiveView
+    from gcodesim.observation.eyes import Eyes
     from gcodesim.planning import Plan
     from gcodesim.recorder import Recorder
 
@@ -222,7 +224,7 @@ def run(
     span = Span(job.program.name)
     try:
         with claimed(out):
-            names = _names(job.shop)
+            names = _names(job.shop, out)
             lost = [] if job.options.force else overwriting(out, names, _inputs(job), span)
             if job.loaded.made and not job.options.force:
                 lost += other_cell(out, job.loaded.sources[job.loaded.files[0].name].raw, span)
@@ -260,7 +262,7 @@ def _run(
     coarse = {each.channel: _coarse(each) for each in job.all}
     recorder = None
     if out is not None:
-        forget(out, _names(job.shop))
+        forget(out, _names(job.shop, out))
         from gcodesim.recorder import Recorder as Writing
 
         recorder = Writing(job, out, live)
@@ -280,7 +282,7 @@ def _run(
             inspectors[job.channel].follow(plan)
         return plan
 
-    def part_of(each: Job, watcher: Recorder | None) -> Part:
+    def part_of(each: Job, watcher: Watcher | None) -> Part:
         assert each.plan is not None and each.shop is not None
         inspector = inspectors[each.channel]
 
@@ -291,7 +293,10 @@ def _run(
 
         return Part(plan=each.plan, shop=each.shop, inspect=inspect, watcher=watcher)
 
-    watchers = [None for _ in job.all] if recorder is None else [recorder, *recorder.others]
+    watchers: list[Watcher | None] = [None for _ in job.all] if recorder is None else [recorder, *recorder.others]
+    eyes = _eyes(job, recorder, out)
+    if eyes is not None:
+        watchers[0] = eyes
     try:
         execution = execute_together(
             [part_of(each, watcher) for each, watcher in zip(job.all, watchers, strict=True)],
@@ -306,6 +311,10 @@ def _run(
             _inspect_all(each, inspectors[each.channel], own, coarse=coarse[each.channel])
         if job.shop is not None:
             job.findings.extend(film_findings(job.shop))
+        if eyes is not None:
+            eyes.close()
+            job.findings.extend(eyes.findings())
+            job.sensed = eyes.results
         results = results_of(job, execution)
         if recorder is not None:
             recorder.finish(results, execution)
@@ -315,6 +324,26 @@ def _run(
     if execution.interrupted:
         raise RunInterrupted(results, execution)
     return results, execution
+
+
+def _eyes(job: Job, recorder: Recorder | None, out: Path | None) -> Eyes | None:
+    """What reads the sensors of the cell, and lets the log watch as well; None without sensors."""
+    from gcodesim.observation.schedule import stations_of
+
+    assert job.shop is not None and job.cell is not None
+    if not stations_of(job.cell):
+        return None
+    from gcodesim.observation.eyes import Eyes
+    from gcodesim.observation.files import SensorFiles
+
+    return Eyes(
+        job.shop,
+        job.cell.simulation.step_ns,
+        job.cell.simulation.seed,
+        inner=recorder,
+        outlet=None if recorder is None else recorder.sensed,
+        files=None if out is None else SensorFiles(out),
+    )
 
 
 def _coarse(job: Job) -> bool:
@@ -344,18 +373,22 @@ def _not_run(job: Job, out: Path | None) -> Results:
     results = results_of(job, None, failed=True)
     results = replace(results, stopped_at=first_error(results.findings))
     if out is not None:
-        forget(out, _names(job.shop))
+        forget(out, _names(job.shop, out))
         write_whole(out / RESULTS_NAME, results.text().encode())
     return results
 
 
-def _names(shop: Shop | None) -> list[str]:
-    """The files that a run in this shop writes."""
+def _names(shop: Shop | None, out: Path) -> list[str]:
+    """The files that a run in this shop writes into `out`, and those that its sensors have left there."""
     if shop is None:
         return names_of(())
+    from gcodesim.observation.files import names_left
+    from gcodesim.observation.schedule import stations_of
+
     kinds = [kind for kind in shop.sheet.kinds[1:] if getattr(PROCESSES[kind], "dose", "")]
     doses = {name: [PROCESSES[kind].dose for kind in kinds] for name in shop.cell.stocks}
-    return names_of(shop.cell.stocks, film_names(shop.cell.coats), doses)
+    own = names_of(shop.cell.stocks, film_names(shop.cell.coats), doses)
+    return [*own, *names_left(out, stations_of(shop.cell))]
 
 
 def _inputs(job: Job) -> list[Path]:

@@ -16,6 +16,7 @@ from gcodesim.cell.packages import PackageFolder
 from gcodesim.cell.part import PARTS, Part
 from gcodesim.cell.placing import MACHINE, Carried, Place, names_of
 from gcodesim.cell.robot import Robot, RobotKind
+from gcodesim.cell.sensors import SENSOR_MAP, MountedSensor
 from gcodesim.cell.settings import (
     CODE_PATTERNS,
     Limits,
@@ -127,6 +128,9 @@ class Cell:
     parts: Mapping[str, Part] = key(PARTS, "rigid things that are carried", default={}, quiet=True)
     zones: Mapping[str, ZoneShape] = key(
         _ZONES, "spaces in which only one machine may be at a time", default={}, quiet=True
+    )
+    sensors: Mapping[str, MountedSensor] = key(
+        SENSOR_MAP, "what sees and feels, at rest or on a link", default={}, quiet=True
     )
     limits: Limits = key(Record(Limits, "`limits`"), "limits of spindle and process", default=Limits(), quiet=True)
     checks: Mapping[str, Severity] = key(_CHECKS, "severities that differ in this cell", default={}, quiet=True)

@@ -27,6 +27,7 @@ from gcodesim.kinematics.attitude import WordTurn
 from gcodesim.processes.signal import actions_of_all
 from gcodesim.rs274.dialects import DIALECTS
 from gcodesim.rs274.settings import canonical_m_code
+from gcodesim.sensors.orders import orders_of_all
 
 DEFAULT_PATH_CONTROL: Final = "G64"
 
@@ -44,8 +45,8 @@ WAIT: Final = "wait"
 
 
 def all_verbs() -> dict[str, tuple[str, ...]]:
-    """`VERBS`, and whatever any process receives by the signals that it reads."""
-    more = actions_of_all()
+    """`VERBS`, whatever any process receives by the signals that it reads, and what has sensors read."""
+    more = {**actions_of_all(), **orders_of_all()}
     names = dict.fromkeys([*VERBS, *more])
     return {name: tuple(dict.fromkeys([*VERBS.get(name, ()), *more.get(name, ())])) for name in names}
 

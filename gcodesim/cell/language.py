@@ -80,8 +80,8 @@ def settings_of_cell(
         subroutines=tuple(folder.path for folder in own.subroutines),
         block_delete=own.block_delete,
         optional_stop=own.optional_stop,
-        m_codes=_actions(own),
-        wired=_wired(own),
+        m_codes=_actions(own, cell),
+        wired=_wired(own, cell),
         has_cell=True,
         turns=is_lathe(cell.machine_of(channel)),
         tool_length=own.tool_length,
@@ -128,9 +128,12 @@ def _path_control(cell: Cell, channel: str) -> str:
     return KEPT_CORNERS if is_lathe(machine) and not said else own.path_control
 
 
-def _actions(channel: Channel) -> dict[str, MappedAction]:
-    """What M-codes do: those of `m_codes`, and those that switch or set a signal alone."""
+def _actions(channel: Channel, cell: Cell) -> dict[str, MappedAction]:
+    """What M-codes do: those of `m_codes`, those that switch or set a signal alone, those that have a sensor read."""
     found: dict[str, MappedAction] = {}
+    for name, mounted in cell.sensors.items():
+        for code in () if mounted.mount.trigger is None else mounted.mount.trigger.codes:
+            found.setdefault(code, MappedAction(target=name, verb="read"))
     for name, source in channel.signals.items():
         word = source.word
         for code in word.codes:
@@ -139,10 +142,11 @@ def _actions(channel: Channel) -> dict[str, MappedAction]:
     return found | {word: MappedAction(target=code.target, verb=code.verb) for word, code in channel.m_codes.items()}
 
 
-def _wired(channel: Channel) -> frozenset[str]:
-    """Outputs that a signal or an input follows."""
+def _wired(channel: Channel, cell: Cell) -> frozenset[str]:
+    """Outputs that a signal, an input or a sensor follows."""
     pins = [source.word.pin for source in channel.signals.values()]
     pins += [source.output for source in channel.inputs.values()]
+    pins += [mounted.mount.trigger.pin for mounted in cell.sensors.values() if mounted.mount.trigger is not None]
     return frozenset(pin for pin in pins if pin is not None)
 
 

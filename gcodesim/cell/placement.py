@@ -36,6 +36,7 @@ Bounds = tuple[tuple[float, float, float], tuple[float, float, float]]
 STOCK: Final = "stock"
 FIXTURE: Final = "fixture"
 PART: Final = "part"
+SENSOR: Final = "sensor"
 CLEARANCE: Final = 0.1  # m by which the longest tool clears the stock's top, at the top of Z
 CHUCK_FACE: Final = 0.08  # m from the nose of a lathe's spindle to the end of stock without a place
 _UPRIGHT: Final = 1e-9  # Z axes whose dot product is nearer to 1 than this count as parallel
@@ -47,10 +48,10 @@ class Placement:
 
     `X_WM` is M of the channel in the world; `work_offsets` X_MP of systems 1 (G54) to 9 (G59.3), and of
     additional ones that the cell names (101 is G54.1 P1); they turn about Z of M only. `stocks`, `fixtures`,
-    `parts` and `target` are X_W of the bodies' own frames, without those that stand on a link: these are `carried`, by
-    names such as `stock/plate` and `fixture/clamp`. `given` are the systems that the cell names; `automatic`: G54 was
-    chosen by the rule for stock without a place. `platforms` says on which link an external axis carries a system; its
-    offset holds with that axis at zero.
+    `parts` and `target` are X_W of the bodies' own frames, and `sensors` of theirs, without those that stand on a
+    link: these are `carried`, by names such as `stock/plate`, `fixture/clamp` and `sensor/eye`. `given` are the
+    systems that the cell names; `automatic`: G54 was chosen by the rule for stock without a place. `platforms` says
+    on which link an external axis carries a system; its offset holds with that axis at zero.
     """
 
     X_WM: Pose
@@ -60,6 +61,7 @@ class Placement:
     stocks: Mapping[str, Pose]
     fixtures: Mapping[str, Pose]
     target: Pose | None
+    sensors: Mapping[str, Pose] = field(default_factory=dict)
     carried: Mapping[str, Carried] = field(default_factory=dict)
     parts: Mapping[str, Pose] = field(default_factory=dict)
     platforms: Mapping[int, str] = field(default_factory=dict)
@@ -149,10 +151,12 @@ def place(cell: Cell, channel: str = MAIN) -> Placement:
     stocks = {f"{STOCK}/{name}": stock.place for name, stock in cell.stocks.items()}
     fixtures = {f"{FIXTURE}/{name}": fixture.place for name, fixture in cell.fixtures.items()}
     parts = {f"{PART}/{name}": part.place for name, part in cell.parts.items()}
+    sensors = {f"{SENSOR}/{name}": sensor.mount.place for name, sensor in cell.sensors.items()}
+    placed = {**stocks, **fixtures, **parts, **sensors}
     carried = {
         name: on_link
-        for name, place in (stocks | fixtures | parts).items()
-        if (on_link := _on_link(cell, place) or _with_system(result, mover, name, place))
+        for name, stand in placed.items()
+        if (on_link := _on_link(cell, stand) or _with_system(result, mover, name, stand))
     }
     return replace(
         result,
@@ -170,6 +174,11 @@ def place(cell: Cell, channel: str = MAIN) -> Placement:
             name: _standing(result, part.place, "world")
             for name, part in cell.parts.items()
             if f"{PART}/{name}" not in carried
+        },
+        sensors={
+            name: _standing(result, sensor.mount.place, "world")
+            for name, sensor in cell.sensors.items()
+            if f"{SENSOR}/{name}" not in carried
         },
         target=None if cell.target is None else _standing(result, cell.target.place, "G54"),
         carried=carried,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
@@ -11,10 +11,12 @@ from gcodesim.cell.signals import SignalSource
 from gcodesim.declarations.reading import Path, Reading, Unread, suggestion
 from gcodesim.declarations.units import find, measures, names
 from gcodesim.processes.signal import Signal, signals_read_by
+from gcodesim.sensors.orders import orders_of
 
 if TYPE_CHECKING:
     from gcodesim.cell.cell import Cell
     from gcodesim.cell.channel import Channel
+    from gcodesim.sensors.sensor import Sensor
 
 _PLAIN: Final = "ratio"
 
@@ -28,10 +30,11 @@ def with_signals(cell: Cell, to: Reading) -> Cell:
     if not asked or ("tools",) in to.broken or len(to.names_in("tools")) != len(cell.tools):
         return cell
     read = signals_read_by(cell.tools.values())
+    sensors = orders_of(_obeying(cell))
     channels = dict(cell.channels)
     for name, channel in channels.items():
         path: Path = ("channels", name) if ("channels", name) in to.spans else ()
-        _check_actions(channel, read, path, to)
+        _check_actions(channel, read, sensors, path, to)
         sources = {}
         for signal, source in channel.signals.items():
             scaled = _scaled(source, signal, read, (*path, "signals", signal), to)
@@ -40,14 +43,24 @@ def with_signals(cell: Cell, to: Reading) -> Cell:
     return replace(cell, channels=channels)
 
 
-def _check_actions(channel: Channel, read: Mapping[str, Signal], path: Path, to: Reading) -> None:
+def _obeying(cell: Cell) -> list[Sensor]:
+    """The sensors that read at actions of M-codes: those of the cell without a word of their own, and tools."""
+    own = [mounted.sensor for mounted in cell.sensors.values() if mounted.mount.trigger is None]
+    return own + [tool.sensor for tool in cell.tools.values() if tool.sensor is not None]
+
+
+def _check_actions(
+    channel: Channel, read: Mapping[str, Signal], orders: Collection[tuple[str, str]], path: Path, to: Reading
+) -> None:
     received = {f"{action.target}: {action.verb}": None for signal in read.values() for action in signal.set_by}
+    received |= {f"{target}: {verb}": None for target, verb in orders}
     for word, code in channel.m_codes.items():
         action = f"{code.target}: {code.verb}"
         if action in received or code.target == WAIT:
             continue
+        takers = "tools and sensors" if orders else "tools"
         listed = ", ".join(f"`{each}`" for each in received)
-        hint = f"tools of this cell receive {listed}" if listed else "no tool of this cell receives an action"
+        hint = f"{takers} of this cell receive {listed}" if listed else "no tool of this cell receives an action"
         to.fault(
             "GS735",
             to.span((*path, "m_codes", word)),

@@ -19,6 +19,7 @@ from gcodesim.cell.material import MaterialForm
 from gcodesim.cell.part import Part
 from gcodesim.cell.placing import Place
 from gcodesim.cell.robot import RobotForm
+from gcodesim.cell.sensors import Mount
 from gcodesim.cell.settings import Limits, LogSettings, Magazine, Simulation, Suppression
 from gcodesim.cell.signals import SignalSource
 from gcodesim.cell.stock import ShapeKeys, StockSpec, Target
@@ -27,6 +28,7 @@ from gcodesim.controllers.pd import PD
 from gcodesim.declarations.keys import all_keys, keys
 from gcodesim.declarations.tables import key_table, units_as_text
 from gcodesim.key_page import rewrite
+from gcodesim.sensors import SENSORS
 from gcodesim.tools import TOOLS
 from gcodesim.tools.spray_gun import Fading, Footprint
 
@@ -53,6 +55,7 @@ SECTIONS: Final[tuple[tuple[str, type], ...]] = (
     ("`fading` of a spray gun", Fading),
     ("`materials`", MaterialForm),
     ("`target`, besides its place", Target),
+    ("`sensors`, besides their place and the keys of their type", Mount),
     ("`magazine`, besides its place", Magazine),
     ("`limits`", Limits),
     ("`suppress`", Suppression),
@@ -69,6 +72,8 @@ def reference() -> str:
         inherited = shape if issubclass(cls, ShapeKeys) and cls is not ShapeKeys else set()
         parts += ["", f"### {title}", "", *key_table([key for key in keys(cls).values() if key.name not in inherited])]
     parts += ["", tool_reference(list(TOOLS))]
+    for name, sensor in SENSORS.items():
+        parts += ["", f"### Sensor type `{name}`", "", *key_table(list(all_keys(sensor).values()))]
     return "\n".join([*parts, "", "### Units", "", "```text", units_as_text(), "```"])
 
 

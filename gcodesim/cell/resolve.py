@@ -25,8 +25,8 @@ from gcodesim.rs274.dialects.systems import dialect_with
 from gcodesim.solids import Box
 from gcodesim.units import MM
 
-_FOLLOW_WORK: Final = ("stock", "fixtures", "target", "parts")
-_ON_LINKS: Final = ("frames", "stock", "fixtures", "parts")
+_FOLLOW_WORK: Final = ("stock", "fixtures", "parts", "sensors", "target")
+_ON_LINKS: Final = ("frames", "stock", "fixtures", "parts", "sensors")
 _STRANGE: Final = 100.0  # times larger or smaller than the rest
 
 
@@ -52,6 +52,7 @@ def resolve(cell: Cell, to: Reading) -> Cell:
     _check_systems(cell, to)
     _check_mesh_sizes(cell, to)
     _check_loaded_tools(cell, to)
+    _check_sensors(cell, to)
     cell = with_signals(cell, to)
     _check_codes(cell, to)
     _check_world(cell, to)
@@ -193,7 +194,7 @@ def _is_on_platform(cell: Cell, name: str, path: Path) -> bool:
 def _fault_on_link(cell: Cell, name: str, span: Span, to: Reading) -> None:
     link = cell.carried[name].link if name in cell.carried else name
     message = f"`{name}` moves" if link == name else f"`{name}` moves with `{link}`"
-    to.fault("GS712", span, message, "only frames, stock, fixtures and parts may stand in it")
+    to.fault("GS712", span, message, "only frames, stock, fixtures, parts and sensors may stand in it")
 
 
 def _fault_of_frame(cell: Cell, name: str, fixed: list[str], path: Path, to: Reading) -> None:
@@ -206,7 +207,8 @@ def _fault_of_frame(cell: Cell, name: str, fixed: list[str], path: Path, to: Rea
         to.fault("GS712", span, f"there is no frame `{name}`", suggestion(name, list(dict.fromkeys(known))))
     elif not follows_work:
         message = f"`{name}` is no fixed frame"
-        to.fault("GS712", span, message, "only stock, fixtures, parts, the target and a tool axis may stand in it")
+        hint = "only stock, fixtures, parts, sensors, the target and a tool axis may stand in it"
+        to.fault("GS712", span, message, hint)
 
 
 def _is_on_unknown(cell: Cell, name: str, to: Reading) -> bool:
@@ -215,6 +217,29 @@ def _is_on_unknown(cell: Cell, name: str, to: Reading) -> bool:
     if mover == MACHINE:
         return bool(slash) and (MACHINE,) in to.keys and cell.machine is None
     return bool(slash) and mover in to.names_in("robots") and mover not in cell.robots
+
+
+def _check_sensors(cell: Cell, to: Reading) -> None:
+    """What feels the load of a tool stands on the flange that carries it; names of tools are those of tools."""
+    for name in cell.sensors:
+        if name in (f"T{number}" for number in cell.tools):
+            to.fault("GS711", to.key(("sensors", name)), f"`{name}` is what a tool of this cell is called")
+    if not cell.channels:
+        return
+    mover = next(iter(cell.channels.values())).robot
+    machine = cell.machine if mover == MACHINE else cell.robots.get(str(mover))
+    if machine is None:
+        return
+    flange = f"{mover}/{machine.chain.flange_name}"
+    for name, mounted in cell.sensors.items():
+        frame = mounted.mount.place.frame or WORLD
+        if mounted.sensor.on_flange and (cell.carried[frame].link if frame in cell.carried else frame) != flange:
+            to.fault(
+                "GS719",
+                to.span(("sensors", name, "in")),
+                f"`{name}` stands on `{frame}`; a {mounted.kind.replace('_', ' ')} measures between flange and tool",
+                f"write `in: {flange}`",
+            )
 
 
 def _check_loaded_tools(cell: Cell, to: Reading) -> None:

@@ -86,7 +86,8 @@ def execute_together(
         follows, leg = True, True
         while leg:
             first, planned = planned, max(track.steps for track in tracks)
-            cuts = windows(tracks, range(first, planned, most), planned)
+            stops = () if watcher is None else watcher.stops([track.plan for track in tracks], first, planned)
+            cuts = windows(tracks, sorted({*range(first, planned, most), *stops, planned}))
             now = next(cuts, None)
             taken: list[tuple[Track, StepRecord, Sequence[Diagnostic]]] = []
             while now is not None:

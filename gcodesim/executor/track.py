@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import field
-from itertools import combinations
+from itertools import combinations, pairwise
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -69,6 +69,12 @@ class Watcher(Protocol):
     @property
     def interval_steps(self) -> int:
         """The number of steps after which the watcher wants to look at the stock."""
+
+    def stops(self, plans: Sequence[Plan], first: int, last: int) -> Sequence[int]:
+        """Steps, first < step < last, with which a window has to end, because something is to be seen there.
+
+        `plans` are those of all channels; the steps from `first` to `last` are about to be run.
+        """
 
 
 @frozen(eq=False)
@@ -206,11 +212,11 @@ class Track:
         )
 
 
-def windows(tracks: Sequence[Track], firsts: range, end: int) -> Iterator[tuple[Track, WindowCut]]:
-    """The windows of all tracks that begin with steps `firsts`, the last before step `end`, in the order of cutting."""
-    carries = [track.carry(firsts.start) for track in tracks]
-    for first in firsts:
-        yield from _between(tracks, carries, first, min(firsts.step, end - first))
+def windows(tracks: Sequence[Track], borders: Sequence[int]) -> Iterator[tuple[Track, WindowCut]]:
+    """The windows of all tracks between steps `borders`, which increase, in the order of cutting."""
+    carries = [track.carry(borders[0]) for track in tracks]
+    for first, end in pairwise(borders):
+        yield from _between(tracks, carries, first, end - first)
 
 
 def _between(

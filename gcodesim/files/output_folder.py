@@ -21,6 +21,7 @@ LOG_NAME: Final = "run.mcap"
 RESULTS_NAME: Final = "results.json"
 LINES_NAME: Final = "lines.csv"
 CELL_NAME: Final = "cell.yaml"
+TABLE_OF_READINGS: Final = "_readings.csv"
 STOCK_SUFFIXES: Final = (".stl", ".stock")
 FILM_SUFFIXES: Final = (".film.ply", ".film.csv")
 OVERWRITES: Final = "GS750"
@@ -31,6 +32,8 @@ _BEGINNINGS: Final[Mapping[str, tuple[tuple[int, bytes], ...]]] = {
     ".mcap": ((0, b"\x89MCAP0\r\n"), (25, b"gcodesim")),
     ".json": ((0, b'{\n "schema": "gcodesim-results/'),),
     ".csv": ((0, b"file,line,time_s,"),),
+    TABLE_OF_READINGS: ((0, b"reading,time_s,"),),
+    ".png": ((0, b"\x89PNG\r\n\x1a\n"), (41, b"Software\0gcodesim")),
     ".stl": ((0, b"gcodesim binary STL"),),
     ".stock": ((0, b"gcodesim-stock/"),),
     ".film.ply": ((0, b"ply\nformat binary_little_endian 1.0\ncomment gcodesim film"),),
@@ -71,7 +74,7 @@ def names_of(
 
 def _kind_of(name: str) -> str:
     """How a name that gcodesim gives ends."""
-    return next((suffix for suffix in FILM_SUFFIXES if name.endswith(suffix)), Path(name).suffix)
+    return next((suffix for suffix in (*FILM_SUFFIXES, TABLE_OF_READINGS) if name.endswith(suffix)), Path(name).suffix)
 
 
 @contextmanager

@@ -169,6 +169,15 @@ def _results() -> Json:
                 z_mm=number("mm"),
             ),
         ),
+        sensors=table(
+            "each sensor of the cell by its name, tools that are sensors as `T9`; only of a cell that has some",
+            record(
+                "a sensor",
+                type=text("such as `camera`"),
+                readings=whole("how often it has read"),
+                sha256=text("of all values that it has read"),
+            ),
+        ),
         printing=_printing(),
         coating=_coating(),
     )
@@ -177,7 +186,8 @@ def _results() -> Json:
         results["properties"][entry]["items"]["properties"]["channel"] = text("of several programs at once, whose")
     stock = results["properties"]["stocks"]["additionalProperties"]
     stock["required"] = stock["required"][: stock["required"].index("doses")]
-    results["required"] = [name for name in results["required"] if name not in ("probings", "printing", "coating")]
+    at_times = ("probings", "sensors", "printing", "coating")
+    results["required"] = [name for name in results["required"] if name not in at_times]
     return results
 
 

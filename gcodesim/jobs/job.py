@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import date
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, Final, Protocol
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from gcodesim.canon import Event
 from gcodesim.cell import Cell, LoadedCell
@@ -81,6 +81,7 @@ class Job:
     held: Span | None = None
     alone: bool = True
     seen: Callable[[StepRecord], None] | None = None
+    sensed: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)  # what sensors have read, for the results
     shop: Shop | None = None
     reading: Run | None = None
     plan: Plan | None = None

@@ -146,6 +146,7 @@ def _results_of(job: Job, execution: Execution | None, *, failed: bool) -> Resul
         lines=line_rows(path, row_time, length, totals, stands, ran, shop.sheet.own(LINES)),
         printing=printing_of(plan, shop.cell.tools, row_time),
         columns=own,
+        sensors=job.sensed if execution is not None else {},
     )
 
 

@@ -176,6 +176,8 @@ class Results:
     """What was sprayed (`jobs/coating.py`); None where no gun was on."""
     columns: Sequence[Column] = ()
     """Columns of processes that stand in `tools` behind those that every run has."""
+    sensors: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    """What the sensors of the cell have read: how often, and a hash of the values."""
     channels: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     meetings: Mapping[str, Any] | None = None
     """Where several programs run at once: each by itself, and how they wait for each other."""
@@ -200,6 +202,8 @@ class Results:
         }
         if self.probings:
             value["probings"] = [probing.as_json() for probing in self.probings]
+        if self.sensors:
+            value["sensors"] = {name: dict(sensor) for name, sensor in self.sensors.items()}
         if self.channels:
             value["channels"] = {name: dict(channel) for name, channel in self.channels.items()}
             value["meetings"] = dict(self.meetings or {})

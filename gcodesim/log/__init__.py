@@ -4,7 +4,7 @@ from gcodesim.log.blocks import BlockColumns, BlockMessages
 from gcodesim.log.byte_strings import ByteStrings
 from gcodesim.log.container import LogWriteError
 from gcodesim.log.description import LogDescription, MotionColumns, ProcessColumns, ProcessField, StaticFrame
-from gcodesim.log.layout import Camera, View, layout
+from gcodesim.log.layout import View, ViewerCamera, layout
 from gcodesim.log.messages import OutputState, ProgramShown
 from gcodesim.log.shapes import DrawnMesh, DrawnShape, DrawnSolid, Entity, PathPart, Polylines
 from gcodesim.log.writer import LogWriter
@@ -13,7 +13,6 @@ __all__ = [
     "BlockColumns",
     "BlockMessages",
     "ByteStrings",
-    "Camera",
     "DrawnMesh",
     "DrawnShape",
     "DrawnSolid",
@@ -30,5 +29,6 @@ __all__ = [
     "ProgramShown",
     "StaticFrame",
     "View",
+    "ViewerCamera",
     "layout",
 ]

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from gcodesim.frozen import frozen
 from gcodesim.log.shapes import Entity, PathPart, Polylines
+from gcodesim.log.topics import Topic
 
 Array = NDArray[np.float64]
 
@@ -50,6 +51,8 @@ class LogDescription:
     joints, as people read them. `wrench_frame` names the frame whose axes the wrench
     follows. `process_kinds` is the list into which the column `kind` points,
     `process_fields` come in `/process` after the fields that it always has.
+    `sensor_topics` are those of sensors, in the order in which one reading is written, each with the message that is
+    shown at time 0 of one that has not read yet.
     `cell` has the robot links and fixtures, `feed_path` and `rapid_path` the
     planned path in `path_frame`, and `path_ahead` the feeds in parts, with
     the times at which they are done. `attachments` are the inputs by name:
@@ -69,6 +72,7 @@ class LogDescription:
     wrench_frame: str = "world"
     process_kinds: tuple[str, ...] = ("",)
     process_fields: tuple[ProcessField, ...] = ()
+    sensor_topics: tuple[tuple[Topic, bytes], ...] = ()
     stock_tiles: int = 1
     added_tiles: int = 0
     records: Mapping[str, Mapping[str, str]] = field(default_factory=dict)

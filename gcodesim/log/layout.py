@@ -42,7 +42,7 @@ _AXES: Final = 0.03
 
 
 @frozen
-class Camera:
+class ViewerCamera:
     """Looks at `target` [m] in world, from `distance` [m]."""
 
     target: tuple[float, float, float] = (0.0, 0.0, 0.25)
@@ -51,10 +51,10 @@ class Camera:
 
 @frozen
 class View:
-    """Camera of the cell, and one close to the part where the first is far."""
+    """ViewerCamera of the cell, and one close to the part where the first is far."""
 
-    cell: Camera = Camera()
-    part: Camera | None = None
+    cell: ViewerCamera = ViewerCamera()
+    part: ViewerCamera | None = None
 
 
 def layout(
@@ -64,10 +64,12 @@ def layout(
     view: View | None = None,
     fields: Sequence[ProcessField] = (),
     channels: Sequence[str] = (),
+    images: Sequence[tuple[str, str]] = (),
 ) -> bytes:
     """A layout as JSON for a log with those joints, outputs (names as in `/program`) and fields of its processes.
 
-    What `channels` of further programs draw is shown as well.
+    What `channels` of further programs draw is shown as well, and the pictures of cameras, `images`: their topics and
+    those of their calibrations.
 
     KeyError for another kind.
     """
@@ -75,6 +77,7 @@ def layout(
     own = _own_plots([field.name for field in fields if not field.flag])
     panels, right = {"milling": _milling, "robot": _robot, "process": _process}[kind](joints, own)
     panels |= {name: _scene(name, camera, channels) for name, camera in _cameras(view).items()}
+    panels |= {_image_name(topic): _image(topic, calibration) for topic, calibration in images}
     panels |= {
         "StateTransitions!program": _states(outputs, [field.name for field in fields if field.flag]),
         "RosOut!log": {**_titled("log"), "searchTerms": [], "minLogLevel": 1, "topicToRender": "/log"},
@@ -86,7 +89,7 @@ def layout(
         "globalVariables": {},
         "userNodes": {},
         "playbackConfig": {"speed": 1},
-        "layout": _whole(list(_cameras(view)), right),
+        "layout": _whole([*_cameras(view), *(_image_name(topic) for topic, _ in images)], right),
     }
     return (json.dumps(whole, indent=1) + "\n").encode()
 
@@ -98,12 +101,12 @@ def view_of(layout_json: bytes) -> View:
     return View(cell=_camera_of(panels[_CELL]), part=part)
 
 
-def _camera_of(panel: Json) -> Camera:
+def _camera_of(panel: Json) -> ViewerCamera:
     x, y, z = panel["cameraState"]["targetOffset"]
-    return Camera(target=(x, y, z), distance=panel["cameraState"]["distance"])
+    return ViewerCamera(target=(x, y, z), distance=panel["cameraState"]["distance"])
 
 
-def _cameras(view: View) -> dict[str, Camera]:
+def _cameras(view: View) -> dict[str, ViewerCamera]:
     """The cameras by their panels."""
     return {_CELL: view.cell} | ({} if view.part is None else {_PART: view.part})
 
@@ -258,7 +261,16 @@ def _raw(title: str, topic: str) -> Json:
     return {**_titled(title), **unused, "topicPath": topic}
 
 
-def _scene(panel: str, camera: Camera, channels: Sequence[str] = ()) -> Json:
+def _image_name(topic: str) -> str:
+    return f"Image!{topic.split('/')[-2]}"
+
+
+def _image(topic: str, calibration: str) -> Json:
+    mode = {"imageTopic": topic, "calibrationTopic": calibration, "imageSchemaName": "foxglove.CompressedImage"}
+    return {**_titled(topic), "imageMode": mode, "synchronize": False}
+
+
+def _scene(panel: str, camera: ViewerCamera, channels: Sequence[str] = ()) -> Json:
     topics = [*topic_table(MOST_TILES, MOST_TILES), *(topic for name in channels for topic in topics_of_channel(name))]
     scenes = [topic.name for topic in topics if topic.schema == "foxglove.SceneUpdate"]
     return {

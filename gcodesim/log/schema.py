@@ -1,7 +1,7 @@
 """Schemas of the log: message descriptors, and the bytes of them that a log stores.
 
 `foxglove.*` messages come from their package. `gcodesim.*` messages are defined
-once, in `data/log/gcodesim.proto`, which is read here; no compiler is needed.
+once, in `data/log/gcodesim.proto` and, for sensors, `readings.proto`, which are read here; no compiler is needed.
 """
 
 from __future__ import annotations
@@ -40,12 +40,16 @@ FIRST_MORE: Final = 32
 """Number of the first of these fields; those below are the log's own."""
 
 
-def read_proto(text: str) -> FileDescriptorProto:
+OWN: Final = ("gcodesim.proto", "readings.proto")
+"""Our definitions. A log stores those files whole whose messages it has, so what is in one is in every log with it."""
+
+
+def read_proto(text: str, file_name: str = OWN[0]) -> FileDescriptorProto:
     """The descriptor of a plain proto3 file: messages of scalar and message fields, one field a line.
 
     ValueError on a line that is none of these.
     """
-    file = FileDescriptorProto(name="gcodesim/gcodesim.proto", syntax="proto3")
+    file = FileDescriptorProto(name=f"gcodesim/{file_name}", syntax="proto3")
     message = None
     for line in text.splitlines():
         line = line.split("//")[0].strip()
@@ -80,16 +84,16 @@ def _json_name(name: str) -> str:
     return first + "".join(word.capitalize() for word in others)
 
 
-def proto_text() -> str:
-    """The definition of the `gcodesim.*` messages, as shipped."""
-    return (files("gcodesim") / "data" / "log" / "gcodesim.proto").read_text(encoding="utf-8")
+def proto_text(file_name: str = OWN[0]) -> str:
+    """A definition of `gcodesim.*` messages, as shipped."""
+    return (files("gcodesim") / "data" / "log" / file_name).read_text(encoding="utf-8")
 
 
 @cache
-def _own_file() -> FileDescriptor:
+def _own_file(file_name: str) -> FileDescriptor:
     pool = descriptor_pool.Default()  # the pool that has Timestamp, so that its objects fit into our messages
-    pool.Add(read_proto(proto_text()))
-    return pool.FindFileByName("gcodesim/gcodesim.proto")
+    pool.Add(read_proto(proto_text(file_name), file_name))
+    return pool.FindFileByName(f"gcodesim/{file_name}")
 
 
 @cache
@@ -97,7 +101,8 @@ def message_class(schema: str) -> Any:
     """The message class of a schema such as `foxglove.Log` or `gcodesim.Event`."""
     package, name = schema.split(".")
     if package == "gcodesim":
-        return message_factory.GetMessageClass(_own_file().message_types_by_name[name])
+        known = (_own_file(file_name).message_types_by_name for file_name in OWN)
+        return message_factory.GetMessageClass(next(types[name] for types in known if name in types))
     return getattr(import_module(f"foxglove_schemas_protobuf.{name}_pb2"), name)
 
 

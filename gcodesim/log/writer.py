@@ -89,6 +89,7 @@ class LogWriter:
         self._description = description
         self._frames = _checked_frames(description, further.values())
         topics = topic_table(description.stock_tiles, description.added_tiles)
+        topics += tuple(topic for topic, _ in description.sensor_topics)
         own = len(topics)
         topics += tuple(topic for name in further for topic in topics_of_channel(name))
         library = f"gcodesim {__version__}"
@@ -293,6 +294,10 @@ class LogWriter:
         entity = Entity(id=f"{family}/{index:02d}", frame=self._frame(frame), shapes=shown)
         self._add_one(tile_topic(family, index), t_ns, entities_update(t_ns, [entity] if shown else []))
 
+    def sensed(self, t_ns: int, topic: str, data: bytes) -> None:
+        """What a sensor has read at `t_ns`, as a message of one of the `sensor_topics`."""
+        self._add_one(topic, t_ns, data)
+
     # ---- into the file
 
     @property
@@ -407,8 +412,12 @@ class LogWriter:
             return
         for other in self._others:
             other._fill_start()
+        blank = {topic.name: message for topic, message in self._description.sensor_topics}
         for topic, channel in self._channels.items():
             if channel in self._periodic or channel in self._at_start:
+                continue
+            if topic in blank:
+                self._add_one(topic, 0, blank[topic])
                 continue
             if topic == "/program":
                 self._add_one(topic, 0, program_message(0, ProgramShown()))

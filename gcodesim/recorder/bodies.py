@@ -10,6 +10,7 @@ from gcodesim.log import DrawnMesh, DrawnShape, DrawnSolid, Entity
 from gcodesim.log.shapes import Color
 from gcodesim.recorder.frames import Frames
 from gcodesim.scene import Role
+from gcodesim.scene.colors import CUT, FIXTURE, PART, RAW
 from gcodesim.solids import Box, Cone, Cylinder, Hulls, Placed, Sphere, triangles_of
 from gcodesim.tools.parts import body_part
 
@@ -17,10 +18,6 @@ if TYPE_CHECKING:
     from gcodesim.material.surface import Tile
     from gcodesim.tools.tool import Tool
 
-FIXTURE: Final[Color] = (0.45, 0.36, 0.28, 1.0)
-PART: Final[Color] = (0.36, 0.5, 0.68, 1.0)
-RAW: Final[Color] = (0.62, 0.64, 0.67, 1.0)
-CUT: Final[Color] = (0.86, 0.74, 0.42, 1.0)
 
 
 _COLORS: Final[Mapping[Role, Color]] = {"fixture": FIXTURE, "part": PART}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +13,7 @@ from gcodesim.arithmetic.matrices import applied, inverse_pose, multiplied
 from gcodesim.frames import WORLD, Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.log import StaticFrame
+from gcodesim.observation.schedule import stations_of
 from gcodesim.recorder.pose_kernels import write_poses
 from gcodesim.scene import WORK
 from gcodesim.shop import WORK_FRAME, Shop
@@ -44,7 +46,8 @@ class Frames:
     `stocks` maps the names of stocks' frames in the log to those in the scene; a cell without stock has one, at G54.
     Where several programs run at once, further channels put their name (`prefix`) before `tool`, `tcp`, `part` and
     `path`, and have the stocks and fixtures that their own machine carries; all others are those of the first.
-    `parts` are the frames of parts, which any gripper may move; all are those of the first channel.
+    `parts` are the frames of parts, which any gripper may move; all are those of the first channel. `sensors` are named
+    like `stocks`.
     """
 
     shop: Shop
@@ -56,6 +59,8 @@ class Frames:
     moving_path: bool
     prefix: str = ""
     parts: tuple[str, ...] = ()
+    sensors: Mapping[str, str] = field(default_factory=dict)
+    moving_sensors: tuple[str, ...] = ()
 
     @staticmethod
     def of(shop: Shop, prefix: str = "") -> Frames:
@@ -66,6 +71,8 @@ class Frames:
         stocks = {stock_frame(i, stock.name): stock.frame for i, stock in enumerate(shop.stocks.values())}
         stocks = stocks or ({} if prefix else {stock_frame(0, ""): WORK_FRAME})
         stocks = {name: frame for name, frame in stocks.items() if _is_drawn(shop, frame, prefix)}
+        placed = {} if prefix else {s.log_frame: s.frame for s in stations_of(shop.cell) if s.frame}
+        sensors = {name: frame for name, frame in placed.items() if _is_drawn(shop, frame, prefix)}
         return Frames(
             shop=shop,
             links=links,
@@ -75,6 +82,8 @@ class Frames:
             moving_work=shop.scene.moves(f"{shop.name}/{WORK}"),
             moving_path=shop.mover.shifts_work or bool(shop.placement.platforms),
             prefix=prefix,
+            sensors=sensors,
+            moving_sensors=tuple(name for name, frame in sensors.items() if shop.scene.moves(frame)),
             parts=() if prefix else tuple(body.name for body in shop.scene.bodies if body.role == "part"),
         )
 
@@ -87,6 +96,11 @@ class Frames:
             _static(name, stands[frame] if frame in stands else shop.placement.X_W("G54"))
             for name, frame in self.stocks.items()
             if name not in self.moving_stocks
+        ]
+        resting += [
+            _static(name, shop.scene.at_rest(frame))
+            for name, frame in self.sensors.items()
+            if name not in self.moving_sensors
         ]
         return (_static(self.base, shop.X_WB), *resting)
 
@@ -138,6 +152,7 @@ class Frames:
         if self.moving_path:
             frames.append(("world", self.path_frame))
         frames += [("world", name) for name in self.parts]
+        frames += [("world", name) for name in self.moving_sensors]
         return tuple(frames)
 
     @property
@@ -160,6 +175,7 @@ class Frames:
             systems = np.full(len(q), system, dtype=np.int64)
             columns.append(self.carried(q, np.tile(np.eye(4), (len(q), 1, 1)), systems))
         columns += [shop.scene.track(name, {shop.name: q}) for name in self.parts]
+        columns += [shop.scene.track(self.sensors[name], {shop.name: q}) for name in self.moving_sensors]
         rows = np.empty((len(q), len(self.links) + len(columns), 7))
         write_poses(shop.kinematics.links(q), np.array(self.links, dtype=np.int64), 0, rows)
         for column, X in enumerate(columns, start=len(self.links)):

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import norm, norms
 from gcodesim.frames import Array
-from gcodesim.log import Camera, View
+from gcodesim.log import View, ViewerCamera
 from gcodesim.processes import PROCESSES
 from gcodesim.processes.column import LOG
 from gcodesim.recorder.ways import Ways
@@ -57,12 +57,12 @@ def view_of(shop: Shop, ways: Ways, rapid: NDArray[np.bool_]) -> View:
     return View(cell=replace(part, distance=distance))
 
 
-def _camera(points: Array, *, diagonals: float) -> Camera:
+def _camera(points: Array, *, diagonals: float) -> ViewerCamera:
     """A view at the middle of `points` (n, 3) [m], from `diagonals` times the diagonal of their box away."""
     low, high = points.min(axis=0), points.max(axis=0)
     x, y, z = (round(float(v), 3) for v in 0.5 * (low + high))
     distance = max(CLOSEST, diagonals * norm(high - low))
-    return Camera(target=(x, y, z), distance=round(distance, 3))
+    return ViewerCamera(target=(x, y, z), distance=round(distance, 3))
 
 
 def _corners(shop: Shop) -> Array:

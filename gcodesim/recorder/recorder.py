@@ -43,6 +43,7 @@ from gcodesim.recorder.limits import JointLimits
 from gcodesim.recorder.look import layout_kind, view_of
 from gcodesim.recorder.pose_kernels import bend, compare
 from gcodesim.recorder.reporter import Reporter
+from gcodesim.recorder.sensed import image_topics, sensor_message, sensor_topics
 from gcodesim.recorder.texts import Texts
 from gcodesim.recorder.ways import Ways
 from gcodesim.units import DEG, MM
@@ -54,7 +55,9 @@ if TYPE_CHECKING:
     from gcodesim.log.live import LiveView
     from gcodesim.material.stock import Stock
     from gcodesim.material.surface import Glimpse, Surface, Tile, Tiles
+    from gcodesim.observation.schedule import Station
     from gcodesim.planning import Plan
+    from gcodesim.sensors.outputs import Output
     from gcodesim.world import WorldSteps
 
 TILE_PERIOD_NS: Final = 500_000_000
@@ -145,6 +148,11 @@ class Recorder:
         """Steps between two looks at the stock."""
         return max(1, self._tile_ns // self._step_ns)
 
+    def stops(self, plans: Sequence[Plan], first: int, last: int) -> Sequence[int]:
+        """None: the log looks at the stock now and then, whenever a window ends."""
+        del plans, first, last
+        return ()
+
     def _description(self, ways: Ways) -> LogDescription:
         job = self._job
         own = job.loaded.files[0]
@@ -160,7 +168,9 @@ class Recorder:
         fields = self._fields()
         kind = layout_kind(self._shop)
         channels = [other.channel for other in self.others]
-        attachments["layout.json"] = layout(kind, self._shop.joint_names, self._blocks.outputs, view, fields, channels)
+        images = image_topics(self._shop)
+        joints, outputs = self._shop.joint_names, self._blocks.outputs
+        attachments["layout.json"] = layout(kind, joints, outputs, view, fields, channels, images)
         run = {
             "program": job.program.name,
             "program_sha256": job.program.sha256,
@@ -191,6 +201,7 @@ class Recorder:
             path_frame=self._frames.path_frame,
             process_kinds=self._sheet.kinds,
             process_fields=fields,
+            sensor_topics=sensor_topics(self._shop),
             stock_tiles=max(1, sum(len(tiles) for tiles in self._tiles)),
             records={"gcodesim.joints": self._limits.record, **records},
             attachments=attachments,
@@ -254,6 +265,10 @@ class Recorder:
         """Write the blocks that begin up to then."""
         first, self._begun = self._begun, self._blocks.before(t_ns + 1)
         self._writer.blocks(self._blocks.messages, first, self._begun)
+
+    def sensed(self, station: Station, name: str, t_ns: int, output: Output) -> None:
+        """Write an output of a sensor, read at `t_ns`."""
+        self._writer.sensed(t_ns, station.topic(name), sensor_message(station, t_ns, output))
 
     # ---- between legs
 

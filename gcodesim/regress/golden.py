@@ -18,7 +18,7 @@ SUFFIX: Final = ".golden.json"
 
 _DIGITS: Final = 7
 _RESULTS: Final = (
-    *("status", "time", "distance", "stocks", "tools", "joints", "not_simulated", "probings"),
+    *("status", "time", "distance", "stocks", "tools", "joints", "not_simulated", "probings", "sensors"),
     *("channels", "meetings", "coating"),
 )
 _PLACES: Final = (

@@ -53,6 +53,7 @@ def summary_rows(results: Results) -> list[list[str]]:
                 rows.append([f"{tool['name']}: {most}{column.name.replace('_', ' ')}", shown, column.says])
     if results.coating is not None:
         rows += summary_of(results.coating)
+    rows += [[f"{name}: readings", str(sensor["readings"]), sensor["type"]] for name, sensor in results.sensors.items()]
     if results.printing is not None:
         rows += _printing_rows(results.printing)
     for joint in results.joints:

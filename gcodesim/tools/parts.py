@@ -39,6 +39,7 @@ TIP: Final = BodyPart(
     hint="go there with G38.3, which stops where it touches, or keep more distance",
 )
 NOZZLE: Final = BodyPart(words="the nozzle", color=(0.75, 0.55, 0.3, 1.0), hint="lift the tool before it passes")
+OBJECTIVE: Final = BodyPart(words="the objective", color=(0.1, 0.12, 0.2, 1.0))
 
 PARTS = Family(
     "parts",
@@ -48,6 +49,7 @@ PARTS = Family(
     holder="gcodesim.tools.parts:HOLDER",
     nozzle="gcodesim.tools.parts:NOZZLE",
     tip="gcodesim.tools.parts:TIP",
+    objective="gcodesim.tools.parts:OBJECTIVE",
 )
 
 

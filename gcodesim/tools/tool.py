@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -11,6 +11,9 @@ from gcodesim.frames import Pose
 from gcodesim.frozen import frozen
 from gcodesim.tools.body import MassProperties, Primitive, cylinder, mass_properties
 from gcodesim.units import MM
+
+if TYPE_CHECKING:
+    from gcodesim.sensors.sensor import Sensor
 
 
 @frozen
@@ -70,6 +73,11 @@ class Tool:
     def X_FT(self) -> Pose:
         """Tip frame seen from the flange: straight out by the true length."""
         return Pose(np.array([0.0, 0.0, self.true_length]), np.eye(3))
+
+    @property
+    def sensor(self) -> Sensor | None:
+        """What it sees or feels with while it is on the flange, from its tip along Z; most tools are no sensor."""
+        return None
 
     @property
     def primitives(self) -> tuple[Primitive, ...]:

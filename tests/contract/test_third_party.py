@@ -24,7 +24,7 @@ from gcodesim.report.pack import Pack
 from gcodesim.report.page import run_data
 from tests.contract.third_party import OURS, PROJECT, SOURCE, Done, add_metadata, gcodesim_with, install
 
-FAMILIES = ("tools", "parts", "processes", "dialects", "machines", "findings", "exporters")
+FAMILIES = ("tools", "parts", "processes", "sensors", "dialects", "machines", "findings", "exporters")
 
 
 class Shop:
@@ -75,6 +75,7 @@ def test_the_package_adds_to_every_family_by_one_line_each() -> None:
     [
         ("tools", "laser_engraver"),
         ("processes", "engraving"),
+        ("sensors", "beam_gauge"),
         ("dialects", "bright"),
         ("machines", "bright_table          Bright engraving table"),
         ("codes", "ENGRAVER-101  warning  The beam burns during a rapid move"),

@@ -16,6 +16,7 @@ WHAT = (
     "machines",
     "materials",
     "processes",
+    "sensors",
     "tolerances",
     "tools",
     "worlds",
@@ -67,6 +68,7 @@ def _rows(what: str) -> list[list[str]]:
         "dialects": ("gcodesim.rs274.dialects", "DIALECTS"),
         "kinematics": ("gcodesim.kinematics", "KINEMATICS"),
         "processes": ("gcodesim.processes", "PROCESSES"),
+        "sensors": ("gcodesim.sensors", "SENSORS"),
         "tools": ("gcodesim.tools", "TOOLS"),
         "worlds": ("gcodesim.world", "WORLDS"),
     }[what]

@@ -287,4 +287,21 @@ CODES: tuple[Code, ...] = (
         why="How much energy takes how much material depends on both; no figure is better than a wrong one.",
         remedy="Give the tool its `specific_energy`, from an own test: power times time over the volume that is gone.",
     ),
+    Code(
+        code="GS590",
+        severity=Severity.WARNING,
+        title="Sensor reads too often",
+        what="A sensor that has to see the scene would read more than 10,000 times in this run; the rest is left out.",
+        why="Each reading takes milliseconds, and stands whole in the log.",
+        remedy="Give it a longer `period`, or have it read by words of the program where something is to be seen.",
+    ),
+    Code(
+        code="GS591",
+        severity=Severity.WARNING,
+        title="Sensor has read nothing",
+        what="A sensor of the cell was not asked in the whole run: it has no `period`, and no word of the program has "
+        "it read; or it is a tool that was not in use when it was asked.",
+        why="An inspection that never takes place looks like one that finds nothing.",
+        remedy="Give it a `period` or a `trigger`, or map an M-code: `m_codes: {M110: {camera: shoot}}`.",
+    ),
 )

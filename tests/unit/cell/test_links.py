@@ -87,7 +87,7 @@ def test_what_stands_still_does_not_stand_on_a_link(text: str) -> None:
 
     (finding,) = [finding for finding in result.findings if finding.code == "GS712"]
     assert "moves" in finding.message
-    assert finding.hint == "only frames, stock, fixtures and parts may stand in it"
+    assert finding.hint == "only frames, stock, fixtures, parts and sensors may stand in it"
 
 
 def test_a_link_of_a_robot_with_a_fault_is_no_second_fault() -> None:

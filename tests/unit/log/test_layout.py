@@ -6,15 +6,15 @@ import pytest
 
 from gcodesim.log import ProcessField
 from gcodesim.log.labels import LONGEST_LABEL, labels_of, short_names
-from gcodesim.log.layout import KINDS, Camera, View, layout, view_of
+from gcodesim.log.layout import KINDS, View, ViewerCamera, layout, view_of
 from gcodesim.log.schema import message_class
 from gcodesim.log.topics import MOST_TILES, topic_table
 
 JOINTS = ["mill/x", "mill/y"]
 OUTPUTS = ["analog 2", "digital 1", "gripper"]
 FAR = View(
-    cell=Camera(target=(0.5, -0.25, 1.0), distance=3.5),
-    part=Camera(target=(0.9, 0.0, 0.5), distance=0.4),
+    cell=ViewerCamera(target=(0.5, -0.25, 1.0), distance=3.5),
+    part=ViewerCamera(target=(0.9, 0.0, 0.5), distance=0.4),
 )
 
 every_kind = pytest.mark.parametrize("kind", KINDS)

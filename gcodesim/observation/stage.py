@@ -1,0 +1,149 @@
+"""What stands in a cell, as sensors and pictures see it: links, tool, stock as cut so far, fixtures, parts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.arithmetic.matrices import multiplied
+from gcodesim.frames import Array, Pose
+from gcodesim.frozen import frozen
+from gcodesim.scene import Body, Hold, Mover
+from gcodesim.scene.colors import CUT, FIXTURE, PART, RAW, Color
+from gcodesim.sensors.scenery import Scenery
+from gcodesim.solids import Placed, triangles_of
+from gcodesim.tools.parts import body_part
+
+if TYPE_CHECKING:
+    from gcodesim.material.surface import Surface
+    from gcodesim.shop import PlacedStock, Shop
+    from gcodesim.tools.tool import Tool
+
+Bytes = NDArray[np.uint8]
+
+SEEN_COLUMNS: Final = 160_000
+"""Columns of a stock that a sensor sees: finer than most pictures show."""
+
+_ROLES: Final = {"fixture": FIXTURE, "part": PART, "obstacle": FIXTURE}
+
+
+@frozen(kw_only=False, eq=False)
+class _Skin:
+    """Triangles (t, 3, 3) [m] in a frame, with one colour (3,) or one for each (t, 3)."""
+
+    triangles: Array
+    color: Bytes
+
+    def at(self, X: Array) -> tuple[Array, Bytes]:
+        """The same at `X` (4, 4)."""
+        return _moved(self.triangles, X), self.color
+
+
+@frozen(eq=False)
+class Stage:
+    """The bodies of a shop, as triangles in the frames that carry them."""
+
+    shop: Shop
+    links: Mapping[str, Sequence[tuple[int, _Skin]]]
+    bodies: Sequence[tuple[str, _Skin]]
+    tools: Mapping[int, Sequence[_Skin]]
+
+    @staticmethod
+    def of(shop: Shop) -> Stage:
+        """What does not change: everything but the surface of stocks."""
+        return Stage(
+            shop=shop,
+            links={name: tuple(_links(mover)) for name, mover in shop.scene.movers.items()},
+            bodies=[(body.name, skin) for body in shop.scene.bodies for skin in _skins_of(body)],
+            tools={number: tuple(_tool_skins(tool)) for number, tool in shop.cell.tools.items()},
+        )
+
+    def scenery(
+        self,
+        q: Mapping[str, Array],
+        tool: int,
+        surfaces: Mapping[str, Surface],
+        *,
+        holds: Sequence[Hold] = (),
+        lines: Iterable[tuple[Array, Bytes]] = (),
+    ) -> Scenery:
+        """Everything with the joints of movers at `q[mover]` (j,), the own mover with `tool`, stocks with `surfaces`.
+
+        `lines` (l, 2, 3) [m] in the world are drawn besides.
+        """
+        rows = {name: joints[None] for name, joints in q.items()}
+        return Scenery.of(self._parts(rows, tool, surfaces, holds), lines)
+
+    def _parts(
+        self, q: Mapping[str, Array], tool: int, surfaces: Mapping[str, Surface], holds: Sequence[Hold]
+    ) -> Iterator[tuple[Array, Bytes]]:
+        scene = self.shop.scene
+        for name, mover in scene.movers.items():
+            at = mover.kinematics.links(q.get(name, mover.home[None]))[0]
+            for index, skin in self.links[name]:
+                yield skin.at(multiplied(mover.X_WB.matrix, at[index]))
+        for frame, skin in self.bodies:
+            yield skin.at(scene.track(frame, q, holds)[0])
+        X_WT = self.tip(q, tool)
+        for skin in self.tools.get(tool, ()):
+            yield skin.at(X_WT)
+        for name, surface in surfaces.items():
+            yield _stock_skin(surface).at(scene.track(self.shop.stocks[name].frame, q, holds)[0])
+
+    def tip(self, q: Mapping[str, Array], tool: int) -> Array:
+        """X_WT (4, 4) of the tool on the flange of the own mover, at `q[mover]` (1, j)."""
+        shop = self.shop
+        own = q.get(shop.name, shop.home[None])
+        X_FT = Pose.identity() if (held := shop.tool(tool)) is None else held.X_FT
+        X: Array = multiplied(shop.X_WB.matrix, shop.kinematics.forward(own)[0], X_FT.matrix)
+        return X
+
+
+def surface_of(placed: PlacedStock) -> Surface:
+    """The surface of a stock as it is now, as finely as sensors see it."""
+    return placed.stock.surface(placed.stock.spacing_for(SEEN_COLUMNS))
+
+
+def _stock_skin(surface: Surface) -> _Skin:
+    colors = np.where(surface.cut[:, None] > 0, _bytes(CUT), _bytes(RAW))
+    return _Skin(surface.vertices[surface.faces], colors)
+
+
+def _links(mover: Mover) -> Iterator[tuple[int, _Skin]]:
+    for shape in mover.kinematics.link_shapes:
+        for skin in _skins([shape.placed], shape.rgba):
+            yield shape.link, skin
+
+
+def _skins_of(body: Body) -> list[_Skin]:
+    return _skins(body.solids, _ROLES[body.role]) if body.role in _ROLES else []
+
+
+def _tool_skins(tool: Tool) -> Iterator[_Skin]:
+    for part in tool.primitives:
+        yield from _skins([part.placed], body_part(part.part).color)
+
+
+def _skins(solids: Iterable[Placed], color: Color) -> list[_Skin]:
+    found = []
+    for placed in solids:
+        try:
+            skin = triangles_of(placed.solid)
+        except ValueError:  # a mesh that cannot be read is reported when the shop is opened; hulls have no skin
+            continue
+        found.append(_Skin(_moved(skin.points[skin.faces], placed.X.matrix), _bytes(color)))
+    return found
+
+
+def _moved(triangles: Array, X: Array) -> Array:
+    """Triangles (t, 3, 3) from a frame to that from which it is seen at `X` (4, 4), in a fixed order of sums."""
+    x, y, z = (triangles[..., k, None] for k in range(3))
+    moved: Array = x * X[:3, 0] + y * X[:3, 1] + z * X[:3, 2] + X[:3, 3]
+    return moved
+
+
+def _bytes(color: Sequence[float]) -> Bytes:
+    return np.array([int(255.0 * share + 0.5) for share in color[:3]], dtype=np.uint8)
