@@ -33,7 +33,6 @@ _BEGINNINGS: Final[Mapping[str, tuple[tuple[int, bytes], ...]]] = {
     ".json": ((0, b'{\n "schema": "gcodesim-results/'),),
     ".csv": ((0, b"file,line,time_s,"),),
     TABLE_OF_READINGS: ((0, b"reading,time_s,"),),
-    ".png": ((0, b"\x89PNG\r\n\x1a\n"), (41, b"Software\0gcodesim")),
     ".stl": ((0, b"gcodesim binary STL"),),
     ".stock": ((0, b"gcodesim-stock/"),),
     ".film.ply": ((0, b"ply\nformat binary_little_endian 1.0\ncomment gcodesim film"),),

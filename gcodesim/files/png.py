@@ -23,19 +23,20 @@ def grey_png(points: NDArray[np.uint8], comment: str = "") -> bytes:
     height, width = points.shape
     rows = np.zeros((height, width + 1), dtype=np.uint8)  # each begins with the number of its filter: none
     rows[:, 1:] = points
-    text = _chunk(b"tEXt", SOFTWARE)
+    text = png_chunk(b"tEXt", SOFTWARE)
     if comment:
-        text += _chunk(b"tEXt", b"Comment\0" + comment.encode("latin-1", "replace"))
+        text += png_chunk(b"tEXt", b"Comment\0" + comment.encode("latin-1", "replace"))
     return b"".join(
         (
             SIGNATURE,
-            _chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)),
+            png_chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)),
             text,
-            _chunk(b"IDAT", zlib.compress(rows.tobytes(), 6)),
-            _chunk(b"IEND", b""),
+            png_chunk(b"IDAT", zlib.compress(rows.tobytes(), 6)),
+            png_chunk(b"IEND", b""),
         )
     )
 
 
-def _chunk(kind: bytes, content: bytes) -> bytes:
+def png_chunk(kind: bytes, content: bytes) -> bytes:
+    """A chunk of a file, with its length and checksum."""
     return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))

@@ -9,11 +9,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-_SIGNATURE: Final = b"\x89PNG\r\n\x1a\n"
-_COLOR_TYPES: Final = {1: 0, 3: 2}
-MADE_BY: Final = b"Software\0gcodesim"
-"""The first chunk after the head: by it gcodesim knows its own files."""
+from gcodesim.files.png import SIGNATURE, SOFTWARE, png_chunk
 
+_COLOR_TYPES: Final = {1: 0, 3: 2}
 _UP: Final = 2
 """The filter of every row: how much it differs from the row above, since much of a picture of bodies is even."""
 
@@ -30,9 +28,5 @@ def png_of(pixels: NDArray[np.uint8 | np.uint16]) -> bytes:
     lines[:, 1:] = rows - above  # modulo 256, as the filter wants it
     head = struct.pack(">IIBBBBB", width, height, 8 * depth, _COLOR_TYPES[channels], 0, 0, 0)
     data = zlib.compress(lines.tobytes(), 6)
-    chunks = ((b"IHDR", head), (b"tEXt", MADE_BY), (b"IDAT", data), (b"IEND", b""))
-    return _SIGNATURE + b"".join(_chunk(kind, content) for kind, content in chunks)
-
-
-def _chunk(kind: bytes, content: bytes) -> bytes:
-    return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+    chunks = ((b"IHDR", head), (b"tEXt", SOFTWARE), (b"IDAT", data), (b"IEND", b""))
+    return SIGNATURE + b"".join(png_chunk(kind, content) for kind, content in chunks)
