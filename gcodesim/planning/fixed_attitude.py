@@ -31,10 +31,11 @@ from gcodesim.planning.arm_joints import ArmJoints
 from gcodesim.planning.arm_kernels import JointCaps, SegmentRates, joint_caps, joint_rates
 from gcodesim.planning.axis_posing import offsets
 from gcodesim.planning.configuration import on_branches
+from gcodesim.planning.external_choice import ChosenPlaces, choose_places
 from gcodesim.planning.flange import Flange
 from gcodesim.planning.flange_poses import spin_of
 from gcodesim.planning.guide import CHOSEN, GROUND, Guide, Outside
-from gcodesim.planning.joint_rows import with_joint_rows
+from gcodesim.planning.joint_rows import JointRows, with_joint_rows
 from gcodesim.planning.nodes import Nodes
 from gcodesim.planning.plan import JointPath
 from gcodesim.planning.posing import Posed
@@ -53,6 +54,8 @@ Solved: TypeAlias = tuple[Nodes, Array, NDArray[np.uint8]]  # nodes, joints (k, 
 
 _REFINEMENTS: Final = 3
 _CLOSE: Final = 1e-6  # [m]
+_CLOSER: Final = 2e-3  # [m, rad] between nodes to begin with, where more than the tip moves the flange
+_LEFT: Final = 0.95  # of accelerations there; the rest is for the change of q'' between nodes
 # A joint is nowhere this much faster than on average between its nodes: on a singularity the Jacobian says infinity,
 # while the joint only turns by what lies between the nodes.
 _STEEPEST: Final = 10.0
@@ -121,7 +124,8 @@ class FixedAttitude:
         path = rows.path
         R_BO = self.R_BO(path)
         guide = self._guide(path)
-        probe = SampledPath.of(rows, R_BO, guide)
+        places = self._places(rows, R_BO, guide, home)
+        probe = SampledPath.of(rows, R_BO, guide) if places is None else places[0]
         near = spin_of(arm.forward(own[None])[0, :3, :3], R_BO[0] if len(path) else self.upright)
         choice = choose_spin(arm, probe, own, near, self.spin)
         limits = choice.limits if guide is None else _with_words(choice.limits, guide, kinematics.joints)
@@ -129,12 +133,15 @@ class FixedAttitude:
         pieces = blend(path, limits, own_time=np.where(rows.joint, 1.0, np.nan))
         flange = Flange(pieces, R_BO, offsets(path)[:, :3], choice.spin, guide=guide)
         at_home = pieces.fixed & rows.home[pieces.row_first]
-        solved = _solve(arm, flange, Nodes.of(pieces, at_home), choice, own)
+        if places is not None and guide is not None and guide.outside is not None:
+            heads = np.flatnonzero(pieces.fixed & ~at_home)
+            guide = replace(guide, outside=places[1].along(guide.outside, pieces, heads))
+            flange = replace(flange, guide=guide)
+        begun = Nodes.of(pieces, at_home) if guide is None else Nodes.of(pieces, at_home, _CLOSER)
+        solved = _solve(arm, flange, begun, choice, own)
         part = ""
         if not self._will_do(arm, flange, *solved):
-            flange, solved, part = self._searched(
-                arm, flange, Nodes.of(pieces, at_home), choice, own, solved, findings
-            )
+            flange, solved, part = self._searched(arm, flange, begun, choice, own, solved, findings)
         nodes, q_nodes, status = solved
         report_poses(arm, flange, nodes, q_nodes, status, probe, choice, own, part, findings)
         bridged = _bridge(nodes, q_nodes, status)
@@ -143,6 +150,19 @@ class FixedAttitude:
         moves = _joint_moves(kinematics, pieces, nodes, q_nodes, home, home if self.home is None else self.home)
         caps = _caps(kinematics, flange, nodes, q_nodes, bridged, findings)
         return Posed(pieces, ArmJoints(kinematics, flange, nodes, q_nodes, bridged, home, moves), caps)
+
+    def _places(
+        self, rows: JointRows, R_BO: Array, guide: Guide | None, home: Array
+    ) -> tuple[SampledPath, ChosenPlaces] | None:
+        """Some poses as the arm sees them with external axes where they are chosen to stand; None: none is chosen."""
+        if guide is None or guide.outside is None or not (guide.outside.columns == CHOSEN).any() or not len(rows.path):
+            return None
+        work = SampledPath.of(rows, R_BO, replace(guide, outside=None))
+        chosen = choose_places(
+            rows.path, work, guide, spin=self.spin, home=home, held=self.held is not None, branches=self.branches
+        )
+        p, R = guide.from_arm(work.p_BO, work.R_BO, work.row, chosen.values)
+        return replace(work, p_BO=p, R_BO=R), chosen
 
     def _in_the_work(self, path: ToolPath) -> ToolPath:
         """Rows whose work an external axis carries command the tip in that work."""
@@ -235,7 +255,11 @@ class FixedAttitude:
         if not isinstance(leg, ArmJoints) or not len(path):
             return self
         held = None if path.kind[-1] == HOME else self.R_BO(path)[-1]
-        return replace(self, spin=leg.flange.last_spin, home=home, held=held)
+        outside = self.outside
+        if outside is not None and len(leg.q_nodes):
+            last = leg.home if held is None else leg.q_nodes[-1]
+            outside = replace(outside, rest=last[outside.assembly.externals])
+        return replace(self, spin=leg.flange.last_spin, home=home, held=held, outside=outside)
 
     def R_BO(self, path: ToolPath) -> Array:
         """Axes of O in B for every row of `path` (n, 3, 3)."""
@@ -318,7 +342,7 @@ def _caps(
     own = q if outside is None else q[:, outside.assembly.own]
     J = np.ascontiguousarray((kinematics if outside is None else outside.assembly.arm).jacobian(own))
     speed_limit = np.minimum(joints.speed, 1e6)
-    acceleration_limit = np.minimum(joints.acceleration, 1e6)
+    acceleration_limit = np.minimum(joints.acceleration, 1e6) * (1.0 if flange.guide is None else _LEFT)
     out, back = flange.velocities(piece, begin), flange.velocities(piece, begin + length)
     leaving, arriving = np.zeros((len(nodes), out.shape[1])), np.zeros((len(nodes), out.shape[1]))
     leaving[i - 1], arriving[i] = out, back

@@ -85,7 +85,7 @@ def rungs_of(kinematics: Kinematics, cut: Passage, spins: Array, branches: tuple
         exists = exists & np.isin(np.arange(exists.shape[1]), branches)
     q, exists = q.reshape(n, -1, q.shape[-1]), exists.reshape(n, -1)
     joints = kinematics.joints
-    kind, lower, upper, turns = _turns(joints)
+    kind, lower, upper, turns = turns_of(joints)
     low = np.where(kind == LIMITED, lower - SLACK, -0.5 * TURN)
     q = np.where(kind == LINEAR, q, q - TURN * np.floor((q - low) / TURN))
     inside = exists & np.all((kind == ENDLESS) | ((q >= lower - SLACK) & (q <= upper + SLACK)), axis=2)
@@ -106,7 +106,7 @@ def rungs_of(kinematics: Kinematics, cut: Passage, spins: Array, branches: tuple
     return Rungs(ladder, spin, in_reach)
 
 
-def _turns(joints: Joints) -> tuple[Indices, Array, Array, Indices]:
+def turns_of(joints: Joints) -> tuple[Indices, Array, Array, Indices]:
     """Kinds, limits and numbers of whole turns of joints, each (j,)."""
     linear = np.array([kind == "prismatic" for kind in joints.kinds])
     endless = ~linear & ~(np.isfinite(joints.lower) & np.isfinite(joints.upper))

@@ -33,13 +33,16 @@ _SHARP: Final = 0.1  # share of poses that may be slower than the limits used fo
 class SampledPath:
     """Some flange origins (k, 3) of a path with R_BO (k, 3, 3), in chains that begin where a joint move ends.
 
-    `chains` holds first and last + 1 of each; `number` which of the path's chains it is.
+    `chains` holds first and last + 1 of each; `number` which of the path's chains it is. They are at `share` (k,) of
+    `row` (k,).
     """
 
     p_BO: Array
     R_BO: Array
     chains: list[tuple[int, int]]
     number: list[int]
+    row: NDArray[np.intp]
+    share: Array
 
     @staticmethod
     def of(rows: JointRows, R_BO: Array, guide: Guide | None = None) -> SampledPath:
@@ -80,7 +83,7 @@ class SampledPath:
         origins = flange_origins(points[:, :3], offsets(path)[row, :3], R)
         if guide is not None and guide.outside is not None:
             origins, R = guide.from_arm(origins, R, row, guide.outside.commanded(points))
-        return SampledPath(origins, R, chains, [int(c) for c in chosen])
+        return SampledPath(origins, R, chains, [int(c) for c in chosen], row, share)
 
 
 @frozen(kw_only=False, eq=False)

@@ -164,3 +164,46 @@ def test_what_an_external_axis_moves_has_its_name() -> None:
     assert job.shop is not None
     assert job.shop.joint_names[-2:] == ("positioner/A", "positioner/C")
     assert job.shop.scene.standing_on("stock/stock")[0] == "arm/positioner"
+
+
+def within_limits(job: Job) -> np.ndarray:
+    """Joints (n, j) every 4 ms; their speeds, accelerations and places are within their limits."""
+    plan = job.plan
+    assert plan is not None
+    dt = 4e-3
+    q = tips(job, np.arange(0.0, plan.trajectory.duration, dt))[0]
+    joints = plan.kinematics.joints
+    assert (q >= joints.lower - 1e-9).all() and (q <= joints.upper + 1e-9).all()
+    assert (np.abs(np.diff(q, axis=0)).max(axis=0) / dt <= 1.001 * joints.speed).all()
+    assert (np.abs(np.diff(q, 2, axis=0)).max(axis=0) / dt**2 <= 1.02 * joints.acceleration).all()
+    return q
+
+
+def test_a_free_rail_goes_along_where_the_arm_does_not_reach() -> None:
+    """1.8 m to and fro: no place of the rail does for all of it, and no word moves it."""
+    program = HEAD + "G0 X50 Y20 Z30\nG1 X1850 F6000\nG1 X1800\nG1 X60\nG0 Z40\nM2\n"
+    job = planned(program, RAIL % ", free: true")
+    assert not [f for f in job.findings if f.code.startswith("GS2")]
+    q = within_limits(job)
+
+    assert np.ptp(q[:, 0]) > 0.3
+    plan = job.plan
+    assert plan is not None
+    row = np.flatnonzero(np.isfinite(plan.path.feed))[0]
+    X_WT = tips(job, np.linspace(plan.trajectory.row_start[row] + 0.1, plan.trajectory.row_end[row] - 0.1, 100))[1]
+    assert np.abs(X_WT[:, 1:3, 3] - np.array([620.0, 480.0]) * MM).max() < 1e-7
+
+
+def test_a_free_table_turns_the_work_to_the_arm() -> None:
+    """A full circle around the work with the tool at its side, which an arm beside a resting table cannot run."""
+    ring = "".join(
+        f"G1 X{55 * np.cos(a):.4f} Y{55 * np.sin(a):.4f} Z10. I{np.cos(a):.6f} J{np.sin(a):.6f} K0.05\n"
+        for a in np.radians(np.arange(0, 361, 10))
+    )
+    program = "%\nO1\nG21 G90 G94 G54\nT1 M6\nG43.5 H1\nG0 X80. Y0. Z10. I1. J0. K0.05\nF3000.\n" + ring + "M30\n%\n"
+    free = POSITIONER.replace("xyz: [600, 0, 250]}", "xyz: [700, 0, 500]}\n    free: true")
+    fanuc = free.replace("gcodesim: 1\n", "gcodesim: 1\ndialect: fanuc\n")
+    job = planned(program, fanuc)
+    assert not [f.message for f in job.findings if f.code in ("GS202", "GS203", "GS205", "GS216")]
+    q = within_limits(job)
+    assert np.ptp(q[:, -1]) > np.radians(60.0)

@@ -30,7 +30,7 @@ POSES = {
     *("cell/placement.py", "cell/placing.py", "cell/reach.py", "checks/clearance.py", "checks/missing_length.py"),
     *("executor/track.py", "planning/shop_posing.py", "recorder/frames.py", "scene/scene.py", "shop.py"),
     *("checks/machine_bodies.py", "checks/machine_collisions.py", "checks/sharing.py", "jobs/meetings.py"),
-    *("session/cell_in_hand.py", "solids/solid.py", "kinematics/assembly.py", "cell/externals.py", "cell/robot.py"),
+    *("session/cell_in_hand.py", "solids/solid.py", "kinematics/assembly.py", "cell/externals.py"),
 }
 SCRIPTS = "pybullet_industrial"
 """This package computes what scripts of another project computed, by the same functions; programs do not get there."""
