@@ -190,7 +190,8 @@ def test_every_value_says_what_it_may_be() -> None:
     free = {value.name for value in values if not (value.words or value.files or value.folders)}
     lengths = {"MM", "X,Y,Z"}
     assert free - lengths == {
-        *("N", "S", "DAY", "PORT", "T", "FROM:TO", "FIRST:LAST", "NAME=VALUE", "NAME=PROGRAM", "A,B", "NAME", "0|1"),
+        *("N", "S", "DAY", "PORT", "T", "FROM:TO", "FIRST:LAST", "NAME=VALUE", "NAME=PROGRAM", "A,B", "NAME"),
+        *("0|1", "FACTOR"),
     }
 
 
