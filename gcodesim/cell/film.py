@@ -20,7 +20,7 @@ _SIZE: Final = Quantity("length", Range(least=1e-5, most=1.0), "3 mm")
 
 
 @frozen
-class Region:
+class FilmRegion:
     """A box in the frame of the body."""
 
     min: Point = key(POINT, "least corner", example="[20, 15, -1 mm]")
@@ -41,7 +41,7 @@ class FilmSpec:
         "program, or `all`",
         default="facing",
     )
-    inside: Region | None = key(Region, "only faces in this box count", default=None)
+    inside: FilmRegion | None = key(FilmRegion, "only faces in this box count", default=None)
     resolution: float | None = key(
         _SIZE, "greatest edge of a face of the film", default=None, rule="a third of the spread of the finest gun"
     )

@@ -13,7 +13,7 @@ from typing import Final
 from gcodesim.cell.cell import Cell
 from gcodesim.cell.channel import Channel, Orientation
 from gcodesim.cell.externals import External, SlidingAxis, TurningAxis
-from gcodesim.cell.film import FilmSpec, Region
+from gcodesim.cell.film import FilmRegion, FilmSpec
 from gcodesim.cell.machine import LinearAxis, MachineForm, RotaryAxis
 from gcodesim.cell.material import MaterialForm
 from gcodesim.cell.part import Part
@@ -50,7 +50,7 @@ SECTIONS: Final[tuple[tuple[str, type], ...]] = (
     ("`stock`, besides its shape and place", StockSpec),
     ("`parts`, besides their shape and place", Part),
     ("`film` of stock, parts and fixtures", FilmSpec),
-    ("`inside` of `film`", Region),
+    ("`inside` of `film`", FilmRegion),
     ("`footprint` of a spray gun", Footprint),
     ("`fading` of a spray gun", Fading),
     ("`materials`", MaterialForm),

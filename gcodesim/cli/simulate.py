@@ -314,7 +314,8 @@ def _print_verdict(
 
 
 def _print_files(out: Path, results: Results, others: Sequence[str]) -> None:
+    coated = () if results.coating is None else results.coating["bodies"]
     print()
     doses = {name: stock.doses for name, stock in results.stocks.items()}
-    print(f"  files in {out}: {', '.join([*names_of(results.stocks, doses=doses), *others])}")
+    print(f"  files in {out}: {', '.join([*names_of(results.stocks, coated, doses=doses), *others])}")
     print(f"  look at it: open {out / LOG_NAME} in Foxglove or Lichtblick, with the layout that is inside")

@@ -10,13 +10,13 @@ import numpy as np
 from gcodesim.arithmetic.matrices import dots, norms
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
-from gcodesim.material.film_kernels import FIGURES, Coat, Room, lay
+from gcodesim.material.film_kernels import FIGURES, Coat, CoatRoom, lay
 from gcodesim.material.film_kernels import Dabs as Dabs
 from gcodesim.material.film_kernels import Pattern as Pattern
 from gcodesim.material.film_kernels import Shades as Shades
 from gcodesim.material.refining import refined
 from gcodesim.solids.mesh_file import Triangles
-from gcodesim.solids.ray_kernels import outermost
+from gcodesim.solids.ray_kernels import horizons
 from gcodesim.solids.triangle_tree import tree_of
 
 MOST_FACES: Final = 2_000_000
@@ -28,7 +28,8 @@ FACING: Final = 0.5
 _LIKE: Final = 0.985
 """Cosine of the angle (10 degrees) below which two directions of spraying count as one."""
 
-_RISE: Final = 1e-6  # m by which a body may rise over a face that it cannot shade
+_RISE: Final = 0.02
+"""What rises over a face by less than this share of the size of faces does not shade it."""
 
 
 @frozen(kw_only=False, eq=False)
@@ -61,9 +62,9 @@ class Film:
         n = len(twice)
         middle = np.ascontiguousarray(corners.corner + (corners.along + corners.across) / 3.0)
         normal = np.ascontiguousarray(across / twice[:, None])
-        free = np.zeros(n, dtype=np.int64)
-        outermost(tree.boxes, corners, middle, normal, _RISE, free)
-        self.coat = Coat(tree.boxes, middle, normal, 0.5 * twice, free, np.zeros(n), np.zeros(n), np.zeros(n))
+        horizon = np.zeros(n)
+        horizons(tree.boxes, corners, middle, normal, _RISE * size, horizon)
+        self.coat = Coat(tree.boxes, middle, normal, 0.5 * twice, horizon, np.zeros(n), np.zeros(n), np.zeros(n))
         self.size = size
         self._directions: Array = np.zeros((0, 3))
         self._face, self._share = np.zeros(n, dtype=np.int64), np.zeros(n)
@@ -84,7 +85,7 @@ class Film:
     def lay(self, pattern: Pattern, dabs: Dabs, shades: Shades) -> Array:
         """Lay the film of some dabs, in order; what became of them (k, FIGURES), see `film_kernels`."""
         told: Array = np.zeros((len(dabs.solids), FIGURES))
-        room = Room(self._face, self._share, np.zeros(len(shades.ball), dtype=np.int64), np.zeros((2, 3)))
+        room = CoatRoom(self._face, self._share, np.zeros(len(shades.ball), dtype=np.int64), np.zeros((2, 3)))
         lay(self.coat, pattern, dabs, shades, room, told)
         self._remember(dabs.axis)
         return told

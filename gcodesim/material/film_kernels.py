@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from gcodesim.arithmetic.power_kernels import power
 from gcodesim.compiled import kernel
-from gcodesim.solids.ray_kernels import Boxes, Corners, blocked
+from gcodesim.solids.ray_kernels import Boxes, TriangleEdges, blocked
 
 Array = NDArray[float64]
 Ints = NDArray[int64]
@@ -38,15 +38,15 @@ _FRONT = 1e-6  # m before the nozzle from which on there is spray
 class Coat(NamedTuple):
     """n faces in the order of their tree: middle, normal (n, 3), area (n,) [m²], film [m] and its greatest steepness.
 
-    `free`: no part of the body rises over the face. `dry` is the film, `wet` what it was when it was laid; `steep` is
-    the greatest squared sine of the angle to the horizontal at which film was laid on it.
+    `horizon`: sine of the elevation over the face that no part of the body exceeds. `dry` is the film, `wet` what
+    it was when it was laid; `steep` is the greatest squared sine of the angle to the horizontal at which it was laid.
     """
 
     boxes: Boxes
     middle: Array
     normal: Array
     area: Array
-    free: Ints
+    horizon: Array
     dry: Array
     wet: Array
     steep: Array
@@ -93,13 +93,13 @@ class Shades(NamedTuple):
     """
 
     boxes: Boxes
-    triangles: Corners
+    triangles: TriangleEdges
     first: Ints
     ball: Array
     own: int
 
 
-class Room(NamedTuple):
+class CoatRoom(NamedTuple):
     """Room to work in: faces (n,) that a cone meets with their shares (n,), bodies in it (b,), a ray (2, 3)."""
 
     face: Ints
@@ -109,7 +109,7 @@ class Room(NamedTuple):
 
 
 @kernel(lean=True)
-def lay(coat: Coat, pattern: Pattern, dabs: Dabs, shades: Shades, room: Room, told: Array) -> None:
+def lay(coat: Coat, pattern: Pattern, dabs: Dabs, shades: Shades, room: CoatRoom, told: Array) -> None:
     """Lay the film of all dabs, in order; `told` (k, FIGURES) says what became of each."""
     for k in range(len(dabs.solids)):
         for figure in range(FIGURES):
@@ -137,7 +137,7 @@ def _outside(x: float, y: float, z: float, radius: float, dabs: Dabs, k: int, sp
 
 
 @kernel(lean=True)
-def _aimed(coat: Coat, pattern: Pattern, dabs: Dabs, k: int, room: Room) -> int:
+def _aimed(coat: Coat, pattern: Pattern, dabs: Dabs, k: int, room: CoatRoom) -> int:
     """The faces that dab k would reach if nothing stood between; returns how many."""
     spread = pattern.reach * max(pattern.wide, pattern.tall)
     px, py, pz = dabs.place[k, 0], dabs.place[k, 1], dabs.place[k, 2]
@@ -179,7 +179,7 @@ def _aimed(coat: Coat, pattern: Pattern, dabs: Dabs, k: int, room: Room) -> int:
 
 
 @kernel(lean=True)
-def _shade(coat: Coat, pattern: Pattern, dabs: Dabs, k: int, shades: Shades, count: int, room: Room) -> None:
+def _shade(coat: Coat, pattern: Pattern, dabs: Dabs, k: int, shades: Shades, count: int, room: CoatRoom) -> None:
     """Take the share of each face that the gun does not see."""
     spread = pattern.reach * max(pattern.wide, pattern.tall)
     bodies = len(shades.ball)
@@ -196,11 +196,21 @@ def _shade(coat: Coat, pattern: Pattern, dabs: Dabs, k: int, shades: Shades, cou
         _into(room.ray, 1, dabs.poses, k, b, dabs.place[k, 0], dabs.place[k, 1], dabs.place[k, 2])
         for i in range(count):
             face = room.face[i]
-            if room.share[i] == 0.0 or (b == shades.own and coat.free[face] == 1):
+            if room.share[i] == 0.0 or (b == shades.own and _above(coat, face, dabs, k)):
                 continue
             _into(room.ray, 0, dabs.poses, k, b, coat.middle[face, 0], coat.middle[face, 1], coat.middle[face, 2])
             if blocked(shades.boxes, shades.triangles, shades.first[b], shades.first[b + 1], room.ray, SKIN):
                 room.share[i] = 0.0
+
+
+@kernel(lean=True)
+def _above(coat: Coat, face: int, dabs: Dabs, k: int) -> bool:
+    """Whether the gun stands higher over a face than anything of its body."""
+    x = dabs.place[k, 0] - coat.middle[face, 0]
+    y = dabs.place[k, 1] - coat.middle[face, 1]
+    z = dabs.place[k, 2] - coat.middle[face, 2]
+    up = x * coat.normal[face, 0] + y * coat.normal[face, 1] + z * coat.normal[face, 2]
+    return bool(up > coat.horizon[face] * math.sqrt(x * x + y * y + z * z))
 
 
 @kernel(lean=True)
@@ -212,7 +222,9 @@ def _into(ray: Array, end: int, X: Array, k: int, b: int, x: float, y: float, z:
 
 
 @kernel(lean=True)
-def _add(coat: Coat, pattern: Pattern, dabs: Dabs, k: int, count: int, room: Room, scale: float, told: Array) -> None:
+def _add(
+    coat: Coat, pattern: Pattern, dabs: Dabs, k: int, count: int, room: CoatRoom, scale: float, told: Array
+) -> None:
     """Lay what stays of dab k on the faces that it reaches."""
     for i in range(count):
         if room.share[i] == 0.0:

@@ -109,11 +109,15 @@ def passes(stripe: Stripe, sigma: float, pitch: float, offsets: Array) -> Array:
 
 
 class Ellipse(NamedTuple):
-    """Where a round cone meets a plane: semi-axes [m], and how far their middle lies from where the axis meets it."""
+    """Where a round cone meets a plane: semi-axes of its edge [m], and the height [m] of its tip over the plane.
+
+    `shift` [m] is how far the middle of the edge lies from where the axis meets the plane.
+    """
 
     along: float
     across: float
     shift: float
+    height: float
 
 
 def tilted_cone(*, half_angle: float, distance: float, tilt: float) -> Ellipse:
@@ -129,4 +133,5 @@ def tilted_cone(*, half_angle: float, distance: float, tilt: float) -> Ellipse:
     near, far = height * tan(tilt - half_angle), height * tan(tilt + half_angle)
     along = 0.5 * (far - near)
     eccentric = sin(tilt) / cos(half_angle)
-    return Ellipse(along, along * float(np.sqrt(1.0 - eccentric * eccentric)), 0.5 * (far + near) - height * tan(tilt))
+    across = along * float(np.sqrt(1.0 - eccentric * eccentric))
+    return Ellipse(along, across, 0.5 * (far + near) - height * tan(tilt), height)

@@ -18,6 +18,7 @@ from gcodesim.compiled import kernel
 Array = NDArray[float64]
 Ints = NDArray[int64]
 
+_VAGUE = 0.05  # sine by which a horizon may be too high
 _PARALLEL = 1e-30  # determinant below which a triangle is seen edge-on
 
 
@@ -33,7 +34,7 @@ class Boxes(NamedTuple):
     end: Ints
 
 
-class Corners(NamedTuple):
+class TriangleEdges(NamedTuple):
     """Triangles (t, 3) in the order of their tree: one corner and the ways from it to the two others [m]."""
 
     corner: Array
@@ -42,7 +43,7 @@ class Corners(NamedTuple):
 
 
 @kernel(lean=True)
-def blocked(boxes: Boxes, triangles: Corners, first: int, last: int, ends: Array, near: float) -> bool:
+def blocked(boxes: Boxes, triangles: TriangleEdges, first: int, last: int, ends: Array, near: float) -> bool:
     """Whether a triangle of the tree of nodes `first` to `last` stands between two points, seen from either side.
 
     `ends` (2, 3) [m] are the points; what is nearer than `near` [m] to the first does not count. The test of a
@@ -99,30 +100,59 @@ def blocked(boxes: Boxes, triangles: Corners, first: int, last: int, ends: Array
 
 
 @kernel(lean=True)
-def outermost(boxes: Boxes, triangles: Corners, centre: Array, normal: Array, slack: float, free: Ints) -> None:
-    """Mark in `free` (n,) the places `centre` (n, 3) over whose plane, with `normal` (n, 3), no triangle rises.
+def horizons(boxes: Boxes, triangles: TriangleEdges, centre: Array, normal: Array, slack: float, found: Array) -> None:
+    """How high over the plane of each place `centre` (n, 3), with `normal` (n, 3), anything of the body rises.
 
-    `slack` [m] is how far one may. From such a place of a body nothing of that body is seen: it cannot be shaded by it.
+    `found` (n,) is the sine of an elevation that nothing exceeds which rises by more than `slack` [m]: what is seen
+    higher cannot be shaded by the body. It is taken from boxes around triangles, so it may be too high,
+    never too low.
     """
     box = boxes.box
+    last = 0  # the triangle that rises highest over one place often does so over the next
     for i in range(len(centre)):
-        nx, ny, nz = normal[i, 0], normal[i, 1], normal[i, 2]
-        level = centre[i, 0] * nx + centre[i, 1] * ny + centre[i, 2] * nz + slack
+        highest = _elevation(triangles, last, centre, normal, i, slack)
+        left = 0.0
         node = 0
-        found = False
-        while node < len(box) and not found:
+        while node < len(box):
             top = 0.0
+            away = 0.0
             for axis in range(3):
-                n = normal[i, axis]
-                top += n * (box[node, 3 + axis] if n > 0.0 else box[node, axis]) if n != 0.0 else 0.0
-            if not top > level:
+                n, c = normal[i, axis], centre[i, axis]
+                low, high = box[node, axis] - c, box[node, 3 + axis] - c
+                if n > 0.0:
+                    top += n * high
+                elif n < 0.0:
+                    top += n * low
+                gap = max(low, max(-high, 0.0))
+                away += gap * gap
+            sine = 1.0 if top * top >= away else top / math.sqrt(away)
+            if top <= slack or sine <= highest + _VAGUE:
+                if top > slack:
+                    left = max(left, sine)
                 node = boxes.skip[node]
                 continue
             for t in range(boxes.begin[node], boxes.end[node]):
-                here = triangles.corner[t, 0] * nx + triangles.corner[t, 1] * ny + triangles.corner[t, 2] * nz
-                one = triangles.along[t, 0] * nx + triangles.along[t, 1] * ny + triangles.along[t, 2] * nz
-                other = triangles.across[t, 0] * nx + triangles.across[t, 1] * ny + triangles.across[t, 2] * nz
-                if here + max(0.0, max(one, other)) > level:
-                    found = True
+                rises = _elevation(triangles, t, centre, normal, i, slack)
+                if rises > highest:
+                    highest = rises
+                    last = t
             node += 1
-        free[i] = 0 if found else 1
+        found[i] = max(highest, left)
+
+
+@kernel(lean=True)
+def _elevation(triangles: TriangleEdges, t: int, centre: Array, normal: Array, i: int, slack: float) -> float:
+    """A sine that no point of triangle t exceeds over place i; 0 of one that rises by `slack` [m] at most."""
+    base, one, other, away = 0.0, 0.0, 0.0, 0.0
+    for axis in range(3):
+        n = normal[i, axis]
+        p, a, b = triangles.corner[t, axis] - centre[i, axis], triangles.along[t, axis], triangles.across[t, axis]
+        base += n * p
+        one += n * a
+        other += n * b
+        gap = max(p + min(0.0, min(a, b)), max(-(p + max(0.0, max(a, b))), 0.0))
+        away += gap * gap
+    top = base + max(0.0, max(one, other))
+    if top <= slack:
+        return 0.0
+    return 1.0 if top * top >= away else top / math.sqrt(away)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from gcodesim.frames import Array
 from gcodesim.solids.mesh_file import Triangles
-from gcodesim.solids.ray_kernels import Boxes, Corners
+from gcodesim.solids.ray_kernels import Boxes, TriangleEdges
 
 Ints = NDArray[np.int64]
 
@@ -24,7 +24,7 @@ class TriangleTree(NamedTuple):
     """Triangles in a tree. `order` (t,) says which of the given triangles each one is."""
 
     boxes: Boxes
-    corners: Corners
+    corners: TriangleEdges
     order: Ints
 
 
@@ -38,7 +38,7 @@ def tree_of(mesh: Triangles) -> TriangleTree:
     order = np.argsort(_along_curve((a + b + c) / 3.0), kind="stable")
     a, b, c = a[order], b[order], c[order]
     low, high = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
-    corners = Corners(np.ascontiguousarray(a), np.ascontiguousarray(b - a), np.ascontiguousarray(c - a))
+    corners = TriangleEdges(np.ascontiguousarray(a), np.ascontiguousarray(b - a), np.ascontiguousarray(c - a))
     return TriangleTree(_boxes(low, high), corners, order)
 
 
@@ -84,7 +84,7 @@ def _boxes(low: Array, high: Array) -> Boxes:
     return Boxes(box, skip, begin, end)
 
 
-def joined(trees: list[TriangleTree]) -> tuple[Boxes, Corners, Ints]:
+def joined(trees: list[TriangleTree]) -> tuple[Boxes, TriangleEdges, Ints]:
     """Several trees in one set of arrays: tree k has the nodes first[k] to first[k + 1]."""
     nodes = np.cumsum([0, *(len(tree.boxes.skip) for tree in trees)])
     items = np.cumsum([0, *(len(tree.order) for tree in trees)])
@@ -94,7 +94,8 @@ def joined(trees: list[TriangleTree]) -> tuple[Boxes, Corners, Ints]:
         np.concatenate([nodes[:0], *(_shifted(tree, 0, at) for tree, at in zip(trees, items[:-1], strict=True))]),
         np.concatenate([nodes[:0], *(_shifted(tree, 1, at) for tree, at in zip(trees, items[:-1], strict=True))]),
     )
-    corners = Corners(*(np.concatenate([np.zeros((0, 3)), *(tree.corners[k] for tree in trees)]) for k in range(3)))
+    parts = ([np.zeros((0, 3)), *(tree.corners[k] for tree in trees)] for k in range(3))
+    corners = TriangleEdges(*(np.concatenate(part) for part in parts))
     return boxes, corners, nodes
 
 

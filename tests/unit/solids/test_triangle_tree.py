@@ -7,7 +7,7 @@ import pytest
 
 from gcodesim.solids import Box
 from gcodesim.solids.mesh_file import Triangles
-from gcodesim.solids.ray_kernels import blocked, outermost
+from gcodesim.solids.ray_kernels import blocked, horizons
 from gcodesim.solids.triangle_tree import joined, tree_of
 from gcodesim.solids.triangles import triangles_of
 
@@ -78,10 +78,27 @@ def test_faces_over_which_nothing_rises() -> None:
     normal = np.cross(tree.corners.along, tree.corners.across)
     normal /= np.linalg.norm(normal, axis=1)[:, None]
     middle = tree.corners.corner + (tree.corners.along + tree.corners.across) / 3.0
-    free = np.zeros(len(middle), dtype=np.int64)
+    horizon = np.zeros(len(middle))
 
-    outermost(tree.boxes, tree.corners, middle, normal, 1e-6, free)
+    horizons(tree.boxes, tree.corners, middle, normal, 1e-6, horizon)
 
     shaded = ((normal[:, 0] > 0.5) & (middle[:, 0] < 1.5)) | ((normal[:, 0] < -0.5) & (middle[:, 0] > 1.5))
     shaded |= (normal[:, 2] > 0.5) & (middle[:, 2] < 1.5)
-    assert free.tolist() == (~shaded).astype(int).tolist()
+    assert (horizon > 0.06).tolist() == shaded.tolist()
+
+
+def test_nothing_is_seen_above_the_horizon() -> None:
+    """Points of any triangle stand at most so high over a face as its horizon says."""
+    mesh = scattered(60, 5)
+    tree = tree_of(mesh)
+    rng = np.random.default_rng(8)
+    centre, normal = rng.random((20, 3)), rng.standard_normal((20, 3))
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    horizon = np.zeros(20)
+    horizons(tree.boxes, tree.corners, centre, normal, 0.0, horizon)
+
+    weights = rng.dirichlet(np.ones(3), size=50)
+    points = np.einsum("wk,tkc->twc", weights, mesh.points[mesh.faces]).reshape(-1, 3)
+    ways = points[None] - centre[:, None]
+    sines = (ways * normal[:, None]).sum(axis=2) / np.linalg.norm(ways, axis=2)
+    assert (sines.max(axis=1) <= horizon + 1e-12).all()

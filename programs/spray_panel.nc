@@ -1,0 +1,27 @@
+(three passes would leave stripes: five, 55 mm apart, that begin and end beside the panel)
+G21 G90 G17 G94 G64 P0.1
+T8 M6
+G43 H8
+M67 E0 Q2.5
+G0 X-90 Y15 Z200
+M62 P1
+G1 X490 F24000
+M63 P1
+G0 Y70
+M62 P1
+G1 X-90 F24000
+M63 P1
+G0 Y125
+M62 P1
+G1 X490 F24000
+M63 P1
+G0 Y180
+M62 P1
+G1 X-90 F24000
+M63 P1
+G0 Y235
+M62 P1
+G1 X490 F24000
+M63 P1
+G0 Z280
+M2
