@@ -315,6 +315,11 @@ def _run(
             eyes.close()
             job.findings.extend(eyes.findings())
             job.sensed = eyes.results
+        if job.cell.target is not None:
+            from gcodesim.jobs.verification import verify
+
+            job.target, found = verify(job, execution)
+            job.findings.extend(found)
         results = results_of(job, execution)
         if recorder is not None:
             recorder.finish(results, execution)

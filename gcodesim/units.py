@@ -23,6 +23,7 @@ HP: Final = 745.6998715822702
 """The mechanical horsepower of 550 foot pounds of force a second."""
 PS: Final = 735.49875
 """The metric horsepower of 75 kilopond metres a second."""
+MM2: Final = 1e-6
 MM3: Final = 1e-9
 CM3: Final = 1e-6
 CM3_PER_MINUTE: Final = CM3 / MINUTE

@@ -286,10 +286,56 @@ PROGRAMS: dict[str, Callable[[], Lines]] = {
 }
 
 
+# --- pocket: the part that `pocket.nc`, written by hand, is to become -----------
+
+
+def pocket_target() -> Lines:
+    """A block 40 x 30 x 10 mm with a pocket 24 x 14 x 4 mm, its corners round by 3 mm, as an STL file."""
+    size, low, high, radius, floor, bottom = (40.0, 30.0), (8.0, 8.0), (32.0, 22.0), 3.0, -4.0, -10.0
+    outer = [(size[0], size[1]), (0.0, size[1]), (0.0, 0.0), (size[0], 0.0)]
+    middles = [(high[0], high[1]), (low[0], high[1]), (low[0], low[1]), (high[0], low[1])]
+    inner: list[tuple[float, float]] = []
+    corner_of: list[int] = []
+    for corner, (x, y) in enumerate(middles):
+        x, y = (value + (radius if value == least else -radius) for value, least in ((x, low[0]), (y, low[1])))
+        for k in range(25):
+            angle = math.radians(90.0 * corner + 3.75 * k)
+            inner.append((x + radius * math.cos(angle), y + radius * math.sin(angle)))
+            corner_of.append(corner)
+    yield "solid pocket"
+    for k, ((ax, ay), (bx, by)) in enumerate(zip(inner, inner[1:] + inner[:1], strict=True)):
+        (cx, cy), (dx, dy) = outer[corner_of[k]], outer[corner_of[(k + 1) % len(inner)]]
+        yield from _facet((ax, ay, 0.0), (cx, cy, 0.0), (bx, by, 0.0))
+        if (cx, cy) != (dx, dy):
+            yield from _facet((cx, cy, 0.0), (dx, dy, 0.0), (bx, by, 0.0))
+            yield from _facet((dx, dy, 0.0), (cx, cy, 0.0), (cx, cy, bottom))
+            yield from _facet((dx, dy, 0.0), (cx, cy, bottom), (dx, dy, bottom))
+        yield from _facet((ax, ay, 0.0), (bx, by, 0.0), (bx, by, floor))
+        yield from _facet((ax, ay, 0.0), (bx, by, floor), (ax, ay, floor))
+        yield from _facet((20.0, 15.0, floor), (ax, ay, floor), (bx, by, floor))
+    (ax, ay), (bx, by), (cx, cy), (dx, dy) = outer
+    yield from _facet((ax, ay, bottom), (cx, cy, bottom), (bx, by, bottom))
+    yield from _facet((ax, ay, bottom), (dx, dy, bottom), (cx, cy, bottom))
+    yield "endsolid pocket"
+
+
+def _facet(*corners: tuple[float, float, float]) -> Lines:
+    """A triangle of an STL file; readers find its normal themselves."""
+    yield "facet normal 0 0 0"
+    yield "outer loop"
+    for x, y, z in corners:
+        yield f"vertex {x:.4f} {y:.4f} {z:.4f}"
+    yield "endloop"
+    yield "endfacet"
+
+
 def main() -> None:
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent
     for name, lines in PROGRAMS.items():
         (folder / name).write_text("\n".join(lines()) + "\n", encoding="ascii")
+    if len(sys.argv) == 1:
+        target = Path(__file__).parent.parent / "cells" / "pocket_target.stl"
+        target.write_text("\n".join(pocket_target()) + "\n", encoding="ascii")
 
 
 if __name__ == "__main__":

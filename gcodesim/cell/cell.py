@@ -121,7 +121,7 @@ class Cell:
     materials: Mapping[str, Material] = key(_MATERIALS, "custom materials", default={}, quiet=True)
     target: Target | None = key(
         Record(Target, "the target"),
-        "the part as it is meant to become; this version reads and places it, but compares nothing with it",
+        "the part as it is meant to become; a run compares with it what is left of the stock",
         default=None,
     )
     fixtures: Mapping[str, Fixture] = key(FixtureKind(), "bodies that must not be touched", default={}, quiet=True)

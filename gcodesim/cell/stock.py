@@ -437,7 +437,7 @@ class Target:
     unit: str | None = key(LENGTH_UNIT, "unit of the mesh file", default=None)
     place: Place = inline(Place)
     tolerance: float = key(
-        Quantity("length", _SIDE), "largest deviation that is allowed; not compared yet", default=1e-4, example="0.1 mm"
+        Quantity("length", _SIDE), "distance allowed between part and target", default=1e-4, example="0.1 mm"
     )
     shape: MeshShape | None = None
 

@@ -16,13 +16,6 @@ from gcodesim.scene import Mover
 
 def idle_findings(cell: Cell, running: Sequence[str]) -> Iterator[Diagnostic]:
     """GS909, GS910: keys without effect, channels that are not `running`, and robots that nothing moves."""
-    if cell.target is not None:
-        yield Diagnostic(
-            code="GS909",
-            span=cell.span("target"),
-            message="`target` has no effect: this version does not compare the part with a target",
-            hint="compare the STL that the run writes with the target",
-        )
     for channel in running:
         if cell.channels[channel].optional_stop:
             yield Diagnostic(

@@ -12,6 +12,7 @@ import numpy as np
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.executor.ahead import CutThread, WindowCut
 from gcodesim.executor.behind import Behind
+from gcodesim.executor.made_by import passes_of
 from gcodesim.executor.record import StepRecord
 from gcodesim.executor.track import (
     Execution,
@@ -72,7 +73,8 @@ def execute_together(
     Everything else is as in `execute`. Cuts go by steps, then in the order of the parts, so no number depends on which
     thread is faster. `onward` is for a run of one part. The result is that of the first part and has the others.
     """
-    tracks = [Track(part, world_name, dt_ns) for part in parts]
+    passes = passes_of(parts[0].shop)
+    tracks = [Track(part, world_name, dt_ns, passes, number) for number, part in enumerate(parts)]
     first_track = tracks[0]
     watcher = first_track.watcher
     most = MOST_STEPS if watcher is None else max(1, min(MOST_STEPS, watcher.interval_steps))

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import applied, inverse_pose, multiplied
 from gcodesim.arithmetic.turn_kernels import into_axes, wrench_from_axes
@@ -26,7 +27,7 @@ NEAR = 1e-3
 class Stint:
     """Steps `begin` to `end` of a window. `window` is their commanded motion in S, `X_BS` (n, 4, 4) where S is.
 
-    `share` (c, 2) tells where in its step each piece begins and ends. `answer`
+    `share` (c, 2) tells where in its step each piece begins and ends, `row` (c,) which path row it is of. `answer`
     is what the process did, None while it is away from its target, and
     `wrench` (n, 6) what the tool felt, in base axes.
     """
@@ -37,6 +38,7 @@ class Stint:
     window: Window
     X_BS: Array
     share: Array
+    row: NDArray[np.int64]
     answer: ProcessStep | None = None
     wrench: Array | None = None
     _loop: Any = field(default=None)
@@ -150,7 +152,7 @@ def stint_of(
         if task.process.pushes and shop.stiffness is not None and jacobian is not None
         else None,
     )
-    return Stint(task=task, begin=begin, end=end, window=window, X_BS=X_BS, share=share)
+    return Stint(task=task, begin=begin, end=end, window=window, X_BS=X_BS, share=share, row=row)
 
 
 def _places(shop: Shop, q: dict[str, Array], X_BS: Array) -> Callable[[str], Array]:

@@ -14,6 +14,7 @@ from gcodesim.arithmetic.matrices import applied
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.executor.ahead import WindowCut
 from gcodesim.executor.coupling import Coupling
+from gcodesim.executor.made_by import add_passes
 from gcodesim.executor.probe_guard import ProbeGuard
 from gcodesim.executor.record import StepRecord, record_of
 from gcodesim.executor.stint import Stint
@@ -27,6 +28,7 @@ from gcodesim.shop import Shop
 from gcodesim.world import RobotBody, WorldSteps, open_world, tool_body
 
 if TYPE_CHECKING:
+    from gcodesim.material.passes import Passes
     from gcodesim.planning import Plan
     from gcodesim.world import World
 
@@ -82,6 +84,7 @@ class Execution:
     """The outcome of a run. `interrupted`: somebody stopped it after `steps` of `planned` steps.
 
     `volumes` [m³]: what was removed from each stock and what was added to it. `others`: the same of further channels.
+    `passes` at each stock, of all channels, where there is a target.
     """
 
     rows: RowTotals
@@ -92,6 +95,7 @@ class Execution:
     interrupted: bool
     volumes: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     others: Sequence[Execution] = ()
+    passes: Mapping[str, Passes] = field(default_factory=dict)
 
 
 @frozen(eq=False)
@@ -107,7 +111,10 @@ class Part:
 class Track:
     """A part while it runs. `steps` is the number of those that its plan needs, `done` that of those that are run."""
 
-    def __init__(self, part: Part, world_name: str, dt_ns: int) -> None:
+    def __init__(
+        self, part: Part, world_name: str, dt_ns: int, passes: dict[str, Passes] | None = None, number: int = 0
+    ) -> None:
+        """`passes` are those at each stock, kept for all channels; `number` is that of this one."""
         plan, shop = part.plan, part.shop
         self.plan, self.shop, self.watcher = plan, shop, part.watcher
         self.rows = RowColumns.of(plan.path, shop)
@@ -127,6 +134,7 @@ class Track:
         gears_move = body.controller.law != "ideal"
         self._coupling, self._guard = Coupling(plan, shop, self.rows, gears_move=gears_move), ProbeGuard(shop)
         self.volumes: dict[str, tuple[float, float]] = {}
+        self._passes, self._number = passes or {}, number
         self.done = self.last_row = 0
 
     def begin(self) -> None:
@@ -190,6 +198,8 @@ class Track:
                 record.deflection[here] += applied(J, steps.gear[here])
         self._standing = record.standing
         add_volumes(self.volumes, cut.stints)
+        if self._passes:
+            add_passes(self._passes, cut.stints, self._number)
         self._totals.add(record)
         self._joints.add(steps.q, steps.qd, steps.qdd, steps.effort, steps.saturated, record.window.row)
         self.done += len(record)
@@ -209,6 +219,7 @@ class Track:
             last_row=self.last_row,
             interrupted=interrupted,
             volumes=self.volumes,
+            passes=self._passes,
         )
 
 

@@ -180,13 +180,14 @@ def _results() -> Json:
         ),
         printing=_printing(),
         coating=_coating(),
+        target=_target(),
     )
     results["properties"] |= _several_programs(hashed)
     for entry in ("tools", "not_simulated"):  # where several programs run at once
         results["properties"][entry]["items"]["properties"]["channel"] = text("of several programs at once, whose")
     stock = results["properties"]["stocks"]["additionalProperties"]
     stock["required"] = stock["required"][: stock["required"].index("doses")]
-    at_times = ("probings", "sensors", "printing", "coating")
+    at_times = ("probings", "sensors", "printing", "coating", "target")
     results["required"] = [name for name in results["required"] if name not in at_times]
     return results
 
@@ -219,6 +220,63 @@ def _coating() -> Json:
                 above_mm2=number("thicker than `most`"),
                 runs_mm2=number("where wet film runs, by `sag`"),
             ),
+        ),
+    )
+
+
+def _target() -> Json:
+    """The finished part against its target; only of a run of a cell with one."""
+    line = nullable(whole("line of the program", least=1))
+    corner = array("X, Y, Z in the work system", number("mm"))
+    place = {
+        "system": text("work system of the place, such as `G54`"),
+        "x_mm": number("as the program would write it"),
+        "y_mm": number("mm"),
+        "z_mm": number("mm"),
+    }
+    return record(
+        "the finished part against the `target` of the cell; only where both were compared",
+        stock=text("the stock that was compared"),
+        mesh=text("file of the target"),
+        tolerance_mm=number("greatest distance that is allowed"),
+        least_deviation_mm=number("the deepest gouge, 0 or below"),
+        most_deviation_mm=number("the highest excess, 0 or above"),
+        area_mm2=number("skin of the target"),
+        share_outside=number("share of the target's skin that is out of tolerance"),
+        gouge_mm3=number("missing in all gouges"),
+        excess_mm3=number("left standing in all places of excess"),
+        gouges=whole("number of places", least=0),
+        excesses=whole("number of places", least=0),
+        regions=array(
+            "up to 50 gouges, then up to 50 places of excess, each kind by volume",
+            record(
+                "a place out of tolerance",
+                kind=choice("too little or too much", "gouge", "excess"),
+                volume_mm3=number("between part and target"),
+                area_mm2=number("skin of the target beside it"),
+                depth_mm=number("greatest distance from the skin of the target"),
+                **place,
+                low_mm=corner,
+                high_mm=corner,
+                file=nullable(text("of the line that is to blame; null: there is none")),
+                line=line,
+                tool=nullable(whole("its tool", least=0)),
+                gap_mm=nullable(number("no tool made a face here, this one came so near; null: it made it")),
+                lines=array(
+                    "the lines that made its faces, up to 20, the greatest share first",
+                    record(
+                        "a line",
+                        file=text("of the program"),
+                        line=whole("where"),
+                        tool=whole("its tool", least=0),
+                        share=number("of the volume"),
+                    ),
+                ),
+            ),
+        ),
+        loose=array(
+            "bodies of the stock that hang together with nothing of the target, up to 100",
+            record("a loose piece", volume_mm3=number("its volume"), **place),
         ),
     )
 

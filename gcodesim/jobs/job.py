@@ -21,6 +21,7 @@ from gcodesim.shop import Shop
 if TYPE_CHECKING:
     from gcodesim.executor.record import StepRecord
     from gcodesim.jobs.meetings import Appointments
+    from gcodesim.jobs.target_result import TargetResult
     from gcodesim.planning import Plan
 
 KINEMATIC: Final = "kinematic"
@@ -89,6 +90,7 @@ class Job:
     events: Sequence[Event] = ()  # without moves
     probings: list[ProbeResult] = field(default_factory=list)
     sources: dict[str, SourceText] = field(default_factory=dict)
+    target: TargetResult | None = None  # the finished stock against the target
 
     @property
     def cell(self) -> Cell | None:

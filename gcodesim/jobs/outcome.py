@@ -147,6 +147,7 @@ def _results_of(job: Job, execution: Execution | None, *, failed: bool) -> Resul
         printing=printing_of(plan, shop.cell.tools, row_time),
         columns=own,
         sensors=job.sensed if execution is not None else {},
+        target=job.target,
     )
 
 

@@ -17,6 +17,7 @@ from gcodesim.diagnostics.span_table import SpanTable
 from gcodesim.executor.totals import JointTotals, RowTotals
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
+from gcodesim.jobs.target_result import TargetResult
 from gcodesim.kinematics.chain import Joints
 from gcodesim.motion.tool_path import HOME, RAPID, ToolPath
 from gcodesim.numbers import clean, rounded
@@ -181,6 +182,8 @@ class Results:
     channels: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     meetings: Mapping[str, Any] | None = None
     """Where several programs run at once: each by itself, and how they wait for each other."""
+    target: TargetResult | None = None
+    """The stock against the target of the cell; None without one, or where they could not be compared."""
 
     def as_json(self) -> dict[str, Any]:
         stopped = self.stopped_at
@@ -211,6 +214,8 @@ class Results:
             value["coating"] = dict(self.coating)
         if self.printing is not None:
             value["printing"] = dict(self.printing)
+        if self.target is not None:
+            value["target"] = self.target.as_json()
         cleaned: dict[str, Any] = clean(value)
         return cleaned
 

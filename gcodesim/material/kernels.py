@@ -16,6 +16,7 @@ from gcodesim.material.field_kernels import (
     top_nearby,
 )
 from gcodesim.material.form_kernels import remove_form, touch_form
+from gcodesim.material.pass_kernels import PassPieces
 from gcodesim.material.place_kernels import ELSEWHERE, Places, ToColumns, ask_places, share_between, to_columns
 from gcodesim.material.query_kernels import (
     difference,
@@ -39,6 +40,7 @@ __all__ = [
     "Bead",
     "Field",
     "Found",
+    "PassPieces",
     "Places",
     "Shape",
     "ToColumns",

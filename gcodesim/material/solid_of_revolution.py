@@ -22,6 +22,8 @@ FACET_SHARE: Final = 0.01
 
 _THINNEST: Final = 1.0e-12
 
+_CHORDS: Final = 32
+
 
 def slabs_of_outline(outline: Outline, cell: float) -> Array:
     """The body that `outline` encloses as slabs (m, 6), see `Slab`, for stock with cells of the size `cell` [m].
@@ -53,6 +55,20 @@ def slabs_of_shape(shape: Shape, cell: float) -> Array:
         outline.append((radius, bottom + (radius - flat) * shape.rise))
     outline += [(radius, shape.top), (0.0, shape.top)]
     return slabs_of_outline(outline, cell)
+
+
+def outline_of_slabs(slabs: Array) -> Array:
+    """One half of the section (k, 2) [m] (across, along) of a body, closed along its axis; balls have 32 chords."""
+    side: list[tuple[float, float]] = []
+    for is_ball, h0, h1, k, g, _ in slabs.tolist():
+        if not is_ball:
+            side += [(k + g * h0, h0), (k + g * h1, h1)]
+            continue
+        begin, end = (acos(min(1.0, max(-1.0, (g - h) / k))) for h in (h0, h1))
+        for share in range(_CHORDS + 1):
+            c, s = cos_sin(begin + (end - begin) * share / _CHORDS)
+            side.append((k * s, g - k * c))
+    return np.array([(0.0, side[0][1]), *side, (0.0, side[-1][1])])
 
 
 def _frustum(r0: float, h0: float, r1: float, h1: float) -> list[tuple[float, ...]]:

@@ -64,6 +64,11 @@ class Extrusion(Process):
     def laid_section(self) -> float:
         return self.extruder.bead_width * self.extruder.bead_height
 
+    @property
+    def swept(self) -> Array | None:
+        half, height = 0.5 * self.extruder.bead_width, self.extruder.bead_height
+        return np.array([[-half, -height], [half, -height], [half, 0.0], [-half, 0.0]])
+
     def begin(self) -> ProcessState:
         from gcodesim.material.strand import CARRY
 

@@ -31,6 +31,7 @@ from gcodesim.processes.turns import Turns
 from gcodesim.processes.window import ProcessState, ProcessStep, Window
 from gcodesim.processes.zone import Zone
 from gcodesim.tools.cutter import Cutter
+from gcodesim.units import MM
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -112,6 +113,13 @@ class Milling(Process):
         bodies = self.cutter.primitives
         widest = max([0.0, *(body.widest for body in bodies)])
         return Zone(radius=widest, above=self.cutter.true_length)
+
+    @cached_property
+    def swept(self) -> Array | None:
+        from gcodesim.material.solid_of_revolution import outline_of_slabs, slabs_of_shape
+
+        slabs = self.packed_tool.slabs
+        return outline_of_slabs(slabs if len(slabs) else slabs_of_shape(self.cutter.cutting_shape, 0.1 * MM))
 
     @classmethod
     def findings(cls, rows: Rows) -> Iterable[Diagnostic]:

@@ -143,6 +143,14 @@ class Process:
         """The greatest section [m²] of what it adds along its path while it is switched on; 0 when it adds nothing."""
         return 0.0
 
+    @property
+    def swept(self) -> Array | None:
+        """The closed outline (k, 2) [m] of what takes or adds material: across the axis, and along it from the tip.
+
+        On a lathe that of the blade, in (r, z). It tells which line made a face; None of processes that make none.
+        """
+        return None
+
     def begin(self) -> ProcessState:
         """The state of a tool that was just put in."""
         return ProcessState()

@@ -115,6 +115,10 @@ class Turning(Process):
         """GS401, GS431 to GS434, GS501."""
         return turning_findings(rows)
 
+    @property
+    def swept(self) -> Array | None:
+        return np.ascontiguousarray(self.outline[:, ::-1])
+
     @cached_property
     def elements(self) -> Array:
         """Elements of the edges; see `turning_kernels.Blade`."""

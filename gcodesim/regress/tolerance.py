@@ -70,7 +70,7 @@ QUANTITIES: Final[Mapping[str, Compared]] = {
         dimension="ratio", unit="", default=Tolerance(0.1, 2e-3), what="thickness of a film, in µm"
     ),
     "covered": Compared(
-        dimension="ratio", unit="", default=Tolerance(1e-3, 0.01), what="shares and areas of a coat, in mm²"
+        dimension="ratio", unit="", default=Tolerance(1e-3, 0.01), what="shares and areas of a coat or a target, in mm²"
     ),
     "count": Compared(dimension="ratio", unit="", default=Tolerance(0.0), what="counts, as of words not simulated"),
     "finding": Compared(dimension="ratio", unit="", default=Tolerance(0.01, 0.02), what="numbers inside findings"),
@@ -88,7 +88,7 @@ _PATHS: Final = tuple(
         (r"joints\..*\.max_acceleration$", "joint_acceleration"),
         (r"joints\..*\.max_effort$", "joint_effort"),
         (r"_um$", "film"),
-        (r"^coating\..*(_share|_mm2)$", "covered"),
+        (r"^(coating|target)\..*(share|share_outside|_mm2)$", "covered"),
         (r"_mm3$", "volume"),
         (r"_mm$", "distance"),
         (r"_s$", "time"),

@@ -7,6 +7,7 @@ from typing import Any, Final
 
 from gcodesim.jobs.coating import summary_of
 from gcodesim.jobs.results import Results
+from gcodesim.jobs.target_result import TargetResult
 
 _MOST_FEATURES: Final = 8
 
@@ -39,6 +40,8 @@ def summary_rows(results: Results) -> list[list[str]]:
         if stock.deposited:
             rows.append([f"{name}: deposited", f"{value['deposited_mm3']:.1f} mm³", bound])
         rows.append([f"{name}: remaining", f"{value['remaining_mm3']:.1f} mm³"])
+    if results.target is not None:
+        rows += _target_rows(results.target)
     for tool in results.tools:
         if tool["max_force_N"]:
             where = f"line {tool['line_of_max_force']}"
@@ -64,6 +67,19 @@ def summary_rows(results: Results) -> list[list[str]]:
     count = sum(entry["count"] for entry in results.not_simulated)
     words = ", ".join(f"{entry['word']} ({entry['count']})" for entry in results.not_simulated)
     rows.append(["words not simulated", str(count), words])
+    return rows
+
+
+def _target_rows(target: TargetResult) -> list[list[str]]:
+    """How far the part is from its target."""
+    value = target.as_json()
+    least, most = value["least_deviation_mm"], value["most_deviation_mm"]
+    remark = f"tolerance {value['tolerance_mm']:g} mm, {target.share_outside:.2%} of the target beyond it"
+    rows = [[f"{target.stock}: deviation", f"{least:+.3f} to {most:+.3f} mm", remark]]
+    for name, count in (("gouge", target.gouges), ("excess", target.excesses)):
+        if count:
+            where = f"in {count} place{'' if count == 1 else 's'}"
+            rows.append([f"{target.stock}: {name}", f"{value[f'{name}_mm3']:.1f} mm³", where])
     return rows
 
 

@@ -141,4 +141,48 @@ CODES: tuple[Code, ...] = (
         why="A lathe keeps its stock as a profile of revolution about the axis of the spindle.",
         remedy="Give `cylinder: [diameter, length]`, for a tube `bore` as well, and leave X and Y of G54 at 0.",
     ),
+    Code(
+        code="GS441",
+        severity=Severity.ERROR,
+        title="Gouge: less than the target is left",
+        what="After the run, material of the target is missing, deeper than `tolerance`. Each place is one "
+        "finding, with the greatest distance from the target's skin, the missing volume, the skin of the "
+        "target that it spoils, and the lines whose tool made the faces there. The line of the finding is "
+        "the first of those that went as deep as the place is deep.",
+        why="What was cut away does not come back: the part is scrap, or has to be welded.",
+        remedy="Compare the end of that line with the drawing: a slipped digit, a missing retract, G0 in place "
+        "of G1. If all is off by the same, look at the tool's diameter and length, at the work offset, "
+        "and at `unit` and `in` of the target.",
+    ),
+    Code(
+        code="GS442",
+        severity=Severity.WARNING,
+        title="Excess: more than the target is left",
+        what="After the run, material stands farther than `tolerance` above the skin of the target. Each place "
+        "is one finding. Its line is one that left the deepest face there; where no tool made that face, "
+        "the line that came nearest, with the distance between both.",
+        why="The part does not fit, and the next tool meets material that it was not meant to cut.",
+        remedy="Look for an operation that is missing or was left out, for a tool that is too large for a "
+        "corner, or for a path that ends early. Material that is meant to stay for a later set-up belongs "
+        "into the target.",
+    ),
+    Code(
+        code="GS443",
+        severity=Severity.NOTE,
+        title="Loose pieces beside the part",
+        what="Bodies of the stock that hang together with nothing of the target are left at the end of the "
+        "run. They do not count as excess.",
+        why="On the machine a piece that is cut free may be thrown, or jam the cutter.",
+        remedy="Leave tabs, hold the piece, or clear it away.",
+    ),
+    Code(
+        code="GS444",
+        severity=Severity.WARNING,
+        title="Part not compared with its target",
+        what="The cell has a `target`, but the finished part could not be compared with it, or not with all of "
+        "it: the run ended early, the mesh is not closed, or the target stands out of the stock.",
+        why="Nothing is known about the part where it was not compared.",
+        remedy="Do what the message asks for. The place of the target is that of `in` and `xyz`; without `in` it "
+        "is G54.",
+    ),
 )

@@ -31,6 +31,7 @@ POSES = {
     *("executor/track.py", "planning/shop_posing.py", "recorder/frames.py", "scene/scene.py", "shop.py"),
     *("checks/machine_bodies.py", "checks/machine_collisions.py", "checks/sharing.py", "jobs/meetings.py"),
     *("session/cell_in_hand.py", "solids/solid.py", "kinematics/assembly.py", "cell/externals.py"),
+    "jobs/verification.py",
 }
 SCRIPTS = "pybullet_industrial"
 """This package computes what scripts of another project computed, by the same functions; programs do not get there."""

@@ -1,0 +1,129 @@
+"""A run with a target: the part is compared with it, and the lines behind every place out of tolerance are named."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+import trimesh
+
+from gcodesim.cell import load_cell
+from gcodesim.diagnostics import SourceText
+from gcodesim.jobs.job import Options
+from gcodesim.simulation import prepare, run
+
+BLOCK = "stock: {min: [0, 0, -10], max: [40, 30, 0], resolution: 0.5}"
+HEAD = ["G21 G90 G17 G94 G54 G61", "T1 M6", "G43 H1", "S8000 M3"]
+END = ["G0 Z20", "M5", "M2"]
+
+
+def extruded(outline, caps):
+    """A body along X from 0 to 40 mm: outline (k, 2) in Y and Z, counter-clockwise, its ends made of convex `caps`."""
+    count = len(outline)
+    points = np.array([(x, y, z) for x in (0.0, 40.0) for y, z in outline])
+    faces = []
+    for k in range(count):
+        n = (k + 1) % count
+        faces += [(k, n, n + count), (k, n + count, k + count)]
+    for cap in caps:
+        for k in range(1, len(cap) - 1):
+            faces += [(cap[0], cap[k + 1], cap[k]), tuple(count + c for c in (cap[0], cap[k], cap[k + 1]))]
+    return trimesh.Trimesh(points, np.array(faces), process=False)
+
+
+def block(right=30, top=0):
+    return extruded([(0, -10), (right, -10), (right, top), (0, top)], [(0, 1, 2, 3)])
+
+
+SLOT = [(0, -10), (30, -10), (30, -2), (30, 0), (18, 0), (18, -2), (12, -2), (12, 0), (0, 0), (0, -2)]
+SLOTTED = extruded(SLOT, [(0, 1, 2, 9), (5, 2, 3, 4), (9, 6, 7, 8)])
+
+
+@pytest.fixture
+def outcome(tmp_path):
+    """Results and findings of a program in a cell with a target."""
+
+    def of(lines, mesh, *, stock=BLOCK, target="tolerance: 0.1", more=""):
+        mesh.export(tmp_path / "part.stl")
+        (tmp_path / "cell.yaml").write_text(
+            "gcodesim: 1\nmachine: gantry_xyz\nwork_offsets: {G54: {xyz: [500, 400, -150]}}\n"
+            f"{stock}\ntools:\n  1: {{type: flat_end_mill, diameter: 6, length: 40}}\n"
+            f"target: {{mesh: part.stl, unit: mm, {target}}}\nsimulation: {{world: kinematic, rate: 100 Hz}}\n{more}"
+        )
+        program = SourceText("part.nc", ("\n".join([*HEAD, *lines, *END]) + "\n").encode())
+        job = prepare(program, load_cell(tmp_path / "cell.yaml"), Options())
+        results, _ = run(job, tmp_path / "out")
+        assert json.loads((tmp_path / "out" / "results.json").read_text()) == json.loads(results.text())
+        return results
+
+    return of
+
+
+def told(results):
+    return [(finding.code, finding.span.line) for finding in results.findings if finding.code.startswith("GS44")]
+
+
+GOOD = ["G0 X-5 Y15 Z2", "G1 Z-2 F300", "X45 F600"]
+
+
+def test_a_part_within_its_tolerance_has_no_finding(outcome):
+    results = outcome(GOOD, SLOTTED)
+    assert told(results) == []
+    target = results.as_json()["target"]
+    assert (target["gouges"], target["excesses"], target["share_outside"]) == (0, 0, 0.0)
+    assert abs(target["least_deviation_mm"]) < 0.01 and abs(target["most_deviation_mm"]) < 0.01
+
+
+def test_a_gouge_is_told_with_its_line_depth_place_and_tool(outcome):
+    results = outcome(["G0 X-5 Y15 Z2", "G1 Z-2 F300", "X10 F600", "X20 Z-2.6", "X30 Z-2", "X45"], SLOTTED)
+    assert told(results) == [("GS441", 8)]
+    (region,) = results.as_json()["target"]["regions"]
+    assert (region["kind"], region["line"], region["tool"], region["gap_mm"]) == ("gouge", 8, 1, None)
+    assert region["depth_mm"] == pytest.approx(0.6, abs=0.01)
+    assert region["z_mm"] == pytest.approx(-2.6, abs=0.01)
+    assert 17 < region["x_mm"] < 23
+    assert {line["line"] for line in region["lines"] if line["share"] > 0.02} == {8, 9}
+    assert sum(line["share"] for line in region["lines"]) == pytest.approx(1.0, abs=1e-6)
+
+
+def test_what_a_tool_left_is_blamed_on_its_line_and_what_none_touched_on_the_nearest(outcome):
+    shallow = outcome(["G0 X-5 Y15 Z2", "G1 Z-1.5 F300", "X45 F600"], SLOTTED)
+    assert told(shallow) == [("GS442", 7)]
+    (region,) = shallow.as_json()["target"]["regions"]
+    assert (region["depth_mm"], region["gap_mm"]) == (pytest.approx(0.5, abs=0.01), None)
+    assert region["volume_mm3"] == pytest.approx(40 * 6 * 0.5, rel=0.02)
+    beside = outcome(["G0 X-5 Y4 Z2", "G1 Z1 F300", "X45 F600"], SLOTTED)
+    assert told(beside) == [("GS442", 0)]  # nothing came to the stock at all
+    (region,) = beside.as_json()["target"]["regions"]
+    assert (region["line"], region["lines"]) == (None, [])
+    assert region["depth_mm"] == pytest.approx(2.0, abs=0.25)
+
+
+def test_a_rapid_that_gouges_is_named(outcome):
+    results = outcome([*GOOD, "G0 X45 Y4 Z-0.4", "G0 X-5"], SLOTTED)
+    assert [code for code, _ in told(results)] == ["GS441"]
+    assert told(results)[0][1] == 9
+
+
+def test_loose_pieces_and_a_target_beyond_the_stock(outcome):
+    stock = "stock: {min: [0, 0, -10], max: [60, 30, 0], resolution: 0.5}"
+    lines = ["G0 X43 Y-5 Z2", "G1 Z-10.5 F300", "Y35 F600"]
+    loose = outcome(lines, block(), stock=stock)
+    assert told(loose) == [("GS443", 0)]
+    assert loose.as_json()["target"]["loose"][0]["volume_mm3"] == pytest.approx(14 * 30 * 10, rel=1e-3)
+    beyond = outcome([], block(top=2))
+    assert {code for code, _ in told(beyond)} == {"GS441", "GS444"}
+
+
+def test_what_cannot_be_compared_is_told(outcome):
+    apart = outcome([], SLOTTED, target="xyz: [0, 0, 80]")
+    assert [code for code, _ in told(apart)] == ["GS444"] and apart.target is None
+    failed = outcome([*GOOD, "G1 X30 Y"], SLOTTED)
+    assert [code for code, _ in told(failed)] == ["GS444"]
+
+
+def test_checks_of_the_cell_decide_how_much_it_counts(outcome):
+    results = outcome(["G0 X-5 Y15 Z2", "G1 Z-1.5 F300", "X45 F600"], SLOTTED, more="checks: {GS442: error}\n")
+    assert results.status == "findings"
+    assert [finding.level.word for finding in results.findings if finding.code == "GS442"] == ["error"]
