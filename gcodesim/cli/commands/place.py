@@ -76,6 +76,8 @@ def run(arguments: argparse.Namespace) -> int:
     shop, posing = job.shop, posing_of(job.shop)
     if not isinstance(posing, FixedAttitude):
         raise UsageError("`place` is for arms; on a machine tool GS201 names the shift that fits")
+    if posing.outside is not None:
+        raise UsageError("`place` does not know external axes; with `free: true` they go where the arm has room")
     cuts = cuts_of(job.plan, posing)
     if not cuts:
         raise UsageError("the program moves nothing along a path")
