@@ -7,6 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from gcodesim.arithmetic.elementary import log
 from gcodesim.calculator.model import CannotComputeError, Model, Result, Value
 from gcodesim.declarations.keys import key
 from gcodesim.declarations.kind import POSITIVE, Range
@@ -71,7 +72,7 @@ class SprayStripe(SprayKeys):
         found: dict[str, Value] = {
             "centre_thickness": stripe.middle,
             "stripe_section": stripe.section,
-            "width": 2.0 * self.sigma * sqrt(2.0 * float(np.log(2.0))),
+            "width": 2.0 * self.sigma * sqrt(2.0 * log(2.0)),
         }
         if self.offset is not None:  # a pass alone: the next ones are far away
             (alone,) = passes(stripe, self.sigma, 1e3 * self.sigma, np.array([self.offset]))

@@ -17,7 +17,7 @@ from gcodesim.shop import BODIES, PlacedStock, Shop
 from gcodesim.solids import Solid, triangles_of
 
 if TYPE_CHECKING:
-    from gcodesim.material.film import Film, Shades
+    from gcodesim.material.film import BodyFilm, Shades
     from gcodesim.processes.materials import Material
     from gcodesim.processes.protocol import ActsOn
 
@@ -116,7 +116,7 @@ class SkinTarget(StockTarget):
     coated: Coated | None = None
 
     @property
-    def coating(self) -> Film | None:
+    def coating(self) -> BodyFilm | None:
         return None if self.coated is None else self.coated.begin()
 
     @property
@@ -175,7 +175,7 @@ class BodySkinTarget:
         return skin.points, skin.faces
 
     @property
-    def coating(self) -> Film | None:
+    def coating(self) -> BodyFilm | None:
         return self.coated.begin()
 
     @property

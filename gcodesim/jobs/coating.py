@@ -17,7 +17,7 @@ from gcodesim.units import MM, MM3, UM
 if TYPE_CHECKING:
     from gcodesim.cell.film import FilmSpec
     from gcodesim.executor.totals import RowTotals
-    from gcodesim.material.film import Film
+    from gcodesim.material.film import BodyFilm
     from gcodesim.scene.coated import Coated
     from gcodesim.shop import Shop
 
@@ -84,7 +84,7 @@ def _body(coated: Coated, spec: FilmSpec) -> dict[str, Any]:
     }
 
 
-def counting(coated: Coated, film: Film, spec: FilmSpec) -> Flags:
+def counting(coated: Coated, film: BodyFilm, spec: FilmSpec) -> Flags:
     """The faces (n,) on which the film of a body is judged."""
     counts = np.ones(len(film), dtype=np.bool_) if spec.faces == "all" else film.facing()
     if spec.inside is not None:
@@ -126,7 +126,7 @@ def film_findings(shop: Shop) -> Iterator[Diagnostic]:
 
 
 def _off_band(
-    shop: Shop, coated: Coated, film: Film, counts: Flags, off: Flags, limit: float, side: str
+    shop: Shop, coated: Coated, film: BodyFilm, counts: Flags, off: Flags, limit: float, side: str
 ) -> Iterator[Diagnostic]:
     """GS530 or GS531 where film that counts is below or above a limit."""
     figures = film.figures(counts)
@@ -149,7 +149,7 @@ def _off_band(
     )
 
 
-def _runs(shop: Shop, coated: Coated, film: Film, runs: Flags, sag: float) -> Iterator[Diagnostic]:
+def _runs(shop: Shop, coated: Coated, film: BodyFilm, runs: Flags, sag: float) -> Iterator[Diagnostic]:
     """GS532 where wet film runs."""
     if not runs.any():
         return

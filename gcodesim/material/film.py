@@ -33,7 +33,7 @@ _RISE: Final = 0.02
 
 
 @frozen(kw_only=False, eq=False)
-class Figures:
+class FilmFigures:
     """What was measured on faces that count: thickness [m], areas [m²], and where it is least and most (3,) [m]."""
 
     area: float
@@ -44,7 +44,7 @@ class Figures:
     most_at: Array
 
 
-class Film:
+class BodyFilm:
     """The film on one body: `coat` has its faces in the order of their tree, `points`, `faces` the same as triangles.
 
     Thickness counts at the middle of each face, where it is exact; volume is thickness times area.
@@ -132,7 +132,7 @@ class Film:
         steepness = np.sqrt(self.coat.steep)
         return self.coat.wet * np.sqrt(steepness) > sag
 
-    def figures(self, counts: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> Figures | None:
+    def figures(self, counts: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> FilmFigures | None:
         """Least, mean and most of the faces that count (n,); None when there are none."""
         at = np.flatnonzero(counts)
         if not len(at):
@@ -140,7 +140,7 @@ class Film:
         dry, area = self.coat.dry[at], self.coat.area[at]
         low, high = int(at[np.argmin(dry)]), int(at[np.argmax(dry)])
         whole = float(area.sum())
-        return Figures(
+        return FilmFigures(
             whole,
             float(dry.min()),
             float((dry * area).sum()) / whole,

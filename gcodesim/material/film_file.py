@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.frames import Array
-from gcodesim.material.film import Film
+from gcodesim.material.film import BodyFilm
 from gcodesim.units import MM, UM
 
 TABLE_HEAD: Final = "x_mm,y_mm,z_mm,nx,ny,nz,area_mm2,film_um,wet_um\n"
@@ -37,7 +37,7 @@ def colours(thickness: Array, top: float, bare: float) -> NDArray[np.uint8]:
     return found
 
 
-def write_mesh(film: Film, file: BinaryIO, *, top: float, bare: float, in_part: Turn) -> None:
+def write_mesh(film: BodyFilm, file: BinaryIO, *, top: float, bare: float, in_part: Turn) -> None:
     """Binary PLY in mm: each face with its own corners, colour, and `film_um`; the colour `top` [m] is the lightest.
 
     Corners are not shared, so that viewers which colour corners show each face in one colour.
@@ -62,7 +62,7 @@ def write_mesh(film: Film, file: BinaryIO, *, top: float, bare: float, in_part: 
     file.write(faces.tobytes())
 
 
-def write_table(film: Film, file: BinaryIO, *, in_part: Turn) -> None:
+def write_table(film: BodyFilm, file: BinaryIO, *, in_part: Turn) -> None:
     """CSV, one face a row: its middle, normal and area, and the thickness of its film, dry and as it was laid."""
     coat = film.coat
     origin = in_part(np.zeros((1, 3)))

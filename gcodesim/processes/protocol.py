@@ -29,7 +29,7 @@ from gcodesim.processes.zone import EVERYWHERE, Zone
 
 if TYPE_CHECKING:
     from gcodesim.diagnostics import Diagnostic
-    from gcodesim.material.film import Film, Shades
+    from gcodesim.material.film import BodyFilm, Shades
     from gcodesim.processes.materials import Material
     from gcodesim.processes.rows import Rows
 
@@ -57,7 +57,7 @@ class CoatedSkin(Skin, Protocol):
     """A skin on which a film may be laid, in the same frame S."""
 
     @property
-    def coating(self) -> Film | None:
+    def coating(self) -> BodyFilm | None:
         """The film, begun on the skin as it is now if there is none; None where that cannot be."""
 
     @property

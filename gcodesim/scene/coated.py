@@ -14,7 +14,7 @@ from gcodesim.solids import MeshError
 from gcodesim.solids.mesh_file import Triangles
 
 if TYPE_CHECKING:
-    from gcodesim.material.film import Film, Shades
+    from gcodesim.material.film import BodyFilm, Shades
     from gcodesim.material.refining import TooFineError
 
 Skin = Callable[[], Triangles]
@@ -74,7 +74,7 @@ def _ball(skin: Triangles) -> Array:
 class _Begun:
     """A film, and the volume [m³] of its stock when it was begun."""
 
-    film: Film
+    film: BodyFilm
     volume: float
 
 
@@ -107,7 +107,7 @@ class Coated:
         return self.frame.rpartition("/")[2]
 
     @property
-    def film(self) -> Film | None:
+    def film(self) -> BodyFilm | None:
         """What was sprayed on it; None as long as no gun was on."""
         return None if self._begun is None else self._begun.film
 
@@ -116,17 +116,17 @@ class Coated:
         """Whether it was cut after its film was begun."""
         return self._begun is not None and self._volume() < self._begun.volume
 
-    def begin(self) -> Film | None:
+    def begin(self) -> BodyFilm | None:
         """Its film, begun now if there is none; None of a body that has no skin or would need too many faces."""
         if self._begun is None and self.too_fine is None:
-            from gcodesim.material.film import Film
+            from gcodesim.material.film import BodyFilm
             from gcodesim.material.refining import TooFineError
 
             skin = _taken(self.skin)
             if skin is None:
                 return None
             try:
-                self._begun = _Begun(film=Film(skin, self.size), volume=self._volume())
+                self._begun = _Begun(film=BodyFilm(skin, self.size), volume=self._volume())
             except TooFineError as fault:
                 self.too_fine = fault
         return self.film

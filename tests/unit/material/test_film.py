@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from gcodesim.frames import Pose
-from gcodesim.material.film import Film
+from gcodesim.material.film import BodyFilm
 from gcodesim.material.film_kernels import Dabs, Shades
 from gcodesim.material.refining import TooFineError, refined
 from gcodesim.processes.spray_pattern import pattern_of
@@ -25,9 +25,9 @@ def gun(**keys: object) -> SprayGun:
     return SprayGun(**({"number": 8, "cone": (0.5,), "efficiency": 1.0, "distance": 0.2} | keys))  # type: ignore[arg-type]
 
 
-def panel(side: float = 0.6, size: float = 6e-3) -> Film:
+def panel(side: float = 0.6, size: float = 6e-3) -> BodyFilm:
     half = 0.5 * side
-    return Film(triangles_of(Box(lower=(-half, -half, -0.002), upper=(half, half, 0.0))), size)
+    return BodyFilm(triangles_of(Box(lower=(-half, -half, -0.002), upper=(half, half, 0.0))), size)
 
 
 def dabs(places: np.ndarray, axis: np.ndarray, solids: float = 1e-6, bodies: int = 0) -> Dabs:
@@ -152,7 +152,7 @@ def test_a_body_shades_itself() -> None:
         points=np.concatenate([one.points, other.points]),
         faces=np.concatenate([one.faces, other.faces + len(one.points)]),
     )
-    film = Film(mesh, 8e-3)
+    film = BodyFilm(mesh, 8e-3)
     place, aim = np.array([0.2, 0.0, 0.2]), np.array([-0.05, 0.0, 0.0])
     axis = (aim - place) / np.linalg.norm(aim - place)
     film.lay(pattern_of(gun(cone=(1.4,))), dabs(place[None], axis, bodies=1), shades([mesh], own=0))
