@@ -12,7 +12,7 @@ import numpy as np
 from gcodesim.files.output_folder import TABLE_OF_READINGS
 from gcodesim.files.whole_file import whole_file, write_whole
 from gcodesim.frames import Array
-from gcodesim.sensors.outputs import DepthMap, Figures, Output, Picture, Points, Wrench
+from gcodesim.sensors.outputs import DepthMap, Numbers, Output, Picture, Points, Wrench
 from gcodesim.sensors.png import png_of
 from gcodesim.units import MM
 
@@ -83,7 +83,7 @@ def _head(output: Output) -> str:
         return "point,x_mm,y_mm,z_mm,world_x_mm,world_y_mm,world_z_mm"
     if isinstance(output, Wrench):
         return "force_x_N,force_y_N,force_z_N,torque_x_Nm,torque_y_Nm,torque_z_Nm"
-    assert isinstance(output, Figures)
+    assert isinstance(output, Numbers)
     return ",".join(output.values)
 
 
@@ -98,5 +98,5 @@ def _rows(output: Output, X_WC: Array) -> Iterator[str]:
                 yield f"{i}," + ",".join(f"{value / MM:.6f}" for value in values)
         case Wrench(values=values):
             yield ",".join(f"{value:.6g}" for value in (values + 0.0).tolist())
-        case Figures(values=figures):
+        case Numbers(values=figures):
             yield ",".join(f"{value + 0.0:.9g}" for value in figures.values())

@@ -12,7 +12,7 @@ from gcodesim.log.wire import FIXED32, chunk, double, stamp, tag, text, unsigned
 from gcodesim.observation.files import millimetres
 from gcodesim.observation.schedule import Station, stations_of
 from gcodesim.sensors.optics import BACKGROUND
-from gcodesim.sensors.outputs import Calibration, DepthMap, Figures, Output, Picture, Points, Wrench
+from gcodesim.sensors.outputs import Calibration, DepthMap, Numbers, Output, Picture, Points, Wrench
 from gcodesim.sensors.png import png_of
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ _SCHEMAS: Final[dict[type, str]] = {
     Calibration: "foxglove.CameraCalibration",
     Points: "foxglove.PointCloud",
     Wrench: "gcodesim.Wrench",
-    Figures: "gcodesim.Reading",
+    Numbers: "gcodesim.Reading",
 }
 _FLOAT32: Final = 7  # foxglove.PackedElementField.NumericType
 _POINT_BYTES: Final = 12
@@ -36,7 +36,7 @@ _BLANK: Final[dict[type, Output]] = {
     Calibration: Calibration(width=1, height=1, intrinsics=(1.0, 1.0, 0.0, 0.0)),
     Points: Points(points=np.zeros((0, 3), dtype=np.float32)),
     Wrench: Wrench(values=np.zeros(6)),
-    Figures: Figures(values={}),
+    Numbers: Numbers(values={}),
 }
 """What a sensor shows before it has read: one pixel of nothing, no points, no figures."""
 
@@ -76,7 +76,7 @@ def sensor_message(station: Station, t_ns: int, output: Output) -> bytes:
         case Wrench(values=values):
             parts = [b"".join(double(k + 1, v) for k, v in enumerate(part)) for part in values.reshape(2, 3).tolist()]
             return stamp(1, t_ns) + text(2, frame) + chunk(3, parts[0]) + chunk(4, parts[1])
-        case Figures(values=figures):
+        case Numbers(values=figures):
             return stamp(1, t_ns) + b"".join(chunk(2, text(1, k) + double(2, v)) for k, v in figures.items())
 
 

@@ -11,7 +11,7 @@ from gcodesim.arithmetic.matrices import applied
 from gcodesim.arithmetic.scalars import tan
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
-from gcodesim.sensors.raster_kernels import NOBODY, Film, Lens, expose, shade, trace
+from gcodesim.sensors.raster_kernels import NOBODY, Exposed, Lens, expose, shade, trace
 from gcodesim.sensors.scenery import Scenery
 
 BACKGROUND: Final = (232, 236, 240)
@@ -51,7 +51,7 @@ class Optics:
         """What is seen from `X_WC` (4, 4)."""
         seen = _in_camera(X_WC, scenery.triangles)
         size = (self.height, self.width)
-        film = Film(np.full(size, np.inf), np.full(size, NOBODY, dtype=np.int32))
+        film = Exposed(np.full(size, np.inf), np.full(size, NOBODY, dtype=np.int32))
         expose(seen, self._lens, film)
         return Exposure(optics=self, X_WC=X_WC, scenery=scenery, triangles=seen, film=film)
 
@@ -64,7 +64,7 @@ class Exposure:
     X_WC: Array
     scenery: Scenery
     triangles: Array
-    film: Film
+    film: Exposed
 
     @property
     def depth(self) -> Array:

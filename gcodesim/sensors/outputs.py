@@ -56,13 +56,13 @@ class Wrench:
 
 
 @frozen(eq=False)
-class Figures:
+class Numbers:
     """Numbers by name; a name ends in the unit, such as `distance_m`."""
 
     values: Mapping[str, float]
 
 
-Output = Picture | DepthMap | Calibration | Points | Wrench | Figures
+Output = Picture | DepthMap | Calibration | Points | Wrench | Numbers
 
 
 def digest(output: Output) -> bytes:

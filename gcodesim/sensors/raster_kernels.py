@@ -34,7 +34,7 @@ class Lens(NamedTuple):
     near: float
 
 
-class Film(NamedTuple):
+class Exposed(NamedTuple):
     """Depth (h, w) [m], infinite at first, and who is seen (h, w): the number of a triangle, or `NOBODY`."""
 
     depth: Array
@@ -42,7 +42,7 @@ class Film(NamedTuple):
 
 
 @kernel
-def expose(triangles: Array, lens: Lens, film: Film) -> None:
+def expose(triangles: Array, lens: Lens, film: Exposed) -> None:
     """Draw triangles (t, 3, 3) [m] in camera axes."""
     corners = np.empty((4, 3))
     flat = np.empty((4, 2))
@@ -75,7 +75,7 @@ def _cut_at_near(triangle: Array, near: float, corners: Array) -> int:
 
 
 @kernel
-def _fill(number: int, triangle: Array, flat: Array, count: int, lens: Lens, film: Film) -> None:
+def _fill(number: int, triangle: Array, flat: Array, count: int, lens: Lens, film: Exposed) -> None:
     """Draw a convex polygon of `count` corners `flat` (4, 2) [pixels] that lies in the plane of a triangle."""
     nx, ny, nz, d = _plane(triangle)
     if nx == 0.0 and ny == 0.0 and nz == 0.0:
@@ -126,7 +126,7 @@ def _plane(triangle: Array) -> tuple[float, float, float, float]:
 
 
 @kernel
-def shade(triangles: Array, colors: Bytes, lens: Lens, film: Film, ambient: float, pixels: Bytes) -> None:
+def shade(triangles: Array, colors: Bytes, lens: Lens, film: Exposed, ambient: float, pixels: Bytes) -> None:
     """Colours (h, w, 3) of what is seen, as a lamp beside the lens lights it (Lambert); the rest stays as it is.
 
     A face shines with the share `ambient` of its colour, and with the rest times the cosine to the ray.
@@ -146,7 +146,7 @@ def shade(triangles: Array, colors: Bytes, lens: Lens, film: Film, ambient: floa
 
 
 @kernel
-def trace(lines: Array, colors: Bytes, lens: Lens, film: Film, pixels: Bytes) -> None:
+def trace(lines: Array, colors: Bytes, lens: Lens, film: Exposed, pixels: Bytes) -> None:
     """Draw lines (l, 2, 3) [m] in camera axes, one pixel thick, where no face is in front of them."""
     height, width = film.depth.shape
     for i in range(len(lines)):

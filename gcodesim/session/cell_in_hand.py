@@ -10,7 +10,7 @@ from types import FrameType, TracebackType
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from gcodesim import simulation
 from gcodesim.api import InputError
@@ -24,8 +24,13 @@ from gcodesim.kinematics.protocol import Status
 from gcodesim.motion.joining import standing_until
 from gcodesim.motion.timing import event_durations
 from gcodesim.motion.tool_path import PathEvent, ToolPath, ToolState
+from gcodesim.observation.schedule import Station, stations_of
 from gcodesim.planning import Plan, joint_moves, plan_path, posing_of
+from gcodesim.sensors.camera import MOST_PIXELS
+from gcodesim.sensors.optics import Optics
+from gcodesim.sensors.outputs import Output, Picture
 from gcodesim.session.run_thread import RunThread
+from gcodesim.session.sensor_in_hand import Present, depths_of, looking, pixels_of
 from gcodesim.session.servo_kernels import JointBounds, approach
 from gcodesim.session.table_plan import Stretched, merged, plan_of
 from gcodesim.shop import Shop, open_shop
@@ -113,6 +118,7 @@ class OpenCell:
         self._closed = False
         self._arm = Arm(self)
         self._tools: dict[int, HandTool] = {}
+        self._sensors: dict[str, HandSensor] = {}
 
     def __enter__(self) -> OpenCell:
         return self
@@ -136,6 +142,42 @@ class OpenCell:
             known = ", ".join(str(each) for each in sorted(self._shop.cell.tools)) or "none"
             raise MisuseError(f"the cell has no tool {number}; it has {known}")
         return self._tools.setdefault(number, HandTool(self, number))
+
+    def sensor(self, name: str) -> HandSensor:
+        """The sensor with this name, of a tool such as `T9`. MisuseError when the cell has none."""
+        known = {station.name: station for station in stations_of(self._shop.cell)}
+        if name not in known:
+            raise MisuseError(f"the cell has no sensor `{name}`; it has {', '.join(known) or 'none'}")
+        return self._sensors.setdefault(name, HandSensor(self, known[name]))
+
+    def camera(self, name: str) -> HandSensor:
+        """The camera with this name. MisuseError when the cell has none, or it takes no pictures."""
+        found = self.sensor(name)
+        if Picture not in found.station.sensor.outputs.values():
+            raise MisuseError(f"`{name}` is a {found.station.sensor.kind}, which takes no pictures")
+        return found
+
+    def picture(
+        self,
+        position: ArrayLike,
+        target: ArrayLike,
+        *,
+        up: ArrayLike = (0.0, 0.0, 1.0),
+        width: int = 640,
+        height: int = 480,
+        field_of_view: float = 1.0,
+    ) -> NDArray[np.uint8]:
+        """Red, green and blue (height, width, 3) of the cell as it stands, from a place to a target in the world [m].
+
+        `field_of_view` [rad] is from the left border to the right one. MisuseError for a picture that cannot be.
+        """
+        if not (width >= 1 and height >= 1 and width * height <= MOST_PIXELS and 0.0 < field_of_view < 3.0):
+            raise MisuseError(f"a picture has 1 to {MOST_PIXELS} pixels and an angle between 0 and 3 rad")
+        try:
+            X_WC = looking(position, target, up)
+        except ValueError as fault:
+            raise MisuseError(f"there is no such picture: {fault}") from fault
+        return self._present().picture(Optics.of_view(width, height, field_of_view), X_WC)
 
     @property
     def time(self) -> float:
@@ -187,6 +229,15 @@ class OpenCell:
     def _shop(self) -> Shop:
         assert self._job.shop is not None
         return self._job.shop
+
+    def _present(self) -> Present:
+        """What stands where, after the last step; if there was none, after one in which nothing moves."""
+        self._check_open()
+        if self._record is None and not self._waiting:
+            self._pass(1)
+        self._flush()
+        assert self._record is not None
+        return Present(shop=self._shop, record=self._record)
 
     def _see(self, record: StepRecord) -> None:
         self._record = record
@@ -493,6 +544,38 @@ class HandTool:
         self._cell._check_open()
         if not self.is_coupled:
             raise MisuseError(f"no robot holds tool {self.number}; call `couple` first")
+
+
+class HandSensor:
+    """A sensor of an open cell. It reads whenever it is asked, besides its own times, which are those of a run."""
+
+    def __init__(self, cell: OpenCell, station: Station) -> None:
+        self._cell, self.station = cell, station
+        self._count = 0
+
+    def read(self) -> Mapping[str, Output]:
+        """What it reads after the last step, by name. MisuseError for a tool that no robot holds."""
+        present = self._cell._present()
+        if self.station.tool is not None and self.station.tool != present.tool:
+            raise MisuseError(f"no robot holds tool {self.station.tool}; call `couple` and `step` first")
+        self._count += 1
+        job = self._cell._job
+        assert job.cell is not None
+        return present.reading(self.station, job.cell.simulation.seed, self._count)
+
+    def picture(self) -> NDArray[np.uint8]:
+        """Red, green and blue (height, width, 3), the upper row first. MisuseError if it takes no pictures."""
+        found = pixels_of(self.read())
+        if found is None:
+            raise MisuseError(f"`{self.station.name}` is a {self.station.sensor.kind}, which takes no pictures")
+        return found
+
+    def depth(self) -> NDArray[np.float32]:
+        """Depth (height, width) [m], not a number where nothing is seen. MisuseError if it measures none."""
+        found = depths_of(self.read())
+        if found is None:
+            raise MisuseError(f"`{self.station.name}` is a {self.station.sensor.kind}, which measures no depth")
+        return found
 
 
 def _bounds(shop: Shop) -> JointBounds:
