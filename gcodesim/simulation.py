@@ -28,9 +28,11 @@ from gcodesim.files.output_folder import (
     overwriting,
 )
 from gcodesim.files.whole_file import write_whole
+from gcodesim.jobs.beam_beyond import beyond_findings
 from gcodesim.jobs.cast import cast_of, is_of_cell
 from gcodesim.jobs.coating import film_findings, film_names
 from gcodesim.jobs.job import KINEMATIC, Job, Options
+from gcodesim.jobs.loose_pieces import drop_loose_pieces
 from gcodesim.jobs.meetings import meet, share_shop
 from gcodesim.jobs.outcome import first_error, results_of
 from gcodesim.jobs.results import Results
@@ -315,6 +317,9 @@ def _run(
             eyes.close()
             job.findings.extend(eyes.findings())
             job.sensed = eyes.results
+        for each, own in zip(job.all, (execution, *execution.others), strict=True):
+            each.findings.extend(beyond_findings(each, own))
+        drop_loose_pieces(job, execution)
         if job.cell.target is not None:
             from gcodesim.jobs.verification import verify
 

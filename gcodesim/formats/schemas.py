@@ -104,6 +104,17 @@ def _results() -> Json:
                         cell_mm=array("size of a cell of the map", number("along x and y")),
                     ),
                 ),
+                fallen=array(
+                    "pieces that came loose and fell out of the stock, if any",
+                    record(
+                        "a piece",
+                        volume_mm3=number("mm³"),
+                        file=text("of the program"),
+                        line=whole("of the last move that took material beside it"),
+                        low_mm=array("lowest corner of its box", number("in the stock's columns")),
+                        high_mm=array("highest corner", number("in the stock's columns")),
+                    ),
+                ),
                 parted_off=truth("lathe only: whether the part was parted off; then the volume at the end is its own"),
                 in_chuck_mm3=number("lathe only: what the chuck still holds after that"),
                 scrap_mm3=number("lathe only: other pieces that came loose"),

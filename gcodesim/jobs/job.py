@@ -14,7 +14,7 @@ from gcodesim.cell.cell import MAIN
 from gcodesim.cell.verdict import final_findings
 from gcodesim.diagnostics import Diagnostic, Findings, Severity, SourceText, Span
 from gcodesim.frozen import frozen
-from gcodesim.jobs.results import ProbeResult
+from gcodesim.jobs.results import FallenPiece, ProbeResult
 from gcodesim.rs274 import Run, Settings
 from gcodesim.shop import Shop
 
@@ -89,6 +89,7 @@ class Job:
     legs: Onward | None = None  # how `plan` goes on where the program asks something of the run
     events: Sequence[Event] = ()  # without moves
     probings: list[ProbeResult] = field(default_factory=list)
+    fallen: dict[str, list[FallenPiece]] = field(default_factory=dict)  # out of which stock
     sources: dict[str, SourceText] = field(default_factory=dict)
     target: TargetResult | None = None  # the finished stock against the target
 

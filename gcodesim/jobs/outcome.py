@@ -18,6 +18,7 @@ from gcodesim.jobs.joint_results import joint_results
 from gcodesim.jobs.printing import printing_of
 from gcodesim.jobs.results import (
     DoseResult,
+    FallenPiece,
     Results,
     StockResult,
     Times,
@@ -138,7 +139,7 @@ def _results_of(job: Job, execution: Execution | None, *, failed: bool) -> Resul
         times=_times(rests, rapid, row_time, execution),
         feed_distance=float(length[~rapid].sum()),
         rapid_distance=float(length[rapid].sum()),
-        stocks={} if execution is None else _stock_results(shop, execution),
+        stocks={} if execution is None else _stock_results(shop, execution, job.fallen),
         tools=tool_rows(path, names, row_time, length, totals, own),
         joints=_joints(plan, shop, execution),
         not_simulated=_not_simulated(job),
@@ -222,7 +223,9 @@ def _times(rests: Sequence[TimedEvent], rapid: Any, row_time: Array, execution: 
     return Times(feed=feed, engaged=engaged, rapid=float(row_time[rapid].sum()), dwell=dwell, tool_change=change)
 
 
-def _stock_results(shop: Shop, execution: Execution) -> dict[str, StockResult]:
+def _stock_results(
+    shop: Shop, execution: Execution, fallen: Mapping[str, Sequence[FallenPiece]]
+) -> dict[str, StockResult]:
     results = {}
     for name, placed in shop.stocks.items():
         stock = placed.stock
@@ -237,6 +240,7 @@ def _stock_results(shop: Shop, execution: Execution) -> dict[str, StockResult]:
             error_bound=stock.error_bound(),
             turned=_turned(cast("Revolved", stock)) if placed.revolved else None,
             doses={} if placed.revolved else _doses(stock),
+            fallen=fallen.get(name, ()),
         )
     return results
 

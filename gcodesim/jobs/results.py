@@ -53,6 +53,25 @@ class TurnedResult:
         }
 
 
+@frozen(eq=False)
+class FallenPiece:
+    """A piece that fell out of a stock: its volume [m³], its box in S [m], and the last move that cut beside it."""
+
+    volume: float
+    low: Array
+    high: Array
+    span: Span
+
+    def as_json(self) -> dict[str, Any]:
+        return {
+            "volume_mm3": rounded(self.volume / MM3),
+            "file": self.span.file,
+            "line": self.span.line,
+            "low_mm": [rounded(value / MM) for value in self.low.tolist()],
+            "high_mm": [rounded(value / MM) for value in self.high.tolist()],
+        }
+
+
 @frozen
 class DoseResult:
     """What beams gave a stock, seen from above: the greatest for each area, the sum over it, and the map's grid.
@@ -91,6 +110,7 @@ class StockResult:
     error_bound: float
     turned: TurnedResult | None = None
     doses: Mapping[str, DoseResult] = field(default_factory=dict)
+    fallen: Sequence[FallenPiece] = ()
 
     def as_json(self) -> dict[str, Any]:
         return {
@@ -103,6 +123,7 @@ class StockResult:
             "error_bound_mm3": rounded(self.error_bound / MM3),
             **({} if self.turned is None else self.turned.as_json()),
             **({"doses": {name: dose.as_json() for name, dose in self.doses.items()}} if self.doses else {}),
+            **({"fallen": [piece.as_json() for piece in self.fallen]} if self.fallen else {}),
         }
 
 

@@ -66,12 +66,11 @@ QUANTITIES: Final[Mapping[str, Compared]] = {
     "joint_effort": Compared(
         dimension="ratio", unit="", default=Tolerance(0.5, 0.02), what="greatest joint efforts, in N·m or N"
     ),
-    "film": Compared(
-        dimension="ratio", unit="", default=Tolerance(0.1, 2e-3), what="thickness of a film, in µm"
-    ),
+    "film": Compared(dimension="ratio", unit="", default=Tolerance(0.1, 2e-3), what="thickness of a film, in µm"),
     "covered": Compared(
         dimension="ratio", unit="", default=Tolerance(1e-3, 0.01), what="shares and areas of a coat or a target, in mm²"
     ),
+    "dose": Compared(dimension="ratio", unit="", default=Tolerance(0.01, 1e-3), what="energies and doses of beams"),
     "count": Compared(dimension="ratio", unit="", default=Tolerance(0.0), what="counts, as of words not simulated"),
     "finding": Compared(dimension="ratio", unit="", default=Tolerance(0.01, 0.02), what="numbers inside findings"),
 }
@@ -88,6 +87,7 @@ _PATHS: Final = tuple(
         (r"joints\..*\.max_acceleration$", "joint_acceleration"),
         (r"joints\..*\.max_effort$", "joint_effort"),
         (r"_um$", "film"),
+        (r"^stocks\..*\.doses\..*\.(greatest|total)$|_J(_m2)?$", "dose"),
         (r"^(coating|target)\..*(share|share_outside|_mm2)$", "covered"),
         (r"_mm3$", "volume"),
         (r"_mm$", "distance"),

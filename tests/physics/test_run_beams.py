@@ -238,3 +238,44 @@ tools: {1: {type: jet, diameter: 2, removal_rate: 4 mm^3/s, length: 100}}
     assert [f.code for f in ran.bad if f.code.startswith("GS5")] == []
     assert ran.stock.removed * 1e9 == pytest.approx(4.0 * 7.5, rel=0.01)
     assert min(height_at(ran, 30e-3, y) for y in np.linspace(18e-3, 22e-3, 17)) > -2.2e-3 * cos(pi / 6)
+
+
+ROUND = """G21 G90 G61
+T1 M6
+G43 H1
+{on}
+G0 X20 Y10 Z{z}
+G1 X40 F600
+G1 Y30
+G1 X20
+G1 Y{end}
+G0 Z20
+{off}
+M2
+"""
+MILL = "{type: flat_end_mill, diameter: 3, length: 40}"
+
+
+@pytest.mark.parametrize(("end", "lines"), [(10, [9]), (15, [])])
+def test_a_mill_that_cuts_a_square_free_names_the_line(end: int, lines: list[int]) -> None:
+    """17 x 17 x 6 mm fall out of the stock; a tab of 2 mm holds."""
+    ran = run_texts(ROUND.format(on="S8000 M3", off="M5", z=-6.5, end=end), CELL.format(tool=MILL, more=""))
+    told = [finding for finding in ran.results.findings if finding.code == "GS440"]
+    fallen = ran.stock.as_json().get("fallen", [])
+
+    assert [finding.span.line for finding in told] == [piece["line"] for piece in fallen] == lines
+    volume = sum(piece["volume_mm3"] for piece in fallen)
+    assert volume == pytest.approx(17 * 17 * 6 * len(lines), rel=0.03)
+    left = ran.stock.initial - ran.stock.removed - ran.stock.remaining
+    assert left * 1e9 == pytest.approx(volume, rel=0.03, abs=1.0)
+
+
+@pytest.mark.parametrize(("z", "x", "told"), [(-30, 30, ["GS547"]), (-30, 55, []), (-250, 30, [])])
+def test_a_jet_that_is_through_strikes_the_fixture_below(z: int, x: int, told: list[str]) -> None:
+    """A block under the track; one beside it; one that is out of reach."""
+    box = f"{{min: [{x}, 15, {z - 10}], max: [{x + 5}, 25, {z}], in: table}}"
+    jet = JET.replace("8 mm^3/s", "200 mm^3/s")
+    ran = go(jet, f"{SWITCH}\nfixtures: {{block: {box}}}", "M10", "M11")
+
+    assert [finding.code for finding in ran.bad if finding.code.startswith("GS54")] == told
+    assert not told or "block" in ran.bad[0].message

@@ -142,6 +142,16 @@ CODES: tuple[Code, ...] = (
         remedy="Give `cylinder: [diameter, length]`, for a tube `bore` as well, and leave X and Y of G54 at 0.",
     ),
     Code(
+        code="GS440",
+        severity=Severity.WARNING,
+        title="A piece comes loose",
+        what="A cut has parted a piece from its stock. At the end of the run it falls out of the stock, whose "
+        "greatest piece stays. The line is that of the last move that took material beside the piece.",
+        why="A piece that nothing holds is caught by the cutter, thrown, or jammed below the head.",
+        remedy="Leave tabs, hold it by a vacuum or tape, or cut it free last. After a laser or a jet, which is "
+        "meant to cut free, this is a note.",
+    ),
+    Code(
         code="GS441",
         severity=Severity.ERROR,
         title="Gouge: less than the target is left",

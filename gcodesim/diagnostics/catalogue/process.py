@@ -288,6 +288,14 @@ CODES: tuple[Code, ...] = (
         remedy="Give the tool its `specific_energy`, from an own test: power times time over the volume that is gone.",
     ),
     Code(
+        code="GS547",
+        severity=Severity.WARNING,
+        title="Beam strikes a fixture",
+        what="In a move in which part of a beam goes by the stock, or through it, its axis meets a fixture.",
+        why="A jet or a laser that is through the plate goes on, and cuts what holds it.",
+        remedy="Move the fixture or the cut; let the plate lie on a grid that is meant to wear.",
+    ),
+    Code(
         code="GS590",
         severity=Severity.WARNING,
         title="Sensor reads too often",
