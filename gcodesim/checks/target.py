@@ -87,7 +87,7 @@ def _finding(region: ToldRegion, tolerance: float, program: Span) -> Diagnostic:
     deep = f"{region.depth / MM:.3f} mm"
     if region.gouge:
         message = f"gouge, {deep} deep at {place}: {size} of the target are missing; {_blame(region)}"
-        hint = "what is cut away does not come back: compare this line's end with the drawing, then tool and offsets"
+        hint = "compare the end of this line with the drawing, then tool and offsets"
         if region.guilty is None:
             hint = "is the stock as large as the target, and does it stand where the target does?"
     else:

@@ -80,7 +80,8 @@ class Deviation:
     """Stock against target: regions by volume, the greatest first; bodies that are loose.
 
     `least` and `most` [m]: the deepest gouge (0 or below) and the highest excess (0 or above), also inside of the band.
-    area [m²]: the skin of the target; `overhang` [m]: how far the target stands out of the stock as it was.
+    area [m²]: the skin of the target; `overhang` [m]: how far the target stands out of the stock as it was, beside all
+    columns.
     """
 
     regions: Sequence[Misfit]
@@ -128,7 +129,8 @@ def compare(stock: Stock, vertices: Array, faces: Ints, tolerance: float) -> Dev
     regions = _regions(stock, both, parts, tree, tolerance)
     most, least = (float(parts.depth[parts.side == side].max(initial=0.0)) for side in (EXCESS, GOUGE))
     low, high = stock.bounds
-    overhang = max(float((low - vertices.min(axis=0)).max()), float((vertices.max(axis=0) - high).max()), 0.0)
+    out = np.maximum(low - vertices.min(axis=0), vertices.max(axis=0) - high)
+    overhang = max(0.0, float(out[2]) if revolved else float(out[:2].max()))  # the rest is seen in columns
     area = _skin_areas(both, parts, tree, tolerance, len(regions))
     return Deviation(
         regions=sorted(

@@ -9,11 +9,13 @@ import pytest
 import trimesh
 
 from gcodesim.material import Stock, shape
+from gcodesim.material.axis_way import straight
 from gcodesim.material.deviation import compare
 from gcodesim.material.distance_kernels import skin_distances
 from gcodesim.material.distance_tree import skin_tree
 from gcodesim.material.mesh import OpenMeshError
 from gcodesim.material.revolved import Revolved
+from gcodesim.material.solid_of_revolution import slabs_of_shape
 
 MM, CELL, BAND = 1e-3, 0.5, 0.05
 
@@ -133,10 +135,23 @@ def test_what_hangs_together_with_nothing_of_the_target_is_loose():
     assert loose.at[0] > 22 * MM
 
 
-def test_a_target_beyond_the_stock_is_told():
-    found = deviation(block(), box_mesh((0, 0, 0), (30, 20, 12)))
-    assert found.overhang == pytest.approx(2 * MM)
-    assert found.regions[0].gouge and found.regions[0].depth == pytest.approx(2 * MM)
+def test_a_target_above_the_stock_is_compared_and_one_beside_it_is_told():
+    above = deviation(block(), box_mesh((0, 0, 0), (30, 20, 12)))
+    assert above.overhang == 0.0
+    assert above.regions[0].gouge and above.regions[0].depth == pytest.approx(2 * MM)
+    assert deviation(block(), box_mesh((0, 0, 0), (32, 20, 10))).overhang == pytest.approx(2 * MM)
+
+
+def test_a_leaning_cut_is_compared_too():
+    stock = block()
+    lean = np.array([0.5, 0.0, np.sqrt(0.75)])
+    way = straight(np.array([15, 6, 8]) * MM, np.array([15, 14, 8]) * MM, lean, lean)
+    taken = stock.sweep(way, slabs_of_shape(shape.cylinder(4 * MM, 0.0, 40 * MM), CELL * MM)).sum()
+    (region,) = deviation(stock, box_mesh((0, 0, 0), (30, 20, 10))).regions
+    assert region.gouge
+    assert region.volume == pytest.approx(taken, rel=0.05)
+    deepest = 2 + 2 * 0.5  # the edge of the flat end that leans down
+    assert region.depth == pytest.approx(deepest * MM, abs=0.5 * CELL * MM)
 
 
 def test_an_open_mesh_is_refused():
