@@ -1,6 +1,6 @@
 """Controllers of robots: how motors follow the command. One file each; `CONTROLLERS[kind]` is the dataclass."""
 
-from gcodesim.controllers.controller import Controller, Model, Sense
+from gcodesim.controllers.controller import Controller, RobotModel, Sense
 from gcodesim.family import Family
 
 CONTROLLERS = Family(
@@ -13,4 +13,4 @@ CONTROLLERS = Family(
     computed_torque="gcodesim.controllers.computed_torque:ComputedTorque",
 )
 
-__all__ = ["CONTROLLERS", "Controller", "Model", "Sense"]
+__all__ = ["CONTROLLERS", "Controller", "RobotModel", "Sense"]

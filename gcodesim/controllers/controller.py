@@ -17,7 +17,6 @@ Law = Literal["ideal", "placed", "servo", "computed", "given"]
 """Who decides what motors do: nobody (they are where they are to be); see `world.drive_kernels` for the others."""
 
 
-
 @frozen(kw_only=False)
 class PerJoint(Vector):
     """One value a joint, or one value for all of them; the unit of the last holds for those without one."""
@@ -37,7 +36,7 @@ class PerJoint(Vector):
 
 
 @frozen(eq=False)
-class Model:
+class RobotModel:
     """The robot as its controller knows it, with the tool on its flange. SI, base axes.
 
     `jacobian(q)` (6, j) at the tip, v then w; `mass(q)` (j, j); `efforts(q, qd, qdd)` (j,) with gravity; `gears` (j,)
@@ -71,7 +70,7 @@ class Sense:
     q: Array
     qd: Array
     wrench: Array
-    model: Model
+    model: RobotModel
     memory: dict[str, Any]
 
 

@@ -26,7 +26,7 @@ class StepRecord:
     """n steps: the window, what the world did, and what all processes did to all their targets.
 
     wrench, deflection (n, 6) in base axes at the tip; `kind` (n,) points into the kinds of the sheet; `columns` (n,)
-    by name are those of the sheet, zero where no process gives a value.
+    by name are those of the sheet, zero where no process gives a value; `feeds` (n,) are steps along feed moves.
     """
 
     window: StepWindow
@@ -36,6 +36,7 @@ class StepRecord:
     deflection: Array
     kind: NDArray[np.int64]
     columns: Mapping[str, NDArray[Any]]
+    feeds: NDArray[np.bool_]
 
     def __len__(self) -> int:
         return len(self.window)
@@ -62,8 +63,12 @@ def record_of(
     stints: Sequence[Stint],
     sheet: Sheet,
     standing: Mapping[str, float] | None = None,
+    feeds: NDArray[np.bool_] | None = None,
 ) -> StepRecord:
-    """Put the stints of a window together; `standing` are the values that held at the end of the window before."""
+    """Put the stints of a window together; `standing` are the values that held at the end of the window before.
+
+    `feeds` (n,): see `StepRecord`; None: all steps.
+    """
     n = len(window)
     wrench, deflection = np.zeros((n, 6)), np.zeros((n, 6))
     kind = np.zeros(n, dtype=np.int64)
@@ -81,7 +86,14 @@ def record_of(
         kind[here] = np.where(answer["engaged"], sheet.kinds.index(stint.task.process.kind), kind[here])
     columns[FORCE.name] = norms(wrench[:, :3])
     return StepRecord(
-        window=window, world=world, sheet=sheet, wrench=wrench, deflection=deflection, kind=kind, columns=columns
+        window=window,
+        world=world,
+        sheet=sheet,
+        wrench=wrench,
+        deflection=deflection,
+        kind=kind,
+        columns=columns,
+        feeds=np.ones(n, dtype=bool) if feeds is None else feeds,
     )
 
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from gcodesim.arithmetic.matrices import applied
 from gcodesim.diagnostics import Diagnostic
+from gcodesim.executor.accuracy import PathAccuracy
 from gcodesim.executor.ahead import WindowCut
 from gcodesim.executor.coupling import Coupling
 from gcodesim.executor.made_by import add_passes
@@ -85,6 +86,7 @@ class Execution:
 
     `volumes` [m³]: what was removed from each stock and what was added to it. `others`: the same of further channels.
     `passes` at each stock, of all channels, where there is a target.
+    `accuracy`: how far the tip was off its path; None where neither gears nor controllers let it.
     """
 
     rows: RowTotals
@@ -96,6 +98,7 @@ class Execution:
     volumes: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     others: Sequence[Execution] = ()
     passes: Mapping[str, Passes] = field(default_factory=dict)
+    accuracy: PathAccuracy | None = None
 
 
 @frozen(eq=False)
@@ -133,6 +136,8 @@ class Track:
         self.world = open_world(world_name, body, dt_ns)
         gears_move = body.controller.law != "ideal"
         self._coupling, self._guard = Coupling(plan, shop, self.rows, gears_move=gears_move), ProbeGuard(shop)
+        yields = shop.stiffness is not None or gears_move
+        self._accuracy = PathAccuracy() if yields else None
         self.volumes: dict[str, tuple[float, float]] = {}
         self._passes, self._number = passes or {}, number
         self.done = self.last_row = 0
@@ -190,12 +195,17 @@ class Track:
 
     def take(self, cut: WindowCut, steps: WorldSteps) -> StepRecord:
         """Take over what was done in a window."""
-        record = record_of(cut.window, steps, cut.stints, self._sheet, self._standing)
+        window = cut.window
+        feeds = ~self.rows.rapid[window.row] & (window.samples.event < 0)
+        record = record_of(window, steps, cut.stints, self._sheet, self._standing, feeds)
         if steps.gear is not None:
             for stretch in cut.stretches:
                 here = slice(stretch.begin, stretch.end)
                 J = self._coupling.tip_jacobian(cut.window, stretch.begin, stretch.end)
                 record.deflection[here] += applied(J, steps.gear[here])
+        if self._accuracy is not None:
+            tips = window.tip if np.array_equal(steps.q, window.q) else self.plan.tip(steps.q, window.row)
+            self._accuracy.add(record, tips[:, :3, 3] + record.deflection[:, :3])
         self._standing = record.standing
         add_volumes(self.volumes, cut.stints)
         if self._passes:
@@ -220,6 +230,7 @@ class Track:
             interrupted=interrupted,
             volumes=self.volumes,
             passes=self._passes,
+            accuracy=self._accuracy,
         )
 
 

@@ -192,13 +192,21 @@ def _results() -> Json:
         printing=_printing(),
         coating=_coating(),
         target=_target(),
+        path_accuracy=record(
+            "how far the tip of an arm was off its path while it fed (ISO 9283); only of arms that give way",
+            AT_mm=number("greatest distance between the commanded and the attained path"),
+            line_of_AT=nullable(whole("where")),
+            time_of_AT_s=number("when"),
+            AT_engaged_mm=number("the greatest while a process was engaged"),
+            rms_mm=number("root of the mean square distance, by time"),
+        ),
     )
     results["properties"] |= _several_programs(hashed)
     for entry in ("tools", "not_simulated"):  # where several programs run at once
         results["properties"][entry]["items"]["properties"]["channel"] = text("of several programs at once, whose")
     stock = results["properties"]["stocks"]["additionalProperties"]
     stock["required"] = stock["required"][: stock["required"].index("doses")]
-    at_times = ("probings", "sensors", "printing", "coating", "target")
+    at_times = ("probings", "sensors", "printing", "coating", "target", "path_accuracy")
     results["required"] = [name for name in results["required"] if name not in at_times]
     return results
 

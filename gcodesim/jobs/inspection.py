@@ -4,30 +4,32 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from gcodesim.arithmetic.matrices import dots
 from gcodesim.canon import AXIS_LETTERS, ToolChange
 from gcodesim.checks.saturation import saturation_findings
-from gcodesim.diagnostics import Diagnostic, Span
+from gcodesim.diagnostics import Diagnostic, Severity, Span
 from gcodesim.diagnostics.events import Flags
 from gcodesim.executor.record import StepRecord
 from gcodesim.executor.tasks import RowColumns
 from gcodesim.executor.totals import JointTotals, RowTotals
-from gcodesim.frames import Array
+from gcodesim.jobs.loads import loads_of
 from gcodesim.processes import PROCESSES
 from gcodesim.processes.column import FINDINGS
 from gcodesim.processes.rows import Rows
 from gcodesim.processes.signal import SPINDLE
 from gcodesim.shop import Shop
-from gcodesim.units import KW
 
 if TYPE_CHECKING:
     from gcodesim.executor import Execution
     from gcodesim.planning import Plan
     from gcodesim.tools.tool import Tool
+
+
+LESS: Final = "cut less deep, less wide or slower"
 
 
 class Inspector:
@@ -36,6 +38,7 @@ class Inspector:
     def __init__(self, plan: Plan, shop: Shop, dt_ns: int) -> None:
         self._shop, self._dt = shop, dt_ns * 1e-9
         self._known: set[tuple[str, Span]] = set()
+        self._loads = loads_of(shop.cell.limits)
         self.follow(plan)
 
     def follow(self, plan: Plan) -> None:
@@ -120,40 +123,35 @@ class Inspector:
         )
 
     def _above_limits(self, record: StepRecord) -> bool:
-        """Whether a step asks for more than the cell's `limits` allow."""
-        limits = self._shop.cell.limits
-        return (
-            _above(record["power"], limits.spindle_power)
-            or _above(record["torque"], limits.spindle_torque)
-            or _above(record["force"], limits.force)
-        )
+        """Whether a step asks for more than the cell's `limits` allow; notes for how long it does."""
+        above = [load.add(record, self._dt) for load in self._loads]  # each of them has to see the steps
+        return any(above)
 
     def _limits(self, totals: RowTotals) -> list[Diagnostic]:
         """What the run needed, compared with what the cell's `limits` allow."""
-        limits = self._shop.cell.limits
         found = []
-        columns: tuple[tuple[str, float | None, Array, float, str, str], ...] = (
-            ("GS510", limits.spindle_power, totals["power"], KW, "kW", "power of the spindle"),
-            ("GS511", limits.spindle_torque, totals["torque"], 1.0, "N·m", "torque of the spindle"),
-            ("GS512", limits.force, totals["force"], 1.0, "N", "force on the tool"),
-        )
-        for code, limit, values, unit, name, what in columns:
-            if limit is None or not (values > limit).any():
+        for load in self._loads:
+            over = np.flatnonzero(totals[load.column] > load.limit)
+            if not len(over):
                 continue
-            over = np.flatnonzero(values > limit)
+            values = totals[load.column]
             worst = int(over[np.argmax(values[over])])
-            most = float(values[worst])
+            most, allowed = float(values[worst]) / load.per, load.limit / load.per
+            count = len(np.unique(self._plan.path.block[over])) if len(self._plan.path) else 1
             found.append(
                 Diagnostic(
-                    code=code,
-                    message=f"{what} reaches {most / unit:.4g} {name}; the cell allows {limit / unit:.4g} {name}",
+                    code=load.code,
+                    severity=Severity.NOTE if load.brief else None,
+                    message=f"{load.what} reaches {most:.4g} {load.unit}; the cell allows {allowed:.4g} {load.unit}; "
+                    f"it is above that for {load.duration}",
                     span=self._span(int(over[0])),
-                    hint=f"the greatest value is in line {self._span(worst).line}; cut less deep, less wide or slower",
-                    count=len(np.unique(self._plan.path.block[over])) if len(self._plan.path) else 1,
+                    hint=f"the greatest value is in line {self._span(worst).line}; "
+                    + ("the spindle turns on through a peak as short as this" if load.brief else LESS),
+                    count=count,
                     time=float(self._starts[over[0]]),
-                    value=most / unit,
-                    limit=limit / unit,
-                    unit=name,
+                    value=most,
+                    limit=allowed,
+                    unit=load.unit,
                 )
             )
         return found
@@ -189,10 +187,6 @@ def _grain(shop: Shop) -> float:
     """Volume [m³] of a cell of the coarsest stock."""
     cells = (placed.stock.spacing for placed in shop.stocks.values())
     return max((float(dx * dy * max(dx, dy)) for dx, dy in cells), default=0.0)
-
-
-def _above(values: Array, limit: float | None) -> bool:
-    return limit is not None and bool((np.abs(values) > limit).any())
 
 
 def _blind_turns(plan: Plan, shop: Shop) -> dict[str, Flags]:

@@ -15,6 +15,7 @@ from gcodesim.frozen import frozen
 from gcodesim.jobs.coating import coating_of
 from gcodesim.jobs.job import Job
 from gcodesim.jobs.joint_results import joint_results
+from gcodesim.jobs.paces import row_paces
 from gcodesim.jobs.printing import printing_of
 from gcodesim.jobs.results import (
     DoseResult,
@@ -28,12 +29,15 @@ from gcodesim.jobs.results import (
     tool_rows,
 )
 from gcodesim.motion.tool_path import HOME, RAPID
+from gcodesim.numbers import rounded
 from gcodesim.processes.column import LINES, RESULTS
 from gcodesim.shop import Shop
+from gcodesim.units import MM
 from gcodesim.version import __version__
 
 if TYPE_CHECKING:
     from gcodesim.executor import Execution
+    from gcodesim.executor.accuracy import PathAccuracy
     from gcodesim.material.revolved import Revolved
     from gcodesim.material.stock import Stock
     from gcodesim.motion.trajectory import TimedEvent
@@ -144,12 +148,26 @@ def _results_of(job: Job, execution: Execution | None, *, failed: bool) -> Resul
         joints=_joints(plan, shop, execution),
         not_simulated=_not_simulated(job),
         probings=[probing for probing in job.probings if probing.time * 1e9 <= _end_ns(job, plan, execution)],
-        lines=line_rows(path, row_time, length, totals, stands, ran, shop.sheet.own(LINES)),
+        lines=line_rows(path, row_time, length, totals, stands, ran, shop.sheet.own(LINES), row_paces(plan.trajectory)),
         printing=printing_of(plan, shop.cell.tools, row_time),
+        path_accuracy=None if execution is None else _accuracy_of(plan, execution.accuracy),
         columns=own,
         sensors=job.sensed if execution is not None else {},
         target=job.target,
     )
+
+
+def _accuracy_of(plan: Plan, accuracy: PathAccuracy | None) -> dict[str, Any] | None:
+    """Path accuracy as in `results.json`."""
+    if accuracy is None or not accuracy.count:
+        return None
+    return {
+        "AT_mm": rounded(accuracy.greatest / MM),
+        "line_of_AT": plan.path.span(accuracy.row).line if accuracy.row >= 0 else None,
+        "time_of_AT_s": rounded(accuracy.time),
+        "AT_engaged_mm": rounded(accuracy.cutting / MM),
+        "rms_mm": rounded(accuracy.mean / MM),
+    }
 
 
 def first_error(findings: Sequence[Diagnostic]) -> Span | None:

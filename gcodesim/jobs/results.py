@@ -17,6 +17,7 @@ from gcodesim.diagnostics.span_table import SpanTable
 from gcodesim.executor.totals import JointTotals, RowTotals
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
+from gcodesim.jobs.paces import RowPaces
 from gcodesim.jobs.target_result import TargetResult
 from gcodesim.kinematics.chain import Joints
 from gcodesim.motion.tool_path import HOME, RAPID, ToolPath
@@ -25,6 +26,8 @@ from gcodesim.processes.column import FORCE, POWER, REMOVED, TORQUE, Column
 from gcodesim.units import DEG, MM, MM3, MM_PER_MINUTE
 
 SCHEMA: Final = "gcodesim-results/1"
+PACES: Final = ("least_feed_mm_min", "share_at_feed")
+"""Columns of `lines.csv` that tell how fast a line ran."""
 RunStatus = Literal["ok", "findings", "failed"]
 
 
@@ -196,6 +199,8 @@ class Results:
     """What a print took (`jobs/printing.py`); None of programs without E words."""
     coating: Mapping[str, Any] | None = None
     """What was sprayed (`jobs/coating.py`); None where no gun was on."""
+    path_accuracy: Mapping[str, Any] | None = None
+    """How far the tip of an arm was off its path while it fed; None of machines that do not give way."""
     columns: Sequence[Column] = ()
     """Columns of processes that stand in `tools` behind those that every run has."""
     sensors: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
@@ -237,6 +242,8 @@ class Results:
             value["printing"] = dict(self.printing)
         if self.target is not None:
             value["target"] = self.target.as_json()
+        if self.path_accuracy is not None:
+            value["path_accuracy"] = dict(self.path_accuracy)
         cleaned: dict[str, Any] = clean(value)
         return cleaned
 
@@ -258,8 +265,9 @@ LineEnd = tuple[int, Span, float]
 class LineRows:
     """Program lines (m,) in the order in which they first ran: which of the `files`, line number, and `numbers` (m, k).
 
-    These are time [s], distance [mm], mean feed [mm/min], removed volume [mm³], greatest force [N], and the columns of
-    processes under `more` names. `channels` names that of each line where several programs run at once.
+    These are time [s], distance [mm], mean feed [mm/min], removed volume [mm³], greatest force [N], then least speed
+    [mm/min], share of the time at the programmed feed, and the columns of processes, under `more` names.
+    `channels` names that of each line where several programs run at once.
     """
 
     files: Sequence[str] = ()
@@ -303,8 +311,11 @@ def line_rows(
     stands: Sequence[LineEnd] = (),
     ran: int | None = None,
     columns: Sequence[Column] = (),
+    paces: RowPaces | None = None,
 ) -> LineRows:
-    """One row a program line: file, line, time, distance, mean feed, removed volume, greatest force, then `columns`.
+    """One row a program line: file, line, time, distance, mean feed, removed volume, greatest force, least speed and
+
+    share of the time at the programmed feed where `paces` are known, then `columns`.
 
     `time` [s] and `distance` [m] are those of each path row; a loop's passes are
     added up. The time of a line includes its dwells and tool changes, the mean feed does not.
@@ -324,14 +335,26 @@ def line_rows(
     reached = np.zeros(count, dtype=bool)
     reached[index[:ran]] = reached[standing] = True
     own = [_by_group(column, totals, index[:ran], count) / column.divisor for column in columns]
+    if paces is not None:
+        own = [*_paces_of(paces, time, index, moving), *own]
     numbers = np.stack([moving + still, metres / MM, speed / MM_PER_MINUTE, removed / MM3, force, *own], axis=1)
     return LineRows(
         files=files,
         file=file[reached],
         line=line[reached],
         numbers=numbers[reached],
-        more=[column.key for column in columns],
+        more=[*(PACES if paces is not None else ()), *(column.key for column in columns)],
     )
+
+
+def _paces_of(paces: RowPaces, time: Array, index: Ints, moving: Array) -> tuple[Array, Array]:
+    """Least speed [mm/min] of lines and the share of their moving time (m,) [s] at the programmed feed."""
+    ran = time > 0.0
+    least = np.full(len(moving), np.inf)
+    np.minimum.at(least, index[ran], paces.least[ran])
+    reached = np.bincount(index, weights=np.minimum(paces.at_feed, time), minlength=len(moving))
+    share = np.divide(reached, moving, out=np.zeros(len(moving)), where=moving > 0.0)
+    return np.where(np.isfinite(least), least, 0.0) / MM_PER_MINUTE, share
 
 
 def _by_group(column: Column, totals: RowTotals | None, group: Ints, count: int) -> Array:

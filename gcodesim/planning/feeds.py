@@ -6,14 +6,17 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gcodesim.diagnostics import Diagnostic, Findings
 from gcodesim.frames import Array
 from gcodesim.motion.tool_path import ToolPath
-from gcodesim.units import DEG, MINUTE, MM_PER_MINUTE
+from gcodesim.units import DEG, MINUTE, MM, MM_PER_MINUTE, RPM
 
 CRAWL: Final = MM_PER_MINUTE  # in place of a feed of zero
 _WORTH_A_NOTE: Final = 0.99  # of the programmed feed
+_THREADS: Final = frozenset(("G32", "G33", "G33.1", "G76", "G84"))
+"""Motion words of moves that keep step with the spindle."""
 
 
 def without_zero_feeds(path: ToolPath, findings: Findings) -> ToolPath:
@@ -40,10 +43,15 @@ def without_zero_feeds(path: ToolPath, findings: Findings) -> ToolPath:
 
 
 def report_fast_feeds(path: ToolPath, possible: Array, findings: Findings) -> None:
-    """Note once that feeds are above `possible` (n,) [m/s, rad/s], with the worst case."""
+    """Note once that feeds are above `possible` (n,) [m/s, rad/s], with the worst case; a thread cannot run slower."""
     with np.errstate(invalid="ignore"):
         share = np.where(np.isfinite(path.feed), possible / path.feed, 1.0)
-    rows = np.flatnonzero(share < _WORTH_A_NOTE)
+    slow = share < _WORTH_A_NOTE
+    if not slow.any():
+        return
+    threads = np.array([state.word in _THREADS for state in path.states])[path.state]
+    _report_threads(path, possible, np.flatnonzero(slow & threads), findings)
+    rows = np.flatnonzero(slow & ~threads)
     if not len(rows):
         return
     first, worst = int(rows[0]), int(rows[np.argmin(share[rows])])
@@ -59,5 +67,28 @@ def report_fast_feeds(path: ToolPath, possible: Array, findings: Findings) -> No
             value=float(path.feed[first]),
             limit=float(possible[first]),
             unit="rad/s" if path.rotary_feed[first] else "m/s",
+        )
+    )
+
+
+def _report_threads(path: ToolPath, possible: Array, rows: NDArray[np.intp], findings: Findings) -> None:
+    """GS209 for threads in `rows` whose pitch times speed is more than the axes can do."""
+    if not len(rows):
+        return
+    first = int(rows[0])
+    wanted, best = float(path.feed[first]), float(possible[first])
+    turns = abs(path.state_of(first).spindle)
+    pitch = wanted / turns * 2.0 * np.pi if turns > 0.0 else 0.0
+    findings.add(
+        Diagnostic(
+            code="GS209",
+            message=f"a pitch of {pitch / MM:.4g} mm at {turns / RPM:.0f} rpm needs {wanted / MM_PER_MINUTE:.0f} mm/min"
+            f"; the axes allow {best / MM_PER_MINUTE:.0f} mm/min here",
+            span=path.span(first),
+            hint=f"at most {best / wanted * turns / RPM:.0f} rpm",
+            count=len(np.unique(path.block[rows])),
+            value=wanted,
+            limit=best,
+            unit="m/s",
         )
     )

@@ -10,13 +10,13 @@ a drill is left out.
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.elementary import cos_sin, hypot, tan
-from gcodesim.arithmetic.matrices import applied, dots
+from gcodesim.arithmetic.matrices import applied, dot, dots, norms
 from gcodesim.frozen import frozen
 from gcodesim.processes.column import ENGAGED, FINDINGS, LOG, POWER, REMOVED, RESULTS, TORQUE, Column, Shown
 from gcodesim.processes.cutter_load import LOAD_COLUMNS, CutterLoad, load_findings, tool_compliance
@@ -47,6 +47,10 @@ Array = NDArray[np.float64]
 
 FORM_CELL = 0.01
 """Diameters of the cell for which arcs of a form cutter become facets: they then lie within a 10,000th of it."""
+
+
+TREMBLE: Final = 0.3
+"""Share of its speed with which a tip may move along its axis and still be said to rest on the floor that it cuts."""
 
 
 @frozen(slots=False, eq=False)
@@ -321,16 +325,21 @@ class MillingLoop:
             # the way of the tip as it goes on under the wrench of the last step: what is left to solve is small
             gone = applied(response[None], felt_in(values)[None])[0]
             moved_before = moved_before - gone
-            memory_of(values).delta[:] += gone
+            kept = memory_of(values)
+            kept.delta[:] += gone
         motion, here = self._motion, slice(int(self._turns.first[k]), int(self._last[k]))
         a, b = int(motion.first_piece[here.start]), int(motion.first_piece[here.stop])
         bend = moved - moved_before
+        velocity = motion.velocity[here] + across(bend, motion.axis[here]) / self._window.dt
+        if len(motion.compliance):  # gears have no inertia here: what throws the tip about is a motor at its limit
+            velocity = fallen(velocity, bend / self._window.dt, motion.axis[here])
+            self._turn_back(velocity[0])
         step = motion._replace(
             starts=motion.starts[a:b] + moved_before + share[a:b, :1] * bend,
             ends=motion.ends[a:b] + moved_before + share[a:b, 1:] * bend,
             first_piece=motion.first_piece[here.start : here.stop + 1] - a,
             axis=motion.axis[here],
-            velocity=motion.velocity[here] + across(bend, motion.axis[here]) / self._window.dt,
+            velocity=velocity,
             spindle=motion.spindle[here],
             rapid=motion.rapid[here],
             compliance=self._compliance(here, response),
@@ -343,6 +352,12 @@ class MillingLoop:
         wrench: Array = out[0, :6] if len(out) == 1 else applied(out[:, :6].T, self._turns.share[here])
         felt_in(values)[:] = wrench
         return wrench
+
+    def _turn_back(self, velocity: Array) -> None:
+        """A tip that is thrown back does not turn on its way: chips are those of this way, wherever it went before."""
+        kept = memory_of(self._state.values)
+        if not self._leaning.parts.any() and dot(kept.travel, velocity[:2]) < 0.0:
+            kept.travel[:] = 0.0
 
     def _compliance(self, here: slice, response: Array | None) -> Array:
         """Compliance of the tip in the parts of a step (m or 0, 3, 6): of gears, and of what moves in this step."""
@@ -375,6 +390,13 @@ def across(way: Array, axis: Array) -> Array:
     """
     along = dots(axis, np.broadcast_to(way, axis.shape))
     return way - along[:, None] * axis
+
+
+def fallen(velocity: Array, besides: Array, axis: Array) -> Array:
+    """Velocities (m, 3) with the part of `besides` (3,) along the axes (m, 3), where that is more than a tremble."""
+    along = dots(axis, np.broadcast_to(besides, axis.shape))
+    trembles = np.abs(along) < TREMBLE * norms(velocity)
+    return velocity + np.where(trembles, 0.0, along)[:, None] * axis
 
 
 def felt_in(values: Array) -> Array:

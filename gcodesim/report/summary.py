@@ -59,6 +59,9 @@ def summary_rows(results: Results) -> list[list[str]]:
     rows += [[f"{name}: readings", str(sensor["readings"]), sensor["type"]] for name, sensor in results.sensors.items()]
     if results.printing is not None:
         rows += _printing_rows(results.printing)
+    accuracy = results.path_accuracy
+    if accuracy is not None and accuracy["line_of_AT"] is not None:
+        rows.append(["path accuracy AT", f"{accuracy['AT_mm']:.3f} mm", f"line {accuracy['line_of_AT']} (ISO 9283)"])
     for joint in results.joints:
         # a margin that is least where the machine stands at the start says nothing about the program
         if joint["margin"] is not None and joint["line_of_margin"] is not None:

@@ -16,6 +16,7 @@ from gcodesim import simulation
 from gcodesim.api import InputError
 from gcodesim.canon import Pause, ToolChange
 from gcodesim.cell.loader import load_cell
+from gcodesim.controllers import Controller
 from gcodesim.diagnostics import Diagnostic, Findings, Severity, SourceText, Span
 from gcodesim.frames import Array, Pose, quaternion_from_rotation, rotation_from_quaternion
 from gcodesim.frozen import frozen
@@ -392,6 +393,28 @@ class Arm:
             effort=world.effort[-1].copy(),
             reaction=world.reaction[-1].copy(),
         )
+
+    @property
+    def controller(self) -> Controller:
+        """How its motors follow what they are told; may be set until the first step (see `gcodesim.controllers`)."""
+        return self._cell._shop.mover.controller
+
+    @controller.setter
+    def controller(self, controller: Controller) -> None:
+        """MisuseError once a step has run, and for machine tools, which have no model of their motors."""
+        cell, shop = self._cell, self._cell._shop
+        cell._check_open()
+        if cell._record is not None or cell._waiting:
+            raise MisuseError("a controller is set before the first step")
+        if shop.mover.joints_are_axes:
+            raise MisuseError(f"`{self.name}` is a machine tool; controllers are for robots")
+        count = len(self.joint_names)
+        for name, values in controller.lists().items():
+            if len(values) not in (0, 1, count):
+                raise MisuseError(f"`{name}` has {len(values)} entries; `{self.name}` has {count} joints")
+        mover = replace(shop.mover, controller=controller)
+        scene = replace(shop.scene, movers={**shop.scene.movers, mover.name: mover})
+        cell._job.shop = replace(shop, mover=mover, scene=scene)
 
     @property
     def tool(self) -> HandTool | None:

@@ -55,7 +55,7 @@ class Drives(NamedTuple):
     damping: Array
 
 
-class Body(NamedTuple):
+class LinkBodies(NamedTuple):
     """The links as rigid bodies: see `efforts_along`. `tip` (4, 4) rides on the joint that carries the flange."""
 
     gravity: Array
@@ -128,7 +128,7 @@ def copy_state(source: DriveState, target: DriveState) -> None:
 
 
 @kernel
-def weigh(body: Body, state: DriveState, room: StepRoom) -> None:
+def weigh(body: LinkBodies, state: DriveState, room: StepRoom) -> None:
     """Mass matrix, bias, gravity and Jacobian where the links are: columns of M as efforts of unit accelerations."""
     joints = state.q.shape[0]
     q, qd, qdd, out = room.rows[0], room.rows[1], room.rows[2], room.rows[4]

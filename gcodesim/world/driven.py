@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from gcodesim.controllers.controller import Model, Sense, Servo
+from gcodesim.controllers.controller import RobotModel, Sense, Servo
 from gcodesim.frames import Array, Pose
 from gcodesim.kinematics.dynamics import inverse_dynamics
 from gcodesim.kinematics.elasticity import shift_jacobian
@@ -145,11 +145,11 @@ class DrivenWorld(WorldBase):
 
     def run(self, q_command: Array, couple: Couple | Array | None = None) -> WorldSteps:
         """Move through `q_command` (n, j); see `World.run`."""
-        from gcodesim.world.foresight_kernels import Outcome
+        from gcodesim.world.foresight_kernels import DriveOutcome
 
         commands = self._commands(q_command)
         n, j = commands.shape
-        outcome = Outcome(np.empty((n, j)), np.empty((n, j)), np.empty((n, j)), np.zeros((n, j), dtype=np.int64))
+        outcome = DriveOutcome(np.empty((n, j)), np.empty((n, j)), np.empty((n, j)), np.zeros((n, j), dtype=np.int64))
         wrench = np.zeros((n, 6))
         if couple is not None and not callable(couple):
             wrench[:] = wrench_rows(couple, 0, commands)
@@ -222,7 +222,7 @@ class DrivenWorld(WorldBase):
         return aimed
 
     @property
-    def _model(self) -> Model:
+    def _model(self) -> RobotModel:
         """The robot as its controller knows it."""
         chain, tool = self.robot.chain, self.tool
         X_FT = Pose.identity() if tool is None else tool.X_FT
@@ -245,7 +245,7 @@ class DrivenWorld(WorldBase):
             return columns
 
         gear = self._drives.gear
-        return Model(
+        return RobotModel(
             jacobian=jacobian,
             mass=mass,
             efforts=efforts,

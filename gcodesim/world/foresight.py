@@ -18,9 +18,9 @@ from gcodesim.world.body import ToolBody
 from gcodesim.world.drive_kernels import (
     PLACED,
     Aim,
-    Body,
     Drives,
     DriveState,
+    LinkBodies,
     placed_speed,
     room_of,
     weigh,
@@ -29,12 +29,12 @@ from gcodesim.world.foresight_kernels import foresee
 from gcodesim.world.model import LEAST_INERTIA, LEAST_MASS, payload_of
 
 
-def links_of(chain: Chain, tool: ToolBody | None, gravity_B: Array) -> Body:
+def links_of(chain: Chain, tool: ToolBody | None, gravity_B: Array) -> LinkBodies:
     """The links of a robot with `tool` on the flange, as the kernels take them; none is without mass."""
     moved = bodies(chain, payload_of(tool))
     light = LEAST_INERTIA * np.eye(3)
     X_FT = np.eye(4) if tool is None else tool.X_FT.matrix
-    return Body(
+    return LinkBodies(
         gravity=np.array(gravity_B, dtype=float),
         moved=MovedBodies(
             np.array([b.mass if b.mass > 0.0 else LEAST_MASS for b in moved], dtype=float),

@@ -10,10 +10,10 @@ from gcodesim.compiled import kernel
 from gcodesim.frames import Array
 from gcodesim.world.drive_kernels import (
     Aim,
-    Body,
     Drives,
     DriveState,
     Flags,
+    LinkBodies,
     StepRoom,
     copy_state,
     feed_forward,
@@ -52,7 +52,7 @@ def foresee(
             room.response[r, c] = total
 
 
-class Outcome(NamedTuple):
+class DriveOutcome(NamedTuple):
     """What n steps of j joints end with, (n, j) each: links, motors, torques, and motors that were at their limit."""
 
     links: Array
@@ -76,7 +76,7 @@ def next_aim(command: Array, dt: float, aim: Aim, last: Array) -> None:
 
 
 @kernel
-def note_outcome(k: int, state: DriveState, room: StepRoom, effort: Array, outcome: Outcome) -> None:
+def note_outcome(k: int, state: DriveState, room: StepRoom, effort: Array, outcome: DriveOutcome) -> None:
     """Write down how step k ended."""
     for i in range(effort.shape[0]):
         outcome.links[k, i] = state.q[i]
@@ -90,8 +90,8 @@ def note_outcome(k: int, state: DriveState, room: StepRoom, effort: Array, outco
 
 @kernel
 def drive_along(
-    commands: Array, wrench: Array, dt: float, drives: Drives, body: Body, aim: Aim, last: Array, state: DriveState,
-    room: StepRoom, outcome: Outcome,
+    commands: Array, wrench: Array, dt: float, drives: Drives, body: LinkBodies, aim: Aim, last: Array,
+    state: DriveState, room: StepRoom, outcome: DriveOutcome,
 ) -> None:  # fmt: skip
     """Steps through `commands` (n, j) under a wrench (n, 6) that is known beforehand."""
     h, effort = dt / room.full.shape[0], np.empty(commands.shape[1])

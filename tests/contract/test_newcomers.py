@@ -75,7 +75,7 @@ def test_a_tool_without_a_process_moves_and_does_nothing(tmp_path: Path) -> None
     assert set(ran.column("/process", "engaged")[:, 0]) == {0.0}
     tool, lines = written(tmp_path)
     assert tool["removed_mm3"] == tool["max_force_N"] == 0.0
-    assert list(lines[0])[-1] == "max_force_N"  # nothing of its own
+    assert list(lines[0])[-1] == "share_at_feed"  # nothing of its own
 
 
 def test_the_same_without_stock(tmp_path: Path) -> None:

@@ -24,7 +24,7 @@ from gcodesim.report.pack import Pack
 from gcodesim.report.page import run_data
 from tests.contract.third_party import OURS, PROJECT, SOURCE, Done, add_metadata, gcodesim_with, install
 
-FAMILIES = ("tools", "parts", "processes", "sensors", "dialects", "machines", "findings", "exporters")
+FAMILIES = ("tools", "parts", "processes", "sensors", "dialects", "machines", "findings", "exporters", "controllers")
 
 
 class Shop:
@@ -79,6 +79,7 @@ def test_the_package_adds_to_every_family_by_one_line_each() -> None:
         ("dialects", "bright"),
         ("machines", "bright_table          Bright engraving table"),
         ("codes", "ENGRAVER-101  warning  The beam burns during a rapid move"),
+        ("controllers", "steady"),
         ("exporters", "doses    place of the tip [mm] and dose [J/mm^2], one line for each sample with the beam on"),
     ],
 )
@@ -160,6 +161,40 @@ def test_its_exporter_writes_the_doses(ran: tuple[Shop, Done]) -> None:
     assert written.out == f"wrote {len((shop.folder / 'd.txt').read_text().splitlines())} doses into d.txt\n"
     assert shop("export", "out", "--to", "doses", "--at", "1").err.endswith("--at means nothing for doses\n")
     assert "only csv, doses, glb, " in shop("export", "out", "--to", "tea").err
+
+
+def test_a_robot_has_its_controller(shop: Shop) -> None:
+    """The cut bends an arm with it by less than one whose motors do not know of the force."""
+    (shop.folder / "arm.yaml").write_text(
+        "gcodesim: 1\nrobots: {arm: {model: ur10e, controller: {type: steady, share: 90 %}}}\n"
+        "frames: {table: {in: world, xyz: [700, 0, 200]}}\nwork_offsets: {G54: {in: table}}\n"
+        "stock: {box: [40, 20, 10], in: table, zero: top-front-left, material: al6082_t6, resolution: 1}\n"
+        "tools:\n  1: {type: flat_end_mill, diameter: 6, flutes: 2, length: 40}\n"
+    )
+    (shop.folder / "slot.nc").write_text(
+        "G21 G90 T1 M6\nG43 H1 S9000 M3\nG0 X-6 Y10 Z5\nG0 Z-1\nG1 X10 F600\nG0 Z20\nM5\nM2\n"
+    )
+    done = shop("cell", "show", "arm.yaml")
+    assert "type: steady" in done.out and "share: 0.9" in done.out, done.err
+
+    off = []
+    for kind in ("steady, share: 90 %", "flexible"):
+        shop.write("arm.yaml", "steady, share: 90 %", kind)
+        done = shop(
+            "run",
+            "slot.nc",
+            "--cell",
+            "arm.yaml",
+            "--world",
+            "kinematic",
+            "--out",
+            "out",
+            "--force",
+            "--format",
+            "json",
+        )
+        off.append(done.json["path_accuracy"]["rms_mm"])
+    assert off[0] < 0.85 * off[1]
 
 
 def test_other_views_of_the_run_have_its_column(ran: tuple[Shop, Done]) -> None:

@@ -10,6 +10,7 @@ from gcodesim.cli.exits import OK
 WHAT = (
     "calculators",
     "codes",
+    "controllers",
     "dialects",
     "exporters",
     "kinematics",
@@ -65,6 +66,7 @@ def _rows(what: str) -> list[list[str]]:
     from importlib import import_module
 
     place = {
+        "controllers": ("gcodesim.controllers", "CONTROLLERS"),
         "dialects": ("gcodesim.rs274.dialects", "DIALECTS"),
         "kinematics": ("gcodesim.kinematics", "KINEMATICS"),
         "processes": ("gcodesim.processes", "PROCESSES"),

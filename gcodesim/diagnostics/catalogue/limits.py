@@ -76,6 +76,14 @@ CODES: tuple[Code, ...] = (
         remedy="Program F, or start the spindle before the block.",
     ),
     Code(
+        code="GS209",
+        severity=Severity.ERROR,
+        title="Thread faster than its axes",
+        what="A thread or a rigid tap needs pitch times spindle speed, and the axes cannot go so fast.",
+        why="The axis falls behind the spindle: the pitch is wrong, or the tap breaks.",
+        remedy="Turn the spindle more slowly on this line; the hint says how slowly.",
+    ),
+    Code(
         code="GS210",
         severity=Severity.NOTE,
         title="Limits of a printer are assumed",

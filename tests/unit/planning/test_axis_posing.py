@@ -7,7 +7,19 @@ from math import pi
 import numpy as np
 import pytest
 
-from gcodesim.canon import ArcFeed, Axes, Dwell, Event, LinearFeed, PathMode, Rapid, ToolChange, ToolOffset, WorkSystem
+from gcodesim.canon import (
+    ArcFeed,
+    Axes,
+    Dwell,
+    Event,
+    LinearFeed,
+    PathMode,
+    Rapid,
+    Spindle,
+    ToolChange,
+    ToolOffset,
+    WorkSystem,
+)
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.kinematics import Axis, Kinematics, chain_of_axes, kinematics_of
 from gcodesim.motion import build_tool_path
@@ -137,6 +149,21 @@ def test_feed_above_the_machine_is_a_note_and_runs_slower() -> None:
     found = only(plan, "GS206")
     assert "120000 mm/min" in found.message and "30000 mm/min" in found.message
     assert plan.trajectory.sample(np.linspace(0, plan.trajectory.duration, 99)).speed.max() <= 0.5
+
+
+@pytest.mark.parametrize(("rpm", "codes"), [(8000.0, ["GS209"]), (7000.0, [])])
+def test_a_thread_that_no_axis_can_follow_is_an_error(rpm: float, codes: list[str]) -> None:
+    """4 mm at 8,000 rpm are 32 m/min; the axis does 30, so the pitch would be wrong."""
+    spindle = Spindle(span=at(1), direction="cw", speed=rpm * pi / 30.0)
+    thread = LinearFeed(
+        span=at(2), block=2, end=(0.5, 0.0, 0.0, 0.0, 0.0, 0.0), feed=0.0, feed_unit="1/min", pitch=4e-3, word="G33"
+    )
+    plan = planned(spindle, thread)
+
+    assert [f.code for f in plan.findings if f.code in ("GS206", "GS209")] == codes
+    if codes:
+        assert "pitch of 4 mm at 8000 rpm needs 32000 mm/min" in only(plan, "GS209").message
+        assert only(plan, "GS209").hint == "at most 7500 rpm"
 
 
 def test_no_feed_is_an_error_and_still_ends() -> None:

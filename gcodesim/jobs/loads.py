@@ -1,0 +1,79 @@
+"""Loads above what the cell allows: how much, and for how long."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from gcodesim.units import KW
+
+if TYPE_CHECKING:
+    from gcodesim.cell.settings import Limits
+    from gcodesim.executor.record import StepRecord
+
+BRIEF: Final = 0.05
+"""[s] up to which the inertia of a spindle and its motor carry it over a peak: some 50 turns at 60,000 rpm."""
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class Load:
+    """A figure of the steps, `column` of the sheet, with its `limit` in SI; `unit` is that of messages, `per` in SI.
+
+    `seconds` is the time above the limit, `longest` the longest stretch of it [s]. `turns`: it is a load of the
+    spindle, which turns on through a short peak.
+    """
+
+    code: str
+    column: str
+    limit: float
+    per: float
+    unit: str
+    what: str
+    turns: bool
+    seconds: float = 0.0
+    longest: float = 0.0
+    _steps: int = 0
+    _run: int = 0
+    _longest: int = 0
+
+    def add(self, record: StepRecord, dt: float) -> bool:
+        """Add the steps of a record, each `dt` [s]; whether any of them is above the limit."""
+        above = np.abs(record[self.column]) > self.limit
+        if not above.any():
+            self._run = 0
+            return False
+        self._steps += int(above.sum())
+        ends = np.flatnonzero(~above)
+        runs = np.diff(np.concatenate([[-1 - self._run], ends, [len(above)]])) - 1
+        self._run = int(runs[-1])
+        self._longest = max(self._longest, int(runs.max()))
+        self.seconds, self.longest = self._steps * dt, self._longest * dt
+        return True
+
+    @property
+    def brief(self) -> bool:
+        """Whether it is nothing but short peaks of the spindle's load."""
+        return self.turns and 0.0 < self.longest <= BRIEF
+
+    @property
+    def duration(self) -> str:
+        """In words: how long in all, and at most at a time."""
+        if self._steps == self._longest:
+            return f"{self.seconds:.3f} s"
+        return f"{self.seconds:.3f} s in all, {self.longest:.3f} s at most at a time"
+
+
+def loads_of(limits: Limits) -> list[Load]:
+    """The loads for which a cell has limits."""
+    asked = (
+        ("GS510", "power", limits.spindle_power, KW, "kW", "power of the spindle", True),
+        ("GS511", "torque", limits.spindle_torque, 1.0, "N·m", "torque of the spindle", True),
+        ("GS512", "force", limits.force, 1.0, "N", "force on the tool", False),
+    )
+    return [
+        Load(code=code, column=column, limit=limit, per=per, unit=unit, what=what, turns=turns)
+        for code, column, limit, per, unit, what, turns in asked
+        if limit is not None
+    ]

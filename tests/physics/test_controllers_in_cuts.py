@@ -1,0 +1,98 @@
+"""Whole runs of arms whose motors and gears give way: what they cut, and what a controller makes of the force."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+import pytest
+
+import gcodesim
+from gcodesim.controllers import Controller, Sense
+from gcodesim.controllers.flexible import Flexible
+from gcodesim.frozen import frozen
+from tests.physics.runs import run_texts
+
+ARM = """
+gcodesim: 1
+frames: {table: {in: world, xyz: [560, -40, 350]}}
+robots:
+  arm: {model: kuka_kr10_r1100_2, home: [0, -90, 90, 0, 90, 0]MORE}
+work_offsets: {G54: {in: table, xyz: [0, 0, 20]}}
+orientation: {tool_axis: -Z of G54, spin: free}
+stock: {box: [60, 60, 20], in: table, zero: bottom-front-left, material: MATERIAL, resolution: 0.5}
+tools:
+  1: {type: flat_end_mill, diameter: DIAMETER, flutes: 2, length: 60}
+"""
+SLOT = (
+    "G21 G90 G17 G94 G64 P0.05\nT1 M6\nG43 H1\nS8000 M3\nG0 X-10 Y30\nG0 Z-{depth}\nG1 X30 F{feed}\nG0 Z20\nM5\nM30\n"
+)
+
+
+def arm(controller: str, material: str = "al6082_t6", diameter: float = 8.0) -> str:
+    more = f", controller: {{type: {controller}}}" if controller else ""
+    return ARM.replace("MORE", more).replace("MATERIAL", material).replace("DIAMETER", str(diameter))
+
+
+def test_a_settled_cut_bends_moving_gears_as_it_bends_those_without_mass(tmp_path: Path) -> None:
+    """Force and bend of the second half of a slot, where nothing changes any more: J K^-1 J' F to 1 %."""
+    found = {}
+    for controller in ("", "flexible"):
+        ran = run_texts(SLOT.format(depth=2, feed=900), arm(controller), tmp_path / f"out{controller}")
+        accuracy = ran.results.path_accuracy
+        assert accuracy is not None
+        found[controller] = (ran.results.tools[0]["max_force_N"], ran.stock.removed, accuracy["rms_mm"])
+    assert found["flexible"][1] == pytest.approx(found[""][1], rel=0.01)
+    assert found["flexible"][2] == pytest.approx(found[""][2], rel=0.05)
+
+
+def test_a_cut_that_is_too_heavy_does_not_fling_the_arm_about() -> None:
+    """A slot of 12 mm, 8 mm deep, in al7075 at 2 m/min: the wrist has not the torque for it.
+
+    Chips are those of the way that the tip really takes. With chips of the command, a force that nothing made
+    pulled the arm away, by 40 mm.
+    """
+    ran = run_texts(SLOT.format(depth=8, feed=2000), arm("", "al7075_t6_a", 12.0), world="bullet")
+    accuracy = ran.results.path_accuracy
+
+    assert "GS230" in {finding.code for finding in ran.results.findings}
+    assert accuracy is not None and accuracy["AT_mm"] < 3.0
+    assert ran.results.tools[0]["max_force_N"] < 900.0
+
+
+@frozen(slots=False, eq=False)
+class Stiffened(Flexible):
+    """Turns the motors further by what the measured force of the cut winds up in the gears."""
+
+    kind: ClassVar[str] = "stiffened"
+
+    def aim(self, sense: Sense) -> np.ndarray:
+        last = sense.memory.get("wrench", np.zeros(6))
+        sense.memory["wrench"] = felt = last + 0.2 * (sense.wrench - last)  # 20 ms, as a sensor smooths
+        wound: np.ndarray = (sense.model.jacobian(sense.q).T @ felt) / sense.model.gears
+        return sense.q_ref - wound
+
+
+def cut_slot(cell: Path, controller: Controller) -> dict[str, float]:
+    """Path accuracy of a slot that a session mills with this controller."""
+    with gcodesim.open_cell(cell) as opened:
+        robot, tool = opened.robot(), opened.tool(1)
+        robot.controller = controller
+        tool.couple(robot)
+        tool.spin(840.0)
+        corners = [[-10, 30, 10], [-10, 30, -2], [40, 30, -2], [40, 30, 10]]
+        robot.run(gcodesim.ToolPath.from_points(1e-3 * np.array(corners), feed=0.015))
+    found = opened.results.path_accuracy
+    assert found is not None
+    return dict(found)
+
+
+def test_a_controller_that_measures_the_milling_force_halves_the_error_of_the_path(tmp_path: Path) -> None:
+    cell = tmp_path / "cell.yaml"
+    cell.write_text(arm(""))
+    plain, stiffened = (cut_slot(cell, own) for own in (Flexible(), Stiffened()))
+
+    assert plain["rms_mm"] > 0.05
+    assert stiffened["rms_mm"] < 0.5 * plain["rms_mm"]
+    assert stiffened["AT_engaged_mm"] < 0.8 * plain["AT_engaged_mm"]
