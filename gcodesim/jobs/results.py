@@ -323,7 +323,7 @@ def line_rows(
     """
     files, file, line, index, standing = _lines_of(path, stands)
     count = len(line)
-    moving = np.bincount(index, weights=time, minlength=count)
+    moving: Array = np.bincount(index, weights=time, minlength=count).astype(float)
     still = np.bincount(standing, weights=[seconds for _, _, seconds in stands], minlength=count)
     metres = np.bincount(index, weights=distance, minlength=count)
     removed: Array = np.zeros(count)
@@ -352,7 +352,7 @@ def _paces_of(paces: RowPaces, time: Array, index: Ints, moving: Array) -> tuple
     ran = time > 0.0
     least = np.full(len(moving), np.inf)
     np.minimum.at(least, index[ran], paces.least[ran])
-    reached = np.bincount(index, weights=np.minimum(paces.at_feed, time), minlength=len(moving))
+    reached: Array = np.bincount(index, weights=np.minimum(paces.at_feed, time), minlength=len(moving)).astype(float)
     share = np.divide(reached, moving, out=np.zeros(len(moving)), where=moving > 0.0)
     return np.where(np.isfinite(least), least, 0.0) / MM_PER_MINUTE, share
 
