@@ -108,7 +108,10 @@ PARTS: Final = {
     ),
     "leaning tools": (small("kinematic", _TABLE, "G0 X-30 Y0 Z30\nG0 A20\nG0 Z-2\nG1 X10 A25 F900\nG0 Z30\nM5\nM2\n"),),
     OTHERS: tuple(
-        map(example, ("bracket_kr10", "contour", "engraving", "engraving_kr10", "heavy", "probe_pocket", "wall"))
+        map(
+            example,
+            ("bracket_kr10", "contour", "engraving", "engraving_kr10", "heavy", "inspection", "probe_pocket", "wall"),
+        )
     ),
 }
 """World, cell and program of jobs by the name of their part, those that most runs need first; "" is only read."""
