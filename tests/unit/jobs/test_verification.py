@@ -106,10 +106,11 @@ def test_a_rapid_that_gouges_is_named(outcome):
     assert told(results)[0][1] == 9
 
 
-def test_loose_pieces_and_a_target_beyond_the_stock(outcome):
-    stock = "stock: {min: [0, 0, -10], max: [60, 30, 0], resolution: 0.5}"
-    lines = ["G0 X43 Y-5 Z2", "G1 Z-10.5 F300", "Y35 F600"]
-    loose = outcome(lines, block(), stock=stock)
+def test_loose_pieces_and_a_target_beyond_the_stock(outcome, tmp_path):
+    raw = trimesh.util.concatenate([block(), trimesh.creation.box(bounds=[[46, 0, -10], [60, 30, 0]])])
+    raw.export(tmp_path / "raw.stl")
+    stock = "stock: {mesh: raw.stl, unit: mm, in: G54, resolution: 0.5}"
+    loose = outcome([], block(), stock=stock)
     assert told(loose) == [("GS443", 0)]
     assert loose.as_json()["target"]["loose"][0]["volume_mm3"] == pytest.approx(14 * 30 * 10, rel=1e-3)
     beyond = outcome([], block(top=2))
