@@ -10,10 +10,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from gcodesim.cell import load_cell
+from gcodesim.diagnostics import SourceText
 from gcodesim.processes.spray_pattern import gaussian_stripe, passes
+from gcodesim.simulation import Options, prepare, run
 from gcodesim.solids import read_mesh
 from tests.physics.runs import Ran, run_texts
 
+ROOT = Path(__file__).parents[2]
+HOLDER = "spray_two_arms.holder.nc"
 FLOW, SOLIDS, EFFICIENCY, SPEED = 2e-6, 0.5, 0.6, 0.4
 SIGMA = 0.5 * 0.2 * tan(12.5 * pi / 180.0)
 STRIPE = gaussian_stripe(flow=FLOW, solids=SOLIDS, efficiency=EFFICIENCY, speed=SPEED, sigma=SIGMA)
@@ -264,3 +269,23 @@ def test_film_does_not_depend_on_the_step() -> None:
     here = top(fine) & (np.abs(fine.coat.middle[:, 0] - 0.15) < 0.1)
 
     assert coarse.coat.dry[here] == pytest.approx(fine.coat.dry[here], abs=1e-4 * STRIPE.middle)
+
+
+def test_a_panel_that_another_arm_moves_gets_the_film_of_passes() -> None:
+    """Six stripes 40 mm apart, one arm brings the panel, the other paints: mean = flow solids eff / (v pitch)."""
+    loaded = load_cell(ROOT / "cells" / "spray_two_arms.yaml")
+    texts = [SourceText(name, (ROOT / "programs" / name).read_bytes()) for name in ("spray_two_arms.nc", HOLDER)]
+    job = prepare(texts[0], loaded, Options(world="kinematic", channels={"holder": texts[1]}))
+    results, execution = run(job)
+    assert execution is not None and job.shop is not None
+    film = job.shop.coated["part/panel"].film
+    assert film is not None and results.coating is not None
+
+    expected = 1.5e-6 * 0.45 * 0.65 / (0.3 * 0.04)
+    x, y, _ = film.coat.middle.T
+    middle = top(film) & (np.abs(x) < 0.05) & (np.abs(y) < 0.04)
+    assert film.coat.dry[middle].mean() == pytest.approx(expected, rel=0.02)
+    assert np.ptp(film.coat.dry[middle]) < 0.15 * expected
+    assert not film.coat.dry[film.coat.normal[:, 2] < -0.9].any()  # the side at the flange
+    painted = results.coating["film_mm3"] + results.coating["bounced_mm3"] + results.coating["overspray_mm3"]
+    assert painted == pytest.approx(results.coating["solids_mm3"], rel=1e-6)
