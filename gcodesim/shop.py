@@ -16,8 +16,8 @@ from gcodesim.cell import Cell, Placement, place
 from gcodesim.cell.cell import MAIN
 from gcodesim.cell.leftover import NOTHING_LEFT, Leftover, no_stock
 from gcodesim.cell.machine import MachineTool
-from gcodesim.cell.part import Part
-from gcodesim.cell.placement import FIXTURE, PART, SENSOR, STOCK, bounds_of
+from gcodesim.cell.part import PartSpec
+from gcodesim.cell.placement import DEVICE, FIXTURE, PART, SENSOR, STOCK, bounds_of
 from gcodesim.cell.placing import MACHINE
 from gcodesim.cell.robot import Payload, Robot
 from gcodesim.cell.signals import SignalSource
@@ -255,6 +255,7 @@ def _scene(cell: Cell, mover: Mover, placement: Placement) -> Scene:
         **{f"{FIXTURE}/{name}": _work_stand(mover, X_W) for name, X_W in placement.fixtures.items()},
         **{f"{PART}/{name}": _work_stand(mover, X_W) for name, X_W in placement.parts.items()},
         **{f"{SENSOR}/{name}": _sensor_stand(cell, name, mover, X_W) for name, X_W in placement.sensors.items()},
+        **{f"{DEVICE}/{name}": Stand(WORLD, X_W) for name, X_W in placement.devices.items()},
         **{name: Stand(on.link, on.X) for name, on in placement.carried.items()},
     }
     movers = {mover.name: mover}
@@ -284,20 +285,23 @@ def _links(mover: Mover) -> Iterator[Body]:
 
 
 def _standing(cell: Cell) -> Iterator[Body]:
-    """Stocks, in their shape at the start, fixtures, and parts."""
+    """Stocks, in their shape at the start, fixtures, devices, and parts."""
     for name, stock in cell.stocks.items():
         solid = solid_of(stock.shape)
         yield Body(name=f"{STOCK}/{name}", solids=() if solid is None else (Placed(solid),), role="stock")
     for name, fixture in cell.fixtures.items():
         solid = solid_of(fixture.shape)
         yield Body(name=f"{FIXTURE}/{name}", solids=() if solid is None else (Placed(solid),), role="fixture")
+    for name, device in cell.devices.items():
+        solid = solid_of(device.shape)
+        yield Body(name=f"{DEVICE}/{name}", solids=() if solid is None else (Placed(solid),), role="obstacle")
     for name, part in cell.parts.items():
         solid = solid_of(part.shape)
         solids = () if solid is None else (Placed(solid),)
         yield Body(name=f"{PART}/{name}", solids=solids, role="part", mass=_mass(part, solid), friction=part.friction)
 
 
-def _mass(part: Part, solid: Solid | None) -> float:
+def _mass(part: PartSpec, solid: Solid | None) -> float:
     """[kg] of a part; of steel where the cell does not say it."""
     if part.mass is not None or solid is None or isinstance(solid, Hulls):
         return part.mass or 0.0
@@ -436,6 +440,7 @@ def side_by_side(first: Shop, others: Sequence[Shop]) -> list[Shop]:
                 stocks=first.placement.stocks,
                 fixtures=first.placement.fixtures,
                 parts=first.placement.parts,
+                devices=first.placement.devices,
                 target=first.placement.target,
                 carried=first.placement.carried,
             ),

@@ -269,7 +269,7 @@ def _run(
 
         recorder = Writing(job, out, live)
     execution = None
-    inspectors = {each.channel: Inspector(*_inspected(each)) for each in job.all}
+    inspectors = {each.channel: Inspector(*_inspected(each), freely=job.world != KINEMATIC) for each in job.all}
 
     def onward() -> Plan | None:
         """The next leg, if the program has one; whoever watches the run gets to know it."""

@@ -28,6 +28,8 @@ _PLACES: Final[dict[str, Any]] = {
     "spray.gaussian": "gcodesim.calculator.spray:SprayStripe",
     "spray.overlap": "gcodesim.calculator.spray:SprayOverlap",
     "spray.tilted_cone": "gcodesim.calculator.spray:TiltedCone",
+    "grip.suction": "gcodesim.calculator.grip:SuctionLoad",
+    "grip.friction": "gcodesim.calculator.grip:FrictionGrip",
     "motion.trapezoid": "gcodesim.calculator.motion:Trapezoid",
     "motion.corner": "gcodesim.calculator.motion:RoundedCorner",
     "robot.compliance": "gcodesim.calculator.arm:ArmCompliance",

@@ -8,12 +8,13 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
 from gcodesim.cell.channel import Channel
+from gcodesim.cell.device import DEVICES, Device
 from gcodesim.cell.externals import External
 from gcodesim.cell.film import NO_FILM, FilmSpec
 from gcodesim.cell.machine import MachineKind, MachineTool
 from gcodesim.cell.material import MaterialKind
 from gcodesim.cell.packages import PackageFolder
-from gcodesim.cell.part import PARTS, Part
+from gcodesim.cell.part import PARTS, PartSpec
 from gcodesim.cell.placing import MACHINE, Carried, Place, names_of
 from gcodesim.cell.robot import Robot, RobotKind
 from gcodesim.cell.sensors import SENSOR_MAP, MountedSensor
@@ -125,7 +126,10 @@ class Cell:
         default=None,
     )
     fixtures: Mapping[str, Fixture] = key(FixtureKind(), "bodies that must not be touched", default={}, quiet=True)
-    parts: Mapping[str, Part] = key(PARTS, "rigid things that are carried", default={}, quiet=True)
+    parts: Mapping[str, PartSpec] = key(PARTS, "rigid things that are carried", default={}, quiet=True)
+    devices: Mapping[str, Device] = key(
+        DEVICES, "clamps, doors, feeders, conveyors that words switch", default={}, quiet=True
+    )
     zones: Mapping[str, ZoneShape] = key(
         _ZONES, "spaces in which only one machine may be at a time", default={}, quiet=True
     )

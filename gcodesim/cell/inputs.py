@@ -12,7 +12,7 @@ from gcodesim.declarations.map_of import NameRule
 from gcodesim.declarations.nodes import Listing, Node
 from gcodesim.declarations.nodes import Mapping as MappingNode
 from gcodesim.declarations.quantity import Quantity
-from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread
+from gcodesim.declarations.reading import UNREAD, Path, Reading, Reference, Unread
 from gcodesim.frozen import frozen
 
 _PLACE: Final = re.compile(r"\s*([PpEe])\s*0*(\d{1,3})\s*")
@@ -23,11 +23,12 @@ Wait = Literal["immediate", "rise", "fall", "high", "low"]
 
 @frozen
 class InputSource:
-    """An input: at each of `times` (n,) [s] it has the next of `values` (n + 1,); or it follows `output`, as `P1`."""
+    """An input: at each of `times` (n,) [s] it has the next of `values` (n + 1,), or it follows an output or device."""
 
     values: tuple[float, ...] = (0.0,)
     times: tuple[float, ...] = ()
     output: str | None = None
+    device: str | None = None
 
     def read(
         self, wait: Wait, begin: float, timeout: float, outputs: Mapping[str, float]
@@ -68,7 +69,7 @@ class InputKind(Kind):
 
     @property
     def expected(self) -> str:
-        return "a number, a list of times and values such as `[[0, 0], [5 s, 1]]`, or `{output: P1}`"
+        return "a number, a list of times and values such as `[[0, 0], [5 s, 1]]`, `{output: P1}` or `{device: door}`"
 
     def read(self, node: Node, to: Reading, path: Path) -> InputSource | Unread:
         if isinstance(node, MappingNode):
@@ -79,6 +80,12 @@ class InputKind(Kind):
         return UNREAD if isinstance(value, Unread) else InputSource(values=(value,))
 
     def _wired(self, node: MappingNode, to: Reading, path: Path) -> InputSource | Unread:
+        if len(node.entries) == 1 and node.entries[0][0].text == "device":
+            name = scalar(self, node.entries[0][1], to, (*path, "device"))
+            if isinstance(name, Unread):
+                return UNREAD
+            to.references.append(Reference(what="device", name=name.text, path=(*path, "device")))
+            return InputSource(device=name.text)
         if len(node.entries) != 1 or node.entries[0][0].text != "output":
             return to.fault("GS706", node.span, f"`{path[-1]}` is wired to nothing known; {self.expected} is expected")
         text = scalar(self, node.entries[0][1], to, (*path, "output"))
@@ -116,9 +123,17 @@ class InputKind(Kind):
             "required": ["output"],
             "additionalProperties": False,
         }
-        return {"anyOf": [value, {"type": "array", "items": pair}, wired]}
+        device = {
+            "type": "object",
+            "properties": {"device": {"type": "string"}},
+            "required": ["device"],
+            "additionalProperties": False,
+        }
+        return {"anyOf": [value, {"type": "array", "items": pair}, wired, device]}
 
     def show(self, value: Any) -> Any:
+        if value.device is not None:
+            return {"device": value.device}
         if value.output is not None:
             return {"output": value.output}
         if not value.times:

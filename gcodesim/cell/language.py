@@ -10,7 +10,7 @@ from gcodesim.canon.systems import name_of_system
 from gcodesim.cell import Cell, Placement, place
 from gcodesim.cell.arm_point import ArmPoint
 from gcodesim.cell.cell import MAIN
-from gcodesim.cell.channel import Channel
+from gcodesim.cell.device import Device
 from gcodesim.cell.externals import SLIDING, columns_of
 from gcodesim.cell.machine import is_lathe
 from gcodesim.cell.tool_point import MachinePoint
@@ -80,8 +80,8 @@ def settings_of_cell(
         subroutines=tuple(folder.path for folder in own.subroutines),
         block_delete=own.block_delete,
         optional_stop=own.optional_stop,
-        m_codes=_actions(own, cell),
-        wired=_wired(own, cell),
+        m_codes=_actions(cell, channel),
+        wired=_wired(cell, channel),
         has_cell=True,
         turns=is_lathe(cell.machine_of(channel)),
         tool_length=own.tool_length,
@@ -128,26 +128,36 @@ def _path_control(cell: Cell, channel: str) -> str:
     return KEPT_CORNERS if is_lathe(machine) and not said else own.path_control
 
 
-def _actions(channel: Channel, cell: Cell) -> dict[str, MappedAction]:
+def _actions(cell: Cell, name: str) -> dict[str, MappedAction]:
     """What M-codes do: those of `m_codes`, those that switch or set a signal alone, those that have a sensor read."""
     found: dict[str, MappedAction] = {}
-    for name, mounted in cell.sensors.items():
+    channel = cell.channels[name]
+    for sensor, mounted in cell.sensors.items():
         for code in () if mounted.mount.trigger is None else mounted.mount.trigger.codes:
-            found.setdefault(code, MappedAction(target=name, verb="read"))
-    for name, source in channel.signals.items():
-        word = source.word
+            found.setdefault(code, MappedAction(target=sensor, verb="read"))
+    words = [(signal, source.word) for signal, source in channel.signals.items()]
+    words += [(device.name, device.word) for device in devices_of(cell, name)]
+    for target, word in words:
         for code in word.codes:
             verb = "off" if code == word.off else "on" if word.off else "set"
-            found.setdefault(code, MappedAction(target=name, verb=verb))
+            found.setdefault(code, MappedAction(target=target, verb=verb))
     return found | {word: MappedAction(target=code.target, verb=code.verb) for word, code in channel.m_codes.items()}
 
 
-def _wired(channel: Channel, cell: Cell) -> frozenset[str]:
-    """Outputs that a signal, an input or a sensor follows."""
+def _wired(cell: Cell, name: str) -> frozenset[str]:
+    """Outputs that a signal, an input, a device or a sensor follows."""
+    channel = cell.channels[name]
     pins = [source.word.pin for source in channel.signals.values()]
     pins += [source.output for source in channel.inputs.values()]
+    pins += [device.word.pin for device in devices_of(cell, name)]
     pins += [mounted.mount.trigger.pin for mounted in cell.sensors.values() if mounted.mount.trigger is not None]
     return frozenset(pin for pin in pins if pin is not None)
+
+
+def devices_of(cell: Cell, channel: str) -> list[Device]:
+    """The devices that the program of a channel switches."""
+    first = next(iter(cell.channels))
+    return [device for device in cell.devices.values() if (device.channel or first) == channel]
 
 
 def _turned(cell: Cell, channel: str, placement: Placement) -> list[Diagnostic]:

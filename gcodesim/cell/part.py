@@ -15,7 +15,7 @@ from gcodesim.frozen import frozen
 
 
 @frozen
-class Part(Fixture):
+class PartSpec(Fixture):
     """A rigid thing that is carried. Where it stands at the start is its place; `goal` is where it is meant to end."""
 
     what: ClassVar[str] = "part"
@@ -40,7 +40,7 @@ class Part(Fixture):
 
 PARTS: Final = MapOf(
     names_of("part"),
-    Record(Part, "the part"),
+    Record(PartSpec, "the part"),
     "parts by name, such as `plate: {box: [100, 60, 20], mass: 2 kg, in: table}`",
     lenient=True,
 )

@@ -37,6 +37,7 @@ STOCK: Final = "stock"
 FIXTURE: Final = "fixture"
 PART: Final = "part"
 SENSOR: Final = "sensor"
+DEVICE: Final = "device"
 CLEARANCE: Final = 0.1  # m by which the longest tool clears the stock's top, at the top of Z
 CHUCK_FACE: Final = 0.08  # m from the nose of a lathe's spindle to the end of stock without a place
 _UPRIGHT: Final = 1e-9  # Z axes whose dot product is nearer to 1 than this count as parallel
@@ -65,6 +66,7 @@ class Placement:
     carried: Mapping[str, Carried] = field(default_factory=dict)
     parts: Mapping[str, Pose] = field(default_factory=dict)
     platforms: Mapping[int, str] = field(default_factory=dict)
+    devices: Mapping[str, Pose] = field(default_factory=dict)
     frames: Mapping[str, Pose] = field(default_factory=dict)
     findings: tuple[Diagnostic, ...] = ()
 
@@ -180,6 +182,7 @@ def place(cell: Cell, channel: str = MAIN) -> Placement:
             for name, sensor in cell.sensors.items()
             if f"{SENSOR}/{name}" not in carried
         },
+        devices={name: _standing(result, device.place, "world") for name, device in cell.devices.items()},
         target=None if cell.target is None else _standing(result, cell.target.place, "G54"),
         carried=carried,
     )

@@ -12,11 +12,12 @@ from typing import Final
 
 from gcodesim.cell.cell import Cell
 from gcodesim.cell.channel import Channel, Orientation
+from gcodesim.cell.device import Device
 from gcodesim.cell.externals import External, SlidingAxis, TurningAxis
 from gcodesim.cell.film import FilmRegion, FilmSpec
 from gcodesim.cell.machine import LinearAxis, MachineForm, RotaryAxis
 from gcodesim.cell.material import MaterialForm
-from gcodesim.cell.part import Part
+from gcodesim.cell.part import PartSpec
 from gcodesim.cell.placing import Place
 from gcodesim.cell.robot import RobotForm
 from gcodesim.cell.sensors import Mount
@@ -48,11 +49,12 @@ SECTIONS: Final[tuple[tuple[str, type], ...]] = (
     ("A signal (`signals`)", SignalSource),
     ("Shapes of stock, fixtures and parts", ShapeKeys),
     ("`stock`, besides its shape and place", StockSpec),
-    ("`parts`, besides their shape and place", Part),
+    ("`parts`, besides their shape and place", PartSpec),
     ("`film` of stock, parts and fixtures", FilmSpec),
     ("`inside` of `film`", FilmRegion),
     ("`footprint` of a spray gun", Footprint),
     ("`fading` of a spray gun", Fading),
+    ("`devices`, besides their shape and place", Device),
     ("`materials`", MaterialForm),
     ("`target`, besides its place", Target),
     ("`sensors`, besides their place and the keys of their type", Mount),

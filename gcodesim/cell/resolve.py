@@ -25,7 +25,7 @@ from gcodesim.rs274.dialects.systems import dialect_with
 from gcodesim.solids import Box
 from gcodesim.units import MM
 
-_FOLLOW_WORK: Final = ("stock", "fixtures", "parts", "sensors", "target")
+_FOLLOW_WORK: Final = ("stock", "fixtures", "parts", "sensors", "target", "devices")
 _ON_LINKS: Final = ("frames", "stock", "fixtures", "parts", "sensors")
 _STRANGE: Final = 100.0  # times larger or smaller than the rest
 
@@ -54,6 +54,7 @@ def resolve(cell: Cell, to: Reading) -> Cell:
     _check_loaded_tools(cell, to)
     _check_sensors(cell, to)
     cell = with_signals(cell, to)
+    _check_devices(cell, to)
     _check_codes(cell, to)
     _check_world(cell, to)
     return replace(cell, spans=_spans(cell, to), defaults_used=tuple(to.defaults))
@@ -366,6 +367,23 @@ def _size_of_cell(cell: Cell) -> float:
         return max(sides)
     travels = [] if cell.machine is None else [axis.upper - axis.lower for axis in cell.machine.axes if not axis.rotary]
     return max(travels, default=1.0)
+
+
+def _check_devices(cell: Cell, to: Reading) -> None:
+    """Channels that devices name, and devices that inputs name, are there."""
+    known = to.names_in("devices")
+    for name, device in cell.devices.items():
+        if device.channel is not None and cell.channels and device.channel not in cell.channels:
+            to.fault(
+                "GS712",
+                to.span(("devices", name, "channel")),
+                f"there is no channel `{device.channel}`",
+                suggestion(device.channel, list(cell.channels)),
+            )
+    for reference in to.references:
+        if reference.what == "device" and reference.name not in known:
+            hint = suggestion(reference.name, known) if known else "there are none: `devices: {…}` of the cell"
+            to.fault("GS712", to.span(reference.path), f"there is no device `{reference.name}`", hint)
 
 
 def _check_codes(cell: Cell, to: Reading) -> None:

@@ -67,6 +67,7 @@ def _poses(cell: Cell, placement: Placement) -> list[tuple[str, str, Pose]]:
     rows += [(f"fixture {name}", "world", X) for name, X in placement.fixtures.items()]
     rows += [(f"part {name}", "world", X) for name, X in placement.parts.items()]
     rows += [(f"sensor {name}", "world", X) for name, X in placement.sensors.items()]
+    rows += [(f"device {name}", "world", X) for name, X in placement.devices.items()]
     rows += [(name, on.link, on.X) for name, on in cell.carried.items()]
     rows += [(name.replace("/", " ", 1), on.link, on.X) for name, on in placement.carried.items()]
     return rows + ([("target", "world", placement.target)] if placement.target is not None else [])

@@ -134,6 +134,9 @@ class _WordKind(Kind):
         return "", value.text
 
 
+WORD: Final = _WordKind()
+
+
 @frozen
 class Amount:
     """A number with the unit as it is written. What it measures is known when the signal is."""

@@ -56,7 +56,7 @@ def _unit(name: str, dimension: str) -> Unit:
 class Reference:
     """A name that stands for something elsewhere in the cell, to be looked up when all of it is read."""
 
-    what: Literal["frame", "material"]
+    what: Literal["frame", "material", "device"]
     name: str
     path: Path
 

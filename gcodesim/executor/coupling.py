@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gcodesim.executor.part_run import PartRun
 from gcodesim.executor.stint import Stint, stint_of
+from gcodesim.executor.switching import Switching
 from gcodesim.executor.tasks import RowColumns, Tasks
 from gcodesim.executor.window import StepWindow
 from gcodesim.frames import Array
@@ -27,14 +29,18 @@ class Coupling:
     world moves the gears of the machine, and the process does not.
     """
 
-    def __init__(self, plan: Plan, shop: Shop, rows: RowColumns, *, gears_move: bool = False) -> None:
+    def __init__(
+        self, plan: Plan, shop: Shop, rows: RowColumns, parts: PartRun | None = None, *, gears_move: bool = False
+    ) -> None:
         self._plan, self._shop, self._rows = plan, shop, rows
-        self._tasks = Tasks(shop)
+        self._tasks = Tasks(shop, parts)
+        self._switching = Switching(plan, shop)
         self._gears_move = gears_move
 
     def follow(self, plan: Plan, rows: RowColumns) -> None:
         """Go on with a plan that has further legs, and its rows."""
         self._plan, self._rows = plan, rows
+        self._switching = Switching(plan, self._shop)
 
     def save(self) -> Callable[[], None]:
         """Remember which tool is in the spindle; calling the result restores it. States of processes do not count."""
@@ -54,7 +60,7 @@ class Coupling:
             return self.tip_jacobian(steps, begin, end)
 
         ask = None if self._gears_move else jacobian
-        made = [stint_of(self._shop, self._rows, task, steps, begin, end, ask) for task in tasks]
+        made = [stint_of(self._shop, self._rows, task, steps, begin, end, ask, self._switching) for task in tasks]
         return Stretch(self._plan, steps, begin, end, [stint for stint in made if stint is not None])
 
     def tip_jacobian(self, steps: StepWindow, begin: int, end: int) -> Array:

@@ -13,6 +13,7 @@ from gcodesim.diagnostics import Diagnostic
 from gcodesim.executor.ahead import CutThread, WindowCut
 from gcodesim.executor.behind import Behind
 from gcodesim.executor.made_by import passes_of
+from gcodesim.executor.part_run import PartRun
 from gcodesim.executor.record import StepRecord
 from gcodesim.executor.track import (
     Execution,
@@ -30,7 +31,6 @@ from gcodesim.world import WorldSteps
 
 if TYPE_CHECKING:
     from gcodesim.planning import Plan
-    from gcodesim.world import World
 
 MOST_STEPS: Final = 2000
 """Steps of one window: enough to spread the cost of a window, few enough to stay small in memory."""
@@ -74,7 +74,8 @@ def execute_together(
     thread is faster. `onward` is for a run of one part. The result is that of the first part and has the others.
     """
     passes = passes_of(parts[0].shop)
-    tracks = [Track(part, world_name, dt_ns, passes, number) for number, part in enumerate(parts)]
+    things = _parts_of(parts, world_name, dt_ns)
+    tracks = [Track(part, world_name, dt_ns, passes, number, things) for number, part in enumerate(parts)]
     first_track = tracks[0]
     watcher = first_track.watcher
     most = MOST_STEPS if watcher is None else max(1, min(MOST_STEPS, watcher.interval_steps))
@@ -102,11 +103,13 @@ def execute_together(
                 if following is not None and follows and following[0].world.keeps_to_command:
                     cutter.begin(following[1])
                 ahead = None if following is None else following[1]
-                steps, follows = _move(track.world, track.shop, cutter, cut, ahead)
+                steps, follows = _move(track, cutter, cut, ahead)
                 record = track.take(cut, steps)
                 del in_hand[0]
                 taken.append((track, record, track.found(record)))
                 if cut.looks:
+                    if things is not None and (things.names or things.devices.frames):
+                        taken = _with_parts(things, taken)
                     for each, its, found in taken:
                         if each.watcher is not None:
                             behind.do(each.watcher.take(its, found, cut.seen if each is first_track else ()))
@@ -132,29 +135,54 @@ def execute_together(
         behind.close()
     for track, cut in in_hand:  # what an interrupted run has cut ahead of its motion
         add_volumes(track.volumes, cut.stints)
+    for track in tracks:
+        if not interrupted:
+            track.let_go_at_end()
     own, *others = (track.execution(planned, interrupted=interrupted) for track in tracks)
-    return replace(own, others=others)
+    ends = {}
+    if things is not None and things.names:
+        last = {track.shop.name: track.stands_at[None] for track in tracks}
+        ends = things.ends(first_track.done - 1, last)
+    return replace(own, others=others, parts=ends)
 
 
-def _move(
-    world: World, shop: Shop, cutter: CutThread, cut: WindowCut, following: WindowCut | None
-) -> tuple[WorldSteps, bool]:
+def _parts_of(parts: Sequence[Part], world_name: str, dt_ns: int) -> PartRun | None:
+    """The parts of the cell; None where there are none and nobody who would take one."""
+    shop = parts[0].shop
+    grips = any("gripping" in tool.processes for tool in shop.cell.tools.values())
+    return PartRun(shop, world_name, dt_ns * 1e-9) if grips or shop.cell.parts or shop.cell.devices else None
+
+
+Taken = list[tuple[Track, StepRecord, Sequence[Diagnostic]]]
+
+
+def _with_parts(parts: PartRun, taken: Taken) -> Taken:
+    """The records of all channels in the same steps, the first with the places of the parts."""
+    track, record, found = taken[0]
+    q = {each.shop.name: its.world.q for each, its, _ in taken}
+    poses = parts.poses(record.window.first, q)
+    parts.ran.forget(record.window.first + len(record))
+    return [(track, replace(record, parts=poses), found), *taken[1:]]
+
+
+def _move(track: Track, cutter: CutThread, cut: WindowCut, following: WindowCut | None) -> tuple[WorldSteps, bool]:
     """Move through a window, tool by tool; also returns whether the motors kept up.
 
     Where they do, the cut is known already; otherwise it is undone, and world and process go step by step.
     """
     moved: list[WorldSteps] = []
-    follows = True
+    follows, world = True, track.world
     for index, stretch in enumerate(cut.stretches):
-        attach(world, shop, int(cut.window.tool[stretch.begin]))
         q = cut.window.q[stretch.begin : stretch.end]
+        if not stretch.pushes and world.keeps_to_command:
+            moved.extend(track.move(stretch, cut.window))
+            continue
+        attach(world, track.shop, int(cut.window.tool[stretch.begin]), list(track.load.values()))
         if not world.keeps_to_command:
             follows = False
             moved.append(world.run(q, stretch if stretch.pushes else None))
             stretch.finish()
             cut.wrenches.append(np.zeros(0))
-        elif not stretch.pushes:
-            moved.append(world.run(q))
         elif world.keeps_up(q, cut.wrenches[index]):
             moved.append(world.run(q, cut.wrenches[index]))
         else:
@@ -166,6 +194,7 @@ def _move(
             stretch.finish()
             cut.wrenches.append(np.zeros(0))
             cutter.cut(cut)
+        track.carry_on(stretch)
     if not world.keeps_to_command:
         cutter.see(cut)
     return moved[0] if len(moved) == 1 else _joined(moved), follows

@@ -14,6 +14,7 @@ from gcodesim.executor.window import StepWindow
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.processes.column import FORCE, Column
+from gcodesim.processes.gripping import GripEvent
 
 if TYPE_CHECKING:
     from gcodesim.processes.sheet import Sheet
@@ -27,6 +28,8 @@ class StepRecord:
 
     wrench, deflection (n, 6) in base axes at the tip; `kind` (n,) points into the kinds of the sheet; `columns` (n,)
     by name are those of the sheet, zero where no process gives a value; `feeds` (n,) are steps along feed moves.
+    `grips` are what happened to parts, each with its step of the record; `parts` (n, parts, 4, 4) is X_WP of all
+    parts, in the record of the first channel.
     """
 
     window: StepWindow
@@ -37,6 +40,8 @@ class StepRecord:
     kind: NDArray[np.int64]
     columns: Mapping[str, NDArray[Any]]
     feeds: NDArray[np.bool_]
+    grips: tuple[tuple[int, GripEvent], ...] = ()
+    parts: Array | None = None
 
     def __len__(self) -> int:
         return len(self.window)
@@ -85,6 +90,13 @@ def record_of(
                 _put_in(columns[column.name], column, answer, here)
         kind[here] = np.where(answer["engaged"], sheet.kinds.index(stint.task.process.kind), kind[here])
     columns[FORCE.name] = norms(wrench[:, :3])
+    grips = tuple(
+        (stint.begin + event.step, event)
+        for stint in stints
+        if stint.answer is not None
+        for event in stint.answer.changes
+        if isinstance(event, GripEvent)
+    )
     return StepRecord(
         window=window,
         world=world,
@@ -94,6 +106,7 @@ def record_of(
         kind=kind,
         columns=columns,
         feeds=np.ones(n, dtype=bool) if feeds is None else feeds,
+        grips=grips,
     )
 
 

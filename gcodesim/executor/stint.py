@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import applied, inverse_pose, multiplied
 from gcodesim.arithmetic.turn_kernels import into_axes, wrench_from_axes
+from gcodesim.executor.part_run import PartsInWindow, PartsTarget
+from gcodesim.executor.switching import Switching
 from gcodesim.executor.targets import Bounds
 from gcodesim.executor.tasks import RowColumns, Task
 from gcodesim.executor.window import StepWindow
@@ -29,7 +31,7 @@ class Stint:
 
     `share` (c, 2) tells where in its step each piece begins and ends, `row` (c,) which path row it is of. `answer`
     is what the process did, None while it is away from its target, and
-    `wrench` (n, 6) what the tool felt, in base axes.
+    `wrench` (n, 6) what the tool felt, in base axes. `parts` is what a gripper is given.
     """
 
     task: Task
@@ -39,6 +41,7 @@ class Stint:
     X_BS: Array
     share: Array
     row: NDArray[np.int64]
+    parts: PartsInWindow | None = None
     answer: ProcessStep | None = None
     wrench: Array | None = None
     _loop: Any = field(default=None)
@@ -46,7 +49,10 @@ class Stint:
     def run(self) -> None:
         """All steps at once, as commanded."""
         task, window = self.task, self.window
-        if _is_near(task, window.piece_start, window.piece_end, window.axis, task.target.filled()):
+        if self.parts is not None:
+            self.parts.begin()
+            self._keep(task.process.run(self.parts, window, task.state))
+        elif _is_near(task, window.piece_start, window.piece_end, window.axis, task.target.filled()):
             self._keep(task.process.run(task.target.given, window, task.state))
 
     @property
@@ -97,11 +103,13 @@ def stint_of(
     begin: int,
     end: int,
     jacobian: Callable[[], Array] | None,
+    switching: Switching,
 ) -> Stint | None:
     """The stint for steps `begin` to `end`, all with the task's tool; None if it stays away from the target.
 
     `jacobian` gives those of the tip (n, 6, j) in base axes; a rigid machine does not ask for them. None: the world
-    itself moves the gears, so that they are no matter of the process.
+    itself moves the gears, so that they are no matter of the process. `switching` says when signals are set; only
+    grippers ask for it.
     """
     count = end - begin
     X_BS = shop.scene.seen_from(shop.name, task.target.frame, steps.joints(shop.name, begin, end))
@@ -134,7 +142,15 @@ def stint_of(
     step_row = steps.row[begin:end]
     rapid = np.ones(count, dtype=bool)  # a step is rapid when all of it is
     rapid[step[~rows.rapid[row]]] = False
+    middle = steps.samples.time[begin:end] - 0.5 * steps.dt
+    signals = {signal.name: rows.signal(signal, step_row) for signal in task.process.reads}
+    carries = isinstance(task.target, PartsTarget)
+    if carries:
+        signals = {signal.name: switching.at(signal, middle) for signal in task.process.reads}
+    X_WB = shop.X_WB.matrix
     window = Window(
+        pose=multiplied(X_WB, steps.tip[begin:end]) if carries else None,
+        pose_before=multiplied(X_WB, steps.tip_before[begin]) if carries else None,
         piece_start=np.ascontiguousarray(start),
         piece_end=np.ascontiguousarray(stop),
         piece_step=step,
@@ -143,7 +159,7 @@ def stint_of(
         velocity=velocity,
         piece_share=share,
         rapid=rapid,
-        signals={signal.name: rows.signal(signal, step_row) for signal in task.process.reads},
+        signals=signals,
         dt=steps.dt,
         filament=filament,
         side=applied(R_SB, steps.tip[begin:end, :3, 0]),
@@ -152,7 +168,11 @@ def stint_of(
         if task.process.pushes and shop.stiffness is not None and jacobian is not None
         else None,
     )
-    return Stint(task=task, begin=begin, end=end, window=window, X_BS=X_BS, share=share, row=row)
+    parts = None
+    if isinstance(task.target, PartsTarget):
+        joints = steps.joints(shop.name, begin, end)
+        parts = task.target.during(steps.first + begin, joints, step_row, middle, switching)
+    return Stint(task=task, begin=begin, end=end, window=window, X_BS=X_BS, share=share, row=row, parts=parts)
 
 
 def _places(shop: Shop, q: dict[str, Array], X_BS: Array) -> Callable[[str], Array]:

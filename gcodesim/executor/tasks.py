@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.executor.part_run import PartRun, PartsTarget
 from gcodesim.executor.signals import signals_of_rows
 from gcodesim.executor.targets import TaskTarget, targets_of
 from gcodesim.frozen import frozen
@@ -18,7 +19,7 @@ from gcodesim.processes.signal import Signal
 from gcodesim.shop import Shop
 
 if TYPE_CHECKING:
-    from gcodesim.processes.protocol import Process
+    from gcodesim.processes.protocol import ActsOn, Process
     from gcodesim.processes.window import ProcessState
     from gcodesim.tools.tool import Tool
 
@@ -93,6 +94,7 @@ class Tasks:
     """Tasks by tool number, made when a tool is put into the spindle."""
 
     shop: Shop
+    parts: PartRun | None = None
     _current: int | None = None
     _tasks: list[Task] = field(default_factory=list)
 
@@ -107,7 +109,7 @@ class Tasks:
     def _of(self, tool: Tool) -> Iterator[Task]:
         for kind in tool.processes:
             variant = PROCESSES[kind]
-            for target in targets_of(self.shop, variant.acts_on):
+            for target in self._targets(tool, variant.acts_on):
                 process = variant.of(tool, target.material)
                 yield Task(tool=tool, target=target, process=process, state=process.begin())
             if variant.acts_on != "stock":
@@ -116,6 +118,12 @@ class Tasks:
                 turning = variant.of_revolved(tool, target.material)
                 if turning is not None:  # else GS435 says so
                     yield Task(tool=tool, target=target, process=turning, state=turning.begin())
+
+    def _targets(self, tool: Tool, acts_on: ActsOn) -> list[TaskTarget]:
+        if acts_on != "parts":
+            return targets_of(self.shop, acts_on)
+        assert self.parts is not None
+        return [PartsTarget(self.parts, self.shop, f"{self.shop.name} {tool.name}", tool.X_FT)]
 
     def kept(self, number: int) -> list[Task]:
         """The tasks of a tool that is kept from taking material: those that take none and are not about contact.

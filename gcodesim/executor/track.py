@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
-from dataclasses import field
+from dataclasses import field, replace
 from itertools import combinations, pairwise
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -14,18 +14,23 @@ from gcodesim.arithmetic.matrices import applied
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.executor.accuracy import PathAccuracy
 from gcodesim.executor.ahead import WindowCut
-from gcodesim.executor.coupling import Coupling
+from gcodesim.executor.coupling import Coupling, Stretch
 from gcodesim.executor.made_by import add_passes
+from gcodesim.executor.part_run import PartEnd, PartRun, laden
 from gcodesim.executor.probe_guard import ProbeGuard
 from gcodesim.executor.record import StepRecord, record_of
 from gcodesim.executor.stint import Stint
+from gcodesim.executor.switching import Switching
 from gcodesim.executor.tasks import RowColumns
 from gcodesim.executor.totals import JointTotals, RowTotals
 from gcodesim.executor.window import Carry, StepWindow, first_carry, window_of
 from gcodesim.frames import Pose
 from gcodesim.frozen import frozen
 from gcodesim.processes.column import ADDED, REMOVED
+from gcodesim.processes.gripping import GRIP, GripEvent
+from gcodesim.scene import PartChange
 from gcodesim.shop import Shop
+from gcodesim.solids.mass import MassOfSkin
 from gcodesim.world import RobotBody, WorldSteps, open_world, tool_body
 
 if TYPE_CHECKING:
@@ -84,6 +89,7 @@ class Watcher(Protocol):
 class Execution:
     """The outcome of a run. `interrupted`: somebody stopped it after `steps` of `planned` steps.
 
+    `parts` is what became of parts, `late_grips` what happened to them after the last step.
     `volumes` [m³]: what was removed from each stock and what was added to it. `others`: the same of further channels.
     `passes` at each stock, of all channels, where there is a target.
     `accuracy`: how far the tip was off its path; None where neither gears nor controllers let it.
@@ -96,6 +102,8 @@ class Execution:
     last_row: int
     interrupted: bool
     volumes: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    parts: Mapping[str, PartEnd] = field(default_factory=dict)
+    late_grips: tuple[GripEvent, ...] = ()
     others: Sequence[Execution] = ()
     passes: Mapping[str, Passes] = field(default_factory=dict)
     accuracy: PathAccuracy | None = None
@@ -115,10 +123,20 @@ class Track:
     """A part while it runs. `steps` is the number of those that its plan needs, `done` that of those that are run."""
 
     def __init__(
-        self, part: Part, world_name: str, dt_ns: int, passes: dict[str, Passes] | None = None, number: int = 0
+        self,
+        part: Part,
+        world_name: str,
+        dt_ns: int,
+        passes: dict[str, Passes] | None = None,
+        number: int = 0,
+        parts: PartRun | None = None,
     ) -> None:
         """`passes` are those at each stock, kept for all channels; `number` is that of this one."""
         plan, shop = part.plan, part.shop
+        self.parts = parts
+        self.load: dict[str, tuple[Pose, MassOfSkin]] = {}
+        if parts is not None:
+            parts.devices.follow(shop.channel, plan)
         self.plan, self.shop, self.watcher = plan, shop, part.watcher
         self.rows = RowColumns.of(plan.path, shop)
         self._inspect, self._dt_ns = part.inspect, dt_ns
@@ -135,12 +153,15 @@ class Track:
         )
         self.world = open_world(world_name, body, dt_ns)
         gears_move = body.controller.law != "ideal"
-        self._coupling, self._guard = Coupling(plan, shop, self.rows, gears_move=gears_move), ProbeGuard(shop)
+        self._coupling = Coupling(plan, shop, self.rows, parts, gears_move=gears_move)
+        self._guard = ProbeGuard(shop)
         yields = shop.stiffness is not None or gears_move
         self._accuracy = PathAccuracy() if yields else None
         self.volumes: dict[str, tuple[float, float]] = {}
         self._passes, self._number = passes or {}, number
         self.done = self.last_row = 0
+        self.stands_at = self._home
+        self.late_grips: list[GripEvent] = []
 
     def begin(self) -> None:
         """Put the first tool on the flange, and show the watcher the state at the start."""
@@ -161,6 +182,8 @@ class Track:
         self.plan, self.rows = plan, RowColumns.of(plan.path, self.shop)
         self._totals.grow(len(self.rows.tool))
         self._coupling.follow(plan, self.rows)
+        if self.parts is not None:
+            self.parts.devices.follow(self.shop.channel, plan)
 
     def carry(self, first: int) -> Carry:
         """What the window that begins with step `first` of a leg takes over."""
@@ -193,6 +216,40 @@ class Track:
 
         return restore
 
+    def move(self, stretch: Stretch, window: StepWindow) -> Iterator[WorldSteps]:
+        """Move through steps that need no force; whoever takes a part or lets it go has another load from then on."""
+        parts, begin = self.parts, stretch.begin
+        changes = [change for stint in stretch.stints if stint.parts is not None for change in stint.parts.changes]
+        number = int(window.tool[stretch.begin])
+        if parts is None or not changes:
+            attach(self.world, self.shop, number, list(self.load.values()))
+            yield self.world.run(window.q[stretch.begin : stretch.end])
+            return
+        for change in changes:
+            until = change.hold.step - window.first
+            if until > begin:
+                attach(self.world, self.shop, number, list(self.load.values()))
+                yield self.world.run(window.q[begin:until])
+                begin = until
+            parts.ran.apply(change)
+            self._reload(change, parts)
+        attach(self.world, self.shop, number, list(self.load.values()))
+        yield self.world.run(window.q[begin : stretch.end])
+
+    def carry_on(self, stretch: Stretch) -> None:
+        """After steps with force: what was taken or let go in them counts from the next stretch on."""
+        for stint in stretch.stints:
+            if stint.parts is not None and self.parts is not None:
+                for change in stint.parts.changes:
+                    self.parts.ran.apply(change)
+                    self._reload(change, self.parts)
+
+    def _reload(self, change: PartChange, parts: PartRun) -> None:
+        hold = change.hold
+        self.load.pop(hold.body, None)
+        if change.holder:
+            self.load[hold.body] = (hold.X, parts.masses[hold.body])
+
     def take(self, cut: WindowCut, steps: WorldSteps) -> StepRecord:
         """Take over what was done in a window."""
         window = cut.window
@@ -210,9 +267,16 @@ class Track:
         add_volumes(self.volumes, cut.stints)
         if self._passes:
             add_passes(self._passes, cut.stints, self._number)
+        if self.parts is not None:
+            for stint in cut.stints:
+                if stint.parts is not None:
+                    for name, X_W in stint.parts.let_go_at:
+                        self.parts.was_let_go(name, X_W)
+            self.parts.count([event for _, event in record.grips])
         self._totals.add(record)
         self._joints.add(steps.q, steps.qd, steps.qdd, steps.effort, steps.saturated, record.window.row)
         self.done += len(record)
+        self.stands_at = steps.q[-1]
         self.last_row = int(record.window.row[-1])
         return record
 
@@ -220,10 +284,31 @@ class Track:
         """Findings that came up in a window."""
         return self._inspect(record, self._totals, self._joints) if self._inspect is not None else []
 
+    def let_go_at_end(self) -> None:
+        """Open the gripper if the program does so after its last move, when no step is left to do it in."""
+        parts, shop = self.parts, self.shop
+        if parts is None or not self.load:
+            return
+        if float(Switching(self.plan, shop).changes(GRIP)[1][-1]) > 0.5:
+            return
+        step = self.done - 1
+        joints = {shop.name: self.stands_at[None]}
+        frames = parts.frames_at(step, joints)
+        for name in list(self.load):
+            X_WP = parts.ran.poses(name, step, joints)[0]
+            change, height, support = parts.come_to_rest(step, name, X_WP, np.zeros(3), frames)
+            parts.ran.apply(replace(change, fall=None))
+            parts.was_let_go(name, X_WP)
+            event = GripEvent(step=step, kind="released", part=name, height=height, support=support.rpartition("/")[2])
+            parts.count([event])
+            self.late_grips.append(event)
+        self.load.clear()
+
     def execution(self, planned: int, *, interrupted: bool) -> Execution:
         return Execution(
             rows=self._totals,
             joints=self._joints,
+            late_grips=tuple(self.late_grips),
             steps=self.done,
             planned=planned,
             last_row=self.last_row,
@@ -277,6 +362,8 @@ def _near(one: WindowCut, other: WindowCut) -> bool:
 
 
 def _meet(a: Stint, b: Stint) -> bool:
+    if a.parts is not None and b.parts is not None:  # who takes or lets go may meet the other one
+        return any(bool(np.ptp(own.window.signals[GRIP.name])) for own in (a, b))
     if not a.task.target.name or a.task.target.name != b.task.target.name:
         return False
     if a.task.process.zone.everywhere or b.task.process.zone.everywhere:
@@ -298,11 +385,14 @@ def add_volumes(volumes: dict[str, tuple[float, float]], stints: Sequence[Stint]
         )
 
 
-def attach(world: World, shop: Shop, number: int) -> None:
-    """Put the tool with this number on the flange; the old one goes into its pocket."""
+def attach(world: World, shop: Shop, number: int, load: Sequence[tuple[Pose, MassOfSkin]] = ()) -> None:
+    """Put the tool with this number on the flange, with the parts that it holds; the old one goes into its pocket."""
     tool = shop.tool(number)
-    body = None if tool is None else tool_body(tool)
+    body = None if tool is None else laden(tool_body(tool), load)
     now = world.tool
+    if now is not None and body is not None and now.name == body.name and now.mass != body.mass:
+        world.attach(body, None)
+        return
     if (now.name if now else None) == (body.name if body else None):
         return
     world.attach(body, None if now is None else pocket_of(shop, now.name))

@@ -200,13 +200,14 @@ def _results() -> Json:
             AT_engaged_mm=number("the greatest while a process was engaged"),
             rms_mm=number("root of the mean square distance, by time"),
         ),
+        parts=_parts(),
     )
     results["properties"] |= _several_programs(hashed)
     for entry in ("tools", "not_simulated"):  # where several programs run at once
         results["properties"][entry]["items"]["properties"]["channel"] = text("of several programs at once, whose")
     stock = results["properties"]["stocks"]["additionalProperties"]
     stock["required"] = stock["required"][: stock["required"].index("doses")]
-    at_times = ("probings", "sensors", "printing", "coating", "target", "path_accuracy")
+    at_times = ("probings", "sensors", "printing", "coating", "target", "path_accuracy", "parts")
     results["required"] = [name for name in results["required"] if name not in at_times]
     return results
 
@@ -296,6 +297,28 @@ def _target() -> Json:
         loose=array(
             "bodies of the stock that hang together with nothing of the target, up to 100",
             record("a loose piece", volume_mm3=number("its volume"), **place),
+        ),
+    )
+
+
+def _parts() -> Json:
+    """What became of the parts of the cell; only of a run in a cell that has some."""
+    return table(
+        "what became of each part; only where the cell has some",
+        record(
+            "a part at the end of the run",
+            x_mm=number("of its frame in the world"),
+            y_mm=number("mm"),
+            z_mm=number("mm"),
+            quaternion_xyzw=array("its attitude", number("of unit length")),
+            held_by=nullable(text("the gripper, such as `arm T7`")),
+            on=nullable(text("what it lies on, if that has a name")),
+            moved_mm=number("from where it was at the start"),
+            grips=whole("how often it was taken", least=0),
+            falls=whole("how often it was lost or let go in the air", least=0),
+            pose_error_mm=nullable(number("distance from where it is meant to be")),
+            pose_error_deg=nullable(number("angle from how it is meant to be")),
+            error_from=nullable(text("`goal`, or `release`: where it was let go last")),
         ),
     )
 

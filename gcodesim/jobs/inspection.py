@@ -9,14 +9,16 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from gcodesim.arithmetic.matrices import dots
-from gcodesim.canon import AXIS_LETTERS, ToolChange
+from gcodesim.canon import AXIS_LETTERS, Action, Output, Spindle, ToolChange
 from gcodesim.checks.saturation import saturation_findings
 from gcodesim.diagnostics import Diagnostic, Severity, Span
 from gcodesim.diagnostics.events import Flags
 from gcodesim.executor.record import StepRecord
 from gcodesim.executor.tasks import RowColumns
 from gcodesim.executor.totals import JointTotals, RowTotals
+from gcodesim.jobs.grips import BY_MOTION, grip_finding, held_at_end
 from gcodesim.jobs.loads import loads_of
+from gcodesim.jobs.meetings import is_wait
 from gcodesim.processes import PROCESSES
 from gcodesim.processes.column import FINDINGS
 from gcodesim.processes.rows import Rows
@@ -35,10 +37,12 @@ LESS: Final = "cut less deep, less wide or slower"
 class Inspector:
     """Inspects a run while it goes on, so that findings are at their times in the log, and again at its end."""
 
-    def __init__(self, plan: Plan, shop: Shop, dt_ns: int) -> None:
+    def __init__(self, plan: Plan, shop: Shop, dt_ns: int, *, freely: bool = False) -> None:
         self._shop, self._dt = shop, dt_ns * 1e-9
         self._known: set[tuple[str, Span]] = set()
         self._loads = loads_of(shop.cell.limits)
+        self._grips: list[Diagnostic] = []
+        self._freely = freely
         self.follow(plan)
 
     def follow(self, plan: Plan) -> None:
@@ -67,6 +71,11 @@ class Inspector:
             },
             grain=_grain(shop),
         )
+        self._switches = {
+            each.row: each.event.span
+            for each in plan.path.events
+            if isinstance(each.event, (Action, Output, Spindle)) and not is_wait(each.event)
+        }
         self._kinds = {
             kind: np.isin(rows.tool, [n for n, tool in shop.cell.tools.items() if _does(shop, kind, tool)])
             for kind in shop.sheet.kinds[1:]
@@ -75,6 +84,7 @@ class Inspector:
     def fresh(self, record: StepRecord, totals: RowTotals, joints: JointTotals) -> list[Diagnostic]:
         """Findings that came up in the steps of `record`."""
         found = self._misuse(totals) if self._tells(record) else []
+        found += self._grips_of(record)
         if record.world.saturated.any():
             found += self._saturation(joints)
         if self._above_limits(record):
@@ -87,6 +97,9 @@ class Inspector:
         """All findings of the run."""
         return [
             *self._misuse(execution.rows, ended=not execution.interrupted),
+            *self._grips,
+            *self._late_grips(execution),
+            *self._held(execution),
             *self._saturation(execution.joints),
             *self._limits(execution.rows),
         ]
@@ -94,6 +107,38 @@ class Inspector:
     def _span(self, row: int) -> Span:
         path = self._plan.path
         return path.span(row) if 0 <= row < len(path) else Span(self._shop.cell.name)
+
+    def _grips_of(self, record: StepRecord) -> list[Diagnostic]:
+        """What happened to parts, once for each line."""
+        found = []
+        known = {(finding.code, finding.span) for finding in self._grips}
+        for step, event in record.grips:
+            tool = self._shop.tool(int(record.window.tool[step]))
+            time = (record.window.first + step) * self._dt
+            row = int(record.window.row[step])
+            span = self._span(row) if event.kind in BY_MOTION else self._switches.get(row, self._span(row))
+            finding = grip_finding(event, tool, span, time, freely=self._freely)  # type: ignore[arg-type]
+            if finding is not None and (finding.code, finding.span) not in known:
+                known.add((finding.code, finding.span))
+                found.append(finding)
+        self._grips += found
+        return found
+
+    def _late_grips(self, execution: Execution) -> list[Diagnostic]:
+        path = self._plan.path
+        span = self._switches.get(len(path), self._span(len(path) - 1))
+        number = path.state_of(len(path) - 1).tool if len(path) else 0
+        found = (
+            grip_finding(event, self._shop.tool(number), span, (event.step + 1) * self._dt, freely=self._freely)  # type: ignore[arg-type]
+            for event in execution.late_grips
+        )
+        return [finding for finding in found if finding is not None]
+
+    def _held(self, execution: Execution) -> list[Diagnostic]:
+        own = {name: end for name, end in execution.parts.items() if end.holder.split(" ")[0] == self._shop.name}
+        path = self._plan.path
+        labels = {body.name: body.label for body in self._shop.scene.bodies}
+        return held_at_end(own, labels, self._span(len(path) - 1) if len(path) else Span(self._shop.cell.name))
 
     def _tells(self, record: StepRecord) -> bool:
         """Whether a step of the window may be a reason for a process to complain."""

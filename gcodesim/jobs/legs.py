@@ -7,7 +7,7 @@ leg of its own, planned when the stock is in the state that earlier legs have le
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final
@@ -30,9 +30,11 @@ from gcodesim.jobs.results import ProbeResult
 from gcodesim.motion.build import PathBuilder
 from gcodesim.motion.joining import standing_until, with_instant
 from gcodesim.motion.timing import event_durations
-from gcodesim.motion.tool_path import ToolPath
+from gcodesim.motion.tool_path import PathEvent, ToolPath
+from gcodesim.motion.trajectory import TimedEvent
 from gcodesim.planning import Plan, plan_path, posing_of
 from gcodesim.planning.legs import followed_by
+from gcodesim.planning.switched import history_of
 from gcodesim.processes.signal import ACTIVE, BEAM, BEAM_POWER, FLOW, SPRAY
 from gcodesim.shop import Shop, with_stock
 from gcodesim.units import MM
@@ -353,6 +355,8 @@ class Legs:
             count, first = self._unheard.get(pin, (0, question.span))
             self._unheard[pin] = (count + 1, first)
             source = InputSource()
+        if source.device is not None:
+            source = self._state_of(source.device, begin, pending)
         value, waited = source.read(question.wait, begin, question.timeout, outputs)
         if value is not None and question.type == "digital":
             value = float(value != 0.0)
@@ -360,6 +364,16 @@ class Legs:
             self._builder.add(canon.Waited(span=question.span, seconds=waited))
         self._question = None
         self._reply = canon.Heard(value=value)
+
+    def _state_of(self, name: str, begin: float, pending: Sequence[PathEvent]) -> InputSource:
+        """What an input reads that shows whether a device has arrived; from `begin` [s] on it is not switched again."""
+        device = self.shop.cell.devices[name]
+        events = [] if self._job.plan is None else list(self._job.plan.trajectory.events)
+        now = [TimedEvent(time=begin, duration=0.0, row=noted.row, event=noted.event) for noted in pending]
+        state, arrival = history_of(device, [*events, *now]).state(begin)
+        if arrival is None:
+            return InputSource(values=(state,))
+        return InputSource(values=(state, 1.0), times=(arrival,))
 
     def _tell_of_unheard(self) -> None:
         """GS905 for inputs that the cell does not name."""

@@ -13,6 +13,7 @@ from gcodesim.diagnostics import Diagnostic, Severity, SourceText, Span
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.jobs.coating import coating_of
+from gcodesim.jobs.grips import part_results
 from gcodesim.jobs.job import Job
 from gcodesim.jobs.joint_results import joint_results
 from gcodesim.jobs.paces import row_paces
@@ -151,6 +152,7 @@ def _results_of(job: Job, execution: Execution | None, *, failed: bool) -> Resul
         lines=line_rows(path, row_time, length, totals, stands, ran, shop.sheet.own(LINES), row_paces(plan.trajectory)),
         printing=printing_of(plan, shop.cell.tools, row_time),
         path_accuracy=None if execution is None else _accuracy_of(plan, execution.accuracy),
+        parts={} if execution is None else part_results(execution.parts, lambda frame: frame.rpartition("/")[2]),
         columns=own,
         sensors=job.sensed if execution is not None else {},
         target=job.target,

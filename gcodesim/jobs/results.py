@@ -201,6 +201,8 @@ class Results:
     """What was sprayed (`jobs/coating.py`); None where no gun was on."""
     path_accuracy: Mapping[str, Any] | None = None
     """How far the tip of an arm was off its path while it fed; None of machines that do not give way."""
+    parts: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    """What became of the parts of the cell (`jobs/grips.py`); empty where there are none or nothing was run."""
     columns: Sequence[Column] = ()
     """Columns of processes that stand in `tools` behind those that every run has."""
     sensors: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
@@ -233,6 +235,8 @@ class Results:
             value["probings"] = [probing.as_json() for probing in self.probings]
         if self.sensors:
             value["sensors"] = {name: dict(sensor) for name, sensor in self.sensors.items()}
+        if self.parts:
+            value["parts"] = {name: dict(part) for name, part in self.parts.items()}
         if self.channels:
             value["channels"] = {name: dict(channel) for name, channel in self.channels.items()}
             value["meetings"] = dict(self.meetings or {})

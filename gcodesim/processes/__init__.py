@@ -11,6 +11,7 @@ PROCESSES = Family(
     ablation="gcodesim.processes.ablation:Ablation",
     erosion="gcodesim.processes.erosion:Erosion",
     spraying="gcodesim.processes.spraying:Spraying",
+    gripping="gcodesim.processes.gripping:Gripping",
     sensing="gcodesim.processes.sensing:Sensing",
     turning="gcodesim.processes.turning:Turning",
 )

@@ -7,6 +7,7 @@ A process acts on targets, with one `Task` for each; `acts_on` names their sort:
 - `surface`: the skin of each stock, and of each other body that is to be coated, in turn: a `Skin`, which can be
   looked at but not cut. Where the cell has a spray gun it is a `CoatedSkin`;
 - `bodies`: everything in the cell that does not move by itself, all at once, as a tuple of `SolidBody`;
+- `parts`: everything that may be carried, all at once, as a `gripping.PartsAtHand`, which takes them and lets go;
 - `nothing`: there is no target. `run` gets None, and its frame S is that of the bodies.
 
 The executor asks a process about a window of steps when its `zone` may meet the target on the way; a process without a
@@ -35,7 +36,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-ActsOn = Literal["stock", "revolved", "surface", "bodies", "nothing"]
+ActsOn = Literal["stock", "revolved", "surface", "bodies", "parts", "nothing"]
 
 
 class Skin(Protocol):

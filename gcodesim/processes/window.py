@@ -33,7 +33,8 @@ class Window:
     (n, 4, 4) of any frame of the scene at the ends of the steps, seen from S, also of one that another machine moves.
 
     dt [s] of one step; filament (c,) [m]: what
-    E words of a printer's program send through the nozzle along each piece, None where there are none.
+    E words of a printer's program send through the nozzle along each piece, None where there are none. For what acts
+    on parts, pose (n, 4, 4) is the tip X_ST at the end of each step, pose_before (4, 4) at the beginning of the first.
     """
 
     piece_start: Array
@@ -50,6 +51,8 @@ class Window:
     filament: Array | None = None
     side: Array | None = None
     where: Callable[[str], Array] | None = None
+    pose: Array | None = None
+    pose_before: Array | None = None
 
     @property
     def steps(self) -> int:

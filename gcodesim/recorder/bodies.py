@@ -12,15 +12,17 @@ from gcodesim.recorder.frames import Frames
 from gcodesim.scene import Role
 from gcodesim.scene.colors import CUT, FIXTURE, PART, RAW
 from gcodesim.solids import Box, Cone, Cylinder, Hulls, Placed, Sphere, triangles_of
+from gcodesim.tools.gripper import Gripper
 from gcodesim.tools.parts import body_part
 
 if TYPE_CHECKING:
     from gcodesim.material.surface import Tile
     from gcodesim.tools.tool import Tool
 
+DEVICE: Final[Color] = (0.5, 0.52, 0.4, 1.0)
 
 
-_COLORS: Final[Mapping[Role, Color]] = {"fixture": FIXTURE, "part": PART}
+_COLORS: Final[Mapping[Role, Color]] = {"fixture": FIXTURE, "part": PART, "obstacle": DEVICE}
 
 
 def cell_entities(frames: Frames) -> tuple[Entity, ...]:
@@ -61,11 +63,15 @@ def drawn(placed: Placed, color: Color) -> DrawnShape | None:
     return DrawnMesh(points=skin.points, triangles=skin.faces, p=placed.X.p, q=placed.X.q, color=color)
 
 
-def tool_shapes(tool: Tool | None) -> tuple[DrawnShape, ...]:
-    """The tool in the spindle, in frame `tool`: the tip at the origin, the body along −Z."""
+def tool_shapes(tool: Tool | None, opening: float = 1.0) -> tuple[DrawnShape, ...]:
+    """The tool in the spindle, in frame `tool`: the tip at the origin, the body along −Z; a gripper `opening` open."""
     if tool is None:
         return ()
-    shapes = (drawn(body.placed, body_part(body.part).color) for body in tool.primitives)
+    if isinstance(tool, Gripper):
+        bodies = tool.drawn(opening)
+    else:
+        bodies = [(body.part, body.placed) for body in tool.primitives]
+    shapes = (drawn(placed, body_part(part).color) for part, placed in bodies)
     return tuple(shape for shape in shapes if shape is not None)
 
 

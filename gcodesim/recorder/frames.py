@@ -46,8 +46,8 @@ class Frames:
     `stocks` maps the names of stocks' frames in the log to those in the scene; a cell without stock has one, at G54.
     Where several programs run at once, further channels put their name (`prefix`) before `tool`, `tcp`, `part` and
     `path`, and have the stocks and fixtures that their own machine carries; all others are those of the first.
-    `parts` are the frames of parts, which any gripper may move; all are those of the first channel. `sensors` are named
-    like `stocks`.
+    `parts` are the frames of parts, which any gripper may move, and of devices; all are those of the first channel.
+    `sensors` are named like `stocks`.
     """
 
     shop: Shop
@@ -84,7 +84,7 @@ class Frames:
             prefix=prefix,
             sensors=sensors,
             moving_sensors=tuple(name for name, frame in sensors.items() if shop.scene.moves(frame)),
-            parts=() if prefix else tuple(body.name for body in shop.scene.bodies if body.role == "part"),
+            parts=() if prefix else things_of(shop),
         )
 
     @property
@@ -160,11 +160,12 @@ class Frames:
         """Whether no link has the name of F, so that the frame has to be added."""
         return self.flange not in {self.link_frame(i) for i in self.links}
 
-    def at(self, q: Array, tcp: Array, tools: Array, part: Array) -> Array:
+    def at(self, q: Array, tcp: Array, tools: Array, part: Array, parts: Array | None = None) -> Array:
         """Poses (n, F, 7) of the moving frames in their parents.
 
         `q` (n, j), `tcp` (n, 4, 4) actual tip in W, `tools` (n, 4, 4) X_FT,
-        `part` (n, 4, 4) active work system in W where it is now (`carried`).
+        `part` (n, 4, 4) active work system in W where it is now (`carried`);
+        `parts` (n, parts, 4, 4) X_WP of what is carried, None while all of it lies where it did at the start.
         """
         shop = self.shop
         columns = [shop.kinematics.forward(q)] if self.flange_is_extra else []
@@ -174,7 +175,8 @@ class Frames:
             system = min(shop.placement.platforms, default=1)
             systems = np.full(len(q), system, dtype=np.int64)
             columns.append(self.carried(q, np.tile(np.eye(4), (len(q), 1, 1)), systems))
-        columns += [shop.scene.track(name, {shop.name: q}) for name in self.parts]
+        for index, name in enumerate(self.parts):
+            columns.append(shop.scene.track(name, {shop.name: q}) if parts is None else parts[:, index])
         columns += [shop.scene.track(self.sensors[name], {shop.name: q}) for name in self.moving_sensors]
         rows = np.empty((len(q), len(self.links) + len(columns), 7))
         write_poses(shop.kinematics.links(q), np.array(self.links, dtype=np.int64), 0, rows)
@@ -224,6 +226,11 @@ def _is_drawn(shop: Shop, frame: str, prefix: str) -> bool:
     if carrier == shop.name and shop.scene.moves(frame):
         return True
     return not prefix and not (carrier in shop.beside and shop.scene.moves(frame))
+
+
+def things_of(shop: Shop) -> tuple[str, ...]:
+    """The frames of parts, then those of devices."""
+    return tuple(body.name for role in ("part", "obstacle") for body in shop.scene.bodies if body.role == role)
 
 
 def _static(name: str, X: Pose) -> StaticFrame:

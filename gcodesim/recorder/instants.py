@@ -76,6 +76,7 @@ class Instants:
             effort=world.effort[at],
             command=window.q[at],
             saturated=np.any(world.saturated[at], axis=1),
+            **({} if record.parts is None else {"parts": record.parts[at]}),
             row=row,
             tool=window.tool[at],
             target=window.tip[at],

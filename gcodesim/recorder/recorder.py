@@ -46,6 +46,7 @@ from gcodesim.recorder.reporter import Reporter
 from gcodesim.recorder.sensed import image_topics, sensor_message, sensor_topics
 from gcodesim.recorder.texts import Texts
 from gcodesim.recorder.ways import Ways
+from gcodesim.tools.gripper import Gripper
 from gcodesim.units import DEG, MM
 
 if TYPE_CHECKING:
@@ -121,6 +122,7 @@ class Recorder:
         self._force_shown = False
         self._now_ns = 0
         self._tool = -1
+        self._fingers = (-1, 1.0)
 
     def _begin_with(self, writer: LogWriter) -> None:
         self._writer = writer
@@ -230,7 +232,11 @@ class Recorder:
         self._changes_of_tool(0, -1, window)
         for index, tiles in enumerate(self._tiles):
             self._draw(0, index, tiles.all())
-        self._write(record_of(window, world, [], self._sheet), np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64))
+        record = record_of(window, world, [], self._sheet)
+        if self._frames.parts:
+            lying = [self._shop.scene.track(name, {self._shop.name: world.q}) for name in self._frames.parts]
+            record = replace(record, parts=np.stack(lying, axis=1))
+        self._write(record, np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64))
         self._begin_blocks(0)
 
     def look(self, window: StepWindow) -> Sequence[Glimpse]:
@@ -256,6 +262,7 @@ class Recorder:
         self._reporter.until(int(ends[-1]), found, begin_ns=self._now_ns + 1)
         self._texts.until(int(ends[-1]))
         self._changes_of_tool(self._now_ns, int(ends[-1]), window)
+        self._moves_of_fingers(record, ends, logged)
         self._write(record, ends[logged], logged)
         self._now_ns = int(ends[-1])
         for index, glimpse in enumerate(seen):
@@ -314,6 +321,19 @@ class Recorder:
                 self._writer.event(t_ns, "toolchange", name, file=span[0], line=span[1])
             self._tool = number
 
+    def _moves_of_fingers(self, record: StepRecord, ends: Any, logged: Any) -> None:
+        """Draw a gripper anew when its fingers stand elsewhere than in the instant before."""
+        if "opening" not in record.columns:
+            return
+        for k in logged.tolist():
+            tool = self._shop.tool(int(record.window.tool[k]))
+            if not isinstance(tool, Gripper) or not tool.widest:
+                continue
+            opening = min(float(record["opening"][k]) / tool.widest, 1.0)
+            if (tool.number, opening) != self._fingers:
+                self._fingers = (tool.number, opening)
+                self._writer.tool(int(ends[k]), tool_shapes(tool, opening), self._frames.tool)
+
     def _change_span(self, number: int) -> tuple[str, int]:
         for timed in self._plan.trajectory.events:
             if isinstance(timed.event, ToolChange) and timed.event.tool == number:
@@ -349,7 +369,7 @@ class Recorder:
         travel, pace, load = self._limits.used(q, qd, effort)
         self._writer.window(
             came["t_ns"],
-            tf=self._frames.at(q, X_WT, self._tools(came["tool"]), part),
+            tf=self._frames.at(q, X_WT, self._tools(came["tool"]), part, came.get("parts")),
             joint_position=q,
             joint_velocity=qd,
             joint_effort=effort,

@@ -62,6 +62,8 @@ def summary_rows(results: Results) -> list[list[str]]:
     accuracy = results.path_accuracy
     if accuracy is not None and accuracy["line_of_AT"] is not None:
         rows.append(["path accuracy AT", f"{accuracy['AT_mm']:.3f} mm", f"line {accuracy['line_of_AT']} (ISO 9283)"])
+    for name, part in results.parts.items():
+        rows += _part_rows(name, part)
     for joint in results.joints:
         # a margin that is least where the machine stands at the start says nothing about the program
         if joint["margin"] is not None and joint["line_of_margin"] is not None:
@@ -84,6 +86,24 @@ def _target_rows(target: TargetResult) -> list[list[str]]:
             where = f"in {count} place{'' if count == 1 else 's'}"
             rows.append([f"{target.stock}: {name}", f"{value[f'{name}_mm3']:.1f} mm³", where])
     return rows
+
+
+def _part_rows(name: str, part: Mapping[str, Any]) -> list[list[str]]:
+    """Where a part is at the end, and how far that is from where it is meant to be."""
+    if not part["grips"] and part["error_from"] != "goal":
+        return []
+    at = " ".join(f"{axis.upper()}{part[f'{axis}_mm']:.3f}" for axis in "xyz")
+    where = f"held by {part['held_by']}" if part["held_by"] else f"on {part['on']}" if part["on"] else "on the floor"
+    lost = f", fell {_times(part['falls'])}" if part["falls"] else ""
+    rows = [[f"{name}: is at", at, f"{where}, taken {_times(part['grips'])}{lost}"]]
+    if part["pose_error_mm"] is not None:
+        remark = f"{part['pose_error_deg']:.3f}°, from its {part['error_from']}"
+        rows.append([f"{name}: pose error", f"{part['pose_error_mm']:.3f} mm", remark])
+    return rows
+
+
+def _times(count: int) -> str:
+    return "once" if count == 1 else f"{count} times"
 
 
 def _printing_rows(printing: Mapping[str, Any]) -> list[list[str]]:

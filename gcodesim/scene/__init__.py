@@ -1,7 +1,8 @@
 """Where everything is: bodies, what moves them, and the frames they stand in. Knows no cell and no program."""
 
 from gcodesim.scene.body import Body, Role
+from gcodesim.scene.carried import CarriedParts, Fall, PartChange
 from gcodesim.scene.mover import WORK, Mover
 from gcodesim.scene.scene import Hold, Scene, Stand
 
-__all__ = ["WORK", "Body", "Hold", "Mover", "Role", "Scene", "Stand"]
+__all__ = ["WORK", "Body", "CarriedParts", "Fall", "Hold", "Mover", "PartChange", "Role", "Scene", "Stand"]

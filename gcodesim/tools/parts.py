@@ -41,6 +41,12 @@ TIP: Final = BodyPart(
 NOZZLE: Final = BodyPart(words="the nozzle", color=(0.75, 0.55, 0.3, 1.0), hint="lift the tool before it passes")
 OBJECTIVE: Final = BodyPart(words="the objective", color=(0.1, 0.12, 0.2, 1.0))
 
+FINGER: Final = BodyPart(
+    words="the finger", color=(0.25, 0.27, 0.3, 1.0), hint="open less wide, or keep more distance"
+)
+CUP: Final = BodyPart(words="the cup", color=(0.15, 0.15, 0.17, 1.0), hint="keep more distance")
+GRIPPER: Final = BodyPart(words="the gripper", color=(0.55, 0.58, 0.62, 1.0))
+
 PARTS = Family(
     "parts",
     of="gcodesim.tools.parts:BodyPart",
@@ -50,6 +56,9 @@ PARTS = Family(
     nozzle="gcodesim.tools.parts:NOZZLE",
     tip="gcodesim.tools.parts:TIP",
     objective="gcodesim.tools.parts:OBJECTIVE",
+    finger="gcodesim.tools.parts:FINGER",
+    cup="gcodesim.tools.parts:CUP",
+    gripper="gcodesim.tools.parts:GRIPPER",
 )
 
 

@@ -6,6 +6,7 @@ from typing import Any, Final
 
 from gcodesim.family import Family, object_at
 from gcodesim.world.body import RobotBody, ToolBody, tool_body
+from gcodesim.world.falling import fall_of
 from gcodesim.world.protocol import STANDARD_GRAVITY, Couple, World, WorldSteps, WorldUnavailable
 
 WORLDS = Family(
@@ -59,6 +60,7 @@ __all__ = [
     "World",
     "WorldSteps",
     "WorldUnavailable",
+    "fall_of",
     "open_world",
     "require_world",
     "tool_body",

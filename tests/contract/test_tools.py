@@ -5,16 +5,24 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
+from gcodesim.declarations.composed import ListOf
 from gcodesim.declarations.keys import all_keys, inlined
 from gcodesim.declarations.plain_kinds import Text, Whole
 from gcodesim.declarations.quantity import Quantity
 from gcodesim.processes import PROCESSES
 from gcodesim.tools import TOOLS
 from gcodesim.tools.outline_kind import OutlineKind
+from gcodesim.tools.suction_gripper import Cup
 from gcodesim.tools.tool import Holder
 
 # a sound value for any required key, by its kind
-SAMPLE = {Quantity: 4.0e-3, Whole: 2, Text: "tool", OutlineKind: ((0.0, 0.0), (3.0e-3, 1.0e-3), (5.0e-3, 20.0e-3))}
+SAMPLE = {
+    ListOf: (Cup(diameter=10.0e-3),),
+    Quantity: 4.0e-3,
+    Whole: 2,
+    Text: "tool",
+    OutlineKind: ((0.0, 0.0), (3.0e-3, 1.0e-3), (5.0e-3, 20.0e-3)),
+}
 # where one value for all would be an impossible tool
 SPECIAL = {"diameter": 10.0e-3, "bead_height": 2.0e-3, "tip_diameter": 1.0e-3, "angle": 1.5, "taper": 0.3}
 

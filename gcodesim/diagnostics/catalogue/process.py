@@ -298,6 +298,68 @@ CODES: tuple[Code, ...] = (
         remedy="Move the fixture or the cut; let the plate lie on a grid that is meant to wear.",
     ),
     Code(
+        code="GS560",
+        severity=Severity.ERROR,
+        title="A part is lost",
+        what="Holding the part took more force than the gripper has, so it slipped out and fell. The force needed "
+        "follows from its weight in the attitude of the tool and from the acceleration of its centre of mass.",
+        why="A part that falls is lost, hits something, and whatever is done with it afterwards is done without it.",
+        remedy="Accelerate less, give the gripper more `force` or `vacuum`, or more friction. Once a part slips it "
+        "counts as lost, even if friction would catch it again.",
+    ),
+    Code(
+        code="GS561",
+        severity=Severity.ERROR,
+        title="A gripper closes on nothing",
+        what="The gripper was told to close, or its vacuum was switched on, where no part is between its fingers or "
+        "under its cups. A cup holds only where all of its rim is on the part.",
+        why="The program goes on without the part.",
+        remedy="Compare the place of the part with that of the tip at this line; look for an earlier loss.",
+    ),
+    Code(
+        code="GS562",
+        severity=Severity.ERROR,
+        title="A part is wider than the gripper opens",
+        what="A part is between the fingers, but the opening that it takes about the tip is more than they have.",
+        why="The fingers come down on the part.",
+        remedy="Grip it nearer to its middle or across its narrow side, or use a gripper with more `stroke`.",
+    ),
+    Code(
+        code="GS563",
+        severity=Severity.ERROR,
+        title="Two grippers take one part",
+        what="A gripper closes on a part that another gripper holds. The part stays with the first one.",
+        why="Two arms that hold one rigid part pull at each other.",
+        remedy="Let the first gripper open before the second one closes; programs wait for each other at marks.",
+    ),
+    Code(
+        code="GS564",
+        severity=Severity.WARNING,
+        title="A part is let go in the air",
+        what="The gripper opened while the part was more than 0.5 mm above whatever is below it, so it fell. In the "
+        "kinematic world it falls straight down to the next thing below; in `bullet` it is a free body.",
+        why="A part that falls does not lie where the program puts it.",
+        remedy="Go down until the part stands on something. What it stands on can be a fixture or another part; a "
+        "place that has nothing drawn below counts as a level floor where a part stands there at the start or by its "
+        "`goal`.",
+    ),
+    Code(
+        code="GS565",
+        severity=Severity.WARNING,
+        title="A grip has too little reserve",
+        what="The gripper holds the part, but with less of a reserve than its `safety` asks for.",
+        why="Friction and vacuum vary; data sheets ask for a factor of 1.5 to 4.",
+        remedy="Accelerate less, or use a stronger gripper.",
+    ),
+    Code(
+        code="GS566",
+        severity=Severity.NOTE,
+        title="Program ends with a part held",
+        what="A gripper holds a part when its program ends.",
+        why="Somebody will take it, or the next program begins with it; this is only said.",
+        remedy="Set it down before the end, if that is not meant.",
+    ),
+    Code(
         code="GS590",
         severity=Severity.WARNING,
         title="Sensor reads too often",

@@ -28,7 +28,14 @@ LIBRARIES = {
 # where `@` joins poses, which are no arrays
 POSES = {
     *("cell/placement.py", "cell/placing.py", "cell/reach.py", "checks/clearance.py", "checks/missing_length.py"),
-    *("executor/track.py", "planning/shop_posing.py", "recorder/frames.py", "scene/scene.py", "shop.py"),
+    *(
+        "executor/part_run.py",
+        "executor/track.py",
+        "planning/shop_posing.py",
+        "recorder/frames.py",
+        "scene/scene.py",
+        "shop.py",
+    ),
     *("checks/machine_bodies.py", "checks/machine_collisions.py", "checks/sharing.py", "jobs/meetings.py"),
     *("session/cell_in_hand.py", "solids/solid.py", "kinematics/assembly.py", "cell/externals.py"),
     "jobs/verification.py",

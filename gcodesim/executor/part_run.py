@@ -1,0 +1,375 @@
+"""Parts in a run: where they are planned to be, where they are, and how they fall."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from math import inf
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.arithmetic.elementary import acos
+from gcodesim.arithmetic.matrices import inverse_pose, multiplied, norm
+from gcodesim.executor.device_run import DeviceRun
+from gcodesim.executor.switching import Switching
+from gcodesim.frames import WORLD, Array, Pose
+from gcodesim.frozen import frozen
+from gcodesim.processes.gripping import GRIP, GripEvent
+from gcodesim.scene import CarriedParts, Fall, Hold, PartChange
+from gcodesim.shop import BODIES, Shop
+from gcodesim.solids import Triangles, triangles_of
+from gcodesim.solids.mass import MassOfSkin, mass_of_skin
+from gcodesim.solids.resting import SUNK, gap_below
+from gcodesim.world import fall_of
+from gcodesim.world.body import Inertia, ToolBody
+from gcodesim.world.protocol import STANDARD_GRAVITY
+
+SET_DOWN: Final = 0.5e-3
+"""A part that is let go at most this far [m] above something is set down on it; from higher up it falls."""
+
+Skin = tuple[Array, NDArray[np.int32]]
+
+
+@frozen(eq=False)
+class PartEnd:
+    """What became of a part: `X_W` at the end, its place in `parent`, who holds it, and how often it was what.
+
+    `error` [m] and `turn` [rad] say how far it is from its goal, or, without one, from where it was let go last.
+    """
+
+    X_W: Pose
+    parent: str
+    holder: str
+    moved: float
+    grips: int
+    falls: int
+    error: float | None
+    turn: float | None
+    to_goal: bool
+
+
+@dataclass(slots=True, eq=False)
+class _Count:
+    grips: int = 0
+    falls: int = 0
+    let_go: Array | None = None
+
+
+class PartRun:
+    """All parts of a cell in one run, of all its channels.
+
+    `planned` is ahead, as far as grippers have been computed; `ran` is as far as the world has moved.
+    """
+
+    def __init__(self, shop: Shop, world_name: str, dt: float) -> None:
+        self.shop, self.world_name, self.dt = shop, world_name, dt
+        self.devices = DeviceRun(shop, dt)
+        moving = self.devices.frames
+        self.planned, self.ran = CarriedParts(shop.scene, moving), CarriedParts(shop.scene, moving)
+        self.names = tuple(self.planned.bodies)
+        self.gravity = np.array(STANDARD_GRAVITY)
+        self.skins = {name: _skin_of(body.solids) for name, body in self.planned.bodies.items()}
+        self.masses: dict[str, MassOfSkin] = {
+            name: mass_of_skin(*self.skins[name], body.mass or 0.0) for name, body in self.planned.bodies.items()
+        }
+        self._fixtures = {
+            body.name: _skin_of(body.solids)
+            for body in shop.scene.bodies
+            if body.role in ("fixture", "obstacle") and body.solids
+        }
+        self._counts = {name: _Count() for name in self.names}
+        self._start = {name: shop.scene.at_rest(name) for name in self.names}
+        self._floors = self._levels()
+        self._lay_on_devices()
+
+    # ---- how parts come to rest
+
+    def _levels(self) -> tuple[float, ...]:
+        """Heights [m] of level floors: the lowest thing there is, and what parts stand on that nobody has drawn."""
+        scene = self.shop.scene
+        fixtures = {name: _moved(skin, scene.at_rest(name)) for name, skin in self._fixtures.items()}
+        lying = {name: _moved(skin, self._start[name]) for name, skin in self.skins.items()}
+        lowest = [float(points[:, 2].min()) for points, _ in (*fixtures.values(), *lying.values())]
+        levels = {min([*lowest, *(float(mover.X_WB.p[2]) for mover in scene.movers.values())])}
+        goals = {name: _moved(skin, goal) for name, skin in self.skins.items() if (goal := self.goal(name)) is not None}
+        for skins in (lying, goals):
+            for name, skin in skins.items():
+                below = fixtures | {other: own for other, own in lying.items() if other != name}
+                if gap_below(skin, below, -1e9)[0] > SUNK:
+                    levels.add(float(skin[0][:, 2].min()))
+        return tuple(sorted(levels))
+
+    def _lay_on_devices(self) -> None:
+        """What lies on a device at the start goes with it."""
+        frames = {name: self.shop.scene.at_rest(name).matrix for name in (BODIES, *self._fixtures, *self.names)}
+        for name in self.names if self.devices.frames else ():
+            change, height, support = self.come_to_rest(-1, name, frames[name], np.zeros(3), frames, settle=False)
+            if support in self.devices.frames and height <= SET_DOWN:
+                self.planned.apply(change)
+                self.ran.apply(change)
+
+    def goal(self, name: str) -> Pose | None:
+        """X_W where a part is meant to be in the end."""
+        part = self.shop.cell.parts[self.planned.bodies[name].label]
+        if part.goal is None:
+            return None
+        frame = part.goal.frame or WORLD
+        known = self.shop.placement
+        at = self.shop.scene.at_rest(frame) if frame in self.shop.cell.link_names else known.X_W(frame)
+        return at @ part.goal.X
+
+    def come_to_rest(
+        self,
+        step: int,
+        name: str,
+        X_W: Array,
+        velocity: Array,
+        poses: Mapping[str, Array],
+        *,
+        settle: bool = True,
+    ) -> tuple[PartChange, float, str]:
+        """What becomes of a part that nobody holds from a step on; how far [m] it goes down, and the body it ends on.
+
+        `poses` (4, 4) are where everything else is. The name of a body is empty for a floor. Without `settle` it
+        stays where it is.
+        """
+        skin = _moved(self.skins[name], Pose.from_matrix(X_W))
+        others = {n: _moved(own, Pose.from_matrix(poses[n])) for n, own in {**self._fixtures, **self.skins}.items()}
+        riders = {name, *self.planned.riders(name, step)}
+        others = {n: own for n, own in others.items() if n not in riders}
+        height, support = self._gap(skin, others)
+        if height <= SET_DOWN or not settle:
+            end = X_W.copy()
+            end[2, 3] -= height if settle else 0.0
+            track = None
+        else:
+            body, mass = self.skins[name], self.masses[name]
+            rows = fall_of(self.world_name)(
+                body, mass, X_W, velocity, others, self._floor_below(skin), height, self.gravity, self.dt
+            )
+            end, track = rows[-1], Fall(step=step, X=rows)
+            if self.world_name != "kinematic":
+                support = self._gap(_moved(self.skins[name], Pose.from_matrix(end)), others)[1]
+        parent = support or BODIES
+        X_WS = self.devices.frames[parent](step, 1)[0] if parent in self.devices.frames else poses[parent]
+        X = Pose.from_matrix(multiplied(inverse_pose(X_WS[None])[0], end))
+        room = inf
+        if parent in self.devices.frames and self.devices.devices[parent].speed > 0.0:
+            X_DP = multiplied(inverse_pose(poses[parent][None])[0], end)
+            front = float(_moved(self.skins[name], Pose.from_matrix(X_DP))[0][:, 0].max())
+            room = max(float(self._fixtures[parent][0][:, 0].max()) - front, 0.0)
+        return PartChange(hold=Hold(step=step, body=name, parent=parent, X=X), fall=track, room=room), height, support
+
+    def _floor_below(self, skin: Skin) -> float:
+        bottom = float(skin[0][:, 2].min())
+        return max((level for level in self._floors if level <= bottom + SUNK), default=self._floors[0])
+
+    def _gap(self, skin: Skin, others: Mapping[str, Skin]) -> tuple[float, str]:
+        return gap_below(skin, others, self._floor_below(skin))
+
+    def frames_at(self, step: int, q: Mapping[str, Array]) -> dict[str, Array]:
+        """X_WF (4, 4) of fixtures, parts and `BODIES` at the end of a step, with joints `q[mover]` (1, j)."""
+        scene = self.shop.scene
+        found = {name: scene.track(name, q)[0] for name in (BODIES, *self._fixtures)}
+        found |= {name: self.devices.drawn(name, step, 1)[0] for name in self.devices.frames}
+        return found | {name: self.planned.poses(name, step, q)[0] for name in self.names}
+
+    # ---- what is done
+
+    def count(self, events: Sequence[GripEvent]) -> None:
+        """Take note of what grippers have done in steps that the world has moved through."""
+        for event in events:
+            if event.part in self._counts:
+                count = self._counts[event.part]
+                count.grips += event.kind == "taken"
+                count.falls += event.kind == "lost" or (event.kind == "released" and event.height > SET_DOWN)
+
+    def was_let_go(self, name: str, X_W: Array) -> None:
+        self._counts[name].let_go = X_W
+
+    def poses(self, first: int, q: Mapping[str, Array]) -> Array:
+        """X_W (n, parts and devices, 4, 4) at the ends of steps that have been run."""
+        count = len(next(iter(q.values())))
+        parts = [self.ran.poses(name, first, q) for name in self.names]
+        return np.stack([*parts, *(self.devices.drawn(name, first, count) for name in self.devices.frames)], axis=1)
+
+    def ends(self, step: int, q: Mapping[str, Array]) -> dict[str, PartEnd]:
+        """What became of each part, with joints `q[mover]` (1, j) at the end."""
+        found = {}
+        for name in self.names:
+            X = Pose.from_matrix(self.ran.poses(name, step, q)[0])
+            goal, count = self.goal(name), self._counts[name]
+            meant = goal if goal is not None else None if count.let_go is None else Pose.from_matrix(count.let_go)
+            holder = self.ran.holder(name, step)
+            if goal is None and holder:
+                meant = None
+            found[name] = PartEnd(
+                X_W=X,
+                parent=self.ran.parent(name, step),
+                holder=holder,
+                moved=norm(X.p - self._start[name].p),
+                grips=count.grips,
+                falls=count.falls,
+                error=None if meant is None else norm(X.p - meant.p),
+                turn=None if meant is None else angle_between(X.R, meant.R),
+                to_goal=goal is not None,
+            )
+        return found
+
+
+class PartsInWindow:
+    """The parts as one gripper sees them in the steps of a window; see `processes.gripping.PartsAtHand`."""
+
+    def __init__(
+        self,
+        run: PartRun,
+        shop: Shop,
+        holder: str,
+        X_FT: Pose,
+        first: int,
+        q: Mapping[str, Array],
+        rows: NDArray[np.int64],
+        middle: Array,
+        switching: Switching,
+    ) -> None:
+        self._run, self._shop, self._holder, self._X_FT = run, shop, holder, X_FT
+        self._first, self._q, self._rows, self._middle, self._switching = first, q, rows, middle, switching
+        self.names, self.gravity = run.names, run.gravity
+        self.changes: list[PartChange] = []
+        self.let_go_at: list[tuple[str, Array]] = []
+
+    def begin(self) -> None:
+        """The window is about to be computed, perhaps once more."""
+        self.changes.clear()
+        self.let_go_at.clear()
+        self._run.planned.forget(self._first)
+
+    def skin(self, name: str) -> Skin:
+        return self._run.skins[name]
+
+    def center(self, name: str) -> Array:
+        return self._run.masses[name].center
+
+    def mass(self, name: str, step: int) -> float:
+        return self._run.planned.mass(name, self._first + step)
+
+    def friction(self, name: str) -> float | None:
+        return self._run.planned.bodies[name].friction
+
+    def poses(self, name: str) -> Array:
+        return self._run.planned.poses(name, self._first, self._q)
+
+    def holder(self, name: str, step: int) -> str:
+        return self._run.planned.holder(name, self._first + step)
+
+    def tip_at_change(self, step: int) -> Array:
+        return self._switching.tip_at_change(GRIP, float(self._middle[step]))
+
+    def row_end(self, step: int) -> int:
+        others = np.flatnonzero(self._rows[step:] != self._rows[step])
+        return step + int(others[0]) if len(others) else len(self._rows)
+
+    def take(self, step: int, name: str, X_TP: Array) -> None:
+        flange = f"{self._shop.name}/{self._shop.kinematics.chain.flange_name}"
+        X_FP = Pose.from_matrix(multiplied(self._X_FT.matrix, X_TP))
+        hold = Hold(step=self._first + step, body=name, parent=flange, X=X_FP)
+        self._apply(PartChange(hold=hold, holder=self._holder))
+
+    def let_go(self, step: int, name: str, X_WP: Array, velocity: Array) -> tuple[float, str]:
+        now = self._first + step
+        row = {mover: joints[step : step + 1] for mover, joints in self._q.items()}
+        self.let_go_at.append((name, X_WP))
+        frames = self._run.frames_at(now, row)
+        change, height, support = self._run.come_to_rest(now, name, X_WP, velocity, frames)
+        self._apply(change)
+        return height, support.rpartition("/")[2]
+
+    def _apply(self, change: PartChange) -> None:
+        self._run.planned.apply(change)
+        self.changes.append(change)
+
+
+@frozen(kw_only=False, eq=False)
+class PartsTarget:
+    """All parts of the cell, for the gripper `holder` of a shop."""
+
+    run: PartRun
+    shop: Shop
+    holder: str
+    X_FT: Pose
+
+    name = "parts"
+    frame = WORLD
+    material = None
+    given = None
+    room = None
+
+    def filled(self) -> None:
+        return None
+
+    def memento(self) -> Callable[[], None]:
+        return self.run.planned.memento()
+
+    def during(
+        self, first: int, q: Mapping[str, Array], rows: NDArray[np.int64], middle: Array, switching: Switching
+    ) -> PartsInWindow:
+        """The parts in steps from `first` on, which belong to path rows `rows` (n,), and whose `middle` (n,) is [s]."""
+        return PartsInWindow(self.run, self.shop, self.holder, self.X_FT, first, q, rows, middle, switching)
+
+
+def laden(tool: ToolBody, held: Sequence[tuple[Pose, MassOfSkin]]) -> ToolBody:
+    """A tool and the parts that it holds, at X_FP, as one body."""
+    if not held:
+        return tool
+    pieces = [(tool.mass, np.array(tool.com), _tensor(tool.inertia))]
+    for X_FP, part in held:
+        R = X_FP.R
+        pieces.append((part.mass, X_FP.apply(part.center), multiplied(R, part.inertia, R.T)))
+    mass = sum(m for m, _, _ in pieces)
+    com = sum((m * c for m, c, _ in pieces), np.zeros(3)) / mass
+    total = np.zeros((3, 3))
+    for m, c, inertia in pieces:
+        d = c - com
+        total += inertia + m * (float((d * d).sum()) * np.eye(3) - np.outer(d, d))
+    x, y, z = com.tolist()
+    own = tuple(float(total[i, j]) for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)))
+    return ToolBody(
+        name=tool.name,
+        length=tool.length,
+        mass=mass,
+        com=(x, y, z),
+        inertia=(own[0], own[1], own[2], own[3], own[4], own[5]),
+        solids=tool.solids,
+    )
+
+
+def _tensor(inertia: Inertia) -> Array:
+    xx, yy, zz, xy, xz, yz = inertia
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def angle_between(one: Array, other: Array) -> float:
+    """Angle [rad] of the turn from one rotation matrix to another."""
+    R = multiplied(one.T, other)
+    skew = np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
+    sine = 0.5 * norm(skew)
+    cosine = 0.5 * (float(np.trace(R)) - 1.0)
+    return sine if cosine > 0.999999 else float(acos(np.clip(cosine, -1.0, 1.0)))
+
+
+def _skin_of(solids: Sequence[object]) -> Skin:
+    points: list[Array] = []
+    faces: list[NDArray[np.int32]] = []
+    count = 0
+    for placed in solids:
+        skin: Triangles = triangles_of(placed.solid)  # type: ignore[attr-defined]
+        points.append(placed.X.apply(skin.points))  # type: ignore[attr-defined]
+        faces.append(skin.faces + count)
+        count += len(skin.points)
+    return np.concatenate(points), np.concatenate(faces).astype(np.int32)
+
+
+def _moved(skin: Skin, X: Pose) -> Skin:
+    return X.apply(skin[0]), skin[1]

@@ -1,0 +1,156 @@
+"""How a part that nobody holds comes down: straight in the kinematic world, as a free body in `bullet`.
+
+Nothing but the part moves meanwhile; what it may hit stands as it does in the step in which the part is let go.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Final, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.arithmetic.matrices import applied, norm
+from gcodesim.frames import Array, quaternion_from_rotation, rotation_from_quaternion
+from gcodesim.solids.mass import MassOfSkin
+from gcodesim.solids.resting import gap_below
+
+LONGEST: Final = 4.0  # s; what rolls for longer is stopped
+CALM: Final = 0.1  # s of rest after which a body lies
+SLOW: Final = 2e-3  # m/s, and rad/s of a body that is at rest
+MARGIN: Final = 1e-5  # m by which the engine lets shapes stand off each other
+ROUGHNESS: Final = 0.5  # friction between falling parts and everything else
+_LEVEL: Final = 5e-3  # m by which a body may hang above its support after a fall, from the tolerances of the engine
+
+Skin = tuple[Array, NDArray[np.int32]]
+
+
+class FallOf(Protocol):
+    """X_WP (n, 4, 4) of a part at the ends of the steps of its fall; the last is where it lies.
+
+    `body` is its skin in P, `X_W` (4, 4) and `velocity` (3,) [m/s] those with which it begins, `others` what it may
+    land on in W, `floor` the height of the level floor, `height` the way straight down.
+    """
+
+    def __call__(
+        self,
+        body: Skin,
+        mass: MassOfSkin,
+        X_W: Array,
+        velocity: Array,
+        others: Mapping[str, Skin],
+        floor: float,
+        height: float,
+        gravity: Array,
+        dt: float,
+    ) -> Array: ...
+
+
+def straight_down(
+    body: Skin,
+    mass: MassOfSkin,
+    X_W: Array,
+    velocity: Array,
+    others: Mapping[str, Skin],
+    floor: float,
+    height: float,
+    gravity: Array,
+    dt: float,
+) -> Array:
+    """By the rule of the kinematic world: it keeps its attitude, falls freely by `height`, and lies where it lands."""
+    pull = norm(gravity)
+    steps = max(int(np.ceil(np.sqrt(2.0 * height / pull) / dt)), 1)
+    t = dt * np.arange(1, steps + 1)
+    X = np.tile(X_W, (steps, 1, 1))
+    X[:, 2, 3] -= np.minimum(0.5 * pull * (t * t), height)
+    X[-1, 2, 3] = X_W[2, 3] - height
+    return X
+
+
+def free_fall(
+    body: Skin,
+    mass: MassOfSkin,
+    X_W: Array,
+    velocity: Array,
+    others: Mapping[str, Skin],
+    floor: float,
+    height: float,
+    gravity: Array,
+    dt: float,
+) -> Array:
+    """As a free body in a world of its own, with the convex hull of its skin, until it lies still."""
+    from gcodesim.world.bullet import import_pybullet
+
+    p = import_pybullet()
+    client = p.connect(p.DIRECT)
+    try:
+        rows = _fallen(p, client, body, mass, X_W, velocity, others, floor, gravity, dt)
+    finally:
+        p.disconnect(client)
+    X = np.tile(np.eye(4), (len(rows), 1, 1))
+    X[:, :3, :3] = rotation_from_quaternion(np.array([q for _, q in rows]))
+    X[:, :3, 3] = np.array([c for c, _ in rows]) - applied(X[:, :3, :3], mass.center)
+    points = applied(X[-1, :3, :3], body[0]) + X[-1, :3, 3]
+    left, _ = gap_below((points, body[1]), others, floor)
+    if left <= _LEVEL:
+        X[-1, 2, 3] -= left
+    return X
+
+
+def _fallen(
+    p: Any,
+    client: int,
+    body: Skin,
+    mass: MassOfSkin,
+    X_W: Array,
+    velocity: Array,
+    others: Mapping[str, Skin],
+    floor: float,
+    gravity: Array,
+    dt: float,
+) -> list[tuple[tuple[float, ...], tuple[float, ...]]]:
+    """Centre of mass and quaternion at the ends of the steps."""
+    p.setPhysicsEngineParameter(
+        fixedTimeStep=dt, numSubSteps=4, deterministicOverlappingPairs=1, enableFileCaching=0, physicsClientId=client
+    )
+    p.setGravity(*gravity.tolist(), physicsClientId=client)
+    plane = p.createCollisionShape(p.GEOM_PLANE, planeNormal=[0, 0, 1], physicsClientId=client)
+    standing = [p.createMultiBody(0.0, plane, basePosition=[0.0, 0.0, floor], physicsClientId=client)]
+    for points, faces in others.values():
+        shape = p.createCollisionShape(
+            p.GEOM_MESH,
+            vertices=points.tolist(),
+            indices=faces.ravel().tolist(),
+            flags=p.GEOM_FORCE_CONCAVE_TRIMESH,
+            physicsClientId=client,
+        )
+        standing.append(p.createMultiBody(0.0, shape, physicsClientId=client))
+    local = body[0] - mass.center
+    hull = p.createCollisionShape(p.GEOM_MESH, vertices=local.tolist(), physicsClientId=client)
+    center = applied(X_W[:3, :3], mass.center) + X_W[:3, 3]
+    part = p.createMultiBody(
+        max(mass.mass, 1e-3),
+        hull,
+        basePosition=center.tolist(),
+        baseOrientation=quaternion_from_rotation(X_W[:3, :3]).tolist(),
+        physicsClientId=client,
+    )
+    for number in (part, *standing):
+        p.changeDynamics(number, -1, lateralFriction=ROUGHNESS, collisionMargin=MARGIN, physicsClientId=client)
+    p.resetBaseVelocity(part, velocity.tolist(), [0.0, 0.0, 0.0], physicsClientId=client)
+    rows: list[tuple[tuple[float, ...], tuple[float, ...]]] = []
+    calm = 0
+    for _ in range(int(LONGEST / dt)):
+        p.stepSimulation(physicsClientId=client)
+        rows.append(p.getBasePositionAndOrientation(part, physicsClientId=client))
+        v, w = p.getBaseVelocity(part, physicsClientId=client)
+        calm = calm + 1 if norm(np.array(v)) < SLOW and norm(np.array(w)) < SLOW else 0
+        if calm * dt >= CALM:
+            break
+    return rows
+
+
+def fall_of(world: str) -> FallOf:
+    """How parts fall in the world of this name."""
+    return free_fall if world == "bullet" else straight_down
