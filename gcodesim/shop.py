@@ -144,6 +144,11 @@ class Shop:
         return Sheet.of(self.cell.tools.values(), ("turning",) if self.mover.lathe else ())
 
     @property
+    def moves_parts(self) -> bool:
+        """Whether anything in the cell may move its parts: a gripper, or a device."""
+        return bool(self.cell.devices) or any("gripping" in tool.processes for tool in self.cell.tools.values())
+
+    @property
     def signals(self) -> dict[str, Signal]:
         """What the processes of its tools read. A switch without a position of its own is off where codes switch it."""
         codes = {(code.target, code.verb) for code in self.cell.channels[self.channel].m_codes.values()}

@@ -147,10 +147,9 @@ def execute_together(
 
 
 def _parts_of(parts: Sequence[Part], world_name: str, dt_ns: int) -> PartRun | None:
-    """The parts of the cell; None where there are none and nobody who would take one."""
+    """The parts of the cell; None where nothing would move one."""
     shop = parts[0].shop
-    grips = any("gripping" in tool.processes for tool in shop.cell.tools.values())
-    return PartRun(shop, world_name, dt_ns * 1e-9) if grips or shop.cell.parts or shop.cell.devices else None
+    return PartRun(shop, world_name, dt_ns * 1e-9) if shop.moves_parts else None
 
 
 Taken = list[tuple[Track, StepRecord, Sequence[Diagnostic]]]

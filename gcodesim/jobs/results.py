@@ -202,7 +202,7 @@ class Results:
     path_accuracy: Mapping[str, Any] | None = None
     """How far the tip of an arm was off its path while it fed; None of machines that do not give way."""
     parts: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
-    """What became of the parts of the cell (`jobs/grips.py`); empty where there are none or nothing was run."""
+    """What became of the parts of the cell (`jobs/grips.py`); empty where nothing moves any, or nothing was run."""
     columns: Sequence[Column] = ()
     """Columns of processes that stand in `tools` behind those that every run has."""
     sensors: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)

@@ -233,7 +233,7 @@ class Recorder:
         for index, tiles in enumerate(self._tiles):
             self._draw(0, index, tiles.all())
         record = record_of(window, world, [], self._sheet)
-        if self._frames.parts:
+        if self._frames.parts and self._shop.moves_parts:
             lying = [self._shop.scene.track(name, {self._shop.name: world.q}) for name in self._frames.parts]
             record = replace(record, parts=np.stack(lying, axis=1))
         self._write(record, np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64))
