@@ -558,6 +558,7 @@ class Executor:
         run.findings.extend(self.watches.findings(finished=finished))
         if finished:
             run.findings.extend(structure_findings(self.file, control.span))
+        if control.finished and not self.recovery.flow:  # faults elsewhere say nothing about O-words
             run.findings.extend(unclosed_findings(self.file))
         run.not_simulated = dict(control.not_simulated)
         for word, (count, first) in control.not_simulated.items():

@@ -78,6 +78,16 @@ def test_an_o_word_that_is_never_closed_though_the_program_ends_before(program, 
     assert [(f.level.word, f.span.line) for f in done.findings if f.code == "GS130"] == [("warning", line)]
 
 
+def test_a_fault_elsewhere_does_not_hide_it_and_one_in_an_o_word_does(program):
+    text = "G1 X0foo Y0\no1 while [1]\nG0 X1\nM30"
+
+    assert [(f.level.word, f.code, f.span.line) for f in program(text).findings] == [
+        ("error", "GS004", 1),
+        ("warning", "GS130", 2),
+    ]
+    assert [f.code for f in program(text.replace("G0 X1", "o1 endwhlie")).findings if f.code == "GS130"] == []
+
+
 def test_closed_ones(program):
     text = "o1 if [1]\nG0 X1\no1 endif\no2 do\nG0 X0\no2 while [0]\no3 while [0]\no3 endwhile\nM2"
 
