@@ -20,6 +20,7 @@ _GAP: Final = 50.0 * MM
 _THIN: Final = 1.0 * MM  # a shallower cut says nothing about the thickness
 _NEAR_A_SIDE: Final = 0.25
 _SHEET: Final = 3.0 * MM
+_FLOOR: Final = 1.0 * MM  # left below the deepest cut: a slot as deep as a guessed stock would part it
 _NO_END: Final = "GS010"
 _GUESSED: Final = {"drill": 5.0 * MM, "flat_end_mill": 6.0 * MM}
 
@@ -303,6 +304,7 @@ class FirstCell:
             )
         else:
             source = "# a guess from what is cut: put in the real size and material"
+            boxes = {index: ([x, y, z - _FLOOR], high) for index, ((x, y, z), high) in boxes.items()}
         if len(boxes) == 1:
             [(index, (low, high))] = boxes.items()
             own = "" if index == 1 else f", in: {name_of_system(index)}"
