@@ -249,7 +249,7 @@ def _run(
     progress: Callable[[Progress], None] | None,
     live: LiveView | None,
 ) -> tuple[Results, Execution | None]:
-    from gcodesim.executor import Part, execute_together
+    from gcodesim.executor import TrackPlan, execute_together
     from gcodesim.jobs.inspection import Inspector
 
     if out is not None and job.loaded.made:
@@ -284,7 +284,7 @@ def _run(
             inspectors[job.channel].follow(plan)
         return plan
 
-    def part_of(each: Job, watcher: Watcher | None) -> Part:
+    def brought_by(each: Job, watcher: Watcher | None) -> TrackPlan:
         assert each.plan is not None and each.shop is not None
         inspector = inspectors[each.channel]
 
@@ -293,7 +293,7 @@ def _run(
                 each.seen(record)
             return each.shown(inspector.fresh(record, rows, joints))
 
-        return Part(plan=each.plan, shop=each.shop, inspect=inspect, watcher=watcher)
+        return TrackPlan(plan=each.plan, shop=each.shop, inspect=inspect, watcher=watcher)
 
     watchers: list[Watcher | None] = [None for _ in job.all] if recorder is None else [recorder, *recorder.others]
     eyes = _eyes(job, recorder, out)
@@ -301,7 +301,7 @@ def _run(
         watchers[0] = eyes
     try:
         execution = execute_together(
-            [part_of(each, watcher) for each, watcher in zip(job.all, watchers, strict=True)],
+            [brought_by(each, watcher) for each, watcher in zip(job.all, watchers, strict=True)],
             world_name=job.world,
             dt_ns=job.cell.simulation.step_ns,
             progress=progress,

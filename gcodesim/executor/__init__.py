@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from gcodesim.executor.loop import execute, execute_together
-    from gcodesim.executor.track import Execution, Part, Progress
+    from gcodesim.executor.track import Execution, Progress, TrackPlan
 
-__all__ = ["Execution", "Part", "Progress", "execute", "execute_together"]
+__all__ = ["Execution", "Progress", "TrackPlan", "execute", "execute_together"]
 
 
 def __getattr__(name: str) -> Any:

@@ -18,9 +18,9 @@ from gcodesim.executor.record import StepRecord
 from gcodesim.executor.track import (
     Execution,
     Inspect,
-    Part,
     Progress,
     Track,
+    TrackPlan,
     Watcher,
     add_volumes,
     attach,
@@ -56,12 +56,12 @@ def execute(
     then is in the result. It is passed on to the caller when nothing was done. Raises
     `WorldUnavailable` when the world cannot be opened here.
     """
-    part = Part(plan=plan, shop=shop, inspect=inspect, watcher=watcher)
-    return execute_together([part], world_name=world_name, dt_ns=dt_ns, progress=progress, onward=onward)
+    brought = TrackPlan(plan=plan, shop=shop, inspect=inspect, watcher=watcher)
+    return execute_together([brought], world_name=world_name, dt_ns=dt_ns, progress=progress, onward=onward)
 
 
 def execute_together(
-    parts: Sequence[Part],
+    channels: Sequence[TrackPlan],
     *,
     world_name: str,
     dt_ns: int,
@@ -70,12 +70,13 @@ def execute_together(
 ) -> Execution:
     """Run the plans of several channels at once, all until the last of them ends; the first one looks at the stocks.
 
-    Everything else is as in `execute`. Cuts go by steps, then in the order of the parts, so no number depends on which
-    thread is faster. `onward` is for a run of one part. The result is that of the first part and has the others.
+    Everything else is as in `execute`. Cuts go by steps, then in the order of the channels, so no number depends on
+    which thread is faster. `onward` is for a run of one channel. The result is that of the first channel and has the
+    others.
     """
-    passes = passes_of(parts[0].shop)
-    things = _parts_of(parts, world_name, dt_ns)
-    tracks = [Track(part, world_name, dt_ns, passes, number, things) for number, part in enumerate(parts)]
+    passes = passes_of(channels[0].shop)
+    things = _parts_of(channels, world_name, dt_ns)
+    tracks = [Track(brought, world_name, dt_ns, passes, number, things) for number, brought in enumerate(channels)]
     first_track = tracks[0]
     watcher = first_track.watcher
     most = MOST_STEPS if watcher is None else max(1, min(MOST_STEPS, watcher.interval_steps))
@@ -146,9 +147,9 @@ def execute_together(
     return replace(own, others=others, parts=ends)
 
 
-def _parts_of(parts: Sequence[Part], world_name: str, dt_ns: int) -> PartRun | None:
+def _parts_of(channels: Sequence[TrackPlan], world_name: str, dt_ns: int) -> PartRun | None:
     """The parts of the cell; None where nothing would move one."""
-    shop = parts[0].shop
+    shop = channels[0].shop
     return PartRun(shop, world_name, dt_ns * 1e-9) if shop.moves_parts else None
 
 

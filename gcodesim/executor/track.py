@@ -110,7 +110,7 @@ class Execution:
 
 
 @frozen(eq=False)
-class Part:
+class TrackPlan:
     """What a channel brings to a run: its plan, its shop, and who looks at its steps."""
 
     plan: Plan
@@ -120,11 +120,11 @@ class Part:
 
 
 class Track:
-    """A part while it runs. `steps` is the number of those that its plan needs, `done` that of those that are run."""
+    """A channel while it runs. `steps` is the number that its plan needs, `done` that of those that are run."""
 
     def __init__(
         self,
-        part: Part,
+        brought: TrackPlan,
         world_name: str,
         dt_ns: int,
         passes: dict[str, Passes] | None = None,
@@ -132,14 +132,14 @@ class Track:
         parts: PartRun | None = None,
     ) -> None:
         """`passes` are those at each stock, kept for all channels; `number` is that of this one."""
-        plan, shop = part.plan, part.shop
+        plan, shop = brought.plan, brought.shop
         self.parts = parts
         self.load: dict[str, tuple[Pose, MassOfSkin]] = {}
         if parts is not None:
             parts.devices.follow(shop.channel, plan)
-        self.plan, self.shop, self.watcher = plan, shop, part.watcher
+        self.plan, self.shop, self.watcher = plan, shop, brought.watcher
         self.rows = RowColumns.of(plan.path, shop)
-        self._inspect, self._dt_ns = part.inspect, dt_ns
+        self._inspect, self._dt_ns = brought.inspect, dt_ns
         self._sheet = shop.sheet
         self._totals = RowTotals.zeros(len(self.rows.tool), self._sheet)
         self._standing: dict[str, float] = {}
