@@ -89,7 +89,7 @@ def _results() -> Json:
                 initial_mm3=number("volume at the start"),
                 removed_mm3=number("taken away"),
                 deposited_mm3=number("put on"),
-                remaining_mm3=number("volume at the end"),
+                remaining_mm3=number("volume at the end, with the pieces that fell"),
                 resolution_mm=number("distance of its columns"),
                 error_bound_mm3=number("by how much the volumes may be wrong"),
                 doses=table(

@@ -250,17 +250,18 @@ def _stock_results(
     for name, placed in shop.stocks.items():
         stock = placed.stock
         removed, added = execution.volumes.get(name, (0.0, 0.0))
+        pieces = fallen.get(name, ())
         results[name] = StockResult(
             material=stock.material,
             initial=placed.initial,
             removed=removed,
             deposited=added,
-            remaining=stock.volume,
+            remaining=stock.volume + sum(piece.volume for piece in pieces),
             resolution=stock.cell,
             error_bound=stock.error_bound(),
             turned=_turned(cast("Revolved", stock)) if placed.revolved else None,
             doses={} if placed.revolved else _doses(stock),
-            fallen=fallen.get(name, ()),
+            fallen=pieces,
         )
     return results
 

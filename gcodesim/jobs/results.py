@@ -102,7 +102,7 @@ class DoseResult:
 
 @frozen
 class StockResult:
-    """One stock at the end; volumes [m³], resolution [m]."""
+    """One stock at the end; volumes [m³], resolution [m]. What fell out of it in pieces remains: it is not in chips."""
 
     material: str
     initial: float

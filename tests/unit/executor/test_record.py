@@ -48,6 +48,7 @@ def stint(begin: int, kind: str = "one", wrench: Any = None, R: Any = None, **co
         window=SimpleNamespace(compliance=None),  # type: ignore[arg-type]
         X_BS=X,
         share=np.zeros((0, 2)),
+        row=np.zeros(0, dtype=np.int64),
     )
     made._keep(answer)
     return made

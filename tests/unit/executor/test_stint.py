@@ -75,7 +75,8 @@ def stint(zone: Zone, height: float, filled: Any = BOX, R: np.ndarray | None = N
         X[:, :3, :3] = R
     target: Any = SimpleNamespace(name="plate", given=None, filled=lambda: filled)
     task = Task(tool=None, target=target, process=process, state=ProcessState(values=np.zeros(1)))  # type: ignore[arg-type]
-    return Stint(task=task, begin=0, end=n, window=window, X_BS=X, share=np.tile([0.0, 1.0], (n, 1))), process
+    share, row = np.tile([0.0, 1.0], (n, 1)), np.zeros(n, dtype=np.int64)
+    return Stint(task=task, begin=0, end=n, window=window, X_BS=X, share=share, row=row), process
 
 
 @pytest.mark.parametrize(
