@@ -40,7 +40,7 @@ class Footprint:
 class Fading:
     """How the transfer efficiency changes with distance: straight between these points, even beyond them."""
 
-    distance: tuple[float, ...] = key(Vector(_WIDE), "from the nozzle to the surface, rising")
+    distance: tuple[float, ...] = key(Vector(_WIDE), "to the surface, rising", example="[150, 200, 300 mm]")
     factor: tuple[float, ...] = key(Vector(_FACTOR), "of `efficiency` there")
 
 
@@ -74,6 +74,7 @@ class SprayGun(Tool):
     distances: tuple[float, float] = key(
         Vector(Quantity("length", Range(least=0.0, most=10.0)), 2),
         "least and greatest distance that is right",
+        example="[150, 250 mm]",
         derive=lambda tool: (0.5 * tool.distance, 1.5 * tool.distance),
         rule="half of `distance` and one and a half of it",
     )
