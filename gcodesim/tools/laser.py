@@ -14,6 +14,11 @@ from gcodesim.tools.beam_tool import BeamTool
 from gcodesim.units import UM
 
 
+def _rayleigh(diameter: float, beam_quality: float, wavelength: float) -> float:
+    """Distance [m] from the focus at which the spot has twice the area."""
+    return 0.25 * pi * (diameter * diameter) / (beam_quality * wavelength)
+
+
 @frozen
 class Laser(BeamTool):
     """A laser. `diameter` is that at which a Gaussian beam has 1/e² of its greatest intensity (ISO 11146)."""
@@ -39,12 +44,15 @@ class Laser(BeamTool):
     )
     wavelength: float = key(Quantity("length", POSITIVE), "wavelength of the light", default=1.06 * UM)
     beam_quality: float = key(
-        Quantity("ratio", Range(least=1.0)), "M²: how much faster it widens than an ideal beam", default=1.0
+        Quantity("ratio", Range(least=1.0)),
+        "M²: how much faster it widens than an ideal beam",
+        default=1.0,
+        example="1.3",
     )
     rayleigh: float = key(
         Quantity("length", POSITIVE),
         "distance from the focus at which the spot has twice the area",
-        derive=lambda tool: 0.25 * pi * (tool.diameter * tool.diameter) / (tool.beam_quality * tool.wavelength),
+        derive=lambda tool: round(_rayleigh(tool.diameter, tool.beam_quality, tool.wavelength), 9),  # as it is shown
         rule="pi radius² / (M² wavelength)",
     )
     tolerance: float = key(
