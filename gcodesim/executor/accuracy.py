@@ -76,14 +76,14 @@ def distances(points: Array, way: Array, first: int) -> Array:
     """Distance (n,) [m] of each point (n, 3) from the last `BEHIND` chords of a way (first + n, 3) before its end."""
     n = len(points)
     nearest = norms(points - way[first : first + n])
+    chords = way[1:] - way[:-1]
+    lengths = dots(chords, chords)
     for back in range(min(BEHIND, len(way) - 1)):
-        end = first + np.arange(n) - back
-        known = end >= 1
-        if not known.any():
+        begin = max(0, back + 1 - first)  # points before it have no chord so far back
+        if begin >= n:
             break
-        a, b = way[end[known] - 1], way[end[known]]
-        chord, from_a = b - a, points[known] - a
-        length = dots(chord, chord)
-        share = np.clip(np.divide(dots(from_a, chord), length, out=np.zeros(len(a)), where=length > 0.0), 0.0, 1.0)
-        nearest[known] = np.minimum(nearest[known], norms(from_a - share[:, None] * chord))
+        here = slice(first + begin - back - 1, first + n - back - 1)
+        chord, length, from_a = chords[here], lengths[here], points[begin:] - way[here]
+        share = np.clip(np.divide(dots(from_a, chord), length, out=np.zeros(n - begin), where=length > 0.0), 0.0, 1.0)
+        nearest[begin:] = np.minimum(nearest[begin:], norms(from_a - share[:, None] * chord))
     return nearest
