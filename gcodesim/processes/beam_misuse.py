@@ -38,57 +38,38 @@ def _of_tool(rows: Rows, kind: type[Beam], tool: Any, mine: Flags) -> Iterator[D
     rapid = mine & rows.rapid & (rows["beam_in_rapid"] > LEAST)
     if rapid.any():
         seconds = float(rows["beam_in_rapid"][rapid].sum())
-        yield _told(rows, rapid, "GS540", f"{name} is on for {seconds:.3f} s of rapid moves",
+        yield rows.told(np.flatnonzero(rapid), "GS540", f"{name} is on for {seconds:.3f} s of rapid moves",
                     "switch it off before the move", (seconds, 0.0, "s"))  # fmt: skip
     missed = mine & ~rows.rapid & (lit > LEAST) & (landed <= 0.0)
     if missed.any():
         seconds = float(lit[missed].sum())
-        yield _told(rows, missed, "GS541", f"{name} is on for {seconds:.3f} s and strikes no stock",
+        yield rows.told(np.flatnonzero(missed), "GS541", f"{name} is on for {seconds:.3f} s and strikes no stock",
                     "check the path and the height, or switch it on later", (seconds, 0.0, "s"))  # fmt: skip
     if rows.ended and not lit[mine].any() and (mine & ~rows.rapid).any():
         hint = "the cell says what switches it: `signals` (`power`, `beam`), `m_codes` (`tool: activate`), `laser_mode`"
-        yield _told(rows, mine & ~rows.rapid, "GS542", f"{name} moves along its path and is never on", hint, None)
+        message = f"{name} moves along its path and is never on"
+        yield rows.told(np.flatnonzero(mine & ~rows.rapid), "GS542", message, hint)
     lit_rows = mine & (landed > 0.0)
     unknown = getattr(tool, "specific_energy", 0.0) is None
     if rows.ended and unknown and lit_rows.any() and not rows["removed"][mine].any():
         hint = "give the tool a `specific_energy`, such as `3 J/mm^3`, if it is to engrave or cut"
         message = f"{name} gives {float(landed[mine].sum()):.4g} J and takes nothing: nobody knows what that would need"
-        yield _told(rows, lit_rows, "GS546", message, hint, None)
+        yield rows.told(np.flatnonzero(lit_rows), "GS546", message, hint)
     # a row that has begun where it is meant to may go deep: the beam stands in its own hole
     off = np.where(mine & (rows["in_focus"] <= 0.0), rows["out_of_focus"], 0.0)
     if off.any():
         worst, allowed = float(off.max()) / MM, tool.tolerance / MM
         message = f"{name} strikes {worst:.3g} mm from where it is meant to; {allowed:.3g} mm are allowed"
-        yield _told(rows, off > 0.0, "GS543", message, "check the height, `stand_off`, `focus` and `tolerance`",
-                    (worst, allowed, "mm"))  # fmt: skip
+        hint = "check the height, `stand_off`, `focus` and `tolerance`"
+        yield rows.told(np.flatnonzero(off > 0.0), "GS543", message, hint, (worst, allowed, "mm"))
     beyond = np.where(mine, rows["beam_too_much"], 0.0)
     if beyond.any():
         most, full = float(beyond.max()), float(tool.power)
         message = f"the program asks {name} for {most:.4g} W; it has {full:.4g} W"
-        yield _told(rows, beyond > 0.0, "GS544", message, "it runs with full power; check `signals` and `power`",
-                    (most, full, "W"))  # fmt: skip
+        hint = "it runs with full power; check `signals` and `power`"
+        yield rows.told(np.flatnonzero(beyond > 0.0), "GS544", message, hint, (most, full, "W"))
     dry = mine & (rows["beam_without_gas"] > LEAST)
     if dry.any():
         seconds = float(rows["beam_without_gas"][dry].sum())
-        yield _told(rows, dry, "GS545", f"{name} cuts for {seconds:.3f} s without gas",
+        yield rows.told(np.flatnonzero(dry), "GS545", f"{name} cuts for {seconds:.3f} s without gas",
                     "switch the gas on before the beam", (seconds, 0.0, "s"))  # fmt: skip
-
-
-def _told(
-    rows: Rows, where: Flags, code: str, message: str, hint: str, numbers: tuple[float, float, str] | None
-) -> Diagnostic:
-    """The finding for all rows of one kind of misuse, at the first of them."""
-    found = np.flatnonzero(where)
-    first = int(found[0])
-    value, limit, unit = numbers or (None, None, None)
-    return Diagnostic(
-        code=code,
-        message=message,
-        hint=hint,
-        span=rows.span(first),
-        time=float(rows.time[first]),
-        count=len(found),
-        value=value,
-        limit=limit,
-        unit=unit,
-    )

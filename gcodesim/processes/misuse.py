@@ -51,23 +51,6 @@ def cutter_findings(rows: Rows) -> list[Diagnostic]:
     return [*_folded(found), *_blind(rows)]
 
 
-def _told(
-    rows: Rows, event: Event, code: str, message: str, value: float, unit: str, *, limit: float = 0.0, hint: str = ""
-) -> Diagnostic:
-    """The finding for the rows of one event, at the first of them."""
-    first = int(event[0])
-    return Diagnostic(
-        code=code,
-        message=message,
-        span=rows.span(first),
-        hint=hint,
-        count=len(event),
-        time=float(rows.time[first]),
-        value=value,
-        limit=limit,
-        unit=unit,
-    )
-
 
 def _least(rows: Rows) -> Array:
     """What each row (n,) may remove [m³] without counting as a cut: a cell, or rubbing at the tool's own wall."""
@@ -107,7 +90,7 @@ def _blind(rows: Rows) -> list[Diagnostic]:
                 "the cut is computed as if it stood still"
             )
             hint = f"give axis {letter} of the machine its `at: [x, y, z]`, a point on the axis"
-            found.append(_told(rows, event, "GS407", message, taken, "mm^3", hint=hint))
+            found.append(rows.told(event, "GS407", message, hint, (taken, 0.0, "mm^3")))
     return _folded(found)
 
 
@@ -119,7 +102,7 @@ def _rapids(rows: Rows, cut: Array, bound: Array) -> Iterator[Diagnostic]:
             f"{allowed:.1f} mm³ could be an error of the grid"
         )
         hint = "retract before the move, or make it a feed move"
-        yield _told(rows, event, "GS401", message, volume, "mm^3", limit=allowed, hint=hint)
+        yield rows.told(event, "GS401", message, hint, (volume, allowed, "mm^3"))
 
 
 def _inside(rows: Rows, inside: Array) -> Iterator[Diagnostic]:
@@ -152,7 +135,7 @@ def _in_stock(rows: Rows, part: str, depth: Array, away: Flags) -> Iterator[Diag
     for event in rows.events(depth > 0.0, away):
         worst = float(depth[event].max()) / MM
         message = f"{part} of {rows.tool_name(int(event[0]))} runs into stock, {worst:.3f} mm deep"
-        yield _told(rows, event, code, message, worst, "mm", hint=hint)
+        yield rows.told(event, code, message, hint, (worst, 0.0, "mm"))
 
 
 _TURNS: Final = {
@@ -169,4 +152,4 @@ def _spindle(rows: Rows, code: str, volume: Array, bound: Array) -> Iterator[Dia
         if volume[event].sum() <= bound[event].max():
             continue  # a tap on its way out, in its own thread: below what the grid can show
         message = f"{rows.tool_name(int(event[0]))} feeds through {taken:.1f} mm³ of stock with {how}"
-        yield _told(rows, event, code, message, taken, "mm^3", hint=hint)
+        yield rows.told(event, code, message, hint, (taken, 0.0, "mm^3"))

@@ -48,15 +48,12 @@ def printing_findings(rows: Rows) -> Iterator[Diagnostic]:
     ):  # fmt: skip
         lost = rows[name]
         if float(lost.sum()) > _WORTH * total:
-            first = int(np.argmax(lost > 0.0))
-            yield _told(
-                rows,
-                first,
+            yield rows.told(
+                np.flatnonzero(lost > 0.0),
                 code,
                 f"{lost.sum() / MM3:.1f} of {total / MM3:.1f} mm³ {what}",
                 hint,
                 (float(lost.sum()) / MM3, _WORTH * total / MM3, "mm³"),
-                int((lost > 0.0).sum()),
             )
 
 
@@ -87,20 +84,18 @@ def _in_the_air(rows: Rows) -> Iterator[Diagnostic]:
     floating = [each for each in floating if each[1] > FREE]
     if floating:
         total = sum(length for _, length in floating)
-        yield _told(
-            rows,
-            floating[0][0],
+        yield rows.told(
+            np.array([first for first, _ in floating]),
             "GS520",
             f"the bead lies in the air: {total / MM:.1f} mm without anything below",
             "print a support, or the layer below, first",
             (total / MM, AIR / MM, "mm"),
-            len(floating),
         )
     if bridges:
         total, longest = sum(length for _, length in bridges), max(length for _, length in bridges)
-        yield _told(rows, bridges[0][0], "GS521", f"{total / MM:.1f} mm of bead bridge what is empty below; longest "
-                    f"stretch: {longest / MM:.1f} mm", "both ends rest on something", (longest / MM, AIR / MM, "mm"),
-                    len(bridges))  # fmt: skip
+        message = f"{total / MM:.1f} mm of bead bridge what is empty below; longest stretch: {longest / MM:.1f} mm"
+        event = np.array([first for first, _ in bridges])
+        yield rows.told(event, "GS521", message, "both ends rest on something", (longest / MM, AIR / MM, "mm"))
 
 
 def _joined(rows: Rows, one: int, next_one: int) -> bool:
@@ -123,21 +118,4 @@ def _off_size(rows: Rows, volume: Array) -> Iterator[Diagnostic]:
     message = f"flow and speed give a section of {flow:.3g} mm²; beads of the size named ask for {wanted:.3g} mm²"
     message += f", {abs(flow / wanted - 1.0):.0%} {less} flows"
     hint = "check E, `filament_diameter`, `bead_width` and `bead_height`"
-    yield _told(rows, int(off[0]), "GS524", message, hint, (flow, wanted, "mm²"), len(off))
-
-
-def _told(
-    rows: Rows, row: int, code: str, message: str, hint: str, numbers: tuple[float, float, str], count: int
-) -> Diagnostic:
-    value, limit, unit = numbers
-    return Diagnostic(
-        code=code,
-        message=message,
-        hint=hint,
-        span=rows.span(row),
-        time=float(rows.time[row]),
-        count=count,
-        value=value,
-        limit=limit,
-        unit=unit,
-    )
+    yield rows.told(off, "GS524", message, hint, (flow, wanted, "mm²"))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.diagnostics import Span
+from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.diagnostics.events import Flags, runs
 from gcodesim.frozen import frozen
 
@@ -68,3 +68,26 @@ class Rows:
         Without `ends` an event ends at the first row that is free of it.
         """
         return runs(fault, ends, self.setting)
+
+    def told(
+        self,
+        event: NDArray[np.intp],
+        code: str,
+        message: str,
+        hint: str,
+        numbers: tuple[float, float, str] | None = None,
+    ) -> Diagnostic:
+        """The finding for the rows (k,) of one event, at the first of them; `numbers` are value, limit and unit."""
+        first = int(event[0])
+        value, limit, unit = numbers or (None, None, None)
+        return Diagnostic(
+            code=code,
+            message=message,
+            hint=hint,
+            span=self.span(first),
+            time=float(self.time[first]),
+            count=len(event),
+            value=value,
+            limit=limit,
+            unit=unit,
+        )

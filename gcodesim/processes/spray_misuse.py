@@ -33,8 +33,7 @@ def spray_findings(rows: Rows) -> Iterator[Diagnostic]:
         first, volume = int(event[0]), float(rows["sprayed"][event].sum())
         if volume < WASTE * float(rows["sprayed"][rows.tool == rows.tool[first]].sum()):
             continue
-        yield _told(
-            rows,
+        yield rows.told(
             event,
             "GS533",
             f"{rows.tool_name(first)} sprays {volume / CM3:.3g} cm³ on nothing that is to be coated",
@@ -50,8 +49,7 @@ def spray_findings(rows: Rows) -> Iterator[Diagnostic]:
             gun = rows.tools.get(int(rows.tool[first]))
             assert isinstance(gun, SprayGun)
             limit = gun.distances[0 if name == "near" else 1]
-            yield _told(
-                rows,
+            yield rows.told(
                 event,
                 "GS534",
                 f"{rows.tool_name(first)} sprays from {code_word}: {mean / MM:.0f} mm on average; from "
@@ -60,8 +58,7 @@ def spray_findings(rows: Rows) -> Iterator[Diagnostic]:
                 (mean / MM, limit / MM, "mm"),
             )
     for event in rows.events(rows["without_flow"] > 0.0):
-        yield _told(
-            rows,
+        yield rows.told(
             event,
             "GS535",
             f"{rows.tool_name(int(event[0]))} is on for {float(rows['without_flow'][event].sum()):.3g} s and nothing "
@@ -69,26 +66,3 @@ def spray_findings(rows: Rows) -> Iterator[Diagnostic]:
             "give the tool a `flow`, or set that of `signals: {flow: …}` before the gun is switched on",
             (0.0, 0.0, "cm³/s"),
         )
-
-
-def _told(
-    rows: Rows,
-    event: NDArray[np.intp],
-    code: str,
-    message: str,
-    hint: str,
-    numbers: tuple[float, float, str],
-) -> Diagnostic:
-    value, limit, unit = numbers
-    first = int(event[0])
-    return Diagnostic(
-        code=code,
-        message=message,
-        hint=hint,
-        span=rows.span(first),
-        time=float(rows.time[first]),
-        count=len(event),
-        value=value,
-        limit=limit,
-        unit=unit,
-    )
