@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gcodesim.executor.part_run import PartRun
-from gcodesim.executor.stint import Stint, stint_of
+from gcodesim.executor.stint import Stint, deflection_of, stint_of
 from gcodesim.executor.switching import Switching
 from gcodesim.executor.tasks import RowColumns, Tasks
 from gcodesim.executor.window import StepWindow
@@ -36,6 +36,7 @@ class Coupling:
         self._tasks = Tasks(shop, parts)
         self._switching = Switching(plan, shop)
         self._gears_move = gears_move
+        self._bent: Array | None = None  # how far (1, 3) [m] in B loads have put the tip at the end of the last steps
 
     def follow(self, plan: Plan, rows: RowColumns) -> None:
         """Go on with a plan that has further legs, and its rows."""
@@ -44,10 +45,10 @@ class Coupling:
 
     def save(self) -> Callable[[], None]:
         """Remember which tool is in the spindle; calling the result restores it. States of processes do not count."""
-        kept = copy(self._tasks)
+        kept, bent = copy(self._tasks), self._bent
 
         def restore() -> None:
-            self._tasks = kept
+            self._tasks, self._bent = kept, bent
 
         return restore
 
@@ -61,7 +62,27 @@ class Coupling:
 
         ask = None if self._gears_move else jacobian
         made = [stint_of(self._shop, self._rows, task, steps, begin, end, ask, self._switching) for task in tasks]
-        return Stretch(self._plan, steps, begin, end, [stint for stint in made if stint is not None])
+        stints = [stint for stint in made if stint is not None]
+        self._bend(steps, begin, end, stints)
+        return Stretch(self._plan, steps, begin, end, stints)
+
+    def _bend(self, steps: StepWindow, begin: int, end: int, stints: list[Stint]) -> None:
+        """Let the other processes act where those that lead put the tip."""
+        leading = [stint for stint in stints if stint.task.process.leads]
+        if not leading:
+            self._bent = None
+            return
+        bent: Array = np.zeros((end - begin, 3))
+        for stint in leading:
+            stint.run()
+            bent += deflection_of(stint)[:, :3]
+        before = bent[:1] if self._bent is None else self._bent
+        self._bent = bent[-1:]
+        both = np.concatenate([before, bent])
+        if both.any():
+            for stint in stints:
+                if not stint.task.process.leads:
+                    stint.shift(both)
 
     def tip_jacobian(self, steps: StepWindow, begin: int, end: int) -> Array:
         """Jacobians (n, 6, j) of the tip in base axes."""
@@ -81,7 +102,7 @@ class Stretch:
     @property
     def pushes(self) -> bool:
         """Whether a world would feel what the tool does."""
-        return any(stint.task.process.pushes for stint in self.stints)
+        return any(not stint.task.process.rests(stint.window) for stint in self.stints)
 
     def __call__(self, first: int, q: Array) -> Array:
         """What the tool feels (n, 6) in all steps, with joints (n, j) as commanded."""

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from gcodesim.canon import Action, Event, Output, Spindle
 from gcodesim.cell.signals import SignalSource, SignalWord
 from gcodesim.motion.tool_path import PathEvent, ToolPath
+from gcodesim.processes.loading import LOAD_IN_TOOL, PUSHES
 from gcodesim.processes.signal import (
     ACTIVE,
     BEAD_HEIGHT,
@@ -54,6 +55,8 @@ def signals_of_rows(
         found[FEED.name] = path.feed if len(path) else np.zeros(1)
     if laser_mode is not None:
         found[LASER_MODE.name] = np.full(len(spindle), laser_mode * RPM)
+    if LOAD_IN_TOOL.name in (read or {}):
+        found |= _pushes(path, state)
     if path.extrude.any():
         sections = [each.section for each in path.states]
         for signal, size in ((BEAD_WIDTH, "width"), (BEAD_HEIGHT, "height")):
@@ -88,6 +91,13 @@ def number_after(event: Event, source: SignalSource) -> float | None:
     else:
         number = source.word.number_of(event)
     return None if number is None else source.factor * number + source.zero
+
+
+def _pushes(path: ToolPath, state: NDArray[Any]) -> dict[str, NDArray[Any]]:
+    """What a script exerts at the tip (n,), for the process of loads."""
+    pushed = np.array([each.push or (0.0,) * 6 for each in path.states], dtype=float)[state]
+    frame = np.array([float(each.push_in_tool) if each.push else np.nan for each in path.states])[state]
+    return {LOAD_IN_TOOL.name: frame} | {signal.name: pushed[:, k] for k, signal in enumerate(PUSHES)}
 
 
 def _of_lathes(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -54,6 +54,20 @@ class Stint:
             self._keep(task.process.run(self.parts, window, task.state))
         elif _is_near(task, window.piece_start, window.piece_end, window.axis, task.target.filled()):
             self._keep(task.process.run(task.target.given, window, task.state))
+
+    def shift(self, bent: Array) -> None:
+        """Act off the command by `bent` (n + 1, 3) [m] in B, at the beginning and at the end of each step."""
+        window, step = self.window, self.window.piece_step
+        R_SB = self.X_BS[:, :3, :3].transpose(0, 2, 1)
+        before, after = applied(R_SB, bent[:-1]), applied(R_SB, bent[1:])
+        way = after - before
+        ends = [before[step] + share[:, None] * way[step] for share in self.share.T]
+        self.window = replace(
+            window,
+            piece_start=window.piece_start + ends[0],
+            piece_end=window.piece_end + ends[1],
+            velocity=window.velocity + way / window.dt,
+        )
 
     @property
     def bounds(self) -> Bounds:

@@ -107,7 +107,7 @@ class Tasks:
         return self._tasks
 
     def _of(self, tool: Tool) -> Iterator[Task]:
-        for kind in tool.processes:
+        for kind in tool.acts_by:
             variant = PROCESSES[kind]
             for target in self._targets(tool, variant.acts_on):
                 process = variant.of(tool, target.material)

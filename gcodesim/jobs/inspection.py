@@ -204,7 +204,7 @@ class Inspector:
 
 def _does(shop: Shop, kind: str, tool: Tool) -> bool:
     """Whether a tool may carry out this kind of process: on a lathe any turns, drills as well."""
-    return kind in tool.processes or (kind == "turning" and shop.mover.lathe)
+    return kind in tool.acts_by or (kind == "turning" and shop.mover.lathe)
 
 
 def _rows_of(plan: Plan, words: frozenset[str]) -> Flags:

@@ -55,6 +55,7 @@ class ToolState:
     under G96 (then `spindle` is its cap). `system` (`canon.systems`: 1 is G54) with
     its offset, G92 and rotation [rad]. `word` is the motion word, as G1; `control` what the words command.
     In programs of printers `limits` are those of the firmware's planner, and `section` is what is being printed.
+    `push` (6,) is a force [N] and torque [N·m] that a script exerts at the tip, in axes of the world or the tool.
     """
 
     tool: int = 0
@@ -71,6 +72,8 @@ class ToolState:
     control: Commanded = Commanded.AXES
     limits: MotionLimits | None = None
     section: Section | None = None
+    push: tuple[float, ...] = ()
+    push_in_tool: bool = False
 
 
 @frozen(kw_only=False)

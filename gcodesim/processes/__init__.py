@@ -14,6 +14,7 @@ PROCESSES = Family(
     gripping="gcodesim.processes.gripping:Gripping",
     sensing="gcodesim.processes.sensing:Sensing",
     turning="gcodesim.processes.turning:Turning",
+    loading="gcodesim.processes.loading:Loading",
 )
 
 __all__ = ["PROCESSES"]

@@ -108,6 +108,7 @@ class Process:
     A kind of process is a frozen dataclass below this. `kind` is its name in the table `PROCESSES`; `acts_on` its sort
     of target; `takes` says that it removes material, `pushes` that it exerts a force, so that a machine may yield;
     `touches` says that it is about the tool in contact, so that it is not asked where a probe touches on purpose;
+    `leads` says that its force depends on nothing but the window, so that the others act where it puts the tip;
     `reads` lists the signals that `Window.signals` holds for it, `writes` the columns that it gives values for.
     """
 
@@ -116,6 +117,7 @@ class Process:
     takes: ClassVar[bool] = False
     pushes: ClassVar[bool] = False
     touches: ClassVar[bool] = False
+    leads: ClassVar[bool] = False
     reads: ClassVar[tuple[Signal, ...]] = ()
     writes: ClassVar[tuple[Column, ...]] = ()
 
@@ -138,6 +140,10 @@ class Process:
     def zone(self) -> Zone:
         """Where it acts, seen from the tip of its tool."""
         return EVERYWHERE
+
+    def rests(self, window: Window) -> bool:
+        """Whether it exerts no force in a window, as can be told beforehand; then no world has to ask for it."""
+        return not self.pushes
 
     @property
     def laid_section(self) -> float:

@@ -30,11 +30,11 @@ class Sheet:
         from gcodesim.processes import PROCESSES
 
         tools = list(tools)
-        kinds = PROCESSES.in_order([*(kind for tool in tools for kind in tool.processes), *more])
+        kinds = PROCESSES.in_order([*(kind for tool in tools for kind in tool.acts_by), *more])
         known = {column.name: column for column in HOUSE}
         owner = dict.fromkeys(known, "every run")
         for kind in kinds:
-            users = [tool for tool in tools if kind in tool.processes]
+            users = [tool for tool in tools if kind in tool.acts_by]
             asked = (column for tool in users for column in PROCESSES[kind].columns_of(tool))
             for column in dict.fromkeys((*PROCESSES[kind].writes, *asked)):
                 if column.shown_in is Shown.NOWHERE:

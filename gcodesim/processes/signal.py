@@ -85,7 +85,7 @@ LASER_MODE: Final = Signal("laser_mode")
 def signals_read_by(tools: Iterable[Tool]) -> dict[str, Signal]:
     """The signals that the processes of these tools read, by name, with the actions of all readers."""
     found: dict[str, Signal] = {}
-    for kind in dict.fromkeys(kind for tool in tools for kind in tool.processes):
+    for kind in dict.fromkeys(kind for tool in tools for kind in tool.acts_by):
         for signal in PROCESSES[kind].reads:
             known = found.setdefault(signal.name, signal)
             more = tuple(action for action in signal.set_by if action not in known.set_by)

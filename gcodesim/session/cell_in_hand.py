@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from types import FrameType, TracebackType
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -35,6 +35,7 @@ from gcodesim.session.sensor_in_hand import Present, depths_of, looking, pixels_
 from gcodesim.session.servo_kernels import JointBounds, approach
 from gcodesim.session.table_plan import Stretched, merged, plan_of
 from gcodesim.shop import Shop, open_shop
+from gcodesim.tools.tcp_load import LOAD_FRAMES, TcpLoad
 from gcodesim.units import MM
 
 if TYPE_CHECKING:
@@ -79,6 +80,8 @@ def open_cell(
     loaded = load_cell(Path(cell))
     if loaded.cell is None:
         raise InputError(list(loaded.findings), loaded.sources)
+    tools = {number: replace(tool, load=tool.load or TcpLoad()) for number, tool in loaded.cell.tools.items()}
+    loaded = replace(loaded, cell=replace(loaded.cell, tools=tools))  # a script may pull at any of them
     script = _script()
     job = Job(
         program=script,
@@ -88,6 +91,7 @@ def open_cell(
         sources={**loaded.sources, script.name: script},
     )
     job.findings.extend(loaded.findings)
+    assert loaded.cell is not None
     job.shop = open_shop(loaded.cell)
     standing = simulation.standing_findings(job.shop)
     job.findings.extend(standing)
@@ -293,7 +297,7 @@ class OpenCell:
     def _change_tool(self, number: int) -> None:
         self._check_open()
         self._active = False
-        self._state = replace(self._state, tool=number, spindle=0.0)
+        self._state = replace(self._state, tool=number, spindle=0.0, push=())
         self._events.append(ToolChange(span=_caller(), tool=number))
 
     def _measured(self) -> Array:
@@ -555,6 +559,23 @@ class HandTool:
         if not np.isfinite(speed):
             raise MisuseError(f"a spindle cannot turn with {speed} rad/s")
         self._cell._state = replace(self._cell._state, spindle=float(speed))
+
+    def apply_tcp_force(
+        self, force: ArrayLike, torque: ArrayLike = (0.0, 0.0, 0.0), frame: Literal["world", "tool"] = "world"
+    ) -> None:
+        """Pull at the tip with a force (3,) [N] and torque (3,) [N·m] from the next step on, until another is given.
+
+        In axes of the world, or of the tool, with which they turn. It comes to the `load` of the tool in the cell, and
+        moves the arm as a force of the process does. MisuseError when no robot holds the tool.
+        """
+        self._held()
+        push = np.concatenate([np.asarray(force, dtype=float), np.asarray(torque, dtype=float)])
+        if push.shape != (6,) or not np.isfinite(push).all():
+            raise MisuseError("a force has three finite numbers [N], and a torque three [N·m]")
+        if frame not in LOAD_FRAMES:
+            raise MisuseError(f"a force acts in axes of the `world` or of the `tool`; there is no `{frame}`")
+        pushed: tuple[float, ...] = tuple(push.tolist()) if push.any() else ()
+        self._cell._state = replace(self._cell._state, push=pushed, push_in_tool=bool(pushed) and frame == "tool")
 
     def extrude(self, path: ToolPath, frame: str = "G54") -> None:
         """Run a path with the process on all along; see `Arm.run`. MisuseError when the tool is no extruder."""

@@ -10,6 +10,7 @@ from gcodesim.declarations.keys import fill_derived, key
 from gcodesim.frames import Pose
 from gcodesim.frozen import frozen
 from gcodesim.tools.body import MassProperties, Primitive, cylinder, mass_properties
+from gcodesim.tools.tcp_load import TcpLoad
 from gcodesim.units import MM
 
 if TYPE_CHECKING:
@@ -51,6 +52,7 @@ class Tool:
         rule="that of steel bodies of this size",
         example="0.8 kg",
     )
+    load: TcpLoad | None = key(TcpLoad, "a force and torque at its tip besides those of its process", default=None)
 
     def __init_subclass__(cls) -> None:
         if "process" in vars(cls) and "processes" not in vars(cls):
@@ -58,6 +60,11 @@ class Tool:
 
     def __post_init__(self) -> None:
         fill_derived(self)
+
+    @property
+    def acts_by(self) -> tuple[str, ...]:
+        """Names in the PROCESSES family of all that happens at its tip: what it does, and its load."""
+        return self.processes if self.load is None else ("loading", *self.processes)
 
     @property
     def true_length(self) -> float:
