@@ -5,20 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
+from gcodesim.cell.axes import SPIN_UP, UNLIMITED, AxesKind, nearest_home
 from gcodesim.cell.joints import Measure, check_within
 from gcodesim.cell.placing import POINT, Place
 from gcodesim.declarations.composed import Either
 from gcodesim.declarations.keys import key
-from gcodesim.declarations.kind import POSITIVE, WITHIN_REACH, Json, Kind
-from gcodesim.declarations.map_of import NameRule, read_name
-from gcodesim.declarations.nodes import Mapping as MappingNode
-from gcodesim.declarations.nodes import Node
+from gcodesim.declarations.kind import POSITIVE, WITHIN_REACH
 from gcodesim.declarations.plain_kinds import Switch, Text
 from gcodesim.declarations.quantity import Quantity, Vector
 from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread, suggestion
-from gcodesim.declarations.record import FREE, Record, not_a_mapping
+from gcodesim.declarations.record import Record
 from gcodesim.declarations.units import shown
 from gcodesim.frames import Pose
 from gcodesim.frozen import frozen
@@ -30,8 +28,6 @@ if TYPE_CHECKING:
 
 TURNING: Final = ("A", "B", "C")
 SLIDING: Final = ("U", "V", "W")
-_UNLIMITED: Final = (-math.inf, math.inf)
-_SPIN_UP: Final = 0.25  # s to full speed, where no acceleration is given
 _DIRECTION: Final = Vector(Quantity("ratio"), 3, "[0, 1, 0]")
 
 
@@ -69,7 +65,7 @@ class TurningAxis:
     """A rotary external axis as written in the cell: A, B or C."""
 
     travel: tuple[float, float] = key(
-        Either((("unlimited", _UNLIMITED),), Vector(Quantity("angle"), 2, "[-120, 120 deg]")),
+        Either((("unlimited", UNLIMITED),), Vector(Quantity("angle"), 2, "[-120, 120 deg]")),
         "least and greatest position, or `unlimited`",
     )
     speed: float = key(Quantity("angular speed", POSITIVE), "greatest speed")
@@ -103,59 +99,22 @@ class TurningAxis:
 AxisForm = SlidingAxis | TurningAxis
 
 
-def _letter(text: str) -> str | None:
-    return text.upper() if text.upper() in (*TURNING, *SLIDING) else None
-
-
-_LETTERS: Final = NameRule(
-    what="external axis (A, B, C, U, V, W)", pattern="[ABCUVWabcuvw]", canonical=_letter, known=(*TURNING, *SLIDING)
+_AXES: Final = AxesKind(
+    records={
+        **{letter: Record(TurningAxis, f"axis {letter}") for letter in TURNING},
+        **{letter: Record(SlidingAxis, f"axis {letter}") for letter in SLIDING},
+    },
+    what="external axis",
+    example="U: {travel: [0, 3 m], speed: 1 m/s}",
+    least=1,
 )
-_RECORDS: Final = {
-    **{letter: Record(TurningAxis, f"axis {letter}") for letter in TURNING},
-    **{letter: Record(SlidingAxis, f"axis {letter}") for letter in SLIDING},
-}
-
-
-@frozen(kw_only=False)
-class _AxesKind(Kind):
-    """External axes by letter, in chain order."""
-
-    @property
-    def expected(self) -> str:
-        return "axes by letter, such as `U: {travel: [0, 3 m], speed: 1 m/s}`"
-
-    def read(self, node: Node, to: Reading, path: Path) -> Any:
-        if not isinstance(node, MappingNode):
-            return not_a_mapping(node, self.expected, to, path)
-        axes: dict[str, Any] = {}
-        for name, value in node.entries:
-            if name.text.startswith(FREE):
-                continue
-            letter = read_name(_LETTERS, name, [(*path, known) for known in axes], to)
-            if isinstance(letter, Unread):
-                axes[name.text] = UNREAD
-                continue
-            to.named((*path, letter), name.span)
-            axes[letter] = _RECORDS[letter].read(value, to, (*path, letter))
-        return UNREAD if any(value is UNREAD for value in axes.values()) else axes
-
-    def schema(self, definitions: dict[str, Json]) -> Json:
-        turning, sliding = _RECORDS["A"].schema(definitions), _RECORDS["U"].schema(definitions)
-        patterns = {"^[ABCabc]$": turning, "^[UVWuvw]$": sliding, f"^{FREE}": {}}
-        return {"type": "object", "patternProperties": patterns, "minProperties": 1, "additionalProperties": False}
-
-    def show(self, value: Any) -> Any:
-        return {letter: _RECORDS[letter].show(axis) for letter, axis in value.items()}
-
-    def plain(self, value: Any) -> tuple[str, Any]:
-        return "", {letter: _RECORDS[letter].plain(axis)[1] for letter, axis in value.items()}
 
 
 @frozen
 class External:
     """External axes that carry a robot, or the work. `X_WE` is their frame in the world, once frames are known."""
 
-    axes: Mapping[str, AxisForm] = key(_AxesKind(), "its axes in chain order, from the ground on")
+    axes: Mapping[str, AxisForm] = key(_AXES, "its axes in chain order, from the ground on")
     carries: str | None = key(
         Text(form="the name of a robot"), "the robot that stands on it; without: it carries work", default=None
     )
@@ -192,7 +151,7 @@ class External:
     def homes(self) -> tuple[float, ...]:
         """Where its axes start [m, rad]."""
         return tuple(
-            min(max(0.0, axis.travel[0]), axis.travel[1]) if axis.home is None else axis.home
+            nearest_home(*axis.travel) if axis.home is None else axis.home
             for axis in self.axes.values()
         )
 
@@ -215,7 +174,7 @@ class External:
                 lower=axis.travel[0],
                 upper=axis.travel[1],
                 speed=axis.speed,
-                acceleration=axis.acceleration or axis.speed / _SPIN_UP,
+                acceleration=axis.acceleration or axis.speed / SPIN_UP,
                 effort=math.inf if axis.effort is None else axis.effort,
                 moving_mass=axis.moving_mass,
             )

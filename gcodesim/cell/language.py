@@ -12,7 +12,8 @@ from gcodesim.cell.arm_point import ArmPoint
 from gcodesim.cell.cell import MAIN
 from gcodesim.cell.device import Device
 from gcodesim.cell.externals import SLIDING, columns_of
-from gcodesim.cell.machine import is_lathe
+from gcodesim.cell.machine import MachineTool, is_lathe
+from gcodesim.cell.robot import Robot
 from gcodesim.cell.tool_point import MachinePoint
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText
 from gcodesim.rs274 import MappedAction, Settings, ToolEntry, ToolTable, read_parameters
@@ -89,6 +90,7 @@ def settings_of_cell(
         auto_length=lengths,
         path_control=_path_control(cell, channel),
         tool_point=_tool_point(cell, channel, placement),
+        tip_first=_tip_first(cell.machine_of(channel)),
         columns=columns,
         lane="grammar" if columns else "auto",
         options={"decimal_point": own.decimal_point, "compensation_start": own.compensation_start},
@@ -99,6 +101,12 @@ def settings_of_cell(
 def _tool_point(cell: Cell, channel: str, placement: Placement) -> MachinePoint | ArmPoint | None:
     mover = cell.machine_of(channel)
     return MachinePoint.of(mover) if mover.axes else ArmPoint.of(cell, channel, placement)
+
+
+def _tip_first(machine: MachineTool | Robot) -> bool:
+    """Whether kinematics that the cell names hold the tip before the program says so."""
+    named = machine.kinematics if isinstance(machine, MachineTool) else None
+    return named is not None and named.from_start
 
 
 def _columns(cell: Cell, channel: str) -> dict[str, int]:

@@ -15,8 +15,10 @@ from gcodesim.cell.channel import Channel, Orientation
 from gcodesim.cell.device import Device
 from gcodesim.cell.externals import External, SlidingAxis, TurningAxis
 from gcodesim.cell.film import FilmRegion, FilmSpec
-from gcodesim.cell.machine import LinearAxis, MachineForm, RotaryAxis
+from gcodesim.cell.machine import MachineForm
+from gcodesim.cell.machine_axes import LinearAxis, RotaryAxis
 from gcodesim.cell.material import MaterialForm
+from gcodesim.cell.named_kinematics import NAMED_KINEMATICS
 from gcodesim.cell.part import PartSpec
 from gcodesim.cell.placing import Place
 from gcodesim.cell.robot import RobotForm
@@ -38,6 +40,7 @@ SECTIONS: Final[tuple[tuple[str, type], ...]] = (
     ("`machine`", MachineForm),
     ("Axes X, Y, Z", LinearAxis),
     ("Axes A, B, C", RotaryAxis),
+    *((f"`kinematics` of type `{name}`", cls) for name, cls in NAMED_KINEMATICS.items()),
     ("`robots`", RobotForm),
     ("`controller` of type `flexible`", Flexible),
     ("`controller` of type `pd` or `computed_torque`", PD),

@@ -225,6 +225,8 @@ class Control:
         state.origin, state.rotation = self.system_offset(state.system)
         if get(numbers.G92_ON):
             state.g92 = self.stored_g92()
+        known = self.settings.tool_point is not None
+        state.point_control = self.settings.tip_first and known and bool(self.dialect.tip_m_codes)
         self.stay_at(axes)
 
     def stored_g92(self) -> Vector:

@@ -12,7 +12,7 @@ from gcodesim import canon
 from gcodesim.canon.batch import MoveBatch
 from gcodesim.diagnostics import Diagnostic, Findings, Severity, SourceText, Span
 from gcodesim.family import object_at
-from gcodesim.rs274 import notes
+from gcodesim.rs274 import notes, tool_point
 from gcodesim.rs274.block import Block, Name
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.dialects import DIALECTS, Dialect
@@ -157,6 +157,8 @@ class Executor:
         control.span = Span(self.file.name)
         self._initial_path_control()
         control.say_system()
+        if control.state.point_control:
+            tool_point.say(control)
         load_first_tool(control)
         self.watches.events(out)
         yield from out

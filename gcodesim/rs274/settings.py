@@ -40,6 +40,7 @@ class Settings:
     `options` are settings that one kind of control alone has, as its dialect declares them
     (`Dialect.options`); those of other dialects are passed over.
     `tool_point` says how tip and axes belong together; None where no rotary axis of the machine has a place.
+    `tip_first`: where M-codes switch the control of the tip, it is on before the first block.
     `columns` says for u, v and w that move an external axis which of a, b, c of the events (0 to 2) holds their value
     [m]; that letter means nothing else then.
     `lane` "grammar" reads every line by itself, "compiled" all that its kernels know as arrays; "auto" chooses by the
@@ -67,6 +68,7 @@ class Settings:
     path_control: str = "G64"
     options: Mapping[str, str] = field(default_factory=dict)
     tool_point: ToolPointLaw | None = None
+    tip_first: bool = False
     columns: Mapping[str, int] = field(default_factory=dict)
     lane: Literal["auto", "grammar", "compiled"] = "auto"
     max_blocks: int | None = None
