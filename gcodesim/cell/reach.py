@@ -16,7 +16,7 @@ from gcodesim.frames import Pose
 from gcodesim.units import MM
 
 if TYPE_CHECKING:
-    from gcodesim.cell.machine import MachineAxis
+    from gcodesim.cell.machine_axes import MachineAxis
     from gcodesim.kinematics.chain import Tree
 
 

@@ -29,7 +29,7 @@ from gcodesim.kinematics.branch_names import PAIRS, WORDS
 
 if TYPE_CHECKING:
     from gcodesim.cell.externals import External
-    from gcodesim.cell.machine import MachineAxis
+    from gcodesim.cell.machine_axes import MachineAxis
     from gcodesim.kinematics.chain import Chain
 
 RIGID: Final = "rigid"

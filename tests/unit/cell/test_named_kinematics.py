@@ -59,20 +59,23 @@ def xyzac(p: dict[str, float], con: float, tip: Array, a: Array, c: Array, lengt
     """trtfuncs.c: the work turns by C, then by A about a point that is `tool-offset` above its place."""
     rot = np.array([p["x_rot_point"], p["y_rot_point"], p["z_rot_point"]])
     d = np.array([0.0, p["y_offset"], p["z_offset"] + length])
-    return turned("X", -con * a, turned("Z", -con * c, tip - rot) - d) + d + rot
+    found: Array = turned("X", -con * a, turned("Z", -con * c, tip - rot) - d) + d + rot
+    return found
 
 
 def xyzbc(p: dict[str, float], con: float, tip: Array, b: Array, c: Array, length: float) -> Array:
     rot = np.array([p["x_rot_point"], p["y_rot_point"], p["z_rot_point"]])
     d = np.array([p["x_offset"], 0.0, p["z_offset"] + length])
-    return turned("Y", -con * b, turned("Z", -con * c, tip - rot) - d) + d + rot
+    found: Array = turned("Y", -con * b, turned("Z", -con * c, tip - rot) - d) + d + rot
+    return found
 
 
 def bridge(p: dict[str, float], con: float, tip: Array, b: Array, c: Array, length: float) -> Array:
     """5axiskins.c: the pivot stands away from the tip along spherical coordinates; `con` is not asked."""
     r = p["pivot_length"] + length
     arm = r * np.stack([np.sin(np.pi - b) * np.cos(c), np.sin(np.pi - b) * np.sin(c), np.cos(np.pi - b)], axis=1)
-    return tip - arm - np.array([0.0, 0.0, r])
+    found: Array = tip - arm - np.array([0.0, 0.0, r])
+    return found
 
 
 def max_(p: dict[str, float], con: float, tip: Array, b: Array, c: Array, length: float) -> Array:
