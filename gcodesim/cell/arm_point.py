@@ -61,6 +61,9 @@ class ArmPoint:
         x, y, z, a, b, c = (t - o for t, o in zip(axes, offset, strict=True))
         return (x, y, z, a, b, c)
 
+    def carried(self, vector: canon.Point, before: canon.Axes, now: canon.Axes) -> canon.Point | None:
+        return None  # what a positioner carries goes along with it anyway
+
     def attitudes(self, direction: canon.Point, axes: canon.Axes) -> list[canon.Axes]:
         if not isinstance(self.law, Direction):
             return []

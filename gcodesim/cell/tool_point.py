@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from gcodesim import canon
+from gcodesim.arithmetic.matrices import applied
 from gcodesim.cell.machine import MachineTool
 from gcodesim.cell.robot import Robot
 from gcodesim.frames import Array
@@ -49,6 +50,15 @@ class MachinePoint:
         ways = self.tool.attitudes(np.array(direction), near)
         within = [self.tool.within_travel(way, near) for way in ways]
         return [self._axes(way, axes) for way in within if way is not None]
+
+    def carried(self, vector: canon.Point, before: canon.Axes, now: canon.Axes) -> canon.Point | None:
+        path = self.tool.kinematics.chain.tree.path
+        if path[self.tool.rotary].all():  # all of them turn the tool
+            return None
+        q = np.array([before, now])[:, self.tool.columns]
+        R = self.tool.kinematics.table(q)[:, :3, :3]
+        x, y, z = applied(R[1], applied(R[0].T, np.array(vector))).tolist()
+        return (x, y, z)
 
     def _axes(self, q: Array, rest: canon.Axes) -> canon.Axes:
         """Axes x to c with joints at `q` (j,); those that the machine does not have as in `rest`."""

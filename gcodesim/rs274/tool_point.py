@@ -43,6 +43,13 @@ class ToolPointLaw(Protocol):
         """
         ...
 
+    def carried(self, vector: canon.Point, before: canon.Axes, now: canon.Axes) -> canon.Point | None:
+        """Where `vector`, which stands on the table, points when axes have gone from `before` to `now`; in M.
+
+        None where no table is turned by an axis whose place is known.
+        """
+        ...
+
 
 def tilting_axis(law: ToolPointLaw) -> int:
     """Which of x y z a b c tilts the tool: the first rotary axis that is not called C."""

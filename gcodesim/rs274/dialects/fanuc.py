@@ -8,6 +8,7 @@
 | arguments of macros | lists I and II | `arguments.py` |
 | variables | vacant ones, levels, system variables | `variables.py`, `expressions.py` |
 | work systems | external offset, G54.1, G52 and G92 apart, G68 | `control.py`, `offsets.py` |
+| work on a rotary table | G54.2: its zero goes along | `fixture.py` |
 | tilted planes | G68.2 in five forms, G53.1 | `tilted.py` |
 | directions of the tool | I J K under G43.5 | `vectors.py` |
 | figures | G51 scaling, G51.1 mirror image | `figure.py` |
@@ -48,11 +49,13 @@ from gcodesim.rs274.dialects.linuxcnc import (
 )
 
 # groups that RS274 does not have
-SCALING, MIRROR, TURN, MACRO, STROKE, POLAR = 21, 22, 23, 24, 25, 26
+SCALING, MIRROR, TURN, MACRO, STROKE, POLAR, WORK_FIXTURE = 21, 22, 23, 24, 25, 26, 27
 
 _NEAR = 48  # additional systems that every control has
 NEAR_SYSTEMS = SystemBlock(range(ADDITIONAL + 1, ADDITIONAL + 1 + _NEAR), 7001)  # G54.1 P1 to P48
 FAR_SYSTEMS = SystemBlock(range(ADDITIONAL + 1 + _NEAR, ADDITIONAL + 1 + MOST_ADDITIONAL), 14961)  # P49 to P300
+
+FIXTURES = range(5521, 5521 + 8 * 20, 20)  # where the offsets of G54.2 P1 to P8 begin
 
 CYCLES = (730, 740, 760, 810, 820, 830, 840, 850, 860, 870, 880, 890)
 
@@ -76,6 +79,7 @@ _G_GROUPS = {
     MACRO: (660, 661, 670),
     STROKE: (220, 230),
     POLAR: (150, 160),
+    WORK_FIXTURE: (542,),
 }
 
 # what such controls have, too, and would make other moves than those written
@@ -115,7 +119,6 @@ _UNSIMULATED = {
     470: "tool offset along the axes",
     480: "tool offset along the axes",
     491: "tool centre point control",
-    542: "rotary table dynamic fixture offset",
     544: "workpiece setting error compensation",
     683: "a tilted working plane",
     684: "a tilted working plane",
@@ -145,6 +148,7 @@ _SKIPPED = (
     Unsimulated(
         ("POPEN", "PCLOS", "BPRNT", "SETVN"), "GS912", "nothing is sent; texts of DPRNT stand in the log of a run"
     ),
+    Unsimulated(("G54.2",), "GS913", "how a table takes the zero of the work along is known only with a cell"),
     Unsimulated(("I J K",), "GS913", "how rotary axes bring the tool along a vector is known only with a cell"),
     Unsimulated(("G53.1",), "GS913", "how rotary axes bring the tool upright to the plane is known only with a cell"),
     Unsimulated(

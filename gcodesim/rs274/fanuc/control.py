@@ -1,6 +1,6 @@
 """Fanuc's frames: work offset, external offset, preset, local shift and turn, each on its own.
 
-    axes = turn(point - centre) + centre + G52 + G92 + G5x + external + tool offset
+    axes = turn(point - centre) + centre + G52 + G92 + G5x + external + G54.2 + tool offset
 
 The turn is in the plane of its G68. About Z it fits the base class, which knows `R(point + g92) + origin`.
 """
@@ -13,7 +13,9 @@ from typing import TYPE_CHECKING, Any
 from gcodesim import canon
 from gcodesim.canon.systems import ADDITIONAL
 from gcodesim.rs274.control import Control
+from gcodesim.rs274.dialects.fanuc import FIXTURES
 from gcodesim.rs274.dialects.systems import first_of_system
+from gcodesim.rs274.fanuc import fixture
 from gcodesim.rs274.fanuc import variables as numbers
 from gcodesim.rs274.fanuc.variables import Variables
 from gcodesim.rs274.fault import Fault
@@ -41,6 +43,7 @@ class FanucState(ModalState):
     turn: float | None = None  # G68 [deg]
     turn_axes: tuple[int, int] = _XY  # the axes of the plane that is turned
     turn_centre: tuple[float, float] = (0.0, 0.0)  # on those axes
+    fixture: int = 0  # G54.2 P
     tilt: Tilt | None = None  # G68.2
     plane_begun: Begun | None = None  # a G68.2 of several blocks
     upright: bool = False  # G53.1 has turned the tool upright to the plane
@@ -124,6 +127,9 @@ class FanucControl(Control):
         self.say_system()
 
     def tip(self, point: Vector) -> Vector:
+        return fixture.shifted(self, self._tip(point), 1.0)
+
+    def _tip(self, point: Vector) -> Vector:
         state = self.state
         if state.tilt is not None:
             return add((*state.tilt.point(point[:3]), *point[3:]), state.origin)
@@ -133,12 +139,17 @@ class FanucControl(Control):
 
     def point_of(self, tip: Vector) -> Vector:
         state = self.state
+        tip = fixture.shifted(self, tip, -1.0)
         if state.tilt is not None:
             point = subtract(tip, state.origin)
             return (*state.tilt.back(point[:3]), *point[3:])
         if state.turn is None or state.turn_axes == _XY:
             return super().point_of(tip)
         return subtract(self._turned(subtract(tip, state.origin), -state.turn), state.g92)
+
+    def unturned(self, tip: Vector) -> Vector:
+        """What a tip reads in the work system without G68."""
+        return subtract(fixture.shifted(self, tip, -1.0), self.base())
 
     def normal(self, axis: int) -> canon.Point:
         return super().normal(axis) if self.state.tilt is None else self.state.tilt.direction(super().normal(axis))
@@ -208,9 +219,9 @@ class FanucControl(Control):
         if axis >= 6:
             return None
         if kind == 0:
-            return subtract(self.tip(self.state.current), self.base())[axis]
+            return self.unturned(self.tip(self.state.current))[axis]
         if kind == 2:  # as the control shows it: with the tool's length
-            return subtract(self.axes(), self.base())[axis]
+            return self.unturned(self.axes())[axis]
         if kind == 1:
             return self.axes()[axis]
         if kind == 3:
@@ -218,6 +229,13 @@ class FanucControl(Control):
         if kind == 4:
             return self.state.tool_offset[axis]
         return 0.0
+
+    def fixture_variable(self, place: int) -> float:
+        """#5500, the P of G54.2 in force, and #5501 … #5506, its stored offset; program units."""
+        number = self.state.fixture
+        if not place:
+            return float(number)
+        return self.stored(FIXTURES[number - 1])[place - 1] if number else 0.0
 
     def mode_variable(self, number: int) -> float:
         """#4001 …: G codes by group, and the last D F H M N O P S T words.

@@ -14,7 +14,7 @@ from gcodesim.rs274.dialects.fanuc import CYCLES, MIRROR, SCALING, STROKE, TURN
 from gcodesim.rs274.dialects.linuxcnc import CANCEL, COMPENSATION, DISTANCE, MOTION, NON_MODAL, PATH, SPINDLE, STOPPING
 from gcodesim.rs274.ends import end_point, start_point
 from gcodesim.rs274.execute import NOT_MODELLED
-from gcodesim.rs274.fanuc import corners, figure, offsets, polar, tilted, vectors
+from gcodesim.rs274.fanuc import corners, figure, fixture, offsets, polar, tilted, vectors
 from gcodesim.rs274.fanuc.compensation import leave
 from gcodesim.rs274.fanuc.control import FanucControl
 from gcodesim.rs274.fanuc.cycles import cycle
@@ -66,6 +66,7 @@ def execute(words: Words, control: FanucControl, has_point: dict[str, bool]) -> 
     _path(words, control)
     modes.retract(words, control)
     offsets.tool_length(words, control)
+    fixture.switch(words, control)
     offsets.work_system(words, control)
     if claimed == _EXACT_STOP and state.path != _STOPPING_PATH:
         control.say_path(_STOPPING_PATH)

@@ -89,9 +89,9 @@ def _turn(words: Words, control: FanucControl) -> None:
         raise Fault("GS106", "G68 in a tilted plane is not simulated", at="g68", hint="K of G68.2 turns it")
     angle = words.need("r", "GS105", "G68", "R is the angle in degrees")
     del words.values["r"]
-    base, here = control.base(), control.tip(control.state.current)
+    here = control.unturned(control.tip(control.state.current))
     axes = PLANE_AXES[control.state.plane][:2]
-    centre = tuple(words.values.pop("xyz"[axis], here[axis] - base[axis]) for axis in axes)
+    centre = tuple(words.values.pop("xyz"[axis], here[axis]) for axis in axes)
     control.reframe(turn=None)  # a turn in force gives way
     control.reframe(turn=angle, turn_axes=axes, turn_centre=centre)
 

@@ -9,10 +9,11 @@ from gcodesim.canon.systems import ADDITIONAL, MOST_ADDITIONAL
 from gcodesim.rs274 import parameters as homes
 from gcodesim.rs274 import tool_point
 from gcodesim.rs274.dialects import g_name
+from gcodesim.rs274.dialects.fanuc import FIXTURES
 from gcodesim.rs274.dialects.linuxcnc import LENGTH, NON_MODAL, SYSTEM
 from gcodesim.rs274.dialects.systems import first_of_system
 from gcodesim.rs274.ends import end_point
-from gcodesim.rs274.fanuc import polar
+from gcodesim.rs274.fanuc import fixture, polar
 from gcodesim.rs274.fanuc import variables as numbers
 from gcodesim.rs274.fanuc.control import FanucControl
 from gcodesim.rs274.fanuc.vectors import BY_VECTOR
@@ -38,6 +39,8 @@ def tool_length(words: Words, control: FanucControl) -> None:
     if code is None and ("h" not in words.values or state.length_mode == 490):
         return
     mode = state.length_mode if code is None else code
+    if mode in tool_point.CENTRE_POINT:
+        fixture.refuse(control, g_name(mode))
     number = round(words.values.get("h", state.length_number))
     if "h" in words.values and number and mode != 490:
         _check_number(number, "h", control)
@@ -129,13 +132,13 @@ def _set_data(words: Words, control: FanucControl) -> None:
     words.need("p", "GS105", "G10", "P is the number of what is set")
     number = words.whole("p", "G10")
     assert number is not None
-    if level in (2, 20):
+    if level in (2, 20, 21):
         _set_system(words, control, level, number)
     elif level in _TOOL_DATA:
         _set_tool(words, control, _TOOL_DATA[level], number)
     else:
         message = "G10 needs the word L" if level is None else f"G10 L{level} is not simulated"
-        hint = "L2, L20, L10 to L13 and L1 are, and L3, L50, L52 are passed over"
+        hint = "L2, L20, L21, L10 to L13 and L1 are, and L3, L50, L52 are passed over"
         raise Fault("GS105", message, at="g10" if level is None else "l", hint=hint)
 
 
@@ -143,6 +146,11 @@ def _set_system(words: Words, control: FanucControl, level: int, number: int) ->
     if level == 20:
         _check_additional(number, "G10 L20")
         first = first_of_system(ADDITIONAL + number)
+    elif level == 21:
+        if not 1 <= number <= len(FIXTURES):
+            last = len(FIXTURES)
+            raise Fault("GS106", f"G10 L21 P{number}: P runs from 1 to {last}", at="p", value=number, limit=last)
+        first = FIXTURES[number - 1]
     elif 0 <= number <= 6:
         first = first_of_system(number) if number else numbers.EXTERNAL
     else:

@@ -17,6 +17,7 @@ from gcodesim.arithmetic.scalars import cos_sin
 from gcodesim.frozen import frozen
 from gcodesim.rs274 import tool_point
 from gcodesim.rs274.dialects.linuxcnc import NON_MODAL
+from gcodesim.rs274.fanuc import fixture
 from gcodesim.rs274.fanuc.control import FanucControl
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.state import Vector, subtract
@@ -53,6 +54,7 @@ def switch(words: Words, control: FanucControl) -> None:
         raise Fault("GS150", "G68.2 is refused in cutter compensation", at="g68.2", hint="say G40 first")
     if control.state.turn is not None:
         raise Fault("GS106", "G68.2 is refused while G68 turns the system", at="g68.2", hint="say G69 first")
+    fixture.refuse(control, "G68.2")
     form = words.whole("p", "G68.2") or 0
     words.values.pop("p", None)
     if form not in _FORMS:

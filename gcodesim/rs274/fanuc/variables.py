@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Final
 
-from gcodesim.rs274.dialects.fanuc import FAR_SYSTEMS, NEAR_SYSTEMS
+from gcodesim.rs274.dialects.fanuc import FAR_SYSTEMS, FIXTURES, NEAR_SYSTEMS
 from gcodesim.rs274.dialects.systems import APART
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.parameters import FIRST_SYSTEM, Parameters
@@ -23,12 +23,14 @@ FIRST_OF_ALL: Final = 14001  # G54.1 P1 to P300 once more, where a control has s
 LENGTH_WEAR, LENGTH_GEOMETRY, RADIUS_WEAR, RADIUS_GEOMETRY = 10000, 11000, 12000, 13000
 MOST_OFFSETS: Final = 999
 ALARM, STOP = 3000, 3006
+FIXTURE: Final = 5500  # the P of G54.2, and from the next on its offset
 
 _COMMON: Final = (range(100, 200), range(500, 1000))
 _OFFSETS: Final = (
     range(EXTERNAL, EXTERNAL + 6),
     *(range(FIRST_SYSTEM + 20 * n, FIRST_SYSTEM + 20 * n + 6) for n in range(6)),
     *(range(block.first, block.first + APART * len(block.systems)) for block in (NEAR_SYSTEMS, FAR_SYSTEMS)),
+    range(FIXTURES.start, FIXTURES.stop),
 )
 _TOOL_OFFSETS: Final = tuple(range(first + 1, first + 1 + MOST_OFFSETS) for first in (10000, 11000, 12000, 13000))
 _SIGNALS: Final = (range(1000, 1036), range(1100, 1136))
@@ -62,6 +64,7 @@ class Variables(Parameters):
             or FIRST_OF_ALL <= number < FAR_SYSTEMS.first
             or number in _CLOCKS
             or number in (ALARM, STOP)
+            or FIXTURE <= number <= FIXTURE + 6
         )
 
     def read(self, number: int) -> float | None:
@@ -82,6 +85,8 @@ class Variables(Parameters):
             return control.position_variable(number)
         if number in _MODES:
             return control.mode_variable(number)
+        if FIXTURE <= number <= FIXTURE + 6:
+            return control.fixture_variable(number - FIXTURE)
         if number == 3007:
             return float(sum(2**axis for axis in range(3) if control.state.mirror[axis] is not None))
         return self.numbers.get(number, 0.0)
@@ -102,7 +107,8 @@ class Variables(Parameters):
 
     def write(self, number: int, value: float | None) -> None:
         """`#number=value` in a program."""
-        if number == 0 or number in _POSITIONS or number in _MODES or number == 3007:
+        of_fixture = FIXTURE <= number <= FIXTURE + 6
+        if number == 0 or number in _POSITIONS or number in _MODES or number == 3007 or of_fixture:
             raise Fault("GS122", f"#{number} cannot be set")
         store = self.local if number in LOCALS else self.numbers
         number = _where_kept(number)
