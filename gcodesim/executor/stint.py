@@ -127,13 +127,13 @@ def stint_of(
     """
     count = end - begin
     X_BS = shop.scene.seen_from(shop.name, task.target.frame, steps.joints(shop.name, begin, end))
-    moving = bool((X_BS[1:, :3] != X_BS[:1, :3]).any())
+    first_X = shop.scene.seen_from(shop.name, task.target.frame, steps.joints_before(shop.name, begin))
+    held = np.concatenate([first_X, X_BS[:-1]])
+    moving = bool((X_BS[:, :3] != first_X[:, :3]).any())
     if moving:  # the table turns or travels: chords between the ends of steps, seen from the stock
-        held = np.concatenate([X_BS[:1], X_BS[:-1]])
         start = _into(held, steps.tip_before[begin:end, :3, 3])
         stop = _into(X_BS, steps.tip[begin:end, :3, 3])
-        R_SB = X_BS[:, :3, :3].transpose(0, 2, 1)
-        R_before = np.concatenate([R_SB[:1], R_SB[:-1]])
+        R_SB, R_before = X_BS[:, :3, :3].transpose(0, 2, 1), held[:, :3, :3].transpose(0, 2, 1)
         step, share = np.arange(count), np.tile([0.0, 1.0], (count, 1))
         row = steps.row[begin:end]
         filament = _of_steps(steps, begin, end)

@@ -339,9 +339,9 @@ def _between(
     before = [copy(carry) for carry in carries]
     made = [track.window(first, count, carry) for track, carry in zip(tracks, carries, strict=True)]
     for track, window in zip(tracks, made, strict=True):
-        window.others.update(
-            {other.shop.name: own.q for other, own in zip(tracks, made, strict=True) if other is not track}
-        )
+        for other, theirs in zip(tracks, made, strict=True):
+            if other is not track:
+                window.others[other.shop.name], window.others_begin[other.shop.name] = theirs.q, theirs.q_begin
     restores = [track.save() for track in tracks]
     last = len(tracks) - 1
     cuts = [track.cut(window, looks=i == last) for i, (track, window) in enumerate(zip(tracks, made, strict=True))]

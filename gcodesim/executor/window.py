@@ -27,7 +27,7 @@ MOST_PARTS: Final = 64  # of one step
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Carry:
-    """What a window takes over from the one before: tool, tip from control point (3,) [m] in B, tip pose (4, 4).
+    """What a window takes over from the one before: tool, tip from control point (3,) [m] in B, tip pose (4, 4), joints.
 
     `shift` (3,) [m] is that of the row in whose coordinates the control point is meant; see `RowColumns`.
     """
@@ -36,6 +36,7 @@ class Carry:
     shift: Array
     gap: Array
     tip: Array
+    q: Array
 
 
 @frozen(eq=False)
@@ -43,14 +44,15 @@ class StepWindow:
     """n steps from step `first` on; step k of the run ends at k dt.
 
     `samples` at the ends of the steps; `row` (n,) is the path row in the middle
-    of each; `tool` (n,) its tool; `q` (n, j) commanded joints; `tip` (n, 4, 4)
-    the commanded tip X_BT and `tip_before` (n, 4, 4) that at the step's start.
+    of each; `tool` (n,) its tool; `q` (n, j) commanded joints, `q_begin` (j,) those
+    before the first step; `tip` (n, 4, 4) the commanded tip X_BT and `tip_before`
+    (n, 4, 4) that at the step's start.
 
     The sweep of the tip in B, cut where rows, pieces and steps end: m pieces
     from `piece_start` to `piece_end` (m, 3) [m], in step `piece_step` (m,),
     `piece_share` (m, 2) of the step, in row `piece_row` (m,), with
     `piece_filament` (m,) [m] through the nozzle (None: no E words). `others` are the commanded joints (n, j) of further
-    movers by name, where several programs run at once.
+    movers by name, where several programs run at once, and `others_begin` (j,) those before the first step.
     """
 
     first: int
@@ -59,6 +61,7 @@ class StepWindow:
     row: Ints
     tool: Ints
     q: Array
+    q_begin: Array
     tip: Array
     tip_before: Array
     piece_start: Array
@@ -68,10 +71,17 @@ class StepWindow:
     piece_row: Ints
     piece_filament: Array | None = None
     others: dict[str, Array] = field(default_factory=dict)
+    others_begin: dict[str, Array] = field(default_factory=dict)
 
     def joints(self, mover: str, begin: int, end: int) -> dict[str, Array]:
         """Commanded joints of all movers in steps `begin` to `end`; `mover` is the window's own."""
         return {mover: self.q[begin:end], **{name: q[begin:end] for name, q in self.others.items()}}
+
+    def joints_before(self, mover: str, begin: int) -> dict[str, Array]:
+        """Commanded joints (1, j) of all movers at the start of step `begin`."""
+        if begin:
+            return self.joints(mover, begin - 1, begin)
+        return {mover: self.q_begin[None], **{name: q[None] for name, q in self.others_begin.items()}}
 
     def __len__(self) -> int:
         return len(self.row)
@@ -81,9 +91,11 @@ def first_carry(plan: Plan, rows: RowColumns, t_ns: int = 0) -> Carry:
     """Before the first step of a leg: the machine stands where the leg begins, with the tool of its first row."""
     samples = plan.trajectory.sample(np.array([t_ns * 1e-9]))
     row = np.zeros(1, dtype=np.int64) if t_ns == 0 else np.minimum(samples.row, len(rows.tool) - 1)
-    tip = plan.tip(plan.joints(samples), row)[0]
+    q = plan.joints(samples)
+    tip = plan.tip(q, row)[0]
     shift = rows.shift[_named_by(samples, len(rows.tool) - 1)][0]
-    return Carry(tool=int(rows.tool[row[0]]), shift=shift, gap=tip[:3, 3] - samples.position[0, :3], tip=tip)
+    gap = tip[:3, 3] - samples.position[0, :3]
+    return Carry(tool=int(rows.tool[row[0]]), shift=shift, gap=gap, tip=tip, q=q[0])
 
 
 def window_of(plan: Plan, rows: RowColumns, first: int, count: int, dt_ns: int, carry: Carry) -> StepWindow:
@@ -130,6 +142,7 @@ def window_of(plan: Plan, rows: RowColumns, first: int, count: int, dt_ns: int, 
         row=row,
         tool=tool,
         q=q,
+        q_begin=carry.q,
         tip=tip,
         tip_before=tip_before,
         piece_start=begin + gap_before[step] + share[:, :1] * bend,
@@ -139,7 +152,7 @@ def window_of(plan: Plan, rows: RowColumns, first: int, count: int, dt_ns: int, 
         piece_row=np.clip(trajectory.rows_at(centre), 0, last),
         piece_filament=filament_between(trajectory, at_knots),
     )
-    carry.tool, carry.shift, carry.gap, carry.tip = int(tool[-1]), shift[-1], gap[-1], tip[-1]
+    carry.tool, carry.shift, carry.gap, carry.tip, carry.q = int(tool[-1]), shift[-1], gap[-1], tip[-1], q[-1]
     return window
 
 

@@ -25,13 +25,15 @@ class JointCaps(NamedTuple):
     """Columns (k,), one row a segment: what joints allow.
 
     `wanted` is the speed that the program asks for; what the speed limits alone allow comes back in it.
-    `speed` and `acceleration` are the caps, `joint` the one whose speed limit is nearest.
+    `speed` and `acceleration` are the caps, `joint` the one whose speed limit is nearest. `unresolved` is the greatest
+    share of an acceleration limit by which q'' changes within half the segment at that speed.
     """
 
     wanted: Column
     speed: Column
     acceleration: Column
     joint: Column
+    unresolved: Column
 
 
 @kernel
@@ -97,6 +99,17 @@ def joint_rates(jacobian: Column, first: Column, last: Column) -> tuple[Column, 
 
 
 @kernel
+def greatest_rate(r0: float, r1: float, mean: float) -> float:
+    """The greatest |q'| along a cubic that has rates `r0` and `r1` at its ends and `mean` on average."""
+    most = max(abs(r0), abs(r1))
+    middle = 3.0 * mean - r0 - r1  # q' is the parabola with these three control points
+    bow = r0 - 2.0 * middle + r1
+    if (r0 - middle) * bow > 0.0 and (r1 - middle) * bow > 0.0:  # its vertex lies inside
+        most = max(most, abs(r0 * r1 - middle * middle) / abs(bow))
+    return most
+
+
+@kernel
 def joint_caps(
     rates: SegmentRates,
     length: Column,
@@ -107,30 +120,35 @@ def joint_caps(
 ) -> None:
     """Caps of each segment of `length` (k,) under joint limits (j,), into `caps`.
 
-    q'' is the difference of the rates at both ends over the length. Joint acceleration is q' a + q'' v²:
-    `bending_share` of the limit may go into the second term, the rest of it stays for a.
+    Joint acceleration is q' a + q'' v²: `bending_share` of the limit may go into the second term, the rest of it stays
+    for a. q is the cubic that has the joints and the rates of both ends; its q'' at the ends is the difference of the
+    rates over the length, and six times as much more or less as the mean rate lies beside that of both ends.
     """
     start_rate, end_rate, mean_rate = rates
     for k in range(len(length)):
         v_rate, v_bend = 1e30, 1e30
         guilty = -1
         for j in range(start_rate.shape[1]):
-            rate = max(abs(start_rate[k, j]), abs(end_rate[k, j]), abs(mean_rate[k, j]))
+            r0, r1, mean = start_rate[k, j], end_rate[k, j], mean_rate[k, j]
+            rate = greatest_rate(r0, r1, mean)
             if rate > 1e-12 and speed_limit[j] / rate < v_rate:
                 v_rate = speed_limit[j] / rate
                 guilty = j
-            bend = abs(end_rate[k, j] - start_rate[k, j]) / length[k]
+            bend = (abs(r1 - r0) + abs(6.0 * mean - 3.0 * (r0 + r1))) / length[k]
             if bend > 1e-12:
                 v_bend = min(v_bend, math.sqrt(bending_share * acceleration_limit[j] / bend))
         v = min(caps.wanted[k], v_rate, v_bend)
-        a = 1e30
+        a, rough = 1e30, 0.0
         for j in range(start_rate.shape[1]):
-            rate = max(abs(start_rate[k, j]), abs(end_rate[k, j]))
+            r0, r1, mean = start_rate[k, j], end_rate[k, j], mean_rate[k, j]
+            change = abs(6.0 * mean - 3.0 * (r0 + r1)) / length[k] * v * v
+            rough = max(rough, change / acceleration_limit[j])
+            rate = greatest_rate(r0, r1, mean)
             if rate > 1e-12:
-                bend = abs(end_rate[k, j] - start_rate[k, j]) / length[k]
-                left = acceleration_limit[j] - bend * v * v
+                left = acceleration_limit[j] - abs(r1 - r0) / length[k] * v * v - change
                 a = min(a, left / rate)
         caps.wanted[k] = v_rate
         caps.speed[k] = v
         caps.acceleration[k] = min(caps.acceleration[k], a)
         caps.joint[k] = guilty
+        caps.unresolved[k] = rough

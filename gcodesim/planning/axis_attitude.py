@@ -28,6 +28,7 @@ from gcodesim.motion.trajectory import Samples
 from gcodesim.planning.arm_kernels import JointCaps, SegmentRates, joint_caps
 from gcodesim.planning.axis_posing import AxisPosing, axes_at, limits_of_axes, offsets
 from gcodesim.planning.feeds import report_fast_feeds
+from gcodesim.planning.kinks import Kinks
 from gcodesim.planning.plan import JointExtremes, JointPath
 from gcodesim.planning.posing import Posed
 from gcodesim.planning.reach import report_slow_joints
@@ -205,20 +206,25 @@ def _caps(
         speed=np.empty(len(piece)),
         acceleration=np.where(lap, 0.0, pieces.acceleration[piece]),
         joint=np.empty(len(piece), dtype=np.int64),
+        unresolved=np.empty(len(piece)),
     )
-    speed, acceleration = np.minimum(joints.speed, 1e6), np.minimum(joints.acceleration, 1e6)
-    joint_caps(SegmentRates(start, end, mean), length, NORMAL_SHARE, _SHARE * speed, _SHARE * acceleration, found)
+    rates, acceleration = SegmentRates(start, end, mean), _SHARE * np.minimum(joints.acceleration, 1e6)
+    joint_caps(rates, length, NORMAL_SHARE, _SHARE * np.minimum(joints.speed, 1e6), acceleration, found)
+    last = np.append(piece[1:] != piece[:-1], True)[: len(piece)]
+    follows = np.diff(piece) == 1  # within a piece there are none
+    junction = np.minimum(np.where(last, pieces.junction[piece], np.inf), found.speed)
+    kinks = Kinks.between(rates, junction, pieces.ratio[piece], follows, acceleration)
     report_slow_joints(kinematics, pieces, piece, wanted, found.wanted, found.joint, findings)
     others = np.setdiff1d(np.arange(len(pieces)), piece)
-    last = np.append(piece[1:] != piece[:-1], True)[: len(piece)]
+    junction = np.minimum(junction, kinks.cap)
     order = np.argsort(np.concatenate([piece, others]), kind="stable")
     columns = (
         (piece, others),
         (segments.begin, np.zeros(len(others))),
         (length, pieces.length[others]),
         (found.speed, pieces.speed[others]),
-        (found.acceleration, pieces.acceleration[others]),
-        (np.where(last, pieces.junction[piece], np.inf), pieces.junction[others]),
+        (found.acceleration * kinks.left, pieces.acceleration[others]),
+        (junction, pieces.junction[others]),
     )
     return Caps(*(np.concatenate(pair)[order] for pair in columns))
 

@@ -70,7 +70,7 @@ class ChosenPlaces:
             ways.append(s)
             values.append(own)
         splines = tuple(
-            SpinAlong.through(pieces, places, ways, [own[:, axis] for own in values], even=True)
+            SpinAlong.through(pieces, places, ways, [own[:, axis] for own in values])
             if column == CHOSEN
             else None
             for axis, column in enumerate(outside.columns)

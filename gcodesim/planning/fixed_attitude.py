@@ -22,13 +22,11 @@ from gcodesim.frozen import frozen
 from gcodesim.kinematics.attitude import WordTurns
 from gcodesim.kinematics.protocol import Status
 from gcodesim.motion.blend import blend
-from gcodesim.motion.blend_kernels import NORMAL_SHARE
-from gcodesim.motion.pieces import OVERLAP, AxisLimits, Pieces
-from gcodesim.motion.timing import Caps
+from gcodesim.motion.pieces import AxisLimits, Pieces
 from gcodesim.motion.tool_path import HOME, Commanded, ToolPath
 from gcodesim.planning import joint_moves
+from gcodesim.planning.arm_caps import ArmCaps
 from gcodesim.planning.arm_joints import ArmJoints
-from gcodesim.planning.arm_kernels import JointCaps, SegmentRates, joint_caps, joint_rates
 from gcodesim.planning.axis_posing import offsets
 from gcodesim.planning.configuration import on_branches
 from gcodesim.planning.external_choice import ChosenPlaces, choose_places
@@ -39,7 +37,7 @@ from gcodesim.planning.joint_rows import JointRows, with_joint_rows
 from gcodesim.planning.nodes import Nodes
 from gcodesim.planning.plan import JointPath
 from gcodesim.planning.posing import Posed
-from gcodesim.planning.reach import report_poses, report_slow_joints
+from gcodesim.planning.reach import report_poses
 from gcodesim.planning.route import TRIALS, dead_end, route_along
 from gcodesim.planning.route_findings import report_dead_end, report_route
 from gcodesim.planning.spin_choice import SampledPath, SpinChoice, choose_spin
@@ -53,12 +51,7 @@ if TYPE_CHECKING:
 Solved: TypeAlias = tuple[Nodes, Array, NDArray[np.uint8]]  # nodes, joints (k, j) and status (k,) at them
 
 _REFINEMENTS: Final = 3
-_CLOSE: Final = 1e-6  # [m]
 _CLOSER: Final = 2e-3  # [m, rad] between nodes to begin with, where more than the tip moves the flange
-_LEFT: Final = 0.95  # of accelerations there; the rest is for the change of q'' between nodes
-# A joint is nowhere this much faster than on average between its nodes: on a singularity the Jacobian says infinity,
-# while the joint only turns by what lies between the nodes.
-_STEEPEST: Final = 10.0
 _REACH: Final = 1  # statuses of the inverse kinematics that leave the path
 _FLIP: Final = 4
 
@@ -141,15 +134,21 @@ class FixedAttitude:
         solved = _solve(arm, flange, begun, choice, own)
         part = ""
         if not self._will_do(arm, flange, *solved):
-            flange, solved, part = self._searched(arm, flange, begun, choice, own, solved, findings)
-        nodes, q_nodes, status = solved
-        report_poses(arm, flange, nodes, q_nodes, status, probe, choice, own, part, findings)
-        bridged = _bridge(nodes, q_nodes, status)
-        if self.outside is not None:
-            q_nodes = self._together(flange, nodes, q_nodes)
+            flange, solved, choice, part = self._searched(arm, flange, begun, choice, own, solved, findings)
+        for refinement in range(_REFINEMENTS):
+            nodes, q_own, status = solved
+            bridged = _bridge(nodes, q_own, status)
+            q_nodes = q_own if self.outside is None else self._together(flange, nodes, q_own)
+            caps = ArmCaps.of(kinematics, flange, nodes, q_nodes, bridged)
+            finer = nodes.split(caps.parts) if refinement + 1 < _REFINEMENTS else None
+            if finer is None:
+                break
+            solved = _solved_at(arm, flange, finer, choice, own)
+        report_poses(arm, flange, nodes, q_own, status, probe, choice, own, part, findings)
         moves = _joint_moves(kinematics, pieces, nodes, q_nodes, home, home if self.home is None else self.home)
-        caps = _caps(kinematics, flange, nodes, q_nodes, bridged, findings)
-        return Posed(pieces, ArmJoints(kinematics, flange, nodes, q_nodes, bridged, home, moves), caps)
+        caps.report(kinematics, findings)
+        joints = ArmJoints(kinematics, flange, nodes, q_nodes, bridged, home, moves)
+        return Posed(pieces, joints, caps.with_moves())
 
     def _places(
         self, rows: JointRows, R_BO: Array, guide: Guide | None, home: Array
@@ -226,8 +225,8 @@ class FixedAttitude:
         home: Array,
         simple: Solved,
         findings: Findings,
-    ) -> tuple[Flange, Solved, str]:
-        """Flange and joints by the search over all configurations.
+    ) -> tuple[Flange, Solved, SpinChoice, str]:
+        """Flange, joints and where they begin, by the search over all configurations.
 
         Where there is none, they are as they were, and the text says which part of the path can be run.
         """
@@ -240,15 +239,16 @@ class FixedAttitude:
             chains = max(chains, route.chains)
             if route.chains == len(dense.chains):
                 turning = replace(straight, turning=route.turning)
-                solved = _solve(kinematics, turning, nodes, replace(choice, seeds=route.seeds), home)
+                found = replace(choice, seeds=route.seeds)
+                solved = _solve(kinematics, turning, nodes, found, home)
                 if self._will_do(kinematics, turning, *solved):
                     report_route(flange, route.turning, solved[0], findings)
-                    return turning, solved, ""
+                    return turning, solved, found, ""
         if not dense.chains:
-            return flange, simple, ""
+            return flange, simple, choice, ""
         guilty = min(chains, len(dense.chains) - 1)
         end = dead_end(kinematics, straight, dense, guilty, free=free, branches=self.branches)
-        return flange, simple, report_dead_end(kinematics, straight, dense, end, findings)
+        return flange, simple, choice, report_dead_end(kinematics, straight, dense, end, findings)
 
     def after(self, leg: JointPath, path: ToolPath, home: Array) -> FixedAttitude:
         """The spin stays as chosen, and the attitude is held except at home."""
@@ -276,18 +276,24 @@ def _is_bad(status: NDArray[np.uint8]) -> NDArray[np.bool_]:
 
 def _solve(kinematics: Kinematics, flange: Flange, nodes: Nodes, choice: SpinChoice, home: Array) -> Solved:
     """Joints (k, j) and status (k,) at nodes, with extra nodes where joints move far."""
-    for refinement in range(_REFINEMENTS):
-        X = flange.at(nodes.piece, nodes.s)
-        q = np.empty((len(X), len(home)))
-        status = np.zeros(len(X), dtype=np.uint8)
-        previous = home
-        for k, (a, b) in enumerate(nodes.chains):
-            q[a:b], status[a:b] = kinematics.inverse(X[a:b], choice.seeds.get(k, previous))
-            previous = q[b - 1]
-        finer = nodes.refined(q) if refinement + 1 < _REFINEMENTS else None
+    solved = _solved_at(kinematics, flange, nodes, choice, home)
+    for _ in range(_REFINEMENTS - 1):
+        finer = solved[0].refined(solved[1])
         if finer is None:
             break
-        nodes = finer
+        solved = _solved_at(kinematics, flange, finer, choice, home)
+    return solved
+
+
+def _solved_at(kinematics: Kinematics, flange: Flange, nodes: Nodes, choice: SpinChoice, home: Array) -> Solved:
+    """Joints (k, j) and status (k,) at just these nodes."""
+    X = flange.at(nodes.piece, nodes.s)
+    q = np.empty((len(X), len(home)))
+    status = np.zeros(len(X), dtype=np.uint8)
+    previous = home
+    for k, (a, b) in enumerate(nodes.chains):
+        q[a:b], status[a:b] = kinematics.inverse(X[a:b], choice.seeds.get(k, previous))
+        previous = q[b - 1]
     return nodes, q, status
 
 
@@ -331,74 +337,6 @@ def _joint_moves(
     return moves
 
 
-def _caps(
-    kinematics: Kinematics, flange: Flange, nodes: Nodes, q: Array, bridged: NDArray[np.bool_], findings: Findings
-) -> Caps:
-    """Caps of every segment between nodes; a joint move is one segment."""
-    pieces, joints, i = flange.pieces, kinematics.joints, nodes.segments
-    piece, begin = nodes.piece[i], nodes.begin
-    length = nodes.s[i] - begin
-    outside = None if flange.guide is None else flange.guide.outside
-    own = q if outside is None else q[:, outside.assembly.own]
-    J = np.ascontiguousarray((kinematics if outside is None else outside.assembly.arm).jacobian(own))
-    speed_limit = np.minimum(joints.speed, 1e6)
-    acceleration_limit = np.minimum(joints.acceleration, 1e6) * (1.0 if flange.guide is None else _LEFT)
-    out, back = flange.velocities(piece, begin), flange.velocities(piece, begin + length)
-    leaving, arriving = np.zeros((len(nodes), out.shape[1])), np.zeros((len(nodes), out.shape[1]))
-    leaving[i - 1], arriving[i] = out, back
-    rates = joint_rates(J, leaving, arriving)
-    if outside is not None:
-        rates = _with_outside(rates, outside, flange, (i, piece, begin, length))
-    # between close nodes the difference of joints is only rounding; the rates at their ends are enough
-    mean_rate = np.where(length[:, None] > _CLOSE, (q[i] - q[i - 1]) / length[:, None], 0.0)
-    bridge = bridged[i, None]
-    most = _STEEPEST * _neighbourhood(np.abs(mean_rate))
-    most[length <= _CLOSE] = np.inf
-    start_rate, end_rate = (
-        np.where(bridge, mean_rate, np.clip(rate, -most, most)) for rate in (rates[0][i - 1], rates[1][i])
-    )
-    wanted = _wanted_speed(pieces)[piece]
-    caps = JointCaps(
-        wanted=wanted.copy(),
-        speed=np.empty(len(i)),
-        acceleration=np.where(pieces.kind[piece] == OVERLAP, 0.0, np.inf),
-        joint=np.empty(len(i), dtype=np.int64),
-    )
-    joint_caps(
-        SegmentRates(start_rate, end_rate, mean_rate), length, NORMAL_SHARE, speed_limit, acceleration_limit, caps
-    )
-    exact = ~bridged[i]
-    report_slow_joints(kinematics, pieces, piece[exact], wanted[exact], caps.wanted[exact], caps.joint[exact], findings)
-    last = np.append(piece[1:] != piece[:-1], True)[: len(i)]
-    junction = np.where(last, pieces.junction[piece], np.inf)
-    fixed = np.flatnonzero(pieces.fixed)
-    zeros = np.zeros(len(fixed))
-    order = np.argsort(np.concatenate([piece, fixed]), kind="stable")
-    columns = (
-        (piece, fixed),
-        (begin, zeros),
-        (length, pieces.length[fixed]),
-        (caps.speed, zeros),
-        (caps.acceleration, zeros),
-        (junction, zeros),
-    )
-    return Caps(*(np.concatenate(pair)[order] for pair in columns))
-
-
-def _with_outside(
-    rates: tuple[Array, Array],
-    outside: Outside,
-    flange: Flange,
-    segments: tuple[NDArray[np.intp], NDArray[np.int64], Array, Array],
-) -> tuple[Array, Array]:
-    """Rates of all joints by the way: those of the arm at each node, leaving and arriving, and those outside."""
-    i, piece, begin, length = segments
-    leaving, arriving = (np.zeros((len(rates[0]), len(outside.columns))) for _ in range(2))
-    for table, node, s in ((leaving, i - 1, begin), (arriving, i, begin + length)):
-        table[node] = outside.slopes(piece, s, flange.pieces.points(piece, s)[1])
-    return outside.assembly.together(rates[0], leaving), outside.assembly.together(rates[1], arriving)
-
-
 def _seen_from_base(path: ToolPath, X_BM: Pose) -> ToolPath:
     """The path in B; its words stay as they are."""
     start, end = path.start.copy(), path.end.copy()
@@ -418,18 +356,3 @@ def _with_words(limits: AxisLimits, guide: Guide, joints: Joints) -> AxisLimits:
             if column != CHOSEN:
                 speed[3 + column], acceleration[3 + column] = joints.speed[joint], joints.acceleration[joint]
     return AxisLimits(speed=speed, acceleration=acceleration)
-
-
-def _neighbourhood(values: Array) -> Array:
-    """The greatest values of each row (k, j) and its neighbours."""
-    most = values.copy()
-    most[1:] = np.maximum(most[1:], values[:-1])
-    most[:-1] = np.maximum(most[:-1], values[1:])
-    return most
-
-
-def _wanted_speed(pieces: Pieces) -> Array:
-    """What the program asks for on each piece [m/s]; corner arcs take the faster of their two rows."""
-    feed = pieces.path.feed
-    wanted: Array = np.maximum(feed[pieces.row_first], feed[pieces.row_last])
-    return np.where(pieces.kind == OVERLAP, pieces.speed, wanted)

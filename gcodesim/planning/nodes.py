@@ -84,7 +84,12 @@ class Nodes:
         """More nodes where joints `q` (k, j) move far between two of them; None if they do nowhere."""
         i = self.segments
         step = np.max(np.abs(q[i] - q[i - 1]), axis=1, initial=0.0) if len(i) else np.zeros(0)
-        parts = np.minimum(np.ceil(step / STEP), _MOST_PARTS).astype(np.int64)
+        return self.split(np.ceil(step / STEP))
+
+    def split(self, parts: Array) -> Nodes | None:
+        """More nodes, with so many `parts` (segments,) in place of each segment; None if each is one."""
+        i = self.segments
+        parts = np.minimum(parts, _MOST_PARTS).astype(np.int64)
         if not np.any(parts > 1):
             return None
         count = np.ones(len(self), dtype=np.int64)

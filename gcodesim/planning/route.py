@@ -86,11 +86,23 @@ def route_along(
     return Route(turning, seeds, len(nodes.chains))
 
 
-def _evenly(first: int, end: int, most: int) -> NDArray[np.int64]:
-    """At most so many nodes from `first` to the one before `end`, both among them."""
-    if end - first <= most:
-        return np.arange(first, end)
-    return np.unique(np.rint(np.linspace(first, end - 1, most)).astype(np.int64))
+def _evenly(nodes: Nodes, first: int, end: int, most: int) -> NDArray[np.int64]:
+    """At most so many nodes from `first` to the one before `end`, both among them, as even by the way as they lie.
+
+    Of nodes that lie close together, as beside a blended corner, one is taken: a spline through all would ring.
+    """
+    length = np.zeros(end - first)
+    inner = np.arange(first + 1, end)
+    begin = np.where(nodes.piece[inner] == nodes.piece[inner - 1], nodes.s[inner - 1], 0.0)
+    length[1:] = nodes.s[inner] - begin
+    way = np.cumsum(length)
+    wanted = np.linspace(0.0, way[-1], min(most, end - first))
+    after = np.clip(np.searchsorted(way, wanted), 1, max(len(way) - 1, 1))
+    after = np.minimum(after, len(way) - 1)
+    before = np.maximum(after - 1, 0)
+    nearest = np.where(wanted - way[before] < way[after] - wanted, before, after)
+    nearest[0], nearest[-1] = 0, len(way) - 1
+    return first + np.unique(nearest)
 
 
 def cut_through(
@@ -98,7 +110,7 @@ def cut_through(
 ) -> tuple[NDArray[np.int64], Passage]:
     """The nodes of a chain that become rungs, and the cut through them."""
     a, b = nodes.chains[chain]
-    chosen = _evenly(a, b, max(_FEWEST, rungs * (b - a) // max(len(nodes), 1)))
+    chosen = _evenly(nodes, a, b, max(_FEWEST, rungs * (b - a) // max(len(nodes), 1)))
     X = flange.at(nodes.piece[chosen], nodes.s[chosen])
     return chosen, Passage(X_BT=X, X_FT=np.eye(4), free=free, step=np.full(len(kinematics.joints), JUMP))
 

@@ -19,7 +19,7 @@ class SpinAlong:
     """Spins as cubic Hermite splines through knots: at `way` (k,) [m] the `spin` (k,) [rad], its `slope` (k,) [rad/m].
 
     `begin` (m,) is the way at which each piece begins, and `fixed` (m,) marks joint moves, at whose ends splines
-    begin: no spline runs across one. With a `gain` (m,) [1/m] of each piece s counts for s + gain s².
+    begin: no spline runs across one. With the `gain` (m,) [1/m] of a piece, s counts for s + gain s².
     """
 
     begin: Array
@@ -27,23 +27,22 @@ class SpinAlong:
     way: Array
     spin: Array
     slope: Array
-    gain: Array | None = None
+    gain: Array
 
     @staticmethod
     def through(
-        pieces: Pieces, piece: list[NDArray[np.int64]], s: list[Array], spin: list[Array], *, even: bool = False
+        pieces: Pieces, piece: list[NDArray[np.int64]], s: list[Array], spin: list[Array]
     ) -> SpinAlong:
         """Splines through spins (k,) at places `s` (k,) of `piece` (k,), one list entry for each chain.
 
         Slopes are those of the parabola through a knot and its neighbours, so speed of turning has no steps. On a
-        piece where two rows overlap the speed by s is that of the first row all along; `even` counts what is gone.
+        piece where two rows overlap ds/dt is that of the first row all along; there the way grows from that evenly to
+        the speed of the second.
         """
         length = np.where(pieces.fixed, _APART, pieces.length)
-        gain = None
-        if even:
-            lap = (pieces.kind == OVERLAP) & ~pieces.fixed
-            gain = np.where(lap, 0.5 * (pieces.ratio - 1.0) / np.maximum(pieces.length, 1e-300), 0.0)
-            length = length + gain * length * length
+        lap = (pieces.kind == OVERLAP) & ~pieces.fixed
+        gain = np.where(lap, 0.5 * (pieces.ratio - 1.0) / np.maximum(pieces.length, 1e-300), 0.0)
+        length = length + gain * length * length
         begin = np.cumsum(length) - length
         ways = [_way(begin, pieces.fixed, p, at, gain) for p, at in zip(piece, s, strict=True)]
         slopes = [_slopes(way, value) for way, value in zip(ways, spin, strict=True)]
@@ -61,17 +60,14 @@ class SpinAlong:
         m0, m1 = self.slope[before] * span, self.slope[after] * span
         spin = self.spin[before] + u * (m0 + u * (3.0 * rise - 2.0 * m0 - m1 + u * (m0 + m1 - 2.0 * rise)))
         slope = (m0 + u * (2.0 * (3.0 * rise - 2.0 * m0 - m1) + 3.0 * u * (m0 + m1 - 2.0 * rise))) / span
-        if self.gain is not None:
-            slope = slope * (1.0 + 2.0 * self.gain[piece] * s)
-        return spin, slope
+        return spin, slope * (1.0 + 2.0 * self.gain[piece] * s)
 
 
 def _way(
-    begin: Array, fixed: NDArray[np.bool_], piece: NDArray[np.int64], s: Array, gain: Array | None = None
+    begin: Array, fixed: NDArray[np.bool_], piece: NDArray[np.int64], s: Array, gain: Array
 ) -> Array:
     """How far along the path places are; on a joint move, its end."""
-    gone = s if gain is None else s + gain[piece] * s * s
-    way: Array = begin[piece] + np.where(fixed[piece], _APART, gone)
+    way: Array = begin[piece] + np.where(fixed[piece], _APART, s + gain[piece] * s * s)
     return way
 
 

@@ -46,7 +46,28 @@ frames:
   table: {{in: world, xyz: [550, 0, 300]}}
 orientation: {{tool_axis: -Z of G54, spin: free}}"""
     + TAIL,
+    "turning table": """gcodesim: 1
+machine:
+  axes:
+    X: {{travel: [-400, 400 mm], speed: 30 m/min, acceleration: 4 m/s^2}}
+    Y: {{travel: [-400, 400 mm], speed: 30 m/min, acceleration: 4 m/s^2}}
+    Z: {{travel: [-400, 400 mm], speed: 30 m/min, acceleration: 4 m/s^2}}
+    C: {{travel: unlimited, speed: 360 deg/s, acceleration: 1800 deg/s^2, at: [0, 0, 0]}}
+"""
+    + TAIL.replace("in: table}}}}", "xyz: [-20, -15, -50]}}}}").replace("in: table", "in: G54"),
 }
+TURNING = """G21 G90
+G0 Z30
+T1 M6
+G43 H1
+S8000 M3
+G0 X0 Y0 Z5
+G1 Z-1 C20 F3000
+G1 X12 C700 F20000
+G1 X-3 C300
+G0 Z5
+M2
+"""
 
 
 def look(ran: Ran, out: Path) -> tuple[np.ndarray, bytes]:
@@ -60,12 +81,13 @@ def look(ran: Ran, out: Path) -> tuple[np.ndarray, bytes]:
 
 @pytest.mark.parametrize("cell", CELLS)
 def test_windows_do_not_show(cell: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    first, stock = look(run_texts(PROGRAM, CELLS[cell].format(period=20), tmp_path / "first"), tmp_path)
+    program = TURNING if cell == "turning table" else PROGRAM
+    first, stock = look(run_texts(program, CELLS[cell].format(period=20), tmp_path / "first"), tmp_path)
     assert (first.max(axis=0) > 0.0).all()
     for period, most, logged in ((20, 7, True), (4, 333, True), (100, loop.MOST_STEPS, True), (20, 41, False)):
         monkeypatch.setattr(loop, "MOST_STEPS", most)
         out = tmp_path / f"{period}-{most}" if logged else None
-        again, left = look(run_texts(PROGRAM, CELLS[cell].format(period=period), out), tmp_path)
+        again, left = look(run_texts(program, CELLS[cell].format(period=period), out), tmp_path)
         scale = np.abs(first).max(axis=0)
         assert (np.abs(again - first) <= 1e-12 * scale).all()
         assert left == stock

@@ -1,0 +1,230 @@
+"""Machines and programs drawn at random, for what every motion promises: texts of cells and of programs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import cos, radians, sin
+from random import Random
+
+ARMS = ("kuka_kr10_r1100_2", "abb_irb1200_5_90", "staubli_tx2_90", "ur10e", "fanuc_m20ia")
+TOOL = "tools: {1: {type: ball_end_mill, diameter: 8, flutes: 2, length: 60}}\n"
+MODES = ("G61", "G64", "G64 P0.05", "G64 P0.5 Q0.01", "G61.1")
+OFTEN = 0.5
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A cell and a program for it."""
+
+    cell: str
+    program: str
+
+
+def _axis(rng: Random, letter: str, *, rotary: bool = False, more: str = "") -> str:
+    if rotary:
+        speed, travel = rng.uniform(30, 400), "unlimited" if letter == "C" else "[-110, 110 deg]"
+        return (
+            f"    {letter}: {{travel: {travel}, speed: {speed:.1f} deg/s,"
+            f" acceleration: {speed * rng.uniform(2, 12):.1f} deg/s^2{more}}}\n"
+        )
+    speed = rng.uniform(60, 900)
+    return (
+        f"    {letter}: {{travel: [-600, 600 mm], speed: {speed:.1f} mm/s,"
+        f" acceleration: {speed * rng.uniform(3, 20):.1f} mm/s^2{more}}}\n"
+    )
+
+
+def _feed(rng: Random) -> str:
+    return f"F{10 ** rng.uniform(2.2, 4.5):.0f}"
+
+
+def _mode(rng: Random) -> str:
+    return rng.choice(MODES)
+
+
+def _points(rng: Random, count: int, size: float) -> list[tuple[float, float, float]]:
+    """Far ones, near ones, and some that go on in nearly the same direction."""
+    points, here, way = [], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0]
+    for _ in range(count):
+        bend = rng.choice((0.0, 0.02, 0.5, 3.0))
+        way = [w + bend * rng.uniform(-1, 1) for w in way]
+        long = size * 10 ** rng.uniform(-2.5, -0.3) / max(sum(w * w for w in way) ** 0.5, 1e-3)
+        here = [min(max(h + long * w, -size), size) for h, w in zip(here, way, strict=True)]
+        points.append((here[0], here[1], here[2]))
+    return points
+
+
+def _arc(rng: Random) -> str:
+    """A whole or part of a circle or helix from where the tool is, relative to there."""
+    radius, turn = 10 ** rng.uniform(-0.3, 1.0), radians(rng.choice((30, 90, 200, 360)))
+    x, y = radius * (1 - cos(turn)), radius * sin(turn)
+    return f"G91 G2 X{x:.5f} Y{y:.5f} Z{rng.uniform(-1, 1):.3f} I{radius:.5f} J0 {_feed(rng)}\nG90"
+
+
+def _moves(rng: Random, count: int, size: float, words: Callable[[], str], *, arcs: bool = True) -> str:
+    """Lines of a program; `words` are added to every block."""
+    lines = []
+    for x, y, z in _points(rng, count, size):
+        if arcs and rng.random() < 0.15:
+            lines.append(_arc(rng))
+        if rng.random() < 0.1:
+            lines.append(_mode(rng))
+        if rng.random() < 0.05:
+            lines.append("G4 P0.01")
+        word = "G0" if rng.random() < 0.15 else "G1"
+        lines.append(f"{word} X{x:.4f} Y{y:.4f} Z{z:.4f} {words()} {_feed(rng) if word == 'G1' else ''}".strip())
+    return "\n".join(lines) + "\n"
+
+
+def mill(rng: Random) -> Drawn:
+    """A machine tool with three axes, or four whose last one is commanded like the others."""
+    letters = "XYZ" + rng.choice(("", "A", "B", "C"))
+    axes = "".join(_axis(rng, letter, rotary=letter in "ABC") for letter in letters)
+    rapids = rng.choice(("linear", "independent"))
+    cell = f"gcodesim: 1\nmachine:\n  rapids: {rapids}\n  axes:\n{axes}{TOOL}"
+
+    def words() -> str:
+        return f"{letters[3]}{rng.uniform(-90, 90):.3f}" if len(letters) > 3 and rng.random() < OFTEN else ""
+
+    return Drawn(cell, f"G21 G90 G94 {_mode(rng)}\n{_moves(rng, 25, 60, words)}M2\n")
+
+
+def five_axes(rng: Random) -> Drawn:
+    """A machine tool with two rotary axes in table or head; the tip is commanded by rotary words (G43.4)."""
+    linear = "".join(_axis(rng, letter) for letter in "XYZ")
+    at, pivot = (
+        f", at: [0, 0, {rng.uniform(-150, 0):.0f} mm]",
+        f", side: tool, at: [0, 0, {rng.uniform(80, 200):.0f} mm]",
+    )
+    first, more = rng.choice((("A", at), ("B", at), ("B", pivot), ("A", pivot)))
+    rotary = _axis(rng, first, rotary=True, more=more) + _axis(rng, "C", rotary=True, more=at)
+    cell = f"gcodesim: 1\nmachine:\n  axes:\n{linear}{rotary}{TOOL}"
+    state = [0.0, 0.0]
+
+    def words() -> str:
+        if rng.random() < OFTEN:
+            big = rng.choice((0.5, 5.0, 40.0))
+            state[:] = [max(min(state[0] + big * rng.uniform(-1, 1), 80), -80), state[1] + big * rng.uniform(-2, 2)]
+        return f"{first}{state[0]:.4f} C{state[1]:.4f}"
+
+    moves = _moves(rng, 25, 40, words)
+    return Drawn(cell, f"G21 G90 G94 {_mode(rng)}\nT1 M6\nG43 H1\nM428\nG0 X0 Y0 Z5 {first}0 C0\n{moves}M429\nM2\n")
+
+
+def five_axes_by_vectors(rng: Random) -> Drawn:
+    """The same machines with the direction of the tool as a vector (G43.5)."""
+    return Drawn(five_axes(rng).cell.replace("gcodesim: 1\n", "gcodesim: 1\ndialect: fanuc\n"), _by_vectors(rng))
+
+
+def _by_vectors(rng: Random) -> str:
+    lean, around = [radians(rng.uniform(2, 30))], [rng.uniform(0, 6.3)]
+
+    def words() -> str:
+        if rng.random() < OFTEN:
+            lean[0] = min(max(lean[0] + radians(rng.uniform(-15, 15)), 0.0), radians(40))
+            around[0] += rng.choice((0.02, 0.3, 1.0)) * rng.uniform(-1, 1)
+        i, j = sin(lean[0]) * cos(around[0]), sin(lean[0]) * sin(around[0])
+        return f"I{i:.6f} J{j:.6f} K{cos(lean[0]):.6f}"
+
+    moves = _moves(rng, 25, 40, words, arcs=False)
+    moves = "\n".join(line.split(" ")[0] if line.startswith(("G64", "G61")) else line for line in moves.splitlines())
+    moves = moves.replace("G61.1", "G61")
+    return (
+        f"%\nO1\nG21 G90 G49 G94 G54 {rng.choice(('G61', 'G64'))}\nT1 M6\nG43.5 H1\nG0 Z20. I0. J0. K1.\n"
+        f"{moves}\nG0 Z40. I0. J0. K1.\nG49\nM30\n%\n"
+    )
+
+
+def _arm(rng: Random, more: str = "") -> str:
+    model = rng.choice(ARMS)
+    reach = {"ur10e": 0.75, "fanuc_m20ia": 1.0}.get(model, 0.5)
+    x, y, z = (1000 * reach * c for c in (rng.uniform(0.8, 1.1), rng.uniform(-0.5, 0.5), rng.uniform(0.3, 0.8)))
+    return (
+        f"gcodesim: 1\nrobots:\n  arm: {{model: {model}}}\n"
+        f"work_offsets: {{G54: {{in: world, xyz: [{x:.1f}, {y:.1f}, {z:.1f}]}}}}\n{more}{TOOL}"
+    )
+
+
+def arm(rng: Random) -> Drawn:
+    """An arm with the tool upright, leaned, or nearly level, where its wrist may be singular; free spin or a given one."""
+    spin = rng.choice(("", ", spin: 0", f", spin: {rng.uniform(-180, 180):.0f} deg"))
+    axis = rng.choice(("-Z of G54", "+X of G54"))
+    turn = rng.choice(("[0, 0, 0]", "[5 deg, 20 deg, 0]", f"[0, {rng.uniform(-8, 8):.3f} deg, 0]"))
+    cell = _arm(rng, f"orientation: {{tool_axis: {axis}{spin}}}\n").replace("]}}\n", f"], rpy: {turn}}}}}\n", 1)
+    return Drawn(cell, f"G21 G90 G94 {_mode(rng)}\nT1 M6\n{_moves(rng, 25, 80, str)}M2\n")
+
+
+def arm_by_vectors(rng: Random) -> Drawn:
+    """An arm whose tool leans along vectors (G43.5)."""
+    return Drawn(_arm(rng, "").replace("gcodesim: 1\n", "gcodesim: 1\ndialect: fanuc\n"), _by_vectors(rng))
+
+
+def arm_by_words(rng: Random) -> Drawn:
+    """An arm whose tool leans by the words A and C."""
+    angles = [0.0, 0.0]
+
+    def words() -> str:
+        if rng.random() < OFTEN:
+            big = rng.choice((0.5, 5.0, 30.0))
+            angles[:] = [max(min(angles[0] + big * rng.uniform(-1, 1), 40), -40), angles[1] + big * rng.uniform(-1, 1)]
+        return f"A{angles[0]:.4f} C{angles[1]:.4f}"
+
+    cell = _arm(rng, 'orientation: {words: "Z(-C) X(-A)"}\n')
+    return Drawn(cell, f"G21 G90 G94 {_mode(rng)}\nT1 M6\nM428\nG0 X0 Y0 Z5 A0 C0\n{_moves(rng, 25, 60, words)}M2\n")
+
+
+def arm_on_a_rail(rng: Random) -> Drawn:
+    """A rail that carries the arm, commanded by its letter or chosen along the path."""
+    free = rng.random() < OFTEN
+    rail = (
+        f"externals:\n  rail: {{carries: arm{', free: true' if free else ''}, axes: {{U: {{travel: [0, 2 m],"
+        f" speed: {rng.uniform(0.2, 1.5):.2f} m/s, acceleration: {rng.uniform(0.5, 5):.2f} m/s^2, home: 900 mm}}}}}}\n"
+    )
+    cell = _arm(rng, rail).replace("xyz: [", "xyz: [900.0, 620.0, 400.0]}}\n# [", 1)
+    place = [900.0]
+
+    def words() -> str:
+        if free or rng.random() < OFTEN:
+            return ""
+        place[0] = min(max(place[0] + rng.choice((3, 100)) * rng.uniform(-1, 1), 850), 950)
+        return f"U{place[0]:.3f}"
+
+    return Drawn(cell, f"G21 G90 G94 {_mode(rng)}\nT1 M6\n{_moves(rng, 20, 80, words)}M2\n")
+
+
+def arm_at_a_table(rng: Random) -> Drawn:
+    """A turn-tilt table that carries the work of an arm."""
+    table = (
+        "externals:\n  positioner:\n    axes:\n"
+        + "  "
+        + _axis(rng, "A", rotary=True, more=", at: [0, 0, 40]")
+        + "  "
+        + _axis(rng, "C", rotary=True)
+        + "    base: {in: world, xyz: [600, 0, 250]}\n"
+    )
+    cell = (
+        f"gcodesim: 1\nrobots: {{arm: {{model: kuka_kr10_r1100_2}}}}\n{table}"
+        f"work_offsets: {{G54: {{in: positioner, xyz: [0, 0, 70]}}}}\n{TOOL}"
+    )
+    angles = [0.0, 0.0]
+
+    def words() -> str:
+        if rng.random() < OFTEN:
+            big = rng.choice((0.5, 5.0, 30.0))
+            angles[:] = [max(min(angles[0] + big * rng.uniform(-1, 1), 30), -30), angles[1] + big * rng.uniform(-1, 1)]
+        return f"A{angles[0]:.4f} C{angles[1]:.4f}"
+
+    return Drawn(cell, f"G21 G90 G94 {_mode(rng)}\nT1 M6\n{_moves(rng, 20, 30, words)}M2\n")
+
+
+KINDS: dict[str, Callable[[Random], Drawn]] = {
+    "mill": mill,
+    "five axes": five_axes,
+    "five axes by vectors": five_axes_by_vectors,
+    "arm": arm,
+    "arm by vectors": arm_by_vectors,
+    "arm by words": arm_by_words,
+    "arm on a rail": arm_on_a_rail,
+    "arm at a table": arm_at_a_table,
+}

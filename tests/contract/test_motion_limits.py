@@ -1,0 +1,68 @@
+"""No emitted trajectory exceeds a limit: the samples themselves, over machines and programs drawn at random.
+
+Differences of joints a control cycle apart are means of speed and of acceleration over that time, so none of them may
+be above its limit; a step of direction that is passed at speed is one of acceleration within a cycle.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from random import Random
+
+import numpy as np
+import pytest
+
+from gcodesim.cell.loader import read_cell
+from gcodesim.diagnostics import SourceText
+from gcodesim.motion.blend_kernels import CYCLE
+from gcodesim.planning import Plan
+from gcodesim.simulation import Options, prepare
+from tests.contract.drawn_motion import KINDS, Drawn
+
+BEYOND = ("GS201", "GS202", "GS203", "GS205")  # findings of a path that cannot be had
+ROUNDING = 1e-3  # joints are solved to 1e-9 m, which makes 1e-3 m/s² in a difference of two differences
+FEW, MANY = 3, 60
+
+
+def plan_of(drawn: Drawn) -> tuple[Plan, bool]:
+    """The plan, and whether the machine can run all of the program."""
+    loaded = read_cell(SourceText("cell.yaml", drawn.cell.encode()), Path("cell.yaml"))
+    assert not [f.message for f in loaded.findings if f.level.word == "error"]
+    job = prepare(SourceText("program.nc", drawn.program.encode()), loaded, Options(world="kinematic"))
+    assert job.plan is not None, [f.message for f in job.findings]
+    return job.plan, not any(f.code in BEYOND for f in job.findings)
+
+
+def shares(plan: Plan) -> tuple[float, float]:
+    """The greatest share of a joint's speed and acceleration limit in the samples; positions are within limits."""
+    trajectory, joints = plan.trajectory, plan.kinematics.joints
+    q = plan.joints(trajectory.sample(np.arange(-2 * CYCLE, trajectory.duration + 3 * CYCLE, CYCLE)))
+    assert (q >= joints.lower - 1e-9).all() and (q <= joints.upper + 1e-9).all()
+    speed = np.diff(q, axis=0) / CYCLE
+    acceleration = np.diff(speed, axis=0) / CYCLE
+    return float((np.abs(speed) / joints.speed).max()), float((np.abs(acceleration) / joints.acceleration).max())
+
+
+def check(kind: str, seeds: range) -> None:
+    used, run = 0.0, 0
+    for seed in seeds:
+        plan, whole = plan_of(KINDS[kind](Random(f"{kind} {seed}")))
+        if not whole:
+            continue
+        speed, acceleration = shares(plan)
+        assert speed <= 1.0 + 1e-6, seed
+        assert acceleration <= 1.0 + ROUNDING, seed
+        used, run = max(used, acceleration), run + 1
+    assert run > len(seeds) // 2
+    assert used > 0.8  # and limits are made use of
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_no_sample_is_beyond_a_limit(kind: str) -> None:
+    check(kind, range(FEW))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", KINDS)
+def test_no_sample_of_many_is_beyond_a_limit(kind: str) -> None:
+    check(kind, range(FEW, MANY))
