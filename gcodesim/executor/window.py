@@ -27,7 +27,7 @@ MOST_PARTS: Final = 64  # of one step
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Carry:
-    """What a window takes over from the one before: tool, tip from control point (3,) [m] in B, tip pose (4, 4), joints.
+    """What a window takes over: tool, tip from control point (3,) [m] in B, tip pose (4, 4), joints (j,).
 
     `shift` (3,) [m] is that of the row in whose coordinates the control point is meant; see `RowColumns`.
     """

@@ -147,7 +147,7 @@ def _arm(rng: Random, more: str = "") -> str:
 
 
 def arm(rng: Random) -> Drawn:
-    """An arm with the tool upright, leaned, or nearly level, where its wrist may be singular; free spin or a given one."""
+    """An arm with the tool upright, leaned, or nearly level, where its wrist may be singular; spin free or given."""
     spin = rng.choice(("", ", spin: 0", f", spin: {rng.uniform(-180, 180):.0f} deg"))
     axis = rng.choice(("-Z of G54", "+X of G54"))
     turn = rng.choice(("[0, 0, 0]", "[5 deg, 20 deg, 0]", f"[0, {rng.uniform(-8, 8):.3f} deg, 0]"))

@@ -16,7 +16,8 @@ from gcodesim.cell.loader import read_cell
 from gcodesim.diagnostics import SourceText
 from gcodesim.motion.blend_kernels import CYCLE
 from gcodesim.planning import Plan
-from gcodesim.simulation import Options, prepare
+from gcodesim.jobs.job import Options
+from gcodesim.simulation import prepare
 from tests.contract.drawn_motion import KINDS, Drawn
 
 BEYOND = ("GS201", "GS202", "GS203", "GS205")  # findings of a path that cannot be had
