@@ -14,9 +14,9 @@ import pytest
 
 from gcodesim.cell.loader import read_cell
 from gcodesim.diagnostics import SourceText
+from gcodesim.jobs.job import Options
 from gcodesim.motion.blend_kernels import CYCLE
 from gcodesim.planning import Plan
-from gcodesim.jobs.job import Options
 from gcodesim.simulation import prepare
 from tests.contract.drawn_motion import KINDS, Drawn
 
