@@ -13,7 +13,7 @@ from gcodesim.cell.signals import SIGNALS, SignalSource
 from gcodesim.declarations.composed import ListOf
 from gcodesim.declarations.file_kind import File, FileValue
 from gcodesim.declarations.keys import key
-from gcodesim.declarations.kind import POSITIVE, Json, Kind, scalar, short
+from gcodesim.declarations.kind import POSITIVE, Json, Kind, Range, scalar, short
 from gcodesim.declarations.map_of import MapOf, NameRule
 from gcodesim.declarations.nodes import Mapping as MappingNode
 from gcodesim.declarations.nodes import Node, Scalar
@@ -333,6 +333,12 @@ class Channel:
         Choice(("A", "B")),
         "start and end of Fanuc's cutter compensation: at right angles to the next move (A), or round its corner",
         default="A",
+    )
+    compensation_blocks: int = key(
+        Whole(Range(least=3, most=8)),
+        "how many blocks a Fanuc control reads in cutter compensation: all but two may be without a move in the plane,"
+        " and so far it looks for places narrower than the tool",
+        default=3,
     )
     block_delete: bool = key(Switch(), "blocks that begin with `/` are skipped", default=False)
     optional_stop: bool = key(Switch(), "M1 stops; without effect, as nobody would go on", default=False)

@@ -93,7 +93,11 @@ def settings_of_cell(
         tip_first=_tip_first(cell.machine_of(channel)),
         columns=columns,
         lane="grammar" if columns else "auto",
-        options={"decimal_point": own.decimal_point, "compensation_start": own.compensation_start},
+        options={
+            "decimal_point": own.decimal_point,
+            "compensation_start": own.compensation_start,
+            "compensation_blocks": str(own.compensation_blocks),
+        },
     )
     return settings, findings
 

@@ -94,7 +94,7 @@ def switch(words: Words, control: Control) -> None:
         return
     state = control.state
     at = f"g{code // 10}" if code % 10 == 0 else f"g{code / 10:g}"
-    if state.plane == 190:
+    if state.plane == 190 and control.corner_rule is None:
         raise Fault("GS153", "cutter compensation works in the XY and XZ planes only", at=at, hint="say G17 or G18")
     if state.side:
         raise Fault("GS153", "cutter compensation is on already", at=at, hint="say G40 before changing side or tool")
@@ -359,12 +359,13 @@ def _outside_limit(control: Control, following_turns: int) -> float:
     return math.pi - STRAIGHT_ON if around else math.pi + STRAIGHT_ON
 
 
-def _in_plane(move: Held) -> bool:
+def is_in_plane(move: Held) -> bool:
+    """Whether it moves in the plane at all."""
     return move.kind == "arc" or move.direction != (0.0, 0.0)
 
 
 def held_moves(control: Control) -> list[Held]:
-    return [event for event in control.state.held if type(event) is Held and _in_plane(event)]
+    return [event for event in control.state.held if type(event) is Held and is_in_plane(event)]
 
 
 def _held_move(control: Control) -> Held:
@@ -396,10 +397,7 @@ def intersection(control: Control, to: NextMove) -> Point:
     op, following, turns = to.op, to.path, to.turns
     state = control.state
     move = _held_move(control)
-    first, second, _ = PLANE[state.plane]
-    end = (move.end[first], move.end[second])
-    held: Line | PlaneCircle
-    held = PlaneCircle(move.centre, apart(move.centre, end)) if move.kind == "arc" else Line(end, move.direction)
+    held = held_path(control, move)
     inside_held, inside_next = (move.turns > 0) == (state.side > 0), (turns > 0) == (state.side > 0)
     shift = (0.0, 0.0)
     if isinstance(following, PlaneCircle) and isinstance(held, Line):
@@ -423,6 +421,13 @@ def intersection(control: Control, to: NextMove) -> Point:
     if isinstance(following, Line):
         return max(found, key=lambda point: _dot(point, following.direction) * (-1.0 if inside_held else 1.0))
     return first_point if inside_held == (turns > 0) else second_point
+
+
+def held_path(control: Control, move: Held) -> Line | PlaneCircle:
+    """The offset path on which a held move runs."""
+    first, second, _ = PLANE[control.state.plane]
+    end = (move.end[first], move.end[second])
+    return PlaneCircle(move.centre, apart(move.centre, end)) if move.kind == "arc" else Line(end, move.direction)
 
 
 def _off_by(centre: Point, op: Point, radius: float) -> Point:
@@ -470,7 +475,7 @@ def flush(control: Control, corner: Point | None = None, *, lenient: bool = Fals
         if type(event) is not Held:
             control.out.append(event)
             continue
-        if corner is None and not _in_plane(event):
+        if corner is None and not is_in_plane(event):
             emit(control, event)
         else:
             first, second, _ = PLANE[state.plane]

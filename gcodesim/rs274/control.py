@@ -118,7 +118,11 @@ class Control:
 
     def axes(self) -> Vector:
         """Where the machine's axes stand, in program units."""
-        tip = self.tip(self.state.current)
+        return self.axes_of(self.state.current)
+
+    def axes_of(self, point: Vector) -> Vector:
+        """The machine's axes where the tool stands at `point` of the active work system; program units."""
+        tip = self.tip(point)
         law = self.settings.tool_point
         if self.state.point_control and law is not None:
             return tool_point.axes_at(self, tip, law)
@@ -160,6 +164,12 @@ class Control:
         tip = self.tip(point)
         unit = self.state.unit
         return (tip[0] * unit, tip[1] * unit, tip[2] * unit)
+
+    def remember_trip(self, point: Vector, *, tripped: bool) -> None:
+        """Keep where a probe tripped, in the active work system and program units."""
+        for axis in range(9):
+            self.parameters.numbers[numbers.PROBE + axis] = point[axis]
+        self.parameters.numbers[numbers.PROBE_RESULT] = float(tripped)
 
     def machine_units(self, value: float, axis: int) -> float:
         """A value of `axis` in program units as the parameters hold it: mm or degrees."""

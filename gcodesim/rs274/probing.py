@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from gcodesim import canon
-from gcodesim.rs274 import parameters as numbers
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.dialects import g_name
 from gcodesim.rs274.ends import end_point
@@ -60,9 +59,7 @@ def tripped(control: Control, event: canon.ProbeMove, reply: canon.Touched | can
     elif reply is not None:
         point = state.current = _here(control, reply)
     control.parameters.changes += 1
-    for axis in range(9):
-        control.parameters.numbers[numbers.PROBE + axis] = point[axis]
-    control.parameters.numbers[numbers.PROBE_RESULT] = float(tripping)
+    control.remember_trip(point, tripped=tripping)
     return _fault(event, reply) if isinstance(reply, canon.Touched) else None
 
 

@@ -268,7 +268,7 @@ CODES: tuple[Code, ...] = (
         title="Cutter compensation cannot be switched on",
         what="The plane does not allow it, it is on already, or the diameter is missing.",
         why="The control would refuse the block.",
-        remedy="Use G17 or G18, write G40 before the other side, and give D the number of a tool in the table.",
+        remedy="Use G17 or G18 (on Fanuc G19 as well), write G40 before the other side, and give D the number of a tool in the table.",
     ),
     Code(
         code="GS160",
@@ -413,6 +413,20 @@ CODES += (
         what="The program ends in G41 or G42.",
         why="The tool stays beside the contour, and the last corner is not finished as the drawing has it.",
         remedy="Leave the contour and say G40 before the end.",
+    ),
+    Code(
+        code="GS156",
+        severity=Severity.WARNING,
+        title="A corner is lost in cutter compensation",
+        what=(
+            "Between two moves of the contour stand more blocks without a move in the plane than the control reads "
+            "ahead, or G41 or G42 is said once more."
+        ),
+        why=(
+            "The control cannot work out where both offset paths meet: the tool goes to the end of the first move, and "
+            "from there straight to the end of the next, into the part or away from it."
+        ),
+        remedy="Put one block between them at most, or set `compensation_blocks` to what the control reads.",
     ),
     Code(
         code="GS161",

@@ -23,7 +23,9 @@ from gcodesim.rs274.state import ZERO, ModalState, Vector, add, scaled, subtract
 from gcodesim.units import MM
 
 if TYPE_CHECKING:
+    from gcodesim.rs274.circles import Point
     from gcodesim.rs274.dialects import Dialect
+    from gcodesim.rs274.fanuc.corner_circle import CornerCircle
     from gcodesim.rs274.fanuc.corners import Corner
     from gcodesim.rs274.fanuc.flow import FanucFrame
     from gcodesim.rs274.fanuc.polar import Polar
@@ -59,6 +61,11 @@ class FanucState(ModalState):
     bottom: float | None = None
     polar: Polar | None = None  # G16
     comp_starting: bool = False  # the held move starts the compensation
+    comp_crossing: bool = False  # the next move lies on the other side
+    comp_circle: CornerCircle | None = None  # a G39 that waits for the next move
+    comp_idle: int = 0  # blocks since the last move in the plane
+    comp_lost: str = ""  # why the next corner is not worked out
+    comp_corners: tuple[tuple[Point, Point], ...] = ()  # the last corners, as programmed and as passed
     stroke: int = 220  # G22 or G23
     last_m: int = 0  # the last M code that is no call
     corner: Corner | None = None  # a move that waits for the next one
@@ -77,6 +84,7 @@ class FanucControl(Control):
         super().__init__(settings, dialect)
         self.in_increments = dialect.option("decimal_point", settings.options) == "increments"
         self.goes_round = dialect.option("compensation_start", settings.options) == "B"  # at its start, and at G40
+        self.blocks_ahead = int(dialect.option("compensation_blocks", settings.options))
         from gcodesim.rs274.fanuc.compensation import FanucCorners
 
         self.corner_rule = FanucCorners(self)
@@ -213,6 +221,12 @@ class FanucControl(Control):
 
     # -- what programs may ask
 
+    def remember_trip(self, point: Vector, *, tripped: bool) -> None:
+        """Where the skip signal came, or the move ended: the axes in the work system, kept in mm."""
+        place = subtract(self.axes_of(point), self.base())
+        for axis in range(6):
+            self.parameters.numbers[numbers.SKIPPED_AT + axis] = self.machine_units(place[axis], axis)
+
     def position_variable(self, number: int) -> float | None:
         """#5001 … block end, #5021 … machine, #5041 … present, #5061 … skip, #5081 … tool offset."""
         kind, axis = divmod(number - 5001, 20)
@@ -224,8 +238,8 @@ class FanucControl(Control):
             return self.unturned(self.axes())[axis]
         if kind == 1:
             return self.axes()[axis]
-        if kind == 3:
-            return self.parameters.numbers.get(number, 0.0)
+        if kind == 3:  # with the tool's length as well
+            return self.program_units(self.parameters.numbers.get(number, 0.0), axis)
         if kind == 4:
             return self.state.tool_offset[axis]
         return 0.0

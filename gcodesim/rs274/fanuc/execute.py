@@ -7,15 +7,14 @@ from contextlib import contextmanager
 
 from gcodesim import canon
 from gcodesim.rs274 import compensation, machine_codes, modes, tool_point
-from gcodesim.rs274 import parameters as numbers
 from gcodesim.rs274.arcs import PLANE_AXES
 from gcodesim.rs274.dialects import g_name
 from gcodesim.rs274.dialects.fanuc import CYCLES, MIRROR, SCALING, STROKE, TURN
 from gcodesim.rs274.dialects.linuxcnc import CANCEL, COMPENSATION, DISTANCE, MOTION, NON_MODAL, PATH, SPINDLE, STOPPING
 from gcodesim.rs274.ends import end_point, start_point
 from gcodesim.rs274.execute import NOT_MODELLED
-from gcodesim.rs274.fanuc import corners, figure, fixture, offsets, polar, tilted, vectors
-from gcodesim.rs274.fanuc.compensation import leave
+from gcodesim.rs274.fanuc import corner_circle, corners, figure, fixture, offsets, polar, tilted, vectors
+from gcodesim.rs274.fanuc.compensation import change_side, leave, look_ahead
 from gcodesim.rs274.fanuc.control import FanucControl
 from gcodesim.rs274.fanuc.cycles import cycle
 from gcodesim.rs274.fault import Fault
@@ -27,6 +26,7 @@ from gcodesim.rs274.words import AXIS_LETTERS, Words, exponent, place_of
 _CLAIMS_AXES = frozenset((40, 50, 51, 80, 100, 110, 270, 280, 290, 300, 520, 531, 920, 921))
 _NOT_SIMULATED = {50: "G5", 51: "G5.1", 80: "G8", 1030: "G103", 1870: "G187"}
 _ONE_WAY = 600  # G60
+_CORNER_CIRCLE = 390  # G39
 _UPRIGHT = 1e-9  # deg
 _EXACT_STOP = 90  # G9, for one block
 _STOPPING_PATH = 611
@@ -97,6 +97,9 @@ def execute(words: Words, control: FanucControl, has_point: dict[str, bool]) -> 
             control.skip("G31", place_of(words.block, "g31"))
         _skip_function(words, control)
         motion = own
+    elif claimed == _CORNER_CIRCLE:
+        corner_circle.begin(words, control)
+        motion = own
     elif claimed == _ONE_WAY:
         control.skip("G60", place_of(words.block, "g60"))
         _moved_by(words, control, 0, -1)
@@ -115,6 +118,7 @@ def execute(words: Words, control: FanucControl, has_point: dict[str, bool]) -> 
         machine_codes.end_program(control, shuttle=False)
     else:
         machine_codes.stop(words, control)
+    look_ahead(control)
     if state.side and state.corner is None:
         compensation.settle(control)
 
@@ -231,6 +235,8 @@ def _compensation(words: Words, control: FanucControl) -> bool:
         return False
     figure.side(words, control)
     radius = offsets.check_radius_number(words, control)
+    if change_side(control, code, radius):
+        return False
     given = words.values.pop("d", None)
     compensation.switch(words, control)
     state = control.state
@@ -295,8 +301,6 @@ def _skip_function(words: Words, control: FanucControl) -> None:
         )
     )
     state.current = end
-    for axis in range(6):
-        control.parameters.set(numbers.PROBE + axis, end[axis])
 
 
 def _letters_of(words: Words) -> frozenset[str]:
@@ -305,6 +309,8 @@ def _letters_of(words: Words) -> frozenset[str]:
     claimed = words.g.get(NON_MODAL)
     if claimed in (40, 300, 310):
         used |= {"p", "q"}
+    if claimed == _CORNER_CIRCLE:
+        used |= {"i", "j", "k"}
     if claimed in _NOT_SIMULATED:
         used |= {"e", "p", "q", "r"}
     if claimed == 100:

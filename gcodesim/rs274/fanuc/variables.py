@@ -24,6 +24,7 @@ LENGTH_WEAR, LENGTH_GEOMETRY, RADIUS_WEAR, RADIUS_GEOMETRY = 10000, 11000, 12000
 MOST_OFFSETS: Final = 999
 ALARM, STOP = 3000, 3006
 FIXTURE: Final = 5500  # the P of G54.2, and from the next on its offset
+SKIPPED_AT: Final = 5061  # where the last G31 ended, six axes
 
 _COMMON: Final = (range(100, 200), range(500, 1000))
 _OFFSETS: Final = (

@@ -65,6 +65,24 @@ def test_skip_function_stores_where_it_ended(fanuc):
     assert done.ends[-1] == [20, 20, 0]
 
 
+@pytest.mark.parametrize(
+    ("over", "read"),
+    [
+        (["G43 H1", "G31 Z-7. F50.", "#100=#5063"], 43.0),  # with the length of the tool, 50 mm, as #5043 has it
+        (["G92 X10.", "G31 X25. F50.", "#100=#5061"], 25.0),
+        (["G52 X5.", "G31 X25. F50.", "#100=#5061"], 25.0),
+        (["G31 X25.4 F50.", "G20", "#100=#5061"], 1.0),
+        (["G16", "G31 X10. Y90. F50.", "#100=#5062"], 10.0),
+    ],
+    ids=["length", "G92", "G52", "inches", "polar"],
+)
+def test_the_skip_position_is_that_of_the_axes_in_the_work_system(fanuc, over, read):
+    """B-63944EN, 16.2: #5061 and on are in the work system, with tool compensation, in the unit of the program."""
+    done = fanuc(body("G90 G21", *over, "M30"))
+
+    assert done.run.parameters[100] == pytest.approx(read)
+
+
 def test_second_reference_point_by_way_of_a_point(fanuc):
     done = fanuc(
         body("G90 G00 X10. Y10. Z5.", "G91 G30 P2 X0. Z5.", "M30"), parameters={5181: 100.0, 5182: 50.0, 5183: 20.0}
