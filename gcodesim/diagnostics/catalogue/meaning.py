@@ -268,7 +268,10 @@ CODES: tuple[Code, ...] = (
         title="Cutter compensation cannot be switched on",
         what="The plane does not allow it, it is on already, or the diameter is missing.",
         why="The control would refuse the block.",
-        remedy="Use G17 or G18 (on Fanuc G19 as well), write G40 before the other side, and give D the number of a tool in the table.",
+        remedy=(
+            "Use G17 or G18 (on Fanuc G19 as well), write G40 before the other side, and give D the number of a tool "
+            "in the table."
+        ),
     ),
     Code(
         code="GS160",

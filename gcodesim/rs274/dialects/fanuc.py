@@ -15,7 +15,8 @@
 | polar coordinates | G16: radius and angle of the plane | `polar.py` |
 | devices outside | POPEN, DPRNT, PCLOS | `external.py` |
 | codes of Haas | G154 P is G54.1 P; G103, G187 are read; pockets are refused | `offsets.py`, `execute.py` |
-| cutter compensation | corners by intersection, start-up and cancel of type A and B, change of side | `compensation.py` |
+| cutter compensation | corners by intersection, start-up and cancel of type A and B | `compensation.py` |
+| | change of side, blocks without a move | `compensation.py` |
 | | G39: a corner is rounded | `corner_circle.py` |
 | | places narrower than the tool | `interference.py` |
 | corners | `,C` and `,R` between moves | `corners.py` |
@@ -62,7 +63,10 @@ FIXTURES = range(5521, 5521 + 8 * 20, 20)  # where the offsets of G54.2 P1 to P8
 CYCLES = (730, 740, 760, 810, 820, 830, 840, 850, 860, 870, 880, 890)
 
 _G_GROUPS = {
-    NON_MODAL: (40, 50, 51, 80, 90, 100, 110, 270, 280, 290, 300, 310, 390, 520, 530, 531, 600, 650, 920, 921, 1030, 1870),
+    NON_MODAL: (
+        *(40, 50, 51, 80, 90, 100, 110, 270, 280, 290, 300, 310, 390, 520, 530, 531, 600, 650, 920, 921, 1030),
+        1870,
+    ),
     MOTION: (0, 10, 20, 30, 330, *CYCLES),
     CANCEL: (800,),
     PLANE: (170, 180, 190),

@@ -14,7 +14,7 @@ place that is narrower than the tool between moves that are long enough by thems
 from __future__ import annotations
 
 from gcodesim.rs274.circles import Point, apart
-from gcodesim.rs274.compensation import beside, is_on
+from gcodesim.rs274.compensation import is_on
 from gcodesim.rs274.fanuc.control import FanucControl
 from gcodesim.rs274.fault import Fault
 from gcodesim.units import MM

@@ -149,7 +149,8 @@ def test_the_skip_function_of_fanuc_is_answered_too() -> None:
 
 def test_the_skip_position_of_fanuc_is_where_the_signal_came() -> None:
     """Z of the axes, with the length of H1 (50 mm), in the work system; the next G91 goes on from where it stopped."""
-    program = "O1\nG21 G90 G10 L10 P1 R50.\nG10 L2 P1 X0 Y0 Z10.\nG54 G43 H1\nG0 Z20.\nG31 Z-5. F50.\n#100=#5063\nG91 G0 Z5.\nM30\n"
+    setup = "O1\nG21 G90 G10 L10 P1 R50.\nG10 L2 P1 X0 Y0 Z10.\nG54 G43 H1\nG0 Z20.\n"
+    program = setup + "G31 Z-5. F50.\n#100=#5063\nG91 G0 Z5.\nM30\n"
     events, run = converse(program, lambda _: touched(0, 0, 12, over=-0.1), dialect="fanuc")
     assert errors(run) == []
     assert run.parameters[100] == pytest.approx(2.0 + 50.0)

@@ -66,7 +66,7 @@ def test_a_crossing_behind_the_beginning_of_the_move_is_none(ends):
 
 
 def test_from_an_arc_to_the_other_side(ends):
-    """Outside about (10, 10) with radius 13; G42 down X = 20 has x = 17: 7^2 + 10.954^2 = 13^2, before the arc's end."""
+    """Outside about (10, 10) with radius 13; G42 down X = 20 has x = 17, before the arc's end."""
     got = ends(*ENTRY, "Y10.", "G02 X20. Y10. I10. J0.", "G42 G01 Y-20.", "G40 X50.")
     assert got[-3:] == near((17, 10 + math.sqrt(120)), (17, -20), (50, -20))
 
