@@ -28,6 +28,7 @@ from gcodesim.frames import Array, Pose, rotation_from_quaternion
 from gcodesim.kinematics.dynamics import inverse_dynamics
 from gcodesim.solids import Box, Cylinder, Placed, Sphere
 from gcodesim.world.body import RobotBody, ToolBody, centred
+from gcodesim.world.engine_sines import give_to
 from gcodesim.world.model import BulletModel, joint_name, merged_model, payload_of
 from gcodesim.world.protocol import STANDARD_GRAVITY, Couple, WorldSteps, WorldUnavailable
 from gcodesim.world.reaction import tool_reaction
@@ -54,8 +55,12 @@ Push = Callable[[int], None]
 
 
 def import_pybullet() -> Any:
-    """The module pybullet, without the build date that it writes to stderr; `WorldUnavailable` when it is missing."""
+    """The module pybullet, without the build date that it writes to stderr; `WorldUnavailable` when it is missing.
+
+    Its sines are the same on every processor (`engine_sines`).
+    """
     if "pybullet" in sys.modules:
+        give_to(sys.modules["pybullet"])
         return sys.modules["pybullet"]
     sys.stderr.flush()
     kept = os.dup(2)
@@ -72,6 +77,7 @@ def import_pybullet() -> Any:
         os.dup2(kept, 2)
         os.close(kept)
         os.close(null)
+    give_to(pybullet)
     return pybullet
 
 

@@ -1,7 +1,4 @@
-"""Runs on other processors give the same files: libraries are told to choose their code as they would there.
-
-The log of the world `bullet` is an exception where the library of C has other code for sines (docs/regression.md).
-"""
+"""Runs on other processors give the same files: libraries are told to choose their code as they would there."""
 
 from __future__ import annotations
 
@@ -40,7 +37,6 @@ SETTINGS: Final[dict[str, tuple[dict[str, str], str]]] = {
     "C without FMA": ({"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX512F"}, "fma"),
     "numpy of 2009": ({"NPY_DISABLE_CPU_FEATURES": " ".join(SIMD.get("found", ()))}, "avx2"),
 }
-LIBC: Final = "C without FMA"
 
 RUN: Final = """
 import hashlib, json, math, sys
@@ -110,8 +106,6 @@ def check(programs: dict[str, Path], folder: Path) -> None:
             assert there != here, f"{name}: the libraries have not chosen other code, so this shows nothing"
         found = digests(place)
         different = {path for path in wanted | found if wanted.get(path) != found.get(path)}
-        if name == LIBC:  # Bullet asks the library of C for sines
-            different = {path for path in different if not (path.startswith("bullet/") and path.endswith("/run.mcap"))}
         assert not different, (name, sorted(different))
 
 
