@@ -234,6 +234,137 @@ def wall() -> Lines:
     yield "M2"
 
 
+# --- flange: printed by a pump, then milled -------------------------------------
+
+
+def flange() -> Lines:
+    """A block 58 x 44 x 15 mm of five layers, each a zigzag across the one before; then faced, cut round and bored."""
+    bead, height, size = 5.357, 3.0, (58.0, 44.0)  # 5.357: section of a bead of 6 x 3 mm over its height
+    yield "(flange: printed in five layers of 3 mm, then milled to 50 x 36 x 13 mm with a bore of 20 mm)"
+    yield "(T1 extruder, bead 6 x 3 mm, M10 and M11 switch its pump; T2 end mill 10)"
+    yield "G21 G90 G17 G94 G64 P0.3"
+    yield "T1 M6"
+    yield "G43 H1"
+    yield "G0 Z40"
+    for layer in range(1, 6):
+        along = layer % 2  # 1: beads along X
+        length, across = (size[0], size[1]) if along else (size[1], size[0])
+        beads = math.floor((across - bead) / bead) + 1
+        first = -0.5 * bead * (beads - 1)
+        end = 0.5 * (length - bead)
+        yield f"(layer {layer})"
+        for k in range(beads):
+            side, start = first + bead * k, -end if k % 2 == 0 else end
+            ends = ({"x": start, "y": side}, {"x": -start, "y": side})
+            if not along:
+                ends = ({"x": side, "y": start}, {"x": side, "y": -start})
+            if k == 0:
+                yield f"G0 {at(**ends[0])}"
+                yield f"G0 {at(z=height * layer)}"
+                yield "M10"
+                yield "F3000"
+            else:
+                yield f"G1 {at(**ends[0])}"
+            yield f"G1 {at(**ends[1])}"
+        yield "M11"
+    yield "G0 Z40"
+    yield "T2 M6"
+    yield "G43 H2"
+    yield "S12000 M3"
+    yield "(top)"
+    yield "G0 X-40 Y-20"
+    yield "G0 Z13"
+    yield "F1800"
+    for row in range(6):
+        yield f"G1 {at(y=-20.0 + 8.0 * row)}"
+        yield f"G1 X{40 if row % 2 == 0 else -40}"
+    yield "G0 Z30"
+    yield "(outside)"
+    for z in (9.0, 5.0, 1.0):
+        yield "G0 X-40 Y-23"
+        yield f"G0 {at(z=z)}"
+        yield "G1 X30"
+        yield "G1 Y23"
+        yield "G1 X-30"
+        yield "G1 Y-40"
+        yield "G0 Z30"
+    yield "(bore)"
+    yield "G0 X0 Y0"
+    yield "G0 Z16"
+    yield "G1 Z13 F600"
+    yield "G1 X5"
+    yield "G3 X5 Y0 Z1 I-5 J0 P6"
+    yield "G3 X5 Y0 I-5 J0"
+    yield "G1 X0"
+    yield "G0 Z40"
+    yield "M5"
+    yield "M2"
+
+
+# --- clip: a print as a slicer writes it -----------------------------------------
+
+_SECTION, _FILAMENT = (0.45 - 0.2) * 0.2 + 0.25 * math.pi * 0.2 * 0.2, 0.25 * math.pi * 1.75 * 1.75  # mm²
+
+
+def clip() -> Lines:
+    """A frame 30 x 20 mm, 2 mm high: ten layers of two walls and one of infill between them; lines 0.45 x 0.2 mm."""
+    yield "; clip: frame 30 x 20 x 2 mm, layers of 0.2 mm, lines of 0.45 mm"
+    yield "M201 X1000 Y1000 Z200 E5000"
+    yield "M203 X200 Y200 Z12 E120"
+    yield "M204 P1000 R1000 T1000"
+    yield "M205 X8 Y8 Z0.4 E1.5"
+    yield "M140 S60"
+    yield "M104 S210"
+    yield "G28 ; home all axes"
+    yield "M190 S60"
+    yield "M109 S210"
+    yield "G21"
+    yield "G90"
+    yield "M83"
+    yield "M107"
+    for layer in range(1, 11):
+        z = 0.2 * layer
+        yield ";LAYER_CHANGE"
+        yield f";Z:{z:g}"
+        yield ";HEIGHT:0.2"
+        yield f"G1 {at(z=z)} F720"
+        if layer == 2:
+            yield "M106 S255"
+        for what, feed, inset in (
+            ("Perimeter", 2400, 0.675),
+            ("External perimeter", 1500, 0.225),
+            ("Perimeter", 2400, 3.325),
+            ("External perimeter", 1500, 3.775),
+        ):
+            yield f";TYPE:{what}"
+            yield ";WIDTH:0.45"
+            yield from _loop(inset, feed if layer > 1 else 1200)
+        yield ";TYPE:Internal infill"
+        for k in range(5):
+            yield from _loop(1.125 + 0.4375 * k, 3000 if layer > 1 else 1200)
+    yield "M107"
+    yield "G1 Z20 F720"
+    yield "M104 S0"
+    yield "M140 S0"
+    yield "M84"
+
+
+def _loop(inset: float, feed: float) -> Lines:
+    """A closed rectangle `inset` from the outside; it begins with a retraction and a way to its corner."""
+    left, right, front, back = inset, 30.0 - inset, inset, 20.0 - inset
+    yield "G1 E-0.8 F2100"
+    yield f"G1 {at(x=left, y=front)} F9000"
+    yield "G1 E0.8 F2100"
+    yield f"G1 F{feed:g}"
+    for x, y, way in (
+        (right, front, right - left),
+        (right, back, back - front),
+        (left, back, right - left),
+        (left, front, back - front),
+    ):
+        yield f"G1 {at(x=x, y=y)} {word('E', way * _SECTION / _FILAMENT, 5)}"
+
+
 # --- dome: a ball mill that leans, by tool centre point control -----------------
 
 
@@ -283,6 +414,8 @@ PROGRAMS: dict[str, Callable[[], Lines]] = {
     "engraving.ngc": engraving,
     "finishing.nc": finishing,
     "wall.nc": wall,
+    "flange.nc": flange,
+    "clip.gcode": clip,
 }
 
 

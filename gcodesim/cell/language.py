@@ -16,6 +16,7 @@ from gcodesim.cell.machine import MachineTool, is_lathe
 from gcodesim.cell.robot import Robot
 from gcodesim.cell.tool_point import MachinePoint
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText
+from gcodesim.processes.signal import SPINDLE, signals_read_by
 from gcodesim.rs274 import MappedAction, Settings, ToolEntry, ToolTable, read_parameters
 from gcodesim.rs274.dialects import DIALECTS
 from gcodesim.units import MM
@@ -85,6 +86,7 @@ def settings_of_cell(
         wired=_wired(cell, channel),
         has_cell=True,
         turns=is_lathe(cell.machine_of(channel)),
+        unturned=frozenset(n for n, tool in cell.tools.items() if SPINDLE.name not in signals_read_by([tool])),
         tool_length=own.tool_length,
         loaded_tool=own.loaded_tool or 0,
         auto_length=lengths,

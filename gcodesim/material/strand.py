@@ -47,3 +47,13 @@ def lay_strand(stock: Stock, strand: FilamentStrand, carry: Array) -> Laid:
     while (done := lay(stock.field, ways, volumes, sizes, carry, done, laid)) < count:
         stock.grow()
     return laid
+
+
+def carried(stock: Stock, starts: Array, ends: Array, width: float, height: float) -> Array:
+    """1.0 for each of c pieces of a bead of `width` and `height` [m] below which there is something, else 0.0."""
+    from gcodesim.material.support_kernels import support_of
+
+    found = np.zeros(len(starts))
+    ways = np.ascontiguousarray(np.hstack([starts, ends]))
+    support_of(stock.field, ways, width, height, found)
+    return found

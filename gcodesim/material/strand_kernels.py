@@ -2,8 +2,8 @@
 
 A piece of the way gives a volume. Its cross-section A = volume / length becomes a bead of height h, the gap below the
 nozzle, and of width w = A / h + h (1 - pi / 4), a rectangle with half-round sides. Each column takes the share of that
-section that lies over it, filled up from what is below. What finds no room under the nozzle goes sideways as far as
-there is room, and what is left then swells up beside the nozzle. Volume is conserved to rounding.
+section that lies over it, filled up from what is below. What finds no room under the nozzle goes sideways, nearest
+first, and what is left then swells up beside the nozzle. Volume is conserved to rounding.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ ROUND = 1.0 - 0.25 * math.pi  # of the height that half-round sides take off the
 DEEPEST = 1.5  # of the nominal height: how far below the nozzle there may be support
 UNDER = 1.05  # of the nominal height: below this a bead of the same layer does not count as support
 LEAST = 0.25  # of the nominal height: a gap that is less says only that a neighbour is there already
-WIDEST = 3.0  # of the nominal width: what is asked for beyond that goes where it can
+WIDEST = 2.0  # of the nominal width: what is asked for beyond that flows to all sides
 TINY = 1.0e-15  # [m³]
 
 
@@ -129,12 +129,9 @@ def gap_ahead(field: Field, start: Array, end: Array, nozzle: Nozzle) -> float:
 
 @kernel
 def gather(
-    field: Field, start: Array, end: Array, width: float, height: float, nozzle: Nozzle, wide: bool
+    field: Field, start: Array, end: Array, width: float, height: float, nozzle: Nozzle
 ) -> tuple[StrandRoom, float]:
-    """The columns of a piece with their shares of the section and their room, and the share beside the stock.
-
-    `wide`: all columns as far again on either side, each with a share that is its room.
-    """
+    """The columns of a piece with their shares of the section and their room, and the share beside the stock."""
     columns, grid = field.columns, field.grid
     nx, ny = columns.number.shape
     dx, dy = end[0] - start[0], end[1] - start[1]
@@ -142,7 +139,7 @@ def gather(
     ux, uy = (dx / length, dy / length) if length > 0.0 else (1.0, 0.0)
     across_cell = abs(uy) * grid.dx + abs(ux) * grid.dy
     along_cell = abs(ux) * grid.dx + abs(uy) * grid.dy
-    reach = (1.5 if wide else 0.5) * width + 0.5 * across_cell
+    reach = 0.5 * width + 0.5 * across_cell
     far = reach + 0.5 * along_cell
     first_i = math.floor((min(start[0], end[0]) - far - grid.x) / grid.dx)
     last_i = (math.floor((max(start[0], end[0]) + far - grid.x) / grid.dx)) + 1
@@ -162,18 +159,51 @@ def gather(
             part = high - low if length > 0.0 else (along_cell if abs(along) <= 0.5 * along_cell else 0.0)
             if part <= 0.0 or abs(across) > reach:
                 continue
-            weight = part if wide else part * bead_thickness(across, across_cell, width, height)
+            weight = part * bead_thickness(across, across_cell, width, height)
             if weight <= 0.0:
                 continue
             if i < 0 or j < 0 or i >= nx or j >= ny:
-                beside += 0.0 if wide else weight
+                beside += weight
                 continue
             tip = start[2] + rise * min(max(along / length, 0.0), 1.0) if length > 0.0 else end[2]
-            room = room_below(columns, i, j, tip, nozzle)
-            at_i[m], at_j[m], free[m] = i, j, room
-            share[m] = room if wide else weight
+            at_i[m], at_j[m], free[m] = i, j, room_below(columns, i, j, tip, nozzle)
+            share[m] = weight
             m += 1
     return StrandRoom(at_i[:m], at_j[:m], share[:m], free[:m]), beside
+
+
+@kernel
+def around(field: Field, start: Array, end: Array, reach: float, nozzle: Nozzle) -> StrandRoom:
+    """The columns within `reach` of a piece that have room, each with its distance [m] from it in place of a share.
+
+    They are what a strand flows into, nearest first.
+    """
+    columns, grid = field.columns, field.grid
+    nx, ny = columns.number.shape
+    dx, dy = end[0] - start[0], end[1] - start[1]
+    length2 = dx * dx + dy * dy
+    first_i = max(math.floor((min(start[0], end[0]) - reach - grid.x) / grid.dx), 0)
+    last_i = min(math.floor((max(start[0], end[0]) + reach - grid.x) / grid.dx) + 1, nx)
+    first_j = max(math.floor((min(start[1], end[1]) - reach - grid.y) / grid.dy), 0)
+    last_j = min(math.floor((max(start[1], end[1]) + reach - grid.y) / grid.dy) + 1, ny)
+    most = max(last_i - first_i, 0) * max(last_j - first_j, 0)
+    at_i, at_j = np.empty(most, dtype=np.int64), np.empty(most, dtype=np.int64)
+    away, free = np.empty(most), np.empty(most)
+    m = 0
+    for i in range(first_i, last_i):
+        x = x_of(grid, i) - start[0]
+        for j in range(first_j, last_j):
+            y = y_of(grid, j) - start[1]
+            along = min(max((x * dx + y * dy) / length2, 0.0), 1.0) if length2 > 0.0 else 1.0
+            ex, ey = x - along * dx, y - along * dy
+            distance = math.sqrt(ex * ex + ey * ey)
+            if distance > reach:
+                continue
+            room = room_below(columns, i, j, start[2] + along * (end[2] - start[2]), nozzle)
+            if room > 0.0:
+                at_i[m], at_j[m], away[m], free[m] = i, j, distance, room
+                m += 1
+    return StrandRoom(at_i[:m], at_j[:m], away[:m], free[:m])
 
 
 @kernel
@@ -242,9 +272,9 @@ def lay_piece(
     width = min(width, max(WIDEST * nozzle.width, height))
     support = is_carried(field, start, end, nozzle, width)
     tip = 0.5 * (start[2] + end[2])
-    room, beside = gather(field, start, end, width, height, nozzle, False)
-    wide, _ = gather(field, start, end, width, height, nozzle, True)
-    if not has_interval(columns, wide) or not has_interval(columns, room):
+    room, beside = gather(field, start, end, width, height, nozzle)
+    wide = around(field, start, end, 1.5 * width, nozzle)
+    if not has_interval(columns, room) or not has_interval(columns, wide):
         return -1.0, 0.0, 0.0, support, width, height
     total = beside
     for m in range(len(room.share)):
@@ -260,18 +290,17 @@ def lay_piece(
         left += (wanted - given) * area
         if given > 0.0:
             inside += put(field, room.i[m], room.j[m], tip, given, nozzle) * area
-    if left > TINY and len(wide.i) > 0:  # sideways, as far as there is room
-        free = 0.0
-        for m in range(len(wide.i)):
-            wide.free[m] = room_below(columns, wide.i[m], wide.j[m], tip, nozzle)
-            free += wide.free[m] * area
-        part = min(left / free, 1.0) if free > 0.0 else 0.0
-        if part > 0.0:
-            for m in range(len(wide.i)):
-                if wide.free[m] > 0.0:
-                    added = put(field, wide.i[m], wide.j[m], tip, wide.free[m] * part, nozzle) * area
-                    inside += added
-                    left -= added
+    if left > TINY:  # sideways, as far as there is room
+        order = np.argsort(wide.share, kind="mergesort")
+        for k in range(len(order)):
+            i, j = wide.i[order[k]], wide.j[order[k]]
+            free = room_below(columns, i, j, tip, nozzle)
+            if free > 0.0:
+                added = put(field, i, j, tip, min(left / area, free), nozzle) * area
+                inside += added
+                left -= added
+                if left <= TINY:
+                    break
     above = 0.0
     if left > TINY:
         total -= beside

@@ -1,9 +1,9 @@
 """Extrusion: a nozzle lays a bead along its path.
 
-Two ways, by what the program says. With E words, filament is counted: its volume goes onto whatever lies below, as a
-bead whose width follows from that volume and the gap below the nozzle. Without them, a bead of the tool's own size is
-laid while an M-code has switched the tool on: its volume is section times length, whatever the pump could deliver, and
-where material is already in the way the bead loses that part. No force.
+Two ways, by what is known. Where the volume is, as by E words, which count filament, or by the flow of a pump, it goes
+onto whatever lies below, as a bead whose width follows from that volume and the gap below the nozzle. Otherwise a bead
+of the tool's own size is laid while an M-code has switched the tool on: its volume is section times length, whatever
+the pump could deliver, and where material is already in the way the bead loses that part. No force.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from gcodesim.arithmetic.matrices import norms
 from gcodesim.frozen import frozen
 from gcodesim.processes.column import ADDED, ENGAGED, RESULTS, Column, Shown
 from gcodesim.processes.protocol import Process
-from gcodesim.processes.signal import ACTIVE, BEAD_HEIGHT, BEAD_WIDTH, Signal
+from gcodesim.processes.signal import ACTIVE, BEAD_HEIGHT, BEAD_WIDTH, FLOW, Signal
 from gcodesim.processes.window import ProcessState, ProcessStep, Window
 from gcodesim.tools.extruder import Extruder
 
@@ -40,12 +40,12 @@ class Extrusion(Process):
     """
 
     kind: ClassVar[str] = "extrusion"
-    reads: ClassVar[tuple[Signal, ...]] = (ACTIVE, BEAD_WIDTH, BEAD_HEIGHT)
+    reads: ClassVar[tuple[Signal, ...]] = (ACTIVE, BEAD_WIDTH, BEAD_HEIGHT, FLOW)
     writes: ClassVar[tuple[Column, ...]] = (
         ADDED,
         ENGAGED,
         Column("nominal", "m^3", "sum", Shown.NOWHERE, "volume that it meant to add"),
-        Column("extruded", "m^3", "sum", RESULTS, "volume of filament laid while the head moves"),
+        Column("extruded", "m^3", "sum", RESULTS, "volume that left the nozzle and was meant to be laid"),
         Column("beside", "m^3", "sum", RESULTS, "extruded beside the stock, where it is not kept"),
         Column("swollen", "m^3", "sum", RESULTS, "found no room below the nozzle and stands above it"),
         Column("unsupported", "m", "sum", RESULTS, "laid where nothing is below"),
@@ -76,33 +76,53 @@ class Extrusion(Process):
 
     def run(self, stock: Stock | None, window: Window, state: ProcessState) -> ProcessStep:
         """Add to `stock` (in place) what goes through the nozzle along the pieces of `window`."""
-        if window.filament is not None:
-            return self._by_volume(stock, window, window.filament, state)
+        volume = self._given(window)
+        if volume is not None:
+            return self._by_volume(stock, window, volume, state)
         n = window.steps
         laid = window.signals[ACTIVE.name][window.piece_step] > 0.0
-        lengths = norms(window.piece_end - window.piece_start) * laid
+        way = norms(window.piece_end - window.piece_start)
+        lengths = way * laid
         nominal = _sums(window.piece_step, self.extruder.bead_area * lengths, n)
-        added = np.zeros(n)
+        columns = {"nominal": nominal, "engaged": nominal > 0.0}
         if stock is not None and laid.any():
-            found = stock.add_bead(
-                window.piece_start[laid],
-                window.piece_end[laid],
-                self.extruder.bead_width,
-                self.extruder.bead_height,
-            )
-            added = _sums(window.piece_step[laid], found.volume, n)
-        return ProcessStep.free(n, {"added": added, "nominal": nominal, "engaged": nominal > 0.0})
+            from gcodesim.material.strand import carried
 
-    def _by_volume(self, stock: Stock | None, window: Window, filament: Array, state: ProcessState) -> ProcessStep:
-        """The volume of the filament, wherever it finds room."""
+            start, end = window.piece_start[laid], window.piece_end[laid]
+            step, length = window.piece_step[laid], way[laid]
+            width, height = self.extruder.bead_width, self.extruder.bead_height
+            found = stock.add_bead(start, end, width, height)
+            hanging = length * (1.0 - carried(stock, start, end, width, height))
+            columns |= {
+                "added": _sums(step, found.volume, n),
+                "unsupported": _sums(step, hanging, n),
+                "laid_length": _sums(step, length, n),
+            }
+        return ProcessStep.free(n, columns)
+
+    def _given(self, window: Window) -> Array | None:
+        """The volume (c,) [m³] that goes through the nozzle along each piece; None where nothing says how much."""
+        if window.filament is not None:
+            return window.filament * self.extruder.filament_area
+        own = np.nan if self.extruder.flow is None else self.extruder.flow
+        flow = np.where(np.isnan(window.signals[FLOW.name]), own, window.signals[FLOW.name])
+        if np.isnan(flow).all():
+            return None
+        on = (window.signals[ACTIVE.name] > 0.0) & (flow > 0.0)
+        share = 1.0 if window.piece_share is None else np.diff(window.piece_share, axis=1)[:, 0]
+        volume: Array = np.where(on, flow, 0.0)[window.piece_step] * share * window.dt
+        return volume
+
+    def _by_volume(self, stock: Stock | None, window: Window, volume: Array, state: ProcessState) -> ProcessStep:
+        """The volume (c,) of each piece, wherever it finds room."""
         n = window.steps
-        some = np.flatnonzero(filament > 0.0)
+        some = np.flatnonzero(volume > 0.0)
         if stock is None or not len(some):
             return ProcessStep.free(n)
         from gcodesim.material.strand import FilamentStrand, lay_strand
 
         extruder, step = self.extruder, window.piece_step[some]
-        volume = filament[some] * extruder.filament_area
+        volume = volume[some]
         width, height = window.signals[BEAD_WIDTH.name][step], window.signals[BEAD_HEIGHT.name][step]
         height = np.where(height > 0.0, height, extruder.bead_height)
         width = np.maximum(np.where(width > 0.0, width, extruder.bead_width), height)

@@ -33,11 +33,11 @@ _WORTH: Final = 0.02  # share of all that was extruded from which on a loss or s
 
 
 def printing_findings(rows: Rows) -> Iterator[Diagnostic]:
-    """GS520 to GS524 from the columns that `Extrusion` writes by volume."""
+    """GS520 to GS524 from the columns that `Extrusion` writes; all but the first two only where volumes are known."""
     volume = rows["extruded"]
+    yield from _in_the_air(rows)
     if not volume.any():
         return
-    yield from _in_the_air(rows)
     yield from _off_size(rows, volume)
     total = float(volume.sum())
     for code, name, what, hint in (

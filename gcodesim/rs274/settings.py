@@ -32,6 +32,7 @@ class Settings:
     without any G43 or G49 applies it at M6. `path_control` is in force before
     the program's first G61 or G64. `has_cell` makes user M-codes legal;
     `turns`: the machine is a lathe.
+    `unturned`: tools that no spindle turns.
     `loaded_tool` is in the spindle before the first block, 0 for none; in a program
     without G43 its length counts from there on.
     `answered`: whoever iterates the run answers each `canon.ProbeMove` and
@@ -60,6 +61,7 @@ class Settings:
     wired: frozenset[str] = frozenset()
     has_cell: bool = False
     turns: bool = False
+    unturned: frozenset[int] = frozenset()
     answered: bool = False
     start: Axes = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     tool_length: Literal["auto", "strict"] = "auto"

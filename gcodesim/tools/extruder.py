@@ -6,6 +6,8 @@ from math import pi
 from typing import ClassVar
 
 from gcodesim.declarations.keys import key
+from gcodesim.declarations.kind import Range
+from gcodesim.declarations.quantity import Quantity
 from gcodesim.frozen import frozen
 from gcodesim.tools.body import Primitive, cone, cylinder
 from gcodesim.tools.tool import Tool
@@ -22,6 +24,14 @@ class Extruder(Tool):
     bead_width: float = key("length", "width of a laid bead", example="4 mm")
     bead_height: float = key("length", "height of a laid bead, from the layer below to the nozzle", example="2 mm")
     filament_diameter: float = key("length", "diameter of the filament that E words count", default=1.75 * MM)
+
+    flow: float | None = key(
+        Quantity("volume flow", Range(least=0.0)),
+        "what a pump gives while the tool is on and no signal `flow` says otherwise; the bead then follows from flow "
+        "and speed, otherwise it always has its size",
+        default=None,
+        example="800 mm^3/s",
+    )
 
     @property
     def bead_area(self) -> float:

@@ -141,6 +141,71 @@ def test_a_print_is_milled_afterwards():
     assert removed == pytest.approx(4.0 * 1.0 * 80.0, rel=0.08)
 
 
+# -- a pump, or a bead of fixed size, switched by M-codes
+
+PUMP = """
+gcodesim: 1
+machine: gantry_xyz
+work_offsets: {G54: {in: world, xyz: [400, 300, -200]}}
+stock: {min: [0, 0, -5], max: [120, 60, 0], in: G54, resolution: 0.5}
+tools:
+  1: {type: extruder, bead_width: 6, bead_height: 3, length: 40}
+m_codes:
+  M10: {tool: activate}
+  M11: {tool: deactivate}
+"""
+
+
+def beads(*heights, feed=1200):
+    """A bead along X for each height, switched by M10 and M11."""
+    lines = ["G21 G90 G61", "T1 M6", "G43 H1"]
+    for z in heights:
+        lines += ["G0 Z40", "G0 X20 Y30", f"G0 Z{z}", "M10", f"G1 X100 F{feed}", "M11"]
+    return "\n".join([*lines, "G0 Z40", "M2", ""])
+
+
+def test_a_bead_of_fixed_size_over_air_is_found():
+    sound, hollow = run_texts(beads(3, 6, 9), PUMP), run_texts(beads(3, 9, 12), PUMP)
+
+    assert sound.misuse == []
+    assert hollow.misuse == [("GS520", 14)]
+    assert hollow.bad[0].value == pytest.approx(80.0, abs=1.0)
+
+
+@pytest.mark.parametrize("share", [1.0, 0.5])
+def test_what_a_pump_gives_is_flow_times_time(share):
+    flow = share * BEAD * 20.0  # mm³/s for the named bead at 20 mm/s
+    ran = run_texts(beads(3, 6), PUMP.replace("length: 40}", f"length: 40, flow: {flow:.6f} mm^3/s}}"))
+    on = 2.0 * (80.0 / 20.0 + 20.0 / 1000.0)  # about, with ramps
+
+    assert ran.stock.deposited / MM3 == pytest.approx(flow * on, rel=0.03)
+    assert ran.stock.deposited / MM3 == pytest.approx(ran.results.tools[0]["extruded_mm3"], rel=5e-3)
+    assert ran.misuse == ([] if share == 1.0 else [("GS524", 8)])
+
+
+def test_a_word_sets_the_flow_of_a_pump():
+    cell = PUMP + "signals: {flow: {word: M67 E0, per: 1 mm^3/s}}\n"
+    slow = run_texts(beads(3).replace("M10", "M67 E0 Q160\nM10"), cell)
+    fast = run_texts(beads(3).replace("M10", "M67 E0 Q320\nM10"), cell)
+
+    assert fast.stock.deposited == pytest.approx(2.0 * slow.stock.deposited, rel=1e-6)
+
+
+def test_what_flows_over_goes_to_the_nearest_place():
+    """A nozzle that stands still makes a round blob: as wide one way as the other."""
+    stock = Stock.box((-20 * MM, -20 * MM, -2 * MM), (20 * MM, 20 * MM, 0.0), 0.25 * MM)
+    points = np.column_stack([np.linspace(0.0, 0.5, 11), np.zeros(11), np.full(11, 3.0)]) * MM
+    each, sizes = np.full(10, 60.0 * MM3), (np.full(10, 6.0 * MM), np.full(10, 3.0 * MM))
+    lay_strand(stock, FilamentStrand(points[:-1], points[1:], each, *sizes), np.full(CARRY, np.inf))
+    points = stock.surface().vertices
+    raised = points[points[:, 2] > 0.1 * MM]
+    low, high = raised[:, :2].min(axis=0), raised[:, :2].max(axis=0)
+
+    assert stock.volume / MM3 == pytest.approx(3200.0 + 600.0, rel=1e-9)
+    assert (high - low)[0] == pytest.approx((high - low)[1], rel=0.1)
+    assert (high - low)[0] == pytest.approx(math.sqrt(4.0 * 600.0 / 3.0 / math.pi) * MM, rel=0.15)
+
+
 def test_a_wall_turns_round_without_losing_volume():
     rng = np.random.default_rng(7)
     points = np.column_stack(

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from gcodesim.canon.batch import MoveBatch
+    from gcodesim.rs274.control import Control
+    from gcodesim.rs274.words import Words
 
 
 class _Low(NamedTuple):
@@ -38,11 +40,13 @@ class FeedWithoutSpindle(Watch):
     so with the spindle on after having fed down from a rapid; and below part
     zero, when all those cuts lie below it. A program that never turns a
     spindle (extruder, plotter) has no such height, nor has one that only
-    switches a laser.
+    switches a laser. Tools of the cell that no spindle turns
+    may be fed as low as they like.
     """
 
     def __init__(self) -> None:
         self._turning = False
+        self._unturned: frozenset[int] = frozenset()
         self._tool = 0
         self._zero = 0.0  # height of part zero in the machine frame
         self._at: tuple[float, float, float] | None = None
@@ -50,6 +54,9 @@ class FeedWithoutSpindle(Watch):
         self._fall: Span | None = None  # the feed move that went straight down last
         self._level: float | None = None  # highest cut with the spindle on
         self._lows: list[list[_Low]] = [[]]  # for each stretch with the spindle off: ever lower moves
+
+    def block(self, words: Words, control: Control) -> None:
+        self._unturned = control.settings.unturned
 
     def event(self, event: canon.Event) -> None:
         kind = type(event)
@@ -97,6 +104,8 @@ class FeedWithoutSpindle(Watch):
             fed_down = self._rapid_z is not None and z < self._rapid_z - TINY
             if fed_down and (self._level is None or z > self._level):
                 self._level = z
+            return
+        if self._tool in self._unturned:
             return
         lows = self._lows[-1]
         if not lows or z < lows[-1].z - TINY:
