@@ -19,7 +19,7 @@ SUFFIX: Final = ".golden.json"
 _DIGITS: Final = 7
 _RESULTS: Final = (
     *("status", "time", "distance", "stocks", "tools", "joints", "not_simulated", "probings", "sensors"),
-    *("channels", "meetings", "coating", "target", "parts"),
+    *("channels", "meetings", "coating", "target", "parts", "printing"),
 )
 _PLACES: Final = (
     *("line_of_max_force", "line_of_margin", "first_line", "error_bound_mm3", "file", "line"),

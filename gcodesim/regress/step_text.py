@@ -13,6 +13,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Final
+from urllib.parse import quote, unquote
 
 from gcodesim.canon import AXIS_LETTERS
 from gcodesim.regress.motion import MOVES, NO_AXES, ArcMove, Axes, MotionStep, Point, System, arc_point
@@ -25,6 +26,7 @@ _AXIS = re.compile(rf"([XYZABCF])({_NUMBER})")
 _POINT = re.compile(rf"(?P<name>[a-z0-9]+)\((?P<values>{_NUMBER}(?:,{_NUMBER})*)\)")
 _VALUE = re.compile(rf"(?P<name>[a-zA-Z_0-9]+)=(?P<value>{_NUMBER})")
 _WORD = re.compile(r"(?P<name>[a-zA-Z_0-9]+):(?P<value>.*)")
+_PLAIN: Final = "".join(chr(code) for code in range(33, 127) if code != ord("%"))
 
 
 class StepTextError(ValueError):
@@ -89,7 +91,7 @@ def _parts(step: MotionStep, last: dict[str, str]) -> Iterator[str]:
         last["n"] = normal
     elif step.through:
         yield from (_tuple(f"p{i}", step.system.to_program(point)) for i, point in enumerate(step.through))
-    yield from (f"{name}:{value}" for name, value in words.items())
+    yield from (f"{name}:{quote(value, safe=_PLAIN)}" for name, value in words.items())  # without blanks
     yield from (f"{name}={_number(value)}" for name, value in numbers.items())
 
 
@@ -147,7 +149,7 @@ class _Reader:
             elif match := _VALUE.fullmatch(part):
                 numbers.append((match["name"], float(match["value"])))
             elif match := _WORD.fullmatch(part):
-                words.append((match["name"], match["value"]))
+                words.append((match["name"], unquote(match["value"])))
             else:
                 raise ValueError(part)
         if kind not in MOVES:

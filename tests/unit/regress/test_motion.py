@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from gcodesim.regress.motion import System
+from gcodesim.regress.motion import MotionStep, System
 from gcodesim.regress.step_text import StepTextError, lines_of, steps_from
 
 HEAD = "G21 G90 G17 G94\nT1 M6\nS1000 M3\n"
@@ -66,6 +66,13 @@ def test_steps_stand_in_text_and_come_back(steps) -> None:
     for a, b in zip(before, after, strict=True):
         assert (a.end or ()) == pytest.approx(b.end or (), abs=2e-6)
         assert [p for q in a.through for p in q] == pytest.approx([p for q in b.through for p in q], abs=2e-5)
+
+
+@pytest.mark.parametrize("feature", ["External perimeter", "50% infill", "a:b=c(1)", "\u00fcber alles"])
+def test_names_of_features_come_back(feature: str) -> None:
+    step = MotionStep(kind="section", file="a.gcode", line=3, words=(("feature", feature),))
+    (back,) = steps_from(lines_of([step]))
+    assert back.words == step.words
 
 
 def test_a_line_put_in_changes_one_line_of_the_text(steps) -> None:
