@@ -43,9 +43,12 @@ def read(program: Path | str, settings: Settings | None = None) -> ToolPath:
     return path
 
 
-def load_cell(path: Path | str, allow_paths: Sequence[Path] = ()) -> Cell:
-    """The cell that a file describes. Raises `InputError` when it has errors, OSError when it cannot be read."""
-    loaded = read_cell_file(Path(path), tuple(allow_paths))
+def load_cell(path: Path | str, allow_paths: Sequence[Path] = (), *, allow_code: bool = False) -> Cell:
+    """The cell that a file describes. Raises `InputError` when it has errors, OSError when it cannot be read.
+
+    `allow_code` runs the Python files that the cell names under `code`.
+    """
+    loaded = read_cell_file(Path(path), tuple(allow_paths), allow_code=allow_code)
     if loaded.cell is None:
         raise InputError(list(loaded.findings), loaded.sources)
     return loaded.cell
@@ -58,10 +61,12 @@ def simulate(
     *,
     channels: Mapping[str, Path | str] | None = None,
     force: bool = False,
+    allow_code: bool = False,
 ) -> Results:
     """Run `program` in `cell`; with `out`, a folder, write there what `gcodesim run` writes.
 
-    `channels` names programs that run at the same time in further channels of the cell.
+    `channels` names programs that run at the same time in further channels of the cell; `allow_code` runs the Python
+    files that the cell names.
 
     Files in `out` that the run reads, or that gcodesim did not write, are overwritten only with `force` (GS750).
 
@@ -72,7 +77,7 @@ def simulate(
     cannot be read or written, `WorldUnavailable` when the world cannot be opened here. KeyboardInterrupt, on Ctrl-C,
     once the files in `out` are closed; it is a `gcodesim.simulation.RunInterrupted` when there are results so far.
     """
-    loaded = _as_loaded(cell) if isinstance(cell, Cell) else read_cell_file(Path(cell))
+    loaded = _as_loaded(cell) if isinstance(cell, Cell) else read_cell_file(Path(cell), allow_code=allow_code)
     further = {name: SourceText.read(Path(path)) for name, path in (channels or {}).items()}
     job = simulation.prepare(SourceText.read(Path(program)), loaded, Options(force=force, channels=further))
     results, _ = simulation.run(job, None if out is None else Path(out))

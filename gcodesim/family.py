@@ -1,8 +1,8 @@
 """A family is a table of variants that load on first use.
 
 A variant is one file and one line in its family's table. Third parties add
-theirs by an entry point of group ``gcodesim.<family>``; contract tests run over
-the whole table and so find every newcomer.
+theirs by an entry point of group ``gcodesim.<family>``, or by a file that a cell
+names and the command line allows; contract tests run over the whole table and so find every newcomer.
 """
 
 from __future__ import annotations
@@ -16,6 +16,15 @@ if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
 _GROUP: Final = "gcodesim."
+
+_LENT: Final[dict[str, dict[str, Any]]] = {}
+"""What own files have added, by family and name."""
+
+_LENDERS: Final[dict[tuple[str, str], str]] = {}
+"""The module that added it, by family and name."""
+
+_FILES: Final[dict[str, str]] = {}
+"""Own files by the names of their modules."""
 
 
 class ExtensionError(Exception):
@@ -45,6 +54,11 @@ class Family(Mapping[str, Any]):
         """Entry points of other packages by name."""
         return {name: points for name, points in _added(self.name).items() if name not in self._own}
 
+    @property
+    def _of_files(self) -> dict[str, Any]:
+        """What own files have added, by name."""
+        return {name: variant for name, variant in _LENT.get(self.name, {}).items() if name not in self._own}
+
     def in_order(self, names: Iterable[str]) -> tuple[str, ...]:
         """These names in the order of the table, then those of third parties in alphabetical order."""
         wanted = set(names)
@@ -55,10 +69,28 @@ class Family(Mapping[str, Any]):
         return self._own
 
     def __getitem__(self, key: str) -> Any:
+        if key in _LENT.get(self.name, ()) and key not in self._own:
+            return _LENT[self.name][key]
         if key not in self._loaded:
             place = self._entries.get(key)
             self._loaded[key] = object_at(place) if place is not None else self._from(key, self._others[key])
         return self._loaded[key]
+
+    def lend(self, key: str, variant: Any, module: str, file: str, beside: Iterable[str] = ()) -> None:
+        """Add a variant of an own file, whose code is in `module`; it takes the place of one that a file added before.
+
+        ExtensionError for a name that ships, that a package has, or that another of the modules `beside` it has added.
+        Whoever calls has been allowed to run the file.
+        """
+        other = _LENDERS.get((self.name, key), module)
+        if other != module and other in beside:
+            raise ExtensionError(f"the file {_FILES[other]} beside it adds `{key}` too; one of them has to go")
+        if key in self._own or key in self._others:
+            whose = "gcodesim" if key in self._own else _owner(self._others[key][0])
+            raise ExtensionError(f"`{key}` is a name that {whose} has in `{self.name}`; choose another")
+        _LENT.setdefault(self.name, {})[key] = variant
+        _LENDERS[self.name, key] = module
+        _FILES[module] = file
 
     def _from(self, key: str, points: list[EntryPoint]) -> Any:
         """What another package adds under the name `key`."""
@@ -82,10 +114,10 @@ class Family(Mapping[str, Any]):
 
     def __contains__(self, key: object) -> bool:
         """Whether there is a variant of that name; nothing is imported for the answer."""
-        return key in self._own or key in self._entries or key in self._others
+        return key in self._own or key in self._entries or key in self._of_files or key in self._others
 
     def __iter__(self) -> Iterator[str]:
-        return iter(sorted({*self._own, *self._entries, *self._others}))
+        return iter(sorted({*self._own, *self._entries, *self._of_files, *self._others}))
 
     def __len__(self) -> int:
         return sum(1 for _ in self)
@@ -100,6 +132,7 @@ def extensions() -> list[EntryPoint]:
 def package_at_fault(error: BaseException) -> str:
     """The package whose code failed, as people call it; empty when the fault is in nobody's code but ours."""
     owners = {point.module.partition(".")[0]: _owner(point) for point in extensions()}
+    owners |= {module: f"the file {file}" for module, file in _FILES.items()}
     found = ""
     trace = error.__traceback__
     while trace is not None:  # the innermost counts

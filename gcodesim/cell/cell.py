@@ -13,6 +13,7 @@ from gcodesim.cell.externals import External
 from gcodesim.cell.film import NO_FILM, FilmSpec
 from gcodesim.cell.machine import MachineKind, MachineTool
 from gcodesim.cell.material import MaterialKind
+from gcodesim.cell.own_code import CodeFile
 from gcodesim.cell.packages import PackageFolder
 from gcodesim.cell.part import PARTS, PartSpec
 from gcodesim.cell.placing import MACHINE, Carried, Place, names_of
@@ -142,6 +143,12 @@ class Cell:
         ListOf(Record(Suppression, "the entry")), "findings that somebody has looked at", default=(), quiet=True
     )
     packages: Mapping[str, FileValue] = key(_PACKAGES, "folders for package:// names", default={}, quiet=True)
+    code: tuple[FileValue, ...] = key(
+        ListOf(CodeFile("a Python file"), single=True),
+        "Python files that add tools, processes and more; only `--allow-code` runs them",
+        default=(),
+        quiet=True,
+    )
     simulation: Simulation = key(_SIMULATION, "world, time step and seed", default=Simulation())
     log: LogSettings = key(Record(LogSettings, "`log`"), "how densely the run is recorded", default=LogSettings())
     name: str = ""

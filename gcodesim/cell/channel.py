@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping
 from typing import Any, Final, Literal
 
+from gcodesim.actions import ACTIONS
 from gcodesim.canon.systems import system_name
 from gcodesim.cell.inputs import INPUTS, InputKind, InputSource
 from gcodesim.cell.placing import SYSTEM_NAMES, Place
@@ -42,6 +43,10 @@ VERBS: Final[dict[str, tuple[str, ...]]] = {"tool": ("activate", "deactivate"), 
 
 WAIT: Final = "wait"
 """The target of an M-code at which the program waits for those of other channels; its verb is the name of a mark."""
+
+
+CALL: Final = "call"
+"""The target of an M-code that calls an action in Python; its verb is the action's name."""
 
 
 def all_verbs() -> dict[str, tuple[str, ...]]:
@@ -192,7 +197,10 @@ class _DialectKind(Kind):
 
 @frozen
 class MCode:
-    """What an M-code does: `verb` on `target`. For the target `wait`, `verb` is the mark at which programs meet."""
+    """What an M-code does: `verb` on `target`.
+
+    For the target `wait`, `verb` is the mark at which programs meet; for `call`, the name of an action.
+    """
 
     target: str
     verb: str
@@ -220,6 +228,10 @@ class _ActionKind(Kind):
         if target.text == WAIT:
             mark = _MARK.read(value, to, (*path, WAIT))
             return UNREAD if isinstance(mark, Unread) else MCode(target=WAIT, verb=mark)
+        if target.text == CALL:
+            names = Choice(tuple(ACTIONS), "the name of an action")
+            name = names.read(value, to, (*path, CALL))
+            return UNREAD if isinstance(name, Unread) else MCode(target=CALL, verb=name)
         verbs = VERBS
         if target.text not in VERBS or not isinstance(value, Scalar) or value.text not in VERBS[target.text]:
             verbs = all_verbs()
@@ -228,7 +240,7 @@ class _ActionKind(Kind):
                 "GS711",
                 target.span,
                 f"an M-code cannot act on `{short(target.text)}`",
-                suggestion(target.text, [*verbs, WAIT]),
+                suggestion(target.text, [*verbs, WAIT, CALL]),
             )
         verb = Choice(verbs[target.text]).read(value, to, (*path, target.text))
         return UNREAD if isinstance(verb, Unread) else MCode(target=target.text, verb=verb)
@@ -236,6 +248,7 @@ class _ActionKind(Kind):
     def schema(self, definitions: dict[str, Json]) -> Json:
         properties: dict[str, Json] = {target: {"enum": list(verbs)} for target, verbs in all_verbs().items()}
         properties[WAIT] = _MARK.schema(definitions)
+        properties[CALL] = {"type": "string", "description": "the name of an action of one's own"}
         return {
             "type": "object",
             "properties": properties,

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from gcodesim.cell.cell import Cell, LoadedCell
+from gcodesim.cell.own_code import CODE
 from gcodesim.cell.resolve import resolve
 from gcodesim.declarations.files import InputFile, Shelf, folders_of_the_user
 from gcodesim.declarations.nodes import Mapping, compose
@@ -15,25 +16,30 @@ from gcodesim.declarations.record import Record
 from gcodesim.diagnostics import Findings, SourceText
 
 # keys that decide how others are read
-_FIRST = ("units", "packages")
+_FIRST = ("units", "packages", CODE)
 
 ROOT = Record(Cell, "the cell", lenient=True)
 
 
-def load_cell(path: Path | str, allow_paths: Sequence[Path] = (), *, name: str | None = None) -> LoadedCell:
+def load_cell(
+    path: Path | str, allow_paths: Sequence[Path] = (), *, name: str | None = None, allow_code: bool = False
+) -> LoadedCell:
     """Read the cell at `path`; OSError when the file itself cannot be read.
 
     Files that the cell names may lie in its folder, in `allow_paths` and in what the user's own settings allow
-    (`GCODESIM_ALLOW_PATH`). `name` is how findings call the cell (default: the file's name).
+    (`GCODESIM_ALLOW_PATH`). `name` is how findings call the cell (default: the file's name). `allow_code` runs the
+    Python files that it names under `code`; nothing in a cell or a program can ask for that.
     """
     path = Path(path)
-    return read_cell(SourceText.read(path, name), path, allow_paths)
+    return read_cell(SourceText.read(path, name), path, allow_paths, allow_code=allow_code)
 
 
-def read_cell(source: SourceText, path: Path, allow_paths: Sequence[Path] = ()) -> LoadedCell:
+def read_cell(
+    source: SourceText, path: Path, allow_paths: Sequence[Path] = (), *, allow_code: bool = False
+) -> LoadedCell:
     """Like `load_cell`, from a text whose file is at `path`."""
     findings = Findings()
-    shelf = Shelf(folder=path.parent, allowed=(*allow_paths, *folders_of_the_user()))
+    shelf = Shelf(folder=path.parent, allowed=(*allow_paths, *folders_of_the_user()), runs_code=allow_code)
     to = Reading(file=source.name, findings=findings, shelf=shelf)
     root = compose(source, findings)
     cell = None if root is None else _cell(root, to)
@@ -49,6 +55,10 @@ def read_cell(source: SourceText, path: Path, allow_paths: Sequence[Path] = ()) 
 
 def _cell(root: Mapping, to: Reading) -> Cell | None:
     entries = sorted(root.entries, key=lambda entry: entry[0].text not in _FIRST)
+    if not to.shelf.runs_code and any(name.text == CODE for name, _ in entries):
+        # what the files would add is not known, so nothing else can be judged
+        ROOT.read(replace(root, entries=tuple(entry for entry in entries if entry[0].text == CODE)), to, ())
+        return None
     cell = ROOT.read(replace(root, entries=tuple(entries)), to, ())
     if isinstance(cell, Unread):
         return None

@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
-from gcodesim.cell.channel import WAIT
+from gcodesim.cell.channel import CALL, WAIT
 from gcodesim.cell.signals import SignalSource
 from gcodesim.declarations.reading import Path, Reading, Unread, suggestion
 from gcodesim.declarations.units import find, measures, names
@@ -56,7 +56,7 @@ def _check_actions(
     received |= {f"{target}: {verb}": None for target, verb in orders}
     for word, code in channel.m_codes.items():
         action = f"{code.target}: {code.verb}"
-        if action in received or code.target == WAIT:
+        if action in received or code.target in (WAIT, CALL):
             continue
         takers = "tools and sensors" if orders else "tools"
         listed = ", ".join(f"`{each}`" for each in received)

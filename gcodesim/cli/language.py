@@ -157,7 +157,7 @@ def reading_of(arguments: argparse.Namespace, path: Path) -> ProgramReading:
         from gcodesim.simulation import settings_in_cell
 
         read_source(arguments.cell, "cell")
-        loaded = load_cell(arguments.cell, arguments.allow_path)
+        loaded = load_cell(arguments.cell, arguments.allow_path, allow_code=arguments.allow_code)
         sources |= loaded.sources
         cell = loaded.cell
         if cell is None:

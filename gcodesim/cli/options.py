@@ -126,6 +126,15 @@ def add_allow_path(parser: argparse.ArgumentParser) -> None:
         metavar="DIR",
         help="a folder besides the cell's own from which the cell may take files; may be given several times",
     )
+    add_allow_code(parser)
+
+
+def add_allow_code(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--allow-code",
+        action="store_true",
+        help="run the Python files that the cell names under `code`; they may do whatever you may, so read them first",
+    )
 
 
 def add_language(parser: argparse.ArgumentParser) -> None:

@@ -49,7 +49,7 @@ def _loaded(arguments: argparse.Namespace, program: SourceText) -> LoadedCell:
 
         return made_cell(program, getattr(arguments, "out", None))
     read_source(arguments.cell, "cell")
-    return load_cell(arguments.cell, arguments.allow_path)
+    return load_cell(arguments.cell, arguments.allow_path, allow_code=arguments.allow_code)
 
 
 def _further(arguments: argparse.Namespace, loaded: LoadedCell) -> dict[str, SourceText]:

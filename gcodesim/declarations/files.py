@@ -46,11 +46,14 @@ class Shelf:
     """Finds the files of one cell and remembers what was read.
 
     A name is looked up beside the cell. It may leave that folder only into a folder of `allowed`, which the user names
-    and never the cell; symbolic links are followed first.
+    and never the cell; symbolic links are followed first. `runs_code`: the user lets it run Python that the cell names,
+    whose `modules` it then remembers.
     """
 
     folder: Path
     allowed: Sequence[Path] = ()
+    runs_code: bool = False
+    modules: list[str] = field(default_factory=list)
     packages: dict[str, Path] = field(default_factory=dict)
     read: dict[str, InputFile] = field(default_factory=dict)
     sources: dict[str, SourceText] = field(default_factory=dict)

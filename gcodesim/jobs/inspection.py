@@ -16,6 +16,7 @@ from gcodesim.diagnostics.events import Flags
 from gcodesim.executor.record import StepRecord
 from gcodesim.executor.tasks import RowColumns
 from gcodesim.executor.totals import JointTotals, RowTotals
+from gcodesim.jobs.calls import Calls
 from gcodesim.jobs.grips import BY_MOTION, grip_finding, held_at_end
 from gcodesim.jobs.loads import loads_of
 from gcodesim.jobs.meetings import is_wait
@@ -43,11 +44,14 @@ class Inspector:
         self._loads = loads_of(shop.cell.limits)
         self._grips: list[Diagnostic] = []
         self._freely = freely
+        self._calls = Calls(plan, shop, self._dt)
+        self._called: list[Diagnostic] = []
         self.follow(plan)
 
     def follow(self, plan: Plan) -> None:
         """Inspect the rows of `plan`, which is that of all legs so far."""
         self._plan, shop = plan, self._shop
+        self._calls.follow(plan)
         self._starts = plan.trajectory.row_start if len(plan.path) else np.zeros(1)
         self._turns = _blind_turns(plan, shop)
         rows = RowColumns.of(plan.path, shop)
@@ -85,6 +89,9 @@ class Inspector:
         """Findings that came up in the steps of `record`."""
         found = self._misuse(totals) if self._tells(record) else []
         found += self._grips_of(record)
+        called = self._calls.of(record)
+        self._called += called
+        found += called
         if record.world.saturated.any():
             found += self._saturation(joints)
         if self._above_limits(record):
@@ -98,6 +105,7 @@ class Inspector:
         return [
             *self._misuse(execution.rows, ended=not execution.interrupted),
             *self._grips,
+            *self._called,
             *self._late_grips(execution),
             *self._held(execution),
             *self._saturation(execution.joints),

@@ -21,6 +21,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, Final
 
+from gcodesim.family import Family
 from gcodesim.frozen import frozen
 from gcodesim.processes.laws import DEFAULT_AXIAL_RATIO, DEFAULT_NORMAL_RATIO, Kienzle, LinearEdge
 
@@ -45,6 +46,10 @@ class Material:
     assumed: tuple[str, ...] = ()
     usable: bool = True
     aliases: tuple[str, ...] = ()
+
+
+MATERIALS: Final = Family("materials", of="gcodesim.processes.materials:Material", called="id")
+"""Materials that other packages and own files add; their names are written as `plain` does."""
 
 
 def plain(name: str) -> str:
@@ -74,13 +79,18 @@ class Library(Mapping[str, Material]):
         return names
 
     def __getitem__(self, name: str) -> Material:
+        own = self._names.get(plain(name))
+        if own is None and plain(name) in MATERIALS:
+            found: Material = MATERIALS[plain(name)]
+            return found
         return self._materials[self._names[plain(name)]]
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._materials)
+        yield from self._materials
+        yield from (name for name in MATERIALS if name not in self._names)
 
     def __len__(self) -> int:
-        return len(self._materials)
+        return sum(1 for _ in self)
 
     def suggest(self, name: str, count: int = 4) -> list[str]:
         """Names in the library close to `name`, nearest first: by spelling, then by words of the description."""

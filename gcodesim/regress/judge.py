@@ -51,6 +51,7 @@ class Judging:
     fail_on: str = "error"
     today: date | None = None
     allow_paths: tuple[Path, ...] = ()
+    allow_code: bool = False
 
     def allowed(self, case: Case) -> tuple[Path, ...]:
         """Folders from which the case's cell may take files: those that its test file names below `root`, and ours."""
@@ -62,7 +63,8 @@ class Judging:
     def settings(self) -> str:
         """What a verdict depends on besides its case and the day; used by the cache."""
         folders = (shown_path(folder, self.root) for folder in (*self.allow_paths, *folders_of_the_user()))
-        return " ".join((f"fail on {self.fail_on}", *folders))
+        code = ("code",) if self.allow_code else ()
+        return " ".join((f"fail on {self.fail_on}", *folders, *code))
 
 
 @dataclass(slots=True, kw_only=True)
@@ -141,7 +143,7 @@ def run_case(case: Case, how: Judging) -> Outcome:
     if case.options.mode == "lint":
         return _lint(case, program)
     assert case.cell is not None and cell is not None
-    return _simulate(case, program, read_cell(cell, case.cell, how.allowed(case)), how)
+    return _simulate(case, program, read_cell(cell, case.cell, how.allowed(case), allow_code=how.allow_code), how)
 
 
 def _settings(case: Case, settings: Settings) -> Settings:

@@ -54,7 +54,12 @@ def members_of(folder: Path) -> dict[str, Path]:
 
 
 def facts_at(
-    path: Path, cell: Path | None = None, allow_paths: Sequence[Path] = (), *, out: Path | None = None
+    path: Path,
+    cell: Path | None = None,
+    allow_paths: Sequence[Path] = (),
+    *,
+    out: Path | None = None,
+    allow_code: bool = False,
 ) -> Facts:
     """The facts of one side; a program runs in `cell` when that is given, and leaves its files in `out`.
 
@@ -73,7 +78,7 @@ def facts_at(
     if path.suffix.lower() == ".json":
         return _json(source, path)
     if cell is not None:
-        job = prepare(source, load_cell(cell, allow_paths))
+        job = prepare(source, load_cell(cell, allow_paths, allow_code=allow_code))
         results, _ = run(job, out)
         return facts_of_run(job, results)
     settings = Settings(tool_table=assumed_tools(source))

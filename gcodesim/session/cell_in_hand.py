@@ -67,17 +67,22 @@ class JointState:
 
 
 def open_cell(
-    cell: Path | str, out: Path | str | None = None, *, world: str | None = None, force: bool = False
+    cell: Path | str,
+    out: Path | str | None = None,
+    *,
+    world: str | None = None,
+    force: bool = False,
+    allow_code: bool = False,
 ) -> OpenCell:
     """Open the cell that the file `cell` describes, to be used in a `with` statement.
 
     With `out`, a folder, what a run writes is written there; in place of lines of a program stand those of the calling
-    script. `world` and `force` as of `gcodesim run`. Raises `InputError` when the cell has errors, OSError
-    when it cannot be read, `WorldUnavailable` when the world cannot be opened here.
+    script. `world`, `force` and `allow_code` as of `gcodesim run`. Raises `InputError` when the cell has errors,
+    OSError when it cannot be read, `WorldUnavailable` when the world cannot be opened here.
     """
     from gcodesim.world import require_world
 
-    loaded = load_cell(Path(cell))
+    loaded = load_cell(Path(cell), allow_code=allow_code)
     if loaded.cell is None:
         raise InputError(list(loaded.findings), loaded.sources)
     tools = {number: replace(tool, load=tool.load or TcpLoad()) for number, tool in loaded.cell.tools.items()}

@@ -11,7 +11,7 @@ from typing import Any
 from gcodesim.cli.exits import FINDINGS, OK, status_of
 from gcodesim.cli.formats import add_verdict_formats
 from gcodesim.cli.judging import Met, add_baseline, print_findings_of, settle
-from gcodesim.cli.options import add_fail_on, add_format, read_source
+from gcodesim.cli.options import add_allow_code, add_fail_on, add_format, read_source
 
 
 def add_parser(commands: Any) -> None:
@@ -38,6 +38,7 @@ def add_parser(commands: Any) -> None:
             metavar="DIR",
             help="a folder besides the cell's own from which it may take files",
         )
+        add_allow_code(action)
         if many:
             add_verdict_formats(action)
             add_baseline(action)
@@ -52,16 +53,16 @@ def add_parser(commands: Any) -> None:
 
 
 def _validate(arguments: argparse.Namespace) -> int:
-    settled = settle([_met(path, arguments.allow_path) for path in arguments.cells], arguments)
+    settled = settle([_met(path, arguments.allow_path, arguments.allow_code) for path in arguments.cells], arguments)
     print_findings_of(settled, arguments)
     return settled.status
 
 
-def _met(path: Path, allow_paths: Sequence[Path]) -> Met:
+def _met(path: Path, allow_paths: Sequence[Path], allow_code: bool) -> Met:
     from gcodesim.cell import load_cell
 
     read_source(path, "cell")
-    loaded = load_cell(path, allow_paths)
+    loaded = load_cell(path, allow_paths, allow_code=allow_code)
     if loaded.cell is not None:
         from gcodesim.simulation import layout_findings
 
@@ -76,7 +77,7 @@ def _show(arguments: argparse.Namespace) -> int:
     from gcodesim.cli.output import print_findings, print_json
 
     read_source(arguments.cell, "cell")
-    loaded = load_cell(arguments.cell, arguments.allow_path)
+    loaded = load_cell(arguments.cell, arguments.allow_path, allow_code=arguments.allow_code)
     if loaded.cell is None:
         print_findings(loaded.findings, loaded.sources)
         return FINDINGS

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from gcodesim.cli.exits import FINDINGS, OK, UsageError
 from gcodesim.cli.moments import reads_logs
-from gcodesim.cli.options import add_tolerances, read_tolerances
+from gcodesim.cli.options import add_allow_code, add_tolerances, read_tolerances
 
 if TYPE_CHECKING:
     from gcodesim.regress import Comparison
@@ -32,6 +32,7 @@ def add_parser(commands: Any) -> None:
     parser.add_argument(
         "--allow-path", type=Path, action="append", default=[], metavar="DIR", help="as for `run`; may be repeated"
     )
+    add_allow_code(parser)
     add_tolerances(parser)
     parser.add_argument(
         "--format",
@@ -81,8 +82,9 @@ def _compared(
 
     old_cell = arguments.old_cell or arguments.cell
     old_out, new_out = outs or (None, None)
-    before = facts_at(old, old_cell, arguments.allow_path, out=old_out)
-    return compare_sides(before, facts_at(new, arguments.cell, arguments.allow_path, out=new_out), tolerances)
+    before = facts_at(old, old_cell, arguments.allow_path, out=old_out, allow_code=arguments.allow_code)
+    after = facts_at(new, arguments.cell, arguments.allow_path, out=new_out, allow_code=arguments.allow_code)
+    return compare_sides(before, after, tolerances)
 
 
 def _write_page(comparison: Comparison, arguments: argparse.Namespace, outs: tuple[Path, Path]) -> None:

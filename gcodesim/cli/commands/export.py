@@ -6,19 +6,26 @@ import argparse
 import os
 import shutil
 import sys
+from collections.abc import Sequence
 from io import BytesIO, StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from gcodesim.cli.exits import UsageError
 from gcodesim.cli.moments import add_range, chosen_range, nanoseconds, open_recording, reads_logs, status_of_reading
+from gcodesim.cli.nearest import no_such
+from gcodesim.cli.options import read_source
+from gcodesim.cli.outline import may_be
 from gcodesim.cli.overwriting import refuse_foreign
 from gcodesim.export import EXPORTERS
 from gcodesim.extras import require_extra
+from gcodesim.family import ExtensionError
 
 if TYPE_CHECKING:
     from gcodesim.export.exporter import Exporter, Request
     from gcodesim.playback import Recording
+
+_OWN_FORMATS: Final = ("gcodesim.export:EXPORTERS", "gcodesim.export.exporter:Exporter")
 
 _HELP = """formats:
   csv      a table: one row an instant, the program line beside the numbers; names end in units
@@ -44,8 +51,19 @@ def add_parser(commands: Any) -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("log", type=Path, metavar="LOG", help="a run.mcap, or the folder of a run")
+    may_be(
+        parser.add_argument(
+            "--to", metavar="FORMAT", required=True, help="the format, one of those above the examples"
+        ),
+        lambda: tuple(EXPORTERS),
+    )
     parser.add_argument(
-        "--to", choices=EXPORTERS, metavar="FORMAT", required=True, help="the format, one of those above the examples"
+        "--code",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="FILE",
+        help="run this Python file first, which adds a format of your own; may be given several times",
     )
     parser.add_argument(
         "-o",
@@ -79,6 +97,9 @@ def run(arguments: argparse.Namespace) -> int:
     from gcodesim.export.exporter import NoExportError, Request
     from gcodesim.export.select import TimeRange
 
+    _run_code(arguments.code)
+    if arguments.to not in EXPORTERS:
+        raise UsageError(no_such("format", arguments.to, EXPORTERS))
     exporter: Exporter = EXPORTERS[arguments.to]()
     if exporter.extra:
         require_extra(exporter.extra, f"--to {arguments.to}")
@@ -101,6 +122,18 @@ def run(arguments: argparse.Namespace) -> int:
         status_of_reading(recording)  # damage may be the reason
         raise UsageError(str(reason)) from None
     return status_of_reading(recording)
+
+
+def _run_code(files: Sequence[Path]) -> None:
+    """Run Python files of the user, who names them here, for the formats that they add."""
+    from gcodesim.cell.own_code import run_code
+
+    modules: list[str] = []
+    for file in files:
+        try:
+            run_code(read_source(file, "Python file"), (_OWN_FORMATS,), modules)
+        except ExtensionError as error:
+            raise UsageError(f"{file} cannot be used: {error}") from None
 
 
 def _refuse_useless(arguments: argparse.Namespace, exporter: Exporter) -> None:

@@ -60,7 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise UsageError("--raise is a factor from 1 to 100")
     program = read_source(arguments.program, "program")
     read_source(arguments.cell, "cell")
-    loaded = load_cell(arguments.cell, arguments.allow_path)
+    loaded = load_cell(arguments.cell, arguments.allow_path, allow_code=arguments.allow_code)
     for finding in loaded.findings:
         if loaded.cell is None:
             raise UsageError(f"{arguments.cell}: {finding.code}: {finding.message}")

@@ -68,7 +68,7 @@ def run(arguments: argparse.Namespace) -> int:
     program = read_source(arguments.program, "program")
     source = read_source(arguments.cell, "cell")
     language = Language.of(arguments)
-    loaded = load_cell(arguments.cell, arguments.allow_path)
+    loaded = load_cell(arguments.cell, arguments.allow_path, allow_code=arguments.allow_code)
     job = prepare(program, loaded, Options(settings=language.over, sources=language.sources))
     if job.shop is None or job.plan is None:
         first = next((f for f in job.findings if f.level.name == "ERROR"), None)

@@ -328,6 +328,24 @@ CODES += (
 # the output folder
 CODES += (
     Code(
+        code="GS736",
+        severity=Severity.ERROR,
+        title="Python of the cell is not run",
+        what="The cell names a Python file under `code`, and nobody has allowed it to be run.",
+        why="Whoever can write a cell could otherwise do on this machine whatever you may do.",
+        remedy="Read the file. If you trust it, give the command `--allow-code`, or a function of your own program "
+        "`allow_code=True`. Nothing in a cell or a program can do that for you.",
+    ),
+    Code(
+        code="GS737",
+        severity=Severity.ERROR,
+        title="Python of the cell cannot be used",
+        what="A file under `code` failed when it was run, adds nothing, or adds a name that is taken.",
+        why="Without what it adds the cell is not what it is meant to be.",
+        remedy="Mend the line that the message names. A file adds classes with a `kind` below Tool, Process, Sensor, "
+        "Controller or WordAction, and objects Material.",
+    ),
+    Code(
         code="GS750",
         severity=Severity.ERROR,
         title="The run would overwrite a file",

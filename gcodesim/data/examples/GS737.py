@@ -1,0 +1,1 @@
+pressure = 3 / 0
