@@ -1,8 +1,10 @@
-from gcodesim.actions import WordAction, Wrong
+from typing import ClassVar
+
+from gcodesim.actions import Moment, WordAction, Wrong
 
 
 class Height(WordAction):
-    kind = "height"
+    kind: ClassVar[str] = "height"
 
-    def act(self, moment):
+    def act(self, moment: Moment) -> str:
         return Wrong("the door of the cell is open")
