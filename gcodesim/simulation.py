@@ -31,6 +31,7 @@ from gcodesim.files.whole_file import write_whole
 from gcodesim.jobs.beam_beyond import beyond_findings
 from gcodesim.jobs.cast import cast_of, is_of_cell
 from gcodesim.jobs.coating import film_findings, film_names
+from gcodesim.jobs.collisions import collisions
 from gcodesim.jobs.job import KINEMATIC, Job, Options
 from gcodesim.jobs.loose_pieces import drop_loose_pieces
 from gcodesim.jobs.meetings import meet, share_shop
@@ -199,6 +200,8 @@ def check(job: Job) -> Results:
             while each.legs.onward() is not None:
                 pass
             each.legs.tell_of_untouched_stock()
+    if job.shop is not None:
+        job.findings.extend(collisions(job, None))
     return results_of(job, None)
 
 
@@ -313,6 +316,7 @@ def _run(
             _inspect_all(each, inspectors[each.channel], own, coarse=coarse[each.channel])
         if job.shop is not None:
             job.findings.extend(film_findings(job.shop))
+            job.findings.extend(_collisions(job, execution))
         if eyes is not None:
             eyes.close()
             job.findings.extend(eyes.findings())
@@ -354,6 +358,14 @@ def _eyes(job: Job, recorder: Recorder | None, out: Path | None) -> Eyes | None:
         outlet=None if recorder is None else recorder.sensed,
         files=None if out is None else SensorFiles(out),
     )
+
+
+def _collisions(job: Job, execution: Execution) -> list[Diagnostic]:
+    """What has hit what, as far as the run went."""
+    assert job.cell is not None and job.shop is not None
+    end = execution.steps * job.cell.simulation.step_ns * 1e-9 if execution.interrupted else None
+    stays = execution.stays if job.shop.moves_parts else None
+    return list(collisions(job, stays, end))
 
 
 def _coarse(job: Job) -> bool:

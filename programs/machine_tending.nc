@@ -4,7 +4,7 @@ G43 H1
 G54
 G0 X0 Y0 Z150
 M64 P2                 (belt on)
-M64 P3                 (door up)
+M64 P3                 (door open)
 G4 P3
 M65 P2
 M66 P3 L3 Q5           (wait until the door is open)
@@ -23,7 +23,7 @@ G4 P0.4
 G1 Z150 F15000
 G54
 G0 X0 Y0 Z200
-M65 P3                 (door down)
+M65 P3                 (door shut)
 G4 P0.5
 G0 X0 Y0 Z150
 M2

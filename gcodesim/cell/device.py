@@ -73,7 +73,7 @@ class DeviceHistory:
     """What a device does when it is switched at `times` (c,) [s] to `values` (c,), 0 before; see `Device`."""
 
     def __init__(self, device: Device, times: Sequence[float], values: Sequence[float]) -> None:
-        self._device = device
+        self.device = device
         self.times = [0.0, *times]
         self._on = [0.0, *(float(value != 0.0) for value in values)]
         self._value = [0.0, *values]
@@ -84,9 +84,9 @@ class DeviceHistory:
             self._way.append(self._way[-1] + device.speed * self._on[i - 1] * after)
 
     def _share_after(self, i: int, seconds: float) -> float:
-        if self._device.travel_time <= 0.0:
+        if self.device.travel_time <= 0.0:
             return self._on[i]
-        change = seconds / self._device.travel_time
+        change = seconds / self.device.travel_time
         now = self._share[i]
         return min(now + change, 1.0) if self._on[i] else max(now - change, 0.0)
 
@@ -97,7 +97,7 @@ class DeviceHistory:
 
     def shifts(self, time: Array) -> Array:
         """Where it is (n, 3) [m] in its frame at times (n,), seen from where it starts; of a conveyor, the belt."""
-        device = self._device
+        device = self.device
         if device.speed > 0.0:
             begins, on, way = np.array(self.times), np.array(self._on), np.array(self._way)
             i = np.maximum(np.searchsorted(begins, time, side="right") - 1, 0)
@@ -109,7 +109,7 @@ class DeviceHistory:
 
     def state(self, time: float) -> tuple[float, float | None]:
         """What an input reads at `time` [s], 1 when it has arrived, and when it will [s] if it is on the way there."""
-        device = self._device
+        device = self.device
         i = max(bisect_right(self.times, time) - 1, 0)
         if device.speed > 0.0:
             return self._on[i], None

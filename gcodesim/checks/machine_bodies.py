@@ -48,7 +48,7 @@ class MachineBodies:
     def of(scene: Scene, name: str) -> MachineBodies:
         """Bodies of a scene with a solid that can be read; a stock has the shape it has at the start."""
         mover = scene.movers[name]
-        return MachineBodies(mover, (*_links(mover), *_around(scene, mover)))
+        return MachineBodies(mover, (*links_of(mover), *_around(scene, mover)))
 
     @property
     def tree(self) -> Tree:
@@ -117,14 +117,14 @@ def _parent(tree: Tree, joint: int) -> int | None:
     return int(tree.parent[joint]) if joint >= 0 else None
 
 
-def _links(mover: Mover) -> Iterator[CarriedBody]:
+def links_of(mover: Mover) -> Iterator[CarriedBody]:
     """The links of a mover by their shapes for collisions; what is fixed to each other is one body."""
     chain = mover.kinematics.chain
     tree = chain.tree
     solids: dict[int, list[Placed]] = {}
     names: dict[int, str] = {}
     for shape in chain.shapes("collision"):
-        if _readable(shape.placed):
+        if readable(shape.placed):
             carrier = int(tree.carrier[shape.link])
             name = chain.link_names[shape.link] if shape.link else chain.base_name
             names.setdefault(carrier, name)
@@ -137,16 +137,16 @@ def _links(mover: Mover) -> Iterator[CarriedBody]:
 def _around(scene: Scene, mover: Mover) -> Iterator[CarriedBody]:
     """Fixtures and stocks, on the joint that moves them or on the base."""
     for body in scene.bodies:
-        solids = [placed for placed in body.solids if _readable(placed)]
+        solids = [placed for placed in body.solids if readable(placed)]
         if body.role == "link" or not solids:
             continue
         frame, X = scene.standing_on(body.name)
-        carrier, X_JF = _on_joint(mover, frame)
+        carrier, X_JF = on_joint(mover, frame)
         placed = tuple(solid.at(X_JF @ X) for solid in solids)
         yield CarriedBody(rigid=RigidBody(name=body.label, solids=placed, carrier=carrier), role=body.role)
 
 
-def _on_joint(mover: Mover, frame: str) -> tuple[int, Pose]:
+def on_joint(mover: Mover, frame: str) -> tuple[int, Pose]:
     """The joint that moves a frame of the mover, and where the frame stands on it; others stand on the base."""
     name, _, link = frame.partition("/")
     if frame == WORLD or name != mover.name:
@@ -178,7 +178,7 @@ def _joint_at_zero(tree: Tree, joint: int) -> Array:
     return X
 
 
-def _readable(placed: Placed) -> bool:
+def readable(placed: Placed) -> bool:
     """Whether the triangles of a solid can be read; a run tells of those that cannot (GS770)."""
     if isinstance(placed.solid, Mesh):
         try:

@@ -67,15 +67,26 @@ class Meeting:
 
 @frozen(slots=False, kw_only=False, eq=False)
 class MovingBodies:
-    """Bodies on the joints of a machine, and those pairs (p, 2) of them that may not meet."""
+    """Bodies on the joints of a machine, and those pairs (p, 2) of them that may not meet.
 
-    tree: Tree
+    Who searches often for the same bodies hands their `woods` in; `carrier` (b,) are other joints than their own.
+    """
+
+    tree: Tree | JointTree
     bodies: Sequence[RigidBody]
     pairs: NDArray[np.int64]
+    woods: Woods | None = None
+    carrier: NDArray[np.int64] | None = None
 
     @cached_property
     def _woods(self) -> Woods:
-        return Woods.of(self.bodies)
+        return self.woods or Woods.of(self.bodies)
+
+    @cached_property
+    def _carrier(self) -> NDArray[np.int64]:
+        if self.carrier is not None:
+            return self.carrier
+        return np.array([body.carrier for body in self.bodies], dtype=np.int64)
 
     @cached_property
     def _chain(self) -> JointTree:
@@ -93,7 +104,7 @@ class MovingBodies:
 
     def _couple(self, pairs: NDArray[np.int64], travel: Array) -> Couple:
         """Pairs with bounds for joints that shift by no more than `travel` (j,) [m]."""
-        carrier = np.array([body.carrier for body in self.bodies], dtype=np.int64)
+        carrier = self._carrier
         reach = np.zeros((len(pairs), len(self.tree.parent)))
         side = np.zeros(reach.shape, dtype=np.int64)
         common = np.full(len(pairs), -1, dtype=np.int64)
@@ -199,7 +210,7 @@ class MovingBodies:
         one, other = self.bodies[inner], self.bodies[outer]
         if not other.skins:
             return False
-        X = multiplied(inverse_pose(frames[other.carrier][None])[0], frames[one.carrier])
+        X = multiplied(inverse_pose(frames[int(self._carrier[outer])][None])[0], frames[int(self._carrier[inner])])
         points = multiplied(one.insides, X[:3, :3].T) + X[:3, 3]
         return any(bool(is_within(points, skin).any()) for skin in other.skins)
 

@@ -140,11 +140,12 @@ def execute_together(
         if not interrupted:
             track.let_go_at_end()
     own, *others = (track.execution(planned, interrupted=interrupted) for track in tracks)
-    ends = {}
+    ends, stays = {}, []
     if things is not None and things.names:
+        stays = things.stays()
         last = {track.shop.name: track.stands_at[None] for track in tracks}
         ends = things.ends(first_track.done - 1, last)
-    return replace(own, others=others, parts=ends)
+    return replace(own, others=others, parts=ends, stays=stays)
 
 
 def _parts_of(channels: Sequence[TrackPlan], world_name: str, dt_ns: int) -> PartRun | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from typing import Final
 
@@ -17,7 +17,7 @@ from gcodesim.executor.switching import Switching
 from gcodesim.frames import WORLD, Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.processes.gripping import GRIP, GripEvent
-from gcodesim.scene import CarriedParts, Fall, Hold, PartChange
+from gcodesim.scene import CarriedParts, Fall, Hold, PartChange, Stay
 from gcodesim.shop import BODIES, Shop
 from gcodesim.solids import Triangles, triangles_of
 from gcodesim.solids.mass import MassOfSkin, mass_of_skin
@@ -80,6 +80,7 @@ class PartRun:
             if body.role in ("fixture", "obstacle") and body.solids
         }
         self._counts = {name: _Count() for name in self.names}
+        self._past: dict[str, list[Stay]] = {name: [] for name in self.names}
         self._start = {name: shop.scene.at_rest(name) for name in self.names}
         self._floors = self._levels()
         self._lay_on_devices()
@@ -108,7 +109,7 @@ class PartRun:
             change, height, support = self.come_to_rest(-1, name, frames[name], np.zeros(3), frames, settle=False)
             if support in self.devices.frames and height <= SET_DOWN:
                 self.planned.apply(change)
-                self.ran.apply(change)
+                self.happens(change)
 
     def goal(self, name: str) -> Pose | None:
         """X_W where a part is meant to be in the end."""
@@ -177,6 +178,30 @@ class PartRun:
         return found | {name: self.planned.poses(name, step, q)[0] for name in self.names}
 
     # ---- what is done
+
+    def happens(self, change: PartChange) -> None:
+        """Take over what has become of a part in steps that the world has moved through."""
+        self.ran.apply(change)
+        hold, fall = change.hold, change.fall
+        begin = max(hold.step if fall is None else fall.end, 0) * self.dt
+        stay = Stay(
+            body=hold.body, parent=hold.parent, X=hold.X, begin=begin, holder=change.holder, room=change.room
+        )
+        past = self._past[hold.body]
+        if past:
+            past[-1] = replace(past[-1], end=max(hold.step, 0) * self.dt)
+        past.append(stay)
+
+    def stays(self) -> list[Stay]:
+        """Where each part has been, in the order of time; nowhere while it falls."""
+        found = []
+        for name, past in self._past.items():
+            stand = self.shop.scene.frames[name]
+            first = past[0].begin if past else inf
+            if first > 0.0:
+                found.append(Stay(body=name, parent=stand.parent, X=stand.X, end=first))
+            found += [stay for stay in past if stay.end > stay.begin]
+        return found
 
     def count(self, events: Sequence[GripEvent]) -> None:
         """Take note of what grippers have done in steps that the world has moved through."""

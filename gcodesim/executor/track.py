@@ -28,7 +28,7 @@ from gcodesim.frames import Pose
 from gcodesim.frozen import frozen
 from gcodesim.processes.column import ADDED, REMOVED
 from gcodesim.processes.gripping import GRIP, GripEvent
-from gcodesim.scene import PartChange
+from gcodesim.scene import PartChange, Stay
 from gcodesim.shop import Shop
 from gcodesim.solids.mass import MassOfSkin
 from gcodesim.world import RobotBody, WorldSteps, open_world, tool_body
@@ -89,7 +89,8 @@ class Watcher(Protocol):
 class Execution:
     """The outcome of a run. `interrupted`: somebody stopped it after `steps` of `planned` steps.
 
-    `parts` is what became of parts, `late_grips` what happened to them after the last step.
+    `parts` is what became of parts, `stays` where they have been, `late_grips` what happened to them after the last
+    step.
     `volumes` [m³]: what was removed from each stock and what was added to it. `others`: the same of further channels.
     `passes` at each stock, of all channels, where there is a target.
     `accuracy`: how far the tip was off its path; None where neither gears nor controllers let it.
@@ -103,6 +104,7 @@ class Execution:
     interrupted: bool
     volumes: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     parts: Mapping[str, PartEnd] = field(default_factory=dict)
+    stays: Sequence[Stay] = ()
     late_grips: tuple[GripEvent, ...] = ()
     others: Sequence[Execution] = ()
     passes: Mapping[str, Passes] = field(default_factory=dict)
@@ -231,7 +233,7 @@ class Track:
                 attach(self.world, self.shop, number, list(self.load.values()))
                 yield self.world.run(window.q[begin:until])
                 begin = until
-            parts.ran.apply(change)
+            parts.happens(change)
             self._reload(change, parts)
         attach(self.world, self.shop, number, list(self.load.values()))
         yield self.world.run(window.q[begin : stretch.end])
@@ -241,7 +243,7 @@ class Track:
         for stint in stretch.stints:
             if stint.parts is not None and self.parts is not None:
                 for change in stint.parts.changes:
-                    self.parts.ran.apply(change)
+                    self.parts.happens(change)
                     self._reload(change, self.parts)
 
     def _reload(self, change: PartChange, parts: PartRun) -> None:
@@ -297,7 +299,7 @@ class Track:
         for name in list(self.load):
             X_WP = parts.ran.poses(name, step, joints)[0]
             change, height, support = parts.come_to_rest(step, name, X_WP, np.zeros(3), frames)
-            parts.ran.apply(replace(change, fall=None))
+            parts.happens(replace(change, fall=None))
             parts.was_let_go(name, X_WP)
             event = GripEvent(step=step, kind="released", part=name, height=height, support=support.rpartition("/")[2])
             parts.count([event])

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from gcodesim.canon import Spindle
 from gcodesim.cell.device import Device, DeviceHistory
+from gcodesim.diagnostics import Span
 
 if TYPE_CHECKING:
     from gcodesim.motion.trajectory import TimedEvent
@@ -14,7 +15,16 @@ if TYPE_CHECKING:
 
 def history_of(device: Device, events: Iterable[TimedEvent]) -> DeviceHistory:
     """What a device does by the events of a plan, in their order."""
-    times, values = [], []
+    changes = list(_changes(device, events))
+    return DeviceHistory(device, [timed.time for timed, _ in changes], [value for _, value in changes])
+
+
+def switches_of(device: Device, events: Iterable[TimedEvent]) -> list[tuple[float, Span]]:
+    """When a device is switched [s], and by which word."""
+    return [(timed.time, timed.event.span) for timed, _ in _changes(device, events)]
+
+
+def _changes(device: Device, events: Iterable[TimedEvent]) -> Iterator[tuple[TimedEvent, float]]:
     for timed in events:
         event = timed.event
         if device.word.type in ("speed", "turning"):
@@ -22,6 +32,4 @@ def history_of(device: Device, events: Iterable[TimedEvent]) -> DeviceHistory:
         else:
             value = device.word.number_of(event)
         if value is not None:
-            times.append(timed.time)
-            values.append(value)
-    return DeviceHistory(device, times, values)
+            yield timed, value

@@ -4,5 +4,6 @@ from gcodesim.scene.body import Body, Role
 from gcodesim.scene.carried import CarriedParts, Fall, PartChange
 from gcodesim.scene.mover import WORK, Mover
 from gcodesim.scene.scene import Hold, Scene, Stand
+from gcodesim.scene.stay import Stay
 
-__all__ = ["WORK", "Body", "CarriedParts", "Fall", "Hold", "Mover", "PartChange", "Role", "Scene", "Stand"]
+__all__ = ["WORK", "Body", "CarriedParts", "Fall", "Hold", "Mover", "PartChange", "Role", "Scene", "Stand", "Stay"]

@@ -360,6 +360,15 @@ CODES: tuple[Code, ...] = (
         remedy="Set it down before the end, if that is not meant.",
     ),
     Code(
+        code="GS567",
+        severity=Severity.ERROR,
+        title="Tool changed while a part is held",
+        what="The gripper goes into the magazine while it holds a part. The run leaves the part where the gripper had"
+        " it on the flange, so what comes after that is of no use.",
+        why="Without air or power from the flange a gripper opens, and the part falls into the magazine.",
+        remedy="Set the part down and open the gripper before the tool is changed.",
+    ),
+    Code(
         code="GS590",
         severity=Severity.WARNING,
         title="Sensor reads too often",

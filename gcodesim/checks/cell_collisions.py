@@ -1,0 +1,244 @@
+"""Findings about parts, devices and machines of one cell that meet each other: GS308 to GS311, GS567 and GS930."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from gcodesim.canon import ToolChange
+from gcodesim.checks.cell_bodies import CellBody
+from gcodesim.checks.cell_meetings import CellMeeting, Mounted
+from gcodesim.checks.clearance import place_in_system
+from gcodesim.diagnostics import Diagnostic, Span
+from gcodesim.frames import Array, Pose
+from gcodesim.scene import Stay
+from gcodesim.tools.parts import body_part
+from gcodesim.units import MM
+
+if TYPE_CHECKING:
+    from gcodesim.planning.plan import Plan
+
+PART: Final = "GS309"
+DEVICE: Final = "GS310"
+MACHINES: Final = "GS311"
+NEAR: Final = "GS308"
+CHANGED: Final = "GS567"
+
+_HINTS: Final = {
+    PART: "go round it or above it, or move it in the cell",
+    DEVICE: "wait until it is out of the way (`M66` on an input of it), or switch it later",
+    MACHINES: "let one wait for the other at a mark, or give each a zone of its own",
+}
+_AFTER: Final = 1e-7  # [s] by which a row has begun that begins at a time
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Running:
+    """A program that moves the mover `name`, on the clock of the run; `X_BM` is machine zero in its base.
+
+    `switched` are the devices that it switches, by their frames, with the times [s] and the words.
+    """
+
+    name: str
+    plan: Plan
+    X_BM: Pose
+    switched: Mapping[str, Sequence[tuple[float, Span]]]
+
+    def row(self, time: float) -> int:
+        trajectory = self.plan.trajectory
+        at = min(time + _AFTER, trajectory.duration)
+        return int(trajectory.rows_at(np.array([at]))[0]) if len(self.plan.path) else 0
+
+    def span(self, time: float) -> Span | None:
+        path = self.plan.path
+        return path.span(min(self.row(time), len(path) - 1)) if len(path) else None
+
+    def stands(self, time: float) -> bool:
+        """Whether it stands still at a time."""
+        if time >= self.plan.trajectory.duration:
+            return True
+        samples = self.plan.trajectory.sample(np.array([max(time - _AFTER, 0.0), time + _AFTER]))
+        q: Array = self.plan.joints(samples)
+        return bool(np.array_equal(q[0], q[1]))
+
+    def tip_words(self, time: float) -> str:
+        """Where the tip is, in the work system in force."""
+        plan = self.plan
+        q = plan.joints(plan.trajectory.sample(np.array([min(time, plan.trajectory.duration)])))
+        row = min(self.row(time), max(len(plan.path) - 1, 0))
+        tip = plan.tip(q, np.array([row]))[0, :3, 3]
+        system, point = place_in_system(self.X_BM.inverse().apply(tip), plan.path.state_of(row))
+        where = " ".join(f"{letter}{value / MM:.3f}" for letter, value in zip("XYZ", point + 0.0, strict=True))
+        return f"{where} of {system}"
+
+
+@dataclass(frozen=True, eq=False)
+class CellWords:
+    """Puts meetings into words. `running` are the programs, the first channel first; `span_of` says where the cell
+
+    describes a body.
+    """
+
+    running: Sequence[Running]
+    span_of: Callable[[CellBody], Span]
+
+    def collisions(self, meetings: Iterable[CellMeeting]) -> list[Diagnostic]:
+        """GS309 to GS311, one for each pair of bodies and line."""
+        return _once([self._collision(meeting) for meeting in meetings])
+
+    def near_misses(self, meetings: Iterable[CellMeeting], clearance: float) -> list[Diagnostic]:
+        """GS308."""
+        return _once([self._near_miss(meeting, clearance) for meeting in meetings])
+
+    def overlaps(self, drawn: Iterable[tuple[CellBody, CellBody, float]]) -> Iterator[Diagnostic]:
+        """GS930 for things that lie in each other."""
+        told = set()
+        for one, other, time in drawn:
+            names = (one.rigid.name, other.rigid.name)
+            if names not in told:
+                told.add(names)
+                message = f"`{names[0]}` and `{names[1]}` are in each other"
+                when = " at the start" if time <= 0.0 else f" when one of them comes to rest, at {time:.3f} s"
+                yield Diagnostic(
+                    code="GS930",
+                    message=f"{message}{when}; they are not checked against each other",
+                    span=self.span_of(one),
+                    hint="their shapes overlap by design, or one is not where it is meant to be",
+                    bodies=names,
+                )
+
+    def _collision(self, meeting: CellMeeting) -> Diagnostic:
+        one, other = self._ordered(meeting)
+        roles = {one.role, other.role}
+        code = PART if "part" in roles else DEVICE if "obstacle" in roles else MACHINES
+        span, where = self._place(meeting, one, other, meeting.begin)
+        depth = -meeting.gap / MM
+        return Diagnostic(
+            code=code,
+            message=f"{_words(one, meeting.held)} hits {_words(other, meeting.held)}, {depth:.3f} mm deep, "
+            f"first{where}",
+            span=span,
+            hint=_HINTS[code],
+            time=meeting.begin,
+            value=depth,
+            limit=0.0,
+            unit="mm",
+            bodies=(one.rigid.name, other.rigid.name),
+        )
+
+    def _near_miss(self, meeting: CellMeeting, clearance: float) -> Diagnostic:
+        one, other = self._ordered(meeting)
+        span, where = self._place(meeting, one, other, meeting.deepest)
+        gap = max(meeting.gap, 0.0) / MM
+        return Diagnostic(
+            code=NEAR,
+            message=f"{_words(one, meeting.held)} passes {_words(other, meeting.held)} at {gap:.3f} mm, "
+            f"less than {clearance / MM:g} mm,{where}",
+            span=span,
+            hint="keep more distance, or change `clearance` under `limits`",
+            time=meeting.deepest,
+            value=gap,
+            limit=clearance / MM,
+            unit="mm",
+            bodies=(one.rigid.name, other.rigid.name),
+        )
+
+    def _ordered(self, meeting: CellMeeting) -> tuple[CellBody, CellBody]:
+        """Who hits whom: a machine that moves, or the part that it holds, comes first."""
+        one, other = meeting.one, meeting.other
+        movers = self._movers(meeting)
+
+        def rank(body: CellBody) -> tuple[bool, bool, int]:
+            mover = body.mover or meeting.held.get(body.frame, "").partition(" ")[0]
+            order = [each.name for each in movers]
+            moves = mover in order
+            return not moves, body.role == "fixture", order.index(mover) if moves else 0
+
+        return (other, one) if rank(other) < rank(one) else (one, other)
+
+    def _movers(self, meeting: CellMeeting) -> list[Running]:
+        """The programs that move one of both bodies: those that are under way first."""
+        names = {meeting.one.mover, meeting.other.mover} | {who.partition(" ")[0] for who in meeting.held.values()}
+        mine = [each for each in self.running if each.name in names]
+        return sorted(mine, key=lambda each: each.stands(meeting.begin))
+
+    def _place(self, meeting: CellMeeting, one: CellBody, other: CellBody, time: float) -> tuple[Span, str]:
+        """The line that is to blame, and where its tip is then."""
+        movers = self._movers(meeting)
+        devices = [body.frame for body in (one, other) if body.role == "obstacle"]
+        if not movers or movers[0].stands(time):
+            words = [
+                (at, span)
+                for each in self.running
+                for device in devices
+                for at, span in each.switched.get(device, ())
+                if at <= time
+            ]
+            if words:
+                return max(words, key=lambda word: word[0])[1], f" at {time:.3f} s"
+        who = movers[0] if movers else self.running[0]
+        span = who.span(time) or self.span_of(one)
+        beside = "".join(
+            f"; `{each.name}` is in line {other_span.line} of {other_span.file}"
+            for each in movers[1:]
+            if (other_span := each.span(time)) is not None
+        )
+        where = f" with the tip at {who.tip_words(time)}" if len(who.plan.path) else f" at {time:.3f} s"
+        return span, where + beside
+
+
+def changes_with_a_part(
+    running: Sequence[Running], stays: Iterable[Stay], mounted: Sequence[Mounted], tools: Mapping[int, str]
+) -> Iterator[Diagnostic]:
+    """GS567 for each tool that comes into a spindle while the one before it holds a part."""
+    for stay in stays:
+        mover = stay.holder.partition(" ")[0]
+        for each in (own for own in running if own.name == mover):
+            for before, after in zip(mounted, mounted[1:], strict=False):
+                if before.mover != mover or after.mover != mover or not stay.begin < after.begin < stay.end:
+                    continue
+                timed = [event for event in each.plan.trajectory.events if isinstance(event.event, ToolChange)]
+                span = next((t.event.span for t in reversed(timed) if t.time <= after.begin + _AFTER), None)
+                name = stay.body.rpartition("/")[2]
+                yield Diagnostic(
+                    code=CHANGED,
+                    message=f"{tools.get(before.tool, 'the gripper')} is changed for "
+                    f"{tools.get(after.tool, 'an empty spindle')} while it holds `{name}`; the part is left where the "
+                    "gripper was on the flange",
+                    span=span or each.span(after.begin) or Span(""),
+                    hint="set the part down and open the gripper before the change",
+                    time=after.begin,
+                )
+
+
+def _words(body: CellBody, held: Mapping[str, str]) -> str:
+    name = body.rigid.name
+    if body.part:
+        return f"{body_part(body.part).words} of {name}"
+    if body.role == "part":
+        who = held.get(body.frame, "").partition(" ")[2]
+        return f"part `{name}`, held by {who}," if who else f"part `{name}`"
+    if body.role == "obstacle":
+        return f"device `{name}`"
+    if body.role == "stock":
+        return f"stock `{name}` as it is at the start"
+    return f"`{name}`" if body.role == "link" else name
+
+
+def _once(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
+    """In the order of time; what links of one machine do to the same body in one line is one finding with a count.
+
+    Of several parts of one tool it is the first.
+    """
+    first: dict[tuple[object, ...], Diagnostic] = {}
+    for found in sorted(findings, key=lambda finding: finding.time or 0.0):
+        key = (found.code, found.span, *(name.partition("/")[0] for name in found.bodies))
+        known = first.get(key)
+        if known is None:
+            first[key] = found
+        elif known.bodies != found.bodies:
+            first[key] = replace(known, count=known.count + 1)
+    return list(first.values())

@@ -1,0 +1,393 @@
+"""When bodies of a cell meet that no single machine carries: parts, devices, and machines beside each other.
+
+The time of a run is divided where a part is taken or let go and where a tool is changed. In between, what stands on
+what is fixed, and `meetings` looks at the whole way in one search.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.arithmetic.elementary import cos, sin
+from gcodesim.arithmetic.matrices import applied, multiplied
+from gcodesim.checks.cell_bodies import CellBodies, CellBody
+from gcodesim.checks.meetings import TOUCH, JointWay, Meeting, MovingBodies
+from gcodesim.checks.timed_way import TimedWay
+from gcodesim.checks.way_kernels import JointTree
+from gcodesim.frames import Array, Pose
+from gcodesim.scene import Stay
+
+WANTED: Final = 0.5e-3
+"""How deep [m] bodies may be in each other that are meant to touch: a part in what it stands on, a clamp in a part."""
+
+Flags = NDArray[np.bool_]
+Pairs = NDArray[np.int64]
+
+_LYING: Final = frozenset(("part", "obstacle", "fixture", "stock"))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class CellMeeting:
+    """Two bodies, when they meet first and when they are deepest in each other (times [s]); `gap` [m] as in `Meeting`.
+
+    `held` are the parts of both that somebody holds then, by their frames, with who does.
+    """
+
+    one: CellBody
+    other: CellBody
+    begin: float
+    deepest: float
+    gap: float
+    held: Mapping[str, str]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Mounted:
+    """From `begin` to `end` [s] a mover has this tool."""
+
+    mover: str
+    tool: int
+    begin: float
+    end: float
+
+
+def may_meet(one: CellBody, other: CellBody) -> bool:
+    """Whether a meeting of two bodies is looked for here; see `MachineChecks` for those of one machine."""
+    roles = {one.role, other.role}
+    if roles & {"part", "obstacle"}:
+        return True
+    if not one.mover or not other.mover or one.mover == other.mover:
+        return False
+    return not ("stock" in roles and roles & {"tool", "stock"})  # a tool works there
+
+
+def wanted(one: CellBody, other: CellBody, grippers: Mapping[int, float]) -> float:
+    """How deep [m] these may be in each other in any case; `grippers` says how far their contacts give."""
+    roles = {one.role, other.role}
+    if "part" in roles:
+        for body in (one, other):
+            if body.tool in grippers:
+                return max(WANTED, grippers[body.tool])
+    if "obstacle" in roles and roles <= _LYING:
+        return WANTED
+    return TOUCH
+
+
+@dataclass(frozen=True, eq=False)
+class CellSearch:
+    """What meets in a cell while its joints go along `way`, with parts and tools where they are.
+
+    `grippers` are the tools that hold parts, and by how much [m] their contacts give. Bodies whose names are `apart`
+    as a pair are not checked against each other.
+    """
+
+    cell: CellBodies
+    way: TimedWay
+    stays: Sequence[Stay]
+    mounted: Sequence[Mounted]
+    grippers: Mapping[int, float]
+    clearance: float | None = None
+    apart: frozenset[frozenset[str]] = frozenset()
+    overlaps: list[tuple[CellBody, CellBody, float]] = field(default_factory=list)
+    """Lying things that are drawn in each other, and since when [s]: they are not checked against each other."""
+
+    def meetings(self) -> list[CellMeeting]:
+        """Every collision, in the order of time; then `overlaps` is known as well."""
+        return self._found(None)
+
+    def near_misses(self) -> list[CellMeeting]:
+        """Every time that two bodies come nearer than the clearance and do not meet."""
+        return [] if self.clearance is None else self._found(self.clearance)
+
+    # ---- pairs
+
+    @cached_property
+    def _pairs(self) -> Pairs:
+        """Bodies that may not meet, as pairs (p, 2)."""
+        bodies = self.cell.bodies
+        found = [
+            (i, j)
+            for j in range(len(bodies))
+            for i in range(j)
+            if may_meet(bodies[i], bodies[j])
+            and frozenset((bodies[i].rigid.name, bodies[j].rigid.name)) not in self.apart
+        ]
+        return np.array(found, dtype=np.int64).reshape(-1, 2)
+
+    @cached_property
+    def _depth(self) -> Array:
+        """How deep (p,) [m] the bodies of each pair may be in each other."""
+        bodies = self.cell.bodies
+        return np.array([wanted(bodies[i], bodies[j], self.grippers) for i, j in self._pairs.tolist()])
+
+    @cached_property
+    def _lying(self) -> Flags:
+        """Whether (p,) neither body of a pair belongs to a machine."""
+        lies = np.array([body.role in _LYING and not body.tool for body in self.cell.bodies], dtype=bool)
+        both: Flags = lies[self._pairs].all(axis=1)
+        return both
+
+    # ---- phases
+
+    def _found(self, clearance: float | None) -> list[CellMeeting]:
+        """Meetings, or what comes nearer than the clearance."""
+        found: list[CellMeeting] = []
+        open_ones: dict[tuple[int, int], int] = {}
+        drawn: set[tuple[int, int]] = set()
+        beside: dict[int, set[int]] = {}
+        known: dict[str, Stay] = {}
+        if not len(self._pairs):
+            return found
+        for begin, end in self._phases():
+            now = _Phase.of(self, begin, end)
+            fresh = {name for name, stay in now.stays.items() if known.get(name) is not stay}
+            known = dict(now.stays)
+            rows = now.moving()
+            if len(rows):
+                self._look_beside(now, fresh, rows, beside, drawn, clearance, tell=clearance is None)
+                self._search(now, rows, beside, drawn, clearance, found, open_ones)
+        return sorted(found, key=lambda each: each.begin)
+
+    def _phases(self) -> Iterator[tuple[float, float]]:
+        first, last = float(self.way.time[0]), float(self.way.time[-1])
+        ends = [stay.begin for stay in self.stays] + [stay.end for stay in self.stays]
+        ends += [each.begin for each in self.mounted] + [each.end for each in self.mounted]
+        times = sorted({first, last, *(float(at) for at in ends if first < at < last)})
+        yield from zip(times[:-1], times[1:], strict=True)
+
+    def _look_beside(
+        self,
+        now: _Phase,
+        fresh: set[str],
+        rows: NDArray[np.intp],
+        beside: dict[int, set[int]],
+        drawn: set[tuple[int, int]],
+        clearance: float | None,
+        *,
+        tell: bool,
+    ) -> None:
+        """What parts stand on or beside: when they came there and when they leave; what is drawn in each other."""
+        bodies, pairs = self.cell.bodies, self._pairs
+        first = now.begin == float(self.way.time[0])
+        news = {i for i, body in enumerate(bodies) if body.frame in fresh}
+        for i in news:
+            beside[i] = set()
+            drawn.difference_update({pair for pair in drawn if i in pair})
+        of_news = np.isin(pairs[rows], list(news)).any(axis=1) if news else np.zeros(len(rows), dtype=bool)
+        asked = rows[(of_news | first) & self._lying[rows]]
+        room = max(WANTED, clearance or 0.0)
+        for stretch, share, some in ((0, 0.0, asked), (len(now.way.time) - 2, 1.0, rows[self._lying[rows]])):
+            for meeting in now.standing(some, now.way.way.at(stretch, share), room):
+                i, j = meeting.first, meeting.second
+                for one, other in ((i, j), (j, i)):
+                    if bodies[one].role == "part" and (share == 0.0 or self._leaves(bodies[one].frame, now)):
+                        beside.setdefault(one, set()).add(other)
+                if share == 0.0 and meeting.gap < -WANTED and (i, j) not in drawn:
+                    drawn.add((i, j))
+                    if tell:
+                        self.overlaps.append((bodies[i], bodies[j], now.begin))
+
+    @staticmethod
+    def _leaves(name: str, now: _Phase) -> bool:
+        """Whether a part is somewhere else after a phase."""
+        return now.stays[name].end <= now.end
+
+    def _search(
+        self,
+        now: _Phase,
+        rows: NDArray[np.intp],
+        beside: dict[int, set[int]],
+        drawn: set[tuple[int, int]],
+        clearance: float | None,
+        found: list[CellMeeting],
+        open_ones: dict[tuple[int, int], int],
+    ) -> None:
+        """Add the meetings of one phase; what has begun in an earlier one goes on."""
+        stands = np.array([j in beside.get(i, ()) or i in beside.get(j, ()) for i, j in self._pairs[rows].tolist()])
+        allowed = np.array([pair in drawn for pair in map(tuple, self._pairs[rows].tolist())])
+        depth = np.where(stands, np.maximum(self._depth[rows], WANTED), self._depth[rows])
+        keep = ~allowed if clearance is None else ~allowed & ~stands & (self._depth[rows] <= TOUCH)
+        last = len(now.way.time) - 2
+        for level in np.unique(depth[keep]).tolist():
+            some = rows[keep & (depth == level)]
+            for meeting in now.search(some, -level if clearance is None else clearance):
+                if clearance is not None and meeting.gap < -TOUCH:
+                    continue
+                pair = (meeting.first, meeting.second)
+                known = open_ones.get(pair)
+                one = now.told(meeting)
+                if known is not None and meeting.stretch == 0 and meeting.share <= 0.0:
+                    before = found[known]
+                    if one.gap < before.gap:
+                        found[known] = replace(before, gap=one.gap, deepest=one.deepest)
+                else:
+                    found.append(one)
+                    known = len(found) - 1
+                if meeting.last >= last:
+                    open_ones[pair] = known
+                else:
+                    open_ones.pop(pair, None)
+
+
+@dataclass(frozen=True, eq=False)
+class _Phase:
+    """A stretch of time in which no part is taken or let go, and no tool changed."""
+
+    search_of: CellSearch
+    begin: float
+    end: float
+    way: TimedWay
+    stays: Mapping[str, Stay]
+    places: Mapping[str, tuple[int, Pose]]
+    tools: Mapping[str, int]
+
+    @staticmethod
+    def of(search: CellSearch, begin: float, end: float) -> _Phase:
+        middle = 0.5 * (begin + end)
+        stays = {stay.body: stay for stay in search.stays if stay.begin <= middle < stay.end}
+        tools = {each.mover: each.tool for each in search.mounted if each.begin <= middle < each.end}
+        places = {name: _place(search, name, stays) for name in stays}
+        known = {name: at for name, at in places.items() if at is not None}
+        return _Phase(search, begin, end, search.way.part(begin, end), stays, known, tools)
+
+    @property
+    def cell(self) -> CellBodies:
+        return self.search_of.cell
+
+    def _is_there(self, body: CellBody) -> bool:
+        if body.role == "part":
+            return body.frame in self.places
+        if not body.tool:
+            return True
+        if self.tools.get(body.mover) != body.tool:
+            return False
+        held = [stay.opening for stay in self.stays.values() if stay.holder and _is_on(stay.parent, body.mover)]
+        return body.opening == (min(held) if held and body.tool in self.search_of.grippers else 1.0)
+
+    @cached_property
+    def _joint(self) -> NDArray[np.int64]:
+        """The joint (b,) of a mover or device that carries each body in this phase."""
+        joint = self.cell.carrier.copy()
+        for i, body in enumerate(self.cell.bodies):
+            if body.role == "part":
+                joint[i] = self.places[body.frame][0] if body.frame in self.places else -1
+        return joint
+
+    @cached_property
+    def _moves(self) -> Flags:
+        """Whether each joint (j,) of movers and devices moves."""
+        q, bend = self.way.way.q, self.way.way.bend
+        moves: Flags = (np.ptp(q, axis=0) > 0.0) | (bend.max(axis=0, initial=0.0) > 0.0)
+        return moves
+
+    def moving(self) -> NDArray[np.intp]:
+        """Pairs, by their rows, that are there, move against each other and may come near each other."""
+        bodies, pairs, tree = self.cell.bodies, self.search_of._pairs, self.cell.tree  # noqa: SLF001
+        there = np.array([self._is_there(body) for body in bodies])
+        moved_by = np.array(
+            [next((j for j in tree.carrying(int(joint)) if self._moves[j]), -1) for joint in self._joint]
+        )
+        low, high = self._boxes()
+        i, j = pairs[:, 0], pairs[:, 1]
+        maybe = there[i] & there[j] & (moved_by[i] != moved_by[j])
+        maybe &= (low[i] <= high[j]).all(axis=1) & (low[j] <= high[i]).all(axis=1)
+        return np.flatnonzero(maybe)
+
+    def _boxes(self) -> tuple[Array, Array]:
+        """Corners (b, 3) of boxes in the world that no body leaves, with half of the clearance around them."""
+        woods, way = self.cell.woods, self.way.way
+        frames = _frames(self.cell.tree.joints, way.q)
+        reach = self.cell.reach(np.abs(way.q).max(axis=0), [(at, name, X) for name, (at, X) in self.places.items()])
+        leaves = applied(0.5 * np.abs(np.diff(way.q, axis=0)) + way.bend, reach).max(initial=0.0)
+        room = float(leaves) + max(WANTED, self.search_of.clearance or 0.0)
+        low, high = np.zeros((len(self.cell.bodies), 3)), np.zeros((len(self.cell.bodies), 3))
+        for b, body in enumerate(self.cell.bodies):
+            root = int(woods.root[b])
+            at, size = woods.forest.centre[root], float(woods.forest.radius[root]) + room
+            if body.role == "part":
+                if body.frame not in self.places:
+                    continue
+                at = self.places[body.frame][1].apply(at)
+            joint = int(self._joint[b])
+            way_of = at[None] if joint < 0 else applied(frames[:, joint, :3, :3], at) + frames[:, joint, :3, 3]
+            low[b], high[b] = way_of.min(axis=0) - size, way_of.max(axis=0) + size
+        return low, high
+
+    def _moving(self, rows: NDArray[np.intp]) -> tuple[MovingBodies, int]:
+        """The pairs in a tree with no more parts than they have; how many parts these are."""
+        cell, pairs = self.cell, self.search_of._pairs[rows]  # noqa: SLF001
+        used = sorted({int(b) for b in pairs.ravel() if cell.bodies[b].role == "part"})
+        names = dict.fromkeys(cell.bodies[b].frame for b in used)
+        joints = cell.tree.with_parts({name: self.places[name] for name in names})
+        carrier = cell.carrier.copy()
+        for index, name in enumerate(names):
+            carrier[carrier == cell.tree.part[name]] = cell.tree.shared + index
+        mine = np.ascontiguousarray(pairs)
+        return MovingBodies(joints, cell.rigid, mine, cell.woods, carrier), len(names)
+
+    def search(self, rows: NDArray[np.intp], level: float) -> list[Meeting]:
+        """When these pairs come below a level [m]."""
+        moving, parts = self._moving(rows)
+        way = self.way.way
+        none = np.zeros((len(way.q), parts))
+        return moving.search(JointWay(np.hstack([way.q, none]), np.hstack([way.bend, none[1:]])), level=level)
+
+    def standing(self, rows: NDArray[np.intp], q: Array, level: float) -> list[Meeting]:
+        """Those of these pairs that are nearer than a level [m] with joints at `q` (j,)."""
+        if not len(rows):
+            return []
+        moving, parts = self._moving(rows)
+        return moving.search(JointWay.straight(np.append(q, np.zeros(parts))[None]), level=level)
+
+    def told(self, meeting: Meeting) -> CellMeeting:
+        one, other = self.cell.bodies[meeting.first], self.cell.bodies[meeting.second]
+        return CellMeeting(
+            one=one,
+            other=other,
+            begin=self.way.at(meeting.stretch, meeting.share),
+            deepest=self.way.at(*meeting.deepest),
+            gap=meeting.gap,
+            held={
+                body.frame: stay.holder
+                for body in (one, other)
+                if (stay := self.stays.get(body.frame)) is not None and stay.holder
+            },
+        )
+
+
+def _is_on(frame: str, mover: str) -> bool:
+    return frame.partition("/")[0] == mover
+
+
+def _place(search: CellSearch, name: str, stays: Mapping[str, Stay]) -> tuple[int, Pose] | None:
+    """The joint that carries a part, and where on it; None while what it stands on is nowhere."""
+    stay = stays[name]
+    if stay.parent in search.cell.tree.part:
+        below = _place(search, stay.parent, stays) if stay.parent in stays else None
+        return None if below is None else (below[0], below[1] @ stay.X)
+    joint, X = search.cell.tree.carrier(stay.parent)
+    return joint, X @ stay.X
+
+
+def _frames(joints: JointTree, q: Array) -> Array:
+    """Poses (n, j, 4, 4) of all joints at `q` (n, j)."""
+    X = np.zeros((*q.shape, 4, 4))
+    for j in range(q.shape[1]):
+        parent = int(joints.parent[j])
+        before = joints.before[j][None] if parent < 0 else multiplied(X[:, parent], joints.before[j])
+        motion = np.tile(np.eye(4), (len(q), 1, 1))
+        axis = joints.axis[j]
+        if joints.prismatic[j]:
+            motion[:, :3, 3] = q[:, j, None] * axis
+        else:
+            K = np.array([[0.0, -axis[2], axis[1]], [axis[2], 0.0, -axis[0]], [-axis[1], axis[0], 0.0]])
+            angle = q[:, j, None, None]
+            motion[:, :3, :3] += sin(angle) * K + (1.0 - cos(angle)) * multiplied(K, K)
+        X[:, j] = multiplied(before, motion)
+    return X
