@@ -36,6 +36,7 @@ from gcodesim.jobs.job import KINEMATIC, Job, Options
 from gcodesim.jobs.loose_pieces import drop_loose_pieces
 from gcodesim.jobs.meetings import meet, share_shop
 from gcodesim.jobs.outcome import first_error, results_of
+from gcodesim.jobs.rehearsal import rehearse
 from gcodesim.jobs.results import Results
 from gcodesim.processes import PROCESSES
 from gcodesim.rs274 import Settings, interpret
@@ -201,7 +202,7 @@ def check(job: Job) -> Results:
                 pass
             each.legs.tell_of_untouched_stock()
     if job.shop is not None:
-        job.findings.extend(collisions(job, None))
+        job.findings.extend(collisions(job, rehearse(job)))
     return results_of(job, None)
 
 

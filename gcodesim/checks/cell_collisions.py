@@ -10,7 +10,7 @@ import numpy as np
 
 from gcodesim.canon import ToolChange
 from gcodesim.checks.cell_bodies import CellBody
-from gcodesim.checks.cell_meetings import CellMeeting, Mounted
+from gcodesim.checks.cell_meetings import CellMeeting
 from gcodesim.checks.clearance import place_in_system
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.frames import Array, Pose
@@ -114,12 +114,11 @@ class CellWords:
         one, other = self._ordered(meeting)
         roles = {one.role, other.role}
         code = PART if "part" in roles else DEVICE if "obstacle" in roles else MACHINES
-        span, where = self._place(meeting, one, other, meeting.begin)
+        span, where = self._place(meeting, one, other, meeting.begin, "first ")
         depth = -meeting.gap / MM
         return Diagnostic(
             code=code,
-            message=f"{_words(one, meeting.held)} hits {_words(other, meeting.held)}, {depth:.3f} mm deep, "
-            f"first{where}",
+            message=f"{_words(one, meeting.held)} hits {_words(other, meeting.held)}, {depth:.3f} mm deep{where}",
             span=span,
             hint=_HINTS[code],
             time=meeting.begin,
@@ -136,7 +135,7 @@ class CellWords:
         return Diagnostic(
             code=NEAR,
             message=f"{_words(one, meeting.held)} passes {_words(other, meeting.held)} at {gap:.3f} mm, "
-            f"less than {clearance / MM:g} mm,{where}",
+            f"less than {clearance / MM:g} mm{where}",
             span=span,
             hint="keep more distance, or change `clearance` under `limits`",
             time=meeting.deepest,
@@ -165,7 +164,9 @@ class CellWords:
         mine = [each for each in self.running if each.name in names]
         return sorted(mine, key=lambda each: each.stands(meeting.begin))
 
-    def _place(self, meeting: CellMeeting, one: CellBody, other: CellBody, time: float) -> tuple[Span, str]:
+    def _place(
+        self, meeting: CellMeeting, one: CellBody, other: CellBody, time: float, first: str = ""
+    ) -> tuple[Span, str]:
         """The line that is to blame, and where its tip is then."""
         movers = self._movers(meeting)
         devices = [body.frame for body in (one, other) if body.role == "obstacle"]
@@ -178,7 +179,7 @@ class CellWords:
                 if at <= time
             ]
             if words:
-                return max(words, key=lambda word: word[0])[1], f" at {time:.3f} s"
+                return max(words, key=lambda word: word[0])[1], ""
         who = movers[0] if movers else self.running[0]
         span = who.span(time) or self.span_of(one)
         beside = "".join(
@@ -186,32 +187,32 @@ class CellWords:
             for each in movers[1:]
             if (other_span := each.span(time)) is not None
         )
-        where = f" with the tip at {who.tip_words(time)}" if len(who.plan.path) else f" at {time:.3f} s"
-        return span, where + beside
+        return span, f", {first}with the tip at {who.tip_words(time)}{beside}" if len(who.plan.path) else beside
 
 
 def changes_with_a_part(
-    running: Sequence[Running], stays: Iterable[Stay], mounted: Sequence[Mounted], tools: Mapping[int, str]
+    running: Sequence[Running], stays: Iterable[Stay], tools: Mapping[int, str], end: float
 ) -> Iterator[Diagnostic]:
-    """GS567 for each tool that comes into a spindle while the one before it holds a part."""
+    """GS567 for each tool that comes into a spindle by `end` [s] while the one before it holds a part."""
     for stay in stays:
-        mover = stay.holder.partition(" ")[0]
+        mover, _, gripper = stay.holder.partition(" ")
         for each in (own for own in running if own.name == mover):
-            for before, after in zip(mounted, mounted[1:], strict=False):
-                if before.mover != mover or after.mover != mover or not stay.begin < after.begin < stay.end:
+            for timed in each.plan.trajectory.events:
+                change = timed.event
+                if not isinstance(change, ToolChange) or not stay.begin < timed.time < min(stay.end, end + _AFTER):
                     continue
-                timed = [event for event in each.plan.trajectory.events if isinstance(event.event, ToolChange)]
-                span = next((t.event.span for t in reversed(timed) if t.time <= after.begin + _AFTER), None)
-                name = stay.body.rpartition("/")[2]
-                yield Diagnostic(
-                    code=CHANGED,
-                    message=f"{tools.get(before.tool, 'the gripper')} is changed for "
-                    f"{tools.get(after.tool, 'an empty spindle')} while it holds `{name}`; the part is left where the "
-                    "gripper was on the flange",
-                    span=span or each.span(after.begin) or Span(""),
-                    hint="set the part down and open the gripper before the change",
-                    time=after.begin,
-                )
+                after = tools.get(change.tool, "an empty spindle")
+                if after != gripper:
+                    name = stay.body.rpartition("/")[2]
+                    yield Diagnostic(
+                        code=CHANGED,
+                        message=f"{gripper} is changed for {after} while it holds `{name}`; the part is left where the "
+                        "gripper was on the flange",
+                        span=change.span,
+                        hint="set the part down and open the gripper before the change",
+                        time=timed.time,
+                    )
+                    break
 
 
 def _words(body: CellBody, held: Mapping[str, str]) -> str:

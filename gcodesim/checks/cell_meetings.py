@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -108,7 +109,7 @@ class CellSearch:
     # ---- pairs
 
     @cached_property
-    def _pairs(self) -> Pairs:
+    def pairs(self) -> Pairs:
         """Bodies that may not meet, as pairs (p, 2)."""
         bodies = self.cell.bodies
         found = [
@@ -124,13 +125,13 @@ class CellSearch:
     def _depth(self) -> Array:
         """How deep (p,) [m] the bodies of each pair may be in each other."""
         bodies = self.cell.bodies
-        return np.array([wanted(bodies[i], bodies[j], self.grippers) for i, j in self._pairs.tolist()])
+        return np.array([wanted(bodies[i], bodies[j], self.grippers) for i, j in self.pairs.tolist()])
 
     @cached_property
     def _lying(self) -> Flags:
         """Whether (p,) neither body of a pair belongs to a machine."""
         lies = np.array([body.role in _LYING and not body.tool for body in self.cell.bodies], dtype=bool)
-        both: Flags = lies[self._pairs].all(axis=1)
+        both: Flags = np.all(lies[self.pairs], axis=1)
         return both
 
     # ---- phases
@@ -142,7 +143,7 @@ class CellSearch:
         drawn: set[tuple[int, int]] = set()
         beside: dict[int, set[int]] = {}
         known: dict[str, Stay] = {}
-        if not len(self._pairs):
+        if not len(self.pairs):
             return found
         for begin, end in self._phases():
             now = _Phase.of(self, begin, end)
@@ -159,7 +160,7 @@ class CellSearch:
         ends = [stay.begin for stay in self.stays] + [stay.end for stay in self.stays]
         ends += [each.begin for each in self.mounted] + [each.end for each in self.mounted]
         times = sorted({first, last, *(float(at) for at in ends if first < at < last)})
-        yield from zip(times[:-1], times[1:], strict=True)
+        yield from pairwise(times)
 
     def _look_beside(
         self,
@@ -173,7 +174,7 @@ class CellSearch:
         tell: bool,
     ) -> None:
         """What parts stand on or beside: when they came there and when they leave; what is drawn in each other."""
-        bodies, pairs = self.cell.bodies, self._pairs
+        bodies, pairs = self.cell.bodies, self.pairs
         first = now.begin == float(self.way.time[0])
         news = {i for i, body in enumerate(bodies) if body.frame in fresh}
         for i in news:
@@ -209,8 +210,8 @@ class CellSearch:
         open_ones: dict[tuple[int, int], int],
     ) -> None:
         """Add the meetings of one phase; what has begun in an earlier one goes on."""
-        stands = np.array([j in beside.get(i, ()) or i in beside.get(j, ()) for i, j in self._pairs[rows].tolist()])
-        allowed = np.array([pair in drawn for pair in map(tuple, self._pairs[rows].tolist())])
+        stands = np.array([j in beside.get(i, ()) or i in beside.get(j, ()) for i, j in self.pairs[rows].tolist()])
+        allowed = np.array([pair in drawn for pair in map(tuple, self.pairs[rows].tolist())])
         depth = np.where(stands, np.maximum(self._depth[rows], WANTED), self._depth[rows])
         keep = ~allowed if clearance is None else ~allowed & ~stands & (self._depth[rows] <= TOUCH)
         last = len(now.way.time) - 2
@@ -288,7 +289,7 @@ class _Phase:
 
     def moving(self) -> NDArray[np.intp]:
         """Pairs, by their rows, that are there, move against each other and may come near each other."""
-        bodies, pairs, tree = self.cell.bodies, self.search_of._pairs, self.cell.tree  # noqa: SLF001
+        bodies, pairs, tree = self.cell.bodies, self.search_of.pairs, self.cell.tree
         there = np.array([self._is_there(body) for body in bodies])
         moved_by = np.array(
             [next((j for j in tree.carrying(int(joint)) if self._moves[j]), -1) for joint in self._joint]
@@ -321,7 +322,7 @@ class _Phase:
 
     def _moving(self, rows: NDArray[np.intp]) -> tuple[MovingBodies, int]:
         """The pairs in a tree with no more parts than they have; how many parts these are."""
-        cell, pairs = self.cell, self.search_of._pairs[rows]  # noqa: SLF001
+        cell, pairs = self.cell, self.search_of.pairs[rows]
         used = sorted({int(b) for b in pairs.ravel() if cell.bodies[b].role == "part"})
         names = dict.fromkeys(cell.bodies[b].frame for b in used)
         joints = cell.tree.with_parts({name: self.places[name] for name in names})

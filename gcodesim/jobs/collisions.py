@@ -61,7 +61,7 @@ def collisions(job: Job, stays: Sequence[Stay] | None, end: float | None = None)
         stays = [_at_rest(shop, body.name) for body in shop.scene.bodies if body.role == "part"]
     stays = [_gripped(shop, part) for stay in stays for part in _up_to_the_end(stay, devices, histories, shop)]
     mounted = [each for own, plan in zip(shops, plans, strict=True) for each in _mounted(own, plan, last)]
-    yield from changes_with_a_part(running, stays, mounted, {n: tool.name for n, tool in cell.tools.items()})
+    yield from changes_with_a_part(running, stays, {n: tool.name for n, tool in cell.tools.items()}, last)
     tree = CellTree(shop.scene, devices)
     tools = {
         own.name: [
@@ -75,7 +75,9 @@ def collisions(job: Job, stays: Sequence[Stay] | None, end: float | None = None)
     joints = _joints_of(shop, shops, plans, devices, histories)
     times = [0.0, last, *(t for plan in plans for t in plan.trajectory.boundaries(0.0, last))]
     times += [t for history in histories.values() for t in _nodes(history)]
-    times += [t for stay in stays for t in (stay.begin, stay.end)] + [t for own in mounted for t in (own.begin, own.end)]
+    times += [t for stay in stays for t in (stay.begin, stay.end)] + [
+        t for own in mounted for t in (own.begin, own.end)
+    ]
     nodes = np.unique(np.array([t for t in times if 0.0 <= t <= last]))
     from gcodesim.checks.timed_way import TimedWay
 
@@ -253,4 +255,5 @@ def _way_of(device: Device, history: DeviceHistory, times: Array) -> Array:
         return far * np.array([history.share(float(time)) for time in times])
     nodes = np.array([t for time in history.times for t in (time - _JUMP, time)])
     shares = np.array([history.share(float(t)) for t in nodes])
-    return far * np.interp(times, nodes, shares)
+    jumps: Array = far * np.interp(times, nodes, shares)
+    return jumps

@@ -104,13 +104,15 @@ class Inspector:
         """All findings of the run."""
         return [
             *self._misuse(execution.rows, ended=not execution.interrupted),
-            *self._grips,
+            *self.of_grips(execution),
             *self._called,
-            *self._late_grips(execution),
-            *self._held(execution),
             *self._saturation(execution.joints),
             *self._limits(execution.rows),
         ]
+
+    def of_grips(self, execution: Execution) -> list[Diagnostic]:
+        """What has happened to parts in the run."""
+        return [*self._grips, *self._late_grips(execution), *self._held(execution)]
 
     def _span(self, row: int) -> Span:
         path = self._plan.path

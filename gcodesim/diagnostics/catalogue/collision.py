@@ -88,10 +88,10 @@ CODES: tuple[Code, ...] = (
         code="GS309",
         severity=Severity.ERROR,
         title="A part hits something",
-        what="A part that is held or carried enters a link, a tool, a fixture, a stock, a device or another part, or one"
-        " of these enters a part that lies. A run knows where parts are; `check` has them where they lie at the start."
-        " No finding are the fingers or cups about the part that they hold, and what a part stands on or beside where"
-        " it is taken and let go, as long as they are in each other by 0.5 mm at the most." + _MOVING,
+        what="A part that is held or carried enters a link, a tool, a fixture, a stock, a device or another part, or"
+        " one of these enters a part that lies, where it is at that time. No finding are the fingers or cups about the"
+        " part that they hold, and what a part stands on or beside where it is taken and let go, as long as they are"
+        " in each other by 0.5 mm at the most." + _MOVING,
         why="The part is pushed out of the gripper, or it damages what it hits.",
         remedy="Go round it or above it. A path that is free without a part may not be so with one: a part reaches"
         " farther down than the fingers.",
@@ -100,9 +100,9 @@ CODES: tuple[Code, ...] = (
         code="GS310",
         severity=Severity.ERROR,
         title="A device hits something",
-        what="A door, a clamp, a feeder or what else stands under `devices` enters a link, a tool, a fixture or a stock,"
-        " or one of these enters it, at the time at which it is there. A clamp may press into a stock or a fixture by"
-        " 0.5 mm." + _MOVING,
+        what="A door, a clamp, a feeder or what else stands under `devices` enters a link, a tool, a fixture or a"
+        " stock, or one of these enters it, at the time at which it is there. A clamp may press into a stock or a"
+        " fixture by 0.5 mm." + _MOVING,
         why="A door that closes on an arm damages both.",
         remedy="Wait until the device is there: `M66` reads an input that the cell ties to it. The finding is at the"
         " word that switched the device if the machine stands still, else at the move.",
