@@ -141,7 +141,7 @@ def test_a_part_wider_than_the_gripper_opens_is_told() -> None:
     ran = go("{type: finger_gripper, stroke: 30, force: 40 N, length: 120}")
 
     assert ran.misuse == [("GS309", 5), ("GS562", 6)]  # the fingers come down on it, and cannot close
-    assert "40 mm wide" in ran.bad[0].message and "opens 30 mm" in ran.bad[0].message
+    assert "40 mm wide" in ran.bad[1].message and "opens 30 mm" in ran.bad[1].message
 
 
 @pytest.mark.parametrize("world", WORLDS)
