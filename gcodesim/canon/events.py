@@ -264,13 +264,15 @@ class Override(Event):
 class WorkSystem(Event):
     """State: the work system in force; `index` 1 (G54) to 9 (G59.3), or more (`canon.systems`).
 
-    ``end = R(rotation) (program + g92) + offset``, R about Z [rad].
+    ``end = R(rotation) (program + g92) + offset``, R about Z [rad]. Where the system leans against the machine,
+    `axes` are the rows of a rotation that comes before the offset is added.
     """
 
     index: int
     offset: Axes
     g92: Axes
     rotation: float
+    axes: tuple[Point, Point, Point] | None = None
 
 
 @frozen

@@ -141,6 +141,7 @@ _KINDS: dict[type[ev.Event], tuple[str, Callable[[Any], dict[str, Any]]]] = {
             "offset": _axes(e.offset),
             "g92": _axes(e.g92),
             "rotation": number(e.rotation / DEG),
+            **({} if e.axes is None else {"axes": [[number(v) for v in row] for row in e.axes]}),
         },
     ),
     ev.Orient: ("orient", lambda e: {"angle": number(e.angle / DEG), "direction": e.direction}),

@@ -16,9 +16,11 @@ from gcodesim.cell.machine import MachineTool, is_lathe
 from gcodesim.cell.robot import Robot
 from gcodesim.cell.tool_point import MachinePoint
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText
+from gcodesim.frames import Pose
 from gcodesim.processes.signal import SPINDLE, signals_read_by
 from gcodesim.rs274 import MappedAction, Settings, ToolEntry, ToolTable, read_parameters
 from gcodesim.rs274.dialects import DIALECTS
+from gcodesim.rs274.tilt import Tilt
 from gcodesim.units import MM
 
 AXIS_PLACES: Final = ("X", "Y", "Z")
@@ -75,6 +77,7 @@ def settings_of_cell(
     if not DIALECTS[own.dialect].turned_systems:
         findings += _turned(cell, channel, placement)
     columns = _columns(cell, channel)
+    leans = {index: _axes_of(placement.work_offsets[index]) for index in placement.leaning}
     settings = Settings(
         dialect=own.dialect,
         tool_table=table,
@@ -94,7 +97,9 @@ def settings_of_cell(
         tool_point=_tool_point(cell, channel, placement),
         tip_first=_tip_first(cell.machine_of(channel)),
         columns=columns,
-        lane="grammar" if columns else "auto",
+        leans=leans,
+        length_leans=bool(leans) and _leans_along(cell, channel),
+        lane="grammar" if columns or leans else "auto",
         options={
             "decimal_point": own.decimal_point,
             "compensation_start": own.compensation_start,
@@ -113,6 +118,18 @@ def _tip_first(machine: MachineTool | Robot) -> bool:
     """Whether kinematics that the cell names hold the tip before the program says so."""
     named = machine.kinematics if isinstance(machine, MachineTool) else None
     return named is not None and named.from_start
+
+
+def _axes_of(X_MP: Pose) -> Tilt:
+    """The axes of a work system that leans."""
+    x, y, z = ((float(a), float(b), float(c)) for a, b, c in X_MP.R)
+    return Tilt((0.0, 0.0, 0.0), (x, y, z))
+
+
+def _leans_along(cell: Cell, channel: str) -> bool:
+    """Whether the tool stands upright in whichever work system is in force."""
+    own = cell.channels[channel].orientation
+    return not cell.machine_of(channel).axes and (own is None or own.tool_axis.frame is None)
 
 
 def _columns(cell: Cell, channel: str) -> dict[str, int]:
@@ -178,7 +195,7 @@ def _turned(cell: Cell, channel: str, placement: Placement) -> list[Diagnostic]:
     """An error for each work system that is turned about Z, which the control of the channel cannot do."""
     found = []
     dialect = cell.channels[channel].dialect
-    for index in placement.given:
+    for index in sorted(set(placement.given).difference(placement.leaning)):
         R = placement.work_offsets[index].R
         if abs(turn := degrees(atan2(float(R[1, 0]), float(R[0, 0])))) > _UNTURNED:
             name = name_of_system(index)

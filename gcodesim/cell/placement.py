@@ -24,7 +24,7 @@ from gcodesim.cell.placing import Carried
 from gcodesim.cell.placing import Place as Standing
 from gcodesim.cell.robot import Robot
 from gcodesim.cell.stock import StockShape
-from gcodesim.diagnostics import Diagnostic
+from gcodesim.diagnostics import Diagnostic, Severity
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.rs274.dialects.systems import first_of_system
@@ -48,11 +48,11 @@ class Placement:
     """The places of everything that depends on the work systems.
 
     `X_WM` is M of the channel in the world; `work_offsets` X_MP of systems 1 (G54) to 9 (G59.3), and of
-    additional ones that the cell names (101 is G54.1 P1); they turn about Z of M only. `stocks`, `fixtures`,
-    `parts` and `target` are X_W of the bodies' own frames, and `sensors` of theirs, without those that stand on a
-    link: these are `carried`, by names such as `stock/plate`, `fixture/clamp` and `sensor/eye`. `given` are the
-    systems that the cell names; `automatic`: G54 was chosen by the rule for stock without a place. `platforms` says
-    on which link an external axis carries a system; its offset holds with that axis at zero.
+    additional ones that the cell names (101 is G54.1 P1); those of `leaning` do not just turn about Z of M.
+    `stocks`, `fixtures`, `parts` and `target` are X_W of the bodies' own frames, and `sensors` of theirs, without
+    those that stand on a link: these are `carried`, by names such as `stock/plate`, `fixture/clamp` and `sensor/eye`.
+    `given` are the systems that the cell names; `automatic`: G54 was chosen by the rule for stock without a place.
+    `platforms` says on which link an external axis carries a system; its offset holds with that axis at zero.
     """
 
     X_WM: Pose
@@ -80,7 +80,7 @@ class Placement:
         """Offsets of `systems` (default: all) in the control's parameters.
 
         5221 X, 5222 Y, 5223 Z [mm], 5230 turn about Z [deg], the next system 20 further; additional ones
-        where their dialect says, without a turn.
+        where their dialect says, without a turn. Axes of leaning systems stand in no parameter.
         """
         values: dict[int, float] = {}
         for index in self.work_offsets if systems is None else systems:
@@ -89,8 +89,14 @@ class Placement:
                 values[first + axis] = float(X_MP.p[axis]) / MM
             if index > len(SYSTEMS):
                 continue
-            values[first + 9] = atan2(float(X_MP.R[1, 0]), float(X_MP.R[0, 0])) / DEG
+            upright = not _leans(X_MP)
+            values[first + 9] = atan2(float(X_MP.R[1, 0]), float(X_MP.R[0, 0])) / DEG if upright else 0.0
         return values
+
+    @property
+    def leaning(self) -> tuple[int, ...]:
+        """Systems whose Z is not that of M."""
+        return tuple(index for index, X_MP in self.work_offsets.items() if _leans(X_MP))
 
     def tool_axis(self, orientation: Orientation | None, system: int = 1) -> Array:
         """Direction of the tool's Z in the world (3,), by an arm's `orientation`; default −Z of `system`."""
@@ -113,17 +119,17 @@ def place(cell: Cell, channel: str = MAIN) -> Placement:
     offsets = {index: Pose.identity() for index in range(1, len(SYSTEMS) + 1)}
     for name, standing in own.work_offsets.items():
         X_MP = _offset(cell, X_WM, mover, standing)
-        span = cell.channel_span(channel, "work_offsets", name)
         offsets[system_index(name)] = X_MP
-        if X_MP.R[2, 2] < 1.0 - _UPRIGHT:
-            against = "machine" if mover.axes else "first work system"
-            message = f"{name} is tilted by {np.degrees(acos(np.clip(X_MP.R[2, 2], -1, 1))):.6g} deg"
+        if mover.axes and _leans(X_MP):
+            tilt = np.degrees(acos(np.clip(X_MP.R[2, 2], -1, 1)))
             findings.append(
                 Diagnostic(
                     code="GS726",
-                    span=span,
-                    message=f"{message} against the Z axis of the {against}",
-                    hint="a work system may only be shifted and turned about Z",
+                    span=cell.channel_span(channel, "work_offsets", name),
+                    severity=Severity.ERROR if getattr(mover, "lathe", False) else None,
+                    message=f"{name} is tilted by {tilt:.6g} deg against the Z axis of the machine; "
+                    "the program runs in it, but most controls only shift work systems and turn them about Z",
+                    hint="a plane that the program lays (G68.2) does the same there, or turn the frame of the work",
                 )
             )
     waiting = {name: stock for name, stock in cell.stocks.items() if stock.place.frame is None}
@@ -227,6 +233,11 @@ def _offset(cell: Cell, X_WM: Pose, mover: MachineTool | Robot, standing: Standi
     else:
         X_WP = cell.frames[standing.frame] @ standing.X
     return _cleaned(X_WM.inverse() @ X_WP)
+
+
+def _leans(X_MP: Pose) -> bool:
+    """Whether a work system does not just turn about Z of M."""
+    return bool(X_MP.R[2, 2] < 1.0 - _UPRIGHT)
 
 
 def _cleaned(X: Pose) -> Pose:

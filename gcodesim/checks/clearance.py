@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.arithmetic.matrices import applied, inverse_pose, multiplied, norms
+from gcodesim.arithmetic.matrices import inverse_pose, multiplied, norms
 from gcodesim.canon.systems import name_of_system
 from gcodesim.checks.collisions import Obstacle, ToolParts, collision_finding, fixture_touches
 from gcodesim.checks.pairs import may_not_meet
 from gcodesim.diagnostics import Diagnostic
-from gcodesim.frames import WORLD, Array, Pose, rotation_about
+from gcodesim.frames import WORLD, Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.motion.tool_path import ToolState
 from gcodesim.scene import Role, Scene
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 # between two of these times the tip is taken to go straight: 0.02 mm off on an arc of 20 mm radius at 10 m/min
 CHORD: Final = 0.01  # [s]
 _BLOCK: Final = 50_000  # times whose poses are kept at once
-_UP: Final = np.array([0.0, 0.0, 1.0])
 
 
 @frozen(kw_only=False, eq=False)
@@ -140,8 +139,7 @@ def _way(plan: Plan, time: Array, carrier: Callable[[Array], Array] | None) -> _
 def place_in_system(p_M: Array, state: ToolState) -> tuple[str, Array]:
     """Name of the work system in force and the point (3,) of M as the program would write it [m].
 
-    The other way round as on a control: ``end = R(rotation) (program + g92) + offset``.
+    The other way round as on a control: ``end = X_MP (program + g92)``.
     """
-    R = rotation_about(_UP, state.rotation)
-    point = applied(R.T, p_M - np.array(state.system_offset[:3])) - np.array(state.g92[:3])
+    point = state.X_MP.inverse().apply(p_M) - np.array(state.g92[:3])
     return name_of_system(state.system), point

@@ -93,6 +93,13 @@ EVENTS: Final[dict[str, list[dict[str, Json]]]] = {
     "override": [{name: truth("whether it is allowed") for name in ("feed", "speed", "adaptive", "hold")}],
     "work_system": [
         {"index": whole("1 is G54", least=0), "offset": _AXES, "g92": _AXES, "rotation": number("deg")},
+        {
+            "index": whole("1 is G54", least=0),
+            "offset": _AXES,
+            "g92": _AXES,
+            "rotation": number("deg"),
+            "axes": array("rows of the rotation of a system that leans", _POINT),
+        },
     ],
     "orient": [{"angle": number("deg"), "direction": whole("0 nearest, 1 clockwise, 2 counterclockwise")}],
     "output": [

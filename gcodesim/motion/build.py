@@ -97,9 +97,14 @@ class PathBuilder:
         tilts: Mapping[int, Pose] | None = None,
         *,
         fastest: float | None = None,
+        length_leans: bool = False,
     ) -> None:
-        """`fastest` [rad/s] is the greatest speed of a lathe's spindle, where the work turns about X0; else None."""
+        """`fastest` [rad/s] is the greatest speed of a lathe's spindle, where the work turns about X0; else None.
+
+        `length_leans`: length offsets are along the axes of a work system that leans, as an arm holds its tool.
+        """
         self.fastest = fastest
+        self.length_leans = length_leans
         self.at: Axes = start
         self.first = start
         self.tilts = tilts or {}
@@ -279,7 +284,14 @@ class PathBuilder:
                 self.rows.jump(self.at)
         elif isinstance(event, WorkSystem):
             self._set(
-                replace(now, system=event.index, system_offset=event.offset, g92=event.g92, rotation=event.rotation)
+                replace(
+                    now,
+                    system=event.index,
+                    system_offset=event.offset,
+                    g92=event.g92,
+                    rotation=event.rotation,
+                    axes=event.axes,
+                )
             )
         elif isinstance(event, PlannerLimits):
             self._set(replace(now, limits=event.limits))
@@ -308,6 +320,8 @@ class PathBuilder:
         tilt = self.tilts.get(self.current.system)
         if tilt is not None:
             step[:3] = applied(tilt.R, step[:3])
+        if self.length_leans and self.current.axes is not None:
+            step[:3] = applied(np.array(self.current.axes), step[:3])
         self.at = tuple(float(v) for v in np.array(self.at) + step)  # type: ignore[assignment]
         self.rows.jump(self.at)
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from gcodesim.arithmetic.elementary import asin, atan2, cos_sin, hypot
 from gcodesim.arithmetic.matrices import dots, multiplied, norms
-from gcodesim.canon import Axes, Event
+from gcodesim.canon import Axes, Event, Point
 from gcodesim.canon.printing import MotionLimits, Section
 from gcodesim.diagnostics import Span
 from gcodesim.diagnostics.span_table import SpanTable, join
@@ -53,7 +53,8 @@ class ToolState:
     `offset` is the active length offset (axes stand at end + offset), `spindle`
     [rad/s] is positive for M3 and 0 when stopped, `surface_speed` [m/s] is set
     under G96 (then `spindle` is its cap). `system` (`canon.systems`: 1 is G54) with
-    its offset, G92 and rotation [rad]. `word` is the motion word, as G1; `control` what the words command.
+    its offset, G92 and rotation [rad], and `axes`, the rows of a rotation where it leans (`canon.WorkSystem`). `word`
+    is the motion word, as G1; `control` what the words command.
     In programs of printers `limits` are those of the firmware's planner, and `section` is what is being printed.
     `push` (6,) is a force [N] and torque [N·m] that a script exerts at the tip, in axes of the world or the tool.
     """
@@ -68,12 +69,21 @@ class ToolState:
     system_offset: Axes = ZERO
     g92: Axes = ZERO
     rotation: float = 0.0
+    axes: tuple[Point, Point, Point] | None = None
     word: str = ""
     control: Commanded = Commanded.AXES
     limits: MotionLimits | None = None
     section: Section | None = None
     push: tuple[float, ...] = ()
     push_in_tool: bool = False
+
+    @property
+    def X_MP(self) -> Pose:
+        """The work system in force in M, without its G92."""
+        cosine, sine = cos_sin(self.rotation)
+        R = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+        p = np.array(self.system_offset[:3], dtype=float)
+        return Pose(p, R if self.axes is None else multiplied(np.array(self.axes), R))
 
 
 @frozen(kw_only=False)

@@ -241,8 +241,6 @@ def work_systems(shop: Shop, path: ToolPath) -> Array:
     """X_WP (s, 4, 4) of the work system of each tool state of the path."""
     poses = []
     for state in path.states:
-        x, y, z = state.system_offset[:3]
-        turn = Pose.from_xyz_rpy((x, y, z), (0.0, 0.0, state.rotation))
-        X_WP = shop.placement.X_WM @ turn @ Pose.from_xyz_rpy((state.g92[0], state.g92[1], state.g92[2]))
+        X_WP = shop.placement.X_WM @ state.X_MP @ Pose.from_xyz_rpy((state.g92[0], state.g92[1], state.g92[2]))
         poses.append(X_WP.matrix)
     return np.array(poses)

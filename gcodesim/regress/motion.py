@@ -42,21 +42,30 @@ _SAMPLES: Final = (0.25, 0.5, 0.75)  # along a spline
 
 @frozen
 class System:
-    """A work system: ``machine = turned(program + g92) + offset`` [mm, deg]."""
+    """A work system: ``machine = axes turned(program + g92) + offset`` [mm, deg]; `axes` are rows of a rotation."""
 
     offset: Axes = NO_AXES
     g92: Axes = NO_AXES
     rotation: float = 0.0
+    axes: tuple[ev.Point, ev.Point, ev.Point] | None = None
 
     def to_machine(self, program: Sequence[float]) -> tuple[float, ...]:
         moved = [p + g for p, g in zip(program, self.g92, strict=False)]
         moved[:2] = _turn(moved[0], moved[1], self.rotation)
+        if self.axes is not None:
+            moved[:3] = [_dot(row, moved) for row in self.axes]
         return tuple(m + o for m, o in zip(moved, self.offset, strict=False))
 
     def to_program(self, machine: Sequence[float]) -> tuple[float, ...]:
         moved = [m - o for m, o in zip(machine, self.offset, strict=False)]
+        if self.axes is not None:
+            moved[:3] = [_dot(column, moved) for column in zip(*self.axes, strict=True)]
         moved[:2] = _turn(moved[0], moved[1], -self.rotation)
         return tuple(m - g for m, g in zip(moved, self.g92, strict=False))
+
+
+def _dot(row: Sequence[float], point: Sequence[float]) -> float:
+    return row[0] * point[0] + row[1] * point[1] + row[2] * point[2]
 
 
 def _turn(x: float, y: float, angle: float) -> tuple[float, float]:
@@ -161,7 +170,9 @@ class _Reducer:
             fields.pop("line", None)
             kind = fields.pop("kind")
             if isinstance(event, ev.WorkSystem):
-                self.system = System(offset=_axes(event.offset), g92=_axes(event.g92), rotation=fields["rotation"])
+                self.system = System(
+                    offset=_axes(event.offset), g92=_axes(event.g92), rotation=fields["rotation"], axes=event.axes
+                )
             elif kind in _STATES:
                 self.wanted[kind] = (fields, event)
             else:

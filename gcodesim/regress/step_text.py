@@ -48,6 +48,8 @@ def _system_text(system: System) -> str:
         parts.append(_tuple("g92", system.g92))
     if system.rotation:
         parts.append(f"rotation={_number(system.rotation)}")
+    if system.axes is not None:
+        parts.append("".join(_tuple("axes" if row is system.axes[0] else "", row) for row in system.axes))
     return " ".join(["system", *parts])
 
 

@@ -22,6 +22,7 @@ from gcodesim.rs274.frame import Frame
 from gcodesim.rs274.parameters import Parameters
 from gcodesim.rs274.settings import Settings
 from gcodesim.rs274.state import AXES, LINEAR, ModalState, Vector, add, scaled, subtract
+from gcodesim.rs274.tilt import Tilt
 from gcodesim.rs274.tool_table import ToolEntry
 from gcodesim.units import DEG, MINUTE, MM, RPM
 
@@ -91,17 +92,30 @@ class Control:
         if state.rotation:
             cos, sin = self._turn(state.rotation)
             x, y = x * cos - y * sin, x * sin + y * cos
+        if (lean := self.lean) is not None:
+            x, y, z = lean.direction((x, y, z))
         o = state.origin
         return (x + o[0], y + o[1], z + o[2], a + o[3], b + o[4], c + o[5], u + o[6], v + o[7], w + o[8])
 
     def point_of(self, tip: Vector) -> Vector:
         """The inverse of `tip`."""
         state = self.state
-        x, y, *rest = subtract(tip, state.origin)
+        x, y, z, *rest = subtract(tip, state.origin)
+        if (lean := self.lean) is not None:
+            x, y, z = lean.back((x, y, z))
         if state.rotation:
             cos, sin = self._turn(state.rotation)
             x, y = x * cos + y * sin, y * cos - x * sin
-        return subtract((x, y, *rest), state.g92)  # type: ignore[arg-type]
+        return subtract((x, y, z, *rest), state.g92)  # type: ignore[arg-type]
+
+    @property
+    def lean(self) -> Tilt | None:
+        """How the axes of the active work system lie in the machine, where they are not just turned about Z."""
+        return self.settings.leans.get(self.state.system)
+
+    def leant(self, v: canon.Point) -> canon.Point:
+        """A direction or way along axes of the active work system, without its turn about Z, in the machine frame."""
+        return v if (lean := self.lean) is None else lean.direction(v)
 
     def normal(self, axis: int) -> canon.Point:
         """The direction of X, Y or Z of the active work system, in the machine frame."""
@@ -110,7 +124,7 @@ class Control:
         if self.state.rotation and axis != 2:
             cos, sin = self._turn(self.state.rotation)
             along = [along[0] * cos - along[1] * sin, along[0] * sin + along[1] * cos, along[2]]
-        return (along[0], along[1], along[2])
+        return self.leant((along[0], along[1], along[2]))
 
     @staticmethod
     def _turn(degrees: float) -> tuple[float, float]:
@@ -126,7 +140,15 @@ class Control:
         law = self.settings.tool_point
         if self.state.point_control and law is not None:
             return tool_point.axes_at(self, tip, law)
-        return add(tip, self.state.tool_offset)
+        return add(tip, self.length)
+
+    @property
+    def length(self) -> Vector:
+        """The length offset in force, from the tip to the axes; an arm turns the tool with a system that leans."""
+        offset = self.state.tool_offset
+        if not self.settings.length_leans or self.lean is None:
+            return offset
+        return (*self.leant(offset[:3]), *offset[3:])
 
     def stay_at(self, axes: Vector) -> None:
         """After a change of frames: the axes did not move, so the current point reads differently."""
@@ -134,7 +156,18 @@ class Control:
         if self.state.point_control and law is not None:
             self.state.current = self.point_of(tool_point.tip_at(self, axes, law))
         else:
-            self.state.current = self.point_of(subtract(axes, self.state.tool_offset))
+            self.state.current = self.point_of(subtract(axes, self.length))
+
+    def staying(self) -> Callable[[], None]:
+        """What to call after a change of the work system, so that nothing has moved.
+
+        Where the tool leans along with the system, that is the tip: an arm turns the tool only when it moves.
+        """
+        if self.settings.length_leans:
+            tip = self.tip(self.state.current)
+            return lambda: setattr(self.state, "current", self.point_of(tip))
+        axes = self.axes()
+        return lambda: self.stay_at(axes)
 
     def si_axes(self, tip: Vector) -> canon.Axes:
         """X to C of `tip` in SI; U, V, W that move something take the place of one of A, B, C."""
@@ -196,12 +229,12 @@ class Control:
 
     def use_system(self, index: int) -> None:
         """Make system `index` the active one; the axes stay."""
-        axes = self.axes()
+        stay = self.staying()
         state = self.state
         state.system = index
         state.origin, state.rotation = self.system_offset(index)
         self.parameters.set(numbers.ACTIVE_SYSTEM, float(index))
-        self.stay_at(axes)
+        stay()
         self.say_system()
 
     def say_system(self) -> None:
@@ -213,6 +246,7 @@ class Control:
             offset=self.si_axes(state.origin),
             g92=self.si_axes(state.g92),
             rotation=state.rotation * DEG,
+            axes=None if (lean := self.lean) is None else lean.rows,
         )
         last = self.last_system
         new = (event.index, event.offset, event.g92, event.rotation)

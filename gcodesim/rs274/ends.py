@@ -46,7 +46,7 @@ def _in_machine_coordinates(words: Words, control: Control) -> Vector:
     state = control.state
     axes = control.axes()
     wanted = [words.values.get(letter, axes[axis]) for axis, letter in enumerate(AXES)]
-    end = control.point_of(subtract(tuple(wanted), state.tool_offset))  # type: ignore[arg-type]
+    end = control.point_of(subtract(tuple(wanted), control.length))  # type: ignore[arg-type]
     # as on the control, the tool's offset in A, B and C is left out of it
     turned = [
         words.values[letter] - state.origin[axis] - state.g92[axis] if letter in words.values else state.current[axis]

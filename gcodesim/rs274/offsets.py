@@ -15,6 +15,7 @@ from gcodesim.rs274.ends import end_point
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.splines import nurbs_end
 from gcodesim.rs274.state import AXES, LINEAR, ZERO, Vector, add, subtract
+from gcodesim.rs274.tilt import Tilt
 from gcodesim.rs274.tool_table import ToolEntry
 from gcodesim.rs274.words import Words
 from gcodesim.units import DEG, MM
@@ -159,6 +160,8 @@ def _offsets_for_reading(wanted: list[tuple[int, float]], index: int, control: C
     """Offsets of system `index` with which the current point reads as `wanted`."""
     old, turn = control.system_offset(index)
     tip = control.tip(control.state.current)
+    if (lean := control.settings.leans.get(index)) is not None:
+        return _leaning_offsets(wanted, index, lean, control)
     x, y = tip[0] - old[0], tip[1] - old[1]
     cos, sin = cos_sin(math.radians(turn))
     g92 = control.state.g92
@@ -175,6 +178,24 @@ def _offsets_for_reading(wanted: list[tuple[int, float]], index: int, control: C
     return [(axis, new[axis]) for axis in sorted(axes)]
 
 
+def _leaning_offsets(
+    wanted: list[tuple[int, float]], index: int, lean: Tilt, control: Control
+) -> list[tuple[int, float]]:
+    """The same of a system that leans; axes of it that have no word read as before, so all three offsets change."""
+    old, turn = control.system_offset(index)
+    (cos, sin), g92 = cos_sin(math.radians(turn)), control.state.g92
+    tip = control.tip(control.state.current)
+    x, y, z = lean.back(subtract(tip, old)[:3])
+    reads = [*subtract((x * cos + y * sin, y * cos - x * sin, z, *subtract(tip, old)[3:]), g92)]
+    for axis, value in wanted:
+        reads[axis] = value
+    x, y, z, *rest = add(tuple(reads), g92)  # type: ignore[arg-type]
+    way = (*lean.direction((x * cos - y * sin, x * sin + y * cos, z)), *rest)
+    new = subtract(tip, way)  # type: ignore[arg-type]
+    named = {axis for axis, _ in wanted}
+    return [(axis, new[axis]) for axis in range(9) if axis in named or (axis < 3 and named & {0, 1, 2})]
+
+
 def _set_tool(words: Words, control: Control, level: int) -> None:
     words.need("p", "GS105", "G10", "P is the number of the tool")
     number = words.whole("p", "G10")
@@ -182,6 +203,9 @@ def _set_tool(words: Words, control: Control, level: int) -> None:
     entry = control.tool_entry(number, "p")
     if not words.has_axes() and {"r", "i", "j", "q"}.isdisjoint(words.values):
         raise Fault("GS105", f"G10 L{level} without any offset does nothing", at="g10", hint="name axes, R, I, J or Q")
+    if level != 1 and (control.lean if level == 10 else control.settings.leans.get(9)) is not None:
+        message = f"G10 L{level} measures along the axes, and this work system leans against them"
+        raise Fault("GS106", message, at="l", hint="set the length itself with G10 L1")
     offset = list(entry.offset)
     reads = _current_for_tool(words, control, level)
     for axis, letter in enumerate(AXES):
@@ -253,7 +277,7 @@ def _go_home(first: int, code: int) -> Callable[[Words, Control], None]:
         get = control.parameters.get
         home: Vector = tuple(control.program_units(get(first + axis), axis) for axis in range(9))  # type: ignore[assignment]
         # as on the control, the tool's offset in A, B and C is left out of it
-        offset = (*state.tool_offset[:3], 0.0, 0.0, 0.0, *state.tool_offset[6:])
+        offset = (*control.length[:3], 0.0, 0.0, 0.0, *state.tool_offset[6:])
         end = control.point_of(subtract(home, offset))
         leaving, state.comp_leaving = state.comp_leaving, False
         if (leaving or state.strayed is not None) and not words.has_axes():

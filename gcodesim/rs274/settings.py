@@ -10,6 +10,7 @@ from typing import Literal
 
 from gcodesim.canon import Axes
 from gcodesim.frozen import frozen
+from gcodesim.rs274.tilt import Tilt
 from gcodesim.rs274.tool_point import ToolPointLaw
 from gcodesim.rs274.tool_table import ToolTable
 
@@ -44,6 +45,8 @@ class Settings:
     `tip_first`: where M-codes switch the control of the tip, it is on before the first block.
     `columns` says for u, v and w that move an external axis which of a, b, c of the events (0 to 2) holds their value
     [m]; that letter means nothing else then.
+    `leans` are the axes of work systems that are not just turned about Z of the machine, with a zero of nothing;
+    `length_leans`: the tool, and with it its length, leans along.
     `lane` "grammar" reads every line by itself, "compiled" all that its kernels know as arrays; "auto" chooses by the
     length of the text and by how much has been executed.
     Both give the same result.
@@ -72,6 +75,8 @@ class Settings:
     tool_point: ToolPointLaw | None = None
     tip_first: bool = False
     columns: Mapping[str, int] = field(default_factory=dict)
+    leans: Mapping[int, Tilt] = field(default_factory=dict)
+    length_leans: bool = False
     lane: Literal["auto", "grammar", "compiled"] = "auto"
     max_blocks: int | None = None
     time_limit: float | None = None

@@ -31,8 +31,9 @@ def test_what_needs_no_material_is_found_by_check_too() -> None:
     assert found["GS503"][0] == 9 and found["GS505"][0] == 9
 
 
-def test_a_tilted_system_on_a_machine_stops_before_the_program() -> None:
-    cell = CELL + "work_offsets: {G54: {rpy: [90, 0, 0]}}\n"
+def test_a_tilted_system_on_a_lathe_stops_before_the_program() -> None:
+    lathe = "gcodesim: 1\nmachine: lathe_xz\ntools: {1: {type: drill, diameter: 3}}\n"
+    cell = lathe + "work_offsets: {G54: {rpy: [90, 0, 0]}}\n"
     loaded = read_cell(SourceText("cell.yaml", cell.encode()), Path("cell.yaml"))
     assert loaded.cell is not None
     assert [finding.code for finding in layout_findings(loaded.cell)] == ["GS726"]

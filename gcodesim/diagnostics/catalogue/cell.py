@@ -243,14 +243,15 @@ CODES += (
     ),
     Code(
         code="GS726",
-        severity=Severity.ERROR,
-        title="A tilted work system",
+        severity=Severity.WARNING,
+        title="A work system that leans against the machine",
         what=(
-            "Work offsets may be shifted and turned about Z of the machine, not tilted; on an arm all systems of "
-            "a channel share one Z direction. Those of Fanuc may only be shifted."
+            "A work offset of a machine tool is tilted against its Z. Moves, arcs, cycles and compensation go by the "
+            "axes of the system; the tool only turns where rotary axes turn it. On a lathe it is an error, and so is "
+            "a system of Fanuc that is turned."
         ),
-        why="G-code has no word for a tilted work offset, so the program would run somewhere else.",
-        remedy="Tilt the frame of the whole work instead, or split the program into channels.",
+        why="Most controls only shift work systems and turn them about Z, so there the program runs somewhere else.",
+        remedy="Lay the plane in the program (G68.2), or tilt the frame of the whole work.",
     ),
     Code(
         code="GS727",

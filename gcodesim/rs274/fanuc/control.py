@@ -104,6 +104,9 @@ class FanucControl(Control):
         """Where the program's zero lies without G68; program units."""
         state = self.state
         shift = add(self.stored(numbers.EXTERNAL), self.system_offset(state.system)[0])
+        if self.lean is not None:
+            own = add(state.preset, state.local)
+            return add(shift, (*self.leant(own[:3]), *own[3:]))
         return add(add(shift, state.preset), state.local)
 
     def stored(self, first: int) -> Vector:
@@ -117,7 +120,7 @@ class FanucControl(Control):
 
     def reframe(self, **changes: Any) -> None:
         """Change what frames depend on; the axes stay where they are."""
-        axes = self.axes()
+        stay = self.staying()
         state = self.state
         for name, value in changes.items():
             setattr(state, name, value)
@@ -128,10 +131,10 @@ class FanucControl(Control):
             centre = list(ZERO)
             for axis, value in zip(state.turn_axes, state.turn_centre, strict=True):
                 centre[axis] = value
-            state.origin = add(base, tuple(centre))  # type: ignore[arg-type]
+            state.origin = add(base, (*self.leant((centre[0], centre[1], centre[2])), *ZERO[3:]))
             state.rotation = state.turn if state.turn_axes == _XY else 0.0
             state.g92 = subtract(ZERO, tuple(centre))  # type: ignore[arg-type]
-        self.stay_at(axes)
+        stay()
         self.say_system()
 
     def tip(self, point: Vector) -> Vector:
@@ -140,27 +143,35 @@ class FanucControl(Control):
     def _tip(self, point: Vector) -> Vector:
         state = self.state
         if state.tilt is not None:
-            return add((*state.tilt.point(point[:3]), *point[3:]), state.origin)
+            return add((*self.leant(state.tilt.point(point[:3])), *point[3:]), state.origin)
         if state.turn is None or state.turn_axes == _XY:
             return super().tip(point)
-        return add(self._turned(add(point, state.g92), state.turn), state.origin)
+        turned = self._turned(add(point, state.g92), state.turn)
+        return add((*self.leant(turned[:3]), *turned[3:]), state.origin)
 
     def point_of(self, tip: Vector) -> Vector:
         state = self.state
         tip = fixture.shifted(self, tip, -1.0)
-        if state.tilt is not None:
-            point = subtract(tip, state.origin)
-            return (*state.tilt.back(point[:3]), *point[3:])
-        if state.turn is None or state.turn_axes == _XY:
+        if state.tilt is None and (state.turn is None or state.turn_axes == _XY):
             return super().point_of(tip)
-        return subtract(self._turned(subtract(tip, state.origin), -state.turn), state.g92)
+        point = self._unleant(subtract(tip, state.origin))
+        if state.tilt is not None:
+            return (*state.tilt.back(point[:3]), *point[3:])
+        return subtract(self._turned(point, -(state.turn or 0.0)), state.g92)
 
     def unturned(self, tip: Vector) -> Vector:
         """What a tip reads in the work system without G68."""
-        return subtract(fixture.shifted(self, tip, -1.0), self.base())
+        return self._unleant(subtract(fixture.shifted(self, tip, -1.0), self.base()))
+
+    def _unleant(self, point: Vector) -> Vector:
+        return point if (lean := self.lean) is None else (*lean.back(point[:3]), *point[3:])
 
     def normal(self, axis: int) -> canon.Point:
-        return super().normal(axis) if self.state.tilt is None else self.state.tilt.direction(super().normal(axis))
+        if self.state.tilt is None:
+            return super().normal(axis)
+        along = [0.0, 0.0, 0.0]
+        along[axis] = 1.0
+        return self.leant(self.state.tilt.direction((along[0], along[1], along[2])))
 
     def _turned(self, point: Vector, degrees: float) -> Vector:
         """`point` turned in the plane of G68 about its zero."""

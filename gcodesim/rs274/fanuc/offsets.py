@@ -201,7 +201,7 @@ def _go_home(words: Words, control: FanucControl) -> None:
     end: Vector = tuple(  # type: ignore[assignment]
         home[axis] if letter in words.values else axes[axis] for axis, letter in enumerate(AXES)
     )
-    control.rapid(control.point_of(subtract(end, control.state.tool_offset)), who)
+    control.rapid(control.point_of(subtract(end, control.length)), who)
     if first is None or not any(first + axis in known for axis in range(6)):
         last = control.out[-1]
         assert isinstance(last, canon.Rapid)
@@ -228,7 +228,7 @@ def _come_back(words: Words, control: FanucControl) -> None:
         via[axis] if letter in words.values else now[axis] for axis, letter in enumerate(AXES)
     )
     end = end_point(words, control)
-    control.rapid(control.point_of(subtract(over, control.state.tool_offset)), "G29")
+    control.rapid(control.point_of(subtract(over, control.length)), "G29")
     control.rapid(end, "G29")
 
 

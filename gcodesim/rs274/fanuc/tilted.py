@@ -96,7 +96,7 @@ def turn_tool(words: Words, control: FanucControl) -> None:
     if choice not in (0, 1, 2):
         raise Fault("GS106", f"G53.1 P{choice}: P is 0, 1 or 2", at="p", value=choice, limit=2)
     law = control.settings.tool_point
-    direction = state.tilt.direction(Point(0.0, 0.0, 1.0))
+    direction = control.leant(state.tilt.direction(Point(0.0, 0.0, 1.0)))
     if law is not None:
         tool_point.switch(control, on=False)
         _turn(control, law, direction, choice)
@@ -133,7 +133,7 @@ def _turn(control: FanucControl, law: tool_point.ToolPointLaw, direction: tuple[
         )
     a, b, c = (angle / DEG for angle in tool_point.nearest(ways, here, tilting)[3:])
     goal: Vector = (*axes[:3], a, b, c, *axes[6:])
-    control.rapid(control.point_of(subtract(goal, control.state.tool_offset)), "G53.1")
+    control.rapid(control.point_of(subtract(goal, control.length)), "G53.1")
 
 
 def is_turn(words: Words) -> bool:

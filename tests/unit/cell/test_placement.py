@@ -159,10 +159,15 @@ def test_on_an_arm_m_follows_a_tilted_table() -> None:
     )
 
 
-def test_two_tilts_on_one_arm_are_a_finding() -> None:
+def test_systems_of_an_arm_may_lean_against_each_other() -> None:
     cell = sound("robots: {arm: {model: ur10e}}\nwork_offsets: {G54: {rpy: [0, 30, 0]}, G55: {rpy: [0, 20, 0]}}")
+    placement = place(cell)
 
-    assert [f.code for f in place(cell).findings] == ["GS726"]
+    assert placement.findings == () and 1 not in placement.leaning and 2 in placement.leaning
+    turn = np.deg2rad(-10)
+    wanted = [[np.cos(turn), 0, np.sin(turn)], [0, 1, 0], [-np.sin(turn), 0, np.cos(turn)]]
+    np.testing.assert_allclose(placement.work_offsets[2].R, wanted, atol=1e-12)
+    assert placement.parameters()[5250] == 0.0
 
 
 def test_stock_on_an_arm_needs_a_place() -> None:
