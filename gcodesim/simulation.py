@@ -53,6 +53,9 @@ if TYPE_CHECKING:
     from gcodesim.planning import Plan
     from gcodesim.recorder import Recorder
 
+    Show = Callable[[Job, Watcher | None], Watcher]
+    """Puts a watcher that shows the run before the one that there is."""
+
 
 class RunInterrupted(KeyboardInterrupt):
     """Somebody stopped a run. Its results so far are in the log, in its files and here; they are never compared."""
@@ -211,10 +214,11 @@ def run(
     out: Path | None = None,
     progress: Callable[[Progress], None] | None = None,
     live: LiveView | None = None,
+    show: Show | None = None,
 ) -> tuple[Results, Execution | None]:
     """Run the job with its stock; with `out` the log, the results and the stocks are written there.
 
-    `live` shows the log to viewers while it is written.
+    `live` shows the log to viewers while it is written, `show` the first machine in a window while it moves.
     Files of the same names that an earlier run left in `out` are deleted first, so that
     nothing old is left beside the results of a run that failed. `WorldUnavailable`
     is raised before anything is touched. The same holds for GS750, where a file there is an
@@ -226,7 +230,7 @@ def run(
 
     require_world(job.world)
     if out is None:
-        return _run(job, None, progress, live)
+        return _run(job, None, progress, live, show)
     span = Span(job.program.name)
     try:
         with claimed(out):
@@ -236,7 +240,7 @@ def run(
                 lost += other_cell(out, job.loaded.sources[job.loaded.files[0].name].raw, span)
             if lost:
                 return _refused(job, lost), None
-            return _run(job, out, progress, live)
+            return _run(job, out, progress, live, show)
     except FolderInUseError:
         return _refused(job, [in_use(span)]), None
 
@@ -252,6 +256,7 @@ def _run(
     out: Path | None,
     progress: Callable[[Progress], None] | None,
     live: LiveView | None,
+    show: Show | None,
 ) -> tuple[Results, Execution | None]:
     from gcodesim.executor import TrackPlan, execute_together
     from gcodesim.jobs.inspection import Inspector
@@ -303,6 +308,8 @@ def _run(
     eyes = _eyes(job, recorder, out)
     if eyes is not None:
         watchers[0] = eyes
+    if show is not None:
+        watchers[0] = show(job, watchers[0])
     try:
         execution = execute_together(
             [brought_by(each, watcher) for each, watcher in zip(job.all, watchers, strict=True)],

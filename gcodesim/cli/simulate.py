@@ -34,6 +34,7 @@ from gcodesim.simulation import RunInterrupted, check, prepare, run
 
 if TYPE_CHECKING:
     from gcodesim.cell import LoadedCell
+    from gcodesim.cli.window import ShownRun
     from gcodesim.executor import Execution, Progress
     from gcodesim.log.live import LiveView
 
@@ -130,9 +131,12 @@ def run_program(arguments: argparse.Namespace) -> int:
     """`gcodesim run`."""
     begin = time.perf_counter()
     live = _live(arguments)
+    window = _window(arguments)
     try:
-        return _run_program(arguments, live, begin)
+        return _run_program(arguments, live, window, begin)
     finally:
+        if window is not None:
+            window.close()
         if live is not None:
             live.close()
 
@@ -151,7 +155,22 @@ def _live(arguments: argparse.Namespace) -> LiveView | None:
     return live
 
 
-def _run_program(arguments: argparse.Namespace, live: LiveView | None, begin: float) -> int:
+def _window(arguments: argparse.Namespace) -> ShownRun | None:
+    """The window of the run, if requested."""
+    if not arguments.gui:
+        return None
+    from gcodesim.cli.window import ShownRun
+    from gcodesim.world import WorldUnavailable
+
+    try:
+        return ShownRun()
+    except WorldUnavailable as reason:
+        raise UsageError(str(reason)) from None
+
+
+def _run_program(
+    arguments: argparse.Namespace, live: LiveView | None, window: ShownRun | None, begin: float
+) -> int:
     from gcodesim.world import WorldUnavailable, require_world
 
     if arguments.world is not None:
@@ -179,7 +198,7 @@ def _run_program(arguments: argparse.Namespace, live: LiveView | None, begin: fl
             results: Results
             execution: Execution | None
             try:
-                results, execution = run(job, arguments.out, progress, live)
+                results, execution = run(job, arguments.out, progress, live, window)
             except RunInterrupted as ended:
                 results, execution = ended.results, ended.execution
             except WorldUnavailable as reason:
@@ -199,6 +218,9 @@ def _run_program(arguments: argparse.Namespace, live: LiveView | None, begin: fl
         if execution is not None:
             _print_files(arguments.out, results, [CELL_NAME] if loaded.made else [])
     write_formats(settled.verdict, arguments)
+    if window is not None and not interrupted and sys.stdin.isatty():
+        note("close the window to go on; a click on a body says what it is")
+        window.stay()
     if not interrupted:
         write_parameters(job.reading, arguments)
     seconds = time.perf_counter() - begin

@@ -91,7 +91,7 @@ class Stage:
         for skin in self.tools.get(tool, ()):
             yield skin.at(X_WT)
         for name, surface in surfaces.items():
-            yield _stock_skin(surface).at(scene.track(self.shop.stocks[name].frame, q, holds)[0])
+            yield stock_skin(surface).at(scene.track(self.shop.stocks[name].frame, q, holds)[0])
 
     def tip(self, q: Mapping[str, Array], tool: int) -> Array:
         """X_WT (4, 4) of the tool on the flange of the own mover, at `q[mover]` (1, j)."""
@@ -107,7 +107,8 @@ def surface_of(placed: PlacedStock) -> Surface:
     return placed.stock.surface(placed.stock.spacing_for(SEEN_COLUMNS))
 
 
-def _stock_skin(surface: Surface) -> _Skin:
+def stock_skin(surface: Surface) -> _Skin:
+    """What is seen of a stock: cut faces have another colour."""
     colors = np.where(surface.cut[:, None] > 0, _bytes(CUT), _bytes(RAW))
     return _Skin(surface.vertices[surface.faces], colors)
 

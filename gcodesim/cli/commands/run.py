@@ -45,6 +45,11 @@ def add_parser(commands: Any) -> None:
         metavar="PORT",
         help=f"show the log in a viewer while it is computed, at ws://localhost:PORT (default {PORT}; 0: any free one)",
     )
+    parser.add_argument(
+        "--gui",
+        action="store_true",
+        help="show the run in pybullet's own window; a click on a body prints its name, frame and cell line",
+    )
     add_language(parser)
     add_parameter_output(parser)
     add_verdict_formats(parser)
