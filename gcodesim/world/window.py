@@ -32,9 +32,8 @@ class Window:
         self._p: Any = import_pybullet()
         if not hidden and not screen_is_there():
             raise WorldUnavailable("there is no screen here for pybullet's window (DISPLAY); leave out --gui")
-        mode = self._p.DIRECT if hidden else self._p.GUI
-        options = "" if hidden else f"--window_title={title}"
-        self._client = self._p.connect(mode, options=options)
+        p = self._p
+        self._client = p.connect(p.DIRECT) if hidden else p.connect(p.GUI, options=f"--window_title={title}")
         if self._client < 0:
             raise WorldUnavailable("pybullet opens no further window; one is open already")
         if not hidden:
