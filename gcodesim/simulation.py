@@ -260,13 +260,15 @@ def _run(
 ) -> tuple[Results, Execution | None]:
     from gcodesim.executor import TrackPlan, execute_together
     from gcodesim.jobs.inspection import Inspector
+    from gcodesim.jobs.pace import pacing_of
 
     if out is not None and job.loaded.made:
         write_whole(out / CELL_NAME, job.loaded.sources[job.loaded.files[0].name].raw)
     if job.shop is None or job.plan is None or job.cell is None or (job.others and job.meetings is None):
         return _not_run(job, out), None
     assert job.legs is not None
-    if not job.legs.stock_up():
+    only = job.options.only
+    if only != "motion" and not job.legs.stock_up():
         return _not_run(job, out), None
     if job.others:
         share_shop(job)
@@ -274,6 +276,7 @@ def _run(
     recorder = None
     if out is not None:
         forget(out, _names(job.shop, out))
+    if out is not None and only in (None, "motion"):
         from gcodesim.recorder import Recorder as Writing
 
         recorder = Writing(job, out, live)
@@ -302,7 +305,7 @@ def _run(
                 each.seen(record)
             return each.shown(inspector.fresh(record, rows, joints))
 
-        return TrackPlan(plan=each.plan, shop=each.shop, inspect=inspect, watcher=watcher)
+        return TrackPlan(plan=each.plan, shop=each.shop, inspect=inspect, watcher=watcher, only=only)
 
     watchers: list[Watcher | None] = [None for _ in job.all] if recorder is None else [recorder, *recorder.others]
     eyes = _eyes(job, recorder, out)
@@ -314,7 +317,7 @@ def _run(
         execution = execute_together(
             [brought_by(each, watcher) for each, watcher in zip(job.all, watchers, strict=True)],
             world_name=job.world,
-            dt_ns=job.cell.simulation.step_ns,
+            pacing=pacing_of(job),
             progress=progress,
             onward=onward,
         )
@@ -332,7 +335,7 @@ def _run(
         for each, own in zip(job.all, (execution, *execution.others), strict=True):
             each.findings.extend(beyond_findings(each, own))
         drop_loose_pieces(job, execution)
-        if job.cell.target is not None:
+        if job.cell.target is not None and only in (None, "shape"):
             from gcodesim.jobs.verification import verify
 
             job.target, found = verify(job, execution)
@@ -340,6 +343,10 @@ def _run(
         results = results_of(job, execution)
         if recorder is not None:
             recorder.finish(results, execution)
+        elif out is not None and job.shop is not None:
+            from gcodesim.recorder.result_files import write_files
+
+            write_files(out, job.shop, results, shapes=only != "force")
     finally:
         if recorder is not None:
             recorder.abandon()

@@ -10,6 +10,7 @@ from math import isqrt
 from typing import Any, Final, Literal
 
 from gcodesim.cell.placing import Place
+from gcodesim.declarations.composed import Either
 from gcodesim.declarations.keys import inline, key
 from gcodesim.declarations.kind import NOT_NEGATIVE, POSITIVE, Json, Kind, Range, scalar, short
 from gcodesim.declarations.map_of import NameRule
@@ -24,6 +25,8 @@ from gcodesim.frozen import frozen
 NS: Final = 1_000_000_000
 DEFAULT_RATE: Final = 250.0  # Hz
 DEFAULT_PERIOD_NS: Final = 20_000_000
+LOG_SAMPLES: Final = 30_000
+"""Records of a log whose period is not set: 10 min at 20 ms. A longer run has as many, further apart."""
 _SHORTEST_STEP_NS: Final = 1_000
 _LONGEST_PERIOD: Final = 10.0  # s
 
@@ -180,12 +183,17 @@ class Suppression:
 
 @frozen
 class Simulation:
-    """World and step. `step_ns` is derived: a whole number of ns."""
+    """World and step. `step_ns`, a tick of the clock, is derived: a whole number of ns."""
 
     world: Literal["bullet", "kinematic"] | None = key(
         Choice(("bullet", "kinematic")), "where the robot moves", default=None
     )
-    rate: float = key(Quantity("frequency", POSITIVE), "steps per second", default=DEFAULT_RATE)
+    rate: float | Literal["auto"] = key(
+        Either((("auto", "auto"),), Quantity("frequency", POSITIVE)),
+        "steps per second; `auto`: 250, in the kinematic world fewer where the cut stays the same",
+        default="auto",
+        example="250 Hz",
+    )
     seed: int = key(Whole(Range(least=0.0, most=2.0**63 - 1)), "seed of all random numbers", default=1)
     step_ns: int = field(default=round(NS / DEFAULT_RATE))
 
@@ -194,10 +202,10 @@ class Simulation:
 class LogSettings:
     """How densely the run is recorded."""
 
-    period: float = key(
-        Quantity("time", Range(above=0.0, most=_LONGEST_PERIOD)),
-        "time between two records",
-        default=DEFAULT_PERIOD_NS / NS,
+    period: float | Literal["auto"] = key(
+        Either((("auto", "auto"),), Quantity("time", Range(above=0.0, most=_LONGEST_PERIOD))),
+        "time between two records; `auto`: 20 ms, longer where steps are not ticks and the run takes more than 10 min",
+        default="auto",
         example="20 ms",
     )
     period_ns: int = field(default=DEFAULT_PERIOD_NS)
@@ -205,23 +213,25 @@ class LogSettings:
 
 def with_step(simulation: Simulation, log: LogSettings, to: Reading) -> tuple[Simulation, LogSettings]:
     """Both in whole nanoseconds; a finding if the step is not a whole number or does not divide the log period."""
-    period_ns = round(log.period * NS)
+    period = DEFAULT_PERIOD_NS / NS if log.period == "auto" else log.period
+    rate = DEFAULT_RATE if simulation.rate == "auto" else simulation.rate
+    period_ns = round(period * NS)
     span = to.span(("log", "period")) if ("log", "period") in to.spans else to.span(("simulation", "rate"))
-    if period_ns < _SHORTEST_STEP_NS or abs(log.period * NS - period_ns) > 1e-3:
+    if period_ns < _SHORTEST_STEP_NS or abs(period * NS - period_ns) > 1e-3:
         to.fault(
             "GS721",
             span,
-            f"the log period of {log.period * 1e3:.9g} ms is no whole number of ns",
+            f"the log period of {period * 1e3:.9g} ms is no whole number of ns",
             "write for example `period: 20 ms`",
         )
         return simulation, log
-    step_ns = round(NS / simulation.rate)
-    whole = step_ns >= 1 and abs(step_ns * simulation.rate / NS - 1.0) < 1e-12
+    step_ns = round(NS / rate)
+    whole = step_ns >= 1 and abs(step_ns * rate / NS - 1.0) < 1e-12
     if not whole or period_ns % step_ns:
         span = to.span(("simulation", "rate")) if ("simulation", "rate") in to.spans else span
-        nearest = " or ".join(f"`{rate:.10g} Hz`" for rate in sorted(nearest_rates(simulation.rate, period_ns)))
-        why = "no whole number of ns" if not whole else f"no whole part of the log period of {log.period * 1e3:.9g} ms"
-        to.fault("GS721", span, f"at {simulation.rate:.10g} Hz a step is {why}", f"nearest is {nearest}")
+        nearest = " or ".join(f"`{rate:.10g} Hz`" for rate in sorted(nearest_rates(rate, period_ns)))
+        why = "no whole number of ns" if not whole else f"no whole part of the log period of {period * 1e3:.9g} ms"
+        to.fault("GS721", span, f"at {rate:.10g} Hz a step is {why}", f"nearest is {nearest}")
         return simulation, log
     return replace(simulation, step_ns=step_ns), replace(log, period_ns=period_ns)
 

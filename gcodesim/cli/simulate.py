@@ -27,7 +27,7 @@ from gcodesim.cli.output import note, print_count, print_findings, print_json, p
 from gcodesim.diagnostics import Severity, SourceText
 from gcodesim.diagnostics.plain import raw
 from gcodesim.files.output_folder import CELL_NAME, IN_USE, LOG_NAME, OVERWRITES, link_on_the_way, names_of
-from gcodesim.jobs.job import Job, Options
+from gcodesim.jobs.job import BULLET, Job, Options
 from gcodesim.jobs.results import Results
 from gcodesim.report import summary_rows
 from gcodesim.simulation import RunInterrupted, check, prepare, run
@@ -76,6 +76,7 @@ def _prepared(arguments: argparse.Namespace, program: SourceText, loaded: Loaded
         sources=language.sources,
         today=arguments.today,
         force=getattr(arguments, "force", False),
+        only=getattr(arguments, "only", None),
         channels=_further(arguments, loaded),
         fail_on=None if arguments.fail_on == "never" else Severity[arguments.fail_on.upper()],
     )
@@ -173,6 +174,9 @@ def _run_program(
 ) -> int:
     from gcodesim.world import WorldUnavailable, require_world
 
+    if arguments.only in ("shape", "force") and (arguments.world == BULLET or live is not None):
+        asked = "--live" if live is not None else "--world bullet"
+        raise UsageError(f"{asked} shows a motion, which --only {arguments.only} leaves out")
     if arguments.world is not None:
         try:
             require_world(arguments.world)  # before any work
@@ -339,5 +343,7 @@ def _print_files(out: Path, results: Results, others: Sequence[str]) -> None:
     coated = () if results.coating is None else results.coating["bodies"]
     print()
     doses = {name: stock.doses for name, stock in results.stocks.items()}
-    print(f"  files in {out}: {', '.join([*names_of(results.stocks, coated, doses=doses), *others])}")
-    print(f"  look at it: open {out / LOG_NAME} in Foxglove or Lichtblick, with the layout that is inside")
+    names = names_of(results.stocks, coated, doses, results.inputs.get("only"))
+    print(f"  files in {out}: {', '.join([*names, *others])}")
+    if LOG_NAME in names:
+        print(f"  look at it: open {out / LOG_NAME} in Foxglove or Lichtblick, with the layout that is inside")

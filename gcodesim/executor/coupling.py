@@ -11,7 +11,7 @@ import numpy as np
 from gcodesim.executor.part_run import PartRun
 from gcodesim.executor.stint import Stint, deflection_of, stint_of
 from gcodesim.executor.switching import Switching
-from gcodesim.executor.tasks import RowColumns, Tasks
+from gcodesim.executor.tasks import Only, RowColumns, Tasks
 from gcodesim.executor.window import StepWindow
 from gcodesim.frames import Array
 from gcodesim.kinematics import shift_jacobian
@@ -26,14 +26,21 @@ class Coupling:
 
     A world that follows its command asks for all steps at once; one that does not asks step by step, and says where
     the tip begins and would end, and how it gives way (`react`). One stretch of steps has one tool. `gears_move`: the
-    world moves the gears of the machine, and the process does not.
+    world moves the gears of the machine, and the process does not. `only`: what the run is about, if not all.
     """
 
     def __init__(
-        self, plan: Plan, shop: Shop, rows: RowColumns, parts: PartRun | None = None, *, gears_move: bool = False
+        self,
+        plan: Plan,
+        shop: Shop,
+        rows: RowColumns,
+        parts: PartRun | None = None,
+        *,
+        gears_move: bool = False,
+        only: Only | None = None,
     ) -> None:
         self._plan, self._shop, self._rows = plan, shop, rows
-        self._tasks = Tasks(shop, parts)
+        self._tasks = Tasks(shop, parts, only)
         self._switching = Switching(plan, shop)
         self._gears_move = gears_move
         self._bent: Array | None = None  # how far (1, 3) [m] in B loads have put the tip at the end of the last steps

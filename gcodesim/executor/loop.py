@@ -13,6 +13,7 @@ from gcodesim.diagnostics import Diagnostic
 from gcodesim.executor.ahead import CutThread, WindowCut
 from gcodesim.executor.behind import Behind
 from gcodesim.executor.made_by import passes_of
+from gcodesim.executor.pacing import Pacing
 from gcodesim.executor.part_run import PartRun
 from gcodesim.executor.record import StepRecord
 from gcodesim.executor.track import (
@@ -31,9 +32,8 @@ from gcodesim.world import WorldSteps
 
 if TYPE_CHECKING:
     from gcodesim.planning import Plan
-
-MOST_STEPS: Final = 2000
-"""Steps of one window: enough to spread the cost of a window, few enough to stay small in memory."""
+MANY_TICKS: Final = 1 << 31
+"""More than a run has: nobody wants to look at the stocks before a window is full."""
 
 
 def execute(
@@ -42,12 +42,13 @@ def execute(
     *,
     world_name: str,
     dt_ns: int,
+    pacing: Pacing | None = None,
     inspect: Inspect | None = None,
     watcher: Watcher | None = None,
     progress: Callable[[Progress], None] | None = None,
     onward: Callable[[], Plan | None] | None = None,
 ) -> Execution:
-    """Run the whole plan in a world; stock changes in place.
+    """Run the whole plan in a world; stock changes in place. `pacing` says what its steps are: else ticks of `dt_ns`.
 
     At the end of a plan, `onward` may say how the program goes on: with the plan of all
     legs so far and the next one, which begins with a whole step.
@@ -57,14 +58,15 @@ def execute(
     `WorldUnavailable` when the world cannot be opened here.
     """
     brought = TrackPlan(plan=plan, shop=shop, inspect=inspect, watcher=watcher)
-    return execute_together([brought], world_name=world_name, dt_ns=dt_ns, progress=progress, onward=onward)
+    pacing = pacing or Pacing(dt_ns=dt_ns)
+    return execute_together([brought], world_name=world_name, pacing=pacing, progress=progress, onward=onward)
 
 
 def execute_together(
     channels: Sequence[TrackPlan],
     *,
     world_name: str,
-    dt_ns: int,
+    pacing: Pacing,
     progress: Callable[[Progress], None] | None = None,
     onward: Callable[[], Plan | None] | None = None,
 ) -> Execution:
@@ -75,11 +77,12 @@ def execute_together(
     others.
     """
     passes = passes_of(channels[0].shop)
+    dt_ns = pacing.dt_ns
     things = _parts_of(channels, world_name, dt_ns)
     tracks = [Track(brought, world_name, dt_ns, passes, number, things) for number, brought in enumerate(channels)]
     first_track = tracks[0]
     watcher = first_track.watcher
-    most = MOST_STEPS if watcher is None else max(1, min(MOST_STEPS, watcher.interval_steps))
+    most = MANY_TICKS if watcher is None else max(1, watcher.interval_steps)
     planned, interrupted = 0, False
     cutter = CutThread(None if watcher is None else watcher.look, undoable=any(track.world.may_lag for track in tracks))
     behind = Behind()
@@ -91,7 +94,8 @@ def execute_together(
         while leg:
             first, planned = planned, max(track.steps for track in tracks)
             stops = () if watcher is None else watcher.stops([track.plan for track in tracks], first, planned)
-            cuts = windows(tracks, sorted({*range(first, planned, most), *stops, planned}))
+            steps = pacing.windows(first_track.plan, first_track.rows.rapid, first, planned, most, stops)
+            cuts = windows(tracks, first, steps)
             now = next(cuts, None)
             taken: list[tuple[Track, StepRecord, Sequence[Diagnostic]]] = []
             while now is not None:
@@ -104,8 +108,8 @@ def execute_together(
                 if following is not None and follows and following[0].world.keeps_to_command:
                     cutter.begin(following[1])
                 ahead = None if following is None else following[1]
-                steps, follows = _move(track, cutter, cut, ahead)
-                record = track.take(cut, steps)
+                done, follows = _move(track, cutter, cut, ahead)
+                record = track.take(cut, done)
                 del in_hand[0]
                 taken.append((track, record, track.found(record)))
                 if cut.looks:
@@ -162,7 +166,7 @@ def _with_parts(parts: PartRun, taken: Taken) -> Taken:
     track, record, found = taken[0]
     q = {each.shop.name: its.world.q for each, its, _ in taken}
     poses = parts.poses(record.window.first, q)
-    parts.ran.forget(record.window.first + len(record))
+    parts.ran.forget(record.window.end)
     return [(track, replace(record, parts=poses), found), *taken[1:]]
 
 
@@ -185,7 +189,7 @@ def _move(track: Track, cutter: CutThread, cut: WindowCut, following: WindowCut 
             stretch.finish()
             cut.wrenches.append(np.zeros(0))
         elif world.keeps_up(q, cut.wrenches[index]):
-            moved.append(world.run(q, cut.wrenches[index]))
+            moved.append(track.run_world(cut.window, stretch.begin, stretch.end, cut.wrenches[index]))
         else:
             follows = False
             if following is not None:

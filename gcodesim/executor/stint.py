@@ -152,11 +152,12 @@ def stint_of(
     if not _is_near(task, start, stop, axis, task.target.room):
         return None
     velocity = np.zeros((count, 3))
-    np.add.at(velocity, step, (stop - start) / steps.dt)
+    dt = steps.dt[begin:end]
+    np.add.at(velocity, step, (stop - start) / dt[step, None])
     step_row = steps.row[begin:end]
     rapid = np.ones(count, dtype=bool)  # a step is rapid when all of it is
     rapid[step[~rows.rapid[row]]] = False
-    middle = steps.samples.time[begin:end] - 0.5 * steps.dt
+    middle = steps.samples.time[begin:end] - 0.5 * dt
     signals = {signal.name: rows.signal(signal, step_row) for signal in task.process.reads}
     carries = isinstance(task.target, PartsTarget)
     if carries:
@@ -174,7 +175,7 @@ def stint_of(
         piece_share=share,
         rapid=rapid,
         signals=signals,
-        dt=steps.dt,
+        dt=dt if steps.command is not None else float(dt[0]),
         filament=filament,
         side=applied(R_SB, steps.tip[begin:end, :3, 0]),
         where=_places(shop, steps.joints(shop.name, begin, end), X_BS),

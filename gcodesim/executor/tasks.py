@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,9 @@ if TYPE_CHECKING:
     from gcodesim.processes.window import ProcessState
     from gcodesim.tools.tool import Tool
 
+
+Only = Literal["shape", "motion", "force"]
+"""What a run may be about: the shape of the stocks, the motion of the machine, or the forces of the tools."""
 
 PROBING: Final = frozenset(("G31", "G38.2", "G38.3", "G38.4", "G38.5"))
 """Motion words of moves that end where something is touched."""
@@ -89,12 +92,18 @@ def _shifts(path: ToolPath) -> NDArray[np.float64]:
     return total
 
 
+def _shaping(task: Task) -> Task:
+    process = task.process.shaping
+    return replace(task, process=process, state=process.begin())
+
+
 @dataclass(slots=True, eq=False)
 class Tasks:
-    """Tasks by tool number, made when a tool is put into the spindle."""
+    """Tasks by tool number, made when a tool is put into the spindle. `only`: what the run is about, if not all."""
 
     shop: Shop
     parts: PartRun | None = None
+    only: Only | None = None
     _current: int | None = None
     _tasks: list[Task] = field(default_factory=list)
 
@@ -107,6 +116,12 @@ class Tasks:
         return self._tasks
 
     def _of(self, tool: Tool) -> Iterator[Task]:
+        if self.only == "motion":
+            return
+        for task in self._all_of(tool):
+            yield task if self.only != "shape" else _shaping(task)
+
+    def _all_of(self, tool: Tool) -> Iterator[Task]:
         for kind in tool.acts_by:
             variant = PROCESSES[kind]
             for target in self._targets(tool, variant.acts_on):

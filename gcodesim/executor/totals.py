@@ -81,7 +81,7 @@ class JointTotals:
     effort: Array
     effort_row: RowNumbers
     saturated_row: RowNumbers = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
-    saturated_steps: RowNumbers = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    saturated_ticks: RowNumbers = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 
     @staticmethod
     def start(q: Array) -> JointTotals:
@@ -98,13 +98,20 @@ class JointTotals:
             effort=zero.copy(),
             effort_row=none.copy(),
             saturated_row=none.copy(),
-            saturated_steps=np.zeros(count, dtype=np.int64),
+            saturated_ticks=np.zeros(count, dtype=np.int64),
         )
 
     def add(
-        self, q: Array, qd: Array, qdd: Array, effort: Array, saturated: NDArray[np.bool_], rows: RowNumbers
+        self,
+        q: Array,
+        qd: Array,
+        qdd: Array,
+        effort: Array,
+        saturated: NDArray[np.bool_],
+        rows: RowNumbers,
+        ticks: RowNumbers,
     ) -> None:
-        """Add n steps: columns (n, j) and the row (n,) of each step."""
+        """Add n steps: columns (n, j), the row (n,) of each step and its ticks (n,) of the clock."""
         if not len(q):
             return
         index = np.arange(q.shape[1])
@@ -121,4 +128,4 @@ class JointTotals:
         self.effort = np.maximum(self.effort, np.abs(effort[top, index]))
         fresh = saturated.any(axis=0) & (self.saturated_row < 0)
         self.saturated_row[fresh] = rows[saturated.argmax(axis=0)][fresh]
-        self.saturated_steps += saturated.sum(axis=0)
+        self.saturated_ticks += (saturated * ticks[:, None]).sum(axis=0)

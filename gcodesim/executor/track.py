@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import field, replace
-from itertools import combinations, pairwise
+from itertools import combinations
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -21,10 +21,10 @@ from gcodesim.executor.probe_guard import ProbeGuard
 from gcodesim.executor.record import StepRecord, record_of
 from gcodesim.executor.stint import Stint
 from gcodesim.executor.switching import Switching
-from gcodesim.executor.tasks import RowColumns
+from gcodesim.executor.tasks import Only, RowColumns
 from gcodesim.executor.totals import JointTotals, RowTotals
-from gcodesim.executor.window import Carry, StepWindow, first_carry, window_of
-from gcodesim.frames import Pose
+from gcodesim.executor.window import Carry, Ints, StepWindow, first_carry, window_of
+from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.processes.column import ADDED, REMOVED
 from gcodesim.processes.gripping import GRIP, GripEvent
@@ -113,12 +113,13 @@ class Execution:
 
 @frozen(eq=False)
 class TrackPlan:
-    """What a channel brings to a run: its plan, its shop, and who looks at its steps."""
+    """What a channel brings to a run: its plan, its shop, who looks at its steps, and what it is about, if not all."""
 
     plan: Plan
     shop: Shop
     inspect: Inspect | None = None
     watcher: Watcher | None = None
+    only: Only | None = None
 
 
 class Track:
@@ -155,7 +156,7 @@ class Track:
         )
         self.world = open_world(world_name, body, dt_ns)
         gears_move = body.controller.law != "ideal"
-        self._coupling = Coupling(plan, shop, self.rows, parts, gears_move=gears_move)
+        self._coupling = Coupling(plan, shop, self.rows, parts, gears_move=gears_move, only=brought.only)
         self._guard = ProbeGuard(shop)
         yields = shop.stiffness is not None or gears_move
         self._accuracy = PathAccuracy() if yields else None
@@ -171,7 +172,7 @@ class Track:
         attach(self.world, self.shop, int(rows.tool[0]))
         self.world.reset(self._home)
         if self.watcher is not None:
-            still = window_of(plan, rows, -1, 1, dt_ns, first_carry(plan, rows))
+            still = window_of(plan, rows, np.array([-1, 0]), dt_ns, first_carry(plan, rows))
             self.watcher.start(self.world.run(self._home[None]), still)
             self.world.reset(self._home)
 
@@ -191,8 +192,17 @@ class Track:
         """What the window that begins with step `first` of a leg takes over."""
         return first_carry(self.plan, self.rows, first * self._dt_ns)
 
-    def window(self, first: int, count: int, carry: Carry) -> StepWindow:
-        return window_of(self.plan, self.rows, first, count, self._dt_ns, carry)
+    def window(self, ticks: Ints, carry: Carry) -> StepWindow:
+        return window_of(self.plan, self.rows, ticks, self._dt_ns, carry)
+
+    def run_world(self, window: StepWindow, begin: int, end: int, wrench: Array | None = None) -> WorldSteps:
+        """Move through steps `begin` to `end`, in which the tool feels `wrench` (n, 6), base axes."""
+        command = window.command
+        if command is None:
+            return self.world.run(window.q[begin:end], wrench)
+        rows, at = command.steps(begin, end)
+        felt = None if wrench is None else wrench[np.searchsorted(at, np.arange(rows.stop - rows.start))]
+        return self.world.run(command.q[rows], felt).at(at)
 
     def cut(self, window: StepWindow, *, looks: bool) -> WindowCut:
         """A window, divided where the tool changes or begins or ceases to be kept from cutting; nothing is cut yet.
@@ -200,8 +210,8 @@ class Track:
         A program that has ended cuts nothing more while others go on.
         """
         kept = self._guard.kept(self.plan.path, self.rows, window)
-        if window.first + len(window) > self.steps:
-            kept = kept | (window.first + np.arange(len(window)) >= self.steps)
+        if window.end > self.steps:
+            kept = kept | (window.ticks[:-1] >= self.steps)
         changes = (np.diff(window.tool) != 0) | np.diff(kept)
         bounds = (np.flatnonzero(changes) + 1).tolist()
         borders = zip([0, *bounds], [*bounds, len(window)], strict=True)
@@ -225,18 +235,18 @@ class Track:
         number = int(window.tool[stretch.begin])
         if parts is None or not changes:
             attach(self.world, self.shop, number, list(self.load.values()))
-            yield self.world.run(window.q[stretch.begin : stretch.end])
+            yield self.run_world(window, begin, stretch.end)
             return
         for change in changes:
             until = change.hold.step - window.first
             if until > begin:
                 attach(self.world, self.shop, number, list(self.load.values()))
-                yield self.world.run(window.q[begin:until])
+                yield self.run_world(window, begin, until)
                 begin = until
             parts.happens(change)
             self._reload(change, parts)
         attach(self.world, self.shop, number, list(self.load.values()))
-        yield self.world.run(window.q[begin : stretch.end])
+        yield self.run_world(window, begin, stretch.end)
 
     def carry_on(self, stretch: Stretch) -> None:
         """After steps with force: what was taken or let go in them counts from the next stretch on."""
@@ -276,8 +286,9 @@ class Track:
                         self.parts.was_let_go(name, X_W)
             self.parts.count([event for _, event in record.grips])
         self._totals.add(record)
-        self._joints.add(steps.q, steps.qd, steps.qdd, steps.effort, steps.saturated, record.window.row)
-        self.done += len(record)
+        ticks = np.diff(window.ticks)
+        self._joints.add(steps.q, steps.qd, steps.qdd, steps.effort, steps.saturated, window.row, ticks)
+        self.done = window.end
         self.stands_at = steps.q[-1]
         self.last_row = int(record.window.row[-1])
         return record
@@ -321,25 +332,25 @@ class Track:
         )
 
 
-def windows(tracks: Sequence[Track], borders: Sequence[int]) -> Iterator[tuple[Track, WindowCut]]:
-    """The windows of all tracks between steps `borders`, which increase, in the order of cutting."""
-    carries = [track.carry(borders[0]) for track in tracks]
-    for first, end in pairwise(borders):
-        yield from _between(tracks, carries, first, end - first)
+def windows(tracks: Sequence[Track], first: int, steps: Iterable[Ints]) -> Iterator[tuple[Track, WindowCut]]:
+    """The windows of all tracks from tick `first` on, in the order of cutting; `steps` are the ticks of each."""
+    carries = [track.carry(first) for track in tracks]
+    for ticks in steps:
+        yield from _between(tracks, carries, ticks)
 
 
 def _between(
-    tracks: Sequence[Track], carries: Sequence[Carry], first: int, count: int
+    tracks: Sequence[Track], carries: Sequence[Carry], ticks: Ints
 ) -> Iterator[tuple[Track, WindowCut]]:
-    """`count` steps of all tracks from step `first` on. Where tools come near each other in one target, the steps are
+    """The steps of all tracks between `ticks` (n + 1,). Where tools come near each other in one target, the steps are
 
     divided, so that cuts go by steps: otherwise it does not matter who cuts first.
     """
     if len(tracks) == 1:
-        yield tracks[0], tracks[0].cut(tracks[0].window(first, count, carries[0]), looks=True)
+        yield tracks[0], tracks[0].cut(tracks[0].window(ticks, carries[0]), looks=True)
         return
     before = [copy(carry) for carry in carries]
-    made = [track.window(first, count, carry) for track, carry in zip(tracks, carries, strict=True)]
+    made = [track.window(ticks, carry) for track, carry in zip(tracks, carries, strict=True)]
     for track, window in zip(tracks, made, strict=True):
         for other, theirs in zip(tracks, made, strict=True):
             if other is not track:
@@ -347,13 +358,13 @@ def _between(
     restores = [track.save() for track in tracks]
     last = len(tracks) - 1
     cuts = [track.cut(window, looks=i == last) for i, (track, window) in enumerate(zip(tracks, made, strict=True))]
-    if count > 1 and any(_near(one, other) for one, other in combinations(cuts, 2)):
+    if len(ticks) > 2 and any(_near(one, other) for one, other in combinations(cuts, 2)):
         for restore, carry, own in zip(restores, carries, before, strict=True):
             restore()
             carry.tool, carry.shift, carry.gap, carry.tip = own.tool, own.shift, own.gap, own.tip
-        half = count // 2
-        yield from _between(tracks, carries, first, half)
-        yield from _between(tracks, carries, first + half, count - half)
+        half = (len(ticks) - 1) // 2
+        yield from _between(tracks, carries, ticks[: half + 1])
+        yield from _between(tracks, carries, ticks[half:])
         return
     yield from zip(tracks, cuts, strict=True)
 

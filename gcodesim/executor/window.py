@@ -40,8 +40,37 @@ class Carry:
 
 
 @frozen(eq=False)
+class Command:
+    """Joints `q` (m, j) commanded at the last three ticks of each step, as far as they are in its window.
+
+    `at` (n,) says which of them ends each step. They are what speeds and accelerations at the ends of long steps
+    follow from, the same as if every tick were a step.
+    """
+
+    q: Array
+    at: Ints
+
+    def steps(self, begin: int, end: int) -> tuple[slice, Ints]:
+        """The rows for steps `begin` to `end`, and which of these rows end them."""
+        first = int(self.at[begin - 1]) + 1 if begin else 0
+        return slice(first, int(self.at[end - 1]) + 1), self.at[begin:end] - first
+
+
+def command_of(plan: Plan, ticks: Ints, dt_ns: int) -> Command:
+    """What a world is asked in steps between `ticks` (n + 1,)."""
+    ends = ticks[1:]
+    asked = np.unique(np.concatenate([ends - 2, ends - 1, ends]))
+    asked = asked[asked > ticks[0]]
+    samples = plan.trajectory.sample((asked * dt_ns).astype(float) * 1e-9)
+    return Command(q=plan.joints(samples), at=np.searchsorted(asked, ends))
+
+
+@frozen(eq=False)
 class StepWindow:
-    """n steps from step `first` on; step k of the run ends at k dt.
+    """n steps: step k begins with tick `ticks[k]` of the clock and ends with tick `ticks[k + 1]`; `ticks` (n + 1,).
+
+    `dt` (n,) [s] is how long each of them is. `command` (None: every tick is a step) are the ticks at which the world
+    is asked, where it is not asked about all.
 
     `samples` at the ends of the steps; `row` (n,) is the path row in the middle
     of each; `tool` (n,) its tool; `q` (n, j) commanded joints, `q_begin` (j,) those
@@ -55,8 +84,8 @@ class StepWindow:
     movers by name, where several programs run at once, and `others_begin` (j,) those before the first step.
     """
 
-    first: int
-    dt: float
+    ticks: Ints
+    dt: Array
     samples: Samples
     row: Ints
     tool: Ints
@@ -72,6 +101,17 @@ class StepWindow:
     piece_filament: Array | None = None
     others: dict[str, Array] = field(default_factory=dict)
     others_begin: dict[str, Array] = field(default_factory=dict)
+    command: Command | None = None
+
+    @property
+    def first(self) -> int:
+        """The tick with which the window begins."""
+        return int(self.ticks[0])
+
+    @property
+    def end(self) -> int:
+        """The tick with which it ends."""
+        return int(self.ticks[-1])
 
     def joints(self, mover: str, begin: int, end: int) -> dict[str, Array]:
         """Commanded joints of all movers in steps `begin` to `end`; `mover` is the window's own."""
@@ -98,13 +138,14 @@ def first_carry(plan: Plan, rows: RowColumns, t_ns: int = 0) -> Carry:
     return Carry(tool=int(rows.tool[row[0]]), shift=shift, gap=gap, tip=tip, q=q[0])
 
 
-def window_of(plan: Plan, rows: RowColumns, first: int, count: int, dt_ns: int, carry: Carry) -> StepWindow:
-    """Sample `count` steps from step `first` on; `carry` is brought to the end of the window.
+def window_of(plan: Plan, rows: RowColumns, ticks: Ints, dt_ns: int, carry: Carry) -> StepWindow:
+    """Sample the steps between `ticks` (n + 1,) of `dt_ns` each; `carry` is brought to the end of the window.
 
     The plan's path is in base axes, so the control point needs no transform.
     """
-    times: Array = (np.arange(first, first + count + 1, dtype=np.int64) * dt_ns).astype(float) * 1e-9
-    dt = dt_ns * 1e-9
+    count = len(ticks) - 1
+    times: Array = (ticks * dt_ns).astype(float) * 1e-9
+    dt: Array = np.diff(ticks) * (dt_ns * 1e-9)
     trajectory = plan.trajectory
     last = len(rows.tool) - 1
     samples = trajectory.sample(times[1:])
@@ -132,11 +173,12 @@ def window_of(plan: Plan, rows: RowColumns, first: int, count: int, dt_ns: int, 
     knots, knot_shift = at_knots.position[:, :3], rows.shift[_named_by(at_knots, last)]
     centre = 0.5 * (knot_time[:-1] + knot_time[1:])
     step = np.clip(np.searchsorted(times, centre, side="right") - 1, 0, count - 1)
-    share = np.clip(np.column_stack([knot_time[:-1] - times[step], knot_time[1:] - times[step]]) / dt, 0.0, 1.0)
+    within = np.column_stack([knot_time[:-1] - times[step], knot_time[1:] - times[step]])
+    share = np.clip(within / dt[step, None], 0.0, 1.0)
     bend = gap[step] - gap_before[step]
     begin, end = knots[:-1] - (knot_shift[:-1] - shift[step]), knots[1:] - (knot_shift[1:] - shift[step])
     window = StepWindow(
-        first=first,
+        ticks=ticks,
         dt=dt,
         samples=samples,
         row=row,
@@ -151,6 +193,7 @@ def window_of(plan: Plan, rows: RowColumns, first: int, count: int, dt_ns: int, 
         piece_share=share,
         piece_row=np.clip(trajectory.rows_at(centre), 0, last),
         piece_filament=filament_between(trajectory, at_knots),
+        command=None if ticks[-1] - ticks[0] == count else command_of(plan, ticks, dt_ns),
     )
     carry.tool, carry.shift, carry.gap, carry.tip, carry.q = int(tool[-1]), shift[-1], gap[-1], tip[-1], q[-1]
     return window

@@ -88,17 +88,14 @@ class Stl(Exporter):
 
 def _computed(recording: Recording, stock: str | None) -> Surface | None:
     """The surface of the stock file in the output folder, if it is there."""
-    from dataclasses import replace
-
     from gcodesim.material.stock_file import SUFFIX, load_stock
+    from gcodesim.material.true_volume import surface_for_files
 
     name = stock or stock_names(recording)[0]
     file = None if recording.folder is None else recording.folder / f"{Path(name).name}{SUFFIX}"
     if file is None or not file.is_file():
         return None
-    loaded = load_stock(file)
-    surface = loaded.surface()
-    return replace(surface, vertices=loaded.in_part(surface.vertices))
+    return surface_for_files(load_stock(file))
 
 
 def _drawn(drawings: list[Drawing]) -> Surface:

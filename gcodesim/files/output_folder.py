@@ -62,13 +62,20 @@ def dose_names(stock: str, kind: str) -> tuple[str, str]:
 
 
 def names_of(
-    stocks: Iterable[str], coated: Iterable[str] = (), doses: Mapping[str, Iterable[str]] | None = None
+    stocks: Iterable[str],
+    coated: Iterable[str] = (),
+    doses: Mapping[str, Iterable[str]] | None = None,
+    only: str | None = None,
 ) -> list[str]:
-    """The files that a run with these stocks writes, with films on bodies `coated`, and maps of `doses` of stocks."""
+    """The files that a run with these stocks writes, with films on bodies `coated`, and maps of `doses` of stocks.
+
+    `only`: what the run is about, if not all.
+    """
     of_stocks = [f"{name}{suffix}" for name in stocks for suffix in STOCK_SUFFIXES]
     of_films = [f"{name}{suffix}" for name in coated for suffix in FILM_SUFFIXES]
     maps = (file for stock, kinds in (doses or {}).items() for kind in kinds for file in dose_names(stock, kind))
-    return [LOG_NAME, RESULTS_NAME, LINES_NAME, *of_stocks, *of_films, *maps]
+    log, shapes = [LOG_NAME], [*of_stocks, *of_films, *maps]
+    return [*log * (only in (None, "motion")), RESULTS_NAME, LINES_NAME, *shapes * (only in (None, "shape"))]
 
 
 def _kind_of(name: str) -> str:

@@ -124,7 +124,7 @@ class Inspector:
         known = {(finding.code, finding.span) for finding in self._grips}
         for step, event in record.grips:
             tool = self._shop.tool(int(record.window.tool[step]))
-            time = (record.window.first + step) * self._dt
+            time = int(record.window.ticks[step]) * self._dt
             row = int(record.window.row[step])
             span = self._span(row) if event.kind in BY_MOTION else self._switches.get(row, self._span(row))
             finding = grip_finding(event, tool, span, time, freely=self._freely)  # type: ignore[arg-type]
@@ -171,7 +171,7 @@ class Inspector:
             limit=own.effort,
             effort=joints.effort,
             first_row=joints.saturated_row,
-            steps=joints.saturated_steps,
+            steps=joints.saturated_ticks,
             dt=self._dt,
             spans=self._span,
             starts=self._starts,
@@ -179,7 +179,8 @@ class Inspector:
 
     def _above_limits(self, record: StepRecord) -> bool:
         """Whether a step asks for more than the cell's `limits` allow; notes for how long it does."""
-        above = [load.add(record, self._dt) for load in self._loads]  # each of them has to see the steps
+        ticks = np.diff(record.window.ticks)
+        above = [load.add(record[load.column], ticks, self._dt) for load in self._loads]  # each has to see the steps
         return any(above)
 
     def _limits(self, totals: RowTotals) -> list[Diagnostic]:

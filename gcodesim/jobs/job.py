@@ -20,6 +20,7 @@ from gcodesim.shop import Shop
 
 if TYPE_CHECKING:
     from gcodesim.executor.record import StepRecord
+    from gcodesim.executor.tasks import Only
     from gcodesim.jobs.meetings import Appointments
     from gcodesim.jobs.target_result import TargetResult
     from gcodesim.planning import Plan
@@ -33,7 +34,8 @@ class Options:
     """Options of the command line that override the cell: `world`, settings of the reader, the day for suppressions.
 
     `findings` and `sources` are those of further files that the command line names. `force` lets a run overwrite inputs
-    and files of others in its output folder. `channels` are the programs of further channels, by name.
+    and files of others in its output folder. `channels` are the programs of further channels, by name. `only`: what
+    the run is about, if not all; the rest is left out.
     """
 
     world: str | None = None
@@ -44,6 +46,7 @@ class Options:
     fail_on: Severity | None = Severity.ERROR
     force: bool = False
     channels: Mapping[str, SourceText] = field(default_factory=dict)
+    only: Only | None = None
 
 
 class Onward(Protocol):
@@ -51,6 +54,10 @@ class Onward(Protocol):
 
     def onward(self) -> Plan | None:
         """The plan of all legs so far and the next, which the job keeps from then on; None: there is no further leg."""
+
+    @property
+    def ended(self) -> bool:
+        """Whether all of the program has been planned."""
 
     def stock_up(self) -> bool:
         """Load the stocks; False if a fault in one of them, which is reported, keeps the job from running."""
@@ -115,6 +122,11 @@ class Job:
 
     @property
     def world(self) -> str:
-        """Which world runs this: the requested one, else that of the cell, else bullet for arms if it is installed."""
+        """Which world runs this: the requested one, else that of the cell, else bullet if it is installed.
+
+        Who asks for nothing but shapes or forces does not ask for motors.
+        """
+        if self.options.only in ("shape", "force"):
+            return KINEMATIC
         named = self.options.world or (self.cell.simulation.world if self.cell is not None else None)
         return named or (BULLET if find_spec("pybullet") is not None else KINEMATIC)

@@ -104,6 +104,11 @@ class Legs:
                 self._hear(question)
         return None
 
+    @property
+    def ended(self) -> bool:
+        """Whether all of the program has been planned."""
+        return self._ended
+
     def stock_up(self) -> bool:
         """Load the stocks; False if a fault in one of them, which is reported, keeps the job from running."""
         if self._stocked is None:

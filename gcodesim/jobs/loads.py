@@ -6,12 +6,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
+from gcodesim.frames import Array
 from gcodesim.units import KW
 
 if TYPE_CHECKING:
     from gcodesim.cell.settings import Limits
-    from gcodesim.executor.record import StepRecord
 
 BRIEF: Final = 0.05
 """[s] up to which the inertia of a spindle and its motor carry it over a peak: some 50 turns at 60,000 rpm."""
@@ -34,22 +35,22 @@ class Load:
     turns: bool
     seconds: float = 0.0
     longest: float = 0.0
-    _steps: int = 0
+    _ticks: int = 0
     _run: int = 0
     _longest: int = 0
 
-    def add(self, record: StepRecord, dt: float) -> bool:
-        """Add the steps of a record, each `dt` [s]; whether any of them is above the limit."""
-        above = np.abs(record[self.column]) > self.limit
+    def add(self, values: Array, ticks: NDArray[np.int64], dt: float) -> bool:
+        """Add `values` (n,) of steps, each of some `ticks` (n,) of `dt` [s]; whether any of them is above the limit."""
+        above = np.abs(values) > self.limit
         if not above.any():
             self._run = 0
             return False
-        self._steps += int(above.sum())
-        ends = np.flatnonzero(~above)
-        runs = np.diff(np.concatenate([[-1 - self._run], ends, [len(above)]])) - 1
+        total = np.cumsum(ticks * above)
+        self._ticks += int(total[-1])
+        runs = np.diff(np.concatenate([[-self._run], total[~above], total[-1:]]))
         self._run = int(runs[-1])
         self._longest = max(self._longest, int(runs.max()))
-        self.seconds, self.longest = self._steps * dt, self._longest * dt
+        self.seconds, self.longest = self._ticks * dt, self._longest * dt
         return True
 
     @property
@@ -60,7 +61,7 @@ class Load:
     @property
     def duration(self) -> str:
         """In words: how long in all, and at most at a time."""
-        if self._steps == self._longest:
+        if self._ticks == self._longest:
             return f"{self.seconds:.3f} s"
         return f"{self.seconds:.3f} s in all, {self.longest:.3f} s at most at a time"
 

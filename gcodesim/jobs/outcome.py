@@ -59,6 +59,7 @@ def inputs_of(job: Job) -> dict[str, Any]:
         "gcodesim": __version__,
         "seed": simulation.seed if simulation is not None else None,
         "world": job.world,
+        **({} if job.options.only is None else {"only": job.options.only}),
         "program": {"name": job.program.name, "sha256": job.program.sha256},
         "cell": {"name": own.name, "sha256": own.sha256},
         "files": [
@@ -98,7 +99,8 @@ def _results_of(job: Job, execution: Execution | None, *, failed: bool) -> Resul
     failed = failed or job.cell is None or job.stopped_at is not None or interrupted
     everything = list(job.findings)
     if job.cell is not None and not failed:
-        everything += idle_suppressions(everything, job.cell, job.program, ran=execution is not None)
+        whole = execution is not None and job.options.only is None
+        everything += idle_suppressions(everything, job.cell, job.program, ran=whole)
         everything.sort(key=lambda finding: finding.order)
     findings = job.shown(everything)
     worst = max((finding.level for finding in findings), default=None)

@@ -112,7 +112,7 @@ class Eyes:
         self._first = (world_steps, window, self._surfaces())
 
     def look(self, window: StepWindow) -> _Look:
-        sees = window.first + len(window) in self._sights
+        sees = window.end in self._sights
         inner = None if self._inner is None else self._inner.look(window)
         return _Look(inner=inner, surfaces=self._surfaces() if sees else None)
 
@@ -145,7 +145,7 @@ class Eyes:
                 self._read(station, 0, world, window, 0, surfaces)
 
     def _read_window(self, world: WorldSteps, window: StepWindow, surfaces: Mapping[str, Surface] | None) -> None:
-        last = window.first + len(window)
+        last = window.end
         self._used.update(np.unique(window.tool).tolist())
         for station in self.stations:
             due = self._due[station.name]

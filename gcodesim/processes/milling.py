@@ -118,6 +118,17 @@ class Milling(Process):
         widest = max([0.0, *(body.widest for body in bodies)])
         return Zone(radius=widest, above=self.cutter.true_length)
 
+    @property
+    def by_path(self) -> bool:
+        """A tool that bends remembers where it was."""
+        return self.cutter.substrate is None
+
+    @property
+    def shaping(self) -> Process:
+        from gcodesim.processes.milling_shape import MillingShape
+
+        return MillingShape(cutter=self.cutter, law=None)
+
     @cached_property
     def swept(self) -> Array | None:
         from gcodesim.material.solid_of_revolution import outline_of_slabs, slabs_of_shape

@@ -146,6 +146,19 @@ class Process:
         return not self.pushes
 
     @property
+    def by_path(self) -> bool:
+        """Whether it says the same however its path is cut into steps that are shorter than what it acts on is fine.
+
+        Then a run may give it steps of different length; see `Window.dt`.
+        """
+        return False
+
+    @property
+    def shaping(self) -> Process:
+        """What does the same to the shape of the target as quickly as can be: without force where that takes time."""
+        return self
+
+    @property
     def laid_section(self) -> float:
         """The greatest section [m²] of what it adds along its path while it is switched on; 0 when it adds nothing."""
         return 0.0

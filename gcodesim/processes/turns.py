@@ -64,7 +64,7 @@ class Turns:
         a, b = begins[many], begins[many + 1] - 1
         share[many] = window.piece_share[b, 1] - window.piece_share[a, 0]
         way = window.piece_end[b] - window.piece_start[a]
-        velocity[many] = way / (share[many] * window.dt)[:, None]
+        velocity[many] = way / (share[many] * np.broadcast_to(window.dt, n)[step[many]])[:, None]
         return Turns(step=step, first=first, first_piece=begins, share=share, velocity=velocity)
 
 

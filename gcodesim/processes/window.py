@@ -32,7 +32,8 @@ class Window:
     side (n, 3): unit vector along X of the tool at the end of each step. `where(frame)` gives the poses X_SF
     (n, 4, 4) of any frame of the scene at the ends of the steps, seen from S, also of one that another machine moves.
 
-    dt [s] of one step; filament (c,) [m]: what
+    dt [s] of one step, (n,) where steps are stretches of path of different length, which only a process meets that acts
+    `by_path`; filament (c,) [m]: what
     E words of a printer's program send through the nozzle along each piece, None where there are none. For what acts
     on parts, pose (n, 4, 4) is the tip X_ST at the end of each step, pose_before (4, 4) at the beginning of the first.
     """
@@ -44,7 +45,7 @@ class Window:
     velocity: Array
     rapid: Flags
     signals: Mapping[str, NDArray[Any]]
-    dt: float
+    dt: float | Array
     compliance: Array | None = None
     piece_share: Array | None = None
     axis_before: Array | None = None

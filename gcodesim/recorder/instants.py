@@ -87,7 +87,8 @@ class Instants:
             engaged=record["engaged"][at],
             torque=record["torque"][at],
             power=record["power"][at],
-            removal=removed[at] / window.dt,
+            removal=removed[at] / window.dt[at],
+            dt=window.dt[at],
             removed=self._since_start("removed", removed)[at],
             **{
                 c.field: (self._since_start(c.name, record[c.name]) if c.of == "sum" else record[c.name])[at]

@@ -17,10 +17,10 @@ from gcodesim.arithmetic.matrices import applied, multiplied, norms
 from gcodesim.canon import ToolChange
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.executor.record import StepRecord
-from gcodesim.files.output_folder import FILM_SUFFIXES, LINES_NAME, LOG_NAME, RESULTS_NAME
-from gcodesim.files.whole_file import whole_file, write_whole
+from gcodesim.files.output_folder import LOG_NAME, RESULTS_NAME
 from gcodesim.frames import Array
 from gcodesim.jobs.job import BULLET
+from gcodesim.jobs.pace import log_period_ns
 from gcodesim.jobs.results import Results
 from gcodesim.log import (
     Entity,
@@ -43,6 +43,7 @@ from gcodesim.recorder.limits import JointLimits
 from gcodesim.recorder.look import layout_kind, view_of
 from gcodesim.recorder.pose_kernels import bend, compare
 from gcodesim.recorder.reporter import Reporter
+from gcodesim.recorder.result_files import write_files
 from gcodesim.recorder.sensed import image_topics, sensor_message, sensor_topics
 from gcodesim.recorder.texts import Texts
 from gcodesim.recorder.ways import Ways
@@ -55,7 +56,7 @@ if TYPE_CHECKING:
     from gcodesim.jobs.job import Job
     from gcodesim.log.live import LiveView
     from gcodesim.material.stock import Stock
-    from gcodesim.material.surface import Glimpse, Surface, Tile, Tiles
+    from gcodesim.material.surface import Glimpse, Tile, Tiles
     from gcodesim.observation.schedule import Station
     from gcodesim.planning import Plan
     from gcodesim.sensors.outputs import Output
@@ -102,7 +103,7 @@ class Recorder:
         assert job.shop is not None and job.plan is not None and job.cell is not None
         self._job, self._shop, self._plan = job, job.shop, job.plan
         self._step_ns = job.cell.simulation.step_ns
-        self._period_ns = job.cell.log.period_ns
+        self._period_ns = log_period_ns(job)
         self._frames = Frames.of(self._shop, prefix)
         self._systems = work_systems(self._shop, self._plan.path)
         self._speeds = np.array([state.spindle for state in self._plan.path.states])
@@ -241,9 +242,7 @@ class Recorder:
 
     def look(self, window: StepWindow) -> Sequence[Glimpse]:
         """What `window` has changed of each stock, when it is time to look; drawn later, when it is written."""
-        begin_ns = window.first * self._step_ns
-        end_ns = begin_ns + len(window) * self._step_ns
-        if end_ns // self._tile_ns == begin_ns // self._tile_ns:
+        if window.end * self._step_ns // self._tile_ns == window.first * self._step_ns // self._tile_ns:
             return []
         return [tiles.changed() for tiles in self._tiles]
 
@@ -256,7 +255,7 @@ class Recorder:
 
     def _write_down(self, record: StepRecord, found: Sequence[Diagnostic], seen: Sequence[Glimpse]) -> None:
         window = record.window
-        ends = (window.first + 1 + np.arange(len(window), dtype=np.int64)) * self._step_ns
+        ends = window.ticks[1:] * self._step_ns
         logged = np.flatnonzero(ends % self._period_ns == 0)
         self._begin_blocks(int(ends[-1]))
         self._reporter.until(int(ends[-1]), found, begin_ns=self._now_ns + 1)
@@ -312,7 +311,7 @@ class Recorder:
         """Write the tool in the spindle when it has changed."""
         for k in np.flatnonzero(np.diff(window.tool, prepend=self._tool) != 0):
             number = int(window.tool[k])
-            t_ns = 0 if to_ns < 0 else (window.first + int(k)) * self._step_ns
+            t_ns = 0 if to_ns < 0 else int(window.ticks[k]) * self._step_ns
             tool = self._shop.tool(number)
             self._writer.tool(t_ns, tool_shapes(tool), self._frames.tool)
             span = self._change_span(number)
@@ -420,7 +419,7 @@ class Recorder:
         cut = self._frames.seen_from_table(came["q"], X_WT)[:, :3, 3]  # feed is the tool's way over the work
         way = np.concatenate([self._cut_at[None], cut])
         self._cut_at = cut[-1]
-        speed: Array = norms(way[came["now"]] - way[came["before"]]) / (self._step_ns * 1e-9)
+        speed: Array = norms(way[came["now"]] - way[came["before"]]) / came["dt"]
         return speed
 
     def _fractions(self, row: Any, time: Array) -> Array:
@@ -478,38 +477,7 @@ class Recorder:
             if column.of == "greatest"
         }
         self._writer.close(self._now_ns, state, record, {RESULTS_NAME: text}, self._instants.peaks)
-        write_whole(self._out / RESULTS_NAME, text)
-        write_whole(self._out / LINES_NAME, results.lines_csv().encode())
-        self._write_stocks()
-        self._write_films()
-
-    def _write_films(self) -> None:
-        from gcodesim.jobs.coating import film_name
-        from gcodesim.material.film_file import write_mesh, write_table
-
-        for coated in self._shop.coated.values():
-            film = coated.film
-            if film is None:
-                continue
-            name, spec = film_name(coated, self._shop), self._shop.cell.coats[coated.frame]
-            top = max(float(film.coat.dry.max()), spec.bare) if spec.most is None else spec.most
-            mesh, table = (self._out / f"{name}{suffix}" for suffix in FILM_SUFFIXES)
-            with whole_file(mesh) as file:
-                write_mesh(film, file, top=top, bare=spec.bare, in_part=coated.in_part)
-            with whole_file(table) as file:
-                write_table(film, file, in_part=coated.in_part)
-
-    def _write_stocks(self) -> None:
-        from gcodesim.material.stl import write_stl
-        from gcodesim.material.stock_file import SUFFIX
-        from gcodesim.recorder.dose_maps import write_doses
-
-        for name, placed in self._shop.stocks.items():
-            with whole_file(self._out / f"{name}.stl") as file:
-                write_stl(_as_placed(placed.stock), file)
-            placed.stock.save(self._out / f"{name}{SUFFIX}")
-            if not placed.revolved:
-                write_doses(placed.stock, name, self._out)
+        write_files(self._out, self._shop, results)
 
     def abandon(self) -> None:
         """After a fault: keep what is there, under the name of an incomplete log."""
@@ -600,9 +568,3 @@ def _is_rapid(plan: Plan) -> NDArray[np.bool_]:
 
 def _in_world(R_WB: Array, wrench: Array) -> Array:
     return np.concatenate([applied(R_WB, wrench[:, :3]), applied(R_WB, wrench[:, 3:])], axis=1)
-
-
-def _as_placed(stock: Stock) -> Surface:
-    """The surface in the part's own frame, on whichever side it lies."""
-    surface = stock.surface()
-    return replace(surface, vertices=stock.in_part(surface.vertices))

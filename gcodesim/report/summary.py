@@ -10,12 +10,19 @@ from gcodesim.jobs.results import Results
 from gcodesim.jobs.target_result import TargetResult
 
 _MOST_FEATURES: Final = 8
+_LEFT_OUT: Final = {
+    "shape": "without forces and log",
+    "motion": "nothing is cut",
+    "force": "without log and files of shapes",
+}
 
 
 def summary_rows(results: Results) -> list[list[str]]:
     """Rows of the table that ends a run or a check: a name, a value with its unit, a remark."""
     times = results.times
-    rows = [
+    only = results.inputs.get("only")
+    rows = [] if only is None else [["only", str(only), _LEFT_OUT[str(only)]]]
+    rows += [
         ["time", f"{times.total:.1f} s"],
         ["  feed", f"{times.feed:.1f} s"],
         ["  rapid", f"{times.rapid:.1f} s"],

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 class RunThread:
     """The run of `job`; itself what `job.legs` has to be. Only one of the two threads works at any time."""
 
+    ended = False
+
     def __init__(self, job: Job, out: Path | None) -> None:
         self._job, self._out = job, out
         self._further: SimpleQueue[bool] = SimpleQueue()

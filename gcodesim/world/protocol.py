@@ -65,6 +65,18 @@ class WorldSteps:
     reaction: Array
     gear: Array | None = None
 
+    def at(self, steps: NDArray[np.int64]) -> WorldSteps:
+        """Some of the steps, in this order."""
+        return WorldSteps(
+            q=self.q[steps],
+            qd=self.qd[steps],
+            qdd=self.qdd[steps],
+            effort=self.effort[steps],
+            saturated=self.saturated[steps],
+            reaction=self.reaction[steps],
+            gear=None if self.gear is None else self.gear[steps],
+        )
+
 
 class World(Protocol):
     """A robot that obeys joint commands; one of WORLDS."""

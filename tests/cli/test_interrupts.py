@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 import gcodesim
-from gcodesim.executor import loop
+from gcodesim.executor import loop, pacing
 from gcodesim.log.logfile import LogFile
 from gcodesim.log.reader import decoded
 
@@ -32,7 +32,7 @@ def interrupt(monkeypatch: pytest.MonkeyPatch) -> Interrupt:
             return move(*arguments)
 
         monkeypatch.setattr(loop, "_move", interrupted)
-        monkeypatch.setattr(loop, "MOST_STEPS", 100)
+        monkeypatch.setattr(pacing, "MOST_STEPS", 100)
 
     return interrupt
 

@@ -84,7 +84,7 @@ def test_info_tells_them(cli, folder, known):
 
 
 def test_peaks_do_not_depend_on_how_often_the_log_looks(cli, folder, known, tmp_path):
-    (tmp_path / "often.yaml").write_text(CELL)
+    (tmp_path / "often.yaml").write_text(CELL + "log: {period: 20 ms}\n")
     assert cli("run", "peak.nc", "--cell", "often.yaml", "--out", "often").status == 0
     often, rare = (Recording.open(tmp_path / name).series("/process") for name in ("often", "out"))
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gcodesim.executor import loop
+from gcodesim.executor import pacing
 from tests.physics.runs import Ran, run_texts
 
 # arcs, corners and feeds of which a step takes one chord, and of which it takes many
@@ -84,8 +84,8 @@ def test_windows_do_not_show(cell: str, tmp_path: Path, monkeypatch: pytest.Monk
     program = TURNING if cell == "turning table" else PROGRAM
     first, stock = look(run_texts(program, CELLS[cell].format(period=20), tmp_path / "first"), tmp_path)
     assert (first.max(axis=0) > 0.0).all()
-    for period, most, logged in ((20, 7, True), (4, 333, True), (100, loop.MOST_STEPS, True), (20, 41, False)):
-        monkeypatch.setattr(loop, "MOST_STEPS", most)
+    for period, most, logged in ((20, 7, True), (4, 333, True), (100, pacing.MOST_STEPS, True), (20, 41, False)):
+        monkeypatch.setattr(pacing, "MOST_STEPS", most)
         out = tmp_path / f"{period}-{most}" if logged else None
         again, left = look(run_texts(program, CELLS[cell].format(period=period), out), tmp_path)
         scale = np.abs(first).max(axis=0)

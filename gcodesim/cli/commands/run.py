@@ -38,6 +38,12 @@ def add_parser(commands: Any) -> None:
         help="instead of what the cell says: kinematic has no dynamics; bullet has inertia, gravity and motors",
     )
     parser.add_argument(
+        "--only",
+        choices=("shape", "motion", "force"),
+        help="leave the rest out: shape cuts the stock without forces and writes no log; motion moves the machine and "
+        "cuts nothing; force cuts with forces and writes neither log nor shapes",
+    )
+    parser.add_argument(
         "--live",
         type=_port,
         nargs="?",

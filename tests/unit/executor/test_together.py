@@ -11,7 +11,7 @@ import pytest
 
 from gcodesim.cell import load_cell
 from gcodesim.diagnostics import SourceText
-from gcodesim.executor import loop
+from gcodesim.executor import pacing
 from gcodesim.jobs.job import Options
 from gcodesim.log.logfile import LogFile
 from gcodesim.simulation import prepare, run
@@ -84,7 +84,7 @@ def test_two_slots_that_cross(tmp_path: Path) -> None:
 def test_nothing_depends_on_the_length_of_windows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Both tools pass the crossing at nearly the same time: who cuts first decides what each one feels."""
     whole = ran(tmp_path / "whole", cell())
-    monkeypatch.setattr(loop, "MOST_STEPS", 7)
+    monkeypatch.setattr(pacing, "MOST_STEPS", 7)
 
     divided = ran(tmp_path / "divided", cell())
 

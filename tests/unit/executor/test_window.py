@@ -45,7 +45,7 @@ def windows(plan: Plan, most: int, dt_ns: int = 8 * MS) -> list[StepWindow]:
     rows = RowColumns.of(plan.path)
     count = int(-(-plan.trajectory.duration_ns // dt_ns))
     carry = first_carry(plan, rows)
-    return [window_of(plan, rows, k, min(most, count - k), dt_ns, carry) for k in range(0, count, most)]
+    return [window_of(plan, rows, np.arange(k, min(k + most, count) + 1), dt_ns, carry) for k in range(0, count, most)]
 
 
 def test_the_pieces_follow_each_other_but_for_a_change_of_tool(plan: Plan) -> None:

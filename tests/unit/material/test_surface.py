@@ -334,3 +334,32 @@ def test_coarser_drawing_keeps_the_outline():
     assert points.min(axis=0) == pytest.approx([0, 0, -5 * MM], abs=1e-6)
     assert points.max(axis=0) == pytest.approx([31 * MM, 17 * MM, 0], abs=1e-6)
     assert len(points) < 2000
+
+
+def pocket(resolution, depth):
+    """A pocket whose walls stand beside the borders of columns, in a block."""
+    stock = block(resolution)
+    rows = [[10.3, y, -depth] for y in (8.2, 11.2, 14.2, 17.2, 20.2) for _ in range(2)]
+    for k, row in enumerate(rows):
+        row[0] = 28.4 if k % 4 in (1, 2) else 10.3
+    rows += [[10.3, 20.2, -depth], [10.3, 8.2, -depth], [28.4, 8.2, -depth], [28.4, 20.2, -depth]]
+    points = np.array(rows) * MM
+    stock.remove(points[:-1], points[1:], shape.flat(6 * MM, 30 * MM))
+    return stock
+
+
+@pytest.mark.parametrize("resolution", [3.0, 2.0, 1.0, 0.5])
+@pytest.mark.parametrize("depth", [1.0, 2.0, 4.0])
+def test_files_have_the_volume_of_the_stock(resolution, depth):
+    """Of what is left, and of what was cut: slopes of up to 1.5 cells stand for walls on coarse grids."""
+    from gcodesim.material.true_volume import surface_for_files
+
+    stock = pocket(resolution, depth)
+    plain, surface = stock.surface(), surface_for_files(stock)
+
+    assert_closed(surface)
+    assert surface.volume == pytest.approx(stock.volume, rel=1.01e-4)
+    assert np.array_equal(surface.faces, plain.faces) and np.array_equal(surface.vertices[:, 2], plain.vertices[:, 2])
+    assert np.abs(surface.vertices - plain.vertices).max() <= 0.5 * stock.cell * 1.001
+    low, high = stock.bounds
+    assert np.array_equal(surface.vertices.min(axis=0), low) and np.array_equal(surface.vertices.max(axis=0), high)

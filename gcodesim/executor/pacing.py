@@ -1,0 +1,155 @@
+"""How long the steps of a run are: each a tick of the clock, or as far as the cut along the path stays the same.
+
+Where a world follows its command and nothing in the cell answers the motion, a step may be a stretch of path that
+neither the grid of the stock nor the law of force can tell apart. It still is a whole number of ticks, so that the
+clock, the log and whoever waits for something agree on every time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.executor.window import LONGEST_CHORD, MOST_PARTS
+from gcodesim.frozen import frozen
+from gcodesim.motion.curve_kernels import ROUND, STRAIGHT
+from gcodesim.motion.pieces import PART
+
+if TYPE_CHECKING:
+    from gcodesim.executor.tasks import Only
+    from gcodesim.motion.pieces import Pieces
+    from gcodesim.motion.trajectory import Trajectory
+    from gcodesim.planning import Plan
+    from gcodesim.shop import Shop
+
+Ints = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+MOST_STEPS: Final = 2000
+"""Steps of one window: enough to spread the cost of a window, few enough to stay small in memory."""
+
+LONGEST_WAY: Final = MOST_PARTS * LONGEST_CHORD
+"""The longest way [m] of a step at feed: a window divides it into chords that still follow an arc."""
+
+
+CHORD_OVER_TABLE: Final = 2.0 * LONGEST_CHORD
+
+
+@frozen
+class Pacing:
+    """Steps are whole numbers of ticks, `dt_ns` each.
+
+    `reach` [m] is the longest way of the tip in a step at feed; None: every tick is a step. `period`: a step ends with
+    every multiple of so many ticks, because the log wants to know what is there; 0: nobody does.
+    """
+
+    dt_ns: int
+    reach: float | None = None
+    period: int = 0
+
+    def windows(
+        self, plan: Plan, rapid: Flags, first: int, last: int, most: int, stops: Sequence[int] = ()
+    ) -> Iterator[Ints]:
+        """Ticks `first` to `last` in windows of at most `most` ticks: (n + 1,) for n steps, which end with [1:].
+
+        `rapid` are the rows of the plan's path that are rapids. A window of single ticks ends with each of `stops`,
+        too.
+        """
+        if self.reach is None:
+            borders = sorted({*range(first, last, min(most, MOST_STEPS)), *stops, last})
+            for begin, end in pairwise(borders):
+                yield np.arange(begin, end + 1, dtype=np.int64)
+            return
+        ticks = self._ticks(plan.trajectory, rapid, first, last)
+        at, count = 0, len(ticks) - 1
+        while at < count:
+            looked = int(np.searchsorted(ticks, ticks[at] + most, side="right")) - 1
+            end = min(max(looked, at + 1), at + MOST_STEPS, count)
+            yield ticks[at : end + 1]
+            at = end
+
+    def _ticks(self, trajectory: Trajectory, rapid: Flags, first: int, last: int) -> Ints:
+        """`first`, and the ticks up to `last` with which a step ends: with rows and stretches of one acceleration.
+
+        What ends within a tick ends with the tick before, so that the last tick of a step has the speed and the
+        acceleration of all of it.
+        """
+        assert self.reach is not None
+        phases, path = trajectory.phases, trajectory.path
+        begin = np.rint(phases.time * 1e9).astype(np.int64) // self.dt_ns
+        end = np.rint((phases.time + phases.duration) * 1e9).astype(np.int64) // self.dt_ns
+        own = (end >= first) & (begin <= last)
+        begin, end = begin[own], end[own]
+        speed, gain = phases.speed[own], phases.acceleration[own] * phases.duration[own]
+        fastest = np.maximum(np.abs(speed), np.abs(speed + gain))
+        whole = np.ones(len(begin), dtype=np.int64)  # ticks of a step
+        if len(path) and len(whole):
+            middle = phases.time[own] + 0.5 * phases.duration[own]
+            row = np.clip(trajectory.rows_at(middle), 0, len(path) - 1)
+            turns = (path.start[row, 3:] != path.end[row, 3:]).any(axis=1)
+            way = self.reach / np.maximum(fastest * (self.dt_ns * 1e-9), 1e-12)
+            most = float(max(last - first, 1))
+            whole = np.clip(np.where(rapid[row], most, way), 1.0, most).astype(np.int64)
+            straight, timed = _forms(trajectory.pieces)
+            piece = phases.piece[own]
+            whole[turns | timed[piece] | (rapid[row] & ~straight[piece])] = 1
+            whole[phases.event[own] >= 0] = int(most)
+        count = np.maximum(-(-(end - begin) // whole), 0)
+        place = np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count)
+        within = np.repeat(begin, count) + place * np.repeat(whole, count)
+        rows = trajectory.row_ns[0] // self.dt_ns if len(path) else np.zeros(0, dtype=np.int64)
+        peaks = (gain[:-1] > 0.0) & (gain[1:] < 0.0)  # at full speed for a moment only: within the tick that follows
+        wanted = [within, end, end[:-1][peaks] + 1, rows, np.array([first, last])]
+        if self.period:
+            wanted.append(np.arange(first // self.period, last // self.period + 1, dtype=np.int64) * self.period)
+        ticks = np.unique(np.concatenate(wanted))
+        kept: Ints = ticks[(ticks >= first) & (ticks <= last)]
+        return kept
+
+
+def _forms(pieces: Pieces) -> tuple[Flags, Flags]:
+    """The pieces (m,) that are parts of lines, and those that run by a clock.
+
+    A rapid goes along any other than a line in one chord a step, and what runs by a clock tells no way.
+    """
+    form = pieces.curves.kind[pieces.curve]
+    return (form == STRAIGHT) & (pieces.kind == PART), (form != STRAIGHT) & (form != ROUND)
+
+
+def may_follow_path(shop: Shop, only: Only | None = None) -> bool:
+    """Whether nothing in the cell answers the motion or counts its ticks, so that steps may be stretches of path.
+
+    That is a machine tool that does not yield, no parts that move, and tools whose processes say the same however
+    their path is cut into steps. `only`: what the run is about, if not all.
+    """
+    from gcodesim.executor.targets import targets_of
+    from gcodesim.processes import PROCESSES
+
+    mover = shop.mover
+    if not mover.joints_are_axes or mover.lathe or mover.stiffness is not None or mover.controller.law != "ideal":
+        return False
+    if shop.moves_parts:
+        return False
+    if only == "motion":
+        return True
+    processes = (
+        PROCESSES[kind].of(tool, target.material)
+        for tool in shop.cell.tools.values()
+        for kind in tool.acts_by
+        for target in targets_of(shop, PROCESSES[kind].acts_on)
+    )
+    return all((process.shaping if only == "shape" else process).by_path for process in processes)
+
+
+def cell_reach(shop: Shop) -> float:
+    """The longest way [m] of a step: a cell of the finest stock, as far as the engagement looks ahead.
+
+    Over a table that moves a step is one chord.
+    """
+    stocks = shop.stocks.values()
+    chord = [CHORD_OVER_TABLE for placed in stocks if shop.scene.moves(placed.frame)]
+    return min([LONGEST_WAY, *chord, *(placed.stock.cell for placed in stocks)])

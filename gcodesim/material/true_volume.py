@@ -1,0 +1,66 @@
+"""A surface whose volume is that of its stock: on coarse grids, slopes that stand for steps enclose something else."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.arithmetic.matrices import norms
+from gcodesim.material.surface import Surface
+
+if TYPE_CHECKING:
+    from gcodesim.material.stock import Stock
+
+Array = NDArray[np.float64]
+
+CLOSE: Final = 1e-4
+"""Share of the volume by which a surface may be off and is left as it is."""
+
+MOST_SHIFT: Final = 0.5
+"""By how much [cells] walls are moved at most: so much of their place the grid leaves open."""
+
+UPRIGHT: Final = 0.01
+"""Greatest vertical share of the normal of a side of the stock, which stays where it is."""
+
+TURNS: Final = 3  # of Newton's method: the volume is a cubic of the shift
+
+
+def surface_for_files(stock: Stock) -> Surface:
+    """The surface of a stock, in the part's own frame on whichever side it lies, with the volume of the stock."""
+    surface = with_volume(stock.surface(), stock.volume, stock.cell)
+    return replace(surface, vertices=stock.in_part(surface.vertices))
+
+
+def with_volume(surface: Surface, volume: float, cell: float) -> Surface:
+    """`surface` with walls and slopes that were cut moved evenly until it encloses `volume` [m³]; still closed.
+
+    Points move level, across the surface; so floors and tops stay at their heights, and sides of the stock stay where
+    they are. `cell` [m] is that of the stock's columns. A point moved by d along the level part of its share of areas
+    (a third of the vector of each triangle around it) changes the volume by d times the length of that part.
+    """
+    if not len(surface.faces) or abs(surface.volume - volume) <= CLOSE * abs(volume):
+        return surface
+    faces, points = surface.faces, surface.vertices
+    normal = np.cross(points[faces[:, 1]] - points[faces[:, 0]], points[faces[:, 2]] - points[faces[:, 0]])
+    share = np.zeros((len(points), 2))
+    for axis in range(2):
+        for corner in range(3):
+            share[:, axis] += np.bincount(faces[:, corner], normal[:, axis] / 6.0, minlength=len(points))
+    free = np.zeros(len(points), dtype=bool)
+    free[faces[surface.cut != 0]] = True  # with the columns beside them, whose edges lean where a step is a slope
+    free[faces[(surface.cut == 0) & (np.abs(normal[:, 2]) <= UPRIGHT * norms(normal))]] = False
+    share[~free] = 0.0
+    area = norms(share)
+    way = np.zeros_like(points)
+    way[:, :2] = np.divide(share, area[:, None], out=np.zeros_like(share), where=area[:, None] > 0.0)
+    shift, slope, best = 0.0, float(area.sum()), surface
+    for _ in range(TURNS):
+        missing = volume - best.volume
+        if slope <= 0.0 or abs(missing) <= 1e-2 * CLOSE * abs(volume):
+            break
+        shift = float(np.clip(shift + missing / slope, -MOST_SHIFT * cell, MOST_SHIFT * cell))
+        best = replace(surface, vertices=points + shift * way)
+    return best
