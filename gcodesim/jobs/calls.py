@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from gcodesim.actions import ACTIONS, Moment, WordAction, Wrong
 from gcodesim.arithmetic.matrices import multiplied
 from gcodesim.canon import Action
@@ -38,11 +40,11 @@ class Calls:
     def of(self, record: StepRecord) -> list[Diagnostic]:
         """What the calls in the steps of a record say."""
         found = []
-        end = record.window.first + len(record)
-        while self._done < len(self._calls) and self._calls[self._done][0] < end:
+        ticks = record.window.ticks
+        while self._done < len(self._calls) and self._calls[self._done][0] < ticks[-1]:
             step, time, event = self._calls[self._done]
             self._done += 1
-            found += self._call(record, max(step - record.window.first, 0), time, event)
+            found += self._call(record, max(int(np.searchsorted(ticks, step, side="right")) - 1, 0), time, event)
         return found
 
     def _call(self, record: StepRecord, k: int, time: float, event: Action) -> list[Diagnostic]:

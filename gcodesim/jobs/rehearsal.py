@@ -25,6 +25,7 @@ def rehearse(job: Job) -> Sequence[Stay] | None:
     if any(each.plan is None or each.shop is None for each in job.all):
         return None
     from gcodesim.executor import TrackPlan, execute_together
+    from gcodesim.executor.pacing import Pacing
     from gcodesim.jobs.inspection import Inspector
 
     shops = side_by_side(shop, [each.shop for each in job.others if each.shop is not None])
@@ -35,7 +36,7 @@ def rehearse(job: Job) -> Sequence[Stay] | None:
         TrackPlan(plan=plan, shop=own, inspect=lambda record, rows, joints, who=who: who.fresh(record, rows, joints))  # type: ignore[misc]
         for plan, own, who in zip(plans, shops, inspectors, strict=True)
     ]
-    execution = execute_together(channels, world_name=KINEMATIC, dt_ns=step)
+    execution = execute_together(channels, world_name=KINEMATIC, pacing=Pacing(dt_ns=step))
     for each, who, own in zip(job.all, inspectors, (execution, *execution.others), strict=True):
         each.findings.extend(who.of_grips(own))
     return execution.stays
