@@ -6,15 +6,30 @@ import re
 
 from gcodesim.rs274.block import Block, Name
 from gcodesim.rs274.control import Control
-from gcodesim.rs274.dialects.linuxcnc import CENTRE, DISTANCE, FEED_MODE, MOTION, NON_MODAL, PLANE, SYSTEM, UNITS
+from gcodesim.rs274.dialects.linuxcnc import (
+    CENTRE,
+    DISTANCE,
+    FEED_MODE,
+    MOTION,
+    NON_MODAL,
+    PLANE,
+    SPINDLE,
+    SYSTEM,
+    UNITS,
+)
 from gcodesim.rs274.ends import end_point
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.reader import prepare, read_plain
+from gcodesim.rs274.watch.doubt import Doubt, codes_in
 from gcodesim.rs274.words import Words, read_words
 
 _HARMLESS = (MOTION, PLANE, DISTANCE, CENTRE, FEED_MODE, UNITS, SYSTEM)
 _FLOW = re.compile(r"\s*+(?:/[1-9]?)?\s*+(?:n[\d.\s]*+)?(?:o|while|if\s*+\[|goto|do\s*+[1-9]|end\s*+[1-9])")
-_PLAIN_WORD = re.compile(r"(?<![A-Za-z#<\[])([A-Za-z])[ \t]*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(?![0-9.\[])")
+# a word with a number behind which another word begins, not a letter that stands where a digit was meant (`Y1O`)
+_PLAIN_WORD = re.compile(
+    r"(?<![A-Za-z#<\[])([A-Za-z])[ \t]*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))"
+    r"(?![0-9.\[Oo]|[A-Za-z](?![ \t]*[-+]?(?:[0-9#\[]|\.[0-9])))"
+)
 
 # codes of faults that may only follow from an unknown position, feed, spindle or parameter
 _BY_POSITION = frozenset(("GS110", "GS111", "GS112", "GS140", "GS151", "GS152", "GS153", "GS180"))
@@ -24,6 +39,14 @@ _BY_PARAMETER = frozenset(("GS120", "GS121", "GS123"))
 _BY_MODE = frozenset(("GS101", "GS104", "GS150", "GS170", "GS191"))
 _BY_FLOW = frozenset(("GS130", "GS132"))
 _NOT_FOUND = "GS131"
+# codes by which the program's zero, or the meaning of a coordinate, changes, and which are not carried over
+_OF_FRAME = frozenset(
+    "g7 g8 g10 g15 g16 g50 g50.1 g51 g51.1 g52 g54.1 g54.2 g68 g68.2 g69 g92 g92.1 g92.2 g92.3 g154".split()
+)
+_UNREAD_END = re.compile(r"m(?:[^a-z0-9]*(?:0?2|30|99)(?![0-9])|$)")
+_LETTER_O = re.compile(r"g0?o[0-3]?(?![0-9])")  # GO X5: a motion, whichever
+_BY_PLACE = frozenset((920, 100))  # codes that set an offset by where the tool stands
+_NAMED = re.compile(r"#<([^>]*)>")
 _AXES = frozenset("xyzabcuvw")
 _MOST_WORDS = 100  # characters of a line that are read; a longer line is not a block
 
@@ -36,14 +59,29 @@ class Recovery:
         self.axes: set[str] = set()  # letters of the axes whose position nobody knows
         self.feed = False
         self.spindle = False
+        self.speed = False  # what S is
+        self.ended = False  # whether the program has come to its end before
         self.parameters = False
         self.modes = False
+        self.motion = False  # only which motion is in force
         self.flow = False
+        self.frame = False  # where the program's zero lies, or what an offset is
+        self.named: set[str] = set()  # parameters that a faulty line names
+
+    @property
+    def place(self) -> bool:
+        """Whether nobody knows where the moves lead."""
+        return self.frame or self.modes or self.parameters or not self.axes.isdisjoint("xyz")
+
+    @property
+    def certain(self) -> bool:
+        """Whether all is as if there had been no fault."""
+        return not (self.place or self.axes or self.spindle or self.flow)
 
     @property
     def may_settle(self) -> bool:
         """Whether something is in doubt that a block may make certain again."""
-        return bool(self.axes) or self.feed or self.spindle
+        return bool(self.axes) or self.feed or self.spindle or self.motion
 
     def is_consequence(self, fault: Fault, block: Block | None) -> bool:
         """Whether `fault` may come from an earlier skipped block alone."""
@@ -51,30 +89,50 @@ class Recovery:
         if code == _NOT_FOUND:
             return self.parameters and block is not None and _is_computed(block)
         return (
-            (bool(self.axes) and code in _BY_POSITION)
+            (code in _BY_POSITION and (self.modes or not self.axes.isdisjoint("xyz")))
             or (self.feed and code in _BY_FEED)
             or (self.spindle and code in _BY_SPINDLE)
-            or (self.parameters and code in _BY_PARAMETER)
-            or (self.modes and code in _BY_MODE)
+            or (self.parameters and code in _BY_PARAMETER and not self._names_another(fault))
+            or ((self.modes or self.motion) and code in _BY_MODE and not _says_its_motion(block))
             or (self.flow and code in _BY_FLOW)
         )
 
-    def after(self, fault: Fault, block: Block | None, text: str) -> None:
-        """Carry out what is certain of the faulty block, and remember what is not."""
+    def _names_another(self, fault: Fault) -> bool:
+        """Whether a fault is about a named parameter that no faulty line names."""
+        names = _NAMED.findall(fault.message.lower())
+        return bool(names) and not self.flow and self.named.isdisjoint(map(_squeezed, names))
+
+    def after(self, fault: Fault, block: Block | None, text: str) -> Doubt:
+        """Carry out what is certain of the faulty block, and remember what is not; that is returned."""
         squeezed = re.sub(r"\([^)]*\)?|;.*", "", text).lower()
         self._doubt(squeezed, block)
         words = self._salvage(block, text)
         if words is not None:
             self._carry_over(words)
+        bare = _NAMED.sub("", _squeezed(squeezed))
+        self._doubt_unread(bare, _PLAIN_WORD.findall(squeezed), words)
+        codes = codes_in(bare)
+        self.frame = self.frame or not codes.isdisjoint(_OF_FRAME)
+        return Doubt(
+            spindle=self.spindle,
+            any_code=self.modes,
+            letters=frozenset(bare),
+            codes=codes,
+            unit=self.control.state.unit,
+        )
 
     def settled(self, words: Words) -> None:
         """A block was executed after a fault: what it says without regard to what was before is certain again."""
         if not self.may_settle:
             return
         control = self.control
+        if words.g.get(NON_MODAL) in _BY_PLACE and not self.axes.isdisjoint(words.values):
+            self.frame = True
         if "f" in words.values:
             self.feed = False
-        if words.values.get("s") and control.state.spindle:
+        self.motion = self.motion and MOTION not in words.g
+        self.speed = self.speed and not words.values.get("s")
+        if not self.speed and (words.m.get(SPINDLE) in (3, 4, 5) or (words.values.get("s") and control.state.spindle)):
             self.spindle = False
         if not control.state.incremental and words.g.get(NON_MODAL) in (None, 530) and 0 <= control.state.motion <= 30:
             self.axes -= words.values.keys()
@@ -86,11 +144,25 @@ class Recovery:
         self.axes |= _AXES if "@" in text or "^" in text else _AXES & set(text)
         if "#" in text:
             self.parameters = True
-        if re.search(r"f(?!\s*[\d.])", text):
-            self.feed = True
-        if re.search(r"m\s*0*[345]\b", text) or re.search(r"s(?!\s*[\d.])", text):
+            self.named |= {_squeezed(name) for name in _NAMED.findall(text)}
+        if re.search(r"m\s*0*[345](?![0-9])", text):
             self.spindle = True
-        if re.search(r"g(?!\s*[\d.])", text):
+
+    def _doubt_unread(self, bare: str, written: list[tuple[str, str]], words: Words | None) -> None:
+        """Doubt what words of the line may have said that could not be read; `written` are those with a number."""
+        read = set() if words is None else words.values.keys()
+        codes = [] if words is None else words.m_codes
+        letters = [letter for letter, _ in written]
+        self.feed = self.feed or ("f" in bare and "f" not in read)
+        if "s" in bare and "s" not in read:
+            self.speed = self.spindle = True
+        if bare.count("m") > letters.count("m"):
+            self.spindle = True
+            self.ended = self.ended or _UNREAD_END.search(bare) is not None
+        self.ended = self.ended or not {2, 30, 99}.isdisjoint(codes)
+        slips = len(_LETTER_O.findall(bare))
+        self.motion = self.motion or slips > 0
+        if bare.count("g") > letters.count("g") + slips:
             self.modes = True
 
     def _salvage(self, block: Block | None, text: str) -> Words | None:
@@ -136,8 +208,8 @@ class Recovery:
             modes.feed_mode(words, control)
             modes.feed_rate(words, control)
             machine_codes.spindle_speed(words, control)
-            if words.m.get(7) in (3, 4, 5):
-                state.spindle = {3: 1, 4: -1, 5: 0}[words.m[7]]
+            if words.m.get(SPINDLE) in (3, 4, 5):
+                state.spindle = {3: 1, 4: -1, 5: 0}[words.m[SPINDLE]]
             modes.plane(words, control)
             modes.units(words, control)
             offsets.work_system(words, control)
@@ -154,6 +226,16 @@ class Recovery:
             pass
         del control.out[kept:]
         control.parameters.commit()
+
+
+def _squeezed(text: str) -> str:
+    """`text` without blanks, which mean nothing."""
+    return re.sub(r"\s+", "", text)
+
+
+def _says_its_motion(block: Block | None) -> bool:
+    """Whether a block has a motion code of its own, so that no unknown mode decides what its words are."""
+    return block is not None and any(letter == "g" and value in (0.0, 1.0, 2.0, 3.0) for letter, value in block.words)
 
 
 def _is_computed(block: Block) -> bool:

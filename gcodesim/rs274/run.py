@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import time
-from collections.abc import Generator, Iterator
+from collections.abc import Generator, Iterable, Iterator
 from pathlib import Path
 
 from gcodesim import canon
@@ -129,6 +129,7 @@ class Executor:
         self.blocks = 0
         self.next_clock = _CHECK_CLOCK_EVERY
         self.faults = 0
+        self.given_up = False  # the file is in another language
         self.told: dict[tuple[str, str], set[tuple[str, int, int]]] = {}  # where each message was given
         self.kinds: dict[str, set[str]] = {}  # messages of the warnings with one code
         self.lanes = Lanes(run.source, settings, self.control, self.flow) if type(self) is Executor else None
@@ -177,7 +178,12 @@ class Executor:
                 done, batch, last = lane.run(self.blocks, self._until_look())
                 self.blocks += done
                 self.events_left -= 0 if batch is None else len(batch)
-                if batch is not None and self.run.failed is None:
+                if batch is not None and self.run.failed is not None:
+                    if self.recovery.certain:
+                        self.watches.moves(batch)
+                    else:
+                        self._watch_in_doubt(batch.events())
+                elif batch is not None:
                     if len(batch) < lane.worth_a_batch:
                         events = list(batch.events())
                         self.watches.events(events)
@@ -191,12 +197,12 @@ class Executor:
                     continue
             frame.at = index + 1
             text = frame.file.lines[index]
-            if self.file.has_percent and frame.file is self.file and text.strip() == "%":
+            closing = self.file.has_percent or self.recovery.ended
+            if closing and frame.file is self.file and text.strip() == "%":
                 control.span = Span.of_line(frame.file.name, index + 1, text, frame.callers)
                 out.append(canon.EndOfFile(span=control.span))
                 control.finished = True
-                if self.run.failed is None:
-                    self.watches.events(out)
+                self._watch(out)
             elif text:
                 self._line(frame.file, index, text)
             if out:
@@ -334,10 +340,9 @@ class Executor:
                 control.parameters.roll_back()
                 raise
             control.parameters.commit()
-            if self.run.failed is None:
-                self.watches.events(control.out)
-            else:
+            if self.run.failed is not None:
                 self.recovery.settled(words)
+            self._watch(control.out)
             return
         before = control.state.copy()
         tool, notes_so_far = control.spindle_tool, len(control.notes)
@@ -357,8 +362,23 @@ class Executor:
         control.parameters.commit()
         if self.run.failed is None:
             self.watches.block(words, control)
+            return
+        recovery = self.recovery
+        recovery.settled(words)
+        if not recovery.flow:
+            self.watches.block_in_doubt(words, control, place=recovery.place, spindle=recovery.spindle)
+
+    def _watch(self, events: Iterable[canon.Event]) -> None:
+        """Show the rules events of a plain move, or of no block at all."""
+        if self.run.failed is None:
+            self.watches.events(events)
         else:
-            self.recovery.settled(words)
+            self._watch_in_doubt(events)
+
+    def _watch_in_doubt(self, events: Iterable[canon.Event]) -> None:
+        recovery = self.recovery
+        if not recovery.flow:
+            self.watches.events_in_doubt(events, place=recovery.place, spindle=recovery.spindle)
 
     def _is_plain(self, words: Words) -> bool:
         return is_plain_move(words, self.control)
@@ -412,12 +432,12 @@ class Executor:
             stopped = index if fault.index is None else fault.index
         if not self.recovery.is_consequence(fault, block):
             self._report(finding, stopped + 1)
-        self.recovery.after(fault, block, text)
+        self.watches.doubt(self.recovery.after(fault, block, text))
 
     def _report(self, finding: Diagnostic, line: int | None) -> None:
         if finding.level >= Severity.ERROR and self.run.failed is None and (other := self._of_other_control()):
             finding = other  # the whole file is in another language: nothing else is worth reporting
-            self.control.finished = True
+            self.control.finished = self.given_up = True
         span, what = finding.span, (finding.code, finding.message)
         places = self.told.setdefault(what, set())
         places.add((span.file, span.line, span.column))
@@ -444,7 +464,7 @@ class Executor:
         finding = self._foreign(lathe.code, foreign, lathe.message, lathe.hint)
         if lathe.refused:
             self._report(finding, foreign.line)
-            self.control.finished = True
+            self.control.finished = self.given_up = True
         else:
             self.run.findings.add(finding)
 
@@ -473,11 +493,13 @@ class Executor:
         span = Span.of_line(frame.file.name, last, text, frame.callers) if text else Span(frame.file.name)
         if not self.dialect.needs_end and len(self.flow.frames) == 1:
             self.control.finished = True
-            if self.run.failed is None:
-                self.watches.events([canon.EndOfFile(span=span)])
+            self._watch([canon.EndOfFile(span=span)])
             return
         if frame.file is self.file and not self.settings.has_cell and self.file.is_subroutine:
             self._read_subroutine()
+            return
+        if self.recovery.ended:  # the end may be in a line that could not be read
+            self.control.finished = True
             return
         if not any(line.strip() for line in frame.file.lines):
             message, hint = "the file is empty", "a program ends with M2 or M30"
@@ -555,12 +577,14 @@ class Executor:
 
     def _finish(self) -> None:
         run, control = self.run, self.control
-        finished = run.failed is None and control.finished
+        recovery = self.recovery
+        # faults elsewhere say nothing about O-words
+        reached = control.finished and not (recovery.flow or self.given_up)
+        finished = reached and not (recovery.frame or recovery.modes or recovery.parameters)
         self._hand_over_notes()
         run.findings.extend(self.watches.findings(finished=finished))
-        if finished:
+        if reached:
             run.findings.extend(structure_findings(self.file, control.span))
-        if control.finished and not self.recovery.flow:  # faults elsewhere say nothing about O-words
             run.findings.extend(unclosed_findings(self.file))
         run.not_simulated = dict(control.not_simulated)
         for word, (count, first) in control.not_simulated.items():

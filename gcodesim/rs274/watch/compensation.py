@@ -16,6 +16,7 @@ from gcodesim.units import MM
 if TYPE_CHECKING:
     from gcodesim.canon.batch import MoveBatch
     from gcodesim.rs274.control import Control
+    from gcodesim.rs274.watch.doubt import Doubt
 
 _OFF = 400
 _ENDS = frozenset((2, 30))
@@ -39,6 +40,11 @@ class RapidInCompensation(Watch):
         code = words.g.get(COMPENSATION)
         self._on = self._on or code not in (None, _OFF)
         self._leaving = control.span if code == _OFF else None
+
+    def doubt(self, doubt: Doubt) -> None:
+        self._safe = self._at = None
+        if doubt.may_say("g40", "g41", "g42", "g41.1", "g42.1"):
+            self._on = False
 
     def settled(self, words: Words, control: Control) -> None:
         if words.g.get(COMPENSATION) == _OFF or words.m.get(STOPPING) in _ENDS:
@@ -119,6 +125,10 @@ class CompensationLeftOn(Watch):
         elif code is not None:
             name = g_name(code)
             self._since = (name.upper(), word_span(words, name, control))
+
+    def doubt(self, doubt: Doubt) -> None:
+        if doubt.may_say("g40", "g41", "g42", "g41.1", "g42.1"):
+            self._since = None
 
     def event(self, event: canon.Event) -> None:
         if isinstance(event, canon.End | canon.EndOfFile) and self._since is not None:

@@ -13,6 +13,7 @@ from gcodesim.rs274.words import Words
 if TYPE_CHECKING:
     from gcodesim.canon.batch import MoveBatch
     from gcodesim.rs274.control import Control
+    from gcodesim.rs274.watch.doubt import Doubt
 
 _SWITCHES = (canon.Output, canon.Action)  # by which other things than a spindle work
 
@@ -51,19 +52,33 @@ class SpindleWithoutSpeed(Watch):
         elif isinstance(event, _SWITCHES):
             self._switches = True
 
+    def doubt(self, doubt: Doubt) -> None:
+        self._at, self._fell = None, False
+        self._has_speed = self._has_speed or "s" in doubt.letters
+        self._ever = self._ever or doubt.spindle
+        if doubt.spindle:
+            self._started = None
+
+    def somewhere(self, event: canon.Move) -> None:
+        if isinstance(event, FEEDS):
+            self._fed()
+
     def _move(self, end: tuple[float, float, float], span: Span, *, feeds: bool) -> None:
         at, self._at = self._at, end
         if not feeds or at is None:
             self._fell = self._fell and feeds
             return
-        if self._started is not None and not self._has_speed and self._stands is None:
-            self._stands = self._started.span
+        self._fed()
         if self._ever or self._never is not None:
             return
         sideways = abs(end[0] - at[0]) > TINY or abs(end[1] - at[1]) > TINY
         if self._fell and sideways:
             self._never = span
         self._fell = end[2] < self._zero - TINY and (self._fell or end[2] < at[2] - TINY)
+
+    def _fed(self) -> None:
+        if self._started is not None and not self._has_speed and self._stands is None:
+            self._stands = self._started.span
 
     def moves(self, batch: MoveBatch) -> None:
         looks = self._started is not None and not self._has_speed and self._stands is None

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from gcodesim.canon.batch import MoveBatch
     from gcodesim.rs274.control import Control
     from gcodesim.rs274.words import Words
+    from gcodesim.rs274.watch.doubt import Doubt
 
 
 class _Low(NamedTuple):
@@ -47,6 +48,7 @@ class FeedWithoutSpindle(Watch):
     def __init__(self) -> None:
         self._turning = False
         self._unturned: frozenset[int] = frozenset()
+        self._sure = True  # whether it turns is known
         self._tool = 0
         self._zero = 0.0  # height of part zero in the machine frame
         self._at: tuple[float, float, float] | None = None
@@ -70,6 +72,7 @@ class FeedWithoutSpindle(Watch):
             self._at = end
         elif isinstance(event, canon.Spindle):
             turning = event.direction != "off" and event.speed > 0.0
+            self._sure = True
             if turning != self._turning:
                 self._fall = None
                 if not turning:
@@ -80,6 +83,12 @@ class FeedWithoutSpindle(Watch):
             self._fall = None
         elif isinstance(event, canon.WorkSystem):
             self._zero = event.offset[2] + event.g92[2]
+
+    def doubt(self, doubt: Doubt) -> None:
+        self._at = self._rapid_z = self._fall = None
+        if doubt.spindle or doubt.may_say("m6"):
+            self._sure = False
+            self._lows.append([])
 
     def _feed(self, end: tuple[float, float, float], span: Span, *, circle: bool) -> None:
         at = self._at
@@ -100,6 +109,8 @@ class FeedWithoutSpindle(Watch):
         self._fall = None
 
     def _cut(self, z: float, span: Span) -> None:
+        if not self._sure:
+            return
         if self._turning:
             fed_down = self._rapid_z is not None and z < self._rapid_z - TINY
             if fed_down and (self._level is None or z > self._level):
@@ -131,7 +142,9 @@ class FeedWithoutSpindle(Watch):
             bottoms = np.zeros(len(batch), dtype=bool)
             bottoms[:-1] = falls[:-1] & rises[1:]
             cuts = np.flatnonzero((~rapid & sideways & ~rises) | bottoms)
-            if self._turning:
+            if not self._sure:
+                pass
+            elif self._turning:
                 self._raise_level(xyz[:, 2], cuts, np.flatnonzero(rapid))
             else:
                 self._lower(batch, cuts, falls)
@@ -221,6 +234,10 @@ class SpindleLeftOn(Watch):
                     unit="rpm",
                 )
             )
+
+    def doubt(self, doubt: Doubt) -> None:
+        if doubt.spindle:
+            self._speed = 0.0
 
     def findings(self, *, finished: bool) -> Iterable[Diagnostic]:
         return self._found

@@ -15,6 +15,7 @@ from gcodesim.units import MM
 if TYPE_CHECKING:
     from gcodesim.canon.batch import MoveBatch
     from gcodesim.rs274.control import Control
+    from gcodesim.rs274.watch.doubt import Doubt
 
 _OF_TABLE = frozenset((430, 434, 435, 440))  # G43, G43.4, G43.5, G44: the length of H
 _DYNAMIC = frozenset((431, 432))
@@ -32,8 +33,15 @@ class LengthOfAnotherTool(Watch):
 
     def __init__(self) -> None:
         self._found = Findings()
+        self._sure = True  # which tool is in the spindle
+
+    def doubt(self, doubt: Doubt) -> None:
+        self._sure = self._sure and not ("t" in doubt.letters or doubt.may_say("m6"))
 
     def block(self, words: Words, control: Control) -> None:
+        self._sure = self._sure or ("t" in words.values and CHANGING in words.m)
+        if not self._sure:
+            return
         if words.g.get(LENGTH) not in _OF_TABLE or "h" not in words.values:
             return
         tool, number = control.state.tool, round(words.values["h"])
@@ -105,6 +113,12 @@ class MoveWithoutLength(Watch):
 
     def settled(self, words: Words, control: Control) -> None:
         self._machine = False
+
+    def doubt(self, doubt: Doubt) -> None:
+        self._z = None
+        if not doubt.letters.isdisjoint("th") or doubt.may_say("m6", "g43", "g44", "g49", "g43.1", "g43.2", "g43.4"):
+            self._pending = None
+            self._at_home = True
 
     def event(self, event: canon.Event) -> None:
         if isinstance(event, canon.ToolOffset):

@@ -10,10 +10,12 @@ from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.rs274.dialects.linuxcnc import UNITS
 from gcodesim.rs274.watch.watch import FEEDS, Watch, word_span
 from gcodesim.rs274.words import Words
+from gcodesim.units import MM
 
 if TYPE_CHECKING:
     from gcodesim.canon.batch import MoveBatch
     from gcodesim.rs274.control import Control
+    from gcodesim.rs274.watch.doubt import Doubt
 
 _NAMES = {200: "inches", 210: "millimetres"}
 
@@ -56,6 +58,14 @@ class UnitChange(Watch):
             self._change = None
         if self._cut is None and isinstance(event, FEEDS):
             self._cut = event.span
+
+    def doubt(self, doubt: Doubt) -> None:
+        if doubt.may_say("g20", "g21"):
+            self._unit = 210 if doubt.unit == MM else 200
+            self._cut = self._change = None
+
+    def somewhere(self, event: canon.Move) -> None:
+        self.event(event)
 
     def moves(self, batch: MoveBatch) -> None:
         if self._change is not None:

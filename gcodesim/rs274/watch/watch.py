@@ -12,6 +12,7 @@ from gcodesim.rs274.words import Words, place_of
 if TYPE_CHECKING:
     from gcodesim.canon.batch import MoveBatch
     from gcodesim.rs274.control import Control
+    from gcodesim.rs274.watch.doubt import Doubt
 
 FEEDS = (canon.LinearFeed, canon.ArcFeed, canon.SplineFeed)
 TINY = 1e-6  # [m], below what any machinist would call a move
@@ -20,8 +21,8 @@ TINY = 1e-6  # [m], below what any machinist would call a move
 class Watch:
     """A rule. It sees each block that is more than a plain move, each event, and at the end says what it found.
 
-    Nothing is seen from the first error on, because what follows may be its
-    consequence; `finished` is then False in `findings`.
+    After a line with an error it sees what is certain of the others, so that nothing is told that is only a
+    consequence: `doubt` says what may not be as it seems, and a rule forgets what it knew of that.
     """
 
     def block(self, words: Words, control: Control) -> None:
@@ -32,6 +33,12 @@ class Watch:
 
     def settled(self, words: Words, control: Control) -> None:
         """The events of that block have been seen."""
+
+    def doubt(self, doubt: Doubt) -> None:
+        """A line could not be executed; what it would have done is carried over as far as it can be read."""
+
+    def somewhere(self, event: canon.Move) -> None:
+        """A move of which only is certain that it is made, not from where to where."""
 
     def moves(self, batch: MoveBatch) -> None:
         """A run of plain moves at once, in place of their events; a rule that looks at moves looks at them here too."""
@@ -47,7 +54,7 @@ class Watch:
         return batch.after(done)
 
     def findings(self, *, finished: bool) -> Iterable[Diagnostic]:
-        """What was found; `finished` when the program came to its end without an error."""
+        """What was found; `finished` when the program came to its end, and nobody doubts what it did on the way."""
         return ()
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from gcodesim import canon
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.rs274.watch.compensation import CompensationLeftOn, RapidInCompensation
+from gcodesim.rs274.watch.doubt import Doubt
 from gcodesim.rs274.watch.offsets import OffsetsLeftOn
 from gcodesim.rs274.watch.speed import SpindleWithoutSpeed
 from gcodesim.rs274.watch.spindle import FeedWithoutSpindle, SpindleLeftOn
@@ -33,6 +34,9 @@ RULES: tuple[type[Watch], ...] = (
 )
 
 
+_SPINDLE = Doubt(spindle=True, any_code=False, letters=frozenset(), codes=frozenset(), unit=0.0)
+
+
 class Watches:
     """The rules of one run."""
 
@@ -53,6 +57,31 @@ class Watches:
         for event in events:
             for rule in self._seeing:
                 rule.event(event)
+
+    def block_in_doubt(self, words: Words, control: Control, *, place: bool, spindle: bool) -> None:
+        """`block` after a fault, where the place of the tool or the spindle may be unknown."""
+        for rule in self._rules:
+            rule.block(words, control)
+        self.events_in_doubt(control.out, place=place, spindle=spindle)
+        for rule in self._rules:
+            rule.settled(words, control)
+
+    def events_in_doubt(self, events: Iterable[canon.Event], *, place: bool, spindle: bool) -> None:
+        """`events` after a fault, where the place of the tool or the spindle may be unknown."""
+        for event in events:
+            if spindle and isinstance(event, canon.Spindle):
+                self.doubt(_SPINDLE)
+                continue
+            for rule in self._seeing:
+                if place and isinstance(event, canon.Move):
+                    rule.somewhere(event)
+                else:
+                    rule.event(event)
+
+    def doubt(self, doubt: Doubt) -> None:
+        """A line could not be executed."""
+        for rule in self._rules:
+            rule.doubt(doubt)
 
     def moves(self, batch: MoveBatch) -> None:
         """A run of plain moves."""
