@@ -41,7 +41,8 @@ _BY_FLOW = frozenset(("GS130", "GS132"))
 _NOT_FOUND = "GS131"
 # codes by which the program's zero, or the meaning of a coordinate, changes, and which are not carried over
 _OF_FRAME = frozenset(
-    ["g7", "g8", "g10", "g15", "g16", "g50", "g50.1", "g51", "g51.1", "g52", "g54.1", "g54.2", "g68", "g68.2", "g69", "g92", "g92.1", "g92.2", "g92.3", "g154"]
+    f"g{code}"
+    for code in (7, 8, 10, 15, 16, 50, 50.1, 51, 51.1, 52, 54.1, 54.2, 68, 68.2, 69, 92, 92.1, 92.2, 92.3, 154)
 )
 _UNREAD_END = re.compile(r"m(?:[^a-z0-9]*(?:0?2|30|99)(?![0-9])|$)")
 _LETTER_O = re.compile(r"g0?o[0-3]?(?![0-9])")  # GO X5: a motion, whichever
