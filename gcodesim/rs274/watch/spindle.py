@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
     from gcodesim.canon.batch import MoveBatch
     from gcodesim.rs274.control import Control
-    from gcodesim.rs274.words import Words
     from gcodesim.rs274.watch.doubt import Doubt
+    from gcodesim.rs274.words import Words
 
 
 class _Low(NamedTuple):
