@@ -15,7 +15,7 @@ _NOT_COMPARED: Final = frozenset(
         *("line_of_max_force", "line_of_margin", "first_line", "error_bound_mm3"),
         *("file", "line"),  # of a probing move, or a mark
         *("program", "blocks"),  # of one of several programs
-        "path_accuracy",  # what a tip off its path leaves behind is compared: volumes, forces and surfaces
+        *("line_of_AT", "time_of_AT_s"),
     }
 )
 INCOMPLETE: Final = "incomplete"

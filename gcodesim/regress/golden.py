@@ -19,11 +19,11 @@ SUFFIX: Final = ".golden.json"
 _DIGITS: Final = 7
 _RESULTS: Final = (
     *("status", "time", "distance", "stocks", "tools", "joints", "not_simulated", "probings", "sensors"),
-    *("channels", "meetings", "coating", "target", "parts", "printing"),
+    *("channels", "meetings", "coating", "target", "parts", "printing", "path_accuracy"),
 )
 _PLACES: Final = (
     *("line_of_max_force", "line_of_margin", "first_line", "error_bound_mm3", "file", "line"),
-    *("program", "blocks"),
+    *("program", "blocks", "line_of_AT", "time_of_AT_s"),
 )
 _OF_FINDING: Final = ("code", "severity", "file", "line", "count", "message")
 

@@ -66,6 +66,9 @@ QUANTITIES: Final[Mapping[str, Compared]] = {
     "joint_effort": Compared(
         dimension="ratio", unit="", default=Tolerance(0.5, 0.02), what="greatest joint efforts, in N·m or N"
     ),
+    "path_accuracy": Compared(
+        dimension="length", unit="mm", default=Tolerance(0.005, 0.02), what="how far an arm is off its path (ISO 9283)"
+    ),
     "film": Compared(dimension="ratio", unit="", default=Tolerance(0.1, 2e-3), what="thickness of a film, in µm"),
     "covered": Compared(
         dimension="ratio", unit="", default=Tolerance(1e-3, 0.01), what="shares and areas of a coat or a target, in mm²"
@@ -86,6 +89,7 @@ _PATHS: Final = tuple(
         (r"joints\..*\.max_speed$", "joint_speed"),
         (r"joints\..*\.max_acceleration$", "joint_acceleration"),
         (r"joints\..*\.max_effort$", "joint_effort"),
+        (r"^path_accuracy\..*_mm$", "path_accuracy"),
         (r"_um$", "film"),
         (r"^stocks\..*\.doses\..*\.(greatest|total)$|_J(_m2)?$", "dose"),
         (r"^(coating|target)\..*(share|share_outside|_mm2)$", "covered"),
