@@ -64,7 +64,8 @@ class Joint:
 
     `X` (4, 4) is the joint frame in the parent link at zero, `axis` a unit
     vector in it. Limits [rad] or [m], speed [rad/s] or [m/s], acceleration
-    [rad/s²] or [m/s²], effort [N·m] or [N]; infinite means unlimited.
+    [rad/s²] or [m/s²], jerk [rad/s³] or [m/s³] (None: any), effort [N·m] or [N];
+    infinite means unlimited.
     `mimic` names the joint that this one follows, with factor and offset.
     """
 
@@ -78,6 +79,7 @@ class Joint:
     upper: float = np.inf
     speed: float = np.inf
     acceleration: float | None = None
+    jerk: float | None = None
     effort: float = np.inf
     mimic: tuple[str, float, float] | None = None
 
@@ -87,7 +89,7 @@ class Joints:
     """The driven joints in the one order that every array of joint values has.
 
     Arrays (j,), units as in `Joint`. `assumed_acceleration` (j,) marks
-    accelerations that no source names: full speed in 0.25 s.
+    accelerations that no source names: full speed in 0.25 s. An infinite jerk is none.
     """
 
     names: tuple[str, ...]
@@ -96,6 +98,7 @@ class Joints:
     upper: Array
     speed: Array
     acceleration: Array
+    jerk: Array
     effort: Array
     assumed_acceleration: NDArray[np.bool_]
 
@@ -115,6 +118,7 @@ class Joints:
             upper=self.upper[chosen],
             speed=self.speed[chosen],
             acceleration=self.acceleration[chosen],
+            jerk=self.jerk[chosen],
             effort=self.effort[chosen],
             assumed_acceleration=self.assumed_acceleration[chosen],
         )
@@ -204,6 +208,7 @@ class Chain:
             upper=np.array([j.upper for j in chosen]),
             speed=speed,
             acceleration=np.where(np.isnan(named), speed / SPIN_UP, named),
+            jerk=np.array([np.inf if j.jerk is None else j.jerk for j in chosen]),
             effort=np.array([j.effort for j in chosen]),
             assumed_acceleration=np.isnan(named),
         )

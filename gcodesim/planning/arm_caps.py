@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -17,6 +18,7 @@ from gcodesim.planning.arm_kernels import JointCaps, SegmentRates, joint_caps, j
 from gcodesim.planning.flange import Flange
 from gcodesim.planning.guide import Outside
 from gcodesim.planning.kinks import Kinks
+from gcodesim.planning.loads import Loads, Slowing
 from gcodesim.planning.nodes import Nodes
 from gcodesim.planning.reach import report_slow_joints
 
@@ -46,6 +48,7 @@ class ArmCaps:
     length: Array
     wanted: Array
     exact: NDArray[np.bool_]
+    rates: SegmentRates
     found: JointCaps
     junction: Array
     kinks: Kinks
@@ -74,7 +77,7 @@ class ArmCaps:
         last = np.append(piece[1:] != piece[:-1], True)[: len(piece)]
         junction = np.minimum(np.where(last, pieces.junction[piece], np.inf), found.speed)
         kinks = Kinks.between(rates, junction, pieces.ratio[piece], changes & follows, acceleration)
-        return ArmCaps(pieces, piece, begin, length, wanted, exact, found, junction, kinks)
+        return ArmCaps(pieces, piece, begin, length, wanted, exact, rates, found, junction, kinks)
 
     @property
     def parts(self) -> Array:
@@ -95,6 +98,32 @@ class ArmCaps:
             found.joint[exact],
             findings,
         )
+
+    def within(self, loads: Loads, nodes: Nodes, q: Array) -> tuple[ArmCaps, list[Slowing]]:
+        """The caps slowed so that motors can give the efforts of joints q (k, j), and what that is needed for.
+
+        Efforts are M q' a + (M q'' + C) v² + G. Those of both ends of a segment, at its top speed and at rest, with its
+        acceleration forwards and backwards, are looked at: everything in between lies between them.
+        """
+        i, path = nodes.segments, self.pieces.path
+        tools = np.array([state.tool for state in path.states], dtype=np.int64)
+        tool = tools[path.state[self.pieces.row_first[self.piece]]]
+        v, a = self.found.speed[:, None], np.minimum(self.found.acceleration, 1e6)[:, None]
+        r0, r1, mean = self.rates
+        step, twice, h = r1 - r0, 6.0 * mean - 3.0 * (r0 + r1), self.length[:, None]
+        share, why = np.ones(len(i)), []
+        for at, rate, bend in ((i - 1, r0, (step + twice) / h), (i, r1, (step - twice) / h)):
+            static = loads.efforts(tool, q[at], 0.0, 0.0)
+            ahead = loads.efforts(tool, q[at], rate * v, rate * a + bend * v * v)
+            behind = loads.efforts(tool, q[at], rate * v, bend * v * v - rate * a)
+            push = 0.5 * (ahead - behind)
+            slowing = loads.slowing(self.piece, static, ahead, behind, static + push, static - push)
+            share = np.minimum(share, slowing.share)
+            why.append(slowing.needed)
+        found = self.found._replace(
+            speed=self.found.speed * np.sqrt(share), acceleration=self.found.acceleration * share
+        )
+        return replace(self, found=found, junction=np.minimum(self.junction, found.speed)), why
 
     def with_moves(self) -> Caps:
         """The caps of everything: a joint move is one segment that takes its own time."""

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.motion.trajectory import Samples
-from gcodesim.planning import joint_moves
 from gcodesim.planning.flange import Flange
+from gcodesim.planning.joint_moves import JointMove
 from gcodesim.planning.nodes import Nodes
 from gcodesim.planning.plan import JointExtremes
 
@@ -33,7 +33,7 @@ class ArmJoints:
     q_nodes: Array
     bridged: NDArray[np.bool_]
     home: Array
-    moves: dict[int, tuple[Array, Array]]  # joints at start and end of pieces in joint space
+    moves: dict[int, JointMove]  # of pieces in joint space
 
     def joints(self, samples: Samples) -> Array:
         """Joint values (n, j) [rad, m] at samples in order of time."""
@@ -49,7 +49,7 @@ class ArmJoints:
         starts = np.flatnonzero(np.append(True, run[1:] != run[:-1]))
         for a, b in zip(starts, np.append(starts[1:], len(run)), strict=True):
             if own[a]:
-                q[a:b] = self._in_joint_space(int(samples.piece[a]), samples.s[a:b])
+                q[a:b] = self.moves[int(samples.piece[a])].at(samples.s[a:b])
             elif bridge[a]:
                 q[a:b] = self._on_bridge(after[a:b], samples.piece[a:b], samples.s[a:b])
             else:
@@ -76,21 +76,12 @@ class ArmJoints:
         q: Array = self.q_nodes[node - 1] + share * (self.q_nodes[node] - self.q_nodes[node - 1])
         return q
 
-    def _in_joint_space(self, piece: int, t: Array) -> Array:
-        q0, q1 = self.moves[piece]
-        step = q1 - q0
-        if not np.any(np.abs(step) > joint_moves.STILL):
-            return np.tile(q1, (len(t), 1))
-        share = joint_moves.share_at(t, *joint_moves.law(step, self.kinematics.joints))
-        q: Array = q0 + share[:, None] * step
-        return q
-
     def extremes(self) -> JointExtremes:
         """How far each joint goes at the nodes and at the ends of joint moves."""
         q, piece = [self.home[None], self.q_nodes], [np.zeros(1, dtype=np.int64), self.nodes.piece]
-        for move, (_, end) in self.moves.items():
-            q.append(end[None])
-            piece.append(np.array([move]))
+        for number, move in self.moves.items():
+            q.append(move.end[None])
+            piece.append(np.array([number]))
         table = np.concatenate(q)
         rows = self.flange.pieces.row_first
         row = rows[np.concatenate(piece)].astype(np.int64) if len(rows) else np.zeros(len(table), dtype=np.int64)

@@ -24,7 +24,6 @@ from gcodesim.kinematics.protocol import Status
 from gcodesim.motion.blend import blend
 from gcodesim.motion.pieces import AxisLimits, Pieces
 from gcodesim.motion.tool_path import HOME, Commanded, ToolPath
-from gcodesim.planning import joint_moves
 from gcodesim.planning.arm_caps import ArmCaps
 from gcodesim.planning.arm_joints import ArmJoints
 from gcodesim.planning.axis_posing import offsets
@@ -33,11 +32,13 @@ from gcodesim.planning.external_choice import ChosenPlaces, choose_places
 from gcodesim.planning.flange import Flange
 from gcodesim.planning.flange_poses import spin_of
 from gcodesim.planning.guide import CHOSEN, GROUND, Guide, Outside
+from gcodesim.planning.joint_moves import SHORTEST, JointMove
 from gcodesim.planning.joint_rows import JointRows, with_joint_rows
+from gcodesim.planning.loads import Loads, Slowing
 from gcodesim.planning.nodes import Nodes
 from gcodesim.planning.plan import JointPath
 from gcodesim.planning.posing import Posed
-from gcodesim.planning.reach import report_poses
+from gcodesim.planning.reach import report_poses, report_slow_motors
 from gcodesim.planning.route import TRIALS, dead_end, route_along
 from gcodesim.planning.route_findings import report_dead_end, report_route
 from gcodesim.planning.spin_choice import SampledPath, SpinChoice, choose_spin
@@ -88,6 +89,7 @@ class FixedAttitude:
     axes: Mapping[int, Array] = field(default_factory=dict)
     outside: Outside | None = None
     platforms: Mapping[int, int] = field(default_factory=dict)
+    loads: Loads | None = None
 
     @property
     def understands(self) -> frozenset[Commanded]:
@@ -147,6 +149,12 @@ class FixedAttitude:
         report_poses(arm, flange, nodes, q_own, status, probe, choice, own, part, findings)
         moves = _joint_moves(kinematics, pieces, nodes, q_nodes, home, home if self.home is None else self.home)
         caps.report(kinematics, findings)
+        if self.loads is not None and self.loads.matter:
+            caps, slow = caps.within(self.loads, nodes, q_nodes)
+            moves, slower = _moves_within(moves, self.loads, pieces)
+            report_slow_motors(kinematics, pieces, Slowing.together([*slow, *slower]), findings)
+        for piece, move in moves.items():
+            pieces.length[piece] = pieces.curves.length[pieces.curve[piece]] = max(move.duration, SHORTEST)
         joints = ArmJoints(kinematics, flange, nodes, q_nodes, bridged, home, moves)
         return Posed(pieces, joints, caps.with_moves())
 
@@ -314,12 +322,12 @@ def _bridge(nodes: Nodes, q: Array, status: NDArray[np.uint8]) -> NDArray[np.boo
 
 def _joint_moves(
     kinematics: Kinematics, pieces: Pieces, nodes: Nodes, q_nodes: Array, start: Array, home: Array
-) -> dict[int, tuple[Array, Array]]:
-    """Joints at both ends of every joint move by piece; the time it takes is written into the pieces.
+) -> dict[int, JointMove]:
+    """Every joint move by its piece.
 
     The first one begins at `start` (j,); those of G28 end at `home` (j,).
     """
-    moves: dict[int, tuple[Array, Array]] = {}
+    moves: dict[int, JointMove] = {}
     ends = np.searchsorted(nodes.piece, np.arange(len(pieces)), side="right")  # after the last node of each piece
     for piece in np.flatnonzero(pieces.fixed):
         own_node = int(ends[piece]) - 1
@@ -327,14 +335,23 @@ def _joint_moves(
         if piece > 0 and ends[piece - 1] > 0 and nodes.piece[ends[piece - 1] - 1] == piece - 1:
             before = q_nodes[ends[piece - 1] - 1]
         elif piece > 0:
-            before = moves[int(piece) - 1][1]
+            before = moves[int(piece) - 1].end
         has_node = own_node >= 0 and nodes.piece[own_node] == piece
         after = q_nodes[own_node] if has_node else home
-        moves[int(piece)] = (before, after)
-        time = max(joint_moves.duration(after - before, kinematics.joints), joint_moves.SHORTEST)
-        pieces.length[piece] = time
-        pieces.curves.length[pieces.curve[piece]] = time
+        moves[int(piece)] = JointMove.between(before, after, kinematics.joints)
     return moves
+
+
+def _moves_within(
+    moves: dict[int, JointMove], loads: Loads, pieces: Pieces
+) -> tuple[dict[int, JointMove], list[Slowing]]:
+    """The joint moves by their pieces, slower where motors need it, and what they need it for."""
+    found, why = {}, []
+    for piece, move in moves.items():
+        tool = pieces.path.state_of(int(pieces.row_last[piece])).tool
+        found[piece], slowing = move.within(loads, tool, piece)
+        why += [] if slowing is None else [slowing]
+    return found, why
 
 
 def _seen_from_base(path: ToolPath, X_BM: Pose) -> ToolPath:

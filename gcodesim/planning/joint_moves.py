@@ -2,47 +2,147 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 
 if TYPE_CHECKING:
     from gcodesim.kinematics.chain import Joints
+    from gcodesim.planning.loads import Loads, Slowing
 
 STILL: Final = 1e-12  # [rad, m] of a joint that does not move
 SHORTEST: Final = 1e-9  # [s] of a move on which nothing moves: a nanosecond
+_LOOKS: Final = 64  # places of a move at which its efforts are asked for
 
 
-def law(step: Array, joints: Joints) -> tuple[float, float]:
-    """Speed [1/s] and acceleration [1/s²] that the slowest joint allows for the share of a move by `step` (j,)."""
-    way = np.abs(step)
-    moving = way > STILL
-    if not moving.any():
-        return 1.0, 1.0
-    speed = np.minimum(joints.speed, 1e6)[moving] / way[moving]
-    acceleration = np.minimum(joints.acceleration, 1e6)[moving] / way[moving]
-    return float(speed.min()), float(acceleration.min())
+@frozen(slots=False, kw_only=False, eq=False)
+class JointMove:
+    """From joints `start` to `end` (j,), from rest to rest, along the straight line between them.
 
+    `speed` [1/s], `acceleration` [1/s²] and `jerk` [1/s³] (infinite: any) are those that the slowest joint allows for
+    the share of the way that is done. Without jerk the speed is a trapezoid; else its ramps are S-curves with at most
+    seven phases (Biagiotti, Melchiorri: Trajectory Planning, 2008, section 3.4).
+    """
 
-def duration(step: Array, joints: Joints) -> float:
-    """Time [s] of a move by `step` (j,) from rest to rest; 0 when nothing moves."""
-    if not np.any(np.abs(step) > STILL):
-        return 0.0
-    speed, acceleration = law(step, joints)
-    if speed * speed >= acceleration:
-        return float(2.0 / np.sqrt(acceleration))
-    return 1.0 / speed + speed / acceleration
+    start: Array
+    end: Array
+    speed: float
+    acceleration: float
+    jerk: float
 
+    @staticmethod
+    def between(start: Array, end: Array, joints: Joints) -> JointMove:
+        """The fastest one under the limits of `joints`."""
+        way = np.abs(end - start)
+        moving = way > STILL
+        if not moving.any():
+            return JointMove(start, end, 1.0, 1.0, np.inf)
+        speed = np.minimum(joints.speed, 1e6)[moving] / way[moving]
+        acceleration = np.minimum(joints.acceleration, 1e6)[moving] / way[moving]
+        jerk = joints.jerk[moving] / way[moving]
+        return JointMove(start, end, float(speed.min()), float(acceleration.min()), float(jerk.min()))
 
-def share_at(t: Array, speed: float, acceleration: float) -> Array:
-    """Share 0…1 of a move that is done at times `t` (n,) [s]: a trapezoid of speed."""
-    ramp = min(speed / acceleration, 1.0 / np.sqrt(acceleration))
-    top = acceleration * ramp
-    total = 1.0 / top + ramp
-    t = np.clip(t, 0.0, total)
-    left = total - t
-    up, down = 0.5 * acceleration * (t * t), 1.0 - 0.5 * acceleration * (left * left)
-    share: Array = np.where(t < ramp, up, np.where(left < ramp, down, top * (t - 0.5 * ramp)))
-    return share
+    @property
+    def moves(self) -> bool:
+        """Whether anything moves."""
+        return bool(np.any(np.abs(self.end - self.start) > STILL))
+
+    @cached_property
+    def peak(self) -> float:
+        """The greatest speed [1/s] that is reached."""
+        v, a, j = self.speed, self.acceleration, self.jerk
+        if np.isinf(j):
+            return a * min(v / a, float(1.0 / np.sqrt(a)))
+        if v * self._ramp(v) <= 1.0:
+            return v
+        even = 0.5 * (float(np.sqrt(a**4 / j**2 + 4.0 * a)) - a * a / j)  # with a phase of even acceleration
+        return even if even >= a * a / j else float(np.cbrt(0.25 * j))
+
+    def _ramp(self, peak: float) -> float:
+        """Time [s] from rest to `peak` [1/s]."""
+        a, j = self.acceleration, self.jerk
+        return peak / a + a / j if peak >= a * a / j else 2.0 * float(np.sqrt(peak / j))
+
+    @property
+    def duration(self) -> float:
+        """Time [s]; 0 when nothing moves."""
+        if not self.moves:
+            return 0.0
+        v, a = self.speed, self.acceleration
+        if not np.isinf(self.jerk):
+            return 1.0 / self.peak + self._ramp(self.peak)
+        return float(2.0 / np.sqrt(a)) if v * v >= a else 1.0 / v + v / a
+
+    def at(self, t: Array) -> Array:
+        """Joints (n, j) at times `t` (n,) [s] from the start on; before and after it the ends."""
+        if not self.moves:
+            return np.tile(self.end, (len(t), 1))
+        q: Array = self.start + self.share_at(t)[:, None] * (self.end - self.start)
+        return q
+
+    def share_at(self, t: Array) -> Array:
+        """Share 0…1 of the move that is done at times `t` (n,) [s]."""
+        if not np.isinf(self.jerk):
+            return self.law_at(t)[0]
+        a = self.acceleration
+        ramp = min(self.speed / a, 1.0 / np.sqrt(a))
+        top = a * ramp
+        total = 1.0 / top + ramp
+        t = np.clip(t, 0.0, total)
+        left = total - t
+        up, down = 0.5 * a * (t * t), 1.0 - 0.5 * a * (left * left)
+        share: Array = np.where(t < ramp, up, np.where(left < ramp, down, top * (t - 0.5 * ramp)))
+        return share
+
+    def law_at(self, t: Array) -> tuple[Array, Array, Array]:
+        """Share of the way, and its first and second derivative by time, at `t` (n,) [s]."""
+        ramp, top = self._ramp(self.peak), self.peak
+        total = 1.0 / top + ramp
+        t = np.clip(t, 0.0, total)
+        begins, ends = t < ramp, total - t < ramp
+        s, v, a = self._on_ramp(np.where(begins, t, np.where(ends, total - t, ramp)))
+        share = np.where(begins, s, np.where(ends, 1.0 - s, top * (t - 0.5 * ramp)))
+        return share, v, np.where(begins, a, np.where(ends, -a, 0.0))
+
+    def _on_ramp(self, t: Array) -> tuple[Array, Array, Array]:
+        """Way, speed and acceleration at `t` (n,) [s] of the ramp from rest to the peak."""
+        top, j = self.peak, self.jerk
+        ramp = self._ramp(top)
+        if np.isinf(j):
+            a = self.acceleration
+            return 0.5 * a * t * t, a * t, np.full(len(t), a)
+        a = min(self.acceleration, float(np.sqrt(top * j)))
+        rise = a / j
+        left = ramp - t
+        first, last = t < rise, left < rise
+        middle = t - rise
+        s = np.where(
+            first,
+            j * t**3 / 6.0,
+            np.where(last, 0.5 * top * ramp - top * left + j * left**3 / 6.0, j * rise**3 / 6.0)
+            + np.where(last, 0.0, 0.5 * j * rise**2 * middle + 0.5 * a * middle**2),
+        )
+        v = np.where(first, 0.5 * j * t**2, np.where(last, top - 0.5 * j * left**2, 0.5 * j * rise**2 + a * middle))
+        return s, v, np.where(first, j * t, np.where(last, j * left, a))
+
+    def within(self, loads: Loads, tool: int, piece: int = 0) -> tuple[JointMove, Slowing | None]:
+        """The move slowed evenly so that motors can give its efforts with `tool`; and where, on `piece`, if it was."""
+        if not self.moves or not loads.matter:
+            return self, None
+        total, step = 1.0 / self.peak + self._ramp(self.peak), self.end - self.start
+        share, rate, change = self.law_at((np.arange(_LOOKS) + 0.5) / _LOOKS * total)
+        q, tools = self.start + share[:, None] * step, np.full(_LOOKS, tool)
+        static = loads.efforts(tools, q, 0.0, 0.0)
+        moved = loads.efforts(tools, q, rate[:, None] * step, change[:, None] * step)
+        slowing = loads.slowing(np.full(_LOOKS, piece), static, moved)
+        worst = slowing.at(np.array([slowing.share.argmin()]))
+        k = float(worst.share[0])
+        if k >= 1.0:
+            return self, None
+        slower = replace(self, speed=self.peak * k**0.5, acceleration=self.acceleration * k, jerk=self.jerk * k**1.5)
+        return slower, worst

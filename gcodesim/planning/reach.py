@@ -18,6 +18,7 @@ from gcodesim.units import DEG, MM, MM_PER_MINUTE
 
 if TYPE_CHECKING:
     from gcodesim.kinematics.protocol import Kinematics, Reason
+    from gcodesim.planning.loads import Slowing
 
 # status of the inverse kinematics -> code
 _CODES: Final = {1: "GS202", 2: "GS203", 4: "GS205"}
@@ -191,3 +192,29 @@ def report_slow_joints(
                 unit="rad/s" if joints.kinds[j] == "revolute" else "m/s",
             )
         )
+
+
+def report_slow_motors(kinematics: Kinematics, pieces: Pieces, slowing: Slowing, findings: Findings) -> None:
+    """Note once that motions are slower than speeds and accelerations allow, because a motor can give no more."""
+    needed = slowing.needed
+    if not len(needed.piece):
+        return
+    worst = int(needed.share.argmin())
+    joints, j = kinematics.joints, int(needed.joint[worst])
+    unit = "N·m" if joints.kinds[j] == "revolute" else "N"
+    first = int(needed.piece.min())
+    at, worst_at = (pieces.path.span(int(pieces.row_last[p])) for p in (first, int(needed.piece[worst])))
+    effort, limit = float(needed.effort[worst]), float(joints.effort[j])
+    findings.add(
+        Diagnostic(
+            code="GS231",
+            message=f"accelerates with {100.0 * needed.share[worst]:.0f} %: {joints.names[j]} would need"
+            f" {effort:.1f} {unit} for its weight and inertia and can give {limit:.1f} {unit}",
+            span=at,
+            hint=f"most of all in line {worst_at.line}" if worst_at.line != at.line else "",
+            count=_blocks(pieces, needed.piece),
+            value=effort,
+            limit=limit,
+            unit=unit,
+        )
+    )

@@ -12,6 +12,7 @@ from gcodesim.cell.externals import columns_of
 from gcodesim.frames import Array
 from gcodesim.kinematics.attitude import WordTurns
 from gcodesim.kinematics.branch_names import branches_named
+from gcodesim.kinematics.dynamics import GRAVITY
 from gcodesim.kinematics.tool_point import ToolPoint
 from gcodesim.planning.axis_attitude import AxisAttitude
 from gcodesim.planning.axis_posing import AxisPosing
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from gcodesim.kinematics.attitude import AttitudeLaw
     from gcodesim.planning.fixed_attitude import FixedAttitude
     from gcodesim.planning.guide import Outside
+    from gcodesim.planning.loads import Loads
 
 
 def posing_of(shop: Shop) -> Posing:
@@ -63,7 +65,21 @@ def _fixed_attitude(shop: Shop) -> FixedAttitude:
         words_lean=words,
         axes={system: X.R if words else shop.X_BM.R for system, X in X_BP.items()},
         outside=outside,
+        loads=loads_of(shop),
         platforms={system: names.index(link) for system, link in shop.placement.platforms.items()},
+    )
+
+
+def loads_of(shop: Shop) -> Loads:
+    """The masses that the robot of the shop moves: its links, its payload and each of the tools."""
+    from gcodesim.planning.loads import Loads
+    from gcodesim.world.body import tool_body
+    from gcodesim.world.model import payload_of
+
+    return Loads(
+        chain=shop.kinematics.chain,
+        gravity=applied(shop.X_WB.inverse().R, np.array(GRAVITY)),
+        tools={number: payload_of(tool_body(tool)) for number, tool in shop.cell.tools.items()},
     )
 
 

@@ -26,7 +26,9 @@ from gcodesim.motion.joining import standing_until
 from gcodesim.motion.timing import event_durations
 from gcodesim.motion.tool_path import PathEvent, ToolPath, ToolState
 from gcodesim.observation.schedule import Station, stations_of
-from gcodesim.planning import Plan, joint_moves, plan_path, posing_of
+from gcodesim.planning import Plan, plan_path, posing_of
+from gcodesim.planning.joint_moves import JointMove
+from gcodesim.planning.shop_posing import loads_of
 from gcodesim.sensors.camera import MOST_PIXELS
 from gcodesim.sensors.optics import Optics
 from gcodesim.sensors.outputs import Output, Picture
@@ -318,13 +320,13 @@ class OpenCell:
         """Go to `target` (j,) from rest to rest, all joints together, and wait until that is done."""
         self._check_open()
         self._check_rest()
-        own = self._shop.kinematics.joints
-        step, dt = target - self._q, self._step_ns * 1e-9
-        count = max(int(np.ceil(joint_moves.duration(step, own) / dt - 1e-9)), 1)
+        move, dt = JointMove.between(self._q, target, self._shop.kinematics.joints), self._step_ns * 1e-9
+        if not self._shop.mover.joints_are_axes:
+            move, _ = move.within(loads_of(self._shop), self._state.tool)
+        count = max(int(np.ceil(move.duration / dt - 1e-9)), 1)
         times: Array = np.arange(count + 1, dtype=float) * dt
-        share = joint_moves.share_at(times, *joint_moves.law(step, own))
-        table = self._q + share[:, None] * step
-        table[-1] = target
+        table = move.at(times)
+        table[0], table[-1] = self._q, target
         self._wait_for(table)
         self._q, self._target = target.copy(), target.copy()
 

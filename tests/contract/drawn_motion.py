@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from math import cos, radians, sin
 from random import Random
 
-ARMS = ("kuka_kr10_r1100_2", "abb_irb1200_5_90", "staubli_tx2_90", "ur10e", "fanuc_m20ia")
+LOADS = {"kuka_kr10_r1100_2": 10, "abb_irb1200_5_90": 5, "staubli_tx2_90": 14, "ur10e": 12, "fanuc_m20ia": 20}
+ARMS = tuple(LOADS)
 TOOL = "tools: {1: {type: ball_end_mill, diameter: 8, flutes: 2, length: 60}}\n"
 MODES = ("G61", "G64", "G64 P0.05", "G64 P0.5 Q0.01", "G61.1")
 OFTEN = 0.5
@@ -140,8 +141,9 @@ def _arm(rng: Random, more: str = "") -> str:
     model = rng.choice(ARMS)
     reach = {"ur10e": 0.75, "fanuc_m20ia": 1.0}.get(model, 0.5)
     x, y, z = (1000 * reach * c for c in (rng.uniform(0.8, 1.1), rng.uniform(-0.5, 0.5), rng.uniform(0.3, 0.8)))
+    payload = f"{{mass: {rng.uniform(0, 1.2) * LOADS[model]:.1f} kg}}"
     return (
-        f"gcodesim: 1\nrobots:\n  arm: {{model: {model}}}\n"
+        f"gcodesim: 1\nrobots:\n  arm: {{model: {model}, payload: {payload}}}\n"
         f"work_offsets: {{G54: {{in: world, xyz: [{x:.1f}, {y:.1f}, {z:.1f}]}}}}\n{more}{TOOL}"
     )
 

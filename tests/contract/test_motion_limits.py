@@ -17,21 +17,24 @@ from gcodesim.diagnostics import SourceText
 from gcodesim.jobs.job import Options
 from gcodesim.motion.blend_kernels import CYCLE
 from gcodesim.planning import Plan
+from gcodesim.planning.shop_posing import loads_of
+from gcodesim.shop import Shop
 from gcodesim.simulation import prepare
 from tests.contract.drawn_motion import KINDS, Drawn
 
 BEYOND = ("GS201", "GS202", "GS203", "GS205")  # findings of a path that cannot be had
 ROUNDING = 1e-3  # joints are solved to 1e-9 m, which makes 1e-3 m/s² in a difference of two differences
+BORNE = 0.97  # of an effort limit; an arm that can hardly bear its load at rest is not helped by going slower
 FEW, MANY = 3, 60
 
 
-def plan_of(drawn: Drawn) -> tuple[Plan, bool]:
-    """The plan, and whether the machine can run all of the program."""
+def plan_of(drawn: Drawn) -> tuple[Plan, Shop, bool]:
+    """The plan, its shop, and whether the machine can run all of the program."""
     loaded = read_cell(SourceText("cell.yaml", drawn.cell.encode()), Path("cell.yaml"))
     assert not [f.message for f in loaded.findings if f.level.word == "error"]
     job = prepare(SourceText("program.nc", drawn.program.encode()), loaded, Options(world="kinematic"))
-    assert job.plan is not None, [f.message for f in job.findings]
-    return job.plan, not any(f.code in BEYOND for f in job.findings)
+    assert job.plan is not None and job.shop is not None, [f.message for f in job.findings]
+    return job.plan, job.shop, not any(f.code in BEYOND for f in job.findings)
 
 
 def shares(plan: Plan) -> tuple[float, float]:
@@ -44,15 +47,30 @@ def shares(plan: Plan) -> tuple[float, float]:
     return float((np.abs(speed) / joints.speed).max()), float((np.abs(acceleration) / joints.acceleration).max())
 
 
+def share_of_efforts(plan: Plan, shop: Shop) -> float:
+    """The greatest share of a motor's effort limit, where it could bear the arm at rest."""
+    trajectory, loads = plan.trajectory, loads_of(shop)
+    samples = trajectory.sample(np.arange(-2 * CYCLE, trajectory.duration + 3 * CYCLE, CYCLE))
+    q = plan.joints(samples)
+    tool = np.array([state.tool for state in plan.path.states])[plan.path.state[samples.row]][1:-1]
+    here = np.ascontiguousarray(q[1:-1])
+    speed, acceleration = (q[2:] - q[:-2]) / (2.0 * CYCLE), np.diff(q, n=2, axis=0) / CYCLE**2
+    efforts = np.abs(loads.efforts(tool, here, speed, acceleration)) / loads.limit
+    borne = np.abs(loads.efforts(tool, here, 0.0, 0.0)) / loads.limit < BORNE
+    return float(np.where(borne, efforts, 0.0).max())
+
+
 def check(kind: str, seeds: range) -> None:
     used, run = 0.0, 0
     for seed in seeds:
-        plan, whole = plan_of(KINDS[kind](Random(f"{kind} {seed}")))
+        plan, shop, whole = plan_of(KINDS[kind](Random(f"{kind} {seed}")))
         if not whole:
             continue
         speed, acceleration = shares(plan)
         assert speed <= 1.0 + 1e-6, seed
         assert acceleration <= 1.0 + ROUNDING, seed
+        if kind.startswith("arm"):
+            assert share_of_efforts(plan, shop) <= 1.0, seed
         used, run = max(used, acceleration), run + 1
     assert run > len(seeds) // 2
     assert used > 0.8  # and limits are made use of

@@ -126,4 +126,16 @@ CODES: tuple[Code, ...] = (
         remedy="Take less depth, width or feed on this line, accelerate less, or move the part to where the arm is less"
         " stretched. Check `effort` of the joint in the URDF or the cell when the limit looks wrong.",
     ),
+    Code(
+        code="GS231",
+        severity=Severity.NOTE,
+        title="Slowed for a motor",
+        what="Speeds and accelerations of the joints would allow a quicker motion, but a motor could not give its"
+        " torque or force: weight, inertia and payload need more than the effort limit. The motion is slowed there"
+        " until they do not; the message names the least share of the acceleration that is left. What the tool does"
+        " to the work is not counted: no plan knows it before the run (GS230).",
+        why="Machine time is longer than speeds and accelerations alone say.",
+        remedy="Nothing, if the time is right. A lighter tool or payload, or a part nearer to the arm, makes it"
+        " quicker. Check `effort` of the joint in the URDF and `payload` when the torque looks wrong.",
+    ),
 )
